@@ -1,0 +1,2 @@
+//! blocksim
+fn main() {}
