@@ -1,0 +1,107 @@
+//! What integrates: one accepted step at a time, so that the caller owns time, events and recording.
+
+use crate::System;
+
+/// A method of integration with its memory of the last step. No call allocates.
+pub trait Stepper: Send {
+    /// Forgets the derivative and the error of the past; to be called after a discontinuity of f or a change of x.
+    /// The size of the last good step stays as the first guess, so a restart costs one evaluation at most.
+    fn restart(&mut self);
+
+    /// One accepted step from (`*t`, `x`), never beyond `limit`, landing on it bitwise when it gets there.
+    /// Trial steps neither evaluate beyond `limit`. Does nothing when `limit <= *t`.
+    ///
+    /// # Errors
+    /// See [`StepError`]. `t` and `x` are then as they were.
+    fn step(
+        &mut self,
+        system: &mut dyn System,
+        t: &mut f64,
+        x: &mut [f64],
+        limit: f64,
+    ) -> Result<(), StepError>;
+
+    /// State at time `t` within the last accepted step, continuous and exact at both its ends. Valid until the next
+    /// call of [`step`](Stepper::step).
+    fn interpolate(&self, t: f64, x: &mut [f64]);
+
+    /// Begin and end of the last accepted step, s.
+    fn last_step(&self) -> (f64, f64);
+
+    /// Work done since construction.
+    fn counts(&self) -> Counts;
+
+    /// Name of the method, as users know it.
+    fn name(&self) -> &'static str;
+}
+
+/// Work done by a stepper.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Calls of [`System::derivatives`], those for Jacobians included.
+    pub evaluations: u64,
+    /// Steps that were kept.
+    pub accepted: u64,
+    /// Trial steps that were thrown away.
+    pub rejected: u64,
+    /// Jacobians by finite differences.
+    pub jacobians: u64,
+    /// Factorisations of I - hg J, by the stepper or by [`System::prepare`].
+    pub factorisations: u64,
+}
+
+/// Bounds of the step size of an adaptive method, in s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepLimits {
+    /// A trial step rejected at this size ends the integration. Never below 16 units in the last place of t.
+    pub min: f64,
+    /// No step is longer.
+    pub max: f64,
+    /// Size of the very first step; without it, it is estimated with one evaluation.
+    pub first: Option<f64>,
+}
+
+impl Default for StepLimits {
+    fn default() -> Self {
+        Self { min: 0.0, max: f64::INFINITY, first: None }
+    }
+}
+
+/// Why a step could not be made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StepError {
+    /// [`System::derivatives`] or [`System::prepare`] failed.
+    System,
+    /// The tolerances cannot be met: the solution has a pole or a jump, or the derivative is not finite ahead.
+    Underflow {
+        /// Time of the last accepted state, s.
+        t: f64,
+        /// Size of the step that was rejected, s.
+        h: f64,
+        /// The state with the largest error, or the first one whose derivative is not finite.
+        state: usize,
+    },
+    /// The derivative is not finite at the state to start from, so no smaller step can help.
+    NotFinite {
+        /// Time of that state, s.
+        t: f64,
+        /// The first state whose derivative is not finite.
+        state: usize,
+    },
+}
+
+impl std::fmt::Display for StepError {
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Self::System => out.write_str("the system could not be evaluated"),
+            Self::Underflow { t, h, state } => {
+                write!(out, "at t = {t} s even a step of {h:e} s is too long for state {state}")
+            }
+            Self::NotFinite { t, state } => {
+                write!(out, "at t = {t} s the derivative of state {state} is not finite")
+            }
+        }
+    }
+}
+
+impl std::error::Error for StepError {}

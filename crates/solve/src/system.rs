@@ -1,0 +1,60 @@
+//! What is integrated: a system of ordinary differential equations and how exactly it is to be followed.
+
+/// A system of ordinary differential equations dx/dt = f(t, x).
+///
+/// `&mut self` lets it keep scratch space; seen from outside it must be a pure function of (t, x), because
+/// trial steps are thrown away and tried again.
+pub trait System {
+    /// Number of states n; constant over the life of a stepper.
+    fn dimension(&self) -> usize;
+
+    /// Writes f(t, x) to `dx`. Both slices have length n.
+    ///
+    /// A value that is not finite is no failure: it rejects the trial step, which is repeated with a smaller one.
+    ///
+    /// # Errors
+    /// [`Failed`] ends the integration; the system keeps the details.
+    fn derivatives(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), Failed>;
+
+    /// Prepares [`solve`](System::solve): an approximation J of the Jacobian df/dx at (t, x), as rough as is cheap,
+    /// and the factorisation of I - hg J. Asked for by W-methods only, once per trial step. Default: J = 0.
+    ///
+    /// # Errors
+    /// [`Failed`] ends the integration, as above.
+    fn prepare(&mut self, _t: f64, _x: &[f64], _hg: f64) -> Result<(), Failed> {
+        Ok(())
+    }
+
+    /// Overwrites `r` with (I - hg J)^-1 `r` for the J and hg of the last [`prepare`](System::prepare).
+    /// Default: leaves `r` as it is, which belongs to J = 0.
+    fn solve(&mut self, _r: &mut [f64]) {}
+}
+
+/// The system could not be evaluated. It keeps the reason itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Failed;
+
+impl std::fmt::Display for Failed {
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        out.write_str("the system could not be evaluated")
+    }
+}
+
+impl std::error::Error for Failed {}
+
+/// Tolerances of the local error: state i may err by `absolute[i] + relative * |x[i]|` in one step, in the root
+/// mean square over the states (Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I, eq. II.4.11).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tolerances {
+    /// Part of the state's magnitude; 1e-6 asks for about six digits.
+    pub relative: f64,
+    /// Floor per state, in its unit: what counts as nothing. Its length is the dimension of the system.
+    pub absolute: Vec<f64>,
+}
+
+impl Tolerances {
+    /// The same tolerances for all of `dimension` states.
+    pub fn uniform(dimension: usize, relative: f64, absolute: f64) -> Self {
+        Self { relative, absolute: vec![absolute; dimension] }
+    }
+}
