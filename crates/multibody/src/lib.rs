@@ -1,1 +1,54 @@
-//! multibody
+//! Rigid multibody dynamics of kinematic trees in joint space.
+//!
+//! A [`Model`] is constant: bodies in topological order, one joint to the parent each. A [`Data`] is the
+//! workspace that [`Model::data`] makes once; no algorithm allocates afterwards.
+//!
+//! | question | function | Featherstone, *Rigid Body Dynamics Algorithms* (2008) |
+//! |---|---|---|
+//! | torques for a motion | [`rnea`] | recursive Newton-Euler, table 5.1 |
+//! | torques at zero acceleration | [`bias`] | the same with zero joint acceleration |
+//! | mass matrix | [`crba`] | composite rigid bodies, table 6.2 |
+//! | both, for a caller that solves | [`mass_and_bias`] | one forward and one backward sweep |
+//! | accelerations for torques | [`aba`] | articulated bodies, table 7.1 |
+//! | where everything is | [`forward_kinematics`], [`jacobian`] | |
+//!
+//! # Conventions
+//!
+//! * Ground is body 0, bodies count from 1; body i is moved by joint i, whose coordinate is `q[i - 1]`
+//!   ([`BodyId::index`]). λ(i) is the parent of body i.
+//! * Spatial vectors are written **in the coordinates of their body, angular part first**, and refer to the
+//!   origin of the body frame: a motion is (ω, v), a force is (n, f).
+//! * A [`Placement`] maps child coordinates to parent coordinates.
+//! * Gravity enters as an acceleration of the ground by -g, so body forces already contain the weight.
+//! * SI units throughout: m, kg, s, rad, N, N m.
+
+mod aba;
+mod body;
+mod crba;
+mod data;
+mod energy;
+mod error;
+mod inertia;
+mod joint;
+mod kinematics;
+mod mass_and_bias;
+mod model;
+mod placement;
+mod rnea;
+mod spatial;
+mod symmetric;
+
+pub use aba::aba;
+pub use body::BodyId;
+pub use crba::crba;
+pub use data::Data;
+pub use energy::{Momentum, center_of_mass, kinetic_energy, momentum, potential_energy};
+pub use error::{InertiaError, ModelError};
+pub use inertia::Inertia;
+pub use joint::Joint;
+pub use kinematics::{forward_accelerations, forward_kinematics, forward_velocities, jacobian};
+pub use mass_and_bias::mass_and_bias;
+pub use model::{Model, ModelBuilder, STANDARD_GRAVITY};
+pub use placement::Placement;
+pub use rnea::{bias, rnea};
+pub use spatial::{Force, Motion};

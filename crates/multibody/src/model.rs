@@ -1,0 +1,187 @@
+//! The constant description of a kinematic tree, and how it is built.
+
+use crate::body::{Body, BodyId};
+use crate::data::Data;
+use crate::error::ModelError;
+use crate::inertia::Inertia;
+use crate::joint::{Joint, MountedJoint};
+use crate::placement::Placement;
+use nalgebra::Vector3;
+
+/// Standard acceleration of free fall, m/s² (CGPM 1901).
+pub const STANDARD_GRAVITY: f64 = 9.80665;
+
+/// How far `RᵀR` of a placement may be from the identity: rotations typed with seven digits pass.
+const ROTATION_TOLERANCE: f64 = 1e-6;
+
+/// A kinematic tree: bodies in topological order, each with one joint to its parent.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// Entry 0 is the ground.
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) gravity: Vector3<f64>,
+}
+
+impl Model {
+    /// Number of degrees of freedom, which is also the number of bodies.
+    pub fn dof(&self) -> usize {
+        self.bodies.len() - 1
+    }
+
+    /// The bodies in topological order.
+    pub fn bodies(&self) -> impl Iterator<Item = BodyId> + use<> {
+        (1..self.bodies.len()).map(BodyId)
+    }
+
+    /// Parent of a body, `None` for the ground.
+    pub fn parent(&self, body: BodyId) -> Option<BodyId> {
+        let parent = self.bodies[body.0].parent;
+        (parent != 0).then_some(BodyId(parent))
+    }
+
+    /// Joint that moves a body, with an axis of length one.
+    pub fn joint(&self, body: BodyId) -> &Joint {
+        self.bodies[body.0].joint()
+    }
+
+    /// Gravity in world coordinates, m/s².
+    pub fn gravity(&self) -> Vector3<f64> {
+        self.gravity
+    }
+
+    /// Mass of all bodies, kg.
+    pub fn mass(&self) -> f64 {
+        self.bodies.iter().map(|body| body.inertia.mass).sum()
+    }
+
+    /// A workspace for this model.
+    pub fn data(&self) -> Data {
+        Data::new(self.bodies.len())
+    }
+
+    /// Panics unless `data` and the slices (name, length) fit the model: a mix-up in the calling code.
+    #[inline(always)]
+    pub(crate) fn assert_fit(&self, data: &Data, slices: &[(&str, usize)]) {
+        assert!(data.bodies.len() == self.bodies.len(), "the workspace belongs to another model");
+        for (name, length) in slices {
+            assert!(*length == self.dof(), "{name} has {length} entries, the model {} joints", self.dof());
+        }
+    }
+}
+
+/// Builds a [`Model`] body by body, parents first.
+///
+/// ```
+/// use blocksim_multibody::{Inertia, Joint, ModelBuilder, Placement, bias};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut builder = ModelBuilder::new();
+/// let bob = Inertia::point(2.0, [0.0, 0.0, -0.5])?;
+/// builder.add_body(None, Joint::revolute([0.0, 1.0, 0.0]), Placement::identity(), bob)?;
+/// let pendulum = builder.build();
+/// let mut torque = [0.0];
+/// bias(&pendulum, &mut pendulum.data(), &[0.1], &[0.0], &mut torque);
+/// assert!((torque[0] - 2.0 * 9.80665 * 0.5 * 0.1_f64.sin()).abs() < 1e-14);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct ModelBuilder {
+    parts: Vec<Part>,
+    gravity: Vector3<f64>,
+}
+
+/// A body while masses may still be attached to it.
+#[derive(Debug, Clone)]
+struct Part {
+    parent: usize,
+    mount: MountedJoint,
+    inertia: Inertia,
+}
+
+impl Default for ModelBuilder {
+    fn default() -> Self {
+        ModelBuilder { parts: Vec::new(), gravity: Vector3::new(0.0, 0.0, -STANDARD_GRAVITY) }
+    }
+}
+
+impl ModelBuilder {
+    /// No bodies; gravity (0, 0, -9.80665) m/s².
+    pub fn new() -> Self {
+        ModelBuilder::default()
+    }
+
+    /// Sets gravity in world coordinates, m/s².
+    pub fn gravity(&mut self, gravity: impl Into<Vector3<f64>>) -> &mut Self {
+        self.gravity = gravity.into();
+        self
+    }
+
+    /// Adds a body that `joint` moves against `parent` (`None`: the ground). The joint frame sits at
+    /// `placement` in the parent; `inertia` is written in the body frame.
+    ///
+    /// # Errors
+    /// An axis without direction, a placement that is not rigid, impossible mass properties, or a parent
+    /// that this builder did not return.
+    pub fn add_body(
+        &mut self,
+        parent: Option<BodyId>,
+        joint: Joint,
+        placement: Placement,
+        inertia: Inertia,
+    ) -> Result<BodyId, ModelError> {
+        let index = self.parts.len();
+        if let Some(parent) = parent {
+            self.known(parent)?;
+        }
+        let joint = joint.normalized().ok_or(ModelError::Axis { body: index, axis: joint.axis().into() })?;
+        check_placement(index, &placement)?;
+        inertia.check().map_err(|cause| ModelError::Inertia { body: index, cause })?;
+        let mount = MountedJoint::new(joint, placement);
+        self.parts.push(Part { parent: parent.map_or(0, |id| id.0), mount, inertia });
+        Ok(BodyId(index + 1))
+    }
+
+    /// Fixes another mass to a body; `inertia` is written in a frame at `placement` in the body.
+    ///
+    /// # Errors
+    /// A placement that is not rigid, impossible mass properties, or a body that this builder did not
+    /// return.
+    pub fn add_inertia(
+        &mut self,
+        body: BodyId,
+        placement: Placement,
+        inertia: Inertia,
+    ) -> Result<(), ModelError> {
+        self.known(body)?;
+        check_placement(body.index(), &placement)?;
+        inertia.check().map_err(|cause| ModelError::Inertia { body: body.index(), cause })?;
+        let part = &mut self.parts[body.index()];
+        part.inertia = part.inertia + inertia.placed(&placement);
+        Ok(())
+    }
+
+    /// The finished model.
+    pub fn build(self) -> Model {
+        let bodies = self.parts.iter().map(|part| Body {
+            parent: part.parent,
+            mount: part.mount,
+            inertia: part.inertia.spatial(),
+        });
+        Model { bodies: std::iter::once(Body::ground()).chain(bodies).collect(), gravity: self.gravity }
+    }
+
+    fn known(&self, body: BodyId) -> Result<(), ModelError> {
+        match body.index() < self.parts.len() {
+            true => Ok(()),
+            false => Err(ModelError::UnknownBody { body: body.index() }),
+        }
+    }
+}
+
+fn check_placement(body: usize, placement: &Placement) -> Result<(), ModelError> {
+    let finite = placement.translation.iter().all(|x| x.is_finite());
+    match finite && placement.rotation_error() <= ROTATION_TOLERANCE {
+        true => Ok(()),
+        false => Err(ModelError::Placement { body }),
+    }
+}

@@ -1,0 +1,127 @@
+//! Spatial vectors, their cross products, and the spatial inertia of a rigid body.
+
+use crate::placement::Placement;
+use crate::symmetric::Symmetric;
+use nalgebra::Vector3;
+use std::ops::{Add, AddAssign};
+
+/// A spatial motion vector (velocity or acceleration), angular part first.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Motion {
+    /// ω in rad/s, or its derivative in rad/s².
+    pub angular: Vector3<f64>,
+    /// Velocity of the frame's origin in m/s, or the linear part of the acceleration in m/s².
+    pub linear: Vector3<f64>,
+}
+
+/// A spatial force vector, angular part first.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Force {
+    /// Moment about the frame's origin, N m.
+    pub angular: Vector3<f64>,
+    /// Force, N.
+    pub linear: Vector3<f64>,
+}
+
+impl Motion {
+    /// Featherstone (2.33): `m × b` = (ω × ω_b, ω × v_b + v × ω_b).
+    #[inline(always)]
+    pub fn cross(&self, b: &Motion) -> Motion {
+        Motion {
+            angular: self.angular.cross(&b.angular),
+            linear: self.angular.cross(&b.linear) + self.linear.cross(&b.angular),
+        }
+    }
+
+    /// Featherstone (2.34): `m ×* f` = (ω × n + v × f, ω × f).
+    #[inline(always)]
+    pub fn cross_force(&self, f: &Force) -> Force {
+        Force {
+            angular: self.angular.cross(&f.angular) + self.linear.cross(&f.linear),
+            linear: self.angular.cross(&f.linear),
+        }
+    }
+
+    /// Power `m · f` of a force, W.
+    #[inline(always)]
+    pub fn dot(&self, f: &Force) -> f64 {
+        self.angular.dot(&f.angular) + self.linear.dot(&f.linear)
+    }
+}
+
+impl Add for Motion {
+    type Output = Motion;
+
+    #[inline(always)]
+    fn add(self, b: Motion) -> Motion {
+        Motion { angular: self.angular + b.angular, linear: self.linear + b.linear }
+    }
+}
+
+impl Add for Force {
+    type Output = Force;
+
+    #[inline(always)]
+    fn add(self, b: Force) -> Force {
+        Force { angular: self.angular + b.angular, linear: self.linear + b.linear }
+    }
+}
+
+impl AddAssign for Force {
+    #[inline(always)]
+    fn add_assign(&mut self, b: Force) {
+        *self = *self + b;
+    }
+}
+
+/// Inertia of a rigid body about the origin of its frame: ten numbers that add up.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct SpatialInertia {
+    /// Mass m, kg.
+    pub mass: f64,
+    /// First moment h = m c, kg m.
+    pub moment: Vector3<f64>,
+    /// Rotational inertia about the origin, kg m².
+    pub rotational: Symmetric,
+}
+
+impl SpatialInertia {
+    /// Featherstone (2.63): `I m` = (Ī ω + h × v, m v - h × ω).
+    #[inline(always)]
+    pub fn times(&self, m: &Motion) -> Force {
+        Force {
+            angular: self.rotational.times(&m.angular) + self.moment.cross(&m.linear),
+            linear: m.linear * self.mass - self.moment.cross(&m.angular),
+        }
+    }
+
+    /// The same body seen from the parent: `ᵖX꜀* I ᶜXₚ`, Featherstone (2.66).
+    #[inline(always)]
+    pub fn to_parent(&self, x: &Placement) -> SpatialInertia {
+        // u = R h,  h' = u + m p
+        let p = &x.translation;
+        let u = x.rotation * self.moment;
+        let moment = u + p * self.mass;
+        // Ī' = R Ī Rᵀ + p·(u + h') 1 - (p uᵀ + h' pᵀ)
+        let r = self.rotational.rotated(&x.rotation);
+        let trace = p.dot(&(u + moment));
+        let rotational = Symmetric {
+            xx: r.xx + trace - (p.x * u.x + moment.x * p.x),
+            yy: r.yy + trace - (p.y * u.y + moment.y * p.y),
+            zz: r.zz + trace - (p.z * u.z + moment.z * p.z),
+            yz: r.yz - (p.y * u.z + moment.y * p.z),
+            zx: r.zx - (p.z * u.x + moment.z * p.x),
+            xy: r.xy - (p.x * u.y + moment.x * p.y),
+        };
+        SpatialInertia { mass: self.mass, moment, rotational }
+    }
+}
+
+impl AddAssign for SpatialInertia {
+    #[inline(always)]
+    fn add_assign(&mut self, b: SpatialInertia) {
+        self.mass += b.mass;
+        self.moment += b.moment;
+        self.rotational += b.rotational;
+    }
+}
