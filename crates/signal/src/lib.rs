@@ -1,1 +1,25 @@
-//! signal
+//! Values, shapes, units and the expressions that combine them.
+//!
+//! Everything a diagram says in numbers passes through this crate: `"12.5 kW"` becomes a [`Quantity`] in SI units
+//! with its [`Dimension`], `"robot.axis1.mass * 9.81 m/s^2"` is [`evaluate`]d against a [`Scope`], and ports describe
+//! their signals by [`Shape`], [`Kind`] and [`SampleTime`]. The crate knows no block, no diagram and no file.
+
+mod dimension;
+mod error;
+mod expression;
+mod lexer;
+mod quantity;
+mod shape;
+mod spelling;
+mod unit;
+mod unit_table;
+mod value;
+
+pub use dimension::Dimension;
+pub use error::ExprError;
+pub use expression::{Lookup, Scope, evaluate};
+pub use quantity::{Quantity, si_text};
+pub use shape::{Kind, SampleTime, Shape};
+pub use spelling::closest;
+pub use unit::{Unit, UnitError};
+pub use value::Value;

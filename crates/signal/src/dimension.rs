@@ -1,0 +1,207 @@
+//! Dimensions as exponents of base units, and their names.
+
+use crate::Unit;
+use std::{fmt, sync::OnceLock};
+
+/// Exponents of m, kg, s, A, K, mol, cd, cycle, rad.
+///
+/// `cycle` is counted so that a frequency in Hz (cycle/s) is not mistaken for one in rad/s. `rad` is kept for
+/// display alone: checks ([`compatible`](Self::compatible), [`is_none`](Self::is_none)) ignore it, because
+/// N*m*rad/s must equal W. `==` compares all nine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct Dimension {
+    /// The nine exponents in the order named above.
+    pub exponents: [i8; 9],
+}
+
+const BASE: [&str; 9] = ["m", "kg", "s", "A", "K", "mol", "cd", "cycle", "rad"];
+/// The order in which base units are printed: kg*m^2, as in books.
+const PRINTED: [usize; 9] = [1, 0, 2, 3, 4, 5, 6, 7, 8];
+const METRE: usize = 0;
+const KILOGRAM: usize = 1;
+const SECOND: usize = 2;
+const AMPERE: usize = 3;
+const CYCLE: usize = 7;
+const RADIAN: usize = 8;
+
+impl Dimension {
+    /// The dimension of a plain number.
+    pub const NONE: Self = Self { exponents: [0; 9] };
+
+    /// The base unit at a place of `exponents`.
+    pub(crate) const fn base(place: usize) -> Self {
+        let mut exponents = [0; 9];
+        exponents[place] = 1;
+        Self { exponents }
+    }
+
+    /// The dimension of a product. Exponents stay within -128..=127.
+    pub fn times(self, other: Self) -> Self {
+        self.zip(other, i8::saturating_add)
+    }
+
+    /// The dimension of a quotient. Exponents stay within -128..=127.
+    pub fn over(self, other: Self) -> Self {
+        self.zip(other, i8::saturating_sub)
+    }
+
+    /// The dimension of the n-th power. Exponents stay within -128..=127.
+    pub fn power(self, n: i8) -> Self {
+        Self { exponents: self.exponents.map(|e| e.saturating_mul(n)) }
+    }
+
+    /// The dimension of the n-th root; none if an exponent cannot be divided by n, or n is 0.
+    /// An odd radian is dropped instead, for it is a plain number.
+    pub fn root(self, n: i8) -> Option<Self> {
+        let mut exponents = self.exponents;
+        for (place, e) in exponents.iter_mut().enumerate() {
+            *e = match e.checked_rem(n)? {
+                0 => e.checked_div(n)?,
+                _ if place == RADIAN => 0,
+                _ => return None,
+            };
+        }
+        Some(Self { exponents })
+    }
+
+    /// Whether two quantities of these dimensions may be added: equal but for rad.
+    pub fn compatible(self, other: Self) -> bool {
+        self.exponents[..RADIAN] == other.exponents[..RADIAN]
+    }
+
+    /// Whether this is the dimension of a plain number or a plane angle.
+    pub fn is_none(self) -> bool {
+        self.compatible(Self::NONE)
+    }
+
+    /// Whether an exponent has reached the end of its range, so that it may be wrong.
+    pub(crate) fn is_saturated(self) -> bool {
+        self.exponents.iter().any(|&e| e == i8::MAX || e <= -i8::MAX)
+    }
+
+    /// Exponent of cycle.
+    pub(crate) fn cycle(self) -> i8 {
+        self.exponents[CYCLE]
+    }
+
+    /// Exponent of rad.
+    pub(crate) fn radian(self) -> i8 {
+        self.exponents[RADIAN]
+    }
+
+    fn zip(self, other: Self, f: fn(i8, i8) -> i8) -> Self {
+        Self { exponents: std::array::from_fn(|i| f(self.exponents[i], other.exponents[i])) }
+    }
+
+    fn size(self) -> u32 {
+        self.exponents.iter().map(|e| u32::from(e.unsigned_abs())).sum()
+    }
+
+    /// Without the radians of an arc: rad * m is m, and so N*m*rad/s is W. `rad`, `rad/s` and `N*m/rad` keep theirs.
+    fn without_arc(mut self) -> Self {
+        if self.exponents[RADIAN] > 0 && self.exponents[METRE] > 0 {
+            self.exponents[RADIAN] = 0;
+        }
+        self
+    }
+}
+
+/// Forms that are printed as they stand when they fit exactly. The first of equal dimension wins.
+const FORMS: [&str; 24] = [
+    "Hz",
+    "N",
+    "Pa",
+    "W",
+    "C",
+    "V",
+    "F",
+    "Ohm",
+    "S",
+    "Wb",
+    "T",
+    "H",
+    "N*m",
+    "N*m/rad",
+    "N*m*s/rad",
+    "N*s/m",
+    "V*s/rad",
+    "V/Hz",
+    "W/m^2",
+    "W/(m*K)",
+    "W/(m^2*K)",
+    "J/K",
+    "J/(kg*K)",
+    "J/mol",
+];
+
+fn forms() -> &'static [(Dimension, &'static str)] {
+    static PARSED: OnceLock<Vec<(Dimension, &'static str)>> = OnceLock::new();
+    PARSED.get_or_init(|| {
+        let parsed = FORMS.iter().filter_map(|text| Some((Unit::parse(text).ok()?.dimension, *text)));
+        parsed.collect()
+    })
+}
+
+fn named(text: &str) -> Option<Dimension> {
+    forms().iter().find(|(_, name)| *name == text).map(|(dimension, _)| *dimension)
+}
+
+/// Named units that may stand in a product with base units, by what the dimension contains. Motion alone is
+/// printed in base units: m/s^2, not N/kg.
+fn helpers(dimension: Dimension) -> &'static [&'static str] {
+    let mass = dimension.exponents[KILOGRAM] != 0;
+    let current = dimension.exponents[AMPERE] != 0;
+    match (mass, current, dimension.exponents[CYCLE] != 0) {
+        (true, true, false) => &["V", "Ohm", "N", "W", "Pa", "F", "H", "Wb", "T", "S"],
+        (true, false, false) => &["N", "W", "Pa"],
+        (false, true, false) => &["C"],
+        (_, _, true) => &["Hz"],
+        (false, false, false) => &[],
+    }
+}
+
+impl fmt::Display for Dimension {
+    /// The SI unit in ASCII: a named unit if one fits, else the shortest product of one named unit and base units.
+    /// [`Unit::parse`] reads it back with scale 1.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let dimension = self.without_arc();
+        if dimension == Self::NONE {
+            return f.write_str("1");
+        }
+        if let Some((_, text)) = forms().iter().find(|(form, _)| *form == dimension) {
+            return f.write_str(text);
+        }
+        let mut best = (dimension.size(), None, dimension);
+        for name in helpers(dimension) {
+            let Some(helper) = named(name) else { continue };
+            for n in [1, -1, 2, -2] {
+                let rest = dimension.over(helper.power(n));
+                let size = rest.size() + u32::from(n.unsigned_abs());
+                if size < best.0 {
+                    best = (size, Some((*name, n)), rest);
+                }
+            }
+        }
+        let (_, helper, rest) = best;
+        let base = PRINTED.map(|place| (BASE[place], rest.exponents[place]));
+        f.write_str(&fraction(helper.into_iter().chain(base)))
+    }
+}
+
+/// `a*b^2/(c*d)` from names with exponents.
+fn fraction<'a>(factors: impl Iterator<Item = (&'a str, i8)>) -> String {
+    let (mut above, mut below) = (Vec::new(), Vec::new());
+    for (name, exponent) in factors.filter(|(_, exponent)| *exponent != 0) {
+        let side = if exponent > 0 { &mut above } else { &mut below };
+        side.push(match exponent.unsigned_abs() {
+            1 => name.to_string(),
+            n => format!("{name}^{n}"),
+        });
+    }
+    let above = if above.is_empty() { "1".to_string() } else { above.join("*") };
+    match below.len() {
+        0 => above,
+        1 => format!("{above}/{}", below[0]),
+        _ => format!("{above}/({})", below.join("*")),
+    }
+}

@@ -1,0 +1,94 @@
+//! Spelling help for unknown names.
+
+/// The known word most like `word`, if any is near enough to be meant.
+///
+/// Near is an edit distance (insert, delete, replace, swap neighbours; letters compared without case) of at most a
+/// third of the longer word. Among equals the one with the same capitals wins, then the first.
+pub fn closest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let exact: Vec<char> = word.chars().take(MAX_LETTERS + 1).collect();
+    if exact.is_empty() || exact.len() > MAX_LETTERS {
+        return None;
+    }
+    let folded = fold(&exact);
+    let mut best: Option<((usize, usize), &str)> = None;
+    for candidate in known {
+        let letters: Vec<char> = candidate.chars().take(MAX_LETTERS + 1).collect();
+        let longer = letters.len().max(exact.len());
+        if letters.len() > MAX_LETTERS || letters.len().abs_diff(exact.len()) * 3 > longer {
+            continue;
+        }
+        let far = distance(&folded, &fold(&letters));
+        let rank = (far, distance(&exact, &letters));
+        if far * 3 <= longer && best.is_none_or(|(least, _)| rank < least) {
+            best = Some((rank, candidate));
+        }
+    }
+    best.map(|(_, candidate)| candidate)
+}
+
+/// Longer words get no help: the distance costs the product of both lengths.
+const MAX_LETTERS: usize = 64;
+
+fn fold(letters: &[char]) -> Vec<char> {
+    letters.iter().flat_map(|c| c.to_lowercase()).collect()
+}
+
+/// Restricted Damerau-Levenshtein distance (optimal string alignment), three rows at a time.
+fn distance(a: &[char], b: &[char]) -> usize {
+    let mut before: Vec<usize> = Vec::new();
+    let mut above: Vec<usize> = (0..=b.len()).collect();
+    for i in 1..=a.len() {
+        let mut row = vec![i];
+        for j in 1..=b.len() {
+            let replace = above[j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut least = replace.min(above[j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                least = least.min(before[j - 2] + 1);
+            }
+            row.push(least);
+        }
+        before = above;
+        above = row;
+    }
+    above[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn letters(text: &str) -> Vec<char> {
+        text.chars().collect()
+    }
+
+    #[test]
+    fn a_swap_of_neighbours_counts_once() {
+        for (a, b, far) in
+            [("", "abc", 3), ("kitten", "sitting", 3), ("form", "from", 1), ("same", "same", 0)]
+        {
+            assert_eq!(distance(&letters(a), &letters(b)), far, "{a} {b}");
+            assert_eq!(distance(&letters(b), &letters(a)), far, "{b} {a}");
+        }
+    }
+
+    #[test]
+    fn the_nearest_word_is_found_without_regard_to_case() {
+        let kinds = ["Gain", "DcMotor", "Step", "Sum"];
+        assert_eq!(closest("DcMotr", kinds), Some("DcMotor"));
+        assert_eq!(closest("gain", kinds), Some("Gain"));
+        assert_eq!(closest("Gian", kinds), Some("Gain"));
+    }
+
+    #[test]
+    fn the_same_capitals_win_among_equals() {
+        assert_eq!(closest("MHz", ["mHz", "MHz"]), Some("MHz"));
+    }
+
+    #[test]
+    fn a_far_word_is_no_help() {
+        assert_eq!(closest("Integrator", ["Gain", "Step"]), None);
+        assert_eq!(closest("k", ["m"]), None);
+        assert_eq!(closest("", ["m"]), None);
+        assert_eq!(closest(&"a".repeat(100_000), ["a"]), None);
+    }
+}
