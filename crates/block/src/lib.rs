@@ -1,1 +1,45 @@
-//! block
+//! The contract between blocks, the diagram compiler and the engine.
+//!
+//! A block is a struct of parameters with pure functions ([`Block`]). What it looks like from outside is data
+//! ([`Interface`]); what it needs while running is handed to it ([`Context`]); what it remembers lives in
+//! buffers of the engine. Blocks of physical networks state a law instead of outputs ([`physical::Component`]).
+//! A compiled diagram is a [`schedule::Schedule`].
+
+mod context;
+mod contract;
+mod given;
+mod interface;
+mod parameter;
+pub mod physical;
+pub mod problem;
+mod registry;
+pub mod schedule;
+pub mod testing;
+
+pub use blocksim_block_macros::BlockMeta;
+pub use context::{Context, Fault};
+pub use contract::{Block, Bus, Files, LoadError, Scratch};
+pub use given::{Given, ParamUnits};
+pub use interface::{Discrete, Input, Interface, InterfaceError, Output, PortType, Recorded, State};
+pub use parameter::{ParamError, ParamValue, VALUE_ENUM, at_least, finite, not_negative, ordered, positive};
+pub use registry::{BlockInfo, BlockKind, ParameterInfo, kinds};
+
+/// What the derive macro needs; not for use by hand.
+#[doc(hidden)]
+pub mod private {
+    pub use inventory;
+    pub use serde;
+    pub use typetag;
+}
+
+/// What a block file needs.
+pub mod prelude {
+    pub use crate::physical::{Component, Law, Needs, Part, Torque};
+    pub use crate::{
+        Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Discrete, Files, Given, Input, Interface,
+        InterfaceError, LoadError, Output, ParamError, ParamValue, PortType, Scratch, State, at_least,
+        finite, not_negative, ordered, positive,
+    };
+    pub use blocksim_signal::{Dimension, Kind, SampleTime, Shape};
+    pub use serde::Deserialize;
+}

@@ -1,0 +1,169 @@
+//! What a block must be able to say and do.
+
+use std::any::Any;
+use std::fmt::Debug;
+use std::path::Path;
+
+use crate::physical::Component;
+use crate::{Context, Given, Interface, InterfaceError, ParamError};
+
+/// A block: parameters and pure functions.
+///
+/// A block holds no mutable state. Continuous states `x`, discrete states `d` (sampled states, modes, memories)
+/// and scratch space `w` live in buffers that the engine owns, so a rejected step, a copy of a simulation or a
+/// restart costs a block nothing.
+///
+/// The engine calls the functions in this order at an accepted time (a *major step*): `settle` and `outputs` of
+/// all blocks in schedule order, then `jump` (repeated while something jumps), then `update` of the blocks whose
+/// sample time is hit. Between two major steps it calls `outputs` and `derivatives` at trial times
+/// (*minor steps*); `d` does not change there. After an accepted step it calls `accept`.
+///
+/// Where a function is handed `x` or `d` mutably, those of the [`Context`] are empty.
+pub trait Block: Debug + Send + Sync {
+    /// Reads what the parameters name outside the diagram (tables, plug-ins). Called once, before everything else.
+    ///
+    /// # Errors
+    /// A file that is missing or makes no sense, with the parameter that names it.
+    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
+        Ok(())
+    }
+
+    /// Whether the parameters make sense.
+    ///
+    /// # Errors
+    /// The first parameter that does not, with the reason and what to do.
+    fn check(&self) -> Result<(), ParamError> {
+        Ok(())
+    }
+
+    /// Ports, states and dependencies, from the parameters and from what is known of the inputs. Called several
+    /// times while shapes and units travel through the diagram. The names of the ports depend on the parameters
+    /// alone. Blocks of physical networks need not implement it.
+    ///
+    /// # Errors
+    /// Inputs that do not fit each other or the parameters.
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        match self.component() {
+            Some(component) => Ok(component.part(given).interface()),
+            None => Ok(Interface::new()),
+        }
+    }
+
+    /// Scratch space of the block, made once for each simulation and handed back in every evaluation.
+    fn scratch(&self) -> Scratch {
+        Scratch::default()
+    }
+
+    /// Sets states that follow from more than the initial values in the interface. Inputs are not known yet.
+    fn initialize(&self, _c: &Context, _x: &mut [f64], _d: &mut [f64]) {}
+
+    /// Chooses the branch (mode) at a major step, just before `outputs`, with the inputs of output group 0 known.
+    fn settle(&self, _c: &Context, _d: &mut [f64]) {}
+
+    /// Writes the outputs of one group: `y = h(t, x, d, u)`. `y` holds all outputs of the block, port after port.
+    fn outputs(&self, _group: usize, _c: &Context, _w: &mut Scratch, _y: &mut [f64]) {}
+
+    /// Writes `dx = f(t, x, d, u)`; all inputs are known.
+    fn derivatives(&self, _c: &Context, _w: &mut Scratch, _dx: &mut [f64]) {}
+
+    /// Advances the discrete states at a sample hit, after the outputs of that instant.
+    fn update(&self, _c: &Context, _d: &mut [f64]) {}
+
+    /// Jumps of states at a major step (a reset, an impact). Returns whether anything changed; the outputs of the
+    /// diagram are then evaluated again at the same time.
+    fn jump(&self, _c: &Context, _x: &mut [f64], _d: &mut [f64]) -> bool {
+        false
+    }
+
+    /// Functions whose sign changes are events that the solver must not step over.
+    fn guards(&self, _c: &Context, _g: &mut [f64]) {}
+
+    /// The next time after `c.t` at which the block changes by itself (Step, Pulse); it is hit exactly.
+    fn next_event(&self, _c: &Context) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Notes what an accepted step brought (delay lines, rate limits).
+    fn accept(&self, _c: &Context, _d: &mut [f64]) {}
+
+    /// Prepares [`solve`](Self::solve): factorises `I - hg J`, with `J` a cheap approximation of the Jacobian of
+    /// this block's own states, into `w`; called right after
+    /// `derivatives` at the same time and states. Only when the interface says `implicit`.
+    fn prepare(&self, _c: &Context, _hg: f64, _w: &mut Scratch) {}
+
+    /// Overwrites `r` (one value per own state) with `(I - hg J)^-1 r` of the last `prepare`.
+    fn solve(&self, _w: &mut Scratch, _r: &mut [f64]) {}
+
+    /// The time after which the block has nothing more to show (end of a move), for `stop_time: Auto`.
+    fn end_time(&self) -> Option<f64> {
+        None
+    }
+
+    /// The law of a block that belongs to a physical network.
+    fn component(&self) -> Option<&dyn Component> {
+        None
+    }
+
+    /// What the block does to the names of signals, if it does nothing else.
+    fn bus(&self) -> Option<Bus> {
+        None
+    }
+}
+
+/// Scratch space that the engine keeps for a block, so that evaluating it does not allocate. It is no state:
+/// every evaluation must give the same result with a fresh one.
+#[derive(Default)]
+pub struct Scratch(Option<Box<dyn Any + Send>>);
+
+impl Scratch {
+    /// Scratch space of this type.
+    pub fn new<T: Any + Send>(space: T) -> Self {
+        Self(Some(Box::new(space)))
+    }
+
+    /// The space, if it is of this type.
+    #[inline]
+    pub fn get<T: Any>(&mut self) -> Option<&mut T> {
+        self.0.as_mut().and_then(|space| space.downcast_mut())
+    }
+}
+
+impl Debug for Scratch {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str("Scratch")
+    }
+}
+
+/// A block that only gives names: it costs nothing when the diagram runs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Bus {
+    /// Makes a bus on output `y` from inputs of these names.
+    Create(Vec<String>),
+    /// Takes these elements (dotted paths) out of the bus on input `u`; each output bears the last name of its path.
+    Select(Vec<String>),
+}
+
+/// Where blocks read files from.
+pub trait Files {
+    /// Text of the file at `path`, relative to the diagram that names it.
+    ///
+    /// # Errors
+    /// A sentence why it cannot be read.
+    fn read(&self, path: &str) -> Result<String, String>;
+
+    /// The folder of the diagram that names the file, to resolve paths that are not text.
+    fn folder(&self) -> &Path;
+}
+
+/// Something named by a parameter could not be loaded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LoadError {
+    /// The parameter that names it.
+    pub param: &'static str,
+    /// A word for the manual: `missing_file`, `plugin_abi` ...
+    pub code: &'static str,
+    /// What is wrong.
+    pub message: String,
+    /// What to do.
+    pub help: Option<String>,
+}

@@ -1,0 +1,123 @@
+//! Checks of parameters, and parameters of any type.
+
+use serde::Deserialize;
+
+use blocksim_signal::{Dimension, Quantity, Value};
+
+/// A parameter does not make sense.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ParamError {
+    /// Which one; a path such as `axes[2].upper` may follow the name.
+    pub param: String,
+    /// What is wrong, with the value.
+    pub message: String,
+    /// What to do.
+    pub help: Option<String>,
+}
+
+impl ParamError {
+    /// An error without advice.
+    pub fn new(param: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { param: param.into(), message: message.into(), help: None }
+    }
+
+    /// The same with advice.
+    pub fn help(self, help: impl Into<String>) -> Self {
+        Self { help: Some(help.into()), ..self }
+    }
+}
+
+/// `value` must be a number, not NaN and not infinite.
+///
+/// # Errors
+/// It is not.
+pub fn finite(param: &str, value: f64) -> Result<(), ParamError> {
+    if value.is_finite() {
+        return Ok(());
+    }
+    Err(ParamError::new(param, format!("`{param}` is {value}, but must be finite")))
+}
+
+/// `value` must be finite and greater than zero.
+///
+/// # Errors
+/// It is not.
+pub fn positive(param: &str, value: f64) -> Result<(), ParamError> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(ParamError::new(param, format!("`{param}` is {value}, but must be positive")))
+}
+
+/// `value` must be finite and at least zero.
+///
+/// # Errors
+/// It is not.
+pub fn not_negative(param: &str, value: f64) -> Result<(), ParamError> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    Err(ParamError::new(param, format!("`{param}` is {value}, but must not be negative")))
+}
+
+/// `value` must be at least `least`.
+///
+/// # Errors
+/// It is not.
+pub fn at_least(param: &str, value: f64, least: f64) -> Result<(), ParamError> {
+    if value >= least {
+        return Ok(());
+    }
+    Err(ParamError::new(param, format!("`{param}` is {value}, but must be at least {least}")))
+}
+
+/// `lower` must be less than `upper`.
+///
+/// # Errors
+/// It is not; the error names the upper one.
+pub fn ordered(lower_name: &str, lower: f64, upper_name: &str, upper: f64) -> Result<(), ParamError> {
+    if lower < upper {
+        return Ok(());
+    }
+    Err(ParamError::new(
+        upper_name,
+        format!("`{upper_name}` ({upper}) must be greater than `{lower_name}` ({lower})"),
+    )
+    .help(format!("swap `{lower_name}` and `{upper_name}`?")))
+}
+
+/// A parameter of any type: number with unit, truth value, text, list or set. In a diagram a string is an
+/// expression here, and `Text("abc")` a text.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParamValue(pub Value);
+
+/// Name under which a [`ParamValue`] asks its deserializer for a value of any type.
+pub const VALUE_ENUM: &str = "$blocksim::Value";
+
+impl<'de> Deserialize<'de> for ParamValue {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(rename = "$blocksim::Value")]
+        enum Wire {
+            Number(f64, Vec<i8>),
+            Bool(bool),
+            Text(String),
+            List(Vec<Wire>),
+            Set(Vec<(String, Wire)>),
+        }
+        fn value(wire: Wire) -> Value {
+            match wire {
+                Wire::Number(value, powers) => {
+                    let mut exponents = [0; 9];
+                    exponents.iter_mut().zip(powers).for_each(|(to, from)| *to = from);
+                    Value::Number(Quantity { value, dimension: Dimension { exponents } })
+                }
+                Wire::Bool(b) => Value::Bool(b),
+                Wire::Text(text) => Value::Text(text),
+                Wire::List(items) => Value::List(items.into_iter().map(value).collect()),
+                Wire::Set(items) => Value::Set(items.into_iter().map(|(k, v)| (k, value(v))).collect()),
+            }
+        }
+        Wire::deserialize(deserializer).map(|wire| ParamValue(value(wire)))
+    }
+}

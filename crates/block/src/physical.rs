@@ -1,0 +1,440 @@
+//! Parts of physical networks: what a component connects, contains and obeys.
+//!
+//! A component names its conserving ports, contributes [`Element`]s between them and states the laws of those
+//! elements as functions. Kirchhoff's laws, the balance of torques and the elimination of rigid connections
+//! appear in no component: the assembly of a network does them in one place.
+//!
+//! Signs. A branch between `r` and `c` has the speed `w_r - w_c`; its torque is counted positive when it absorbs
+//! power at positive speed: it acts as `-tau` on `r` and `+tau` on `c`. A two-pin between `p` and `n` has the
+//! voltage `v_p - v_n`; its current is counted positive from `p` through the element to `n`.
+
+use std::fmt::Debug;
+
+use crate::{Given, Input, Interface, Output, State};
+
+/// What a conserving port carries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Domain {
+    /// Angular velocity (rad/s) and torque (N*m).
+    Rotational,
+    /// Potential (V) and current (A).
+    Electrical,
+    /// Three potentials and currents, phases a, b, c.
+    ThreePhase,
+    /// A frame of a rigid body: pose and wrench.
+    Frame,
+}
+
+impl std::fmt::Display for Domain {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            Domain::Rotational => "rotational",
+            Domain::Electrical => "electrical",
+            Domain::ThreePhase => "three-phase",
+            Domain::Frame => "frame",
+        })
+    }
+}
+
+/// A conserving port.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PhysicalPort {
+    /// Name in the diagram.
+    pub name: String,
+    /// What it carries.
+    pub domain: Domain,
+    /// One sentence for the manual.
+    pub doc: &'static str,
+}
+
+/// How torque is lost in a mesh; see [`Element::Gear`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshLoss {
+    /// Efficiency when the base drives the follower, in (0, 1].
+    pub forward: f64,
+    /// Efficiency when the follower drives the base, in (0, 1].
+    pub backward: f64,
+    /// How the loss sets in around standstill.
+    pub model: LossModel,
+}
+
+/// How the loss of a mesh sets in around standstill.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LossModel {
+    /// `T_f = |T_B| lambda tanh(w_B / threshold)`: never delivers power. Threshold in rad/s at the base.
+    Dissipative {
+        /// Speed of the base at which the loss is fully there (tanh 1), rad/s.
+        threshold: f64,
+    },
+    /// `T_f = T_B/2 ((FL + BL) tanh(4 p / threshold) + FL - BL)` with the power `p = T_B w_B`. Threshold in W.
+    Published {
+        /// Power above which the full loss acts, W.
+        threshold: f64,
+    },
+}
+
+/// What a component contributes to a network. Ports are numbered as in [`Part::ports`].
+#[derive(Debug, Clone, PartialEq)]
+pub enum Element {
+    /// Moment of inertia at a rotational port, kg*m^2, against an implied ground.
+    Inertia {
+        /// Rotational port.
+        port: usize,
+        /// Moment of inertia, kg*m^2.
+        inertia: f64,
+        /// Speed at the start, rad/s.
+        speed: f64,
+    },
+    /// A torque between two rotational ports that [`Component::torques`] gives.
+    Branch {
+        /// Rod.
+        r: usize,
+        /// Case.
+        c: usize,
+    },
+    /// Two rotational ports rigidly coupled; the torque through it is measured.
+    Rigid {
+        /// Rod.
+        r: usize,
+        /// Case.
+        c: usize,
+    },
+    /// A speed between two rotational ports that [`Component::speeds`] prescribes.
+    SpeedSource {
+        /// Rod.
+        r: usize,
+        /// Case.
+        c: usize,
+    },
+    /// Only looks at the speed between two rotational ports.
+    SpeedProbe {
+        /// Rod.
+        r: usize,
+        /// Case.
+        c: usize,
+    },
+    /// `w_follower = ratio * w_base`, both against an implied ground.
+    Gear {
+        /// Input side.
+        base: usize,
+        /// Output side.
+        follower: usize,
+        /// Speed of the follower over speed of the base; negative when it reverses.
+        ratio: f64,
+        /// Losses of the mesh; `None` when there are none.
+        loss: Option<MeshLoss>,
+    },
+    /// A rotational port that does not turn.
+    RotationalReference {
+        /// Rotational port.
+        port: usize,
+    },
+    /// Potential zero.
+    ElectricalReference {
+        /// Electrical port.
+        port: usize,
+    },
+    /// A voltage that [`Component::voltages`] gives.
+    VoltageSource {
+        /// Positive pin.
+        p: usize,
+        /// Negative pin.
+        n: usize,
+    },
+    /// A current that [`Component::currents`] gives.
+    Winding {
+        /// Positive pin.
+        p: usize,
+        /// Negative pin.
+        n: usize,
+    },
+    /// Only looks at a voltage.
+    VoltageProbe {
+        /// Positive pin.
+        p: usize,
+        /// Negative pin.
+        n: usize,
+    },
+    /// A wire whose current is measured.
+    CurrentProbe {
+        /// Positive pin.
+        p: usize,
+        /// Negative pin.
+        n: usize,
+    },
+    /// A symmetric three-phase source that [`Component::supply`] gives.
+    Supply {
+        /// Three-phase port.
+        ac: usize,
+    },
+    /// A symmetric three-phase load; it sees [`Law::supply`] and gives [`Component::line_current`].
+    Machine {
+        /// Three-phase port.
+        ac: usize,
+    },
+    /// The inertial frame.
+    World {
+        /// Frame port.
+        frame: usize,
+        /// Gravitational acceleration in the world frame, m/s^2.
+        gravity: [f64; 3],
+    },
+    /// A rigid body fixed to a frame.
+    Body {
+        /// Frame port.
+        frame: usize,
+        /// Mass, kg.
+        mass: f64,
+        /// Centre of mass in the frame, m.
+        com: [f64; 3],
+        /// Inertia about the centre of mass, axes of the frame: Ixx, Iyy, Izz, kg*m^2.
+        moi: [f64; 3],
+        /// Tensor elements Iyz, Izx, Ixy, kg*m^2.
+        poi: [f64; 3],
+    },
+    /// A fixed displacement between two frames.
+    Transform {
+        /// Frame it starts from.
+        base: usize,
+        /// Frame it leads to.
+        follower: usize,
+        /// Rotation matrix, row by row: coordinates in `follower` to coordinates in `base`.
+        rotation: [[f64; 3]; 3],
+        /// Origin of `follower` in `base`, m.
+        translation: [f64; 3],
+    },
+    /// A joint that turns `follower` about an axis of `base`. Its drive side are two rotational ports.
+    Revolute {
+        /// Frame port.
+        base: usize,
+        /// Frame port.
+        follower: usize,
+        /// Rod of the drive side: `w_r - w_c` is the speed of the joint.
+        r: usize,
+        /// Case of the drive side.
+        c: usize,
+        /// Unit vector of the axis in `base`.
+        axis: [f64; 3],
+        /// Angle at the start, rad.
+        position: f64,
+        /// Speed at the start, rad/s.
+        velocity: f64,
+    },
+}
+
+/// A torque and how it changes with speed.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Torque {
+    /// Torque, N*m.
+    pub value: f64,
+    /// Its derivative with respect to the speed, N*m*s/rad; positive damps. Needs not be exact: it keeps stiff
+    /// friction cheap to integrate, and never changes the result.
+    pub slope: f64,
+}
+
+/// What an output of a component needs before it can be computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Needs {
+    /// States, positions and speeds: no input at the same instant.
+    State,
+    /// Voltages and currents as well.
+    Electrics,
+    /// Torques and accelerations as well.
+    Motion,
+}
+
+/// A symmetric three-phase voltage as a space vector (amplitude invariant) in a frame that turns with the
+/// supply.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Supply {
+    /// Peak phase voltage, V.
+    pub amplitude: f64,
+    /// Angle of the voltage vector in the frame of the supply, rad.
+    pub offset: f64,
+    /// Speed of the frame, Hz; negative for the sequence a, c, b.
+    pub frequency: f64,
+    /// Angle of the frame against the axis of phase a, rad.
+    pub angle: f64,
+}
+
+/// Motion of the joint of a component.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointMotion {
+    /// Angle, rad.
+    pub q: f64,
+    /// Speed, rad/s.
+    pub w: f64,
+    /// Acceleration, rad/s^2; in `measure` only.
+    pub a: f64,
+    /// Torque of the drive side on the joint, N*m; in `measure` only.
+    pub drive: f64,
+}
+
+/// What a component sees. Lists are numbered by the elements of one kind in the order of [`Part::elements`]:
+/// `speed`, `acceleration` and `torque` count branches, rigid couplings, speed sources and speed probes together;
+/// `voltage` and `current` count sources, windings and both probes together.
+#[derive(Debug, Clone, Copy)]
+pub struct Law<'a> {
+    /// Time, s.
+    pub t: f64,
+    /// States of the component.
+    pub x: &'a [f64],
+    /// Inputs, port after port.
+    pub u: &'a [f64],
+    /// Start and end in `u` of each input port.
+    pub inputs: &'a [(u32, u32)],
+    /// Speeds `w_r - w_c`, rad/s.
+    pub speed: &'a [f64],
+    /// Their derivatives, rad/s^2; in `measure` with [`Needs::Motion`] only.
+    pub acceleration: &'a [f64],
+    /// Torques from `r` to `c`, N*m; in `measure` with [`Needs::Motion`] only.
+    pub torque: &'a [f64],
+    /// Torque into the base of each gear of the component, N*m; in `measure` with [`Needs::Motion`] only.
+    pub mesh: &'a [f64],
+    /// Voltages, V; not in `voltages`.
+    pub voltage: &'a [f64],
+    /// Currents, A; not in `voltages` and `currents`.
+    pub current: &'a [f64],
+    /// The three-phase supply that the component is connected to (or is).
+    pub supply: Supply,
+    /// Current drawn from the supply as a space vector in its frame, A; for the supply in `measure`.
+    pub line_current: [f64; 2],
+    /// Motion of the component's joint.
+    pub joint: JointMotion,
+}
+
+impl<'a> Law<'a> {
+    /// The first element of an input port.
+    #[inline]
+    pub fn scalar(&self, port: usize) -> f64 {
+        self.u[self.inputs[port].0 as usize]
+    }
+
+    /// All elements of an input port.
+    #[inline]
+    pub fn input(&self, port: usize) -> &'a [f64] {
+        let (start, end) = self.inputs[port];
+        &self.u[start as usize..end as usize]
+    }
+}
+
+/// The law of a block that belongs to a physical network. All functions are pure.
+pub trait Component: Debug + Send + Sync {
+    /// Ports, signals, states and elements.
+    fn part(&self, given: &Given) -> Part;
+
+    /// Voltage of each source, V.
+    fn voltages(&self, _c: &Law, _v: &mut [f64]) {}
+
+    /// The three-phase supply.
+    fn supply(&self, _c: &Law) -> Supply {
+        Supply::default()
+    }
+
+    /// Prescribed speed (rad/s) and its derivative (rad/s^2) of each speed source.
+    fn speeds(&self, _c: &Law, _w: &mut [f64], _dw: &mut [f64]) {}
+
+    /// Current of each winding, A.
+    fn currents(&self, _c: &Law, _i: &mut [f64]) {}
+
+    /// Current that a machine draws from its supply, as a space vector in the frame of the supply, A.
+    fn line_current(&self, _c: &Law) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    /// Torque of each branch.
+    fn torques(&self, _c: &Law, _tau: &mut [Torque]) {}
+
+    /// Torque that the component itself applies to its joint (springs, stops, the torque input).
+    fn joint_torque(&self, _c: &Law) -> Torque {
+        Torque::default()
+    }
+
+    /// Derivatives of the states; voltages, currents and speeds are known.
+    fn derivatives(&self, _c: &Law, _dx: &mut [f64]) {}
+
+    /// Writes all outputs of one need. `y` holds all outputs of the component, port after port.
+    fn measure(&self, _c: &Law, _needs: Needs, _y: &mut [f64]) {}
+}
+
+/// Ports, signals, states and elements of a component.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Part {
+    /// Conserving ports.
+    pub ports: Vec<PhysicalPort>,
+    /// Signal inputs.
+    pub inputs: Vec<Input>,
+    /// Signal outputs and what they need.
+    pub outputs: Vec<(Output, Needs)>,
+    /// Continuous states.
+    pub states: Vec<State>,
+    /// What the component contributes.
+    pub elements: Vec<Element>,
+}
+
+impl Part {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a conserving port; they are numbered in this order.
+    pub fn port(mut self, name: &str, domain: Domain, doc: &'static str) -> Self {
+        self.ports.push(PhysicalPort { name: name.to_owned(), domain, doc });
+        self
+    }
+
+    /// Adds the ports `r` (rod) and `c` (case).
+    pub fn rod_and_case(self) -> Self {
+        self.port("r", Domain::Rotational, "rod").port("c", Domain::Rotational, "case")
+    }
+
+    /// Adds the ports `p` and `n`.
+    pub fn pins(self) -> Self {
+        self.port("p", Domain::Electrical, "positive pin").port("n", Domain::Electrical, "negative pin")
+    }
+
+    /// Adds an input.
+    pub fn input(mut self, input: Input) -> Self {
+        self.inputs.push(input);
+        self
+    }
+
+    /// Adds an output.
+    pub fn output(mut self, output: Output, needs: Needs) -> Self {
+        self.outputs.push((output, needs));
+        self
+    }
+
+    /// Adds a scalar output in a unit.
+    pub fn measures(self, name: &str, unit: &str, needs: Needs, doc: &'static str) -> Self {
+        self.output(Output::real(name).unit(unit).doc(doc), needs)
+    }
+
+    /// Adds a state.
+    pub fn state(mut self, name: &str, initial: f64) -> Self {
+        self.states.push(State { name: name.to_owned(), initial });
+        self
+    }
+
+    /// Adds an element.
+    pub fn element(mut self, element: Element) -> Self {
+        self.elements.push(element);
+        self
+    }
+
+    /// What the compiler needs to know of the component as a block, before its network is assembled.
+    pub fn interface(self) -> Interface {
+        let mut interface = Interface::new();
+        interface.inputs = self.inputs;
+        interface.ports = self.ports;
+        interface.states = self.states;
+        for (output, needs) in self.outputs {
+            interface = match needs {
+                Needs::State => interface.output_from_state(output),
+                Needs::Electrics | Needs::Motion => interface.output(output),
+            };
+        }
+        interface
+    }
+}

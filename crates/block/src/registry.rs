@@ -1,0 +1,64 @@
+//! The kinds of block that are linked into the program.
+
+use crate::Block;
+
+/// A kind of block that can be read from a diagram. `#[derive(BlockMeta)]` implements it.
+#[typetag::deserialize]
+pub trait BlockKind {
+    /// The block as the engine sees it.
+    fn into_block(self: Box<Self>) -> Box<dyn Block>;
+}
+
+/// What the manual, the error messages and the tools know of a kind. `#[derive(BlockMeta)]` fills it from the
+/// source of the block.
+#[derive(Debug, Clone, Copy)]
+pub struct BlockInfo {
+    /// Name in diagrams.
+    pub kind: &'static str,
+    /// Heading in the manual.
+    pub category: &'static str,
+    /// The comment above the struct, Markdown.
+    pub doc: &'static str,
+    /// Parameters in the order of the source.
+    pub parameters: &'static [ParameterInfo],
+    /// Source file, for "view source".
+    pub file: &'static str,
+    /// Line in the source file.
+    pub line: u32,
+}
+
+/// What is known of one parameter.
+#[derive(Debug, Clone, Copy)]
+pub struct ParameterInfo {
+    /// Name in diagrams.
+    pub name: &'static str,
+    /// Type in the source: `f64`, `String`, `Vec<f64>` ...
+    pub rust_type: &'static str,
+    /// Its unit; empty when the unit follows from use.
+    pub unit: &'static str,
+    /// Its default as written in the source; `None` when it must be given.
+    pub default: Option<&'static str>,
+    /// The comment above the field.
+    pub doc: &'static str,
+}
+
+inventory::collect!(BlockInfo);
+
+/// All kinds, by category and name.
+pub fn kinds() -> Vec<&'static BlockInfo> {
+    let mut kinds: Vec<_> = inventory::iter::<BlockInfo>.into_iter().collect();
+    kinds.sort_by_key(|info| (info.category, info.kind));
+    kinds
+}
+
+impl BlockInfo {
+    /// The kind of this name.
+    pub fn find(kind: &str) -> Option<&'static BlockInfo> {
+        inventory::iter::<BlockInfo>.into_iter().find(|info| info.kind == kind)
+    }
+
+    /// The `ron` examples in the comment of the kind.
+    pub fn examples(&self) -> Vec<&'static str> {
+        self.doc.split("```ron").skip(1).filter_map(|rest| rest.split("```").next()).map(str::trim).collect()
+    }
+}

@@ -1,0 +1,223 @@
+//! A compiled diagram: what the engine runs. Plain data, made by the compiler and shared by simulations.
+
+use std::sync::Arc;
+
+use blocksim_signal::{Dimension, Kind, Shape};
+
+use crate::problem::Place;
+use crate::{Block, Interface};
+
+/// A compiled diagram.
+#[derive(Debug, Clone)]
+pub struct Schedule {
+    /// Title of the diagram.
+    pub title: String,
+    /// The blocks, sorted by path.
+    pub blocks: Vec<Instance>,
+    /// Output groups in the order of evaluation.
+    pub steps: Vec<Step>,
+    /// One entry for each output port.
+    pub signals: Vec<Signal>,
+    /// Values of all signals before the first evaluation; the cells behind the last signal hold the values of
+    /// inputs that are not connected.
+    pub initial_signals: Vec<f64>,
+    /// Number of continuous states.
+    pub states: usize,
+    /// Number of discrete states.
+    pub discrete: usize,
+    /// Number of guards.
+    pub guards: usize,
+    /// Sample times on one integer clock.
+    pub clock: Clock,
+    /// What is recorded.
+    pub recorded: Vec<Recorded>,
+    /// How to run it.
+    pub settings: Settings,
+}
+
+/// A block of a compiled diagram and where its values lie.
+#[derive(Debug, Clone)]
+pub struct Instance {
+    /// Path: `arm/base/joint`.
+    pub path: String,
+    /// Kind: `Gain`.
+    pub kind: String,
+    /// Where it is declared, if it is in a file.
+    pub place: Option<Place>,
+    /// Parameters and functions.
+    pub block: Arc<dyn Block>,
+    /// Ports and states.
+    pub interface: Interface,
+    /// Copies that bring the inputs from the signals: from, length; in the order of the input ports.
+    pub gather: Vec<(u32, u32)>,
+    /// Start and end of each input port within the inputs of the block.
+    pub inputs: Vec<(u32, u32)>,
+    /// Start and end of each output port within the outputs of the block.
+    pub outputs: Vec<(u32, u32)>,
+    /// First of the block's values among all signals.
+    pub y: usize,
+    /// First of the block's continuous states.
+    pub x: usize,
+    /// First of the block's discrete states.
+    pub d: usize,
+    /// First of the block's guards.
+    pub g: usize,
+    /// Index in `Clock::rates` of a sampled block.
+    pub rate: Option<usize>,
+}
+
+/// Evaluation of one output group of one block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Step {
+    /// Index in `Schedule::blocks`.
+    pub block: u32,
+    /// Output group.
+    pub group: u32,
+    /// When it must be evaluated.
+    pub when: When,
+    /// Whether derivatives or guards depend on it: only then it is evaluated in minor steps.
+    pub minor: bool,
+}
+
+/// When an output group must be evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum When {
+    /// Once at the start.
+    Constant,
+    /// At every major step; it does not change in between.
+    Major,
+    /// Always.
+    Continuous,
+    /// At the hits of this rate.
+    Sampled(u32),
+}
+
+/// One output port of one block.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// Path and port: `arm/base/joint.q`.
+    pub path: String,
+    /// First cell.
+    pub offset: usize,
+    /// Real, Bool or Int.
+    pub kind: Kind,
+    /// Scalar, vector or matrix.
+    pub shape: Shape,
+    /// Dimension; `None` when nothing says it.
+    pub dimension: Option<Dimension>,
+}
+
+/// Sample times on an integer clock, so that they neither drift nor miss each other.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Clock {
+    /// Length of a tick, s; 0 without rates.
+    pub tick: f64,
+    /// The rates, fastest first.
+    pub rates: Vec<Rate>,
+}
+
+/// A sample time in ticks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rate {
+    /// Ticks between two hits.
+    pub period: u64,
+    /// Ticks before the first hit.
+    pub offset: u64,
+}
+
+impl Clock {
+    /// Time of a tick, s. Where a second is a whole number of ticks the time is the nearest number to it.
+    pub fn time(&self, tick: u64) -> f64 {
+        let per_second = 1.0 / self.tick;
+        let whole = per_second.round();
+        if (per_second - whole).abs() <= 1e-9 * whole { tick as f64 / whole } else { tick as f64 * self.tick }
+    }
+}
+
+/// A signal to record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recorded {
+    /// Name of the column: `control/joint1/scope.set`, `arm.signals.Joint1OutBus.Angle`.
+    pub path: String,
+    /// Cell among the signals.
+    pub cell: usize,
+    /// Real, Bool or Int.
+    pub kind: Kind,
+    /// Dimension; `None` when nothing says it.
+    pub dimension: Option<Dimension>,
+    /// Unit to show it in, if the diagram says one.
+    pub display: Option<String>,
+}
+
+/// How to run a diagram.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// End of the simulation, s.
+    pub stop_time: f64,
+    /// The method.
+    pub solver: Solver,
+    /// Which rows are recorded.
+    pub output: OutputTimes,
+    /// Seed of random sources.
+    pub seed: u64,
+}
+
+/// Which instants are recorded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum OutputTimes {
+    /// Every major step.
+    Steps,
+    /// Start, end and a grid with this spacing, s. Events are recorded as well.
+    Every(f64),
+}
+
+/// Methods by the names that users write.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Solver {
+    /// A method of fixed step.
+    Fixed {
+        /// Which one.
+        method: FixedMethod,
+        /// Step, s.
+        step: f64,
+    },
+    /// A method that chooses its step.
+    Variable {
+        /// Which one.
+        method: VariableMethod,
+        /// Relative tolerance.
+        rtol: f64,
+        /// Absolute tolerance, in SI units of each state.
+        atol: f64,
+        /// Largest step, s; infinite when nothing limits it.
+        max_step: f64,
+    },
+}
+
+/// Methods of fixed step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FixedMethod {
+    /// Euler, order 1.
+    Ode1,
+    /// Heun, order 2.
+    Ode2,
+    /// Bogacki-Shampine, order 3.
+    Ode3,
+    /// Classical Runge-Kutta, order 4.
+    Ode4,
+    /// Dormand-Prince, order 5.
+    Ode5,
+}
+
+/// Methods that choose their step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VariableMethod {
+    /// Bogacki-Shampine 3(2).
+    Ode23,
+    /// Dormand-Prince 5(4).
+    Ode45,
+    /// Rosenbrock, order 4, for stiff systems; computes a Jacobian.
+    Rodas4,
+    /// Linearly implicit, order 3; uses only what blocks say of their stiffness (friction).
+    RosW3,
+}
