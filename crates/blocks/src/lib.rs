@@ -1,1 +1,16 @@
-//! blocks
+//! The library of blocks, one file a block, in folders by category.
+//!
+//! Blocks register themselves; a program that links this crate must name it in code (`use blocksim_blocks as _;`),
+//! otherwise the linker leaves them out.
+
+pub mod continuous;
+pub mod discontinuities;
+pub mod discrete;
+pub mod electrical;
+pub mod lookup;
+pub mod math;
+pub mod mechanics;
+pub mod motion;
+pub mod routing;
+pub mod sinks;
+pub mod sources;

@@ -1,0 +1,71 @@
+use blocksim_block::prelude::*;
+
+/// First-order low-pass filter (PT1).
+///
+/// $$ \dot x = \frac{u - x}{\tau}, \qquad y = x, \qquad G(s) = \frac{1}{1 + \tau s} $$
+///
+/// No direct feedthrough, so it breaks an algebraic loop. After a unit step the output has reached
+/// $1 - e^{-1} \approx 63\,\%$ at $t = \tau$. Vectors are filtered element by element.
+///
+/// ```ron
+/// LowPass(tau: "50 ms")
+/// ```
+///
+/// Source: as `Modelica.Blocks.Continuous.FirstOrder` with k = 1.
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Continuous")]
+pub struct LowPass {
+    /// Time constant, positive.
+    #[block(unit = "s")]
+    pub tau: f64,
+    /// Output at the start, in the unit of the input.
+    #[block(default = 0.0)]
+    pub y0: f64,
+}
+
+impl Block for LowPass {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("tau", self.tau)?;
+        finite("y0", self.y0)
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let u = given.input_or_unknown("u");
+        let mut interface = Interface::new().input(Input::real("u")).output_from_state(Output::like("y", u));
+        for _ in 0..u.shape.len() {
+            interface = interface.state("x", self.y0);
+        }
+        Ok(interface)
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        y.copy_from_slice(c.x);
+    }
+
+    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
+        for ((dx, u), x) in dx.iter_mut().zip(c.u).zip(c.x) {
+            *dx = (u - x) / self.tau;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use blocksim_block::testing::Bench;
+
+    #[test]
+    fn a_step_response_matches_the_closed_form() {
+        for tau in [0.1, 1.0, 10.0] {
+            let mut bench = Bench::new(LowPass { tau, y0: 0.0 });
+            bench.set(0, &[1.0]).integrate(tau, 1000);
+            let (y, expected) = (bench.minor()[0], 1.0 - (-1.0_f64).exp());
+            assert!((y - expected).abs() < 1e-12, "tau = {tau}: {y} != {expected}");
+        }
+    }
+
+    #[test]
+    fn a_time_constant_of_zero_is_refused() {
+        assert_eq!(LowPass { tau: 0.0, y0: 0.0 }.check().unwrap_err().param, "tau");
+    }
+}

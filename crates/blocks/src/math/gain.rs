@@ -1,0 +1,45 @@
+use blocksim_block::prelude::*;
+
+/// Multiplies by a constant: $y = k u$, element by element.
+///
+/// The unit of the output is that of the input times that of `k`: with `k: "48 V"` a signal without unit becomes
+/// a voltage.
+///
+/// ```ron
+/// Gain(k: "48 V")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Math")]
+pub struct Gain {
+    /// Factor.
+    pub k: f64,
+}
+
+impl Block for Gain {
+    fn check(&self) -> Result<(), ParamError> {
+        finite("k", self.k)
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let u = given.input_or_unknown("u");
+        let dimension = u.dimension.map(|dimension| dimension.times(given.parameters.get("k")));
+        Ok(Interface::new().input(Input::real("u")).output(Output::like("y", u.of(dimension))))
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        y.iter_mut().zip(c.u).for_each(|(y, u)| *y = self.k * u);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use blocksim_block::testing::Bench;
+
+    #[test]
+    fn the_output_is_the_input_times_k() {
+        for (k, u) in [(2.0, 3.0), (-0.5, 4.0), (0.0, 1e300)] {
+            assert_eq!(Bench::new(Gain { k }).respond(u), k * u);
+        }
+    }
+}

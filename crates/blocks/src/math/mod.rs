@@ -1,0 +1,4 @@
+//! Blocks: math.
+
+mod gain;
+pub use gain::Gain;

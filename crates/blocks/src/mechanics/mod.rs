@@ -1,0 +1,4 @@
+//! Blocks: mechanics.
+
+mod inertia;
+pub use inertia::Inertia;
