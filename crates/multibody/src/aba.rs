@@ -67,7 +67,7 @@ impl ArticulatedInertia {
 
     /// `ᵖX꜀* Iᴬ ᶜXₚ`.
     #[inline(always)]
-    fn to_parent(&self, x: &Placement) -> Self {
+    fn in_parent(&self, x: &Placement) -> Self {
         let (r, p) = (&x.rotation, &x.translation);
         // M' = R M Rᵀ,  G = R H Rᵀ,  H' = G + [p]× M'
         let mass = self.mass.rotated(r);
@@ -150,7 +150,7 @@ pub fn aba(
             let push = Force { angular: d.u.angular * k, linear: d.u.linear * k };
             let force = d.f + inertia.times(&d.a) + push;
             // Iᴬ_λ += λX_i* Iᵃ ⁱX_λ
-            parent.articulated += inertia.to_parent(&d.x);
+            parent.articulated += inertia.in_parent(&d.x);
             // pᴬ_λ += λX_i* pᵃ
             parent.f += d.x.force_to_parent(&force);
         }

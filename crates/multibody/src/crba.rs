@@ -27,7 +27,7 @@ pub fn crba(model: &Model, data: &mut Data, q: &[f64], m: &mut [f64]) {
             let (before, rest) = data.bodies.split_at_mut(i);
             let d = &rest[0];
             // Iᶜ_λ += λX_i* Iᶜ_i ⁱX_λ
-            before[body.parent].composite += d.composite.to_parent(&d.x);
+            before[body.parent].composite += d.composite.in_parent(&d.x);
         }
     }
 }

@@ -47,7 +47,7 @@ pub fn mass_and_bias(model: &Model, data: &mut Data, q: &[f64], v: &[f64], m: &m
             // f_λ += λX_i* f_i
             parent.f += d.x.force_to_parent(&d.f);
             // Iᶜ_λ += λX_i* Iᶜ_i ⁱX_λ
-            parent.composite += d.composite.to_parent(&d.x);
+            parent.composite += d.composite.in_parent(&d.x);
         }
     }
 }

@@ -97,7 +97,7 @@ impl SpatialInertia {
 
     /// The same body seen from the parent: `ᵖX꜀* I ᶜXₚ`, Featherstone (2.66).
     #[inline(always)]
-    pub fn to_parent(&self, x: &Placement) -> SpatialInertia {
+    pub fn in_parent(&self, x: &Placement) -> SpatialInertia {
         // u = R h,  h' = u + m p
         let p = &x.translation;
         let u = x.rotation * self.moment;

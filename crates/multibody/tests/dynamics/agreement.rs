@@ -1,0 +1,125 @@
+//! One algorithm against another on random trees.
+
+use crate::assert_close;
+use crate::trees::forest;
+use blocksim_multibody::{aba, bias, crba, kinetic_energy, mass_and_bias, potential_energy, rnea};
+use nalgebra::{DMatrix, DVector};
+
+#[test]
+fn inverse_dynamics_is_mass_times_acceleration_plus_bias() {
+    for (model, mut random) in forest() {
+        let n = model.dof();
+        let mut data = model.data();
+        let (q, v, a) = (random.vector(n, 3.0), random.vector(n, 2.0), random.vector(n, 5.0));
+        let (mut m, mut h, mut tau) = (vec![0.0; n * n], vec![0.0; n], vec![0.0; n]);
+        crba(&model, &mut data, &q, &mut m);
+        bias(&model, &mut data, &q, &v, &mut h);
+        rnea(&model, &mut data, &q, &v, &a, &mut tau);
+        let expected = DMatrix::from_row_slice(n, n, &m) * DVector::from_vec(a) + DVector::from_vec(h);
+        assert_close(&tau, expected.as_slice(), 1e-12);
+    }
+}
+
+#[test]
+fn columns_of_the_mass_matrix_are_torques_for_unit_accelerations() {
+    for (model, mut random) in forest() {
+        let n = model.dof();
+        let mut data = model.data();
+        let (q, rest) = (random.vector(n, 3.0), vec![0.0; n]);
+        let (mut m, mut weight) = (vec![0.0; n * n], vec![0.0; n]);
+        crba(&model, &mut data, &q, &mut m);
+        bias(&model, &mut data, &q, &rest, &mut weight);
+        let mut columns = vec![0.0; n * n];
+        for (j, column) in columns.chunks_mut(n).enumerate() {
+            let mut unit = rest.clone();
+            unit[j] = 1.0;
+            rnea(&model, &mut data, &q, &rest, &unit, column);
+            column.iter_mut().zip(&weight).for_each(|(x, w)| *x -= w);
+        }
+        assert_close(&columns, &m, 1e-12);
+    }
+}
+
+#[test]
+fn the_shared_sweep_gives_the_mass_matrix_and_the_bias() {
+    for (model, mut random) in forest() {
+        let n = model.dof();
+        let mut data = model.data();
+        let (q, v) = (random.vector(n, 3.0), random.vector(n, 2.0));
+        let (mut m, mut h) = (vec![0.0; n * n], vec![0.0; n]);
+        let (mut expected_m, mut expected_h) = (vec![0.0; n * n], vec![0.0; n]);
+        mass_and_bias(&model, &mut data, &q, &v, &mut m, &mut h);
+        crba(&model, &mut data, &q, &mut expected_m);
+        bias(&model, &mut data, &q, &v, &mut expected_h);
+        assert_close(&m, &expected_m, 1e-14);
+        assert_close(&h, &expected_h, 1e-13);
+    }
+}
+
+#[test]
+fn forward_dynamics_inverts_inverse_dynamics() {
+    for (model, mut random) in forest() {
+        let n = model.dof();
+        let mut data = model.data();
+        let (q, v, tau) = (random.vector(n, 3.0), random.vector(n, 2.0), random.vector(n, 50.0));
+        let (mut a, mut back) = (vec![0.0; n], vec![0.0; n]);
+        aba(&model, &mut data, &q, &v, &tau, &[], &mut a);
+        rnea(&model, &mut data, &q, &v, &a, &mut back);
+        assert_close(&back, &tau, 1e-12);
+    }
+}
+
+#[test]
+fn reflected_inertia_adds_to_the_diagonal_of_the_mass_matrix() {
+    for (model, mut random) in forest() {
+        let n = model.dof();
+        let mut data = model.data();
+        let (q, v, tau) = (random.vector(n, 3.0), random.vector(n, 2.0), random.vector(n, 50.0));
+        let armature: Vec<f64> = random.vector(n, 10.0).iter().map(|x| x.abs()).collect();
+        let (mut a, mut back) = (vec![0.0; n], vec![0.0; n]);
+        aba(&model, &mut data, &q, &v, &tau, &armature, &mut a);
+        rnea(&model, &mut data, &q, &v, &a, &mut back);
+        for i in 0..n {
+            back[i] += armature[i] * a[i];
+        }
+        assert_close(&back, &tau, 1e-12);
+    }
+}
+
+#[test]
+fn the_mass_matrix_is_symmetric_and_positive_definite_and_gives_the_kinetic_energy() {
+    for (model, mut random) in forest() {
+        let n = model.dof();
+        let mut data = model.data();
+        let (q, v) = (random.vector(n, 3.0), random.vector(n, 2.0));
+        let mut m = vec![0.0; n * n];
+        crba(&model, &mut data, &q, &mut m);
+        let m = DMatrix::from_row_slice(n, n, &m);
+        assert_eq!(m, m.transpose());
+        assert!(m.clone().cholesky().is_some());
+        let speed = DVector::from_column_slice(&v);
+        let expected = 0.5 * speed.dot(&(m * &speed));
+        assert_close(&[kinetic_energy(&model, &mut data, &q, &v)], &[expected], 1e-13);
+    }
+}
+
+#[test]
+fn gravity_torques_are_the_slope_of_the_potential_energy() {
+    const STEP: f64 = 1e-5;
+    for (model, mut random) in forest() {
+        let n = model.dof();
+        let mut data = model.data();
+        let q = random.vector(n, 3.0);
+        let mut h = vec![0.0; n];
+        bias(&model, &mut data, &q, &vec![0.0; n], &mut h);
+        let mut energy_at = |i: usize, step: f64| {
+            let mut moved = q.clone();
+            moved[i] += step;
+            potential_energy(&model, &mut data, &moved)
+        };
+        let slope: Vec<f64> =
+            (0..n).map(|i| (energy_at(i, STEP) - energy_at(i, -STEP)) / (2.0 * STEP)).collect();
+        // a central difference of this step errs by about 1e-10 of the energy, seldom small against h
+        assert_close(&slope, &h, 1e-8);
+    }
+}

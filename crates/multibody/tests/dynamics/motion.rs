@@ -1,0 +1,95 @@
+//! Kinematics against finite differences on random trees.
+
+use crate::assert_close;
+use crate::trees::forest;
+use blocksim_multibody::{
+    BodyId, Model, forward_accelerations, forward_kinematics, forward_velocities, jacobian,
+};
+use nalgebra::{Matrix3, Vector3};
+
+const POINT: Vector3<f64> = Vector3::new(0.2, -0.5, 0.3);
+
+/// Rotation and position of `POINT` on `body`.
+fn pose(model: &Model, q: &[f64], body: BodyId) -> (Matrix3<f64>, Vector3<f64>) {
+    let mut data = model.data();
+    forward_kinematics(model, &mut data, q);
+    (data.placement(body).rotation, data.placement(body).point(&POINT))
+}
+
+/// ω of `Ṙ Rᵀ = [ω]×`.
+fn rate(dr: &Matrix3<f64>, r: &Matrix3<f64>) -> [f64; 3] {
+    let s = dr * r.transpose();
+    [s.m32 - s.m23, s.m13 - s.m31, s.m21 - s.m12].map(|x| 0.5 * x)
+}
+
+#[test]
+fn the_jacobian_is_the_slope_of_the_placement() {
+    const STEP: f64 = 1e-5;
+    for (model, mut random) in forest() {
+        let n = model.dof();
+        let q = random.vector(n, 3.0);
+        for body in model.bodies() {
+            let mut j = vec![0.0; 6 * n];
+            jacobian(&model, &mut model.data(), &q, body, &POINT, &mut j);
+            let (r, _) = pose(&model, &q, body);
+            let mut slopes = vec![0.0; 6 * n];
+            for i in 0..n {
+                let moved = |step: f64| {
+                    let mut q = q.clone();
+                    q[i] += step;
+                    pose(&model, &q, body)
+                };
+                let ((r1, p1), (r0, p0)) = (moved(STEP), moved(-STEP));
+                let angular = rate(&((r1 - r0) / (2.0 * STEP)), &r);
+                let linear = (p1 - p0) / (2.0 * STEP);
+                for row in 0..3 {
+                    slopes[row * n + i] = angular[row];
+                    slopes[(row + 3) * n + i] = linear[row];
+                }
+            }
+            assert_close(&j, &slopes, 1e-9);
+        }
+    }
+}
+
+#[test]
+fn velocities_are_the_jacobian_times_the_joint_speeds() {
+    for (model, mut random) in forest() {
+        let n = model.dof();
+        let mut data = model.data();
+        let (q, v) = (random.vector(n, 3.0), random.vector(n, 2.0));
+        for body in model.bodies() {
+            let mut j = vec![0.0; 6 * n];
+            jacobian(&model, &mut data, &q, body, &POINT, &mut j);
+            let expected: Vec<f64> =
+                j.chunks(n).map(|row| row.iter().zip(&v).map(|(j, v)| j * v).sum()).collect();
+            forward_velocities(&model, &mut data, &q, &v);
+            let (m, r) = (data.velocity(body), &data.placement(body).rotation);
+            let angular = r * m.angular;
+            let linear = r * (m.linear + m.angular.cross(&POINT));
+            let got: Vec<f64> = angular.iter().chain(&linear).copied().collect();
+            assert_close(&got, &expected, 1e-13);
+        }
+    }
+}
+
+#[test]
+fn accelerations_are_second_differences_of_the_position() {
+    const STEP: f64 = 1e-4;
+    for (model, mut random) in forest() {
+        let n = model.dof();
+        let mut data = model.data();
+        let (q, v, a) = (random.vector(n, 3.0), random.vector(n, 1.0), random.vector(n, 1.0));
+        let at = |t: f64, body| {
+            let q: Vec<f64> = (0..n).map(|i| q[i] + t * (v[i] + 0.5 * t * a[i])).collect();
+            pose(&model, &q, body).1
+        };
+        forward_accelerations(&model, &mut data, &q, &v, &a);
+        for body in model.bodies() {
+            let second = (at(STEP, body) - at(0.0, body) * 2.0 + at(-STEP, body)) / (STEP * STEP);
+            let got = data.placement(body).rotation * data.point_acceleration(body, &POINT);
+            // rounding: 1e-15 / STEP² = 1e-7 against accelerations of about one
+            assert!((got - second).norm() < 1e-5 * (1.0 + second.norm()), "{got} is not {second}");
+        }
+    }
+}
