@@ -1,1 +1,34 @@
-//! motion
+//! Set values for moves: from a start, a target and limits to position, velocity and acceleration over time.
+//!
+//! All angles are in rad, times in s. A linear axis works as well: read m for rad, and ignore the degrees of
+//! the messages.
+//!
+//! ```
+//! use blocksim_motion::{AxisLimits, JointMove, JointMoveRequest, Synchronisation};
+//!
+//! let limits = [AxisLimits { lower: -3.0, upper: 3.0, speed: 2.0, acceleration: 10.0 }];
+//! let request = JointMoveRequest {
+//!     start: vec![0.0],
+//!     target: vec![1.0],
+//!     velocity: 0.5,
+//!     acceleration: 0.25,
+//!     rule: Synchronisation::Feasible,
+//! };
+//! let planned = JointMove::plan(&request, &limits)?;
+//! let (position, velocity, acceleration) = planned.at(0, planned.duration() / 2.0);
+//! assert!((position - 0.5).abs() < 1e-12 && (velocity - 1.0).abs() < 1e-12 && acceleration == 0.0);
+//! # Ok::<(), blocksim_motion::MoveError>(())
+//! ```
+
+mod error;
+mod joint_move;
+mod limits;
+mod profile;
+mod request;
+mod times;
+
+pub use error::{Endpoint, MoveError};
+pub use joint_move::JointMove;
+pub use limits::{AxisLimits, Margin, Quantity, Violation};
+pub use profile::Profile;
+pub use request::{JointMoveRequest, Synchronisation};

@@ -1,0 +1,71 @@
+//! What an axis can do, and how near a move comes to it.
+
+use std::fmt;
+
+use crate::error::degrees;
+
+/// What one axis can do. Positions may be infinite for an axis that turns without end, and the acceleration
+/// may be infinite where no limit is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisLimits {
+    /// Lowest position, rad.
+    pub lower: f64,
+    /// Highest position, rad.
+    pub upper: f64,
+    /// Largest speed, rad/s.
+    pub speed: f64,
+    /// Largest acceleration, rad/s².
+    pub acceleration: f64,
+}
+
+/// What is left between a move and the limits of one axis; negative where a limit is exceeded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Margin {
+    /// From the lowest position of the move to the lower limit, rad.
+    pub lower: f64,
+    /// From the highest position of the move to the upper limit, rad.
+    pub upper: f64,
+    /// From the largest speed of the move to the limit, rad/s.
+    pub speed: f64,
+    /// From the largest acceleration of the move to the limit, rad/s².
+    pub acceleration: f64,
+}
+
+/// A quantity that a limit bounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Speed, rad/s.
+    Speed,
+    /// Acceleration, rad/s².
+    Acceleration,
+}
+
+/// A limit that a planned move exceeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Violation {
+    /// Index of the axis, from 0.
+    pub axis: usize,
+    /// What is exceeded.
+    pub quantity: Quantity,
+    /// Largest value of the move, in SI units.
+    pub value: f64,
+    /// The limit, in SI units.
+    pub limit: f64,
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, unit) = match self.quantity {
+            Quantity::Speed => ("speed", "deg/s"),
+            Quantity::Acceleration => ("acceleration", "deg/s^2"),
+        };
+        let percent = 100.0 * (self.value / self.limit - 1.0);
+        write!(
+            f,
+            "axis {}: {name} {} {unit} exceeds its limit {} {unit} by {percent:.1} %",
+            self.axis + 1,
+            degrees(self.value),
+            degrees(self.limit)
+        )
+    }
+}
