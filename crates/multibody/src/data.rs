@@ -8,7 +8,8 @@ use nalgebra::Vector3;
 
 /// Workspace for one model, made by [`Model::data`](crate::Model::data).
 ///
-/// Holds nothing between calls but what its getters return; any algorithm may be called at any time.
+/// Holds nothing between calls but what its getters return; any algorithm may be called at any time. The
+/// getters panic on a body of another, larger model.
 #[derive(Debug, Clone)]
 pub struct Data {
     /// One entry per body; entry 0 is the ground.

@@ -50,7 +50,7 @@ impl fmt::Display for InertiaError {
 
 impl Error for InertiaError {}
 
-/// Why a body cannot be added to a model. `body` is the index that it would have had.
+/// Why a body cannot be added to a model. `body` is its [index](crate::BodyId::index), counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ModelError {
     /// The parent is not a body of this model.

@@ -137,3 +137,58 @@ impl Add for Inertia {
         Inertia { mass, com, about_com }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn impossible_bodies_are_refused_with_the_reason() {
+        let of = |mass, moments| Inertia::from_moments(mass, [0.0; 3], moments, [0.0; 3]).err();
+        assert_eq!(of(-2.0, [1.0; 3]), Some(InertiaError::NegativeMass { mass: -2.0 }));
+        assert_eq!(of(f64::NAN, [1.0; 3]), Some(InertiaError::NotFinite));
+        assert_eq!(of(1.0, [1.0, 3.0, 1.0]), Some(InertiaError::Triangle { principal: [1.0, 1.0, 3.0] }));
+        assert!(matches!(of(1.0, [-1.0, -1.0, -1.0]), Some(InertiaError::Triangle { .. })));
+        let crooked = Matrix3::new(1.0, 0.2, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+        let error = Inertia::new(1.0, [0.0; 3], crooked).err();
+        assert_eq!(error, Some(InertiaError::NotSymmetric { difference: 0.2 }));
+    }
+
+    #[test]
+    fn products_too_large_for_the_moments_are_refused() {
+        let error = Inertia::from_moments(1.0, [0.0; 3], [1.0; 3], [0.0, 0.0, 0.6]).err();
+        let text = error.map(|e| e.to_string()).unwrap_or_default();
+        assert!(text.contains("0.400000, 1.000000 and 1.600000"), "{text}");
+    }
+
+    #[test]
+    fn plates_rods_points_and_rotors_without_mass_are_possible() {
+        for (mass, moments) in [
+            (1.0, [1.0, 1.0, 2.0]),
+            (1.0, [0.0, 1.0, 1.0]),
+            (1.0, [0.0; 3]),
+            (0.0, [0.5, 0.5, 1.0]),
+            // a plate from a data sheet with four digits
+            (1.0, [0.3333, 0.3333, 0.6667]),
+        ] {
+            assert!(Inertia::from_moments(mass, [0.0; 3], moments, [0.0; 3]).is_ok(), "{moments:?}");
+        }
+    }
+
+    #[test]
+    fn two_half_boxes_make_a_box() -> Result<(), InertiaError> {
+        // edges a, b, c along x, y, z
+        let cuboid = |mass: f64, [a, b, c]: [f64; 3], com: [f64; 3]| {
+            let moment = |u: f64, v: f64| mass / 12.0 * (u * u + v * v);
+            Inertia::from_moments(mass, com, [moment(b, c), moment(a, c), moment(a, b)], [0.0; 3])
+        };
+        let whole = cuboid(6.0, [2.0, 1.0, 0.5], [0.0; 3])?;
+        let left = cuboid(3.0, [1.0, 1.0, 0.5], [-0.5, 0.0, 0.0])?;
+        let right = cuboid(3.0, [1.0, 1.0, 0.5], [0.5, 0.0, 0.0])?;
+        let sum = left + right;
+        assert!((sum.com - whole.com).norm() < 1e-15);
+        assert!((sum.about_com - whole.about_com).abs().max() < 1e-15);
+        assert_eq!(sum.mass, whole.mass);
+        Ok(())
+    }
+}

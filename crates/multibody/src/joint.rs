@@ -144,3 +144,54 @@ impl MountedJoint {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kinds() -> [Joint; 4] {
+        let skew = Vector3::new(0.6, 0.0, 0.8);
+        [
+            Joint::revolute([0.0, 1.0, 0.0]),
+            Joint::revolute(skew),
+            Joint::prismatic([1.0, 0.0, 0.0]),
+            Joint::prismatic(skew),
+        ]
+    }
+
+    #[test]
+    fn a_placement_moves_along_the_motion_subspace() {
+        const STEP: f64 = 1e-6;
+        let home = Placement::from_rpy([0.3, -0.2, 0.9], [0.4, -1.0, 2.2]);
+        for joint in kinds() {
+            let mount = MountedJoint::new(joint, home);
+            assert_eq!(mount.placement(0.0), home);
+            let (ahead, behind) = (mount.placement(0.7 + STEP), mount.placement(0.7 - STEP));
+            let here = mount.placement(0.7);
+            assert!(here.rotation_error() < 1e-15);
+            // Ṙ = R [s_ω]×,  ṗ = R s_v
+            let s = joint.subspace();
+            let spin = (ahead.rotation - behind.rotation) / (2.0 * STEP);
+            assert!((spin - here.rotation * s.angular.cross_matrix()).abs().max() < 1e-9);
+            let slide = (ahead.translation - behind.translation) / (2.0 * STEP);
+            assert!((slide - here.direction(&s.linear)).norm() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_shortcuts_agree_with_the_motion_subspace() {
+        let m = Motion { angular: [0.1, 0.7, -0.4].into(), linear: [1.0, -2.0, 0.5].into() };
+        let f = Force { angular: [3.0, 1.0, -2.0].into(), linear: [0.2, 0.6, 5.0].into() };
+        let body = crate::Inertia::point(2.0, [0.3, -0.1, 0.6]).map(|i| i.spatial()).unwrap_or_default();
+        for joint in kinds() {
+            let s = joint.subspace();
+            let scaled = Motion { angular: s.angular * 1.5, linear: s.linear * 1.5 };
+            assert_eq!(joint.add_motion(m, 1.5), m + scaled);
+            assert_eq!(joint.cross_motion(&m, 1.5), m.cross(&scaled));
+            assert!((joint.project(&f) - s.dot(&f)).abs() < 1e-15);
+            let (got, expected) = (joint.inertia_force(&body), body.times(&s));
+            assert!((got.angular - expected.angular).norm() < 1e-15);
+            assert!((got.linear - expected.linear).norm() < 1e-15);
+        }
+    }
+}

@@ -185,3 +185,63 @@ fn check_placement(body: usize, placement: &Placement) -> Result<(), ModelError>
         false => Err(ModelError::Placement { body }),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::InertiaError;
+    use nalgebra::Matrix3;
+
+    fn hinge() -> Joint {
+        Joint::revolute([0.0, 0.0, 2.0])
+    }
+
+    #[test]
+    fn a_tree_knows_its_parents_and_normalizes_its_axes() -> Result<(), ModelError> {
+        let mut builder = ModelBuilder::new();
+        let root = builder.add_body(None, hinge(), Placement::identity(), Inertia::zero())?;
+        let left = builder.add_body(Some(root), hinge(), Placement::identity(), Inertia::zero())?;
+        let right = builder.add_body(Some(root), hinge(), Placement::identity(), Inertia::zero())?;
+        let model = builder.build();
+        assert_eq!(model.bodies().collect::<Vec<_>>(), [root, left, right]);
+        assert_eq!([root, left, right].map(|id| model.parent(id)), [None, Some(root), Some(root)]);
+        assert_eq!([root, left, right].map(BodyId::index), [0, 1, 2]);
+        assert_eq!(*model.joint(right), Joint::revolute([0.0, 0.0, 1.0]));
+        Ok(())
+    }
+
+    #[test]
+    fn a_fixed_mass_is_part_of_its_body() -> Result<(), Box<dyn std::error::Error>> {
+        let load = Inertia::from_moments(2.0, [0.1, 0.0, 0.0], [0.5, 0.6, 0.7], [0.0; 3])?;
+        let at = Placement::from_rpy([0.0, 0.3, 0.0], [0.1, 0.2, 0.3]);
+        let (mut attached, mut placed) = (ModelBuilder::new(), ModelBuilder::new());
+        let body = attached.add_body(None, hinge(), Placement::identity(), Inertia::zero())?;
+        attached.add_inertia(body, at, load)?;
+        placed.add_body(None, hinge(), Placement::identity(), load.placed(&at))?;
+        let (attached, placed) = (attached.build(), placed.build());
+        let (got, expected) = (attached.bodies[1].inertia, placed.bodies[1].inertia);
+        assert!((got.moment - expected.moment).norm() < 1e-15);
+        assert!((got.rotational.full() - expected.rotational.full()).abs().max() < 1e-15);
+        assert_eq!(attached.mass(), 2.0);
+        Ok(())
+    }
+
+    #[test]
+    fn wrong_parts_are_refused_by_index() -> Result<(), ModelError> {
+        let mut builder = ModelBuilder::new();
+        let id = builder.add_body(None, hinge(), Placement::identity(), Inertia::zero())?;
+        let mut add = |joint, placement, inertia| builder.add_body(Some(id), joint, placement, inertia).err();
+        let here = Placement::identity();
+        let flat = Joint::prismatic([0.0; 3]);
+        assert_eq!(add(flat, here, Inertia::zero()), Some(ModelError::Axis { body: 1, axis: [0.0; 3] }));
+        let twice = Placement { rotation: Matrix3::identity() * 2.0, ..here };
+        assert_eq!(add(hinge(), twice, Inertia::zero()), Some(ModelError::Placement { body: 1 }));
+        let negative = Inertia { mass: -1.0, ..Inertia::zero() };
+        let cause = InertiaError::NegativeMass { mass: -1.0 };
+        assert_eq!(add(hinge(), here, negative), Some(ModelError::Inertia { body: 1, cause }));
+        let mut other = ModelBuilder::new();
+        let stranger = other.add_body(Some(id), hinge(), here, Inertia::zero()).err();
+        assert_eq!(stranger, Some(ModelError::UnknownBody { body: 0 }));
+        Ok(())
+    }
+}

@@ -104,3 +104,48 @@ impl Mul for Placement {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    fn sample() -> Placement {
+        Placement::from_rpy([0.3, -0.2, 0.9], [0.4, -1.0, 2.2])
+    }
+
+    #[test]
+    fn a_placement_times_its_inverse_is_the_identity() {
+        let one = sample() * sample().inverse();
+        assert!((one.rotation - Matrix3::identity()).abs().max() < 1e-15);
+        assert!(one.translation.norm() < 1e-15);
+    }
+
+    #[test]
+    fn roll_pitch_and_yaw_are_applied_about_fixed_axes_in_that_order() {
+        let axis = |axis, angle| Placement::from_axis_angle([0.0; 3], axis, angle);
+        let expected = axis([0.0, 0.0, 1.0], 2.2) * axis([0.0, 3.0, 0.0], -1.0) * axis([2.0, 0.0, 0.0], 0.4);
+        assert!((sample().rotation - expected.rotation).abs().max() < 1e-15);
+        let pitched = Placement::from_rpy([0.0; 3], [0.0, FRAC_PI_2, 0.0]);
+        assert!((pitched.direction(&Vector3::z()) - Vector3::x()).norm() < 1e-15);
+    }
+
+    #[test]
+    fn power_does_not_depend_on_the_frame() {
+        let motion = Motion { angular: [0.1, 0.7, -0.4].into(), linear: [1.0, -2.0, 0.5].into() };
+        let force = Force { angular: [3.0, 1.0, -2.0].into(), linear: [0.2, 0.6, 5.0].into() };
+        let in_child = sample().motion_to_child(&motion).dot(&force);
+        let in_parent = motion.dot(&sample().force_to_parent(&force));
+        assert!((in_child - in_parent).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_reflection_a_shear_and_not_a_number_are_no_rotations() {
+        assert!(sample().rotation_error() < 1e-15);
+        let off = |rotation| Placement { rotation, ..sample() }.rotation_error();
+        assert!(off(Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0))).is_infinite());
+        assert!(off(Matrix3::from_element(f64::NAN)).is_infinite());
+        let shear = Matrix3::new(1.0, 0.1, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+        assert!((off(shear) - 0.1).abs() < 1e-15);
+    }
+}

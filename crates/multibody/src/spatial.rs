@@ -125,3 +125,44 @@ impl AddAssign for SpatialInertia {
         self.rotational += b.rotational;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inertia::Inertia;
+
+    const M: Motion = Motion { angular: Vector3::new(0.1, 0.7, -0.4), linear: Vector3::new(1.0, -2.0, 0.5) };
+    const B: Motion = Motion { angular: Vector3::new(-0.9, 0.2, 0.3), linear: Vector3::new(0.4, 0.8, -1.5) };
+    const F: Force = Force { angular: Vector3::new(3.0, 1.0, -2.0), linear: Vector3::new(0.2, 0.6, 5.0) };
+
+    #[test]
+    fn the_cross_products_of_motions_and_forces_are_adjoint() {
+        // (m × b) · f = -b · (m ×* f)
+        assert!((M.cross(&B).dot(&F) + B.dot(&M.cross_force(&F))).abs() < 1e-14);
+        assert_eq!(M.cross(&M), Motion::default());
+    }
+
+    #[test]
+    fn an_inertia_acts_alike_in_child_and_parent() -> Result<(), Box<dyn std::error::Error>> {
+        let body = Inertia::from_moments(2.0, [0.3, -0.1, 0.6], [0.5, 0.6, 0.7], [0.02, -0.03, 0.05])?;
+        let x = Placement::from_rpy([0.3, -0.2, 0.9], [0.4, -1.0, 2.2]);
+        let through_child = x.force_to_parent(&body.spatial().times(&x.motion_to_child(&M)));
+        for in_parent in [body.spatial().in_parent(&x), body.placed(&x).spatial()] {
+            let direct = in_parent.times(&M);
+            assert!((direct.angular - through_child.angular).norm() < 1e-14);
+            assert!((direct.linear - through_child.linear).norm() < 1e-14);
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_moving_body_has_the_energy_of_its_centre_of_mass_and_its_rotation()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let body = Inertia::from_moments(2.0, [0.3, -0.1, 0.6], [0.5, 0.6, 0.7], [0.0; 3])?;
+        let speed = M.linear + M.angular.cross(&body.com);
+        let turning = M.angular.dot(&(body.about_com * M.angular));
+        let expected = body.mass * speed.norm_squared() + turning;
+        assert!((M.dot(&body.spatial().times(&M)) - expected).abs() < 1e-14);
+        Ok(())
+    }
+}

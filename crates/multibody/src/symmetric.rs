@@ -98,3 +98,27 @@ impl AddAssign for Symmetric {
         *self = *self + b;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::placement::Placement;
+
+    const A: Symmetric = Symmetric { xx: 1.0, yy: 2.0, zz: 3.0, yz: 0.4, zx: -0.5, xy: 0.6 };
+
+    #[test]
+    fn six_numbers_stand_for_the_whole_matrix() {
+        let u = Vector3::new(0.3, -0.7, 1.1);
+        assert_eq!(Symmetric::from_upper(&A.full()), A);
+        assert!((A.times(&u) - A.full() * u).norm() < 1e-15);
+        let minus = A.full() - u * u.transpose() * 0.8;
+        assert!((A.minus_outer(0.8, &u).full() - minus).abs().max() < 1e-15);
+    }
+
+    #[test]
+    fn rotation_is_the_triple_product() {
+        let r = Placement::from_rpy([0.0; 3], [0.3, -1.2, 2.0]).rotation;
+        let expected = r * A.full() * r.transpose();
+        assert!((A.rotated(&r).full() - expected).abs().max() < 1e-15);
+    }
+}

@@ -9,7 +9,7 @@ use crate::{arm, assert_close};
 use blocksim_multibody::{aba, crba, forward_kinematics, mass_and_bias, rnea};
 use std::error::Error;
 
-const TOLERANCE: f64 = 1e-10;
+const TOLERANCE: f64 = 1e-12;
 
 struct Reference {
     q: [f64; 6],
