@@ -8,9 +8,13 @@
 mod arm;
 
 use blocksim_multibody::{self as multibody, Data, Model};
-use divan::{Bencher, black_box};
+use divan::{AllocProfiler, Bencher, black_box};
 use nalgebra::{Matrix6, Vector6};
 use std::time::{Duration, Instant};
+
+/// Adds rows of allocation counts to the table where there are any: there must be none.
+#[global_allocator]
+static ALLOCATIONS: AllocProfiler = AllocProfiler::system();
 
 const Q: [f64; 6] = [0.3, -0.4, 0.5, 0.6, -0.7, 0.8];
 const V: [f64; 6] = [1.0, -0.9, 0.8, 2.0, -1.5, 3.0];
