@@ -1,12 +1,13 @@
 //! The ABB IRB 2600-12/1.85 with a welding torch, as numbers.
 //!
-//! Provenance. Offsets and axes: ROS-Industrial `abb_irb2600_support` (Apache-2.0, citing ABB data sheet
-//! ROB0142EN_B and product specification 3HAC035959-001). Link masses: published CAD volumes at the density
-//! that gives ABB's total of 284 kg. Centres of mass and inertias: computed by integrating one uniform
-//! density over the public CAD tessellation, then scaled to those masses; real castings may differ by 30 %.
-//! Torch (Fronius Robacta Drive CMT): tensor from its data file scaled to the measured 5.25 kg; its
-//! orientation on the flange is an assumption. Reflected inertia: rotor and gear of each axis times the
-//! squared ratio; estimates, except for the gear of axis 3 and the motors of axes 4 to 6.
+//! Provenance. Offsets and axes: published, ROS-Industrial `abb_irb2600_support` (Apache-2.0, citing ABB data
+//! sheet ROB0142EN_B and product specification 3HAC035959-001). Link masses: published in a thesis on this
+//! robot (its table 6.10: CAD volumes times one density that gives ABB's total of 284 kg). Centres of mass
+//! and inertias: derived, one uniform density integrated over the public CAD tessellation and scaled to
+//! those masses; real castings may differ by 30 %. Torch (Fronius Robacta Drive CMT): mass measured, tensor
+//! published in its data file and scaled to that mass, orientation on the flange assumed. Torch tip: that
+//! of another gun, as a stand-in. Reflected inertia: derived from rotor and gear of each axis times the
+//! squared ratio, which are estimates but for the gear of axis 3 and the motors of axes 4 to 6.
 
 use blocksim_multibody::{BodyId, Inertia, Joint, Model, ModelBuilder, ModelError, Placement};
 
