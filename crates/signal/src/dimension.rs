@@ -19,21 +19,17 @@ const BASE: [&str; 9] = ["m", "kg", "s", "A", "K", "mol", "cd", "cycle", "rad"];
 const PRINTED: [usize; 9] = [1, 0, 2, 3, 4, 5, 6, 7, 8];
 const METRE: usize = 0;
 const KILOGRAM: usize = 1;
-const SECOND: usize = 2;
 const AMPERE: usize = 3;
 const CYCLE: usize = 7;
 const RADIAN: usize = 8;
+const PER_SECOND: Dimension = Dimension { exponents: [0, 0, -1, 0, 0, 0, 0, 0, 0] };
 
 impl Dimension {
     /// The dimension of a plain number.
     pub const NONE: Self = Self { exponents: [0; 9] };
 
-    /// The base unit at a place of `exponents`.
-    pub(crate) const fn base(place: usize) -> Self {
-        let mut exponents = [0; 9];
-        exponents[place] = 1;
-        Self { exponents }
-    }
+    /// The dimension of a plane angle.
+    pub(crate) const RADIAN: Self = Self { exponents: [0, 0, 0, 0, 0, 0, 0, 0, 1] };
 
     /// The dimension of a product. Exponents stay within -128..=127.
     pub fn times(self, other: Self) -> Self {
@@ -79,14 +75,27 @@ impl Dimension {
         self.exponents.iter().any(|&e| e == i8::MAX || e <= -i8::MAX)
     }
 
-    /// Exponent of cycle.
-    pub(crate) fn cycle(self) -> i8 {
-        self.exponents[CYCLE]
+    /// With cycles turned into radians, and how many there are: cycle/s becomes rad/s with 1. None without cycles.
+    pub(crate) fn cycles_to_radians(self) -> Option<(Self, i8)> {
+        let n = self.exponents[CYCLE];
+        (n != 0).then(|| (self.exchange(CYCLE, RADIAN, n), n))
     }
 
-    /// Exponent of rad.
-    pub(crate) fn radian(self) -> i8 {
-        self.exponents[RADIAN]
+    /// With radians turned into cycles, and how many there are: rad/s becomes cycle/s with 1. A mere 1/s counts as
+    /// rad/s, for radians vanish in laws such as sqrt(k/m). None without radians.
+    pub(crate) fn radians_to_cycles(self) -> Option<(Self, i8)> {
+        let mut marked = self;
+        if self == PER_SECOND {
+            marked.exponents[RADIAN] = 1;
+        }
+        let n = marked.exponents[RADIAN];
+        (n != 0).then(|| (marked.exchange(RADIAN, CYCLE, n), n))
+    }
+
+    fn exchange(mut self, from: usize, to: usize, n: i8) -> Self {
+        self.exponents[from] = self.exponents[from].saturating_sub(n);
+        self.exponents[to] = self.exponents[to].saturating_add(n);
+        self
     }
 
     fn zip(self, other: Self, f: fn(i8, i8) -> i8) -> Self {
@@ -203,5 +212,71 @@ fn fraction<'a>(factors: impl Iterator<Item = (&'a str, i8)>) -> String {
         0 => above,
         1 => format!("{above}/{}", below[0]),
         _ => format!("{above}/({})", below.join("*")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dimension(text: &str) -> Dimension {
+        Unit::parse(text).unwrap().dimension
+    }
+
+    #[test]
+    fn every_form_is_a_unit_that_prints_as_itself() {
+        assert_eq!(forms().len(), FORMS.len());
+        for form in FORMS {
+            assert_eq!(dimension(form).to_string(), form);
+        }
+    }
+
+    #[test]
+    fn names_are_those_of_the_field() {
+        for (text, printed) in [
+            ("%", "1"),
+            ("rpm", "rad/s"),
+            ("1/min", "1/s"),
+            ("J", "N*m"),
+            ("N*m*rad/s", "W"),
+            ("m*rad", "m"),
+            ("rad^2", "rad^2"),
+            ("kg*m^2", "kg*m^2"),
+            ("m/s^2", "m/s^2"),
+            ("m^2/s^2", "m^2/s^2"),
+            ("N/m", "N/m"),
+            ("N*s/m", "N*s/m"),
+            ("W/(rad/s)", "N*m/rad"),
+            ("V*s/rad", "V*s/rad"),
+            ("V^2", "V^2"),
+            ("V/m", "V/m"),
+            ("A/s", "A/s"),
+            ("K/W", "K/W"),
+            ("W/K", "W/K"),
+            ("Hz/s", "Hz/s"),
+            ("rad/(V*s)", "rad/Wb"),
+            ("kg/m^3", "kg/m^3"),
+            ("kg/(m*s)", "Pa*s"),
+            ("mol*cd", "mol*cd"),
+        ] {
+            assert_eq!(dimension(text).to_string(), printed, "{text}");
+        }
+    }
+
+    #[test]
+    fn roots_undo_powers_and_drop_odd_radians() {
+        assert_eq!(dimension("V").power(2).root(2), Some(dimension("V")));
+        assert_eq!(dimension("V").root(2), None);
+        assert_eq!(dimension("rad").root(2), Some(Dimension::NONE));
+        assert_eq!(dimension("m^-3").root(-3), Some(dimension("m")));
+        assert_eq!(dimension("m").root(0), None);
+        assert_eq!(Dimension { exponents: [-128; 9] }.root(-1), None);
+    }
+
+    #[test]
+    fn exponents_end_at_their_range() {
+        let far = dimension("m").power(127);
+        assert!(far.times(far).is_saturated() && far.power(-2).is_saturated());
+        assert!(!dimension("kg*m^2/s^3").is_saturated());
     }
 }

@@ -1,38 +1,337 @@
-//! Expressions.
+//! Expressions: a Pratt parser that evaluates as it reads.
 
-use crate::{ExprError, Quantity, Unit, Value};
+mod mistakes;
 
-/// Where an expression finds its names.
-pub trait Scope {
-    /// The value of a name. Only the first name of a path is looked up; the rest is selected from sets and lists.
-    fn lookup(&self, name: &str) -> Lookup;
+use crate::arithmetic::{self, Operand};
+use crate::lexer::{Lexeme, Token, lex};
+use crate::unit::to_si;
+use crate::unit_reader::UnitReader;
+use crate::unit_table::{self, Factor};
+use crate::{ExprError, Lookup, Quantity, Scope, Value, functions, select};
+use std::{f64::consts::PI, ops::Range};
 
-    /// All names, for spelling help.
-    fn names(&self) -> Vec<String>;
-}
-
-/// What a scope says to a name.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Lookup {
-    /// The value.
-    Found(Value),
-    /// No such name here.
-    Unknown,
-    /// The name exists but has no value, with the reason.
-    Failed(String),
-}
-
-/// The value of an expression.
+/// The value of an expression: numbers with units, `+ - * / ^`, parentheses, names of the scope, members
+/// (`robot.mass`), items (`list[0]`), lists (`[a, b]`), functions, `pi`, `true`, `false`.
+///
+/// * `^` binds tighter than a minus sign and to the right: `-2^2` is -4, `2^3^2` is 512.
+/// * A unit directly behind a number or a closing parenthesis is read greedily and binds tightest; a name of the same
+///   spelling never wins: `2 m` is two metres, `2 * m` uses the name, `1/2 s` is 1/(2 s).
+/// * Behind `*` or `/` within such a unit, a word belongs to the unit only if it is a known unit and the scope has no
+///   such name; otherwise the sign is an operator. Parentheses there belong to the unit if all they hold does. Within
+///   square brackets, `9.81 [m/s^2]`, every word is a unit.
+/// * `degC` has an offset and is read only in whole literals: `"20 degC"`, `[-5 degC, 40 degC]`.
+/// * A frequency in Hz counts cycles and does not mix with rad/s; `angular` and `cycles` convert.
+///
+/// Errors carry the bytes of the text they are about. Nesting is limited to 200, the text to 64 KiB.
 pub fn evaluate(text: &str, scope: &dyn Scope) -> Result<Value, ExprError> {
-    let text = text.trim();
-    if let Lookup::Found(value) = scope.lookup(text) {
-        return Ok(value);
+    let lexemes = lex(text)?;
+    if lexemes.len() == 1 {
+        return Err(ExprError::new(0..text.len(), "empty expression").help("write a number, such as 0"));
     }
-    let digits = text.find(char::is_whitespace).unwrap_or(text.len());
-    let number: f64 = text[..digits].parse().map_err(|_| ExprError::new(0..digits, "expected a number"))?;
-    if digits == text.len() {
-        return Ok(number.into());
+    let mut parser = Parser { text, lexemes: &lexemes, at: 0, scope, depth: 0 };
+    let result = parser.expression(0)?;
+    match parser.token() {
+        Token::End => Ok(result.value),
+        _ => Err(parser.unexpected()),
     }
-    let unit = Unit::parse(&text[digits..]).map_err(|e| ExprError::new(e.span, e.message))?;
-    Ok(Quantity::new(unit.to_si(number), unit.dimension).into())
 }
+
+const MAX_DEPTH: usize = 200;
+const SUM: u8 = 1;
+const PRODUCT: u8 = 2;
+const MINUS: u8 = 3;
+const POWER: u8 = 4;
+
+struct Parser<'a> {
+    text: &'a str,
+    lexemes: &'a [Lexeme<'a>],
+    at: usize,
+    scope: &'a dyn Scope,
+    depth: usize,
+}
+
+impl<'a> Parser<'a> {
+    /// Operands joined by operators that bind at least as tightly as `least`.
+    fn expression(&mut self, least: u8) -> Result<Operand, ExprError> {
+        self.depth += 1;
+        if self.depth > MAX_DEPTH {
+            let error = ExprError::new(self.span(), format!("nested more than {MAX_DEPTH} levels deep"));
+            return Err(error.help("split the expression into parameters"));
+        }
+        let mut left = self.prefix()?;
+        while let Token::Sign(sign) = self.token() {
+            let (binding, right_side) = match sign {
+                '+' | '-' => (SUM, SUM + 1),
+                '*' | '/' => (PRODUCT, PRODUCT + 1),
+                '^' => (POWER, POWER),
+                _ => break,
+            };
+            if binding < least {
+                break;
+            }
+            self.at += 1;
+            let right = match (sign, self.token()) {
+                ('*', Token::Sign('*')) => {
+                    return Err(ExprError::new(self.span(), "unexpected `*`").help("a power is written ^"));
+                }
+                _ => self.expression(right_side)?,
+            };
+            let value = arithmetic::binary(sign, &left, &right)?;
+            left = Operand { value, span: left.span.start..right.span.end };
+        }
+        self.depth -= 1;
+        Ok(left)
+    }
+
+    fn prefix(&mut self) -> Result<Operand, ExprError> {
+        let first = self.at;
+        let start = self.span().start;
+        match self.token() {
+            Token::Number(value) => {
+                self.at += 1;
+                self.literal(value, first)
+            }
+            Token::Word(word) => {
+                let called = self.lexemes[self.at + 1].token == Token::Sign('(');
+                let operand = if called { self.call(word)? } else { self.name(word)? };
+                if called { self.suffix_of_parenthesis(operand) } else { self.selection(operand) }
+            }
+            Token::Sign('(') => {
+                self.at += 1;
+                let inner = self.expression(0)?;
+                self.close(')', first)?;
+                let operand = Operand { value: inner.value, span: start..self.end() };
+                self.suffix_of_parenthesis(operand)
+            }
+            Token::Sign('[') => {
+                self.at += 1;
+                let items = self.items(']', first)?;
+                let value = Value::List(items.into_iter().map(|item| item.value).collect());
+                self.selection(Operand { value, span: start..self.end() })
+            }
+            Token::Sign('-') => {
+                self.at += 1;
+                if let Some(value) = self.celsius_ahead() {
+                    self.at += 1;
+                    return self.literal(-value, first);
+                }
+                let operand = self.expression(MINUS)?;
+                let value = arithmetic::negated(&operand)?;
+                Ok(Operand { value, span: start..operand.span.end })
+            }
+            Token::Sign('+') => {
+                self.at += 1;
+                let operand = self.expression(MINUS)?;
+                operand.number("put a plus sign before")?;
+                Ok(Operand { value: operand.value, span: start..operand.span.end })
+            }
+            Token::Sign(_) => Err(self.unexpected()),
+            Token::End => {
+                let error = ExprError::new(self.span(), "the expression ends too early");
+                Err(error.help("a number or a name is missing at the end"))
+            }
+        }
+    }
+
+    /// The unit behind a number that has just been read. `first` is the token the literal begins with.
+    fn literal(&mut self, value: f64, first: usize) -> Result<Operand, ExprError> {
+        let start = self.lexemes[first].span.start;
+        let factor = if self.token() == Token::Sign('[') { Some(self.bracket()?) } else { self.unit()? };
+        let Some(factor) = factor else {
+            return Ok(Operand { value: value.into(), span: start..self.end() });
+        };
+        let span = start..self.end();
+        if factor.offset != 0.0 && !self.is_whole_literal(first) {
+            return Err(celsius_error(span));
+        }
+        let value = arithmetic::sound(scaled(Quantity::plain(value), factor), span.clone())?;
+        Ok(Operand { value, span })
+    }
+
+    /// What may follow `(...)`: a unit, or an index and members.
+    fn suffix_of_parenthesis(&mut self, operand: Operand) -> Result<Operand, ExprError> {
+        let first_in_bracket = self.lexemes.get(self.at + 1).map(|lexeme| lexeme.token);
+        let factor = match (self.token(), first_in_bracket) {
+            (Token::Sign('['), Some(Token::Word(word))) if is_unit(word) && !self.is_name(word) => {
+                Some(self.bracket()?)
+            }
+            (Token::Sign('['), _) => None,
+            _ => self.unit()?,
+        };
+        let Some(factor) = factor else {
+            return self.selection(operand);
+        };
+        let span = operand.span.start..self.end();
+        if factor.offset != 0.0 {
+            return Err(celsius_error(span));
+        }
+        let value = arithmetic::sound(scaled(operand.number("give a unit to")?, factor), span.clone())?;
+        Ok(Operand { value, span })
+    }
+
+    /// A unit that begins here, if one does.
+    fn unit(&mut self) -> Result<Option<Factor>, ExprError> {
+        let next = |n: usize| self.lexemes.get(self.at + n).map(|lexeme| lexeme.token);
+        match self.token() {
+            Token::Word(word) if !is_unit(word) && self.is_name(word) => {
+                let error = ExprError::new(self.span(), format!("unknown unit `{word}`"));
+                Err(error.help(format!("to multiply by `{word}` write `* {word}`")))
+            }
+            Token::Word(_) => self.greedy_unit().map(Some),
+            Token::Number(1.0)
+                if next(1) == Some(Token::Sign('/'))
+                    && matches!(next(2), Some(Token::Word(_) | Token::Sign('('))) =>
+            {
+                self.greedy_unit().map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+
+    fn greedy_unit(&mut self) -> Result<Factor, ExprError> {
+        let is_name = |word: &str| self.is_name(word);
+        let mut reader = UnitReader::new(self.lexemes, self.at, &is_name);
+        let factor = reader.greedy()?;
+        self.at = reader.at;
+        Ok(factor)
+    }
+
+    /// `[unit]`.
+    fn bracket(&mut self) -> Result<Factor, ExprError> {
+        let mut reader = UnitReader::new(self.lexemes, self.at + 1, &|_| false);
+        let factor = reader.whole(Token::Sign(']'))?;
+        self.at = reader.at;
+        Ok(factor)
+    }
+
+    /// The number that comes next, if it is in degrees Celsius.
+    fn celsius_ahead(&self) -> Option<f64> {
+        let mut ahead = self.lexemes[self.at..].iter().map(|lexeme| lexeme.token);
+        let Some(Token::Number(value)) = ahead.next() else { return None };
+        let unit = ahead.find(|token| *token != Token::Sign('['))?;
+        matches!(unit, Token::Word(word) if unit_table::is_celsius(word)).then_some(value)
+    }
+
+    /// Whether the literal from token `first` to here stands alone, in the text or in a list.
+    fn is_whole_literal(&self, first: usize) -> bool {
+        let before = first.checked_sub(1).map(|at| self.lexemes[at].token);
+        matches!(before, None | Some(Token::Sign('[' | ',')))
+            && matches!(self.token(), Token::End | Token::Sign(',' | ']'))
+    }
+
+    fn call(&mut self, word: &str) -> Result<Operand, ExprError> {
+        let named = self.span();
+        self.at += 2;
+        let arguments = self.items(')', self.at - 1)?;
+        let span = named.start..self.end();
+        let value = functions::call(word, named, &arguments, span.clone())?;
+        Ok(Operand { value, span })
+    }
+
+    fn name(&mut self, word: &str) -> Result<Operand, ExprError> {
+        let span = self.span();
+        self.at += 1;
+        let value = match word {
+            "pi" => PI.into(),
+            "true" => Value::Bool(true),
+            "false" => Value::Bool(false),
+            _ => match self.scope.lookup(word) {
+                Lookup::Found(value) => value,
+                Lookup::Failed(reason) => return Err(ExprError::new(span, reason)),
+                Lookup::Unknown => return Err(self.unknown_name(word, span)),
+            },
+        };
+        Ok(Operand { value, span })
+    }
+
+    /// `.member` and `[index]`, any number of them.
+    fn selection(&mut self, mut operand: Operand) -> Result<Operand, ExprError> {
+        loop {
+            let first = self.at;
+            let start = operand.span.start;
+            let value = match self.token() {
+                Token::Sign('.') => {
+                    self.at += 1;
+                    let Token::Word(name) = self.token() else {
+                        return Err(ExprError::new(self.span(), "expected the name of a member after `.`"));
+                    };
+                    let span = self.span();
+                    self.at += 1;
+                    select::member(operand, name, span)?
+                }
+                Token::Sign('[') => {
+                    self.at += 1;
+                    let index = self.expression(0)?;
+                    self.close(']', first)?;
+                    select::item(operand, &index)?
+                }
+                _ => return Ok(operand),
+            };
+            operand = Operand { value, span: start..self.end() };
+        }
+    }
+
+    /// Expressions separated by commas up to the closing sign; one comma may stand at the end.
+    fn items(&mut self, end: char, opened: usize) -> Result<Vec<Operand>, ExprError> {
+        let mut items = Vec::new();
+        while self.token() != Token::Sign(end) {
+            items.push(self.expression(0)?);
+            if self.token() != Token::Sign(',') {
+                break;
+            }
+            if let Some(error) = self.decimal_comma(true) {
+                return Err(error);
+            }
+            self.at += 1;
+        }
+        self.close(end, opened)?;
+        Ok(items)
+    }
+
+    fn close(&mut self, end: char, opened: usize) -> Result<(), ExprError> {
+        if self.token() == Token::Sign(end) {
+            self.at += 1;
+            return Ok(());
+        }
+        if self.token() != Token::End {
+            return Err(self.unexpected());
+        }
+        let opening = self.lexemes[opened].span.clone();
+        let message = format!("`{}` is not closed", &self.text[opening.clone()]);
+        Err(ExprError::new(opening, message).help(format!("add `{end}`")))
+    }
+
+    fn is_name(&self, word: &str) -> bool {
+        matches!(word, "pi" | "true" | "false") || self.scope.lookup(word) != Lookup::Unknown
+    }
+
+    fn token(&self) -> Token<'a> {
+        self.lexemes[self.at].token
+    }
+
+    fn span(&self) -> Range<usize> {
+        self.lexemes[self.at].span.clone()
+    }
+
+    /// Where the token before this one ends.
+    fn end(&self) -> usize {
+        self.at.checked_sub(1).map_or(0, |at| self.lexemes[at].span.end)
+    }
+}
+
+fn is_unit(word: &str) -> bool {
+    unit_table::find(word).is_some()
+}
+
+fn scaled(quantity: Quantity, factor: Factor) -> Quantity {
+    let value = to_si(quantity.value, factor.scale(), factor.offset);
+    Quantity::new(value, quantity.dimension.times(factor.dimension))
+}
+
+fn celsius_error(span: Range<usize>) -> ExprError {
+    let error = ExprError::new(span, "degC stands only in a whole literal, such as \"20 degC\"");
+    error.help("use K for calculations and differences")
+}
+
+#[cfg(test)]
+mod tests;

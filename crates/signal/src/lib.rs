@@ -4,21 +4,28 @@
 //! with its [`Dimension`], `"robot.axis1.mass * 9.81 m/s^2"` is [`evaluate`]d against a [`Scope`], and ports describe
 //! their signals by [`Shape`], [`Kind`] and [`SampleTime`]. The crate knows no block, no diagram and no file.
 
+mod arithmetic;
 mod dimension;
 mod error;
 mod expression;
+mod functions;
 mod lexer;
 mod quantity;
+mod scope;
+mod select;
 mod shape;
 mod spelling;
 mod unit;
+mod unit_hint;
+mod unit_reader;
 mod unit_table;
 mod value;
 
 pub use dimension::Dimension;
 pub use error::ExprError;
-pub use expression::{Lookup, Scope, evaluate};
+pub use expression::evaluate;
 pub use quantity::{Quantity, si_text};
+pub use scope::{Lookup, Scope};
 pub use shape::{Kind, SampleTime, Shape};
 pub use spelling::closest;
 pub use unit::{Unit, UnitError};

@@ -44,3 +44,25 @@ pub fn si_text(value: f64, dimension: Dimension) -> String {
         unit => format!("{number} {unit}"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Unit;
+
+    #[test]
+    fn numbers_print_short_with_their_unit() {
+        let dimension = |text: &str| Unit::parse(text).unwrap().dimension;
+        for (value, unit, text) in [
+            (5000.0, "W", "5000 W"),
+            (0.05, "kg*m^2", "0.05 kg*m^2"),
+            (1e-12, "F", "1e-12 F"),
+            (1e300, "m", "1e300 m"),
+            (0.1 + 0.2, "1", "0.30000000000000004"),
+            (-3.0, "rad", "-3 rad"),
+        ] {
+            assert_eq!(si_text(value, dimension(unit)), text);
+            assert_eq!(Quantity::new(value, dimension(unit)).to_string(), text);
+        }
+    }
+}

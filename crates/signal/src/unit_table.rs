@@ -175,6 +175,7 @@ pub(crate) const WORDS: &[(&str, &str)] = &[
     ("amp", "A"),
     ("kelvin", "K"),
     ("celsius", "degC"),
+    ("Nm", "N*m"),
     ("newton", "N"),
     ("joule", "J"),
     ("watt", "W"),
