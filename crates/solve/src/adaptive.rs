@@ -1,0 +1,223 @@
+//! The loop of every method with an error estimate: propose, try, keep or repeat.
+
+use crate::step_size::{StepSize, Trial, error_norm, first_guess, second_guess, worst};
+use crate::{Counts, StepError, StepLimits, Stepper, System, Tolerances};
+
+/// Why a trial broke off.
+pub enum Fault {
+    /// The system failed.
+    System,
+    /// The derivative of this state is not finite.
+    NotFinite(usize),
+}
+
+/// The system with its evaluations counted and checked.
+pub struct Work<'a> {
+    pub(crate) system: &'a mut dyn System,
+    pub(crate) counts: &'a mut Counts,
+}
+
+impl Work<'_> {
+    /// dx = f(t, x), all of it finite.
+    pub(crate) fn derivatives(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
+        self.counts.evaluations += 1;
+        self.system.derivatives(t, x, dx).map_err(|_| Fault::System)?;
+        // Checked here rather than in the error norm, so that the system never sees a state that is not finite.
+        match dx.iter().position(|v| !v.is_finite()) {
+            None => Ok(()),
+            Some(state) => Err(Fault::NotFinite(state)),
+        }
+    }
+}
+
+/// What distinguishes one adaptive one-step method from another.
+pub trait Method: Send {
+    /// Name of the method, as users know it.
+    const NAME: &'static str;
+    /// Order of the solution that is kept.
+    const ORDER: f64;
+    /// Power of h in the error estimate.
+    const ERROR_POWER: f64;
+
+    /// Work space for `n` states.
+    fn new(n: usize) -> Self;
+
+    /// Provides the derivative at the start of a step; `known` when the last step was accepted and nothing has changed
+    /// since, so that its last stage may serve.
+    fn begin(&mut self, work: &mut Work, t: f64, x: &[f64], known: bool) -> Result<(), Fault>;
+
+    /// The derivative at the start, and room for another.
+    fn first_derivative(&mut self) -> (&[f64], &mut [f64]);
+
+    /// One step from `x0` to `x1` with an estimate of its error.
+    fn attempt(
+        &mut self,
+        work: &mut Work,
+        trial: Span,
+        x0: &[f64],
+        x1: &mut [f64],
+        error: &mut [f64],
+    ) -> Result<(), Fault>;
+
+    /// State at the fraction `theta` of the last step, which had the size `h`.
+    fn interpolate(&self, theta: f64, h: f64, x0: &[f64], x1: &[f64], x: &mut [f64]);
+}
+
+/// Begin, end and size of a step.
+#[derive(Debug, Clone, Copy)]
+pub struct Span {
+    pub(crate) t0: f64,
+    pub(crate) t1: f64,
+    pub(crate) h: f64,
+}
+
+impl From<Trial> for Span {
+    fn from(trial: Trial) -> Self {
+        Self { t0: trial.t0, t1: trial.t1, h: trial.h }
+    }
+}
+
+/// A one-step method with error control, in the form of a [`Stepper`].
+///
+/// The named methods are aliases of it, for instance [`Ode45`](crate::Ode45).
+pub struct Adaptive<M> {
+    method: M,
+    control: StepSize,
+    max: f64,
+    tolerances: Tolerances,
+    /// Whether the derivative at the end of the last step still holds.
+    known: bool,
+    last: Span,
+    x0: Vec<f64>,
+    x1: Vec<f64>,
+    error: Vec<f64>,
+    counts: Counts,
+}
+
+impl<M: Method> Adaptive<M> {
+    /// A stepper for as many states as there are absolute tolerances. All memory is taken here.
+    pub fn new(tolerances: Tolerances, limits: StepLimits) -> Self {
+        let n = tolerances.absolute.len();
+        Self {
+            method: M::new(n),
+            control: StepSize::new(limits, M::ERROR_POWER),
+            max: limits.max,
+            tolerances,
+            known: false,
+            last: Span { t0: 0.0, t1: 0.0, h: 0.0 },
+            x0: vec![0.0; n],
+            x1: vec![0.0; n],
+            error: vec![0.0; n],
+            counts: Counts::default(),
+        }
+    }
+
+    /// Hairer's guess of the first step size, for one evaluation; never looks beyond `limit`.
+    fn guess(&mut self, system: &mut dyn System, t: f64, limit: f64) -> Result<(), StepError> {
+        let max = self.max.min(limit - t);
+        let (f0, f1) = self.method.first_derivative();
+        let h = first_guess(&self.tolerances, &self.x0, f0, max);
+        for ((x1, x0), f0) in self.x1.iter_mut().zip(&self.x0).zip(f0) {
+            *x1 = x0 + h * f0;
+        }
+        let mut work = Work { system, counts: &mut self.counts };
+        let h = match work.derivatives(t + h, &self.x1, f1) {
+            Ok(()) => second_guess(&self.tolerances, &self.x0, f0, f1, h, M::ORDER),
+            Err(Fault::NotFinite(_)) => h,
+            Err(Fault::System) => return Err(StepError::System),
+        };
+        self.control.set(h);
+        Ok(())
+    }
+
+    /// Tries ever smaller steps from (t, x0) until one is kept in x1.
+    fn advance(
+        &mut self,
+        system: &mut dyn System,
+        t: f64,
+        known: bool,
+        limit: f64,
+    ) -> Result<Span, StepError> {
+        let mut work = Work { system, counts: &mut self.counts };
+        self.method.begin(&mut work, t, &self.x0, known).map_err(|fault| match fault {
+            Fault::System => StepError::System,
+            Fault::NotFinite(state) => StepError::NotFinite { t, state },
+        })?;
+        if self.control.is_unknown() {
+            self.guess(system, t, limit)?;
+        }
+        loop {
+            let trial = self.control.propose(t, limit);
+            let mut work = Work { system: &mut *system, counts: &mut self.counts };
+            let attempt =
+                self.method.attempt(&mut work, trial.into(), &self.x0, &mut self.x1, &mut self.error);
+            let err = match attempt {
+                Ok(()) => error_norm(&self.tolerances, &self.x0, &self.x1, &self.error),
+                Err(Fault::NotFinite(_)) => f64::INFINITY,
+                Err(Fault::System) => return Err(StepError::System),
+            };
+            if err <= 1.0 {
+                self.control.accept(trial, err);
+                self.counts.accepted += 1;
+                return Ok(trial.into());
+            }
+            self.counts.rejected += 1;
+            if !self.control.reject(trial, err) {
+                let state = match attempt {
+                    Err(Fault::NotFinite(state)) => state,
+                    _ => worst(&self.tolerances, &self.x0, &self.x1, &self.error),
+                };
+                return Err(StepError::Underflow { t, h: trial.h, state });
+            }
+        }
+    }
+}
+
+impl<M: Method> Stepper for Adaptive<M> {
+    fn restart(&mut self) {
+        self.known = false;
+        self.control.restart();
+    }
+
+    fn step(
+        &mut self,
+        system: &mut dyn System,
+        t: &mut f64,
+        x: &mut [f64],
+        limit: f64,
+    ) -> Result<(), StepError> {
+        if limit <= *t || limit.is_nan() {
+            return Ok(());
+        }
+        self.x0.copy_from_slice(x);
+        let known = std::mem::take(&mut self.known);
+        self.last = self.advance(system, *t, known, limit)?;
+        self.known = true;
+        *t = self.last.t1;
+        x.copy_from_slice(&self.x1);
+        Ok(())
+    }
+
+    fn interpolate(&self, t: f64, x: &mut [f64]) {
+        if t == self.last.t1 {
+            x.copy_from_slice(&self.x1);
+        } else if t == self.last.t0 {
+            x.copy_from_slice(&self.x0);
+        } else {
+            let theta = (t - self.last.t0) / self.last.h;
+            self.method.interpolate(theta, self.last.h, &self.x0, &self.x1, x);
+        }
+    }
+
+    fn last_step(&self) -> (f64, f64) {
+        (self.last.t0, self.last.t1)
+    }
+
+    fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    fn name(&self) -> &'static str {
+        M::NAME
+    }
+}

@@ -1,0 +1,192 @@
+//! Small dense systems of linear equations, in place and without allocation. Matrices are square and row-major: entry
+//! (i, j) of an n by n matrix is `a[i * n + j]`.
+
+/// The matrix has no factorisation: elimination met a pivot that is zero, negative where it must be positive, or not
+/// finite, in this column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Singular {
+    /// Index of the column.
+    pub column: usize,
+}
+
+impl std::fmt::Display for Singular {
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(out, "no pivot in column {}", self.column)
+    }
+}
+
+impl std::error::Error for Singular {}
+
+/// Overwrites `a` with L and U such that P a = L U (L has ones on its diagonal) by Gaussian elimination with partial
+/// pivoting; row i was exchanged with row `pivots[i]`. n is the length of `pivots`.
+///
+/// # Errors
+/// [`Singular`] when all candidates for a pivot are zero or one is not finite; `a` is then half done.
+pub fn lu_factor(a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singular> {
+    let n = pivots.len();
+    for k in 0..n {
+        let mut p = k;
+        for i in k + 1..n {
+            if a[i * n + k].abs() > a[p * n + k].abs() {
+                p = i;
+            }
+        }
+        pivots[k] = p;
+        if p != k {
+            for j in 0..n {
+                a.swap(k * n + j, p * n + j);
+            }
+        }
+        let pivot = a[k * n + k];
+        if pivot == 0.0 || !pivot.is_finite() {
+            return Err(Singular { column: k });
+        }
+        let (above, below) = a.split_at_mut((k + 1) * n);
+        let row = &above[k * n + k + 1..];
+        for other in below.chunks_exact_mut(n) {
+            let factor = other[k] / pivot;
+            other[k] = factor;
+            // Jacobians of networks are sparse; a zero row costs nothing.
+            if factor != 0.0 {
+                for (o, r) in other[k + 1..].iter_mut().zip(row) {
+                    *o -= factor * r;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Overwrites `b` with the solution x of a x = b, from the factors of [`lu_factor`].
+pub fn lu_solve(lu: &[f64], pivots: &[usize], b: &mut [f64]) {
+    let n = pivots.len();
+    for (i, &p) in pivots.iter().enumerate() {
+        b.swap(i, p);
+    }
+    for i in 1..n {
+        b[i] -= dot(&lu[i * n..i * n + i], &b[..i]);
+    }
+    for i in (0..n).rev() {
+        b[i] = (b[i] - dot(&lu[i * n + i + 1..(i + 1) * n], &b[i + 1..n])) / lu[i * n + i];
+    }
+}
+
+/// Overwrites the lower triangle of the symmetric positive definite n by n matrix `a` with L such that a = L L^T.
+/// The strict upper triangle is neither read nor written.
+///
+/// # Errors
+/// [`Singular`] when `a` is not positive definite; it is then half done.
+pub fn cholesky_factor(a: &mut [f64], n: usize) -> Result<(), Singular> {
+    for i in 0..n {
+        let (above, rest) = a.split_at_mut(i * n);
+        let row = &mut rest[..n];
+        for j in 0..i {
+            let other = &above[j * n..j * n + j + 1];
+            row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
+        }
+        let square = row[i] - dot(&row[..i], &row[..i]);
+        if square.is_nan() || square <= 0.0 || square == f64::INFINITY {
+            return Err(Singular { column: i });
+        }
+        row[i] = square.sqrt();
+    }
+    Ok(())
+}
+
+/// Overwrites `b` with the solution x of a x = b, from the factor of [`cholesky_factor`]. n is the length of `b`.
+pub fn cholesky_solve(l: &[f64], b: &mut [f64]) {
+    let n = b.len();
+    for i in 0..n {
+        b[i] = (b[i] - dot(&l[i * n..i * n + i], &b[..i])) / l[i * n + i];
+    }
+    for i in (0..n).rev() {
+        let mut sum = b[i];
+        for j in i + 1..n {
+            sum -= l[j * n + i] * b[j];
+        }
+        b[i] = sum / l[i * n + i];
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers in -1..1 that look random (Weyl's sequence).
+    fn scattered(count: usize) -> Vec<f64> {
+        (1..=count)
+            .map(|i| 2.0 * (i as f64 * 0.618_033_988_749_894_9).fract() - 1.0)
+            .map(|v| v * v * v)
+            .collect()
+    }
+
+    fn times(a: &[f64], x: &[f64]) -> Vec<f64> {
+        a.chunks_exact(x.len()).map(|row| dot(row, x)).collect()
+    }
+
+    #[test]
+    fn elimination_solves_what_multiplication_made() {
+        for n in [1, 2, 3, 7, 20] {
+            let a = scattered(n * n);
+            let x: Vec<f64> = (0..n).map(|i| i as f64 - 2.5).collect();
+            let (mut lu, mut b, mut pivots) = (a.clone(), times(&a, &x), vec![0; n]);
+            lu_factor(&mut lu, &mut pivots).unwrap();
+            lu_solve(&lu, &pivots, &mut b);
+            for (b, x) in b.iter().zip(&x) {
+                assert!((b - x).abs() < 1e-10, "n = {n}: {b} instead of {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn pivoting_copes_with_a_zero_on_the_diagonal() {
+        let (mut a, mut pivots, mut b) = ([0.0, 2.0, 3.0, 4.0], [0; 2], [2.0, 7.0]);
+        lu_factor(&mut a, &mut pivots).unwrap();
+        lu_solve(&a, &pivots, &mut b);
+        assert_eq!(b, [1.0, 1.0]);
+    }
+
+    #[test]
+    fn a_singular_matrix_names_the_column() {
+        let mut pivots = [0; 2];
+        assert_eq!(lu_factor(&mut [1.0, 2.0, 2.0, 4.0], &mut pivots), Err(Singular { column: 1 }));
+        assert_eq!(lu_factor(&mut [f64::NAN, 2.0, 2.0, 4.0], &mut pivots), Err(Singular { column: 0 }));
+        assert_eq!(cholesky_factor(&mut [1.0, 0.0, 2.0, 4.0], 2), Err(Singular { column: 1 }));
+        assert_eq!(cholesky_factor(&mut [f64::NAN], 1), Err(Singular { column: 0 }));
+    }
+
+    #[test]
+    fn cholesky_solves_and_leaves_the_upper_triangle_alone() {
+        for n in [1, 2, 5, 12] {
+            let m = scattered(n * n);
+            // m m^T + 1 is positive definite.
+            let mut a = vec![0.0; n * n];
+            for i in 0..n {
+                for j in 0..n {
+                    a[i * n + j] = dot(&m[i * n..(i + 1) * n], &m[j * n..(j + 1) * n]) + f64::from(i == j);
+                }
+            }
+            let x: Vec<f64> = (0..n).map(|i| 1.0 - i as f64).collect();
+            let mut b = times(&a, &x);
+            let upper: Vec<f64> = (1..n).map(|j| a[j]).collect();
+            cholesky_factor(&mut a, n).unwrap();
+            cholesky_solve(&a, &mut b);
+            assert_eq!(upper, a[1..n]);
+            for (b, x) in b.iter().zip(&x) {
+                assert!((b - x).abs() < 1e-12, "n = {n}: {b} instead of {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_to_solve_is_no_error() {
+        assert_eq!(lu_factor(&mut [], &mut []), Ok(()));
+        lu_solve(&[], &[], &mut []);
+        assert_eq!(cholesky_factor(&mut [], 0), Ok(()));
+        cholesky_solve(&[], &mut []);
+    }
+}

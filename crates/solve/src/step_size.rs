@@ -1,0 +1,269 @@
+//! The choice of the step size: error norm, PI controller, first guess, and how steps meet a limit.
+//!
+//! E. Hairer, S. P. Nørsett, G. Wanner: Solving Ordinary Differential Equations I, 2nd ed., section II.4;
+//! K. Gustafsson: Control-theoretic techniques for stepsize selection in explicit Runge-Kutta methods,
+//! ACM TOMS 17 (1991), doi 10.1145/210232.210242.
+
+use crate::{StepLimits, Tolerances};
+
+/// Aims below the tolerance, so that few steps are rejected.
+const SAFETY: f64 = 0.9;
+/// The least factor from one trial to the next, also when the error is not finite.
+const SHRINK: f64 = 0.2;
+/// The largest factor from one step to the next.
+const GROW: f64 = 10.0;
+/// Errors far below the tolerance say little; the controller remembers none smaller.
+const SMALLEST_REMEMBERED_ERROR: f64 = 1e-4;
+/// A step is stretched by up to this factor to land on a limit instead of leaving a sliver.
+const STRETCH: f64 = 1.01;
+/// The same for a step at its maximum, where only rounding of the limits is forgiven.
+const STRETCH_AT_MAXIMUM: f64 = 1.0 + 1e-9;
+
+/// One attempt at a step from `t0` to `t1 = t0 + h`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Trial {
+    pub t0: f64,
+    pub t1: f64,
+    pub h: f64,
+    /// Whether it is shorter than the controller wanted, to fit the limit.
+    cut: bool,
+}
+
+/// Controller of the step size for an error estimate that behaves as h^k.
+pub(crate) struct StepSize {
+    limits: StepLimits,
+    /// Proportional and integral exponents: h_new = h * SAFETY * err^-exponent * err_before^beta.
+    exponent: f64,
+    beta: f64,
+    /// What the next step would like to be; unknown before the first.
+    wanted: Option<f64>,
+    error_before: f64,
+    rejected: bool,
+}
+
+impl StepSize {
+    /// `k` is the power of h in the error estimate: its order plus one.
+    pub fn new(limits: StepLimits, k: f64) -> Self {
+        let beta = 0.2 / k;
+        Self {
+            limits,
+            exponent: 1.0 / k - 0.75 * beta,
+            beta,
+            wanted: limits.first,
+            error_before: SMALLEST_REMEMBERED_ERROR,
+            rejected: false,
+        }
+    }
+
+    /// Whether the first step size is still to be estimated.
+    pub fn is_unknown(&self) -> bool {
+        self.wanted.is_none()
+    }
+
+    pub fn set(&mut self, h: f64) {
+        self.wanted = Some(h);
+    }
+
+    /// Forgets the error of the past but not the size.
+    pub fn restart(&mut self) {
+        self.error_before = SMALLEST_REMEMBERED_ERROR;
+        self.rejected = false;
+    }
+
+    /// The next attempt from `t` towards `limit > t`.
+    pub fn propose(&self, t: f64, limit: f64) -> Trial {
+        let StepLimits { min, max, .. } = self.limits;
+        let h = self.wanted.unwrap_or(max).max(smallest(t, min)).min(max);
+        let remaining = limit - t;
+        let stretch = if h < max { STRETCH } else { STRETCH_AT_MAXIMUM };
+        if remaining <= h * stretch {
+            Trial { t0: t, t1: limit, h: remaining, cut: remaining < h }
+        } else if remaining < 2.0 * h {
+            // Two even steps instead of a long one and a sliver.
+            Trial { t0: t, t1: t + 0.5 * remaining, h: 0.5 * remaining, cut: true }
+        } else {
+            Trial { t0: t, t1: t + h, h, cut: false }
+        }
+    }
+
+    /// The trial was kept with the error `err <= 1`.
+    pub fn accept(&mut self, trial: Trial, err: f64) {
+        let factor = SAFETY * err.powf(-self.exponent) * self.error_before.powf(self.beta);
+        let growth = factor.clamp(SHRINK, if self.rejected { 1.0 } else { GROW });
+        let next = trial.h * growth;
+        if trial.cut && factor > growth && !self.rejected {
+            // The error of a step cut short is too small to tell how long a full one may be.
+            self.wanted = self.wanted.map(|h| h.max(next));
+        } else {
+            self.wanted = Some(next);
+        }
+        if !trial.cut {
+            self.error_before = err.max(SMALLEST_REMEMBERED_ERROR);
+        }
+        self.rejected = false;
+    }
+
+    /// The trial was thrown away with the error `err > 1` or not finite. Returns whether there is room to try again.
+    pub fn reject(&mut self, trial: Trial, err: f64) -> bool {
+        let floor = smallest(trial.t0, self.limits.min);
+        let factor = SAFETY * err.powf(-self.exponent);
+        let factor = if err.is_finite() { factor.clamp(SHRINK, 1.0) } else { SHRINK };
+        self.wanted = Some((trial.h * factor).max(floor));
+        self.rejected = true;
+        trial.h > floor
+    }
+}
+
+/// The smallest step worth trying at `t`: 16 units in the last place.
+fn smallest(t: f64, min: f64) -> f64 {
+    let unit = t.abs().next_up() - t.abs();
+    min.max(16.0 * unit)
+}
+
+/// Root mean square of the error in units of the tolerances; infinite when anything is not finite.
+/// `x0` and `x1` are the states before and after the step.
+pub(crate) fn error_norm(tolerances: &Tolerances, x0: &[f64], x1: &[f64], error: &[f64]) -> f64 {
+    if error.is_empty() {
+        return 0.0;
+    }
+    let mut sum = 0.0;
+    for (((&e, &a), &b), &absolute) in error.iter().zip(x0).zip(x1).zip(&tolerances.absolute) {
+        let r = e / scale(tolerances.relative, absolute, a.abs().max(b.abs()));
+        sum += r * r;
+        // An infinite state would hide its error behind an infinite tolerance.
+        sum += 0.0 * b;
+    }
+    let norm = (sum / error.len() as f64).sqrt();
+    if norm.is_finite() { norm } else { f64::INFINITY }
+}
+
+/// The state with the largest error, or the first one that is not finite.
+pub(crate) fn worst(tolerances: &Tolerances, x0: &[f64], x1: &[f64], error: &[f64]) -> usize {
+    let mut worst = (0, -1.0);
+    for (i, &e) in error.iter().enumerate() {
+        let r = (e / scale(tolerances.relative, tolerances.absolute[i], x0[i].abs().max(x1[i].abs()))).abs();
+        if !r.is_finite() || !x1[i].is_finite() {
+            return i;
+        }
+        if r > worst.1 {
+            worst = (i, r);
+        }
+    }
+    worst.0
+}
+
+/// Tolerance of a state of this magnitude; never zero, so that 0/0 cannot occur.
+pub(crate) fn scale(relative: f64, absolute: f64, magnitude: f64) -> f64 {
+    (absolute + relative * magnitude).max(f64::MIN_POSITIVE)
+}
+
+/// First guess of a step size, from the derivative `f0` at `x0`: an explicit Euler step moves `x0` by one hundredth of its
+/// magnitude (Hairer, Nørsett, Wanner, section II.4, a and b).
+pub(crate) fn first_guess(tolerances: &Tolerances, x0: &[f64], f0: &[f64], max: f64) -> f64 {
+    let (d0, d1) = (norm_of(tolerances, x0, x0), norm_of(tolerances, x0, f0));
+    let h = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
+    h.min(max)
+}
+
+/// Second guess, from the derivative `f1` after an Euler step of the size `h`: h^order times the larger of the first and second
+/// derivatives is one hundredth of the tolerance (ibid., c to f).
+pub(crate) fn second_guess(
+    tolerances: &Tolerances,
+    x0: &[f64],
+    f0: &[f64],
+    f1: &[f64],
+    h: f64,
+    order: f64,
+) -> f64 {
+    let n = x0.len().max(1) as f64;
+    let mut sum = 0.0;
+    for i in 0..x0.len() {
+        let r = (f1[i] - f0[i]) / scale(tolerances.relative, tolerances.absolute[i], x0[i].abs());
+        sum += r * r;
+    }
+    let d1 = norm_of(tolerances, x0, f0);
+    let d2 = (sum / n).sqrt() / h;
+    let d = d1.max(d2);
+    let h1 = if d <= 1e-15 { (h * 1e-3).max(1e-6) } else { (0.01 / d).powf(1.0 / order) };
+    (100.0 * h).min(h1)
+}
+
+/// Root mean square of `v` in units of the tolerances at `x`.
+fn norm_of(tolerances: &Tolerances, x: &[f64], v: &[f64]) -> f64 {
+    error_norm(tolerances, x, x, v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn control(h: f64, max: f64) -> StepSize {
+        StepSize::new(StepLimits { first: Some(h), max, ..StepLimits::default() }, 5.0)
+    }
+
+    #[test]
+    fn a_step_lands_on_the_limit_with_its_bits() {
+        let trial = control(0.1, f64::INFINITY).propose(0.2, 0.3);
+        assert_eq!(trial.t1.to_bits(), 0.3f64.to_bits());
+        assert_eq!(trial.h, 0.3 - 0.2);
+    }
+
+    #[test]
+    fn a_little_more_than_a_step_is_halved_and_no_sliver_remains() {
+        let mut control = control(0.1, f64::INFINITY);
+        let first = control.propose(0.0, 0.15);
+        assert_eq!(first.t1, 0.075);
+        control.accept(first, 1e-9);
+        let second = control.propose(first.t1, 0.15);
+        assert_eq!(second.t1, 0.15);
+    }
+
+    #[test]
+    fn a_step_cut_short_does_not_lose_the_size() {
+        let mut control = control(0.1, f64::INFINITY);
+        let sliver = control.propose(0.0, 1e-9);
+        control.accept(sliver, 1e-30);
+        assert_eq!(control.propose(1e-9, 1.0).h, 0.1);
+    }
+
+    #[test]
+    fn a_step_cut_short_with_a_telling_error_sets_the_size() {
+        let mut control = control(0.1, f64::INFINITY);
+        let half = control.propose(0.0, 0.05);
+        control.accept(half, 0.9);
+        assert!(control.propose(0.05, 1.0).h < 0.05);
+    }
+
+    #[test]
+    fn the_maximum_holds_and_forgives_rounding_of_the_limit() {
+        let control = control(1.0, 0.1);
+        assert_eq!(control.propose(0.0, 1.0).h, 0.1);
+        assert_eq!(control.propose(0.2, 0.3).t1, 0.3);
+        let (t, limit) = (0.1 + 0.2, 0.4);
+        assert_eq!(control.propose(t, limit).t1, limit);
+        assert!(control.propose(0.0, 0.1005).h < 0.1);
+    }
+
+    #[test]
+    fn a_value_that_is_not_finite_is_an_infinite_error() {
+        let tolerances = Tolerances::uniform(2, 1e-3, 1e-6);
+        assert_eq!(error_norm(&tolerances, &[1.0, 1.0], &[1.0, 1.0], &[0.0, f64::NAN]), f64::INFINITY);
+        assert_eq!(error_norm(&tolerances, &[1.0, 1.0], &[f64::INFINITY, 1.0], &[0.0, 0.0]), f64::INFINITY);
+        assert_eq!(worst(&tolerances, &[1.0, 1.0], &[1.0, f64::NAN], &[5.0, 0.0]), 1);
+        assert_eq!(worst(&tolerances, &[1.0, 1.0], &[1.0, 1.0], &[0.1, -0.2]), 1);
+    }
+
+    #[test]
+    fn a_rejection_without_a_finite_error_shrinks_by_five_and_ends_at_the_floor() {
+        let mut control = control(1e-3, f64::INFINITY);
+        let trial = control.propose(1.0, 2.0);
+        assert!(control.reject(trial, f64::INFINITY));
+        assert!((control.propose(1.0, 2.0).h - 2e-4).abs() < 1e-18);
+        let mut tries = 0;
+        while control.reject(control.propose(1.0, 2.0), f64::INFINITY) {
+            tries += 1;
+        }
+        assert!(tries < 30);
+        assert_eq!(control.propose(1.0, 2.0).h, 16.0 * f64::EPSILON);
+    }
+}
