@@ -147,6 +147,8 @@ pub enum Element {
         p: usize,
         /// Negative pin.
         n: usize,
+        /// The current follows from states alone (there is inductance), not from the voltage at the same instant.
+        from_state: bool,
     },
     /// Only looks at a voltage.
     VoltageProbe {

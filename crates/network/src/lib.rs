@@ -1,1 +1,24 @@
-//! network
+//! Physical networks: components joined by conserving connections become one block with states.
+//!
+//! [`assemble`] takes the components of one connected network and the sets of ports that are joined, eliminates
+//! what is rigid or ideal exactly, and returns a [`Network`], which is an ordinary block: its inputs are the
+//! signals that drive sources, its outputs what sensors read. No equation is solved simultaneously while it runs
+//! but one: accelerations and the losses of gear meshes.
+//!
+//! Mechanics: every speed is `w = T v + P s` with independent speeds `v` (joints first) and prescribed speeds
+//! `s`; `T` and `P` are constant. Then `(M(q) + T'JT) dv = T' tau - h(q, v)`: rotors and gears act inside the mass
+//! matrix. Electrics: potentials follow from the sources, currents of windings from states or from voltages, the
+//! currents of sources from Kirchhoff's law; torques follow, then accelerations.
+
+mod assembly;
+mod electrics;
+mod eliminate;
+mod evaluate;
+mod frames;
+mod mesh;
+mod problem;
+mod rotation;
+
+pub use assembly::{Member, Terminal, assemble};
+pub use evaluate::Network;
+pub use problem::NetworkProblem;

@@ -1,0 +1,201 @@
+//! Losses of gear meshes.
+//!
+//! The torque into a mesh at the base is the torque that passes through plus the loss, `T_B = T + T_f(T_B, w_B)`,
+//! and what passes through depends on the accelerations, which depend on the loss: the one relation of a network
+//! that is solved by iteration. It starts from the lossless torque, never from an earlier result, so a result
+//! does not depend on rejected steps.
+
+use blocksim_block::physical::{LossModel, MeshLoss};
+use blocksim_solve::linear::{lu_factor, lu_solve};
+
+/// Loss torque and its derivatives with respect to the torque into the base and the speed of the base.
+///
+/// With `FL = 1 - eta(base to follower)` and `BL = 1/eta(follower to base) - 1`: far above the threshold the
+/// follower gets `eta` of the torque in either direction.
+pub(crate) fn loss(mesh: &MeshLoss, torque: f64, speed: f64) -> (f64, f64, f64) {
+    let forward = 1.0 - mesh.forward;
+    let backward = 1.0 / mesh.backward - 1.0;
+    match mesh.model {
+        LossModel::Dissipative { threshold } => {
+            let onset = (speed / threshold).tanh();
+            let share = if torque * speed > 0.0 { forward } else { backward };
+            let d_onset = (1.0 - onset * onset) / threshold;
+            (torque.abs() * share * onset, torque.signum() * share * onset, torque.abs() * share * d_onset)
+        }
+        LossModel::Published { threshold } => {
+            let onset = (4.0 * torque * speed / threshold).tanh();
+            let d_onset = (1.0 - onset * onset) * 4.0 / threshold;
+            let (sum, difference) = (forward + backward, forward - backward);
+            let value = 0.5 * torque * (sum * onset + difference);
+            let by_torque = 0.5 * (sum * onset + difference) + 0.5 * torque * sum * d_onset * speed;
+            (value, by_torque, 0.5 * torque * sum * d_onset * torque)
+        }
+    }
+}
+
+/// Work space of [`solve`].
+#[derive(Debug, Clone, Default)]
+pub(crate) struct MeshScratch {
+    /// Torque into the base of each mesh, N*m.
+    pub torque: Vec<f64>,
+    /// Loss of each mesh, N*m.
+    pub loss: Vec<f64>,
+    /// Derivative of each loss with respect to the speed of its base.
+    pub by_speed: Vec<f64>,
+    by_torque: Vec<f64>,
+    residual: Vec<f64>,
+    trial: Vec<f64>,
+    direction: Vec<f64>,
+    jacobian: Vec<f64>,
+    pivots: Vec<usize>,
+}
+
+impl MeshScratch {
+    pub(crate) fn new(n: usize) -> Self {
+        Self {
+            torque: vec![0.0; n],
+            loss: vec![0.0; n],
+            by_speed: vec![0.0; n],
+            by_torque: vec![0.0; n],
+            residual: vec![0.0; n],
+            trial: vec![0.0; n],
+            direction: vec![0.0; n],
+            jacobian: vec![0.0; n * n],
+            pivots: vec![0; n],
+        }
+    }
+
+    /// `F(z) = z - phi(z) + K phi(z) - c`; leaves losses and their derivatives behind. Returns its largest element.
+    fn residual(&mut self, meshes: &[MeshLoss], speed: &[f64], k: &[f64], c: &[f64], at_trial: bool) -> f64 {
+        let n = meshes.len();
+        let z = if at_trial { &self.trial } else { &self.torque };
+        for (i, mesh) in meshes.iter().enumerate() {
+            (self.loss[i], self.by_torque[i], self.by_speed[i]) = loss(mesh, z[i], speed[i]);
+        }
+        let mut largest = 0.0_f64;
+        for i in 0..n {
+            let coupled: f64 = k[i * n..(i + 1) * n].iter().zip(&self.loss).map(|(k, loss)| k * loss).sum();
+            self.residual[i] = z[i] - self.loss[i] + coupled - c[i];
+            largest = largest.max(self.residual[i].abs());
+        }
+        largest
+    }
+}
+
+/// More iterations than any law with efficiencies above 0.3 ever needed.
+const ITERATIONS: usize = 60;
+
+/// Solves `z - phi(z) + K phi(z) = c` for the torques into the bases of all meshes by Newton's method with
+/// halving. Returns `false` when no solution was found, which happens in the self-locking regime that the law
+/// does not model.
+pub(crate) fn solve(s: &mut MeshScratch, meshes: &[MeshLoss], speed: &[f64], k: &[f64], c: &[f64]) -> bool {
+    let n = meshes.len();
+    s.torque.copy_from_slice(c);
+    let scale = c.iter().fold(1e-9_f64, |max, value| max.max(value.abs()));
+    let mut error = s.residual(meshes, speed, k, c, false);
+    for _ in 0..ITERATIONS {
+        if error <= 1e-13 * scale {
+            return true;
+        }
+        for i in 0..n {
+            for j in 0..n {
+                let own = if i == j { 1.0 } else { 0.0 };
+                s.jacobian[i * n + j] = own + (k[i * n + j] - own) * s.by_torque[j];
+            }
+        }
+        s.direction.copy_from_slice(&s.residual);
+        if lu_factor(&mut s.jacobian, &mut s.pivots).is_err() {
+            return false;
+        }
+        lu_solve(&s.jacobian, &s.pivots, &mut s.direction);
+        let before = error;
+        let mut step = 1.0;
+        loop {
+            s.trial.iter_mut().zip(&s.torque).zip(&s.direction).for_each(|((to, z), d)| *to = z - step * d);
+            error = s.residual(meshes, speed, k, c, true);
+            if error < before || step < 1e-3 {
+                break;
+            }
+            step *= 0.5;
+        }
+        std::mem::swap(&mut s.torque, &mut s.trial);
+        // Rounding limits what can be reached; two equal residuals in a row are the floor.
+        if error >= before && error <= 1e-10 * scale {
+            return true;
+        }
+    }
+    error <= 1e-10 * scale
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn published(forward: f64, backward: f64) -> MeshLoss {
+        MeshLoss { forward, backward, model: LossModel::Published { threshold: 1e-3 } }
+    }
+
+    #[test]
+    fn the_published_law_gives_its_reference_values() {
+        // Torque 1 N*m, efficiencies 0.8 and 0.7, threshold 1 mW; the power is varied through the speed.
+        let expected = [
+            (-1.0, -0.428_571_4),
+            (-1e-3, -0.428_360_6),
+            (-1e-4, -0.233_698_2),
+            (0.0, -0.114_285_7),
+            (1e-4, 0.005_126_8),
+            (2.5e-4, 0.125_072_4),
+            (1e-3, 0.199_789_2),
+            (1.0, 0.2),
+        ];
+        for (power, value) in expected {
+            let (found, _, _) = loss(&published(0.8, 0.7), 1.0, power);
+            assert!((found - value).abs() < 1e-7, "p = {power}: {found} != {value}");
+        }
+    }
+
+    #[test]
+    fn the_dissipative_law_never_delivers_power_and_has_the_same_limits() {
+        let mesh = MeshLoss { forward: 0.8, backward: 0.7, model: LossModel::Dissipative { threshold: 1.0 } };
+        for torque in [-3.0, -0.1, 0.0, 0.1, 3.0] {
+            for speed in [-100.0, -0.5, 0.0, 0.5, 100.0] {
+                let (found, _, _) = loss(&mesh, torque, speed);
+                assert!(found * speed >= 0.0, "torque {torque}, speed {speed}: {found}");
+                if f64::abs(speed) == 100.0 && torque != 0.0 {
+                    let (limit, _, _) = loss(&published(0.8, 0.7), torque, speed);
+                    assert!(
+                        (found - limit).abs() < 1e-12,
+                        "torque {torque}, speed {speed}: {found} != {limit}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences() {
+        for model in [LossModel::Dissipative { threshold: 1.0 }, LossModel::Published { threshold: 1e-3 }] {
+            let mesh = MeshLoss { forward: 0.75, backward: 0.7, model };
+            for (torque, speed) in [(1.0, 2e-4), (-2.0, 1e-4), (0.5, -3e-4), (-0.7, -2e-4)] {
+                let (_, by_torque, by_speed) = loss(&mesh, torque, speed);
+                let h = 1e-9;
+                let dt = (loss(&mesh, torque + h, speed).0 - loss(&mesh, torque - h, speed).0) / (2.0 * h);
+                let dw = (loss(&mesh, torque, speed + h).0 - loss(&mesh, torque, speed - h).0) / (2.0 * h);
+                assert!((by_torque - dt).abs() < 1e-4 * (1.0 + dt.abs()), "{by_torque} != {dt}");
+                assert!((by_speed - dw).abs() < 1e-4 * (1.0 + dw.abs()), "{by_speed} != {dw}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_isolated_mesh_passes_the_efficiency() {
+        // K = 0: what passes through (c) is given, z - phi(z) = c, so z = c / eta when the base drives.
+        let meshes =
+            [MeshLoss { forward: 0.8, backward: 0.7, model: LossModel::Dissipative { threshold: 1.0 } }];
+        let mut s = MeshScratch::new(1);
+        assert!(solve(&mut s, &meshes, &[100.0], &[0.0], &[4.0]));
+        assert!((s.torque[0] - 5.0).abs() < 1e-12, "{}", s.torque[0]);
+        assert!(solve(&mut s, &meshes, &[-100.0], &[0.0], &[4.0]));
+        assert!((s.torque[0] - 2.8).abs() < 1e-12, "{}", s.torque[0]);
+    }
+}

@@ -1,0 +1,365 @@
+//! Speeds: independent ones, and how all others follow from them.
+
+use blocksim_block::physical::{Element, MeshLoss};
+use nalgebra::{DMatrix, DVector};
+
+use crate::assembly::Members;
+use crate::eliminate::{Form, Relations};
+use crate::problem::NetworkProblem;
+
+/// A place where a speed is seen: branch, rigid coupling, speed source or probe.
+#[derive(Debug, Clone)]
+pub(crate) struct Pin {
+    /// Speed over the independent speeds.
+    pub speed: Form,
+    /// Speed over the prescribed speeds.
+    pub prescribed: Form,
+    /// Torque from `r` to `c` over the residuals of the nodes; only of rigid couplings and speed sources.
+    pub reaction: Form,
+    /// Index among the branches, if it is one.
+    pub branch: Option<usize>,
+}
+
+/// A gear with losses.
+#[derive(Debug, Clone)]
+pub(crate) struct LossyGear {
+    pub loss: MeshLoss,
+    /// Speed of the base over the independent and the prescribed speeds.
+    pub base: Form,
+    pub base_prescribed: Form,
+    pub base_node: usize,
+    /// Lossless torque into the base over the residuals of the nodes.
+    pub through: Form,
+    /// `K = K0 + sum through J T M^-1 t'`: the part that needs no acceleration.
+    pub own: Vec<f64>,
+}
+
+/// The rotational side of a network.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Rotation {
+    /// Number of independent speeds.
+    pub free: usize,
+    /// Number of prescribed speeds.
+    pub sources: usize,
+    /// Speed of each joint over the independent and the prescribed speeds.
+    pub joints: Vec<Form>,
+    pub joints_prescribed: Vec<Form>,
+    /// The independent speeds begin with all joints, and nothing is prescribed to them.
+    pub joints_are_free: bool,
+    /// Speed of each node over the independent and the prescribed speeds.
+    pub nodes: Vec<Form>,
+    pub nodes_prescribed: Vec<Form>,
+    /// Moment of inertia of each node.
+    pub inertia: Vec<f64>,
+    /// `T'JT` over the independent speeds, row-major.
+    pub reflected: Vec<f64>,
+    pub pins: Vec<Pin>,
+    /// Index of the pin of each branch.
+    pub branches: Vec<usize>,
+    /// Nodes `r` and `c` of each branch.
+    pub branch_nodes: Vec<(usize, usize)>,
+    pub gears: Vec<LossyGear>,
+    /// For each gear of all members, in order: torque through it over residuals, and its index among the lossy.
+    pub all_gears: Vec<(Form, Option<usize>)>,
+    /// Torque of the drive side on each joint over the residuals of the nodes.
+    pub drives: Vec<Form>,
+    /// Start values of the independent speeds.
+    pub start: Vec<f64>,
+    /// Names of the independent speeds for messages: joint index or node.
+    pub names: Vec<String>,
+}
+
+/// What a row of the relations stands for.
+enum Reason {
+    Gear { member: usize },
+    Reference { member: usize },
+    Rigid { member: usize },
+    Source { member: usize },
+    Joint { member: usize },
+}
+
+impl Reason {
+    fn member(&self) -> usize {
+        match self {
+            Reason::Gear { member }
+            | Reason::Reference { member }
+            | Reason::Rigid { member }
+            | Reason::Source { member }
+            | Reason::Joint { member } => *member,
+        }
+    }
+
+    fn what(&self) -> &'static str {
+        match self {
+            Reason::Gear { .. } => "couples these speeds",
+            Reason::Reference { .. } => "holds the speed at zero",
+            Reason::Rigid { .. } => "couples these speeds",
+            Reason::Source { .. } => "prescribes the speed",
+            Reason::Joint { .. } => "couples the drive side to the joint",
+        }
+    }
+}
+
+/// Finds the independent speeds of all members and everything that is constant about the others.
+#[allow(clippy::too_many_lines)] // One pass over the elements, then one section for each result.
+pub(crate) fn build(m: &Members, joint_members: &[usize]) -> Result<Rotation, Vec<NetworkProblem>> {
+    let nodes = m.rotational_nodes;
+    let joints = joint_members.len();
+    let mut rotation = Rotation { inertia: vec![0.0; nodes], ..Rotation::default() };
+    rotation.sources = m.count(|element| matches!(element, Element::SpeedSource { .. }));
+    let mut relations = Relations::new(nodes + joints, rotation.sources);
+    let mut reasons = Vec::new();
+    let mut pins: Vec<(usize, usize, Option<usize>)> = Vec::new(); // r, c, row of the reaction
+    let mut gears: Vec<(usize, usize, f64, Option<MeshLoss>, usize)> = Vec::new();
+    let mut drive_rows: Vec<Option<usize>> = vec![None; joints];
+    let joint_of = |member: usize| joint_members.iter().position(|other| *other == member).unwrap_or(0);
+    let mut starts: Vec<(usize, f64)> = Vec::new();
+    let mut source = 0;
+    for (member, element) in m.elements() {
+        let node = |port: usize| m.node(member, port);
+        match *element {
+            Element::Inertia { port, inertia, speed } => {
+                rotation.inertia[node(port)] += inertia;
+                if speed != 0.0 {
+                    starts.push((node(port), speed));
+                }
+            }
+            Element::Branch { r, c } => {
+                rotation.branches.push(pins.len());
+                rotation.branch_nodes.push((node(r), node(c)));
+                pins.push((node(r), node(c), None));
+            }
+            Element::SpeedProbe { r, c } => pins.push((node(r), node(c), None)),
+            Element::Rigid { r, c } => {
+                let row = relations.add(&[(node(r), 1.0), (node(c), -1.0)], &[]);
+                reasons.push(Reason::Rigid { member });
+                pins.push((node(r), node(c), Some(row)));
+            }
+            Element::SpeedSource { r, c } => {
+                let row = relations.add(&[(node(r), 1.0), (node(c), -1.0)], &[(source, 1.0)]);
+                reasons.push(Reason::Source { member });
+                pins.push((node(r), node(c), Some(row)));
+                source += 1;
+            }
+            Element::Gear { base, follower, ratio, loss } => {
+                let row = relations.add(&[(node(follower), 1.0), (node(base), -ratio)], &[]);
+                reasons.push(Reason::Gear { member });
+                gears.push((node(base), row, ratio, loss, member));
+            }
+            Element::RotationalReference { port } => {
+                relations.add(&[(node(port), 1.0)], &[]);
+                reasons.push(Reason::Reference { member });
+            }
+            Element::Revolute { r, c, .. } => {
+                let joint = joint_of(member);
+                if m.alone(member, r) && m.alone(member, c) {
+                    // A drive side that nothing is connected to stands still, so that it is no free part.
+                    for port in [r, c] {
+                        relations.add(&[(node(port), 1.0)], &[]);
+                        reasons.push(Reason::Joint { member });
+                    }
+                    continue;
+                }
+                let row = relations.add(&[(node(r), 1.0), (node(c), -1.0), (nodes + joint, -1.0)], &[]);
+                reasons.push(Reason::Joint { member });
+                drive_rows[joint] = Some(row);
+            }
+            _ => {}
+        }
+    }
+
+    let eliminated = relations.eliminate(|unknown| u32::from(unknown >= nodes));
+    let mut problems = Vec::new();
+    for (row, fights) in &eliminated.dependent {
+        problems.push(over_determined(&reasons[*row], *fights, &reasons, &relations, *row));
+    }
+
+    // Independent speeds: joints first, then nodes.
+    let mut order: Vec<usize> = (0..eliminated.free.len()).collect();
+    order.sort_by_key(|k| {
+        let unknown = eliminated.free[*k];
+        if unknown >= nodes { unknown - nodes } else { joints + unknown }
+    });
+    let over_free =
+        |unknown: usize| -> Vec<f64> { order.iter().map(|k| eliminated.over_free[unknown][*k]).collect() };
+    let free: Vec<usize> = order.iter().map(|k| eliminated.free[*k]).collect();
+    rotation.free = free.len();
+    rotation.nodes = (0..nodes).map(|node| Form::from_dense(&over_free(node))).collect();
+    rotation.nodes_prescribed =
+        (0..nodes).map(|node| Form::from_dense(&eliminated.over_given[node])).collect();
+    rotation.joints = (0..joints).map(|joint| Form::from_dense(&over_free(nodes + joint))).collect();
+    rotation.joints_prescribed =
+        (0..joints).map(|joint| Form::from_dense(&eliminated.over_given[nodes + joint])).collect();
+    rotation.joints_are_free = (0..joints).all(|joint| free.get(joint) == Some(&(nodes + joint)))
+        && rotation.joints_prescribed.iter().all(Form::is_empty);
+    rotation.names = free
+        .iter()
+        .map(|unknown| match unknown.checked_sub(nodes) {
+            Some(joint) => format!("{}.w", m.path(joint_members[joint])),
+            None => format!("{}.w", m.node_name(*unknown)),
+        })
+        .collect();
+
+    rotation.reflected = vec![0.0; rotation.free * rotation.free];
+    for (node, inertia) in rotation.inertia.iter().enumerate() {
+        rotation.nodes[node].square_to(*inertia, &mut rotation.reflected, rotation.free);
+    }
+    for (k, unknown) in free.iter().enumerate().filter(|(_, unknown)| **unknown < nodes) {
+        if rotation.reflected[k * rotation.free + k] == 0.0 {
+            problems.push(m.no_inertia(*unknown));
+        }
+    }
+
+    // Reactions: residuals of the nodes = A' lambda, so lambda = (A A')^-1 A residuals, with A the relations
+    // without the columns of the joints.
+    let rows = relations.len();
+    let a = DMatrix::from_fn(rows, nodes, |row, node| relations.row(row)[node]);
+    let gram = &a * a.transpose();
+    let Some(left_inverse) = gram.cholesky().map(|gram| gram.solve(&a)) else {
+        if problems.is_empty() {
+            problems.push(indeterminate(&reasons));
+        }
+        return Err(problems);
+    };
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let reaction = |row: usize, factor: f64| -> Form {
+        let dense: Vec<f64> = (0..nodes).map(|node| clean(left_inverse[(row, node)]) * factor).collect();
+        Form::from_dense(&dense)
+    };
+
+    let difference = |forms: &dyn Fn(usize) -> Vec<f64>, r: usize, c: usize| -> Form {
+        let (r, c) = (forms(r), forms(c));
+        Form::from_dense(&r.iter().zip(&c).map(|(r, c)| r - c).collect::<Vec<_>>())
+    };
+    for (index, (r, c, row)) in pins.iter().enumerate() {
+        rotation.pins.push(Pin {
+            speed: difference(&over_free, *r, *c),
+            prescribed: difference(&|node| eliminated.over_given[node].clone(), *r, *c),
+            reaction: row.map_or_else(Form::default, |row| reaction(row, -1.0)),
+            branch: rotation.branches.iter().position(|pin| *pin == index),
+        });
+    }
+    for (base, row, ratio, loss, _) in &gears {
+        let through = reaction(*row, *ratio);
+        let lossy = loss.map(|loss| {
+            rotation.gears.push(LossyGear {
+                loss,
+                base: rotation.nodes[*base].clone(),
+                base_prescribed: rotation.nodes_prescribed[*base].clone(),
+                base_node: *base,
+                through: through.clone(),
+                own: Vec::new(),
+            });
+            rotation.gears.len() - 1
+        });
+        rotation.all_gears.push((through, lossy));
+    }
+    let bases: Vec<usize> = rotation.gears.iter().map(|gear| gear.base_node).collect();
+    for gear in &mut rotation.gears {
+        let mut unit = DVector::zeros(nodes);
+        gear.own = bases
+            .iter()
+            .map(|base| {
+                unit.fill(0.0);
+                unit[*base] = 1.0;
+                -gear.through.of(unit.as_slice())
+            })
+            .collect();
+    }
+    rotation.drives =
+        drive_rows.iter().map(|row| row.map_or_else(Form::default, |row| reaction(row, -1.0))).collect();
+    rotation.start = start(m, &rotation, joint_members, &starts)?;
+    Ok(rotation)
+}
+
+/// Speeds at the start that inertias ask for; joints bring their own.
+fn start(
+    m: &Members,
+    rotation: &Rotation,
+    joint_members: &[usize],
+    starts: &[(usize, f64)],
+) -> Result<Vec<f64>, Vec<NetworkProblem>> {
+    let mut v = vec![f64::NAN; rotation.free];
+    for (member, element) in m.elements() {
+        if let Element::Revolute { velocity, .. } = element
+            && let Some(joint) = joint_members.iter().position(|other| *other == member)
+            && let [(k, factor)] = rotation.joints[joint].terms()
+        {
+            v[*k as usize] = velocity / factor;
+        }
+    }
+    for (node, speed) in starts {
+        let terms = rotation.nodes[*node].terms();
+        let conflict = || {
+            vec![
+                NetworkProblem::new(
+                    "start_conflict",
+                    format!("the speed of {speed} rad/s at the start does not fit the parts it is coupled to"),
+                    "give one part of a rigidly coupled train its start speed, or start values that fit the ratios",
+                )
+                .with(m.any_member_at(*node), "asks for it"),
+            ]
+        };
+        match terms {
+            [(k, factor)] => {
+                let value = speed / factor;
+                let slot = &mut v[*k as usize];
+                if !slot.is_nan() && (*slot - value).abs() > 1e-9 * (1.0 + value.abs()) {
+                    return Err(conflict());
+                }
+                *slot = value;
+            }
+            _ => return Err(conflict()),
+        }
+    }
+    Ok(v.into_iter().map(|value| if value.is_nan() { 0.0 } else { value }).collect())
+}
+
+/// Rounding of the inverse must not couple drives that have nothing to do with each other.
+fn clean(value: f64) -> f64 {
+    if value.abs() < 1e-12 { 0.0 } else { value }
+}
+
+fn over_determined(
+    reason: &Reason,
+    fights: bool,
+    reasons: &[Reason],
+    relations: &Relations,
+    row: usize,
+) -> NetworkProblem {
+    let shares = |other: usize| {
+        let (a, b) = (relations.row(row), relations.row(other));
+        a.iter().zip(b).any(|(a, b)| *a != 0.0 && *b != 0.0)
+    };
+    let problem = if fights {
+        NetworkProblem::new(
+            "speed_conflict",
+            "two parts prescribe the same speed",
+            "remove one of them, or put a spring, a damper or a clutch between them",
+        )
+    } else {
+        NetworkProblem::new(
+            "indeterminate_torque",
+            "this coupling is rigid twice over: how the torque divides cannot be known",
+            "remove one of the couplings, or make one of them elastic with a spring",
+        )
+    };
+    let mut problem = problem.with(reason.member(), reason.what());
+    for (index, other) in reasons.iter().enumerate() {
+        if index != row && other.member() != reason.member() && shares(index) {
+            problem = problem.with(other.member(), other.what());
+        }
+    }
+    problem
+}
+
+fn indeterminate(reasons: &[Reason]) -> NetworkProblem {
+    let problem = NetworkProblem::new(
+        "indeterminate_torque",
+        "the torques inside this network cannot be known: parts are rigidly coupled twice over",
+        "remove one of the couplings, or make one of them elastic with a spring",
+    );
+    reasons.iter().take(4).fold(problem, |problem, reason| problem.with(reason.member(), reason.what()))
+}
