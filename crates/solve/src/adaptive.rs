@@ -39,8 +39,8 @@ pub trait Method: Send {
     /// Power of h in the error estimate.
     const ERROR_POWER: f64;
 
-    /// Work space for `n` states.
-    fn new(n: usize) -> Self;
+    /// Work space for as many states as there are absolute tolerances.
+    fn new(tolerances: &Tolerances) -> Self;
 
     /// Provides the derivative at the start of a step; `known` when the last step was accepted and nothing has changed
     /// since, so that its last stage may serve.
@@ -99,7 +99,7 @@ impl<M: Method> Adaptive<M> {
     pub fn new(tolerances: Tolerances, limits: StepLimits) -> Self {
         let n = tolerances.absolute.len();
         Self {
-            method: M::new(n),
+            method: M::new(&tolerances),
             control: StepSize::new(limits, M::ERROR_POWER),
             max: limits.max,
             tolerances,

@@ -8,6 +8,7 @@
 //! doi 10.1016/0771-050X(80)90013-3. Continuous extension: E. Hairer, S. P. Nørsett, G. Wanner: Solving Ordinary
 //! Differential Equations I, 2nd ed., section II.6.
 
+use crate::Tolerances;
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::combine::{combine, combine_error};
 
@@ -51,7 +52,8 @@ impl Method for DormandPrince {
     const ORDER: f64 = 5.0;
     const ERROR_POWER: f64 = 5.0;
 
-    fn new(n: usize) -> Self {
+    fn new(tolerances: &Tolerances) -> Self {
+        let n = tolerances.absolute.len();
         Self { k: std::array::from_fn(|_| vec![0.0; n]) }
     }
 

@@ -101,18 +101,33 @@ impl System for ProtheroRobinson {
     }
 }
 
-/// A direct current motor with its mechanics: armature current i (A) and speed w (rad/s), i' = rate (u(t) - i - w / 10),
-/// w' = 5 i - w, driven by u = sin t. The rate is that of the winding, 1/s. Of its Jacobian it gives the diagonal only.
+/// A direct current motor with its mechanics: armature current i (A) and speed w (rad/s), i' = rate (sin t - i - w / 10),
+/// w' = 5 i - w. The rate is that of the winding, 1/s. Gives as much of its Jacobian as it is told to.
 pub struct Motor {
     /// Resistance over inductance of the winding, 1/s.
     pub rate: f64,
-    divisor: [f64; 2],
+    /// What J holds besides its diagonal.
+    pub coupling: Coupling,
+    hg: f64,
+}
+
+/// Terms off the diagonal in the Jacobian of [`Motor`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coupling {
+    /// None.
+    Neither,
+    /// Of the speed on the current.
+    OnCurrent,
+    /// Of the current on the speed.
+    OnSpeed,
+    /// Both: J is exact.
+    Both,
 }
 
 impl Motor {
-    /// With this rate of the winding, 1/s.
-    pub fn new(rate: f64) -> Self {
-        Self { rate, divisor: [1.0; 2] }
+    /// With this rate of the winding, 1/s, and these terms in J.
+    pub fn new(rate: f64, coupling: Coupling) -> Self {
+        Self { rate, coupling, hg: 0.0 }
     }
 }
 
@@ -128,13 +143,19 @@ impl System for Motor {
     }
 
     fn prepare(&mut self, _t: f64, _x: &[f64], hg: f64) -> Result<(), Failed> {
-        self.divisor = [1.0 + hg * self.rate, 1.0 + hg];
+        self.hg = hg;
         Ok(())
     }
 
     fn solve(&mut self, r: &mut [f64]) {
-        r[0] /= self.divisor[0];
-        r[1] /= self.divisor[1];
+        let on_current = matches!(self.coupling, Coupling::OnCurrent | Coupling::Both);
+        let on_speed = matches!(self.coupling, Coupling::OnSpeed | Coupling::Both);
+        // I - hg J = [a b; c d], by Cramer's rule.
+        let (a, d) = (1.0 + self.hg * self.rate, 1.0 + self.hg);
+        let b = if on_current { 0.1 * self.hg * self.rate } else { 0.0 };
+        let c = if on_speed { -5.0 * self.hg } else { 0.0 };
+        let determinant = a * d - b * c;
+        (r[0], r[1]) = ((d * r[0] - b * r[1]) / determinant, (a * r[1] - c * r[0]) / determinant);
     }
 }
 

@@ -10,6 +10,7 @@
 
 #![expect(clippy::excessive_precision, reason = "the digits are those of the tables")]
 
+use crate::Tolerances;
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::combine::combine;
 use crate::linear::{lu_factor, lu_solve};
@@ -41,6 +42,9 @@ const H2: [f64; 5] =
 const H3: [f64; 5] =
     [-0.6762803392801253, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872];
 
+/// A time that counts as small when f is differentiated by it, s.
+const TYPICAL_TIME: f64 = 1e-3;
+
 /// Stages and matrices of [`Rodas4`].
 pub struct Rodas {
     u: [Vec<f64>; 6],
@@ -55,17 +59,18 @@ pub struct Rodas {
     /// I - h gamma J, factored.
     lu: Vec<f64>,
     pivots: Vec<usize>,
+    /// Magnitude per state below which it counts as small.
+    typical: Vec<f64>,
 }
 
 impl Rodas {
-    /// Forward differences, with the increments of Hairer and Wanner's codes; a state at the edge of the domain is
-    /// varied inwards.
+    /// Forward differences; a state at the edge of the domain is varied inwards.
     fn differentiate(&mut self, work: &mut Work, span: Span, x: &mut [f64]) -> Result<(), Fault> {
         let n = x.len();
         work.counts.jacobians += 1;
         for j in 0..n {
             let before = x[j];
-            let size = increment(before);
+            let size = increment(before, self.typical[j]);
             x[j] = before + size;
             if let Err(Fault::NotFinite(_)) = work.derivatives(span.t0, x, &mut self.f) {
                 x[j] = before - size;
@@ -78,7 +83,7 @@ impl Rodas {
             }
         }
         // Within the step, because f may change its law behind either end.
-        let t = span.t0 + increment(span.t0).min(span.h);
+        let t = span.t0 + increment(span.t0, TYPICAL_TIME).min(span.h);
         work.derivatives(t, x, &mut self.f)?;
         for i in 0..n {
             self.ft[i] = (self.f[i] - self.f0[i]) / (t - span.t0);
@@ -116,8 +121,15 @@ impl Rodas {
     }
 }
 
-fn increment(value: f64) -> f64 {
-    (f64::EPSILON * value.abs().max(1e-5)).sqrt()
+/// Half of the digits of the value are varied.
+fn increment(value: f64, typical: f64) -> f64 {
+    f64::EPSILON.sqrt() * value.abs().max(typical)
+}
+
+/// The magnitude where the absolute tolerance takes over from the relative one: what the user calls small. A fixed bound
+/// would miss the slopes of states that live below it, such as the second of Robertson's reaction near 1e-13.
+fn typical(absolute: f64, relative: f64) -> f64 {
+    (absolute / relative.max(f64::EPSILON)).max(1e-10)
 }
 
 impl Method for Rodas {
@@ -125,7 +137,8 @@ impl Method for Rodas {
     const ORDER: f64 = 4.0;
     const ERROR_POWER: f64 = 4.0;
 
-    fn new(n: usize) -> Self {
+    fn new(tolerances: &Tolerances) -> Self {
+        let n = tolerances.absolute.len();
         Self {
             u: std::array::from_fn(|_| vec![0.0; n]),
             f0: vec![0.0; n],
@@ -135,6 +148,7 @@ impl Method for Rodas {
             jacobian_is_current: false,
             lu: vec![0.0; n * n],
             pivots: vec![0; n],
+            typical: tolerances.absolute.iter().map(|a| typical(*a, tolerances.relative)).collect(),
         }
     }
 

@@ -35,6 +35,23 @@ pub trait Stepper: Send {
     fn name(&self) -> &'static str;
 }
 
+/// Steps from (`t`, `x`) until `end`.
+///
+/// # Errors
+/// Those of the first step that fails; `t` and `x` are then where it began.
+pub fn integrate(
+    stepper: &mut dyn Stepper,
+    system: &mut dyn System,
+    t: &mut f64,
+    x: &mut [f64],
+    end: f64,
+) -> Result<(), StepError> {
+    while *t < end {
+        stepper.step(system, t, x, end)?;
+    }
+    Ok(())
+}
+
 /// Work done by a stepper.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
