@@ -1,1 +1,24 @@
-//! results
+//! What a run leaves on disk and shows in the terminal. Knows nothing of blocks.
+//!
+//! A run is a folder `runs/<UTC time>_<name>/` with `manifest.json` (what was run and how it ended),
+//! `signals.csv`, `events.csv` and `log.txt`. [`RunFolder`] writes it so that it exists as a whole or not at
+//! all.
+
+pub mod clock;
+mod csv;
+mod csv_record;
+mod csv_write;
+mod error;
+pub mod hash;
+mod manifest;
+mod place;
+mod recording;
+mod run_folder;
+
+pub use csv::{ReadLimits, read_csv, read_csv_file, read_events};
+pub use csv_write::{write_events, write_signals};
+pub use error::{CsvError, RecordingError, ResultsError};
+pub use manifest::{Choice, Counts, Ended, FileUsed, Manifest, Override, Program, SolverUsed};
+pub use place::probe;
+pub use recording::{EventRow, Kind, Recording, Signal};
+pub use run_folder::RunFolder;

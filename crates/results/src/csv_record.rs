@@ -1,0 +1,177 @@
+//! One record of a CSV text at a time, in memory that does not grow with the text.
+
+use std::io::{BufRead, Read};
+
+use crate::error::CsvError;
+
+/// Reads records; lines may end in LF or CRLF, quoted fields may hold line breaks.
+pub(crate) struct Records<R> {
+    source: R,
+    limit: usize,
+    bytes: Vec<u8>,
+    next_line: u64,
+    /// Line on which the present record starts, from 1.
+    pub line: u64,
+    /// The fields of the present record, without quotes.
+    pub fields: Vec<String>,
+    /// How many of `fields` belong to the present record; the others are kept for their memory.
+    pub count: usize,
+}
+
+impl<R: BufRead> Records<R> {
+    /// Records of at most `limit` bytes each.
+    pub fn new(source: R, limit: usize) -> Records<R> {
+        Records { source, limit, bytes: Vec::new(), next_line: 1, line: 1, fields: Vec::new(), count: 0 }
+    }
+
+    /// Moves to the next record that is not an empty line; false at the end of the text.
+    pub fn advance(&mut self) -> Result<bool, CsvError> {
+        loop {
+            self.line = self.next_line;
+            self.bytes.clear();
+            if !self.read_line()? {
+                return Ok(false);
+            }
+            let mut open = odd_quotes(&self.bytes);
+            while open {
+                let before = self.bytes.len();
+                if !self.read_line()? {
+                    return Err(self.error(None, "a quoted field is not closed; add the missing \""));
+                }
+                open ^= odd_quotes(&self.bytes[before..]);
+            }
+            if self.line == 1 && self.bytes.starts_with(b"\xef\xbb\xbf") {
+                self.bytes.drain(..3);
+            }
+            while matches!(self.bytes.last(), Some(b'\n' | b'\r')) {
+                self.bytes.pop();
+            }
+            if !self.bytes.is_empty() {
+                self.split()?;
+                return Ok(true);
+            }
+        }
+    }
+
+    /// The fields of the present record.
+    pub fn fields(&self) -> &[String] {
+        &self.fields[..self.count]
+    }
+
+    /// An error on the line of the present record; columns count from 0 here.
+    pub fn error(&self, column: Option<usize>, problem: impl Into<String>) -> CsvError {
+        CsvError { line: self.line, column: column.map(|c| c + 1), problem: problem.into() }
+    }
+
+    fn read_line(&mut self) -> Result<bool, CsvError> {
+        let room = (self.limit + 1).saturating_sub(self.bytes.len());
+        let read = (&mut self.source).take(room as u64).read_until(b'\n', &mut self.bytes);
+        match read {
+            Err(error) => Err(self.error(None, format!("reading stopped: {error}"))),
+            Ok(_) if self.bytes.len() > self.limit => {
+                let problem = format!("the line is longer than {} bytes; is this a CSV file?", self.limit);
+                Err(self.error(None, problem))
+            }
+            Ok(read) => {
+                self.next_line += u64::from(read > 0);
+                Ok(read > 0)
+            }
+        }
+    }
+
+    fn split(&mut self) -> Result<(), CsvError> {
+        let Ok(text) = std::str::from_utf8(&self.bytes) else {
+            return Err(self.error(None, "the line is not UTF-8 text; save the file as UTF-8"));
+        };
+        let mut count = 0;
+        let mut rest = text;
+        loop {
+            if count == self.fields.len() {
+                self.fields.push(String::new());
+            }
+            let field = &mut self.fields[count];
+            field.clear();
+            if let Some(mut quoted) = rest.strip_prefix('"') {
+                loop {
+                    let Some((part, after)) = quoted.split_once('"') else {
+                        return Err(
+                            self.error(Some(count), "the quotes do not match; write \"\" for a quote")
+                        );
+                    };
+                    field.push_str(part);
+                    quoted = after;
+                    match quoted.strip_prefix('"') {
+                        Some(after) => {
+                            field.push('"');
+                            quoted = after;
+                        }
+                        None => break,
+                    }
+                }
+                if !(quoted.is_empty() || quoted.starts_with(',')) {
+                    return Err(
+                        self.error(Some(count), "text follows a closing quote; write \"\" for a quote")
+                    );
+                }
+                rest = quoted;
+            } else {
+                let end = rest.find(',').unwrap_or(rest.len());
+                field.push_str(&rest[..end]);
+                rest = &rest[end..];
+            }
+            count += 1;
+            match rest.strip_prefix(',') {
+                Some(after) => rest = after,
+                None => break,
+            }
+        }
+        self.count = count;
+        Ok(())
+    }
+}
+
+fn odd_quotes(bytes: &[u8]) -> bool {
+    bytes.iter().filter(|&&b| b == b'"').count() % 2 == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(text: &str) -> Result<Vec<(u64, Vec<String>)>, CsvError> {
+        let mut records = Records::new(text.as_bytes(), 60);
+        let mut found = Vec::new();
+        while records.advance()? {
+            found.push((records.line, records.fields().to_vec()));
+        }
+        Ok(found)
+    }
+
+    fn owned(fields: &[&str]) -> Vec<String> {
+        fields.iter().map(|&f| f.to_owned()).collect()
+    }
+
+    #[test]
+    fn quotes_line_breaks_byte_order_marks_and_empty_fields_are_understood() {
+        let text = "\u{feff}a,\"b,\"\"c\"\"\",\r\n\r\n\"two\nlines\",x\nlast";
+        assert_eq!(
+            all(text).unwrap(),
+            [(1, owned(&["a", "b,\"c\"", ""])), (3, owned(&["two\nlines", "x"])), (5, owned(&["last"])),]
+        );
+    }
+
+    #[test]
+    fn broken_records_are_refused_with_their_line() {
+        let message = |text: &str| all(text).unwrap_err().to_string();
+        assert_eq!(message("a\n\"b"), "line 2: a quoted field is not closed; add the missing \"");
+        assert_eq!(
+            message("a,\"b\"c"),
+            "line 1, column 2: text follows a closing quote; write \"\" for a quote"
+        );
+        let long = "x".repeat(61);
+        assert_eq!(message(&long), "line 1: the line is longer than 60 bytes; is this a CSV file?");
+        let open = format!("\"{}", "x\n".repeat(100));
+        assert_eq!(message(&open), "line 1: the line is longer than 60 bytes; is this a CSV file?");
+        assert!(Records::new(&b"\xff\xfe\n"[..], 60).advance().is_err());
+    }
+}
