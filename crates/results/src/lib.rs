@@ -2,18 +2,26 @@
 //!
 //! A run is a folder `runs/<UTC time>_<name>/` with `manifest.json` (what was run and how it ended),
 //! `signals.csv`, `events.csv` and `log.txt`. [`RunFolder`] writes it so that it exists as a whole or not at
-//! all.
+//! all. [`plot`], [`Table`] and the functions of [`format`](mod@format) are the same run for a person at a
+//! terminal.
 
+mod canvas;
 pub mod clock;
 mod csv;
 mod csv_record;
 mod csv_write;
 mod error;
+pub mod format;
 pub mod hash;
 mod manifest;
 mod place;
 mod recording;
 mod run_folder;
+mod sparkline;
+mod summary;
+mod table;
+mod terminal;
+mod ticks;
 
 pub use csv::{ReadLimits, read_csv, read_csv_file, read_events};
 pub use csv_write::{write_events, write_signals};
@@ -22,3 +30,7 @@ pub use manifest::{Choice, Counts, Ended, FileUsed, Manifest, Override, Program,
 pub use place::probe;
 pub use recording::{EventRow, Kind, Recording, Signal};
 pub use run_folder::RunFolder;
+pub use sparkline::sparkline;
+pub use summary::done_line;
+pub use table::{Align, Table};
+pub use terminal::{PlotOptions, Series, plot};

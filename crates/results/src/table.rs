@@ -1,0 +1,83 @@
+//! A text table.
+
+/// On which side the cells of a column are aligned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    /// Words.
+    Left,
+    /// Numbers; give them the same number of decimals and the points stand below each other.
+    Right,
+}
+
+/// Rows under headings, two spaces between columns, no lines.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Table {
+    columns: Vec<(String, Align)>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// A table with these headings; headings may be empty.
+    pub fn new(columns: &[(&str, Align)]) -> Table {
+        let columns = columns.iter().map(|&(heading, align)| (heading.to_owned(), align)).collect();
+        Table { columns, rows: Vec::new() }
+    }
+
+    /// Adds a row. Missing cells are empty, cells beyond the last column are left out.
+    pub fn row(&mut self, cells: impl IntoIterator<Item = impl Into<String>>) {
+        let mut row: Vec<String> = cells.into_iter().map(Into::into).collect();
+        row.resize(self.columns.len(), String::new());
+        self.rows.push(row);
+    }
+
+    /// The table as text, each line ending in a line feed.
+    pub fn render(&self) -> String {
+        let headings: Vec<String> = self.columns.iter().map(|(heading, _)| heading.clone()).collect();
+        let lines = || std::iter::once(&headings).chain(&self.rows);
+        let width = |column: usize| lines().map(|row| row[column].chars().count()).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
+
+        let mut text = String::new();
+        for row in lines().filter(|row| row.iter().any(|cell| !cell.is_empty())) {
+            let cells: Vec<String> = row
+                .iter()
+                .zip(&widths)
+                .zip(&self.columns)
+                .map(|((cell, &width), (_, align))| match align {
+                    Align::Left => format!("{cell:<width$}"),
+                    Align::Right => format!("{cell:>width$}"),
+                })
+                .collect();
+            text.push_str(cells.join("  ").trim_end());
+            text.push('\n');
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use expect_test::expect;
+
+    #[test]
+    fn numbers_stand_right_and_words_left() {
+        let mut table = Table::new(&[("axis", Align::Left), ("T_acc [s]", Align::Right), ("", Align::Left)]);
+        table.row(["joint 1", "0.367", "leads"]);
+        table.row(["joint 10", "-12.000"]);
+        table.row(["größer", "3.000", "", "left out"]);
+        expect![[r#"
+            axis      T_acc [s]
+            joint 1       0.367  leads
+            joint 10    -12.000
+            größer        3.000
+        "#]]
+        .assert_eq(&table.render());
+    }
+
+    #[test]
+    fn a_table_of_nothing_is_nothing() {
+        assert_eq!(Table::default().render(), "");
+        assert_eq!(Table::new(&[("", Align::Left)]).render(), "");
+    }
+}
