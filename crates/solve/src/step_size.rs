@@ -12,8 +12,8 @@ const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 /// The largest factor from one step to the next.
 const GROW: f64 = 10.0;
-/// Errors far below the tolerance say little; the controller remembers none smaller.
-const SMALLEST_REMEMBERED_ERROR: f64 = 1e-4;
+/// Errors far below the tolerance say little; the controller remembers none smaller. Logarithm of 1e-4.
+const SMALLEST_REMEMBERED: f64 = -4.0 * std::f64::consts::LN_10;
 /// A step is stretched by up to this factor to land on a limit instead of leaving a sliver.
 const STRETCH: f64 = 1.01;
 /// The same for a step at its maximum, where only rounding of the limits is forgiven.
@@ -37,7 +37,8 @@ pub(crate) struct StepSize {
     beta: f64,
     /// What the next step would like to be; unknown before the first.
     wanted: Option<f64>,
-    error_before: f64,
+    /// Logarithm of the error of the last step.
+    logarithm_before: f64,
     rejected: bool,
 }
 
@@ -50,7 +51,7 @@ impl StepSize {
             exponent: 1.0 / k - 0.75 * beta,
             beta,
             wanted: limits.first,
-            error_before: SMALLEST_REMEMBERED_ERROR,
+            logarithm_before: SMALLEST_REMEMBERED,
             rejected: false,
         }
     }
@@ -66,7 +67,7 @@ impl StepSize {
 
     /// Forgets the error of the past but not the size.
     pub fn restart(&mut self) {
-        self.error_before = SMALLEST_REMEMBERED_ERROR;
+        self.logarithm_before = SMALLEST_REMEMBERED;
         self.rejected = false;
     }
 
@@ -88,7 +89,9 @@ impl StepSize {
 
     /// The trial was kept with the error `err <= 1`.
     pub fn accept(&mut self, trial: Trial, err: f64) {
-        let factor = SAFETY * err.powf(-self.exponent) * self.error_before.powf(self.beta);
+        // The powers by their logarithms, of which that of the error before is known.
+        let logarithm = err.ln();
+        let factor = SAFETY * (self.beta * self.logarithm_before - self.exponent * logarithm).exp();
         let growth = factor.clamp(SHRINK, if self.rejected { 1.0 } else { GROW });
         let next = trial.h * growth;
         if trial.cut && factor > growth && !self.rejected {
@@ -98,7 +101,7 @@ impl StepSize {
             self.wanted = Some(next);
         }
         if !trial.cut {
-            self.error_before = err.max(SMALLEST_REMEMBERED_ERROR);
+            self.logarithm_before = logarithm.max(SMALLEST_REMEMBERED);
         }
         self.rejected = false;
     }
@@ -123,17 +126,18 @@ fn smallest(t: f64, min: f64) -> f64 {
 /// Root mean square of the error in units of the tolerances; infinite when anything is not finite.
 /// `x0` and `x1` are the states before and after the step.
 pub(crate) fn error_norm(tolerances: &Tolerances, x0: &[f64], x1: &[f64], error: &[f64]) -> f64 {
-    if error.is_empty() {
+    let n = error.len();
+    if n == 0 {
         return 0.0;
     }
+    let (x0, x1, absolute) = (&x0[..n], &x1[..n], &tolerances.absolute[..n]);
     let mut sum = 0.0;
-    for (((&e, &a), &b), &absolute) in error.iter().zip(x0).zip(x1).zip(&tolerances.absolute) {
-        let r = e / scale(tolerances.relative, absolute, a.abs().max(b.abs()));
-        sum += r * r;
+    for i in 0..n {
+        let r = error[i] / scale(tolerances.relative, absolute[i], x0[i].abs().max(x1[i].abs()));
         // An infinite state would hide its error behind an infinite tolerance.
-        sum += 0.0 * b;
+        sum += r * r + 0.0 * x1[i];
     }
-    let norm = (sum / error.len() as f64).sqrt();
+    let norm = (sum / n as f64).sqrt();
     if norm.is_finite() { norm } else { f64::INFINITY }
 }
 

@@ -9,7 +9,9 @@ pub trait Stepper: Send {
     fn restart(&mut self);
 
     /// One accepted step from (`*t`, `x`), never beyond `limit`, landing on it bitwise when it gets there.
-    /// Trial steps neither evaluate beyond `limit`. Does nothing when `limit <= *t`.
+    /// No trial looks beyond `limit` either. Does nothing when `limit <= *t`.
+    ///
+    /// `x` has as many states as the stepper was made for.
     ///
     /// # Errors
     /// See [`StepError`]. `t` and `x` are then as they were.
