@@ -1,5 +1,123 @@
 //! From the text of a diagram to a schedule.
+//!
+//! ```text
+//! text -parse-> Ast -resolve-> Model -connect-> -flatten-> Flat -elaborate-> Flat -infer-> Typed -sort-> Schedule
+//! ```
+//!
+//! Every arrow is a function from plain data to plain data that gathers problems instead of stopping at the
+//! first, and every form can be printed ([`Stages::emit`]). Networks are assembled after flattening, because
+//! they reach across subsystems. The library of blocks is found through the registry alone.
+
+mod ast;
+mod connect;
+mod de;
+mod elaborate;
+mod emit;
+mod flatten;
+mod infer;
+mod model;
+mod overrides;
+mod problems;
+mod resolve;
+mod scope;
+mod settings;
+mod sort;
 mod source;
 mod tree;
+
+use std::path::Path;
+
+use blocksim_block::problem::Problem;
+use blocksim_block::schedule::Schedule;
+
+pub use ast::{Ast, BlockAst, ConnectionAst, Reference};
+pub use emit::{Stage, Stages};
+pub use flatten::{Flat, FlatBlock, Source};
+pub use infer::Typed;
+pub use model::{Content, Model, ModelBlock, PortKind, VariantChoice};
+pub use resolve::HIERARCHY;
 pub use source::{Reader, SourceFile, Sources};
-pub use tree::{Name, Node};
+pub use tree::{Name, Node, Shape};
+
+/// What became of a diagram.
+#[derive(Debug, Clone, Default)]
+pub struct Compiled {
+    /// What the engine runs; `None` when there are errors.
+    pub schedule: Option<Schedule>,
+    /// All problems, errors first, in the order of files and places.
+    pub problems: Vec<Problem>,
+    /// Intermediate forms, as far as the compiler came.
+    pub stages: Stages,
+    /// Variants by path.
+    pub variants: Vec<(String, VariantChoice)>,
+}
+
+/// Turns the text of a diagram into something that can run. `overrides` are `target=value` as of `--set`.
+pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled {
+    let mut problems = problems::Problems::default();
+    let mut compiled = Compiled::default();
+    let file = match sources.open(root) {
+        Ok(file) => file,
+        Err(reason) => {
+            problems.push(
+                Problem::error("missing_file", format!("cannot read `{}`: {reason}", root.display()))
+                    .help("give the path of a diagram, such as diagrams/servo.ron"),
+            );
+            compiled.problems = problems.sorted();
+            return compiled;
+        }
+    };
+    let mut parsed = Vec::new();
+    for text in overrides {
+        match overrides::parse(sources, text) {
+            Ok(over) => parsed.push(over),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    let resolver = resolve::Resolver::new(sources, parsed);
+    let top = resolver.top(file);
+    problems.extend(resolver.problems.take().sorted());
+    if let Some((model, scope)) = top {
+        compiled.stages.ast = Some(emit::ast(&model.ast));
+        compiled.stages.model = Some(emit::model(&model));
+        collect_variants(&model, &mut compiled.variants);
+        connect::check(&model, &mut problems);
+        let flat = flatten::flatten(&model, &mut problems);
+        let settings = settings::settings(&model.ast, &scope, sort::end_time(&flat), &mut problems);
+        let title = model.ast.title.clone().unwrap_or_else(|| {
+            root.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
+        });
+        // A network that lacks a block would bring problems that are none.
+        if !problems.any_error() {
+            let flat = elaborate::elaborate(flat, &mut problems);
+            if !problems.any_error() {
+                compiled.stages.flat = Some(emit::flat(&flat));
+                let typed = infer::infer(&flat, &mut problems);
+                compiled.stages.types = Some(emit::types(&flat, &typed));
+                if !problems.any_error() {
+                    compiled.schedule = sort::sort(title, &flat, &typed, settings, &mut problems);
+                    compiled.stages.schedule = compiled.schedule.as_ref().map(emit::schedule);
+                }
+            }
+        } else {
+            // Units and shapes can be wrong as well; blocks of networks are left as they are.
+            infer::infer(&flat, &mut problems);
+        }
+    }
+    compiled.problems = problems.sorted();
+    if problems.any_error() {
+        compiled.schedule = None;
+    }
+    compiled
+}
+
+fn collect_variants(model: &Model, out: &mut Vec<(String, VariantChoice)>) {
+    for block in &model.blocks {
+        if let Some(variant) = &block.variant {
+            out.push((block.path.clone(), variant.clone()));
+        }
+        if let Content::Diagram(inside) = &block.content {
+            collect_variants(inside, out);
+        }
+    }
+}

@@ -52,6 +52,13 @@ impl<'a> Sources<'a> {
         Ok(FileId(files.len() as u32 - 1))
     }
 
+    /// Holds a text that is in no file (the command line), so that messages can show it.
+    pub(crate) fn hold(&self, path: &Path, text: &str) -> FileId {
+        let mut files = self.files.borrow_mut();
+        files.push(SourceFile { path: path.to_path_buf(), text: text.into() });
+        FileId(files.len() as u32 - 1)
+    }
+
     /// A file that was read.
     pub fn file(&self, id: FileId) -> SourceFile {
         self.files.borrow()[id.0 as usize].clone()

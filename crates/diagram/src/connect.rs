@@ -1,0 +1,264 @@
+//! Connections of one level: every name exists, directions fit, every input has one driver.
+
+use std::collections::HashMap;
+
+use blocksim_block::problem::{Place, Problem};
+use blocksim_signal::closest;
+
+use crate::ast::{Ast, ConnectionAst, Reference, list};
+use crate::model::{Content, Model, ModelBlock, PortKind};
+use crate::problems::Problems;
+
+/// Checks the connections of a diagram and of all diagrams inside it.
+pub(crate) fn check(model: &Model, problems: &mut Problems) {
+    let mut level = Level { model, problems, drivers: HashMap::new() };
+    level.connections();
+    level.interface();
+    level.unconnected();
+    for block in &model.blocks {
+        if let Content::Diagram(inside) = &block.content {
+            check(inside, problems);
+        }
+    }
+}
+
+struct Level<'a> {
+    model: &'a Model,
+    problems: &'a mut Problems,
+    /// Block and input, and the connection that drives it.
+    drivers: HashMap<(String, String), Place>,
+}
+
+impl Level<'_> {
+    fn ast(&self) -> &Ast {
+        &self.model.ast
+    }
+
+    fn connections(&mut self) {
+        for connection in &self.model.ast.connections {
+            match connection {
+                ConnectionAst::Signal(source, targets) => {
+                    self.source(source);
+                    targets.iter().for_each(|target| self.target(target));
+                }
+                ConnectionAst::Conserving(joined) => self.joined(joined),
+            }
+        }
+    }
+
+    /// The block of a reference; reports a name that is none.
+    fn block(&mut self, reference: &Reference) -> Option<&ModelBlock> {
+        if self.model.block(&reference.block).is_none() {
+            let known: Vec<&str> = self.model.blocks.iter().map(|block| block.name.as_str()).collect();
+            let start = reference.span.start;
+            let place = self.ast().place(&(start..start + reference.block.len()));
+            let problem =
+                Problem::error("unknown_block_name", format!("there is no block `{}`", reference.block))
+                    .at(&place, "no such block");
+            self.problems.push(match closest(&reference.block, known.iter().copied()) {
+                Some(close) => problem.help(format!("did you mean `{close}`?")),
+                None => problem.help(format!("the blocks here are {}", list(&known))),
+            });
+        }
+        self.model.block(&reference.block)
+    }
+
+    fn port(&mut self, reference: &Reference, side: &str) -> Option<PortKind> {
+        let block = self.block(reference)?;
+        if let Some(port) = block.port(&reference.port) {
+            return Some(port);
+        }
+        let known = match side {
+            "input" => block.inputs(),
+            "output" => block.outputs(),
+            _ => block.ports(),
+        };
+        let mut all = block.inputs();
+        all.extend(block.outputs());
+        all.extend(block.ports());
+        let (kind, declared) = (block.kind.clone(), block.place.clone());
+        let place = self.ast().place(&reference.span);
+        let problem = Problem::error(
+            "unknown_port",
+            format!("`{}` has no {side} `{}`", reference.block, reference.port),
+        )
+        .at(&place, "no such port")
+        .at(&declared, format!("`{}` is a {kind}", reference.block));
+        let listed = if known.is_empty() {
+            format!("`{}` has no {side}s", reference.block)
+        } else {
+            format!("its {side}s are {}", list(&known))
+        };
+        self.problems.push(match closest(&reference.port, all.iter().map(String::as_str)) {
+            Some(close) => problem.help(format!("did you mean `{close}`? {listed}")),
+            None => problem.help(listed),
+        });
+        None
+    }
+
+    fn source(&mut self, reference: &Reference) {
+        if reference.block == "in" {
+            self.own_input(reference);
+            return;
+        }
+        match self.port(reference, "output") {
+            None | Some(PortKind::Output | PortKind::Anything) => {}
+            Some(PortKind::Input) => {
+                self.direction(reference, "is an input and cannot drive a signal", "put it behind `->`")
+            }
+            Some(PortKind::Conserving(_)) => self.mixed(reference),
+        }
+    }
+
+    fn own_input(&mut self, reference: &Reference) {
+        let known: Vec<String> = self.ast().inputs.iter().map(|(name, _)| name.text.clone()).collect();
+        if known.contains(&reference.port) {
+            return;
+        }
+        let place = self.ast().place(&reference.span);
+        let problem =
+            Problem::error("unknown_port", format!("this diagram has no input `{}`", reference.port))
+                .at(&place, "no such input");
+        self.problems.push(match closest(&reference.port, known.iter().map(String::as_str)) {
+            Some(close) => problem.help(format!("did you mean `in.{close}`?")),
+            None if known.is_empty() => problem.help("declare it: `inputs: { \"name\": (unit: \"1\") }`"),
+            None => problem.help(format!("its inputs are {}", list(&known))),
+        });
+    }
+
+    fn target(&mut self, reference: &Reference) {
+        let place = self.ast().place(&reference.span);
+        match self.port(reference, "input") {
+            None => return,
+            Some(PortKind::Input | PortKind::Anything) => {}
+            Some(PortKind::Output) => {
+                self.direction(reference, "is an output and cannot be driven", "put it in front of `->`");
+                return;
+            }
+            Some(PortKind::Conserving(_)) => {
+                self.mixed(reference);
+                return;
+            }
+        }
+        if !reference.elements.is_empty() {
+            self.problems.push(
+                Problem::error("unknown_port", "an element of a bus cannot be driven")
+                    .at(&place, "")
+                    .help("drive the whole input; a BusCreator makes a bus"),
+            );
+        }
+        let key = (reference.block.clone(), reference.port.clone());
+        if let Some(other) = self.drivers.insert(key, place.clone()) {
+            self.problems.push(
+                Problem::error(
+                    "second_driver",
+                    format!("`{}.{}` has two drivers", reference.block, reference.port),
+                )
+                .at(&place, "the second")
+                .at(&other, "the first")
+                .help("an input takes one signal: add them with Sum, or choose with Switch"),
+            );
+        }
+    }
+
+    fn joined(&mut self, joined: &[Reference]) {
+        let mut first: Option<(blocksim_block::physical::Domain, Place)> = None;
+        for reference in joined {
+            let place = self.ast().place(&reference.span);
+            if !reference.elements.is_empty() {
+                self.problems
+                    .push(Problem::error("unknown_port", "a conserving port has no elements").at(&place, ""));
+                continue;
+            }
+            match self.port(reference, "conserving port") {
+                None | Some(PortKind::Anything) => {}
+                Some(PortKind::Conserving(domain)) => match &first {
+                    None => first = Some((domain, place)),
+                    Some((other, _)) if *other == domain => {}
+                    Some((other, there)) => self.problems.push(
+                        Problem::error("domain_mismatch", format!("a {domain} port cannot be joined to a {other} port"))
+                            .at(&place, format!("{domain}"))
+                            .at(there, format!("{other}"))
+                            .help("join ports of one kind; motors, joints and sensors lead from one to the other"),
+                    ),
+                },
+                Some(PortKind::Input | PortKind::Output) => self.problems.push(
+                    Problem::error("port_kind", format!("`{}.{}` is a signal port", reference.block, reference.port))
+                        .at(&place, "joined with `<->`")
+                        .help("connect signals with `->`; sensors and sources lead between signals and conserving ports"),
+                ),
+            }
+        }
+    }
+
+    fn direction(&mut self, reference: &Reference, what: &str, help: &str) {
+        let place = self.ast().place(&reference.span);
+        let declared = self.model.block(&reference.block).map(|block| block.place.clone());
+        let problem =
+            Problem::error("wrong_direction", format!("`{}.{}` {what}", reference.block, reference.port))
+                .at(&place, "");
+        let problem = match declared {
+            Some(declared) => problem.at(&declared, "declared here"),
+            None => problem,
+        };
+        self.problems.push(problem.help(help));
+    }
+
+    fn mixed(&mut self, reference: &Reference) {
+        let place = self.ast().place(&reference.span);
+        self.problems.push(
+            Problem::error("port_kind", format!("`{}.{}` is a conserving port", reference.block, reference.port))
+                .at(&place, "connected with `->`")
+                .help("join conserving ports with `<->`; sensors and sources lead between signals and conserving ports"),
+        );
+    }
+
+    /// What the diagram hands outward.
+    fn interface(&mut self) {
+        for (_, reference) in &self.model.ast.outputs {
+            self.source(reference);
+        }
+        for (_, reference) in &self.model.ast.ports {
+            if let Some(PortKind::Input | PortKind::Output) = self.port(reference, "conserving port") {
+                let place = self.ast().place(&reference.span);
+                self.problems.push(
+                    Problem::error(
+                        "port_kind",
+                        format!("`{}.{}` is a signal port", reference.block, reference.port),
+                    )
+                    .at(&place, "handed outward as a conserving port")
+                    .help("list it under `outputs`, or drive it from `inputs`"),
+                );
+            }
+        }
+    }
+
+    fn unconnected(&mut self) {
+        for block in &self.model.blocks {
+            let needed: Vec<(String, bool)> = match &block.content {
+                Content::Block { interface, .. } => interface
+                    .inputs
+                    .iter()
+                    .map(|input| (input.name.clone(), input.default.is_some()))
+                    .collect(),
+                Content::Diagram(inside) => {
+                    inside.ast.inputs.iter().map(|(name, _)| (name.text.clone(), false)).collect()
+                }
+                Content::Unknown => Vec::new(),
+            };
+            for (input, _) in needed.iter().filter(|(_, has_default)| !has_default) {
+                let driven = self.drivers.contains_key(&(block.name.clone(), input.clone()));
+                if !driven {
+                    self.problems.push(
+                        Problem::error(
+                            "unconnected_input",
+                            format!("`{}.{input}` is not connected", block.path),
+                        )
+                        .at(&block.place, format!("input `{input}` has no driver"))
+                        .help(format!("add `\"... -> {}.{input}\"` to the connections", block.name)),
+                    );
+                }
+            }
+        }
+    }
+}

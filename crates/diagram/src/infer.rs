@@ -1,0 +1,158 @@
+//! Shapes, kinds and units of all signals.
+
+use blocksim_block::problem::{Place, Problem};
+use blocksim_block::{Given, Interface, InterfaceError, PortType};
+use blocksim_signal::Kind;
+
+use crate::flatten::{Flat, Source};
+use crate::problems::Problems;
+
+/// Interfaces of all blocks, with the types of all outputs.
+#[derive(Debug, Clone, Default)]
+pub struct Typed {
+    /// In the order of the flat list.
+    pub interfaces: Vec<Interface>,
+}
+
+impl Typed {
+    /// Type of the signal that an input takes.
+    pub fn of(&self, source: &Source) -> PortType {
+        self.interfaces[source.block].outputs[source.output].port_type
+    }
+}
+
+/// Asks every block for its interface until nothing changes, then checks every connection.
+///
+/// A type travels one block further in each round, so as many rounds as there are blocks always suffice.
+pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
+    let mut typed = Typed { interfaces: flat.blocks.iter().map(|block| block.interface.clone()).collect() };
+    // Types that are known; what a block says before its inputs are known does not count.
+    let mut known = vec![false; flat.blocks.len()];
+    let mut errors: Vec<Option<InterfaceError>> = vec![None; flat.blocks.len()];
+    for _ in 0..flat.blocks.len() + 2 {
+        let mut changed = false;
+        for (index, block) in flat.blocks.iter().enumerate() {
+            let given = block
+                .interface
+                .inputs
+                .iter()
+                .zip(&block.inputs)
+                .filter_map(|(input, source)| source.as_ref().map(|source| (input, source)))
+                .filter(|(_, source)| known[source.block])
+                .map(|(input, source)| (input.name.clone(), typed.of(source)))
+                .collect();
+            match block.block.interface(&Given::new(given, block.units.clone())) {
+                Ok(interface) => {
+                    errors[index] = None;
+                    if !known[index] || interface != typed.interfaces[index] {
+                        typed.interfaces[index] = interface;
+                        changed = true;
+                    }
+                }
+                Err(error) => errors[index] = Some(error),
+            }
+            known[index] = true;
+        }
+        if !changed {
+            break;
+        }
+    }
+    for (index, error) in errors.into_iter().enumerate() {
+        if let Some(error) = error {
+            problems.push(disagreement(flat, index, error));
+        }
+    }
+    for (index, block) in flat.blocks.iter().enumerate() {
+        for (input, source) in typed.interfaces[index].inputs.iter().zip(&block.inputs) {
+            if let Some(source) = source {
+                check(flat, index, input, source, typed.of(source), problems);
+            }
+        }
+    }
+    typed
+}
+
+/// A block says that its inputs do not fit each other.
+fn disagreement(flat: &Flat, index: usize, error: InterfaceError) -> Problem {
+    let block = &flat.blocks[index];
+    let mut problem = Problem::error(error.code, format!("in `{}`: {}", block.path, error.message));
+    let mut placed = false;
+    for port in &error.ports {
+        let input = block.interface.inputs.iter().position(|input| input.name == *port);
+        if let Some(source) = input.and_then(|input| block.inputs[input].as_ref()) {
+            problem = problem.at(&source.target, format!("`{port}` comes from here"));
+            placed = true;
+        }
+    }
+    if let Some(place) = &block.place
+        && (!placed || error.ports.len() < 2)
+    {
+        problem = problem.at(place, format!("a {}", block.kind));
+    }
+    match error.help {
+        Some(help) => problem.help(help),
+        None => problem,
+    }
+}
+
+fn check(
+    flat: &Flat,
+    index: usize,
+    input: &blocksim_block::Input,
+    source: &Source,
+    found: PortType,
+    problems: &mut Problems,
+) {
+    let block = &flat.blocks[index];
+    let from = &flat.blocks[source.block].output_names[source.output];
+    let to =
+        if block.kind == "Network" { input.name.clone() } else { format!("{}.{}", block.path, input.name) };
+    let (a, b): (&Place, &Place) = (&source.place, &source.target);
+    if let Some(kind) = input.kind {
+        let fits = kind == found.kind || (kind == Kind::Real && found.kind == Kind::Int);
+        if !fits {
+            let help = match (found.kind, kind) {
+                (Kind::Bool, _) => "Convert makes a number of a truth value",
+                (_, Kind::Bool) => "Compare makes a truth value of a number",
+                _ => "Convert changes the kind of a signal",
+            };
+            problems.push(
+                Problem::error(
+                    "type_mismatch",
+                    format!("`{to}` takes a {kind} signal, but `{from}` is {}", found.kind),
+                )
+                .at(a, format!("{}", found.kind))
+                .at(b, format!("takes {kind}"))
+                .help(help),
+            );
+        }
+    }
+    if let Some(shape) = input.shape
+        && shape != found.shape
+    {
+        let help = match found.shape {
+            blocksim_signal::Shape::Vector(_) => "take one element with Selector, or several with Demux",
+            _ => "put signals together with Mux",
+        };
+        problems.push(
+            Problem::error(
+                "type_mismatch",
+                format!("`{to}` takes a {shape}, but `{from}` is a {}", found.shape),
+            )
+            .at(a, format!("a {}", found.shape))
+            .at(b, format!("takes a {shape}"))
+            .help(help),
+        );
+    }
+    if let (Some(wanted), Some(dimension)) = (input.dimension, found.dimension)
+        && !wanted.compatible(dimension)
+    {
+        let has = if dimension.is_none() { "has no unit".to_owned() } else { format!("is in {dimension}") };
+        problems.push(
+            Problem::error("unit_mismatch", format!("`{to}` is in {wanted}, but `{from}` {has}"))
+                .at(a, has)
+                .at(b, format!("takes {wanted}"))
+                .help("mend the unit where the signal arises, or scale it: Gain(k: \"1 V\") makes a voltage of a plain number"),
+        );
+    }
+}

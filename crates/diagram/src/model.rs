@@ -1,0 +1,151 @@
+//! A diagram with its blocks known and its hierarchy built.
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use blocksim_block::physical::{Domain, PhysicalPort};
+use blocksim_block::problem::Place;
+use blocksim_block::{Block, Interface, ParamUnits};
+
+use crate::ast::Ast;
+
+/// A diagram as it was instantiated: the top, or the inside of a subsystem.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// Path of the subsystem; empty at the top.
+    pub path: String,
+    /// The file.
+    pub ast: Rc<Ast>,
+    /// The blocks, in the order of the file.
+    pub blocks: Vec<ModelBlock>,
+}
+
+/// A block of a model.
+#[derive(Debug, Clone)]
+pub struct ModelBlock {
+    /// Name within its diagram.
+    pub name: String,
+    /// Path from the top.
+    pub path: String,
+    /// Kind as written.
+    pub kind: String,
+    /// Text for drawings.
+    pub label: Option<String>,
+    /// Where it is declared.
+    pub place: Place,
+    /// The alternatives and the one that was chosen, if this is a variant.
+    pub variant: Option<VariantChoice>,
+    /// What it is.
+    pub content: Content,
+}
+
+/// Which alternative of a variant is built.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct VariantChoice {
+    /// The expression that chooses.
+    pub by: String,
+    /// The chosen alternative.
+    pub chosen: String,
+    /// All alternatives.
+    pub of: Vec<String>,
+}
+
+/// What a block of a model is.
+#[derive(Debug, Clone)]
+pub enum Content {
+    /// A block of the library or of a plug-in.
+    Block {
+        /// Parameters and functions.
+        block: Arc<dyn Block>,
+        /// Units of the parameters as written.
+        units: ParamUnits,
+        /// Ports, as far as they do not depend on the inputs.
+        interface: Box<Interface>,
+    },
+    /// A subsystem.
+    Diagram(Box<Model>),
+    /// Something that could not be read: every port fits, so that one mistake shows once.
+    Unknown,
+}
+
+/// What a name behind a block can be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PortKind {
+    /// A signal input.
+    Input,
+    /// A signal output.
+    Output,
+    /// A conserving port.
+    Conserving(Domain),
+    /// Anything: the block could not be read.
+    Anything,
+}
+
+impl Model {
+    /// A block by name.
+    pub fn block(&self, name: &str) -> Option<&ModelBlock> {
+        self.blocks.iter().find(|block| block.name == name)
+    }
+
+    /// The domain of a conserving port of this diagram, found at the block inside that it belongs to.
+    pub fn port_domain(&self, port: &str) -> Option<Domain> {
+        let (_, inside) = self.ast.ports.iter().find(|(name, _)| name.text == port)?;
+        match self.block(&inside.block)?.port(&inside.port)? {
+            PortKind::Conserving(domain) => Some(domain),
+            _ => None,
+        }
+    }
+}
+
+impl ModelBlock {
+    /// Names of the signal inputs.
+    pub fn inputs(&self) -> Vec<String> {
+        match &self.content {
+            Content::Block { interface, .. } => {
+                interface.inputs.iter().map(|input| input.name.clone()).collect()
+            }
+            Content::Diagram(model) => model.ast.inputs.iter().map(|(name, _)| name.text.clone()).collect(),
+            Content::Unknown => Vec::new(),
+        }
+    }
+
+    /// Names of the signal outputs.
+    pub fn outputs(&self) -> Vec<String> {
+        match &self.content {
+            Content::Block { interface, .. } => {
+                interface.outputs.iter().map(|output| output.name.clone()).collect()
+            }
+            Content::Diagram(model) => model.ast.outputs.iter().map(|(name, _)| name.text.clone()).collect(),
+            Content::Unknown => Vec::new(),
+        }
+    }
+
+    /// Names of the conserving ports.
+    pub fn ports(&self) -> Vec<String> {
+        match &self.content {
+            Content::Block { interface, .. } => {
+                interface.ports.iter().map(|port| port.name.clone()).collect()
+            }
+            Content::Diagram(model) => model.ast.ports.iter().map(|(name, _)| name.text.clone()).collect(),
+            Content::Unknown => Vec::new(),
+        }
+    }
+
+    /// What the port of this name is.
+    pub fn port(&self, name: &str) -> Option<PortKind> {
+        let has = |names: Vec<String>| names.iter().any(|known| known == name);
+        match &self.content {
+            Content::Unknown => Some(PortKind::Anything),
+            _ if has(self.outputs()) => Some(PortKind::Output),
+            _ if has(self.inputs()) => Some(PortKind::Input),
+            Content::Block { interface, .. } => {
+                let port = interface.ports.iter().find(|port: &&PhysicalPort| port.name == name)?;
+                Some(PortKind::Conserving(port.domain))
+            }
+            Content::Diagram(model) if has(self.ports()) => {
+                Some(model.port_domain(name).map_or(PortKind::Anything, PortKind::Conserving))
+            }
+            Content::Diagram(_) => None,
+        }
+    }
+}
