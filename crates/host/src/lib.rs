@@ -1,1 +1,34 @@
-//! host
+//! Loads controller plug-ins.
+//!
+//! # Who owns what
+//!
+//! - The **plug-in** owns its tables and texts. A library is never unloaded, so they live as long as the process;
+//!   [`Library`] is a checked copy of them that is leaked for the same reason.
+//! - The **engine** owns states and signals, as for every block. They are handed to the plug-in for a call.
+//! - The **block** owns its parameters, as numbers in SI, shared by all its copies and never changed.
+//! - **Each thread** owns a buffer for messages and one for numbers, so that a call allocates nothing.
+//!
+//! # The way of a plug-in
+//!
+//! `locate` finds what `library` names, `cargo` builds it if that is the folder of a crate, `open` loads a copy of
+//! the library, `table` checks what the library says of itself, `parameters` turns the diagram's values into
+//! numbers, `call` is the border itself, and `plugin` is the block. What goes wrong on the way becomes a
+//! [`LoadError`](blocksim_block::LoadError) with one of the codes in `fault`.
+//!
+//! A library is loaded from a copy in the temporary folder: overwriting a loaded library would crash the process,
+//! and opening the same path twice would give the old code. Therefore a plug-in must not look for other libraries
+//! relative to its own place.
+//!
+//! Blocks register themselves; a program that links this crate must name it in code (`use blocksim_host as _;`).
+
+mod call;
+mod cargo;
+mod fault;
+mod kind;
+mod locate;
+mod open;
+mod table;
+
+pub use cargo::set_build_notice;
+pub use kind::{Kind, Quantity};
+pub use open::{Library, open};

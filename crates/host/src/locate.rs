@@ -1,0 +1,79 @@
+//! What the parameter `library` names: a built library, or the folder of a crate.
+
+use std::path::{Path, PathBuf};
+
+use blocksim_block::LoadError;
+use blocksim_signal::closest;
+
+use crate::fault::{self, MISSING};
+
+/// Where a plug-in comes from; both paths are absolute.
+#[derive(Debug, PartialEq)]
+pub enum Source {
+    /// A built library.
+    Library(PathBuf),
+    /// The folder of a crate.
+    Crate(PathBuf),
+}
+
+/// Finds `library`, relative to the folder of the diagram.
+///
+/// # Errors
+/// Nothing is there, or a folder without `Cargo.toml`.
+pub fn locate(folder: &Path, library: &str) -> Result<Source, LoadError> {
+    let path = folder.join(library);
+    let Ok(found) = path.canonicalize() else {
+        return Err(absent(&path, library));
+    };
+    if !found.is_dir() {
+        return Ok(Source::Library(found));
+    }
+    if found.join("Cargo.toml").is_file() {
+        return Ok(Source::Crate(found));
+    }
+    let error = fault::library(MISSING, format!("the folder `{library}` holds no `Cargo.toml`"));
+    Err(fault::help(error, "name a built library, or the folder of a crate that builds one"))
+}
+
+fn absent(path: &Path, library: &str) -> LoadError {
+    let error = fault::library(MISSING, format!("there is no plug-in `{library}`"));
+    let sought = format!("looked for `{}`", fault::shown(path));
+    let (Some(parent), Some(name)) = (path.parent(), path.file_name()) else {
+        return fault::help(error, sought);
+    };
+    let mut beside: Vec<String> = std::fs::read_dir(parent)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .collect();
+    beside.sort();
+    match closest(&name.to_string_lossy(), beside.iter().map(String::as_str)) {
+        Some(near) => fault::help(error, format!("{sought}; did you mean `{near}` there?")),
+        None => fault::help(error, sought),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_folder_of_a_crate_and_a_file_are_told_apart() {
+        let here = Path::new(env!("CARGO_MANIFEST_DIR")).canonicalize().unwrap();
+        assert_eq!(locate(&here, "../host").unwrap(), Source::Crate(here.clone()));
+        assert_eq!(locate(&here, "Cargo.toml").unwrap(), Source::Library(here.join("Cargo.toml")));
+    }
+
+    #[test]
+    fn a_folder_without_a_crate_is_refused() {
+        let error = locate(Path::new(env!("CARGO_MANIFEST_DIR")), "src").unwrap_err();
+        assert_eq!((error.code, error.message.as_str()), (MISSING, "the folder `src` holds no `Cargo.toml`"));
+    }
+
+    #[test]
+    fn a_slip_of_the_pen_is_told() {
+        let error = locate(Path::new(env!("CARGO_MANIFEST_DIR")), "src/lacote.rs").unwrap_err();
+        assert_eq!(error.message, "there is no plug-in `src/lacote.rs`");
+        assert!(error.help.unwrap().ends_with("did you mean `locate.rs` there?"));
+    }
+}

@@ -1,0 +1,145 @@
+//! Opens libraries: once for each state of a file, from a copy, for the life of the process.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
+
+use blocksim_abi::{ABI_MAJOR, EntryFn, SYMBOL};
+use blocksim_block::LoadError;
+
+use crate::cargo;
+use crate::fault::{self, MISSING};
+use crate::kind::Kind;
+use crate::locate::{Source, locate};
+use crate::table::{contents, other_major};
+
+/// A loaded plug-in.
+#[derive(Debug)]
+pub struct Library {
+    /// The file that was loaded.
+    pub path: PathBuf,
+    /// Name that the plug-in gives itself.
+    pub name: &'static str,
+    /// Version that the plug-in gives itself.
+    pub version: &'static str,
+    /// Its blocks.
+    pub blocks: Vec<Kind>,
+}
+
+/// A file at one point of its history: a rebuilt library is another one.
+type Key = (PathBuf, Option<SystemTime>, u64);
+
+static OPENED: Mutex<BTreeMap<Key, &'static Library>> = Mutex::new(BTreeMap::new());
+
+/// The plug-in that `library` names, relative to `folder`: a built library, or the folder of a crate, which is
+/// built first. A library that was loaded before and did not change is not loaded again.
+///
+/// # Errors
+/// `plugin_missing`, `plugin_build`, `plugin_symbol` or `plugin_abi`, for the parameter `library`.
+pub fn open(folder: &Path, library: &str) -> Result<&'static Library, LoadError> {
+    let path = match locate(folder, library)? {
+        Source::Library(path) => path,
+        Source::Crate(folder) => cargo::built(&folder, library)?,
+    };
+    let unreadable =
+        |e: std::io::Error| fault::library(MISSING, format!("`{}` cannot be read: {e}", fault::shown(&path)));
+    let data = std::fs::metadata(&path).map_err(unreadable)?;
+    let key = (path.clone(), data.modified().ok(), data.len());
+    let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = opened.get(&key) {
+        return Ok(known);
+    }
+    let loaded = load(&path)?;
+    opened.insert(key, loaded);
+    Ok(loaded)
+}
+
+fn load(path: &Path) -> Result<&'static Library, LoadError> {
+    let shown = fault::shown(path);
+    let opened = open_copy(path)?;
+    // SAFETY: the type is that of the contract for this symbol.
+    let entry = match unsafe { opened.get::<EntryFn>(SYMBOL) } {
+        Ok(entry) => *entry,
+        Err(_) => return Err(no_entry(&opened, &shown)),
+    };
+    // Unloading is never safe: the table, and whatever the library registered, point into it.
+    Box::leak(Box::new(opened));
+    // SAFETY: a function of the contract, of a library that stays loaded.
+    let contents = unsafe { contents(entry(), &shown) }?;
+    let (name, version) = (contents.name, contents.version);
+    Ok(Box::leak(Box::new(Library { path: path.to_owned(), name, version, blocks: contents.blocks })))
+}
+
+/// A library without the symbol of this version: perhaps it has that of another one.
+fn no_entry(opened: &libloading::Library, shown: &str) -> LoadError {
+    let other = (1..=9).filter(|major| *major != ABI_MAJOR).find(|major| {
+        // SAFETY: only looked for, never called.
+        unsafe { opened.get::<EntryFn>(format!("blocksim_plugin_v{major}")) }.is_ok()
+    });
+    if let Some(major) = other {
+        return other_major(shown, major);
+    }
+    let error = fault::library(
+        fault::SYMBOL,
+        format!("`{shown}` is no blocksim plug-in: it does not export `{SYMBOL}`"),
+    );
+    fault::help(error, "in Rust, write `export_plugin!(\"name\", [Controller]);` and build a `cdylib`")
+}
+
+/// Opens a copy under a name that was never used, and removes it where the system allows.
+fn open_copy(path: &Path) -> Result<libloading::Library, LoadError> {
+    let cannot = |what: &str, e: &dyn std::fmt::Display| {
+        fault::library(MISSING, format!("`{}` cannot be {what}: {e}", fault::shown(path)))
+    };
+    let folder = fresh_folder().map_err(|e| cannot("copied to the temporary folder", &e))?;
+    let copy = folder.join(path.file_name().unwrap_or("plugin".as_ref()));
+    let opened = match std::fs::copy(path, &copy) {
+        Ok(_) => open_now(&copy).map_err(|reason| {
+            // The user knows the library, not its copy.
+            let reason = reason.replace(&format!("{}: ", copy.display()), "");
+            fault::library(
+                fault::SYMBOL,
+                format!("`{}` is no library that can be loaded: {reason}", fault::shown(path)),
+            )
+        }),
+        Err(e) => Err(cannot("copied to the temporary folder", &e)),
+    };
+    // Where a loaded library cannot be removed it stays for the system to clean up.
+    let _ = std::fs::remove_dir_all(&folder);
+    opened
+}
+
+/// A folder that nobody else can have prepared.
+fn fresh_folder() -> std::io::Result<PathBuf> {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    loop {
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("blocksim-{}-{count}", std::process::id()));
+        let mut builder = std::fs::DirBuilder::new();
+        #[cfg(unix)]
+        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+        match builder.create(&folder) {
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
+            result => return result.map(|()| folder),
+        }
+    }
+}
+
+/// Opens a library and finds all that it needs at once, so that nothing can be missing in the middle of a run.
+fn open_now(path: &Path) -> Result<libloading::Library, String> {
+    #[cfg(unix)]
+    // SAFETY: a plug-in is code that the user chose to run, its initialisers included.
+    let opened = unsafe {
+        use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
+        Library::open(Some(path), RTLD_NOW | RTLD_LOCAL).map(libloading::Library::from)
+    };
+    #[cfg(not(unix))]
+    // SAFETY: as above.
+    let opened = unsafe { libloading::Library::new(path) };
+    opened.map_err(|e| match std::error::Error::source(&e) {
+        Some(source) => source.to_string(),
+        None => e.to_string(),
+    })
+}
