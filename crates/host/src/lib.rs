@@ -1,4 +1,4 @@
-//! Loads controller plug-ins.
+//! Loads controller plug-ins and makes blocks of them: the kind [`Plugin`].
 //!
 //! # Who owns what
 //!
@@ -24,11 +24,15 @@
 mod call;
 mod cargo;
 mod fault;
+mod finite;
 mod kind;
 mod locate;
 mod open;
+mod parameters;
+mod plugin;
 mod table;
 
 pub use cargo::set_build_notice;
 pub use kind::{Kind, Quantity};
 pub use open::{Library, open};
+pub use plugin::Plugin;

@@ -1,0 +1,241 @@
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use blocksim_abi::PANICKED;
+use blocksim_block::prelude::*;
+
+use crate::call::{Failure, with_numbers};
+use crate::fault;
+use crate::finite::{all_finite, culprit, element, values};
+use crate::kind::{At, Kind as PluginKind, Quantity};
+use crate::open::{Library, open};
+use crate::parameters::numbers;
+
+/// A controller from a plug-in: a block that somebody else wrote, in Rust, C, or anything that speaks C.
+///
+/// `library` is the folder of a crate, which is built first when its sources are newer, or a built library
+/// (`.so`, `.dylib`, `.dll`). The plug-in says which ports, parameters and states its blocks have. A parameter
+/// without a unit is SI; a number with a unit is checked against the unit that the plug-in states; a vector is a
+/// list.
+///
+/// A failure of the plug-in, a panic included, ends the run with its message, and so does a result that is not a
+/// finite number. Plug-ins are code: they may do whatever the user who runs them may do.
+///
+/// ```ron
+/// Plugin(library: "../../plugins/cascade", block: "Cascade", parameters: { "w1": 4.0, "kv": "20 1/s" })
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Plug-ins")]
+pub struct Plugin {
+    /// Folder of a crate, or built library, relative to the diagram.
+    pub library: String,
+    /// Which block of the plug-in.
+    pub block: String,
+    /// Parameters of that block by name: numbers, numbers with units, lists of them.
+    #[block(default = BTreeMap::new())]
+    pub parameters: BTreeMap<String, ParamValue>,
+    #[block(skip)]
+    loaded: Option<Arc<Loaded>>,
+}
+
+/// What `load` found out; the same for all copies of the block.
+#[derive(Debug)]
+struct Loaded {
+    kind: &'static PluginKind,
+    /// Parameters in SI, as the plug-in sees them.
+    params: Vec<f64>,
+    interface: Interface,
+}
+
+impl Plugin {
+    /// A block of a plug-in with these parameters; `load` comes next.
+    pub fn new(library: &str, block: &str, parameters: BTreeMap<String, ParamValue>) -> Self {
+        Self { library: library.to_owned(), block: block.to_owned(), parameters, loaded: None }
+    }
+
+    /// The kind of block, once it is loaded.
+    pub fn kind(&self) -> Option<&'static PluginKind> {
+        self.loaded.as_ref().map(|loaded| loaded.kind)
+    }
+
+    /// Runs `body` on what is loaded, and stops the run with the reason if it fails.
+    fn run(&self, c: &Context, body: impl FnOnce(&Loaded) -> Result<(), String>) {
+        let result = match &self.loaded {
+            Some(loaded) => body(loaded),
+            None => Err("the plug-in was never loaded".to_owned()),
+        };
+        if let Err(reason) = result {
+            c.fail(reason);
+        }
+    }
+}
+
+impl Block for Plugin {
+    fn load(&mut self, files: &dyn Files) -> Result<(), LoadError> {
+        let library = open(files.folder(), &self.library)?;
+        let kind = find(library, &self.block)?;
+        let params = numbers(kind, &self.parameters)?;
+        kind.check(&params).map_err(refused)?;
+        let period = kind.sample_time(&params).map_err(refused)?;
+        if !(period.is_finite() && period >= 0.0) {
+            return Err(fault::parameter(format!(
+                "`{}` asks for a sample time of {period} s, but it must be positive, or 0 for continuous",
+                kind.name
+            )));
+        }
+        if period > 0.0 && !kind.continuous.is_empty() {
+            let message = format!(
+                "`{}` asks for a sample time of {period} s, but has continuous states; a block has one or the other",
+                kind.name
+            );
+            return Err(LoadError { param: "block", ..fault::library(fault::ABI, message) });
+        }
+        self.loaded = Some(Arc::new(Loaded { kind, params, interface: interface(kind, period) }));
+        Ok(())
+    }
+
+    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+        match &self.loaded {
+            Some(loaded) => Ok(loaded.interface.clone()),
+            None => Err(InterfaceError {
+                code: fault::MISSING,
+                ports: Vec::new(),
+                message: "the ports are unknown until the plug-in is loaded".to_owned(),
+                help: None,
+            }),
+        }
+    }
+
+    fn initialize(&self, c: &Context, x: &mut [f64], d: &mut [f64]) {
+        self.run(c, |Loaded { kind, params, .. }| {
+            // Grows the buffer of this thread now, so that the run itself allocates nothing.
+            with_numbers(kind.sizes.y.max(kind.sizes.xd), |_| ());
+            kind.reset(params, x, d).map_err(|failure| failure.to_string())?;
+            match culprit("state", &kind.continuous, x).or_else(|| culprit("state", &kind.discrete, d)) {
+                Some(culprit) => Err(format!("at the start {culprit}")),
+                None => Ok(()),
+            }
+        });
+    }
+
+    fn outputs(&self, group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        self.run(c, |Loaded { kind, params, interface }| {
+            let at = At { params, t: c.t, x: c.x, xd: c.d, u: c.u };
+            if interface.groups.len() == 1 {
+                kind.outputs(&at, y).map_err(|failure| failure.to_string())?;
+                return if all_finite(y) {
+                    Ok(())
+                } else {
+                    Err(no_number("output", &kind.outputs, y, kind, c))
+                };
+            }
+            with_numbers(y.len(), |all| {
+                kind.outputs(&at, all).map_err(|failure| failure.to_string())?;
+                // Inputs that the group does not read may be stale: outputs of other groups mean nothing yet.
+                for (port, output) in kind.outputs.iter().enumerate() {
+                    if interface.group_of[port] != group {
+                        continue;
+                    }
+                    let range = c.output(port);
+                    y[range.clone()].copy_from_slice(&all[range.clone()]);
+                    if !all_finite(&y[range.clone()]) {
+                        return Err(no_number("output", std::slice::from_ref(output), &y[range], kind, c));
+                    }
+                }
+                Ok(())
+            })
+        });
+    }
+
+    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
+        self.run(c, |Loaded { kind, params, .. }| {
+            let at = At { params, t: c.t, x: c.x, xd: c.d, u: c.u };
+            kind.derivatives(&at, dx).map_err(|failure| failure.to_string())?;
+            if all_finite(dx) {
+                return Ok(());
+            }
+            Err(no_number("the derivative of state", &kind.continuous, dx, kind, c))
+        });
+    }
+
+    fn update(&self, c: &Context, d: &mut [f64]) {
+        self.run(c, |Loaded { kind, params, .. }| {
+            with_numbers(d.len(), |before| {
+                before.copy_from_slice(d);
+                let at = At { params, t: c.t, x: c.x, xd: before, u: c.u };
+                let mut result = kind.update(&at, d).map_err(|failure| failure.to_string());
+                if result.is_ok() && !all_finite(d) {
+                    result = Err(no_number("the next value of state", &kind.discrete, d, kind, c));
+                }
+                if result.is_err() {
+                    d.copy_from_slice(before);
+                }
+                result
+            })
+        });
+    }
+}
+
+fn find(library: &'static Library, block: &str) -> Result<&'static PluginKind, LoadError> {
+    if let Some(kind) = library.blocks.iter().find(|kind| kind.name == block) {
+        return Ok(kind);
+    }
+    Err(LoadError {
+        param: "block",
+        code: fault::PARAMETER,
+        message: format!("the plug-in `{}` has no block `{block}`", library.name),
+        help: Some(fault::meant(block, "blocks", library.blocks.iter().map(|kind| kind.name))),
+    })
+}
+
+/// Parameters that the plug-in itself did not take.
+fn refused(failure: Failure) -> LoadError {
+    let error = fault::parameter(failure.to_string());
+    match failure.status {
+        PANICKED => fault::help(
+            LoadError { code: fault::PANIC, ..error },
+            "this is a mistake in the plug-in; parameters that make no sense are to be refused by its `check`",
+        ),
+        _ => error,
+    }
+}
+
+fn interface(kind: &PluginKind, period: f64) -> Interface {
+    let mut interface = Interface::new();
+    for port in &kind.inputs {
+        let input = Input::real(port.name).shape(shape(port)).dimension(port.dimension).doc(port.doc);
+        interface = interface.input(match port.default {
+            Some(default) => input.default(default[0]),
+            None => input,
+        });
+    }
+    for port in &kind.outputs {
+        let output = Output::real(port.name).shape(shape(port)).dimension(port.dimension).doc(port.doc);
+        interface = interface.output_reading(&port.reads, output);
+    }
+    for state in &kind.continuous {
+        for (i, start) in starts(state).enumerate() {
+            interface = interface.state(element(state, i), start);
+        }
+    }
+    for state in &kind.discrete {
+        for (i, start) in starts(state).enumerate() {
+            interface = interface.discrete(element(state, i), start);
+        }
+    }
+    // A continuous controller is handed the time and may use it.
+    if period > 0.0 { interface.sampled(period) } else { interface.uses_time() }
+}
+
+fn shape(port: &Quantity) -> Shape {
+    if port.length == 1 { Shape::Scalar } else { Shape::Vector(port.length) }
+}
+
+fn starts(state: &Quantity) -> impl Iterator<Item = f64> {
+    (0..state.length).map(|i| state.default.map_or(0.0, |default| default[i]))
+}
+
+fn no_number(what: &str, list: &[Quantity], numbers: &[f64], kind: &PluginKind, c: &Context) -> String {
+    let culprit = culprit(what, list, numbers).unwrap_or_else(|| format!("{what} is no number"));
+    format!("{culprit}; inputs: {}", values(&kind.inputs, c.u))
+}
