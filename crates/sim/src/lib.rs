@@ -1,1 +1,35 @@
-//! sim
+//! Runs a compiled diagram: it gives time to a [`Schedule`](blocksim_block::schedule::Schedule).
+//!
+//! One [`Simulation`] owns all that changes (time, states, signals, scratch space); the schedule is shared. What comes
+//! out is handed to an [`Observer`] row by row. The engine knows no text and no files, and it does not allocate once it
+//! has started.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `simulation` | the step loop |
+//! | `major` | what happens at one instant: outputs, jumps, record, updates |
+//! | `advance` | from one instant to the next: solver, events, rows in between |
+//! | `plan` | the schedule as the hot loop wants it |
+//! | `evaluate`, `act`, `system` | calls of the blocks: outputs, all else, and what the solver sees |
+//! | `clock`, `events`, `record` | sample hits and time events; zero crossings; rows |
+//! | `methods`, `error`, `diagnose`, `snapshot` | choice of the solver; what can go wrong and why; save and restore |
+
+mod act;
+mod advance;
+mod clock;
+mod diagnose;
+mod error;
+mod evaluate;
+mod events;
+mod major;
+mod methods;
+mod plan;
+mod record;
+mod simulation;
+mod snapshot;
+mod system;
+
+pub use error::SimError;
+pub use record::{Control, Observer};
+pub use simulation::{Counts, Ended, Simulation};
+pub use snapshot::Snapshot;

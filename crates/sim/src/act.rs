@@ -1,0 +1,115 @@
+//! What blocks do besides outputs. Each function belongs to the point of the last evaluation.
+
+use blocksim_block::{Block, Context};
+use blocksim_solve::Failed;
+
+use crate::evaluate::Diagram;
+
+impl Diagram {
+    /// Values at the start: those of the interfaces, then what the blocks make of them.
+    pub fn initialize(&mut self, x: &mut [f64]) -> Result<(), Failed> {
+        for block in 0..self.plan.units.len() {
+            let Self { plan, now, d, .. } = self;
+            let unit = &plan.units[block];
+            let c = Context { x: &[], ..now.context(unit, &[]) };
+            unit.block.initialize(&c, &mut x[unit.x.range()], &mut d[unit.d.range()]);
+            self.checked(block)?;
+        }
+        Ok(())
+    }
+
+    /// Derivatives of all states. The outputs must be known.
+    pub fn derive(&mut self, dx: &mut [f64]) -> Result<(), Failed> {
+        dx.fill(0.0);
+        for i in 0..self.plan.with_states.len() {
+            let block = self.plan.with_states[i];
+            let Self { plan, now, signals, d, scratch, .. } = self;
+            let unit = &plan.units[block];
+            now.gather(&unit.copies, signals);
+            let c = now.context(unit, &d[unit.d.range()]);
+            unit.block.derivatives(&c, &mut scratch[block], &mut dx[unit.x.range()]);
+            self.checked(block)?;
+        }
+        self.now.derived = true;
+        Ok(())
+    }
+
+    /// Values of all guards. The outputs must be known.
+    pub fn guards(&mut self, g: &mut [f64]) -> Result<(), Failed> {
+        for i in 0..self.plan.guarded.len() {
+            let block = self.plan.guarded[i];
+            let Self { plan, now, signals, d, .. } = self;
+            let unit = &plan.units[block];
+            now.gather(&unit.copies, signals);
+            unit.block.guards(&now.context(unit, &d[unit.d.range()]), &mut g[unit.g.range()]);
+            self.checked(block)?;
+        }
+        Ok(())
+    }
+
+    /// The next time event of each block in `Plan::timed`.
+    pub fn next_events(&mut self, times: &mut [f64]) -> Result<(), Failed> {
+        for (i, time) in times.iter_mut().enumerate() {
+            let block = self.plan.timed[i];
+            let Self { plan, now, signals, d, .. } = self;
+            let unit = &plan.units[block];
+            now.gather(&unit.copies, signals);
+            *time = unit.block.next_event(&now.context(unit, &d[unit.d.range()]));
+            self.checked(block)?;
+        }
+        Ok(())
+    }
+
+    /// Advances the discrete states of the blocks whose rates are hit. All of them see the signals of this instant,
+    /// because none changes a signal.
+    pub fn update(&mut self, due: &[bool]) -> Result<(), Failed> {
+        let mut seen = false;
+        for i in 0..self.plan.updated.len() {
+            let updated = self.plan.updated[i];
+            if due[updated.rate] {
+                self.change(updated.block, |block, c, d| block.update(c, d))?;
+                seen |= updated.seen;
+            }
+        }
+        if seen {
+            self.forget();
+        }
+        Ok(())
+    }
+
+    /// Tells the blocks that want to know that a step was accepted.
+    pub fn accept(&mut self) -> Result<(), Failed> {
+        for i in 0..self.plan.accepting.len() {
+            self.change(self.plan.accepting[i], |block, c, d| block.accept(c, d))?;
+        }
+        if !self.plan.accepting.is_empty() {
+            self.forget();
+        }
+        Ok(())
+    }
+
+    fn change(&mut self, block: usize, act: impl Fn(&dyn Block, &Context, &mut [f64])) -> Result<(), Failed> {
+        let Self { plan, now, signals, d, .. } = self;
+        let unit = &plan.units[block];
+        now.gather(&unit.copies, signals);
+        act(&*unit.block, &now.context(unit, &[]), &mut d[unit.d.range()]);
+        self.checked(block)
+    }
+
+    /// Lets every block jump that wants to, and tells `jumped` which did.
+    pub fn jump(&mut self, x: &mut [f64], mut jumped: impl FnMut(usize)) -> Result<(), Failed> {
+        for i in 0..self.plan.jumping.len() {
+            let block = self.plan.jumping[i];
+            let Self { plan, now, signals, d, .. } = self;
+            let unit = &plan.units[block];
+            now.gather(&unit.copies, signals);
+            let c = Context { x: &[], ..now.context(unit, &[]) };
+            if unit.block.jump(&c, &mut x[unit.x.range()], &mut d[unit.d.range()]) {
+                jumped(block);
+                self.forget();
+            }
+            self.checked(block)?;
+        }
+        Ok(())
+    }
+}

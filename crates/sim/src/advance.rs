@@ -1,0 +1,139 @@
+//! From one major step to the next: steps of the solver, events, rows in between.
+
+use crate::clock::{Grid, earliest, same};
+use crate::events::Stride;
+use crate::major::Arrival;
+use crate::{Observer, SimError, Simulation, diagnose};
+
+/// The next instant that must not be stepped over.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stop {
+    /// When, s.
+    pub t: f64,
+    /// Whether a block changes by itself then.
+    event: bool,
+    /// Whether the run ends then.
+    end: bool,
+}
+
+impl Stop {
+    /// The first of the end, the next sample hits, the next time events, and the end of the step.
+    pub fn first(sim: &Simulation, end: f64) -> Self {
+        let step = sim.grid.as_ref().map_or(f64::INFINITY, Grid::time);
+        let times = sim.hits.times().iter().chain(&sim.event_times).copied();
+        let t = earliest(times.chain([end, step])).min(end);
+        let is_due = |time: f64| time <= t + same(t);
+        Self { t, event: sim.event_times.iter().any(|&time| is_due(time)), end: t == end }
+    }
+}
+
+impl Simulation {
+    /// Integrates up to the first event, at the longest to `stop`.
+    pub(crate) fn advance(&mut self, stop: Stop, observer: &mut dyn Observer) -> Result<Arrival, SimError> {
+        loop {
+            let start = self.t;
+            let begun = self.guards.begin(&mut self.diagram, self.t, &self.x);
+            self.held(begun)?;
+            self.step(stop.t)?;
+            let mut arrival = self.cut(start, stop.t, observer)?;
+            if self.t >= stop.t {
+                arrival.event |= stop.event;
+                arrival.end = stop.end;
+            }
+            let every = self.diagram.plan.every_step || self.rows.grid.is_none();
+            let major = self.t >= stop.t || arrival.cut || arrival.event || every || self.is_impatient();
+            self.record_within(if major { self.t - same(self.t) } else { self.t }, observer)?;
+            self.accept()?;
+            if major {
+                return Ok(arrival);
+            }
+        }
+    }
+
+    /// One step of the solver, or all the way where there is nothing to integrate.
+    fn step(&mut self, limit: f64) -> Result<(), SimError> {
+        let Some(stepper) = &mut self.stepper else {
+            self.t = limit;
+            return Ok(());
+        };
+        let stepped = stepper.step(&mut self.diagram, &mut self.t, &mut self.x, limit);
+        stepped.map_err(|error| diagnose::step(&self.schedule, &mut self.diagram, &self.x, error))
+    }
+
+    /// Cuts the step at the first zero crossing of a guard.
+    fn cut(&mut self, t0: f64, limit: f64, observer: &mut dyn Observer) -> Result<Arrival, SimError> {
+        let mut arrival = Arrival::default();
+        let stride = Stride { t0, t1: self.t, x1: &self.x, stepper: self.stepper.as_deref() };
+        let cut = self.guards.cut(&mut self.diagram, &stride);
+        let cut = cut.map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))?;
+        let Some(cut) = cut else { return Ok(arrival) };
+        // A crossing just before something else that is due is part of it.
+        if cut.t < self.t && !(self.t == limit && cut.t >= limit - same(limit)) {
+            self.t = cut.t;
+            self.x.copy_from_slice(&self.guards.x);
+        }
+        arrival.cut = true;
+        arrival.event = cut.crossed;
+        if cut.crossed {
+            self.events += 1;
+            self.tell_events(observer);
+        }
+        if self.guards.chatters(self.t) { Err(self.chatter()) } else { Ok(arrival) }
+    }
+
+    fn tell_events(&self, observer: &mut dyn Observer) {
+        for &block in &self.diagram.plan.guarded {
+            let instance = &self.schedule.blocks[block];
+            for (name, &fired) in instance.interface.guards.iter().zip(&self.guards.fired[instance.g..]) {
+                if fired {
+                    observer.event(self.t, &instance.path, name);
+                }
+            }
+        }
+    }
+
+    fn chatter(&self) -> SimError {
+        let fired = self.guards.fired.iter().position(|&fired| fired);
+        let blocks = self.diagram.plan.guarded.iter().map(|&block| &self.schedule.blocks[block]);
+        let named = blocks.zip(fired).find_map(|(block, guard)| {
+            let names = &block.interface.guards;
+            Some((block, names.get(guard.checked_sub(block.g)?)?))
+        });
+        let help = "give the switching a hysteresis, or use a method of fixed step";
+        match named {
+            Some((block, name)) => {
+                let message = format!("`{}` switches to and fro (`{name}`)", block.path);
+                SimError::new("chatter", self.t, message).at(&block.path).help(help)
+            }
+            None => SimError::new("chatter", self.t, "the diagram switches to and fro").help(help),
+        }
+    }
+
+    /// Records the points of the grid up to `end`, from the dense output of the last step.
+    fn record_within(&mut self, end: f64, observer: &mut dyn Observer) -> Result<(), SimError> {
+        while let Some(t) = self.rows.next_before(end) {
+            if let Some(stepper) = &self.stepper {
+                stepper.interpolate(t, &mut self.guards.x);
+            }
+            let evaluated = self.diagram.continuous(t, &self.guards.x);
+            self.held(evaluated)?;
+            if !self.rows.take(&self.diagram.signals) {
+                return Err(diagnose::not_finite(&self.schedule, &self.diagram, &self.guards.x));
+            }
+            observer.row(t, &self.rows.values);
+            self.rows.are_due(t);
+        }
+        Ok(())
+    }
+
+    /// Tells blocks that a step was accepted, with their inputs at its end.
+    fn accept(&mut self) -> Result<(), SimError> {
+        if self.diagram.plan.accepting.is_empty() {
+            return Ok(());
+        }
+        let evaluated = self.diagram.continuous(self.t, &self.x);
+        self.held(evaluated)?;
+        let accepted = self.diagram.accept();
+        self.held(accepted)
+    }
+}

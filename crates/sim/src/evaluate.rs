@@ -1,0 +1,272 @@
+//! The hot loop: gather the inputs of a block, call its outputs, next.
+
+use blocksim_block::schedule::{Schedule, When};
+use blocksim_block::{Context, Fault, Scratch};
+use blocksim_solve::Failed;
+
+use crate::plan::{Call, Plan, Source, Unit};
+
+/// Everything that the evaluation of a diagram needs and changes, except time and states, which belong to whoever
+/// asks for it.
+pub(crate) struct Diagram {
+    pub plan: Plan,
+    /// Outputs of all blocks, then the values of unconnected inputs.
+    pub signals: Vec<f64>,
+    /// Discrete states of all blocks.
+    pub d: Vec<f64>,
+    pub(crate) now: Now,
+    pub(crate) scratch: Vec<Scratch>,
+    pub settle: Settling,
+    /// Derivatives that nobody asked for.
+    pub(crate) unused: Vec<f64>,
+    /// The first failure, until someone takes it.
+    pub failure: Option<Failure>,
+}
+
+/// What is remembered of the choice of branches.
+pub(crate) struct Settling {
+    /// Evaluation in which each block settled last.
+    last: Vec<u64>,
+    /// Discrete states of one block before it settles.
+    before: Vec<f64>,
+    /// Whether a block chose another branch since this was last cleared.
+    pub changed: bool,
+}
+
+/// The point at which the diagram is evaluated.
+pub(crate) struct Now {
+    pub t: f64,
+    pub x: Vec<f64>,
+    /// Inputs of the block at hand.
+    pub u: Vec<f64>,
+    pub evaluation: u64,
+    pub fault: Fault,
+    /// How much of the signals belongs to `t`, `x` and the discrete states.
+    pub known: Known,
+    /// Whether the derivatives have been evaluated, too.
+    pub derived: bool,
+}
+
+/// How much of the signals is up to date.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Known {
+    Nothing,
+    Minor,
+    Continuous,
+}
+
+/// A block that could not go on.
+pub(crate) struct Failure {
+    pub block: usize,
+    pub t: f64,
+    pub reason: String,
+}
+
+impl Now {
+    #[inline]
+    pub fn context<'a>(&'a self, unit: &'a Unit, d: &'a [f64]) -> Context<'a> {
+        Context {
+            t: self.t,
+            x: &self.x[unit.x.range()],
+            d,
+            u: &self.u[..unit.width as usize],
+            inputs: &unit.inputs,
+            outputs: &unit.outputs,
+            evaluation: self.evaluation,
+            fault: &self.fault,
+        }
+    }
+
+    /// Brings the inputs of a block together.
+    #[inline]
+    pub fn gather(&mut self, copies: &[(u32, u32)], signals: &[f64]) {
+        let mut at = 0;
+        for &(from, len) in copies {
+            let (from, len) = (from as usize, len as usize);
+            if len == 1 {
+                self.u[at] = signals[from];
+            } else {
+                self.u[at..at + len].copy_from_slice(&signals[from..from + len]);
+            }
+            at += len;
+        }
+    }
+
+    fn is_at(&self, t: f64, x: &[f64]) -> bool {
+        self.t == t && self.x == x
+    }
+}
+
+impl Diagram {
+    pub fn new(schedule: &Schedule) -> Self {
+        let plan = Plan::new(schedule);
+        let (inputs, discrete) = plan.widest;
+        Self {
+            signals: schedule.initial_signals.clone(),
+            d: vec![0.0; schedule.discrete],
+            now: Now {
+                t: 0.0,
+                x: vec![0.0; schedule.states],
+                u: vec![0.0; inputs],
+                evaluation: 0,
+                fault: Fault::default(),
+                known: Known::Nothing,
+                derived: false,
+            },
+            scratch: schedule.blocks.iter().map(|instance| instance.block.scratch()).collect(),
+            settle: Settling { last: vec![0; plan.units.len()], before: vec![0.0; discrete], changed: false },
+            unused: vec![0.0; schedule.states],
+            failure: None,
+            plan,
+        }
+    }
+
+    /// A major pass: settles and evaluates everything that changes at this instant; `due` tells which rates are hit,
+    /// `first` whether constants are evaluated, too.
+    pub fn major(&mut self, t: f64, x: &[f64], due: &[bool], first: bool) -> Result<(), Failed> {
+        self.enter(t, x);
+        let Self { plan, now, signals, d, scratch, settle, .. } = self;
+        for call in &plan.major {
+            let wanted = match call.when {
+                When::Continuous | When::Major => true,
+                When::Sampled(rate) => due[rate as usize],
+                When::Constant => first,
+            };
+            if wanted {
+                let block = call.block as usize;
+                if call.settles && settle.last[block] != now.evaluation {
+                    settle.run(block, &call.unit, now, signals, d);
+                }
+                outputs(call, now, signals, d, scratch);
+                if now.fault.is_raised() {
+                    return Err(self.failed(block));
+                }
+            }
+        }
+        for &(block, rate) in &plan.settling {
+            if rate.is_none_or(|rate| due[rate]) {
+                settle.run(block, &plan.units[block], now, signals, d);
+                if now.fault.is_raised() {
+                    return Err(self.failed(block));
+                }
+            }
+        }
+        now.known = Known::Continuous;
+        Ok(())
+    }
+
+    /// Evaluates what changes between major steps; discrete states, sampled outputs and branches are held.
+    pub fn continuous(&mut self, t: f64, x: &[f64]) -> Result<(), Failed> {
+        self.held(t, x, Known::Continuous)
+    }
+
+    /// A minor pass: the part of [`continuous`](Self::continuous) that derivatives and guards depend on.
+    pub fn minor(&mut self, t: f64, x: &[f64]) -> Result<(), Failed> {
+        self.held(t, x, Known::Minor)
+    }
+
+    fn held(&mut self, t: f64, x: &[f64], wanted: Known) -> Result<(), Failed> {
+        if self.now.known >= wanted && self.now.is_at(t, x) {
+            return Ok(());
+        }
+        self.enter(t, x);
+        let Self { plan, now, signals, d, scratch, .. } = self;
+        let calls = if wanted == Known::Minor { &plan.minor } else { &plan.continuous };
+        for call in calls {
+            outputs(call, now, signals, d, scratch);
+        }
+        if now.fault.is_raised() {
+            // Once more, to find out which block it was.
+            now.fault.take();
+            now.evaluation += 1;
+            for call in calls {
+                outputs(call, now, signals, d, scratch);
+                if now.fault.is_raised() {
+                    let block = call.block as usize;
+                    return Err(self.failed(block));
+                }
+            }
+        }
+        now.known = wanted;
+        Ok(())
+    }
+
+    /// Goes to another point without an evaluation.
+    pub fn place(&mut self, t: f64, x: &[f64]) {
+        self.enter(t, x);
+    }
+
+    /// Begins an evaluation: what blocks have in their scratch space is old from here.
+    fn enter(&mut self, t: f64, x: &[f64]) {
+        let now = &mut self.now;
+        now.t = t;
+        now.x.copy_from_slice(x);
+        now.evaluation += 1;
+        now.known = Known::Nothing;
+        now.derived = false;
+    }
+
+    /// Says that discrete states or states have changed since the last evaluation.
+    pub fn forget(&mut self) {
+        self.now.known = Known::Nothing;
+    }
+
+    /// Whether the block just called could go on.
+    #[inline]
+    pub(crate) fn checked(&mut self, block: usize) -> Result<(), Failed> {
+        if self.now.fault.is_raised() { Err(self.failed(block)) } else { Ok(()) }
+    }
+
+    #[cold]
+    fn failed(&mut self, block: usize) -> Failed {
+        if let Some(reason) = self.now.fault.take() {
+            self.failure = Some(Failure { block, t: self.now.t, reason });
+        }
+        self.now.known = Known::Nothing;
+        Failed
+    }
+}
+
+/// Calls the outputs of one group.
+#[inline]
+fn outputs(call: &Call, now: &mut Now, signals: &mut [f64], d: &[f64], scratch: &mut [Scratch]) {
+    let unit = &call.unit;
+    let (u, y) = match unit.source {
+        Source::Below(from) => {
+            let (before, rest) = signals.split_at_mut(unit.y.start as usize);
+            (&before[from as usize..][..unit.width as usize], &mut rest[..unit.y.len()])
+        }
+        Source::Above(from) => {
+            let (before, rest) = signals.split_at_mut(unit.y.end as usize);
+            (&rest[from as usize..][..unit.width as usize], &mut before[unit.y.start as usize..])
+        }
+        Source::Scattered => {
+            now.gather(&unit.copies, signals);
+            (&now.u[..unit.width as usize], &mut signals[unit.y.range()])
+        }
+    };
+    let c = Context {
+        t: now.t,
+        x: &now.x[unit.x.range()],
+        d: &d[unit.d.range()],
+        u,
+        inputs: &unit.inputs,
+        outputs: &unit.outputs,
+        evaluation: now.evaluation,
+        fault: &now.fault,
+    };
+    unit.block.outputs(call.group as usize, &c, &mut scratch[call.block as usize], y);
+}
+
+impl Settling {
+    /// Lets a block choose its branch.
+    fn run(&mut self, block: usize, unit: &Unit, now: &mut Now, signals: &[f64], d: &mut [f64]) {
+        now.gather(&unit.copies, signals);
+        let d = &mut d[unit.d.range()];
+        let before = &mut self.before[..d.len()];
+        before.copy_from_slice(d);
+        unit.block.settle(&now.context(unit, &[]), d);
+        self.changed |= *before != *d;
+        self.last[block] = now.evaluation;
+    }
+}

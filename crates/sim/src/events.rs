@@ -1,0 +1,207 @@
+//! Zero crossings of guards: were there any in a step, and when was the first?
+//!
+//! A guard has crossed when its sign at the end of a step is not that of the start, zero being a sign of its own at the
+//! end. The first crossing is bracketed on the dense output of the step, each trial point with a minor pass; the step
+//! is then cut at the right end of the bracket, where the guard has its new sign. The bracket is at most
+//! 1e-15 max(|t|, h) wide, h being the step: some units in the last place of t.
+//!
+//! A guard that is exactly zero at the start of a step is not crossing. But where it goes from there the block could not
+//! know when it chose its branch, so the step is cut 2^-20 h behind its start and the branch chosen anew. In the same
+//! manner it is found out whether a guard that has just fired turns back at once.
+//!
+//! Methods of fixed step do not look for crossings: blocks choose their branches at each step.
+//!
+//! A guard that changes its sign twice within one step is not seen. A limit of the step size helps.
+
+use blocksim_solve::{Failed, Stepper, locate};
+
+use crate::evaluate::Diagram;
+
+/// Crossings in a row, without time getting on, that are taken for chatter.
+const CHATTER: u32 = 1000;
+
+/// An accepted step of the solver.
+pub(crate) struct Stride<'a> {
+    pub t0: f64,
+    pub t1: f64,
+    /// States at `t1`.
+    pub x1: &'a [f64],
+    /// Absent without states.
+    pub stepper: Option<&'a dyn Stepper>,
+}
+
+/// Where a step must be cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Cut {
+    pub t: f64,
+    /// Whether a guard crossed; otherwise one left zero.
+    pub crossed: bool,
+}
+
+/// Values of all guards and what is remembered of their events.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Guards {
+    /// At the start of the step.
+    start: Vec<f64>,
+    /// At its end, which moves towards the first crossing.
+    end: Vec<f64>,
+    trial: Vec<f64>,
+    /// States at a trial point, and at the cut in the end.
+    pub x: Vec<f64>,
+    /// Those that crossed last.
+    pub fired: Vec<bool>,
+    /// Whether `start` holds for the step to come.
+    pub known: bool,
+    /// Since when, and how often, guards have crossed without time getting on.
+    pub chatter: (f64, u32),
+}
+
+impl Guards {
+    pub fn new(guards: usize, states: usize) -> Self {
+        let zeros = vec![0.0; guards];
+        Self {
+            start: zeros.clone(),
+            end: zeros.clone(),
+            trial: zeros,
+            x: vec![0.0; states],
+            fired: vec![false; guards],
+            known: false,
+            chatter: (f64::NEG_INFINITY, 0),
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.start.is_empty()
+    }
+
+    /// Notes the values at the start of a step.
+    pub fn begin(&mut self, diagram: &mut Diagram, t: f64, x: &[f64]) -> Result<(), Failed> {
+        if self.known || self.is_empty() {
+            return Ok(());
+        }
+        self.known = true;
+        diagram.minor(t, x)?;
+        diagram.guards(&mut self.start)
+    }
+
+    /// Looks for the first crossing in a step. Its states are then in `self.x`, the guards in `self.fired`.
+    pub fn cut(&mut self, diagram: &mut Diagram, stride: &Stride) -> Result<Option<Cut>, Failed> {
+        if self.is_empty() {
+            return Ok(None);
+        }
+        diagram.minor(stride.t1, stride.x1)?;
+        diagram.guards(&mut self.end)?;
+        let mut right = stride.t1;
+        let near = stride.t0 + (stride.t1 - stride.t0) * 2.0_f64.powi(-20);
+        if self.must_look_near() && stride.t0 < near && near < stride.t1 {
+            self.at(near, diagram, stride)?;
+            if self.crossing(&self.trial).is_some() {
+                std::mem::swap(&mut self.trial, &mut self.end);
+                right = near;
+            } else if self.start.iter().zip(&self.trial).any(|(start, near)| *start == 0.0 && *near != 0.0) {
+                self.fired.fill(false);
+                return Ok(Some(Cut { t: near, crossed: false }));
+            }
+        }
+        self.fired.fill(false);
+        let Some(mut guard) = self.crossing(&self.end) else {
+            // What comes next starts where this step ends.
+            self.start.copy_from_slice(&self.end);
+            return Ok(None);
+        };
+        loop {
+            let (left, end) = self.bracket(guard, right, diagram, stride)?;
+            self.at(left, diagram, stride)?;
+            if let Some(earlier) = self.crossing(&self.trial).filter(|_| left > stride.t0) {
+                std::mem::swap(&mut self.trial, &mut self.end);
+                (guard, right) = (earlier, left);
+                continue;
+            }
+            self.at(end, diagram, stride)?;
+            for i in 0..self.fired.len() {
+                self.fired[i] = crosses(self.start[i], self.trial[i]);
+            }
+            return Ok(Some(Cut { t: end, crossed: true }));
+        }
+    }
+
+    /// Whether a guard was zero at the start and is no longer, or has just fired and seems to have stayed.
+    fn must_look_near(&self) -> bool {
+        let ends = self.start.iter().zip(&self.end).zip(&self.fired);
+        ends.into_iter().any(
+            |((&start, &end), &fired)| {
+                if start == 0.0 { end != 0.0 } else { fired && !crosses(start, end) }
+            },
+        )
+    }
+
+    /// The first guard, by number, whose sign is not that of the start.
+    fn crossing(&self, values: &[f64]) -> Option<usize> {
+        self.start.iter().zip(values).position(|(&start, &value)| crosses(start, value))
+    }
+
+    /// Narrows the first crossing of one guard before `right`, where `self.end` holds.
+    fn bracket(
+        &mut self,
+        guard: usize,
+        right: f64,
+        diagram: &mut Diagram,
+        stride: &Stride,
+    ) -> Result<(f64, f64), Failed> {
+        let tolerance = 1e-15 * stride.t1.abs().max(stride.t1 - stride.t0);
+        let (start, end) = (self.start[guard], self.end[guard]);
+        let mut failed = None;
+        let value = |t| match self.at(t, diagram, stride) {
+            Ok(()) => self.trial[guard],
+            Err(failure) => {
+                failed.get_or_insert(failure);
+                f64::NAN
+            }
+        };
+        let bracket = locate(value, stride.t0, start, right, end, tolerance);
+        failed.map_or(Ok(bracket), Err)
+    }
+
+    /// Values of the guards at a point within the step.
+    fn at(&mut self, t: f64, diagram: &mut Diagram, stride: &Stride) -> Result<(), Failed> {
+        if let Some(stepper) = stride.stepper {
+            stepper.interpolate(t, &mut self.x);
+        }
+        diagram.minor(t, &self.x)?;
+        diagram.guards(&mut self.trial)
+    }
+
+    /// Counts a cut and tells whether there have been too many.
+    pub fn chatters(&mut self, t: f64) -> bool {
+        let (since, count) = self.chatter;
+        if t - since > 1e-9 * t.abs().max(1.0) {
+            self.chatter = (t, 1);
+        } else {
+            self.chatter.1 = count + 1;
+        }
+        self.chatter.1 > CHATTER
+    }
+}
+
+fn crosses(start: f64, end: f64) -> bool {
+    start > 0.0 && end <= 0.0 || start < 0.0 && end >= 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zero_is_reached_but_not_left() {
+        assert!(crosses(1.0, -1.0) && crosses(-1.0, 1.0) && crosses(1.0, 0.0) && crosses(-1.0, -0.0));
+        assert!(!crosses(0.0, 1.0) && !crosses(0.0, -1.0) && !crosses(1.0, 2.0) && !crosses(1.0, f64::NAN));
+    }
+
+    #[test]
+    fn chatter_is_a_thousand_crossings_in_a_nanosecond() {
+        let mut guards = Guards::new(1, 0);
+        assert!((0..1000).all(|k| !guards.chatters(f64::from(k) * 1e-13)));
+        assert!(guards.chatters(1e-10));
+        assert!(!guards.chatters(1.0));
+    }
+}

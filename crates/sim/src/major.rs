@@ -1,0 +1,116 @@
+//! What happens at one instant: hits, outputs, jumps, record; and the updates that end it.
+
+use std::sync::Arc;
+
+use blocksim_solve::Failed;
+
+use crate::{Observer, SimError, Simulation, diagnose};
+
+/// Repetitions of an instant, because something jumps, that are taken for chatter.
+const JUMPS: u32 = 1000;
+
+/// Why there is a major step.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Arrival {
+    /// A guard has crossed zero or a time event has come: outputs may change by a jump, and a row is due.
+    pub event: bool,
+    /// The step of the solver was cut short.
+    pub cut: bool,
+    /// The simulation ends here.
+    pub end: bool,
+}
+
+impl Simulation {
+    /// The first major step, which evaluates constants as well.
+    pub(crate) fn start(&mut self, observer: &mut dyn Observer) -> Result<(), SimError> {
+        self.started = true;
+        self.instant(Arrival { end: true, ..Arrival::default() }, true, observer)
+    }
+
+    /// A major step.
+    pub(crate) fn major(&mut self, why: Arrival, observer: &mut dyn Observer) -> Result<(), SimError> {
+        self.instant(why, false, observer)
+    }
+
+    fn instant(&mut self, why: Arrival, first: bool, observer: &mut dyn Observer) -> Result<(), SimError> {
+        self.majors += 1;
+        self.hit_count += self.hits.strike(self.t);
+        self.diagram.settle.changed = false;
+        self.pass(first)?;
+        let jumped = self.jump(observer)?;
+        if self.rows.are_due(self.t) || why.event || why.end || jumped {
+            observer.row(self.t, &self.rows.values);
+        }
+        if let Some(grid) = &mut self.grid {
+            grid.pass(self.t);
+        }
+        self.guards.known = false;
+        if why.event || why.cut || jumped || self.is_discontinuous() {
+            self.stepper.iter_mut().for_each(|stepper| stepper.restart());
+        }
+        Ok(())
+    }
+
+    /// Whether derivatives just behind this instant may differ from those just before it.
+    fn is_discontinuous(&self) -> bool {
+        let plan = &self.diagram.plan;
+        let mut rates = self.hits.due.iter().zip(&plan.busy);
+        self.diagram.settle.changed
+            || plan.stepwise
+            || !plan.accepting.is_empty()
+            || rates.any(|(&due, &busy)| due && busy)
+    }
+
+    /// Evaluates the whole diagram and takes the row.
+    fn pass(&mut self, first: bool) -> Result<(), SimError> {
+        let evaluated = self.diagram.major(self.t, &self.x, &self.hits.due, first);
+        self.held(evaluated)?;
+        let finite = self.rows.take(&self.diagram.signals) && self.x.iter().all(|x| x.is_finite());
+        if finite { Ok(()) } else { Err(diagnose::not_finite(&self.schedule, &self.diagram, &self.x)) }
+    }
+
+    /// Repeats the instant while something jumps; the row before the first jump is recorded. Returns whether any did.
+    fn jump(&mut self, observer: &mut dyn Observer) -> Result<bool, SimError> {
+        if self.diagram.plan.jumping.is_empty() {
+            return Ok(false);
+        }
+        let (schedule, t) = (Arc::clone(&self.schedule), self.t);
+        for round in 0..=JUMPS {
+            let mut last = None;
+            let jumps = self.diagram.jump(&mut self.x, |block| {
+                last = Some(block);
+                if round == 0 {
+                    observer.event(t, &schedule.blocks[block].path, "jump");
+                }
+            });
+            self.held(jumps)?;
+            match last {
+                None => return Ok(round > 0),
+                Some(block) if round == JUMPS => {
+                    let path = &schedule.blocks[block].path;
+                    return Err(SimError::new("chatter", t, format!("`{path}` jumps without end"))
+                        .at(path)
+                        .help(format!(
+                            "it has jumped {JUMPS} times at one instant; a jump must end its own cause"
+                        )));
+                }
+                Some(_) if round == 0 => observer.row(t, &self.rows.values),
+                Some(_) => {}
+            }
+            self.pass(false)?;
+        }
+        Ok(true)
+    }
+
+    /// Advances the blocks whose rates are hit, with the signals of this instant.
+    pub(crate) fn update(&mut self) -> Result<(), SimError> {
+        let updated = self.diagram.update(&self.hits.due);
+        self.held(updated)
+    }
+
+    /// Turns a failure of a block into an error.
+    #[inline]
+    pub(crate) fn held(&mut self, result: Result<(), Failed>) -> Result<(), SimError> {
+        result.map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))
+    }
+}

@@ -1,0 +1,109 @@
+//! The stepper that a diagram asks for.
+
+use blocksim_block::schedule::{FixedMethod, OutputTimes, Schedule, Solver, VariableMethod};
+use blocksim_solve::{FixedStep, Ode23, Ode45, Rodas4, Ros34pw2, StepLimits, Stepper, Tolerances};
+
+use crate::SimError;
+
+/// The stepper of the settings; none without states. Blocks may ask for a shorter largest step, which a fixed step
+/// ignores.
+pub(crate) fn stepper(schedule: &Schedule) -> Option<Box<dyn Stepper>> {
+    let n = schedule.states;
+    (n > 0).then(|| match schedule.settings.solver {
+        Solver::Fixed { method, step } => fixed(method, n, step),
+        Solver::Variable { method, rtol, atol, .. } => {
+            let limits = StepLimits { max: longest(schedule), ..StepLimits::default() };
+            variable(method, Tolerances::uniform(n, rtol, atol), limits)
+        }
+    })
+}
+
+fn fixed(method: FixedMethod, n: usize, step: f64) -> Box<dyn Stepper> {
+    Box::new(match method {
+        FixedMethod::Ode1 => FixedStep::ode1(n, step),
+        FixedMethod::Ode2 => FixedStep::ode2(n, step),
+        FixedMethod::Ode3 => FixedStep::ode3(n, step),
+        FixedMethod::Ode4 => FixedStep::ode4(n, step),
+        FixedMethod::Ode5 => FixedStep::ode5(n, step),
+    })
+}
+
+fn variable(method: VariableMethod, tolerances: Tolerances, limits: StepLimits) -> Box<dyn Stepper> {
+    match method {
+        VariableMethod::Ode23 => Box::new(Ode23::new(tolerances, limits)),
+        VariableMethod::Ode45 => Box::new(Ode45::new(tolerances, limits)),
+        VariableMethod::Rodas4 => Box::new(Rodas4::new(tolerances, limits)),
+        VariableMethod::RosW3 => Box::new(Ros34pw2::new(tolerances, limits)),
+    }
+}
+
+/// Longest step of a method that chooses its step, s.
+fn longest(schedule: &Schedule) -> f64 {
+    let Solver::Variable { max_step, .. } = schedule.settings.solver else { return f64::INFINITY };
+    schedule.blocks.iter().filter_map(|block| block.interface.max_step).fold(max_step, f64::min)
+}
+
+/// The spacing of the steps, s, unless a solver chooses them. What depends on time alone and has no longest step is
+/// looked at fifty times.
+pub(crate) fn grid(schedule: &Schedule) -> Option<f64> {
+    let stop_time = schedule.settings.stop_time;
+    match schedule.settings.solver {
+        Solver::Fixed { step, .. } => Some(step),
+        Solver::Variable { .. } if schedule.states > 0 || stop_time == 0.0 => None,
+        Solver::Variable { .. } => {
+            Some(longest(schedule)).filter(|h| h.is_finite()).or(Some(stop_time / 50.0))
+        }
+    }
+}
+
+/// Whether the settings make sense.
+pub(crate) fn check(schedule: &Schedule) -> Result<(), SimError> {
+    let refuse = |what: &str, value: f64, rule: &str| {
+        Err(SimError::new("settings", 0.0, format!("{what} is {value}"))
+            .help(format!("{what} must be a number {rule}")))
+    };
+    let settings = &schedule.settings;
+    if !not_below_zero(settings.stop_time) {
+        return refuse("the stop time", settings.stop_time, "of seconds, zero or more");
+    }
+    match settings.solver {
+        Solver::Fixed { step, .. } if !above_zero(step) => {
+            return refuse("the fixed step", step, "of seconds above zero");
+        }
+        // No limit is a limit that is infinite.
+        Solver::Variable { max_step, .. } if max_step.is_nan() || max_step <= 0.0 => {
+            return refuse("the largest step", max_step, "of seconds above zero");
+        }
+        Solver::Variable { rtol, .. } if !not_below_zero(rtol) => {
+            return refuse("the relative tolerance", rtol, "not below zero");
+        }
+        Solver::Variable { rtol, atol, .. } if !not_below_zero(atol) || rtol + atol == 0.0 => {
+            return refuse("the absolute tolerance", atol, "above zero");
+        }
+        _ => {}
+    }
+    match settings.output {
+        OutputTimes::Every(spacing) if !above_zero(spacing) => {
+            refuse("the spacing of the output", spacing, "of seconds above zero")
+        }
+        _ => block_steps(schedule),
+    }
+}
+
+fn above_zero(value: f64) -> bool {
+    value > 0.0 && value.is_finite()
+}
+
+fn not_below_zero(value: f64) -> bool {
+    value >= 0.0 && value.is_finite()
+}
+
+fn block_steps(schedule: &Schedule) -> Result<(), SimError> {
+    let wrong = schedule.blocks.iter().find_map(|block| {
+        let step = block.interface.max_step.filter(|step| step.is_nan() || *step <= 0.0)?;
+        Some((&block.path, step))
+    });
+    wrong.map_or(Ok(()), |(path, step)| {
+        Err(SimError::new("settings", 0.0, format!("`{path}` asks for steps of at most {step} s")).at(path))
+    })
+}

@@ -1,0 +1,238 @@
+//! The schedule as the hot loop wants it: flat, short, without strings.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use blocksim_block::Block;
+use blocksim_block::schedule::{Instance, Schedule, Step, When};
+
+/// A range of indices in half the space.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Span {
+    pub start: u32,
+    pub end: u32,
+}
+
+impl Span {
+    fn new(start: usize, len: usize) -> Self {
+        Self { start: start as u32, end: (start + len) as u32 }
+    }
+
+    #[inline]
+    pub fn range(self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
+
+    #[inline]
+    pub fn len(self) -> usize {
+        (self.end - self.start) as usize
+    }
+}
+
+/// A block and where its values lie.
+#[derive(Debug, Clone)]
+pub(crate) struct Unit {
+    pub block: Arc<dyn Block>,
+    pub source: Source,
+    /// Copies that bring the inputs: from where among the signals, and how many.
+    pub copies: Arc<[(u32, u32)]>,
+    /// Start and end of the input ports.
+    pub inputs: Arc<[(u32, u32)]>,
+    /// Start and end of the output ports.
+    pub outputs: Arc<[(u32, u32)]>,
+    /// Number of input values.
+    pub width: u32,
+    pub x: Span,
+    pub d: Span,
+    pub y: Span,
+    pub g: Span,
+}
+
+/// How a block gets at its inputs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Source {
+    /// They lie one behind the other, from this cell, before the outputs of the block.
+    Below(u32),
+    /// They lie one behind the other, this many cells behind the outputs of the block.
+    Above(u32),
+    /// They have to be copied together.
+    Scattered,
+}
+
+/// Evaluation of one output group.
+#[derive(Debug, Clone)]
+pub(crate) struct Call {
+    pub unit: Unit,
+    pub block: u32,
+    pub group: u32,
+    pub when: When,
+    pub settles: bool,
+}
+
+/// A block of a sample time that has discrete states to advance.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Updated {
+    pub block: usize,
+    pub rate: usize,
+    /// Whether the outputs, derivatives or guards between two hits can see the change.
+    pub seen: bool,
+}
+
+/// The schedule as the hot loop wants it. Lists of blocks are indices in `units`, in schedule order of blocks.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    pub units: Vec<Unit>,
+    /// Everything, for major steps.
+    pub major: Vec<Call>,
+    /// What changes between major steps.
+    pub continuous: Vec<Call>,
+    /// What changes between major steps and matters to derivatives and guards.
+    pub minor: Vec<Call>,
+    /// Blocks that settle but have no outputs, with their rate.
+    pub settling: Vec<(usize, Option<usize>)>,
+    pub with_states: Vec<usize>,
+    pub implicit: Vec<usize>,
+    pub guarded: Vec<usize>,
+    pub jumping: Vec<usize>,
+    pub accepting: Vec<usize>,
+    pub timed: Vec<usize>,
+    pub updated: Vec<Updated>,
+    /// Whether anything happens at the hits of each rate.
+    pub busy: Vec<bool>,
+    /// Whether outputs change only, and then by jumps, at major steps.
+    pub stepwise: bool,
+    /// Whether each accepted step must be a major one.
+    pub every_step: bool,
+    /// Most input values, and most discrete states, of one block.
+    pub widest: (usize, usize),
+}
+
+impl Plan {
+    pub fn new(schedule: &Schedule) -> Self {
+        let mut layouts = Layouts::new();
+        let units: Vec<Unit> = schedule.blocks.iter().map(|block| unit(block, &mut layouts)).collect();
+        let chosen = |has: &dyn Fn(&Instance) -> bool| -> Vec<usize> {
+            schedule.blocks.iter().enumerate().filter(|(_, b)| has(b)).map(|(i, _)| i).collect()
+        };
+        let settles = |block: u32| schedule.blocks[block as usize].interface.settles;
+        let steps = schedule.steps.iter();
+        let major: Vec<Call> = steps
+            .map(|&Step { block, group, when, .. }| {
+                let unit = units[block as usize].clone();
+                Call { unit, block, group, when, settles: settles(block) }
+            })
+            .collect();
+        let between = |minor: bool| {
+            let steps = schedule.steps.iter().zip(&major);
+            steps
+                .filter(|(step, _)| step.when == When::Continuous && (step.minor || !minor))
+                .map(|(_, call)| call.clone())
+                .collect()
+        };
+        let has_steps = |i: usize| major.iter().any(|call| call.block as usize == i);
+        let updated = updated(schedule);
+        let mut plan = Self {
+            continuous: between(false),
+            minor: between(true),
+            settling: chosen(&|b| b.interface.settles)
+                .into_iter()
+                .filter(|&i| !has_steps(i))
+                .map(|i| (i, schedule.blocks[i].rate))
+                .collect(),
+            with_states: chosen(&|b| !b.interface.states.is_empty()),
+            implicit: chosen(&|b| b.interface.implicit),
+            guarded: chosen(&|b| !b.interface.guards.is_empty()),
+            jumping: chosen(&|b| b.interface.jumps),
+            accepting: chosen(&|b| b.interface.accepts),
+            timed: chosen(&|b| b.interface.time_events),
+            busy: busy(schedule, &updated),
+            updated,
+            stepwise: major.iter().any(|call| call.when == When::Major),
+            every_step: false,
+            widest: widest(&units),
+            units,
+            major,
+        };
+        let settles = schedule.blocks.iter().any(|b| b.interface.settles);
+        plan.every_step = settles || plan.stepwise || !plan.jumping.is_empty() || !plan.accepting.is_empty();
+        plan
+    }
+}
+
+/// Layouts of ports. Most blocks have the same few, which share their place in the cache.
+type Layouts = BTreeMap<Vec<(u32, u32)>, Arc<[(u32, u32)]>>;
+
+fn unit(instance: &Instance, layouts: &mut Layouts) -> Unit {
+    let mut layout = |ports: &Vec<(u32, u32)>| {
+        let known = layouts.entry(ports.clone()).or_insert_with(|| ports.as_slice().into());
+        Arc::clone(known)
+    };
+
+    let interface = &instance.interface;
+    let outputs = instance.outputs.iter().map(|port| port.1 as usize).max().unwrap_or(0);
+    let mut unit = Unit {
+        block: Arc::clone(&instance.block),
+        source: Source::Scattered,
+        copies: instance.gather.as_slice().into(),
+        inputs: layout(&instance.inputs),
+        outputs: layout(&instance.outputs),
+        width: instance.gather.iter().map(|copy| copy.1).sum(),
+        x: Span::new(instance.x, interface.states.len()),
+        d: Span::new(instance.d, interface.discrete.len()),
+        y: Span::new(instance.y, outputs),
+        g: Span::new(instance.g, interface.guards.len()),
+    };
+    unit.source = source(&unit);
+    unit
+}
+
+fn source(unit: &Unit) -> Source {
+    let first = unit.copies.first().map_or(0, |copy| copy.0);
+    let mut next = first;
+    let joined = unit.copies.iter().all(|&(from, len)| {
+        let fits = from == next;
+        next = from + len;
+        fits
+    });
+    if !joined {
+        Source::Scattered
+    } else if next <= unit.y.start {
+        Source::Below(first)
+    } else if first >= unit.y.end {
+        Source::Above(first - unit.y.end)
+    } else {
+        Source::Scattered
+    }
+}
+
+fn updated(schedule: &Schedule) -> Vec<Updated> {
+    let continues = |block: usize| {
+        schedule.steps.iter().any(|step| step.block as usize == block && step.when == When::Continuous)
+    };
+    let blocks = schedule.blocks.iter().enumerate();
+    blocks
+        .filter(|(_, b)| !b.interface.discrete.is_empty())
+        .filter_map(|(block, b)| {
+            let seen = !b.interface.states.is_empty() || !b.interface.guards.is_empty() || continues(block);
+            Some(Updated { block, rate: b.rate?, seen })
+        })
+        .collect()
+}
+
+fn busy(schedule: &Schedule, updated: &[Updated]) -> Vec<bool> {
+    let mut busy = vec![false; schedule.clock.rates.len()];
+    for step in &schedule.steps {
+        if let When::Sampled(rate) = step.when {
+            busy[rate as usize] = true;
+        }
+    }
+    updated.iter().for_each(|updated| busy[updated.rate] = true);
+    busy
+}
+
+fn widest(units: &[Unit]) -> (usize, usize) {
+    let inputs = units.iter().map(|unit| unit.width as usize).max();
+    let discrete = units.iter().map(|unit| unit.d.range().len()).max();
+    (inputs.unwrap_or(0), discrete.unwrap_or(0))
+}

@@ -1,0 +1,204 @@
+//! The step loop and who owns what.
+
+use std::sync::Arc;
+
+use blocksim_block::schedule::{Schedule, Solver};
+use blocksim_solve::Stepper;
+
+use crate::advance::Stop;
+use crate::clock::{Grid, Hits};
+use crate::evaluate::Diagram;
+use crate::events::Guards;
+use crate::record::Rows;
+use crate::{Control, Observer, SimError, diagnose, methods};
+
+/// Steps after which the observer is asked whether to go on.
+const PATIENCE: u32 = 256;
+
+/// One run of a compiled diagram: time, states, signals and all else that changes.
+pub struct Simulation {
+    pub(crate) schedule: Arc<Schedule>,
+    pub(crate) diagram: Diagram,
+    /// Absent without continuous states.
+    pub(crate) stepper: Option<Box<dyn Stepper>>,
+    pub(crate) t: f64,
+    pub(crate) x: Vec<f64>,
+    pub(crate) hits: Hits,
+    pub(crate) guards: Guards,
+    pub(crate) rows: Rows,
+    /// Ends of the steps that no solver chooses, if anything happens in between.
+    pub(crate) grid: Option<Grid>,
+    /// Next time event of each block that has some.
+    pub(crate) event_times: Vec<f64>,
+    /// Whether the first major step is done.
+    pub(crate) started: bool,
+    /// Steps since the observer was asked last.
+    pub(crate) unasked: u32,
+    pub(crate) majors: u64,
+    pub(crate) events: u64,
+    pub(crate) hit_count: u64,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ended {
+    /// At its end.
+    Finished,
+    /// Before it, because the observer said so. Running again goes on from there.
+    Interrupted,
+}
+
+/// Work done so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Major steps; a repetition after a jump is the same step.
+    pub major: u64,
+    /// Steps that the solver kept.
+    pub accepted: u64,
+    /// Steps that it threw away.
+    pub rejected: u64,
+    /// Evaluations of the derivatives.
+    pub evaluations: u64,
+    /// Major steps at which guards have crossed zero.
+    pub events: u64,
+    /// Sample hits, over all rates.
+    pub hits: u64,
+}
+
+impl Simulation {
+    /// A simulation at its start. All memory that it needs is taken here.
+    ///
+    /// # Errors
+    /// `settings` if a time or a tolerance makes no sense, `block_failed` if a block cannot be initialised.
+    pub fn new(schedule: Arc<Schedule>) -> Result<Self, SimError> {
+        methods::check(&schedule)?;
+        let mut diagram = Diagram::new(&schedule);
+        let mut x = vec![0.0; schedule.states];
+        for block in &schedule.blocks {
+            let interface = &block.interface;
+            x[block.x..].iter_mut().zip(&interface.states).for_each(|(x, state)| *x = state.initial);
+            diagram.d[block.d..]
+                .iter_mut()
+                .zip(&interface.discrete)
+                .for_each(|(d, state)| *d = state.initial);
+        }
+        diagram.initialize(&mut x).map_err(|_| diagnose::failed(&schedule, &mut diagram))?;
+        let is_fixed = matches!(schedule.settings.solver, Solver::Fixed { .. });
+        let plan = &diagram.plan;
+        let moves = schedule.states > 0 || !plan.continuous.is_empty() || is_fixed && plan.stepwise;
+        let grid = methods::grid(&schedule).filter(|_| moves).map(Grid::new);
+        Ok(Self {
+            stepper: methods::stepper(&schedule),
+            t: 0.0,
+            hits: Hits::new(&schedule.clock),
+            guards: Guards::new(if is_fixed { 0 } else { schedule.guards }, schedule.states),
+            rows: Rows::new(&schedule),
+            grid,
+            event_times: vec![f64::INFINITY; diagram.plan.timed.len()],
+            started: false,
+            unasked: 0,
+            majors: 0,
+            events: 0,
+            hit_count: 0,
+            x,
+            diagram,
+            schedule,
+        })
+    }
+
+    /// Runs to the stop time of the settings.
+    ///
+    /// # Errors
+    /// See [`SimError::code`].
+    pub fn run(&mut self, observer: &mut dyn Observer) -> Result<Ended, SimError> {
+        self.run_until(self.schedule.settings.stop_time, observer)
+    }
+
+    /// Runs until `end`, s, which is hit exactly. May be called again with a later end.
+    ///
+    /// # Errors
+    /// See [`SimError::code`].
+    pub fn run_until(&mut self, end: f64, observer: &mut dyn Observer) -> Result<Ended, SimError> {
+        if !self.started {
+            self.start(observer)?;
+        }
+        while self.t < end {
+            if self.asks() && observer.progress(self.t, &self.counts()) == Control::Stop {
+                return Ok(Ended::Interrupted);
+            }
+            self.update()?;
+            let stop = self.next_stop(end)?;
+            let arrival = self.advance(stop, observer)?;
+            self.major(arrival, observer)?;
+        }
+        Ok(Ended::Finished)
+    }
+
+    /// Whether it is time to ask the observer.
+    fn asks(&mut self) -> bool {
+        self.unasked += 1;
+        let asks = self.unasked > PATIENCE;
+        if asks {
+            self.unasked = 0;
+        }
+        asks
+    }
+
+    /// Whether the next question to the observer has to be reached soon.
+    pub(crate) fn is_impatient(&mut self) -> bool {
+        self.unasked += 1;
+        self.unasked >= PATIENCE
+    }
+
+    /// When the next major step must be, at the latest, and why.
+    fn next_stop(&mut self, end: f64) -> Result<Stop, SimError> {
+        self.diagram
+            .next_events(&mut self.event_times)
+            .map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))?;
+        if let Some(i) = self.event_times.iter().position(|&next| next.is_nan() || next <= self.t) {
+            return Err(self.event_in_the_past(self.diagram.plan.timed[i], self.event_times[i]));
+        }
+        Ok(Stop::first(self, end))
+    }
+
+    fn event_in_the_past(&self, block: usize, next: f64) -> SimError {
+        let path = &self.schedule.blocks[block].path;
+        SimError::new("time_event", self.t, format!("`{path}` asks for its next event at {next} s"))
+            .at(path)
+            .help("a time event must lie after the present time")
+    }
+
+    /// The compiled diagram.
+    pub fn schedule(&self) -> &Schedule {
+        &self.schedule
+    }
+
+    /// Present time, s.
+    pub fn time(&self) -> f64 {
+        self.t
+    }
+
+    /// Continuous states of all blocks.
+    pub fn states(&self) -> &[f64] {
+        &self.x
+    }
+
+    /// Values of an output by its path (`arm/base/joint.q`), as of the last evaluation; none if there is no such output.
+    pub fn signal(&self, path: &str) -> Option<&[f64]> {
+        let signal = self.schedule.signals.iter().find(|signal| signal.path == path)?;
+        Some(&self.diagram.signals[signal.offset..signal.offset + signal.shape.len()])
+    }
+
+    /// Work done so far.
+    pub fn counts(&self) -> Counts {
+        let solver = self.stepper.as_ref().map(|stepper| stepper.counts()).unwrap_or_default();
+        Counts {
+            major: self.majors,
+            accepted: solver.accepted,
+            rejected: solver.rejected,
+            evaluations: solver.evaluations,
+            events: self.events,
+            hits: self.hit_count,
+        }
+    }
+}

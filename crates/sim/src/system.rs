@@ -1,0 +1,44 @@
+//! The diagram as the solver sees it: dx/dt = f(t, x).
+
+use blocksim_solve::{Failed, System};
+
+use crate::evaluate::Diagram;
+
+impl System for Diagram {
+    fn dimension(&self) -> usize {
+        self.now.x.len()
+    }
+
+    fn derivatives(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), Failed> {
+        self.minor(t, x)?;
+        self.derive(dx)
+    }
+
+    fn prepare(&mut self, t: f64, x: &[f64], hg: f64) -> Result<(), Failed> {
+        self.minor(t, x)?;
+        if !self.now.derived {
+            // Blocks are promised that their derivatives come first.
+            let mut unused = std::mem::take(&mut self.unused);
+            let derived = self.derive(&mut unused);
+            self.unused = unused;
+            derived?;
+        }
+        for i in 0..self.plan.implicit.len() {
+            let block = self.plan.implicit[i];
+            let Self { plan, now, signals, d, scratch, .. } = self;
+            let unit = &plan.units[block];
+            now.gather(&unit.copies, signals);
+            let c = now.context(unit, &d[unit.d.range()]);
+            unit.block.prepare(&c, hg, &mut scratch[block]);
+            self.checked(block)?;
+        }
+        Ok(())
+    }
+
+    fn solve(&mut self, r: &mut [f64]) {
+        for &block in &self.plan.implicit {
+            let unit = &self.plan.units[block];
+            unit.block.solve(&mut self.scratch[block], &mut r[unit.x.range()]);
+        }
+    }
+}
