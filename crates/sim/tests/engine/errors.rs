@@ -1,0 +1,124 @@
+//! What is said when a simulation cannot go on.
+
+use std::sync::Arc;
+
+use blocksim_block::schedule::OutputTimes::Steps;
+use blocksim_block::schedule::Schedule;
+use blocksim_sim::Simulation;
+use expect_test::{Expect, expect};
+
+use crate::toys::*;
+
+fn check(schedule: Arc<Schedule>, expected: Expect) {
+    let mut tape = Tape::default();
+    let error = Simulation::new(schedule).and_then(|mut sim| sim.run(&mut tape)).unwrap_err();
+    let path = error.path.as_deref().unwrap_or("-");
+    expected.assert_eq(&format!("{error}\nblock: {path}, rows: {}\n", tape.rows.len()));
+}
+
+#[test]
+fn a_value_that_is_no_number_names_its_source_and_its_inputs() {
+    let toy = Toy::new().with("t", Time, &[]).with("minus", Gain(-1.0), &["t"]);
+    let toy = toy.with("root", Function2(|a, b| (a + b).sqrt()), &["minus", "minus"]).with(
+        "k",
+        Gain(3.0),
+        &["root"],
+    );
+    check(
+        toy.schedule(&["k"], 1.0, ode4(0.25), Steps),
+        expect![[r#"
+        error[not_finite]: `root.y` is NaN at t = 0.25 s
+        help: its inputs: `u1` = -0.25, `u2` = -0.25
+        block: root, rows: 1
+    "#]],
+    );
+}
+
+#[test]
+fn a_block_that_gives_up_says_why() {
+    let toy = Toy::new().with("one", Constant(1.0), &[]).with("x", Integrator(0.0), &["one"]);
+    let toy = toy.with("fuse", Fuse(0.5), &["x"]);
+    check(
+        toy.schedule(&["fuse"], 1.0, ode4(0.125), Steps),
+        expect![[r#"
+        error[block_failed]: `fuse` cannot go on: the fuse of 0.5 has blown at t = 0.5 s
+        block: fuse, rows: 4
+    "#]],
+    );
+}
+
+#[test]
+fn switching_without_hysteresis_is_chatter() {
+    let toy = Toy::new().with("x", Integrator(0.5), &["minus"]).with(
+        "relay",
+        Relay { low: 0.0, high: 0.0 },
+        &["x"],
+    );
+    let schedule = toy.with("minus", Gain(-1.0), &["relay"]).schedule(&[], 1.0, ode45(), Steps);
+    let error = Simulation::new(schedule).unwrap().run(&mut Tape::default()).unwrap_err();
+    assert!((error.t - 0.5).abs() < 1e-8);
+    let error = blocksim_sim::SimError { t: 0.5, ..error };
+    expect![[r#"
+        error[chatter]: `relay` switches to and fro (`switch`) at t = 0.5 s
+        help: give the switching a hysteresis, or use a method of fixed step"#]]
+    .assert_eq(&error.to_string());
+}
+
+#[test]
+fn jumping_without_end_is_chatter() {
+    check(
+        Toy::new().with("restless", Restless, &[]).schedule(&[], 1.0, ode45(), Steps),
+        expect![[r#"
+        error[chatter]: `restless` jumps without end at t = 0 s
+        help: it has jumped 1000 times at one instant; a jump must end its own cause
+        block: restless, rows: 1
+    "#]],
+    );
+}
+
+#[test]
+fn a_time_event_in_the_past_is_refused() {
+    check(
+        Toy::new().with("stubborn", Stubborn(0.5), &[]).schedule(&[], 1.0, ode45(), Steps),
+        expect![[r#"
+        error[time_event]: `stubborn` asks for its next event at 0.5 s at t = 0.5 s
+        help: a time event must lie after the present time
+        block: stubborn, rows: 26
+    "#]],
+    );
+}
+
+#[test]
+fn a_pole_ends_with_the_name_of_the_state() {
+    // x' = x^2, x(0) = 1 has a pole at t = 1.
+    let toy = Toy::new().with("x", Integrator(1.0), &["square"]).with(
+        "square",
+        Function2(|a, b| a * b),
+        &["x", "x"],
+    );
+    let schedule = toy.schedule(&[], 2.0, ode45(), Steps);
+    let error = Simulation::new(schedule).unwrap().run(&mut Tape::default()).unwrap_err();
+    assert_eq!((error.code, error.path.as_deref()), ("step_size", Some("x")));
+    assert!((error.t - 1.0).abs() < 1e-6, "{}", error.t);
+    assert!(error.message.contains("too long for the state `x` of `x`, with dx/dt = "), "{}", error.message);
+}
+
+#[test]
+fn settings_that_make_no_sense_are_refused() {
+    check(
+        Toy::new().with("t", Time, &[]).schedule(&[], 1.0, ode4(-0.1), Steps),
+        expect![[r#"
+        error[settings]: the fixed step is -0.1 at t = 0 s
+        help: the fixed step must be a number of seconds above zero
+        block: -, rows: 0
+    "#]],
+    );
+    check(
+        Toy::new().with("t", Time, &[]).schedule(&[], f64::NAN, ode45(), Steps),
+        expect![[r#"
+        error[settings]: the stop time is NaN at t = 0 s
+        help: the stop time must be a number of seconds, zero or more
+        block: -, rows: 0
+    "#]],
+    );
+}

@@ -1,0 +1,156 @@
+//! Zero crossings, jumps and time events.
+
+use blocksim_block::schedule::OutputTimes::{Every, Steps};
+use blocksim_block::schedule::Solver;
+use blocksim_sim::Simulation;
+
+use crate::toys::*;
+
+/// Times of the first `n` impacts of a ball that falls from `height`.
+fn impacts(height: f64, restitution: f64, n: i32) -> Vec<f64> {
+    let fall = (2.0 * height / GRAVITY).sqrt();
+    let flights = |k| (1..=k).map(|i| 2.0 * fall * restitution.powi(i)).sum::<f64>();
+    (0..n).map(|k| fall + flights(k)).collect()
+}
+
+#[test]
+fn fifty_impacts_of_a_ball_come_at_their_times() {
+    let (height, restitution) = (1.0, 0.9);
+    let expected = impacts(height, restitution, 51);
+    let stop = 0.5 * (expected[49] + expected[50]);
+    let schedule = Toy::new().with("ball", Ball { height, restitution }, &[]).schedule(
+        &["ball.h", "ball.v"],
+        stop,
+        ode45(),
+        Steps,
+    );
+    let mut tape = Tape::default();
+    let mut sim = Simulation::new(schedule).unwrap();
+    sim.run(&mut tape).unwrap();
+    let jumps: Vec<f64> = tape.events.iter().filter(|e| e.1 == "ball jump").map(|e| e.0).collect();
+    assert_eq!(jumps.len(), 50);
+    for (k, (jump, expected)) in jumps.iter().zip(&expected).enumerate() {
+        assert!((jump - expected).abs() < 1e-9, "impact {k}: {jump} and not {expected}");
+    }
+    for pair in tape.rows.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+        assert!((pair[1].1[1] + restitution * pair[0].1[1]).abs() < 1e-12, "{pair:?}");
+    }
+}
+
+#[test]
+fn rows_of_one_time_stand_only_around_jumps() {
+    let ball = Ball { height: 1.0, restitution: 0.5 };
+    let schedule = Toy::new().with("ball", ball, &[]).schedule(&["ball.h"], 1.2, ode45(), Every(0.01));
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    let times = tape.times();
+    assert!(times.windows(2).all(|pair| pair[0] <= pair[1]));
+    let twice: Vec<f64> = times.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
+    let jumps: Vec<f64> = tape.events.iter().filter(|e| e.1 == "ball jump").map(|e| e.0).collect();
+    assert_eq!(twice, jumps);
+    let fall = |t: f64| 1.0 - 0.5 * GRAVITY * t * t;
+    assert!((tape.at(0.3, 0) - fall(0.3)).abs() < 1e-12);
+}
+
+#[test]
+fn a_step_is_hit_exactly() {
+    let toy = Toy::new().with("step", StepAt(0.3), &[]).with("x", Integrator(0.0), &["step"]);
+    let schedule = toy.schedule(&["step", "x"], 1.0, ode45(), Steps);
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    assert_eq!(tape.at(0.3, 0), 1.0);
+    assert_eq!(tape.at(0.3, 1), 0.0);
+    assert!((tape.at(1.0, 1) - 0.7).abs() < 1e-15);
+}
+
+#[test]
+fn a_step_at_a_sample_hit_is_seen_by_it() {
+    // 3 * 0.1 is not the number 0.3.
+    let toy =
+        Toy::new().with("step", StepAt(3.0 * 0.1), &[]).major("step").with("hold", Hold(0.1), &["step"]);
+    let schedule = toy.schedule(&["hold"], 1.0, ode45(), Steps);
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    assert_eq!(tape.rows.len(), 11);
+    assert_eq!(tape.column(0), [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+}
+
+#[test]
+fn a_relay_around_an_integrator_oscillates_with_the_right_period() {
+    // x' = -relay(x) with thresholds +-0.25 is a triangle of period 4 * 0.25 s.
+    let toy = Toy::new().with("x", Integrator(0.0), &["minus"]);
+    let toy =
+        toy.with("relay", Relay { low: -0.25, high: 0.25 }, &["x"]).with("minus", Gain(-1.0), &["relay"]);
+    let schedule = toy.schedule(&["x"], 20.1, ode45(), Steps);
+    let mut tape = Tape::default();
+    let mut sim = Simulation::new(schedule).unwrap();
+    sim.run(&mut tape).unwrap();
+    assert_eq!(tape.events.len(), 40);
+    for (k, (t, what)) in tape.events.iter().enumerate() {
+        assert_eq!(what, "relay switch");
+        assert!((t - (0.25 + 0.5 * k as f64)).abs() < 1e-12, "switch {k} at {t}");
+    }
+    assert_eq!(sim.counts().events, 40);
+}
+
+#[test]
+fn an_event_is_found_where_nothing_is_integrated() {
+    let toy = Toy::new().with("t", Time, &[]).with("late", Function2(|t, _| t - 0.123), &["t", "t"]);
+    let toy = toy.with("relay", Sign, &["late"]);
+    let schedule = toy.schedule(&["relay"], 1.0, ode45(), Every(0.5));
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    assert_eq!(tape.events.len(), 1);
+    assert!((tape.events[0].0 - 0.123).abs() < 1e-12);
+}
+
+#[test]
+fn the_first_of_two_crossings_in_a_step_comes_first() {
+    let toy = Toy::new()
+        .with("t", Time, &[])
+        .with("seven", Function2(|t, _| 0.7 - t), &["t", "t"])
+        .with("six", Function2(|t, _| t - 0.65), &["t", "t"])
+        .with("later", Sign, &["seven"])
+        .with("sooner", Sign, &["six"])
+        .with("one", Constant(1.0), &[])
+        .with("x", Integrator(0.0), &["one"]);
+    let schedule = toy.schedule(&["x"], 10.0, ode45(), Every(10.0));
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    let names: Vec<&str> = tape.events.iter().map(|event| event.1.as_str()).collect();
+    assert_eq!(names, ["sooner zero", "later zero"]);
+    assert!((tape.events[0].0 - 0.65).abs() < 1e-11 && (tape.events[1].0 - 0.7).abs() < 1e-11);
+}
+
+#[test]
+fn a_branch_that_starts_on_its_threshold_is_chosen_anew_behind_it() {
+    // The input starts at zero, where the sign is 1, and falls; the sign must not stay 1 for the whole step.
+    let toy = Toy::new().with("minus", Constant(-1.0), &[]).with("u", Integrator(0.0), &["minus"]);
+    let toy = toy.with("sign", Sign, &["u"]).with("x", Integrator(0.0), &["sign"]);
+    let schedule = toy.schedule(&["x"], 1.0, ode45(), Steps);
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    assert!((tape.at(1.0, 0) + 1.0).abs() < 1e-5, "{}", tape.at(1.0, 0));
+    assert!(tape.events.is_empty());
+}
+
+#[test]
+fn fixed_steps_do_not_look_for_crossings() {
+    let toy = Toy::new().with("t", Time, &[]).with("late", Function2(|t, _| t - 0.123), &["t", "t"]);
+    let toy = toy.with("sign", Sign, &["late"]).with("x", Integrator(0.0), &["sign"]);
+    let schedule = toy.schedule(&["x"], 1.0, ode4(0.1), Steps);
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    assert!(tape.events.is_empty());
+    assert_eq!(tape.times(), (0..=10).map(|k| f64::from(k) / 10.0).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_largest_step_is_kept_where_nothing_is_integrated() {
+    let Solver::Variable { method, rtol, atol, .. } = ode45() else { unreachable!() };
+    let solver = Solver::Variable { method, rtol, atol, max_step: 0.25 };
+    let mut tape = Tape::default();
+    let schedule = Toy::new().with("t", Time, &[]).schedule(&["t"], 1.0, solver, Steps);
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    assert_eq!(tape.column(0), [0.0, 0.25, 0.5, 0.75, 1.0]);
+}

@@ -1,0 +1,8 @@
+//! The engine run on small diagrams that are made by hand.
+
+mod errors;
+mod events;
+mod recording;
+mod sampling;
+mod solvers;
+mod toys;

@@ -1,0 +1,108 @@
+//! Rows, interruptions, snapshots.
+
+use std::sync::Arc;
+
+use blocksim_block::schedule::OutputTimes::{self, Every, Steps};
+use blocksim_block::schedule::{Schedule, Solver};
+use blocksim_sim::{Ended, Simulation};
+
+use crate::toys::*;
+
+/// x'' = -x, sampled and fed back a little.
+fn oscillator(solver: Solver, output: OutputTimes) -> Arc<Schedule> {
+    let toy = Toy::new().with("v", Integrator(0.0), &["force"]).with("x", Integrator(1.0), &["v"]);
+    let toy = toy.with("held", Hold(0.1), &["v"]).with("delay", UnitDelay(0.2), &["held"]);
+    let toy = toy.with("force", Function2(|x, held| -x - 0.1 * held), &["x", "delay"]);
+    toy.schedule(&["x", "v", "delay"], 4.0, solver, output)
+}
+
+fn cosine(output: OutputTimes) -> Tape {
+    let toy = Toy::new().with("v", Integrator(0.0), &["force"]).with("x", Integrator(1.0), &["v"]);
+    let schedule = toy.with("force", Gain(-1.0), &["x"]).schedule(&["x", "force"], 10.0, ode45(), output);
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    tape
+}
+
+#[test]
+fn rows_of_a_grid_come_from_within_the_steps() {
+    let tape = cosine(Every(0.01));
+    assert_eq!(tape.times(), (0..=1000).map(|k| f64::from(k) / 100.0).collect::<Vec<_>>());
+    for (t, row) in &tape.rows {
+        assert!((row[0] - t.cos()).abs() < 1e-6, "x({t}) = {}", row[0]);
+        assert_eq!(row[1], -row[0]);
+    }
+    assert!(cosine(Steps).rows.len() < 200);
+}
+
+#[test]
+fn a_grid_does_not_change_the_solution() {
+    assert_eq!(cosine(Every(0.01)).rows.last(), cosine(Steps).rows.last());
+}
+
+#[test]
+fn the_end_is_recorded_off_the_grid() {
+    assert_eq!(cosine(Every(3.0)).times(), [0.0, 3.0, 6.0, 9.0, 10.0]);
+}
+
+#[test]
+fn a_run_gives_the_same_bits_twice() {
+    for solver in [ode4(0.05), ode45()] {
+        let run = || {
+            let mut tape = Tape::default();
+            Simulation::new(oscillator(solver, Every(0.03))).unwrap().run(&mut tape).unwrap();
+            tape.bits()
+        };
+        assert_eq!(run(), run());
+    }
+}
+
+#[test]
+fn a_run_from_a_snapshot_gives_the_bits_of_a_straight_run() {
+    for output in [Steps, Every(0.03)] {
+        let schedule = oscillator(ode4(0.05), output);
+        let mut straight = Tape::default();
+        Simulation::new(Arc::clone(&schedule)).unwrap().run(&mut straight).unwrap();
+
+        let mut tape = Tape::default();
+        let mut first = Simulation::new(Arc::clone(&schedule)).unwrap();
+        assert_eq!(first.run_until(1.5, &mut tape), Ok(Ended::Finished));
+        let snapshot = first.snapshot();
+        let mut second = Simulation::new(schedule).unwrap();
+        second.run(&mut Tape::default()).unwrap();
+        second.restore(&snapshot).unwrap();
+        assert_eq!(second.time(), 1.5);
+        second.run(&mut tape).unwrap();
+        assert_eq!(tape.bits(), straight.bits());
+    }
+}
+
+#[test]
+fn a_snapshot_of_another_diagram_is_refused() {
+    let snapshot = Simulation::new(oscillator(ode45(), Steps)).unwrap().snapshot();
+    let other = Toy::new().with("t", Time, &[]).schedule(&["t"], 1.0, ode45(), Steps);
+    assert_eq!(Simulation::new(other).unwrap().restore(&snapshot).unwrap_err().code, "settings");
+}
+
+#[test]
+fn an_interrupted_run_goes_on() {
+    let schedule = oscillator(ode4(0.001), Steps);
+    let mut straight = Tape::default();
+    Simulation::new(Arc::clone(&schedule)).unwrap().run(&mut straight).unwrap();
+    assert_eq!(straight.asked.len(), 4000 / 257);
+
+    let mut tape = Tape { patience: Some(3), ..Tape::default() };
+    let mut sim = Simulation::new(schedule).unwrap();
+    assert_eq!(sim.run(&mut tape), Ok(Ended::Interrupted));
+    assert!(sim.time() < 1.0);
+    assert_eq!(sim.run(&mut tape), Ok(Ended::Finished));
+    assert_eq!(tape.bits(), straight.bits());
+}
+
+#[test]
+fn signals_are_found_by_path() {
+    let mut sim = Simulation::new(oscillator(ode4(0.1), Steps)).unwrap();
+    sim.run(&mut Tape::default()).unwrap();
+    assert_eq!(sim.signal("x.y"), Some(&sim.states()[1..2]));
+    assert_eq!(sim.signal("x.z"), None);
+}
