@@ -1,0 +1,51 @@
+use super::elements::guard_each;
+use blocksim_block::prelude::*;
+
+/// Absolute value: $y = |u|$, element by element.
+///
+/// The solver steps onto the kink at zero.
+///
+/// ```ron
+/// Abs
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Math")]
+pub struct Abs;
+
+impl Block for Abs {
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let u = given.input_or_unknown("u");
+        let interface = Interface::new().input(Input::real("u")).output(Output::like("y", u));
+        Ok(guard_each(interface, "zero", u.shape.len()))
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        y.iter_mut().zip(c.u).for_each(|(y, u)| *y = u.abs());
+    }
+
+    fn guards(&self, c: &Context, g: &mut [f64]) {
+        g.copy_from_slice(c.u);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::elements::{dimension, given};
+    use super::*;
+    use blocksim_block::testing::Bench;
+
+    #[test]
+    fn each_element_loses_its_sign_and_is_guarded() {
+        let mut bench = Bench::with_inputs(Abs, vec![("u".to_owned(), PortType::vector(3))]);
+        assert_eq!(bench.set(0, &[-2.0, 0.0, 3.0]).major(), [2.0, 0.0, 3.0]);
+        assert_eq!(bench.guards(), [-2.0, 0.0, 3.0]);
+        assert!(bench.set(0, &[f64::NAN; 3]).major()[0].is_nan());
+    }
+
+    #[test]
+    fn the_unit_stays() {
+        let interface = Abs.interface(&given(&[("u", "V")], &[])).unwrap();
+        assert_eq!(interface.outputs[0].port_type.dimension, Some(dimension("V")));
+        assert_eq!(interface.guards, ["zero"]);
+    }
+}

@@ -1,0 +1,70 @@
+use super::elements::guard_each;
+use blocksim_block::prelude::*;
+
+/// Sign: $y = 1$ for $u > 0$, $-1$ for $u < 0$, and 0 for exactly 0; element by element.
+///
+/// The value is chosen where the solver stops, and it stops where `u` crosses zero; in between it is held.
+///
+/// ```ron
+/// Sign
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Math")]
+pub struct Sign;
+
+impl Block for Sign {
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let shape = given.input_or_unknown("u").shape;
+        let interface = Interface::new()
+            .input(Input::real("u"))
+            .output(Output::real("y").shape(shape))
+            .memory("sign", shape.len(), 0.0)
+            .settles();
+        Ok(guard_each(interface, "zero", shape.len()))
+    }
+
+    fn settle(&self, c: &Context, d: &mut [f64]) {
+        for (d, u) in d.iter_mut().zip(c.u) {
+            *d = if *u == 0.0 || u.is_nan() { *u } else { u.signum() };
+        }
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        y.copy_from_slice(c.d);
+    }
+
+    fn guards(&self, c: &Context, g: &mut [f64]) {
+        g.copy_from_slice(c.u);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::elements::given;
+    use super::*;
+    use blocksim_block::testing::Bench;
+
+    #[test]
+    fn the_sign_of_exactly_zero_is_zero() {
+        let mut bench = Bench::new(Sign);
+        for (u, expected) in [(3.0, 1.0), (-0.1, -1.0), (0.0, 0.0), (-0.0, 0.0), (1e-300, 1.0)] {
+            assert_eq!(bench.respond(u), expected, "{u}");
+        }
+        assert!(bench.respond(f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn between_major_steps_the_sign_is_held() {
+        let mut bench = Bench::with_inputs(Sign, vec![("u".to_owned(), PortType::vector(2))]);
+        assert_eq!(bench.set(0, &[2.0, -2.0]).major(), [1.0, -1.0]);
+        assert_eq!(bench.set(0, &[-0.1, 0.1]).minor(), [1.0, -1.0]);
+        assert_eq!(bench.guards(), [-0.1, 0.1]);
+        assert_eq!(bench.major(), [-1.0, 1.0]);
+    }
+
+    #[test]
+    fn the_output_has_no_unit() {
+        let y = Sign.interface(&given(&[("u", "V")], &[])).unwrap().outputs[0].port_type;
+        assert_eq!(y, PortType::scalar());
+    }
+}
