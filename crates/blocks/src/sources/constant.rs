@@ -1,0 +1,141 @@
+use blocksim_block::prelude::*;
+use blocksim_signal::{Quantity, Value};
+
+/// A value that never changes: a number, a truth value, or a list of either, which makes a vector.
+///
+/// The unit is the one that is written; a plain number has none. In a list zero fits every unit.
+///
+/// ```ron
+/// Constant(value: "48 V")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Sources")]
+pub struct Constant {
+    /// The value: `3`, `"48 V"`, `true`, `["10 deg", "-20 deg"]`.
+    pub value: ParamValue,
+}
+
+impl Constant {
+    fn items(&self) -> &[Value] {
+        match &self.value.0 {
+            Value::List(items) => items,
+            one => std::slice::from_ref(one),
+        }
+    }
+
+    fn quantities(&self) -> impl Iterator<Item = Quantity> {
+        self.items().iter().filter_map(Value::as_number)
+    }
+
+    fn dimension(&self) -> Dimension {
+        let written = |quantity: &Quantity| quantity.dimension != Dimension::NONE;
+        self.quantities().find(written).map_or(Dimension::NONE, |quantity| quantity.dimension)
+    }
+}
+
+impl Block for Constant {
+    fn check(&self) -> Result<(), ParamError> {
+        let items = self.items();
+        if items.is_empty() {
+            return Err(ParamError::new("value", "`value` is an empty list"));
+        }
+        let booleans = items.iter().filter(|item| item.as_bool().is_some()).count();
+        let numbers = self.quantities().count();
+        if let Some(other) = items.iter().find(|item| item.as_bool().is_none() && item.as_number().is_none())
+        {
+            let message = format!(
+                "`value` contains {}, but must be made of numbers or of truth values",
+                other.describe()
+            );
+            return Err(ParamError::new("value", message));
+        }
+        if booleans > 0 && numbers > 0 {
+            return Err(ParamError::new("value", "`value` mixes numbers and truth values"));
+        }
+        let dimension = self.dimension();
+        for quantity in self.quantities() {
+            finite("value", quantity.value)?;
+            let zero = quantity.value == 0.0 && quantity.dimension == Dimension::NONE;
+            if !zero && !quantity.dimension.compatible(dimension) {
+                let message = format!("`value` mixes {} and {dimension}", quantity.dimension);
+                return Err(ParamError::new("value", message).help("give all elements the same unit"));
+            }
+        }
+        Ok(())
+    }
+
+    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+        let items = self.items();
+        let shape = match self.value.0 {
+            Value::List(_) => Shape::Vector(items.len()),
+            _ => Shape::Scalar,
+        };
+        let y = match items.first().and_then(Value::as_bool) {
+            Some(_) => PortType::boolean(),
+            None => PortType::scalar().of(Some(self.dimension())),
+        };
+        Ok(Interface::new().output(Output::like("y", y.shaped(shape))).constant())
+    }
+
+    fn outputs(&self, _group: usize, _c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        for (y, item) in y.iter_mut().zip(self.items()) {
+            *y = match item {
+                Value::Bool(value) => f64::from(*value),
+                _ => item.as_number().map_or(f64::NAN, |quantity| quantity.value),
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::elements::dimension;
+    use blocksim_block::testing::Bench;
+
+    fn constant(value: impl Into<Value>) -> Constant {
+        Constant { value: ParamValue(value.into()) }
+    }
+
+    fn volts(value: f64) -> Value {
+        Quantity::new(value, dimension("V")).into()
+    }
+
+    #[test]
+    fn a_number_keeps_its_unit() {
+        let mut bench = Bench::new(constant(volts(48.0)));
+        assert_eq!(bench.interface.outputs[0].port_type, PortType::scalar().of(Some(dimension("V"))));
+        assert_eq!(bench.interface.sample_time, Some(SampleTime::Constant));
+        assert_eq!(bench.major(), [48.0]);
+    }
+
+    #[test]
+    fn a_list_is_a_vector_in_which_zero_fits_every_unit() {
+        let mut bench = Bench::new(constant(Value::List(vec![0.0.into(), volts(2.0)])));
+        assert_eq!(bench.interface.outputs[0].port_type, PortType::vector(2).of(Some(dimension("V"))));
+        assert_eq!(bench.major(), [0.0, 2.0]);
+    }
+
+    #[test]
+    fn a_truth_value_is_a_bool_signal() {
+        let mut bench = Bench::new(constant(Value::Bool(true)));
+        assert_eq!(bench.interface.outputs[0].port_type, PortType::boolean());
+        assert_eq!(bench.major(), [1.0]);
+    }
+
+    #[test]
+    fn mixed_lists_and_texts_are_refused() {
+        let list = |items: Vec<Value>| constant(Value::List(items));
+        for (block, what) in [
+            (constant(Value::Text("a".to_owned())), "a text"),
+            (list(vec![]), "empty"),
+            (list(vec![1.0.into(), Value::Bool(true)]), "mixes numbers and truth values"),
+            (list(vec![1.0.into(), volts(2.0)]), "mixes 1 and V"),
+            (list(vec![Value::List(vec![])]), "a list of 0"),
+            (constant(f64::NAN), "finite"),
+        ] {
+            let error = block.check().unwrap_err();
+            assert!(error.param == "value" && error.message.contains(what), "{}", error.message);
+        }
+    }
+}

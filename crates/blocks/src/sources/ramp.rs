@@ -1,0 +1,94 @@
+use crate::math::elements::TIME;
+use blocksim_block::prelude::*;
+
+/// A ramp: $y = y_0 + k \max(t - t_0, 0)$ with slope $k$ from `start` $t_0$ on.
+///
+/// The solver steps exactly onto the kink.
+///
+/// ```ron
+/// Ramp(slope: "2 V/s", start: "0.5 s")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Sources")]
+pub struct Ramp {
+    /// Slope $k$; its unit times s is that of the output.
+    pub slope: f64,
+    /// Time $t_0$ of the kink.
+    #[block(unit = "s", default = 0.0)]
+    pub start: f64,
+    /// Value $y_0$ before.
+    #[block(default = 0.0)]
+    pub initial: f64,
+}
+
+impl Ramp {
+    fn dimension(&self, given: &Given) -> Result<Dimension, InterfaceError> {
+        let initial = given.parameters.get("initial");
+        let slope = given.parameters.get("slope");
+        if slope == Dimension::NONE {
+            return Ok(initial);
+        }
+        let ramp = slope.times(TIME);
+        if ramp.compatible(initial) || (self.initial == 0.0 && initial == Dimension::NONE) {
+            return Ok(ramp);
+        }
+        Err(InterfaceError::units(&["y"], format!("`initial` is in {initial}, but `slope` makes {ramp}"))
+            .help(format!("write `initial` in {ramp} and `slope` in {slope}")))
+    }
+}
+
+impl Block for Ramp {
+    fn check(&self) -> Result<(), ParamError> {
+        finite("slope", self.slope)?;
+        finite("start", self.start)?;
+        finite("initial", self.initial)
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let output = Output::real("y").dimension(Some(self.dimension(given)?));
+        Ok(Interface::new().output(output).uses_time().time_events())
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        y[0] = self.initial + self.slope * (c.t - self.start).max(0.0);
+    }
+
+    fn next_event(&self, c: &Context) -> f64 {
+        if c.t < self.start { self.start } else { f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::elements::{dimension, given};
+    use blocksim_block::testing::Bench;
+
+    const RAMP: Ramp = Ramp { slope: 2.0, start: 0.5, initial: 1.0 };
+
+    #[test]
+    fn it_rises_from_the_kink_on() {
+        let mut bench = Bench::new(RAMP);
+        for (t, y, next) in [(0.0, 1.0, 0.5), (0.5, 1.0, f64::INFINITY), (2.0, 4.0, f64::INFINITY)] {
+            bench.t = t;
+            assert_eq!((bench.major(), bench.next_event()), (vec![y], next), "{t}");
+        }
+    }
+
+    #[test]
+    fn the_unit_is_that_of_the_slope_times_seconds() {
+        let ramp = Ramp { initial: 0.0, ..RAMP };
+        let unit = |ramp: &Ramp, written: &[(&str, &str)]| {
+            ramp.interface(&given(&[], written)).map(|interface| interface.outputs[0].port_type.dimension)
+        };
+        assert_eq!(unit(&ramp, &[("slope", "V/s")]), Ok(Some(dimension("V"))));
+        assert_eq!(unit(&RAMP, &[]), Ok(Some(Dimension::NONE)));
+        assert_eq!(unit(&RAMP, &[("slope", "V/min"), ("initial", "kV")]), Ok(Some(dimension("V"))));
+        assert_eq!(unit(&RAMP, &[("slope", "V/s")]).unwrap_err().code, "unit_mismatch");
+    }
+
+    #[test]
+    fn values_must_be_finite() {
+        assert_eq!(Ramp { slope: f64::NAN, ..RAMP }.check().unwrap_err().param, "slope");
+    }
+}
