@@ -1,0 +1,81 @@
+use crate::math::elements::{clamp, guard_each, parameters_like};
+use blocksim_block::prelude::*;
+
+/// No output while the input is between `start` and `end`, beyond that the distance to the zone; element by element.
+///
+/// $$ y = u - \min(\max(u, u_\text{start}), u_\text{end}) $$
+///
+/// The solver steps onto the kinks. Limits written as plain numbers are in the unit of the input.
+///
+/// ```ron
+/// DeadZone(start: "-0.5 deg", end: "0.5 deg")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Discontinuities")]
+pub struct DeadZone {
+    /// Lower end of the zone.
+    pub start: f64,
+    /// Upper end of the zone.
+    pub end: f64,
+}
+
+impl Block for DeadZone {
+    fn check(&self) -> Result<(), ParamError> {
+        finite("start", self.start)?;
+        finite("end", self.end)?;
+        ordered("start", self.start, "end", self.end)
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let u = given.input_or_unknown("u");
+        let dimension = parameters_like(given, "u", u.dimension, &["start", "end"])?;
+        let n = u.shape.len();
+        let interface = Interface::new().input(Input::real("u")).output(Output::like("y", u.of(dimension)));
+        Ok(guard_each(guard_each(interface, "start", n), "end", n))
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        y.iter_mut().zip(c.u).for_each(|(y, u)| *y = u - clamp(*u, self.start, self.end));
+    }
+
+    fn guards(&self, c: &Context, g: &mut [f64]) {
+        let (start, end) = g.split_at_mut(c.u.len());
+        start.iter_mut().zip(c.u).for_each(|(g, u)| *g = u - self.start);
+        end.iter_mut().zip(c.u).for_each(|(g, u)| *g = u - self.end);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::elements::{dimension, given};
+    use blocksim_block::testing::Bench;
+
+    const ZONE: DeadZone = DeadZone { start: -0.5, end: 1.0 };
+
+    #[test]
+    fn beyond_the_zone_the_distance_to_it_is_left() {
+        let mut bench = Bench::with_inputs(ZONE, vec![("u".to_owned(), PortType::vector(5))]);
+        assert_eq!(bench.set(0, &[-2.0, -0.5, 0.25, 1.0, 4.0]).major(), [-1.5, 0.0, 0.0, 0.0, 3.0]);
+        assert_eq!(bench.guards(), [-1.5, 0.0, 0.75, 1.5, 4.5, -3.0, -1.5, -0.75, 0.0, 3.0]);
+        assert!(bench.set(0, &[f64::NAN; 5]).major()[0].is_nan());
+    }
+
+    #[test]
+    fn the_zone_is_in_the_unit_of_the_input() {
+        let y = ZONE.interface(&given(&[("u", "rad")], &[("start", "deg"), ("end", "deg")])).unwrap().outputs
+            [0]
+        .port_type;
+        assert_eq!(y.dimension, Some(dimension("rad")));
+        assert_eq!(
+            ZONE.interface(&given(&[("u", "rad")], &[("end", "V")])).unwrap_err().code,
+            "unit_mismatch"
+        );
+    }
+
+    #[test]
+    fn a_zone_the_wrong_way_round_is_refused() {
+        assert_eq!(DeadZone { start: 1.0, end: -1.0 }.check().unwrap_err().param, "end");
+        assert_eq!(DeadZone { start: f64::NEG_INFINITY, end: 0.0 }.check().unwrap_err().param, "start");
+    }
+}
