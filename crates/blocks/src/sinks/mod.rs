@@ -1,1 +1,7 @@
 //! Blocks: sinks.
+
+mod assertion;
+mod scope;
+
+pub use assertion::Assertion;
+pub use scope::Scope;

@@ -1,0 +1,92 @@
+use crate::routing::names::check_names;
+use blocksim_block::prelude::*;
+use blocksim_signal::Unit;
+
+/// Records its inputs and shows them in one picture.
+///
+/// Signals of any kind and shape are recorded in SI units; `display` only says in which unit they are shown.
+///
+/// ```ron
+/// Scope(inputs: ["set", "actual"], display: "deg")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Sinks")]
+pub struct Scope {
+    /// Names of the inputs.
+    #[block(default = vec!["u".to_owned()])]
+    pub inputs: Vec<String>,
+    /// Unit in which numbers are shown; SI without.
+    #[block(default = None)]
+    pub display: Option<String>,
+}
+
+impl Block for Scope {
+    fn check(&self) -> Result<(), ParamError> {
+        check_names("inputs", self.inputs.iter().map(String::as_str))?;
+        let Some(display) = &self.display else { return Ok(()) };
+        Unit::parse(display).map(|_| ()).map_err(|error| ParamError {
+            param: "display".to_owned(),
+            message: error.message,
+            help: error.help,
+        })
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let display = self.display.as_ref().and_then(|text| Unit::parse(text).ok());
+        let mut interface = Interface::new();
+        for name in &self.inputs {
+            interface = interface.input(Input::any(name));
+            let shown = given.input_or_unknown(name);
+            if let (Some(unit), Some(dimension), Kind::Real) = (&display, shown.dimension, shown.kind)
+                && !unit.dimension.compatible(dimension)
+            {
+                let message = format!("`{name}` is in {dimension}, which cannot be shown in {}", unit.text);
+                return Err(InterfaceError::units(&[name], message)
+                    .help("use one Scope for each unit, or leave `display` away"));
+            }
+        }
+        Ok(interface.records(self.display.clone()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::elements::given;
+
+    fn scope(inputs: &[&str], display: Option<&str>) -> Scope {
+        Scope {
+            inputs: inputs.iter().map(ToString::to_string).collect(),
+            display: display.map(str::to_owned),
+        }
+    }
+
+    #[test]
+    fn all_inputs_are_recorded_in_the_unit_of_display() {
+        let interface = scope(&["set", "actual"], Some("deg")).interface(&Given::nothing()).unwrap();
+        let names: Vec<_> = interface.inputs.iter().map(|input| input.name.as_str()).collect();
+        assert_eq!(names, ["set", "actual"]);
+        assert_eq!(interface.recorded.unwrap().display.as_deref(), Some("deg"));
+    }
+
+    #[test]
+    fn volts_are_not_shown_in_degrees() {
+        let scope = scope(&["set", "actual"], Some("deg"));
+        let error = scope.interface(&given(&[("set", "rad"), ("actual", "V")], &[])).unwrap_err();
+        assert_eq!((error.code, error.ports), ("unit_mismatch", vec!["actual".to_owned()]));
+    }
+
+    #[test]
+    fn truth_values_are_shown_beside_anything() {
+        let inputs = vec![("set".to_owned(), PortType::boolean())];
+        assert!(scope(&["set"], Some("V")).interface(&Given::new(inputs, Default::default())).is_ok());
+    }
+
+    #[test]
+    fn names_and_unit_must_make_sense() {
+        assert_eq!(scope(&[], None).check().unwrap_err().param, "inputs");
+        assert_eq!(scope(&["a", "a"], None).check().unwrap_err().param, "inputs");
+        assert_eq!(scope(&["a"], Some("degg")).check().unwrap_err().param, "display");
+        assert!(scope(&["a"], Some("deg")).check().is_ok());
+    }
+}
