@@ -52,7 +52,8 @@ impl<'a> UnitReader<'a> {
     }
 
     /// A unit behind a number: the first symbol is always a unit; behind `*` or `/` the unit goes on only with a
-    /// known symbol that is not taken, or with parentheses that hold nothing else.
+    /// known symbol that is not taken (written without spaces it never is), or with parentheses that hold nothing
+    /// else.
     pub fn greedy(&mut self) -> Result<Factor, ExprError> {
         let first = self.at;
         let mut product =
@@ -91,7 +92,7 @@ impl<'a> UnitReader<'a> {
             }
             Token::Word(symbol) => {
                 let is_path = matches!(self.lexemes[self.at + 1].token, Token::Sign('.' | '('));
-                if !certain && ((self.is_taken)(symbol) || is_path) {
+                if !certain && (is_path || (!self.is_tight() && (self.is_taken)(symbol))) {
                     return Err(ExprError::new(span, "not a unit"));
                 }
                 self.at += 1;
@@ -108,6 +109,13 @@ impl<'a> UnitReader<'a> {
             _ => return Err(ExprError::new(span, "expected a unit")),
         };
         self.exponent(factor, span)
+    }
+
+    /// Whether the token follows its operator, and the operator what it follows, without space: `kg*m^2` is one
+    /// unit even where a parameter is called `m`.
+    fn is_tight(&self) -> bool {
+        let touches = |at: usize| at > 0 && self.lexemes[at - 1].span.end == self.lexemes[at].span.start;
+        touches(self.at) && touches(self.at - 1)
     }
 
     fn group(&mut self, certain: bool) -> Result<Factor, ExprError> {

@@ -135,11 +135,11 @@ fn behind_an_operator_a_name_wins_against_a_unit() {
     check(&[
         ("12 V * x", 36.0, "V"),
         ("12 V * s", 12.0, "Wb"),
-        ("0.5 kg*m^2", 0.5 * 49.0, "kg"),
+        ("0.5 kg * m^2", 0.5 * 49.0, "kg"),
         ("0.5 [kg*m^2]", 0.5, "kg*m^2"),
         ("3 N * r", 1.5, "N*m"),
         ("10 V/(x + 2)", 2.0, "V"),
-        ("10 V/(m)", 10.0 / 7.0, "V"),
+        ("10 V / (m)", 10.0 / 7.0, "V"),
         ("2 s * min(3, 4)", 6.0, "s"),
         ("6 V / 2", 3.0, "V"),
         ("2 kg * axis.number", 6.0, "kg"),
@@ -147,6 +147,11 @@ fn behind_an_operator_a_name_wins_against_a_unit() {
         ("5 s / 1 A", 5.0, "s/A"),
         ("6 V/1", 6.0, "V"),
     ]);
+}
+
+#[test]
+fn a_unit_written_without_spaces_stays_whole_whatever_is_named() {
+    check(&[("0.5 kg*m^2", 0.5, "kg*m^2"), ("10 V/m", 10.0, "V/m"), ("3 N*m*x", 9.0, "N*m")]);
 }
 
 /// `m` is a name in the scope, so compound units with metres are told apart above; here nothing is named.
