@@ -33,7 +33,7 @@ impl SimError {
 
 impl Display for SimError {
     fn fmt(&self, f: &mut Formatter) -> Result {
-        write!(f, "error[{}]: {} at t = {} s", self.code, self.message, self.t)?;
+        write!(f, "error[{}] at t = {} s: {}", self.code, self.t, self.message)?;
         self.help.iter().try_for_each(|help| write!(f, "\nhelp: {help}"))
     }
 }

@@ -6,12 +6,14 @@
 //! 1e-15 max(|t|, h) wide, h being the step: some units in the last place of t.
 //!
 //! A guard that is exactly zero at the start of a step is not crossing. But where it goes from there the block could not
-//! know when it chose its branch, so the step is cut 2^-20 h behind its start and the branch chosen anew. In the same
-//! manner it is found out whether a guard that has just fired turns back at once.
+//! know when it chose its branch, so the step is cut just behind its start, at 2^-40 h (or at 2^-20 h if it is still zero
+//! there), and the branch chosen anew. In the same manner it is found out whether a guard that has just crossed turns
+//! back at once.
 //!
 //! Methods of fixed step do not look for crossings: blocks choose their branches at each step.
 //!
-//! A guard that changes its sign twice within one step is not seen. A limit of the step size helps.
+//! A guard that changes its sign twice within one step is not seen; a limit of the step size helps. Nor are impacts that
+//! come faster and faster, once time cannot tell them apart; the block needs a state of rest.
 
 use blocksim_solve::{Failed, Stepper, locate};
 
@@ -19,6 +21,9 @@ use crate::evaluate::Diagram;
 
 /// Crossings in a row, without time getting on, that are taken for chatter.
 const CHATTER: u32 = 1000;
+
+/// Where to look just behind the start of a step, in parts of the step: twice, as a step may be very long.
+const NEAR: [f64; 2] = [1.0 / (1_u64 << 40) as f64, 1.0 / (1_u64 << 20) as f64];
 
 /// An accepted step of the solver.
 pub(crate) struct Stride<'a> {
@@ -48,7 +53,7 @@ pub(crate) struct Guards {
     trial: Vec<f64>,
     /// States at a trial point, and at the cut in the end.
     pub x: Vec<f64>,
-    /// Those that crossed last.
+    /// Those that crossed or left zero at the last cut, if that was the last step.
     pub fired: Vec<bool>,
     /// Whether `start` holds for the step to come.
     pub known: bool,
@@ -92,15 +97,20 @@ impl Guards {
         diagram.minor(stride.t1, stride.x1)?;
         diagram.guards(&mut self.end)?;
         let mut right = stride.t1;
-        let near = stride.t0 + (stride.t1 - stride.t0) * 2.0_f64.powi(-20);
-        if self.must_look_near() && stride.t0 < near && near < stride.t1 {
-            self.at(near, diagram, stride)?;
-            if self.crossing(&self.trial).is_some() {
-                std::mem::swap(&mut self.trial, &mut self.end);
-                right = near;
-            } else if self.start.iter().zip(&self.trial).any(|(start, near)| *start == 0.0 && *near != 0.0) {
-                self.fired.fill(false);
-                return Ok(Some(Cut { t: near, crossed: false }));
+        if self.must_look_near() {
+            for near in NEAR.map(|part| stride.t0 + (stride.t1 - stride.t0) * part) {
+                if near <= stride.t0 || near >= stride.t1 {
+                    continue;
+                }
+                self.at(near, diagram, stride)?;
+                if self.crossing(&self.trial).is_some() {
+                    std::mem::swap(&mut self.trial, &mut self.end);
+                    right = near;
+                    break;
+                }
+                if self.leave_zero() {
+                    return Ok(Some(Cut { t: near, crossed: false }));
+                }
             }
         }
         self.fired.fill(false);
@@ -133,6 +143,19 @@ impl Guards {
                 if start == 0.0 { end != 0.0 } else { fired && !crosses(start, end) }
             },
         )
+    }
+
+    /// Takes down, as those that fired, the guards that were zero at the start and are no longer at the trial point;
+    /// returns whether there are any.
+    fn leave_zero(&mut self) -> bool {
+        let left = |(&start, &trial): (&f64, &f64)| start == 0.0 && trial != 0.0;
+        let mut ends = self.start.iter().zip(&self.trial);
+        if !ends.any(left) {
+            return false;
+        }
+        let ends = self.start.iter().zip(&self.trial);
+        self.fired.iter_mut().zip(ends).for_each(|(fired, ends)| *fired = left(ends));
+        true
     }
 
     /// The first guard, by number, whose sign is not that of the start.

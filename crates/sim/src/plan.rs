@@ -70,6 +70,13 @@ pub(crate) struct Call {
     pub settles: bool,
 }
 
+impl Call {
+    /// Whether nothing changes between the hits of a rate.
+    fn rests(&self) -> bool {
+        matches!(self.when, When::Sampled(_) | When::Constant)
+    }
+}
+
 /// A block of a sample time that has discrete states to advance.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Updated {
@@ -154,7 +161,9 @@ impl Plan {
             units,
             major,
         };
-        let settles = schedule.blocks.iter().any(|b| b.interface.settles);
+        // What settles at the hits of a rate alone needs no other major steps.
+        let settles = plan.settling.iter().any(|(_, rate)| rate.is_none())
+            || plan.major.iter().any(|call| call.settles && !call.rests());
         plan.every_step = settles || plan.stepwise || !plan.jumping.is_empty() || !plan.accepting.is_empty();
         plan
     }

@@ -119,6 +119,9 @@ impl Simulation {
     /// # Errors
     /// See [`SimError::code`].
     pub fn run_until(&mut self, end: f64, observer: &mut dyn Observer) -> Result<Ended, SimError> {
+        if !end.is_finite() {
+            return Err(SimError::new("settings", self.t, format!("the run is to end at {end} s")));
+        }
         if !self.started {
             self.start(observer)?;
         }
@@ -163,7 +166,7 @@ impl Simulation {
 
     fn event_in_the_past(&self, block: usize, next: f64) -> SimError {
         let path = &self.schedule.blocks[block].path;
-        SimError::new("time_event", self.t, format!("`{path}` asks for its next event at {next} s"))
+        SimError::new("time_event", self.t, format!("the next event of `{path}` is said to be at {next} s"))
             .at(path)
             .help("a time event must lie after the present time")
     }
@@ -200,5 +203,14 @@ impl Simulation {
             events: self.events,
             hits: self.hit_count,
         }
+    }
+}
+
+impl std::fmt::Debug for Simulation {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("Simulation")
+            .field("t", &self.t)
+            .field("counts", &self.counts())
+            .finish_non_exhaustive()
     }
 }

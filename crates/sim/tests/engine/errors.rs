@@ -27,10 +27,10 @@ fn a_value_that_is_no_number_names_its_source_and_its_inputs() {
     check(
         toy.schedule(&["k"], 1.0, ode4(0.25), Steps),
         expect![[r#"
-        error[not_finite]: `root.y` is NaN at t = 0.25 s
-        help: its inputs: `u1` = -0.25, `u2` = -0.25
-        block: root, rows: 1
-    "#]],
+            error[not_finite] at t = 0.25 s: `root.y` is NaN
+            help: its inputs: `u1` = -0.25, `u2` = -0.25
+            block: root, rows: 1
+        "#]],
     );
 }
 
@@ -41,9 +41,9 @@ fn a_block_that_gives_up_says_why() {
     check(
         toy.schedule(&["fuse"], 1.0, ode4(0.125), Steps),
         expect![[r#"
-        error[block_failed]: `fuse` cannot go on: the fuse of 0.5 has blown at t = 0.5 s
-        block: fuse, rows: 4
-    "#]],
+            error[block_failed] at t = 0.5 s: `fuse` cannot go on: the fuse of 0.5 has blown
+            block: fuse, rows: 4
+        "#]],
     );
 }
 
@@ -59,7 +59,7 @@ fn switching_without_hysteresis_is_chatter() {
     assert!((error.t - 0.5).abs() < 1e-8);
     let error = blocksim_sim::SimError { t: 0.5, ..error };
     expect![[r#"
-        error[chatter]: `relay` switches to and fro (`switch`) at t = 0.5 s
+        error[chatter] at t = 0.5 s: `relay` switches to and fro (`switch`)
         help: give the switching a hysteresis, or use a method of fixed step"#]]
     .assert_eq(&error.to_string());
 }
@@ -69,10 +69,10 @@ fn jumping_without_end_is_chatter() {
     check(
         Toy::new().with("restless", Restless, &[]).schedule(&[], 1.0, ode45(), Steps),
         expect![[r#"
-        error[chatter]: `restless` jumps without end at t = 0 s
-        help: it has jumped 1000 times at one instant; a jump must end its own cause
-        block: restless, rows: 1
-    "#]],
+            error[chatter] at t = 0 s: `restless` jumps without end
+            help: it has jumped 1000 times at one instant; a jump must end its own cause
+            block: restless, rows: 1
+        "#]],
     );
 }
 
@@ -81,10 +81,10 @@ fn a_time_event_in_the_past_is_refused() {
     check(
         Toy::new().with("stubborn", Stubborn(0.5), &[]).schedule(&[], 1.0, ode45(), Steps),
         expect![[r#"
-        error[time_event]: `stubborn` asks for its next event at 0.5 s at t = 0.5 s
-        help: a time event must lie after the present time
-        block: stubborn, rows: 26
-    "#]],
+            error[time_event] at t = 0.5 s: the next event of `stubborn` is said to be at 0.5 s
+            help: a time event must lie after the present time
+            block: stubborn, rows: 26
+        "#]],
     );
 }
 
@@ -108,17 +108,17 @@ fn settings_that_make_no_sense_are_refused() {
     check(
         Toy::new().with("t", Time, &[]).schedule(&[], 1.0, ode4(-0.1), Steps),
         expect![[r#"
-        error[settings]: the fixed step is -0.1 at t = 0 s
-        help: the fixed step must be a number of seconds above zero
-        block: -, rows: 0
-    "#]],
+            error[settings] at t = 0 s: the fixed step is -0.1
+            help: the fixed step must be a number of seconds above zero
+            block: -, rows: 0
+        "#]],
     );
     check(
         Toy::new().with("t", Time, &[]).schedule(&[], f64::NAN, ode45(), Steps),
         expect![[r#"
-        error[settings]: the stop time is NaN at t = 0 s
-        help: the stop time must be a number of seconds, zero or more
-        block: -, rows: 0
-    "#]],
+            error[settings] at t = 0 s: the stop time is NaN
+            help: the stop time must be a number of seconds, zero or more
+            block: -, rows: 0
+        "#]],
     );
 }

@@ -154,3 +154,18 @@ fn a_largest_step_is_kept_where_nothing_is_integrated() {
     Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
     assert_eq!(tape.column(0), [0.0, 0.25, 0.5, 0.75, 1.0]);
 }
+
+#[test]
+fn impacts_that_are_far_shorter_than_a_step_are_all_seen() {
+    // Without a limit the step has grown to seconds when the ball hops for microseconds.
+    let (height, restitution) = (1.0, 0.5);
+    let expected = impacts(height, restitution, 26);
+    let stop = 0.5 * (expected[24] + expected[25]);
+    let ball = Ball { height, restitution };
+    let schedule = Toy::new().with("ball", ball, &[]).schedule(&["ball.h"], 10.0, ode45(), Every(1.0));
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run_until(stop, &mut tape).unwrap();
+    let jumps: Vec<f64> = tape.events.iter().filter(|e| e.1 == "ball jump").map(|e| e.0).collect();
+    assert_eq!(jumps.len(), 25);
+    assert!((jumps[24] - expected[24]).abs() < 1e-9);
+}

@@ -106,3 +106,16 @@ fn signals_are_found_by_path() {
     assert_eq!(sim.signal("x.y"), Some(&sim.states()[1..2]));
     assert_eq!(sim.signal("x.z"), None);
 }
+
+#[test]
+fn a_simulation_can_be_sent_to_another_thread() {
+    let mut sim = Simulation::new(oscillator(ode45(), Every(0.1))).unwrap();
+    let mut here = Tape::default();
+    let mut twin = Simulation::new(oscillator(ode45(), Every(0.1))).unwrap();
+    twin.run(&mut here).unwrap();
+    let there = std::thread::spawn(move || {
+        let mut tape = Tape::default();
+        sim.run(&mut tape).map(|_| tape)
+    });
+    assert_eq!(there.join().unwrap().unwrap().bits(), here.bits());
+}
