@@ -286,8 +286,8 @@ impl<'a> Resolver<'a> {
     /// Parameters with those replaced that the command line names.
     fn block_overrides(&self, block: &BlockAst, info: &BlockInfo, path: &str) -> Vec<(Name, Node)> {
         let mut parameters = block.parameters.clone();
-        for over in self.overrides_of(path) {
-            let (first, rest) = (&over.names[0], &over.names[1..]);
+        for (over, names) in self.overrides_of(path) {
+            let Some((first, rest)) = names.split_first() else { continue };
             let Some(parameter) = info.parameters.iter().find(|parameter| parameter.name == *first) else {
                 // The parameters of a plug-in stand in a set of their own.
                 let inner = parameters.iter_mut().find(|(name, _)| name.text == "parameters");
@@ -310,19 +310,23 @@ impl<'a> Resolver<'a> {
         parameters
     }
 
-    fn overrides_of(&self, path: &str) -> impl Iterator<Item = &Override> {
+    /// What the command line sets in the block at a path, with the names below it.
+    fn overrides_of<'s>(&'s self, path: &'s str) -> impl Iterator<Item = (&'s Override, &'s [String])> {
         self.overrides.iter().filter_map(move |over| {
-            let direct = over.path == path;
             // At the top a block and a parameter look alike: `pid.kp`.
             let top = over.path.is_empty() && over.names.len() > 1 && over.names[0] == path;
-            (direct || top).then_some(over)
+            match over.path == path {
+                true if !over.path.is_empty() => Some((over, over.names.as_slice())),
+                _ if top => Some((over, &over.names[1..])),
+                _ => None,
+            }
         })
     }
 
     /// A value from the command line has no place in the file.
     fn about_override(&self, problem: Problem, path: &str) -> Problem {
         match self.overrides_of(path).next() {
-            Some(over) => problem.note(format!("with `--set {}`", over.text)),
+            Some((over, _)) => problem.note(format!("with `--set {}`", over.text)),
             None => problem,
         }
     }

@@ -125,10 +125,10 @@ impl FromFile {
 
 impl Block for FromFile {
     fn load(&mut self, files: &dyn Files) -> Result<(), LoadError> {
-        let text = files.read(&self.file).map_err(|message| LoadError {
+        let text = files.read(&self.file).map_err(|reason| LoadError {
             param: "file",
             code: "missing_file",
-            message,
+            message: format!("cannot read `{}`: {reason}", self.file),
             help: Some("the path is relative to the diagram that names it".to_owned()),
         })?;
         let table = parse(&text).map_err(|fault| self.error("file", "table", fault))?;

@@ -18,6 +18,7 @@ pub struct Step {
     #[block(default = 0.0)]
     pub before: f64,
     /// Value after; its unit is that of the output.
+    #[block(default = 1.0)]
     pub after: f64,
 }
 
