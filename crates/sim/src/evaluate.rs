@@ -227,8 +227,8 @@ impl Diagram {
     }
 }
 
-/// Calls the outputs of one group.
-#[inline]
+/// Calls the outputs of one group. Always inlined: the call alone would cost a fifth of the pass.
+#[inline(always)]
 fn outputs(call: &Call, now: &mut Now, signals: &mut [f64], d: &[f64], scratch: &mut [Scratch]) {
     let unit = &call.unit;
     let (u, y) = match unit.source {
