@@ -1,4 +1,23 @@
 //! Blocks with continuous states.
 
+mod derivative;
+pub use derivative::Derivative;
+mod integrator;
+pub use integrator::{Integrator, Wrap};
 mod low_pass;
 pub use low_pass::LowPass;
+mod pid;
+pub use pid::Pid;
+pub(crate) mod pid_law;
+pub use pid_law::{AntiWindup, Form};
+pub(crate) mod rational;
+mod reset;
+pub use reset::Reset;
+mod ring;
+mod state_space;
+pub use state_space::StateSpace;
+mod transfer_function;
+pub use transfer_function::TransferFunction;
+mod transport_delay;
+pub use transport_delay::TransportDelay;
+pub(crate) mod units;

@@ -1,0 +1,233 @@
+use blocksim_block::prelude::*;
+
+use super::reset::{Reset, UNSEEN};
+use super::units::{SECOND, agrees, element};
+
+/// Integrator, element by element.
+///
+/// $$ \dot x = u, \qquad y = x, \qquad x(0) = x_0 $$
+///
+/// The unit of the output is that of the input times s. No direct feedthrough, so it breaks an algebraic loop.
+///
+/// With limits the output stays on a limit as long as the input pushes outwards, and leaves it when the input
+/// changes sign: nothing winds up. With `wrap` it jumps by the span when it leaves
+/// $[\mathrm{lower}, \mathrm{upper})$, as an angle does. With `reset` the extra input `reset` sets it back to
+/// `x0`; with `external: true` the value at the start and at a reset comes from the extra input `x0`. Reaching a
+/// limit, leaving it, wrapping and resetting are events.
+///
+/// A ball that bounces: the velocity is set to -0.8 times itself where the height falls through zero.
+///
+/// ```ron
+/// Integrator(x0: "5 m/s", reset: Falling, external: true)
+/// ```
+/// ```ron
+/// Integrator(x0: "10 deg", wrap: (lower: "-180 deg", upper: "180 deg"))
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Continuous")]
+pub struct Integrator {
+    /// Output at the start and after a reset, unless `external`.
+    #[block(default = 0.0)]
+    pub x0: f64,
+    /// Lower limit of the output.
+    #[block(default = None)]
+    pub lower: Option<f64>,
+    /// Upper limit of the output.
+    #[block(default = None)]
+    pub upper: Option<f64>,
+    /// What the extra input `reset` must do to set the output back: `None` (there is no such input), `Rising`,
+    /// `Falling`, `Either`, `Level`.
+    #[block(default = Reset::None)]
+    pub reset: Reset,
+    /// Whether the value at the start and at a reset comes from the extra input `x0`.
+    #[block(default = false)]
+    pub external: bool,
+    /// Range around which the output wraps; not together with limits.
+    #[block(default = None)]
+    pub wrap: Option<Wrap>,
+}
+
+/// The range of an output that wraps around, from `lower` to just below `upper`.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wrap {
+    /// Lower end, included.
+    pub lower: f64,
+    /// Upper end, excluded.
+    pub upper: f64,
+}
+
+/// Discrete states before the modes: memory of the trigger, and whether the first value was taken.
+const FLAGS: usize = 2;
+const TRIGGER: usize = 0;
+const STARTED: usize = 1;
+
+/// Modes of an element.
+const FREE: f64 = 0.0;
+const AT_UPPER: f64 = 1.0;
+const AT_LOWER: f64 = -1.0;
+
+impl Integrator {
+    /// Whether anything but plain integration happens.
+    fn jumps(&self) -> bool {
+        let limited = self.lower.is_some() || self.upper.is_some();
+        limited || self.wrap.is_some() || self.reset != Reset::None || self.external
+    }
+
+    fn x0_input(&self) -> usize {
+        1 + usize::from(self.reset != Reset::None)
+    }
+
+    /// The state where it may be, and the mode it is then in, for this input.
+    fn confine(&self, x: f64, u: f64) -> (f64, f64) {
+        if let Some(Wrap { lower, upper }) = self.wrap {
+            return (wrapped(x, lower, upper), FREE);
+        }
+        match (self.lower, self.upper) {
+            (_, Some(upper)) if x >= upper => (upper, if u >= 0.0 { AT_UPPER } else { FREE }),
+            (Some(lower), _) if x <= lower => (lower, if u <= 0.0 { AT_LOWER } else { FREE }),
+            _ => (x, FREE),
+        }
+    }
+}
+
+/// `x` plus as many spans as bring it into the range.
+fn wrapped(x: f64, lower: f64, upper: f64) -> f64 {
+    if x >= lower && x < upper || !x.is_finite() {
+        return x;
+    }
+    let inside = lower + (x - lower).rem_euclid(upper - lower);
+    // Just below `lower`, rounding may give `upper`, which is outside and would wrap back at once.
+    if inside < upper { inside } else { upper.next_down() }
+}
+
+impl Block for Integrator {
+    fn check(&self) -> Result<(), ParamError> {
+        finite("x0", self.x0)?;
+        let (lower, upper) = (self.lower.unwrap_or(f64::NEG_INFINITY), self.upper.unwrap_or(f64::INFINITY));
+        ordered("lower", lower, "upper", upper)?;
+        if let Some(wrap) = self.wrap {
+            finite("wrap.lower", wrap.lower)?;
+            finite("wrap.upper", wrap.upper)?;
+            ordered("wrap.lower", wrap.lower, "wrap.upper", wrap.upper)?;
+            if self.lower.is_some() || self.upper.is_some() {
+                return Err(ParamError::new("wrap", "an output that wraps around cannot have limits")
+                    .help("leave out `wrap`, or `lower` and `upper`"));
+            }
+        }
+        if !self.external && !(lower..=upper).contains(&self.x0) {
+            return Err(ParamError::new("x0", format!("`x0` is {}, outside the limits", self.x0))
+                .help(format!("choose it from {lower} to {upper}")));
+        }
+        Ok(())
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let u = given.input_or_unknown("u");
+        let own = u.dimension.map(|dimension| dimension.times(SECOND));
+        let external = given.input("x0").filter(|_| self.external).and_then(|x0| x0.dimension);
+        let written = given.parameters.find("x0").filter(|dimension| *dimension != Dimension::NONE);
+        let dimension = own.or(external).or(written);
+        for parameter in ["x0", "lower", "upper", "wrap"] {
+            agrees(given, parameter, "u", dimension)?;
+        }
+        let shape = given.common_shape(if self.external { &["u", "x0"] } else { &["u"] }, &[])?;
+        let mut interface = Interface::new().input(Input::real("u"));
+        if let Some(reset) = self.reset.input() {
+            interface = interface.input(reset);
+        }
+        if self.external {
+            let doc = "Value at the start and at a reset.";
+            interface = interface.input(Input::real("x0").dimension(own).doc(doc));
+        }
+        let y = PortType::UNKNOWN.shaped(shape).of(dimension);
+        interface = interface.output_from_state(Output::like("y", y));
+        for _ in 0..shape.len() {
+            interface = interface.state("x", self.x0);
+        }
+        if !self.jumps() {
+            return Ok(interface);
+        }
+        interface = interface.jumps().discrete("trigger", UNSEEN).discrete("started", 0.0);
+        for _ in 0..shape.len() {
+            interface = interface.discrete("mode", FREE);
+            if self.upper.is_some() || self.wrap.is_some() {
+                interface = interface.guard("upper");
+            }
+            if self.lower.is_some() || self.wrap.is_some() {
+                interface = interface.guard("lower");
+            }
+        }
+        Ok(if self.reset.guarded(given) { interface.guard("reset") } else { interface })
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        y.copy_from_slice(c.x);
+    }
+
+    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
+        let u = c.input(0);
+        if c.d.is_empty() {
+            dx.iter_mut().enumerate().for_each(|(i, dx)| *dx = element(u, i));
+            return;
+        }
+        if self.reset.holds(c.d[TRIGGER]) {
+            dx.fill(0.0);
+            return;
+        }
+        for (i, (dx, mode)) in dx.iter_mut().zip(&c.d[FLAGS..]).enumerate() {
+            // On a limit only an input that leads inwards counts.
+            *dx = match *mode {
+                AT_UPPER => element(u, i).min(0.0),
+                AT_LOWER => element(u, i).max(0.0),
+                _ => element(u, i),
+            };
+        }
+    }
+
+    fn jump(&self, c: &Context, x: &mut [f64], d: &mut [f64]) -> bool {
+        if d.len() < FLAGS {
+            return false;
+        }
+        let (flags, modes) = d.split_at_mut(FLAGS);
+        let held = self.reset.holds(flags[TRIGGER]);
+        let fires = self.reset != Reset::None && self.reset.fires(&mut flags[TRIGGER], c.scalar(1));
+        let starts = self.external && flags[STARTED] == 0.0;
+        flags[STARTED] = 1.0;
+        let initial = if self.external { c.input(self.x0_input()) } else { &[self.x0] };
+        // Whether the state is held shows in its derivative.
+        let mut changed = held != self.reset.holds(flags[TRIGGER]);
+        for (i, (x, mode)) in x.iter_mut().zip(modes).enumerate() {
+            let before = (x.to_bits(), *mode);
+            let free = if fires || starts { element(initial, i) } else { *x };
+            (*x, *mode) = self.confine(free, element(c.input(0), i));
+            changed |= (x.to_bits(), *mode) != before;
+        }
+        changed
+    }
+
+    fn guards(&self, c: &Context, g: &mut [f64]) {
+        let wrap = self.wrap;
+        let upper = self.upper.or(wrap.map(|wrap| wrap.upper));
+        let lower = self.lower.or(wrap.map(|wrap| wrap.lower));
+        let mut slots = g.iter_mut();
+        for (i, (x, mode)) in c.x.iter().zip(c.d.iter().skip(FLAGS)).enumerate() {
+            // Free: distance to the limit. On a limit: the input, whose change of sign frees the state. Both
+            // have the same sign where one follows the other.
+            let u = element(c.input(0), i);
+            if let Some(upper) = upper {
+                slots.next().into_iter().for_each(|g| *g = if *mode == AT_UPPER { u } else { x - upper });
+            }
+            if let Some(lower) = lower {
+                slots.next().into_iter().for_each(|g| *g = if *mode == AT_LOWER { u } else { x - lower });
+            }
+        }
+        if let Some(g) = slots.next() {
+            *g = c.scalar(1);
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "integrator_tests.rs"]
+mod tests;

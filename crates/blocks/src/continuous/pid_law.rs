@@ -1,0 +1,124 @@
+//! What the continuous and the discrete PID controller have in common.
+
+use blocksim_block::prelude::*;
+
+use super::units::{SECOND, agrees};
+
+/// How the gains of a PID controller act together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum Form {
+    /// Each gain acts alone.
+    Parallel,
+    /// `kp` multiplies the other two as well.
+    Ideal,
+}
+
+/// What happens to the integral part while the output is limited.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum AntiWindup {
+    /// Nothing: it winds up.
+    None,
+    /// It stops while it would lead further out.
+    Clamping,
+    /// What the limits cut off is fed back into it.
+    BackCalculation,
+}
+
+/// The parameters of a PID controller.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PidLaw {
+    pub kp: f64,
+    pub ki: f64,
+    pub kd: f64,
+    pub n: f64,
+    pub form: Form,
+    pub lower: Option<f64>,
+    pub upper: Option<f64>,
+    pub anti_windup: AntiWindup,
+    pub kb: f64,
+    pub x0: f64,
+    pub d0: f64,
+}
+
+impl PidLaw {
+    pub(crate) fn check(&self) -> Result<(), ParamError> {
+        for (name, value) in
+            [("kp", self.kp), ("ki", self.ki), ("kd", self.kd), ("x0", self.x0), ("d0", self.d0)]
+        {
+            finite(name, value)?;
+        }
+        positive("n", self.n)?;
+        ordered("lower", self.lower(), "upper", self.upper())?;
+        let limited = self.lower.is_some() || self.upper.is_some();
+        if self.anti_windup != AntiWindup::None && !limited {
+            return Err(ParamError::new("anti_windup", "without limits nothing winds up")
+                .help("give `lower` and `upper`, or leave out `anti_windup`"));
+        }
+        finite("kb", self.kb)?;
+        if self.anti_windup == AntiWindup::BackCalculation && self.per_integral() * self.kb < 0.0 {
+            let message = format!("`kb` is {}, which drives the integral part away from the limits", self.kb);
+            let sign = if self.per_integral() < 0.0 { "negative, as `kp`" } else { "positive" };
+            return Err(ParamError::new("kb", message).help(format!("make it {sign}")));
+        }
+        Ok(())
+    }
+
+    /// Dimension of the output, after checking that the gains go together as written.
+    pub(crate) fn dimension(&self, given: &Given) -> Result<Option<Dimension>, InterfaceError> {
+        let kp = given.parameters.get("kp");
+        let parts = match self.form {
+            Form::Parallel => kp,
+            Form::Ideal => Dimension::NONE,
+        };
+        if self.kp != 0.0 {
+            agrees(given, "ki", "e", Some(parts.over(SECOND)))?;
+            agrees(given, "kd", "e", Some(parts.times(SECOND)))?;
+        }
+        let u = given.input_or_unknown("e").dimension.map(|e| e.times(kp));
+        agrees(given, "lower", "e", u)?;
+        agrees(given, "upper", "e", u)?;
+        Ok(u)
+    }
+
+    /// By how much the output changes with the integral part.
+    pub(crate) fn per_integral(&self) -> f64 {
+        match self.form {
+            Form::Parallel => 1.0,
+            Form::Ideal => self.kp,
+        }
+    }
+
+    /// Output before the limits, from the error and the integral and derivative parts.
+    pub(crate) fn sum(&self, e: f64, integral: f64, derivative: f64) -> f64 {
+        match self.form {
+            Form::Parallel => self.kp * e + integral + derivative,
+            Form::Ideal => self.kp * (e + integral + derivative),
+        }
+    }
+
+    pub(crate) fn lower(&self) -> f64 {
+        self.lower.unwrap_or(f64::NEG_INFINITY)
+    }
+
+    pub(crate) fn upper(&self) -> f64 {
+        self.upper.unwrap_or(f64::INFINITY)
+    }
+
+    /// The output within its limits.
+    pub(crate) fn saturate(&self, v: f64) -> f64 {
+        v.clamp(self.lower(), self.upper())
+    }
+
+    /// Where the integral part would lead the output further out: 1 above the upper limit, -1 below the lower
+    /// one, 0 elsewhere. `slack` shifts the limits inwards.
+    pub(crate) fn winds_up(&self, v: f64, e: f64, slack: f64) -> f64 {
+        let drive = self.per_integral() * self.ki * e;
+        if v > self.upper() - slack && drive > 0.0 {
+            1.0
+        } else if v < self.lower() + slack && drive < 0.0 {
+            -1.0
+        } else {
+            0.0
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! A ratio of polynomials, in s or in z, as a row of states.
+
+use blocksim_block::prelude::*;
+
+/// $b(s) / a(s)$ in controllable canonical form (direct form II): with
+/// $a = s^n + a_1 s^{n-1} + \dots + a_n$ and $b = b_0 s^n + \dots + b_n$
+///
+/// $$ w = u - \sum_{i=1}^n a_i x_i, \qquad y = b_0 u + \sum_{i=1}^n (b_i - a_i b_0) x_i $$
+///
+/// where $w$ drives the first state and each state the next. Coefficients are read as they were written, in
+/// descending powers, so that evaluating does not allocate.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rational<'a> {
+    num: &'a [f64],
+    den: &'a [f64],
+}
+
+impl<'a> Rational<'a> {
+    /// From coefficients in descending powers; zeros in front of the numerator do not count, and an empty
+    /// denominator counts as 1 (`check` refuses it).
+    pub(crate) fn new(num: &'a [f64], den: &'a [f64]) -> Self {
+        let zeros = num.iter().take_while(|b| **b == 0.0).count();
+        Self { num: &num[zeros..], den: if den.is_empty() { &[1.0] } else { den } }
+    }
+
+    /// Whether the coefficients make a proper ratio.
+    ///
+    /// # Errors
+    /// A polynomial without coefficients, a leading zero in `den`, or more powers in `num` than in `den`.
+    pub(crate) fn check(num: &[f64], den: &[f64], variable: char) -> Result<(), ParamError> {
+        for (name, coefficients) in [("num", num), ("den", den)] {
+            if coefficients.is_empty() {
+                return Err(ParamError::new(name, format!("`{name}` has no coefficients"))
+                    .help("give at least one, in descending powers: [1.0]"));
+            }
+            for (i, coefficient) in coefficients.iter().enumerate() {
+                finite(&format!("{name}[{i}]"), *coefficient)?;
+            }
+        }
+        if den[0] == 0.0 {
+            return Err(ParamError::new("den[0]", "the first coefficient of `den` is 0")
+                .help("leave out the zeros in front: coefficients are in descending powers"));
+        }
+        let ratio = Rational::new(num, den);
+        let (degree, order) = (ratio.num.len().saturating_sub(1), ratio.order());
+        if degree > order {
+            let message = format!(
+                "`num` has degree {degree} in {variable}, but `den` only {order}: such a block would have to \
+                 know the future"
+            );
+            return Err(
+                ParamError::new("num", message).help("give `den` at least as many coefficients as `num`")
+            );
+        }
+        Ok(())
+    }
+
+    /// Number of states.
+    pub(crate) fn order(&self) -> usize {
+        self.den.len() - 1
+    }
+
+    /// Factor from the input straight to the output.
+    pub(crate) fn feedthrough(&self) -> f64 {
+        self.numerator(0)
+    }
+
+    /// $b_i$, after division by the leading coefficient of the denominator.
+    fn numerator(&self, i: usize) -> f64 {
+        let zeros = self.den.len().saturating_sub(self.num.len());
+        if i < zeros { 0.0 } else { self.num[i - zeros] / self.den[0] }
+    }
+
+    /// $a_i$, after division by the leading coefficient.
+    fn denominator(&self, i: usize) -> f64 {
+        self.den[i] / self.den[0]
+    }
+
+    /// What drives the first state.
+    pub(crate) fn drive(&self, x: &[f64], u: f64) -> f64 {
+        x.iter().enumerate().fold(u, |w, (i, x)| w - self.denominator(i + 1) * x)
+    }
+
+    /// The output. `u` is not looked at unless there is feedthrough.
+    pub(crate) fn output(&self, x: &[f64], u: f64) -> f64 {
+        let b0 = self.feedthrough();
+        let direct = if b0 == 0.0 { 0.0 } else { b0 * u };
+        let state = |(i, x): (usize, &f64)| (self.numerator(i + 1) - self.denominator(i + 1) * b0) * x;
+        direct + x.iter().enumerate().map(state).sum::<f64>()
+    }
+
+    /// Input, output and as many states per element as the ratio asks for. The unit of the output is that of the
+    /// input times that of the factor `k`; unknown if `k` was not written, for the coefficients have units of
+    /// their own.
+    pub(crate) fn interface(&self, given: &Given, x0: f64) -> Interface {
+        let u = given.input_or_unknown("u");
+        let dimension = given.parameters.find("k").zip(u.dimension).map(|(k, u)| u.times(k));
+        let y = Output::like("y", u.of(dimension));
+        let mut interface = Interface::new().input(Input::real("u"));
+        interface =
+            if self.feedthrough() == 0.0 { interface.output_from_state(y) } else { interface.output(y) };
+        interface.states = (0..u.shape.len() * self.order())
+            .map(|i| State { name: format!("x{}", i % self.order() + 1), initial: x0 })
+            .collect();
+        interface
+    }
+}

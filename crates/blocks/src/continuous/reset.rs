@@ -1,0 +1,112 @@
+//! When a reset input fires.
+
+use blocksim_block::prelude::*;
+
+/// What a reset input must do to set states back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum Reset {
+    /// There is no reset input.
+    None,
+    /// Becomes true, or rises through zero.
+    Rising,
+    /// Becomes false, or falls through zero.
+    Falling,
+    /// Either of the two.
+    Either,
+    /// Is true, or positive; the states stay where they were set as long as it is.
+    Level,
+}
+
+/// Memory of a trigger that was never looked at.
+pub(crate) const UNSEEN: f64 = 2.0;
+
+/// Side of zero on which a trigger is: the sign of its value, or, on zero itself, half the sign it is about to
+/// get. So a signal that reaches zero has crossed it, and does not cross it again when it leaves on the far side.
+fn side(memory: f64, value: f64) -> f64 {
+    if value != 0.0 {
+        return value.signum();
+    }
+    match memory {
+        1.0 => -0.5,
+        -1.0 => 0.5,
+        UNSEEN => 0.0,
+        stays => stays,
+    }
+}
+
+impl Reset {
+    /// The reset input, if there is one.
+    pub(crate) fn input(self) -> Option<Input> {
+        (self != Self::None).then(|| Input::any("reset").scalar().doc("Sets the states back; Bool or Real."))
+    }
+
+    /// Whether a guard must watch the reset input: a Bool changes at major steps alone.
+    pub(crate) fn guarded(self, given: &Given) -> bool {
+        self != Self::None && given.input_or_unknown("reset").kind != Kind::Bool
+    }
+
+    /// Whether the reset happens now, when the trigger has this value. `memory` is one discrete state, at first
+    /// [`UNSEEN`]; the first look never counts as an edge.
+    pub(crate) fn fires(self, memory: &mut f64, value: f64) -> bool {
+        let before = *memory;
+        let now = side(before, value);
+        *memory = now;
+        if self == Self::Level {
+            *memory = if value > 0.0 { 1.0 } else { -1.0 };
+            return value > 0.0;
+        }
+        let seen = before != UNSEEN;
+        // A memory of half a sign has crossed already: leaving zero to that side is no new edge.
+        let rises = seen && before <= 0.0 && now > 0.0;
+        let falls = seen && before >= 0.0 && now < 0.0;
+        match self {
+            Self::Rising => rises,
+            Self::Falling => falls,
+            Self::Either => rises || falls,
+            Self::None | Self::Level => false,
+        }
+    }
+
+    /// Whether the states are held at their initial values until the trigger lets go.
+    pub(crate) fn holds(self, memory: f64) -> bool {
+        self == Self::Level && memory == 1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn edges(reset: Reset, values: &[f64]) -> Vec<usize> {
+        let mut memory = UNSEEN;
+        (0..values.len()).filter(|&i| reset.fires(&mut memory, values[i])).collect()
+    }
+
+    #[test]
+    fn an_edge_counts_once_even_if_it_stops_on_zero() {
+        let through = [1.0, 0.0, 0.0, -1.0, 0.0, 1.0, -1.0, 1.0];
+        assert_eq!(edges(Reset::Falling, &through), [1, 6]);
+        assert_eq!(edges(Reset::Rising, &through), [4, 7]);
+        assert_eq!(edges(Reset::Either, &through), [1, 4, 6, 7]);
+    }
+
+    #[test]
+    fn a_signal_that_starts_on_zero_has_an_edge_when_it_leaves() {
+        assert_eq!(edges(Reset::Rising, &[0.0, 0.0, 2.0]), [2]);
+        assert_eq!(edges(Reset::Falling, &[0.0, 0.0, -2.0]), [2]);
+    }
+
+    #[test]
+    fn truth_values_have_an_edge_at_each_change() {
+        let truth = [0.0, 1.0, 1.0, 0.0, 0.0, 1.0];
+        assert_eq!(edges(Reset::Rising, &truth), [1, 5]);
+        assert_eq!(edges(Reset::Falling, &truth), [3]);
+        assert_eq!(edges(Reset::Level, &truth), [1, 2, 5]);
+    }
+
+    #[test]
+    fn the_first_look_is_no_edge() {
+        assert!(edges(Reset::Either, &[1.0, 1.0]).is_empty());
+        assert!(edges(Reset::Either, &[-1.0]).is_empty());
+    }
+}
