@@ -1,1 +1,18 @@
-//! Blocks: discrete.
+//! Blocks that sample.
+
+mod delay;
+pub use delay::Delay;
+mod discrete_derivative;
+pub use discrete_derivative::DiscreteDerivative;
+mod discrete_integrator;
+pub use discrete_integrator::DiscreteIntegrator;
+mod discrete_pid;
+pub use discrete_pid::DiscretePid;
+mod discrete_transfer_function;
+pub use discrete_transfer_function::DiscreteTransferFunction;
+mod method;
+pub use method::Method;
+mod unit_delay;
+pub use unit_delay::UnitDelay;
+mod zero_order_hold;
+pub use zero_order_hold::ZeroOrderHold;

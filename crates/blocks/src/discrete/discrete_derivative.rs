@@ -1,0 +1,79 @@
+use blocksim_block::prelude::*;
+
+use crate::continuous::units::{SECOND, agrees, element};
+
+/// Difference quotient of a sampled signal, element by element.
+///
+/// $$ y_k = K\,\frac{u_k - u_{k-1}}{T_s} $$
+///
+/// The unit of the output is that of the input times that of `gain`, over s. Direct feedthrough.
+///
+/// ```ron
+/// DiscreteDerivative(ts: "1 ms")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Discrete")]
+pub struct DiscreteDerivative {
+    /// Sample time $T_s$, positive.
+    #[block(unit = "s")]
+    pub ts: f64,
+    /// Factor $K$.
+    #[block(default = 1.0)]
+    pub gain: f64,
+    /// Input before the first sample, in the unit of the input.
+    #[block(default = 0.0)]
+    pub x0: f64,
+}
+
+impl Block for DiscreteDerivative {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("ts", self.ts)?;
+        finite("gain", self.gain)?;
+        finite("x0", self.x0)
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let u = given.input_or_unknown("u");
+        agrees(given, "x0", "u", u.dimension)?;
+        let dimension = u.dimension.map(|u| u.times(given.parameters.get("gain")).over(SECOND));
+        Ok(Interface::new()
+            .input(Input::real("u"))
+            .output(Output::like("y", u.of(dimension)))
+            .memory("before", u.shape.len(), self.x0)
+            .sampled(self.ts))
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        for (i, (y, before)) in y.iter_mut().zip(c.d).enumerate() {
+            *y = self.gain * (element(c.u, i) - before) / self.ts;
+        }
+    }
+
+    fn update(&self, c: &Context, d: &mut [f64]) {
+        d.iter_mut().enumerate().for_each(|(i, before)| *before = element(c.u, i));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::continuous::units::testing::output_unit;
+    use blocksim_block::testing::Bench;
+
+    #[test]
+    fn the_differences_of_squares_are_the_odd_numbers() {
+        let mut bench = Bench::new(DiscreteDerivative { ts: 0.5, gain: 2.0, x0: 0.0 });
+        for k in 1..10 {
+            let k = f64::from(k);
+            assert_eq!(bench.set(0, &[k * k]).hit(), [4.0 * (2.0 * k - 1.0)]);
+        }
+    }
+
+    #[test]
+    fn the_unit_is_that_of_the_input_over_seconds() {
+        let block = DiscreteDerivative { ts: 0.0, gain: 1.0, x0: 0.0 };
+        assert_eq!(output_unit(&block, &[("u", "m")], &[]), "m/s");
+        assert_eq!(output_unit(&block, &[("u", "m")], &[("gain", "s")]), "m");
+        assert_eq!(block.check().unwrap_err().param, "ts");
+    }
+}

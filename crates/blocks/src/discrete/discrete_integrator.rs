@@ -1,0 +1,158 @@
+use blocksim_block::prelude::*;
+
+use super::method::Method;
+use crate::continuous::units::{SECOND, agrees, element};
+
+/// Sums up samples as an integral, element by element.
+///
+/// | method | output | next state |
+/// |---|---|---|
+/// | `ForwardEuler` | $y_k = x_k$ | $x_{k+1} = x_k + K T_s u_k$ |
+/// | `BackwardEuler` | $y_k = x_k + K T_s u_k$ | $x_{k+1} = y_k$ |
+/// | `Trapezoidal` | $y_k = x_k + \tfrac{1}{2} K T_s u_k$ | $x_{k+1} = y_k + \tfrac{1}{2} K T_s u_k$ |
+///
+/// With limits the output and the state stay within them. The unit of the output is that of the input times that
+/// of `gain` times s. Direct feedthrough except with `ForwardEuler`, which breaks an algebraic loop.
+///
+/// ```ron
+/// DiscreteIntegrator(ts: "1 ms", method: Trapezoidal, lower: -1.0, upper: 1.0)
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Discrete")]
+pub struct DiscreteIntegrator {
+    /// Sample time $T_s$, positive.
+    #[block(unit = "s")]
+    pub ts: f64,
+    /// `ForwardEuler`, `BackwardEuler` or `Trapezoidal`.
+    #[block(default = Method::ForwardEuler)]
+    pub method: Method,
+    /// Factor $K$.
+    #[block(default = 1.0)]
+    pub gain: f64,
+    /// State at the start.
+    #[block(default = 0.0)]
+    pub x0: f64,
+    /// Lower limit of the output.
+    #[block(default = None)]
+    pub lower: Option<f64>,
+    /// Upper limit of the output.
+    #[block(default = None)]
+    pub upper: Option<f64>,
+}
+
+impl DiscreteIntegrator {
+    fn lower(&self) -> f64 {
+        self.lower.unwrap_or(f64::NEG_INFINITY)
+    }
+
+    fn upper(&self) -> f64 {
+        self.upper.unwrap_or(f64::INFINITY)
+    }
+
+    /// `x` plus a share of the sample, within the limits.
+    fn advanced(&self, x: f64, share: f64, u: f64) -> f64 {
+        let sum = if share == 0.0 { x } else { x + share * self.gain * self.ts * u };
+        sum.clamp(self.lower(), self.upper())
+    }
+}
+
+impl Block for DiscreteIntegrator {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("ts", self.ts)?;
+        finite("gain", self.gain)?;
+        finite("x0", self.x0)?;
+        ordered("lower", self.lower(), "upper", self.upper())
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let u = given.input_or_unknown("u");
+        let dimension = u.dimension.map(|u| u.times(given.parameters.get("gain")).times(SECOND));
+        for parameter in ["x0", "lower", "upper"] {
+            agrees(given, parameter, "u", dimension)?;
+        }
+        let y = Output::like("y", u.of(dimension));
+        let interface = Interface::new().input(Input::real("u"));
+        let interface = match self.method {
+            Method::ForwardEuler => interface.output_from_state(y),
+            Method::BackwardEuler | Method::Trapezoidal => interface.output(y),
+        };
+        Ok(interface.memory("x", u.shape.len(), self.x0).sampled(self.ts))
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        for (i, (y, x)) in y.iter_mut().zip(c.d).enumerate() {
+            *y = self.advanced(*x, self.method.share(), element(c.u, i));
+        }
+    }
+
+    fn update(&self, c: &Context, d: &mut [f64]) {
+        let share = self.method.share();
+        for (i, x) in d.iter_mut().enumerate() {
+            let y = self.advanced(*x, share, element(c.u, i));
+            *x = self.advanced(y, 1.0 - share, element(c.u, i));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::continuous::units::testing::{interface_with, output_unit, vector};
+    use blocksim_block::testing::Bench;
+
+    fn block(method: Method) -> DiscreteIntegrator {
+        DiscreteIntegrator { ts: 0.5, method, gain: 2.0, x0: 1.0, lower: None, upper: None }
+    }
+
+    #[test]
+    fn the_methods_give_the_sums_of_the_table() {
+        // K Ts = 1 and u = 1, 2, 3, 4.
+        for (method, expected) in [
+            (Method::ForwardEuler, [1.0, 2.0, 4.0, 7.0]),
+            (Method::BackwardEuler, [2.0, 4.0, 7.0, 11.0]),
+            (Method::Trapezoidal, [1.5, 3.0, 5.5, 9.0]),
+        ] {
+            let mut bench = Bench::new(block(method));
+            for (k, y) in expected.into_iter().enumerate() {
+                assert_eq!(bench.set(0, &[k as f64 + 1.0]).hit(), [y], "{method:?} at {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn only_forward_euler_breaks_loops() {
+        for (method, reads) in
+            [(Method::ForwardEuler, false), (Method::BackwardEuler, true), (Method::Trapezoidal, true)]
+        {
+            assert_eq!(block(method).interface(&Given::nothing()).unwrap().reads(0, 0), reads);
+        }
+    }
+
+    #[test]
+    fn at_a_limit_nothing_winds_up() {
+        for method in [Method::ForwardEuler, Method::BackwardEuler, Method::Trapezoidal] {
+            let limited = DiscreteIntegrator { lower: Some(-3.0), upper: Some(3.0), ..block(method) };
+            let mut bench = Bench::with_inputs(limited, vector("u", 2));
+            bench.set(0, &[1.0, -1.0]);
+            (0..50).for_each(|_| drop(bench.hit()));
+            assert_eq!(bench.hit(), [3.0, -3.0]);
+            bench.set(0, &[-1.0, 1.0]).hit();
+            bench.hit();
+            assert!(bench.d[0] <= 1.0 && bench.d[1] >= -1.0, "{method:?}");
+        }
+    }
+
+    #[test]
+    fn the_unit_is_that_of_the_input_times_gain_times_seconds() {
+        let block = block(Method::ForwardEuler);
+        assert_eq!(output_unit(&block, &[("u", "m/s")], &[]), "m");
+        assert_eq!(output_unit(&block, &[("u", "A")], &[("gain", "V/C")]), "V");
+        assert!(interface_with(&block, &[("u", "m/s")], &[("x0", "A")]).is_err());
+    }
+
+    #[test]
+    fn crossed_limits_are_refused() {
+        let block = DiscreteIntegrator { lower: Some(1.0), upper: Some(0.0), ..block(Method::ForwardEuler) };
+        assert_eq!(block.check().unwrap_err().param, "upper");
+    }
+}

@@ -1,0 +1,275 @@
+use blocksim_block::prelude::*;
+
+use super::method::Method;
+use crate::continuous::pid_law::{AntiWindup, Form, PidLaw};
+
+/// Sampled PID controller with filtered derivative, limits and protection against windup.
+///
+/// The law of `Pid` with $1/s$ replaced by a sum, for the integral part and for the filter each by its own method:
+///
+/// $$ v_k = k_p e_k + x_i + \alpha_i T_s w_k + y_d, \qquad w_k = k_i e_k + a, \qquad
+///    y_d = \frac{n (k_d e_k - x_f)}{1 + \alpha_f n T_s}, \qquad u = \operatorname{sat}(v) $$
+/// $$ x_i \leftarrow x_i + T_s w_k, \qquad x_f \leftarrow x_f + T_s y_d $$
+///
+/// with $\alpha = 0$ for `ForwardEuler`, 1 for `BackwardEuler`, 1/2 for `Trapezoidal`. With `form: Ideal`, `kp`
+/// multiplies all parts. `BackCalculation` adds $a = k_b (u - v)$, solved together with $v$; `Clamping` sets
+/// $w = 0$ while $v$ is outside the limits and $k_i e$ would lead further out. With `ForwardEuler` the filter is
+/// stable only for $n < 2 / T_s$. The unit of the output is that of the input times that of `kp`. Vectors are
+/// controlled element by element. Direct feedthrough.
+///
+/// ```ron
+/// DiscretePid(ts: "1 ms", kp: 8.0, ki: 2.0, kd: 0.4, lower: -1.0, upper: 1.0, anti_windup: Clamping)
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Discrete")]
+pub struct DiscretePid {
+    /// Sample time $T_s$, positive.
+    #[block(unit = "s")]
+    pub ts: f64,
+    /// Proportional gain.
+    pub kp: f64,
+    /// Integral gain: the unit of `kp` over s, or 1/s with `form: Ideal`.
+    #[block(default = 0.0)]
+    pub ki: f64,
+    /// Derivative gain: the unit of `kp` times s, or s with `form: Ideal`.
+    #[block(default = 0.0)]
+    pub kd: f64,
+    /// Where the filter of the derivative cuts off, positive.
+    #[block(unit = "1/s", default = 100.0)]
+    pub n: f64,
+    /// `Parallel`, or `Ideal` where `kp` multiplies all parts.
+    #[block(default = Form::Parallel)]
+    pub form: Form,
+    /// Method of the integral part: `ForwardEuler`, `BackwardEuler`, `Trapezoidal`.
+    #[block(default = Method::ForwardEuler)]
+    pub integrator: Method,
+    /// Method of the derivative filter: `ForwardEuler`, `BackwardEuler`, `Trapezoidal`.
+    #[block(default = Method::ForwardEuler)]
+    pub filter: Method,
+    /// Lower limit of the output.
+    #[block(default = None)]
+    pub lower: Option<f64>,
+    /// Upper limit of the output.
+    #[block(default = None)]
+    pub upper: Option<f64>,
+    /// What happens to the integral part while the output is limited: `None`, `Clamping`, `BackCalculation`.
+    #[block(default = AntiWindup::None)]
+    pub anti_windup: AntiWindup,
+    /// Gain of the feedback of `BackCalculation`.
+    #[block(unit = "1/s", default = 1.0)]
+    pub kb: f64,
+    /// Integral part at the start.
+    #[block(default = 0.0)]
+    pub x0: f64,
+    /// State of the derivative filter at the start; `kd` times the error at the start spares the peak.
+    #[block(default = 0.0)]
+    pub d0: f64,
+}
+
+/// One sample: the output, and what the states grow by, over the sample time.
+struct Sample {
+    u: f64,
+    w: f64,
+    derivative: f64,
+}
+
+impl DiscretePid {
+    fn law(&self) -> PidLaw {
+        let Self { kp, ki, kd, n, form, lower, upper, anti_windup, kb, x0, d0, .. } = *self;
+        PidLaw { kp, ki, kd, n, form, lower, upper, anti_windup, kb, x0, d0 }
+    }
+
+    /// From the error and the states of the integral part and of the filter.
+    fn sample(&self, e: f64, xi: f64, xf: f64) -> Sample {
+        let law = self.law();
+        let at_once = self.integrator.share() * self.ts;
+        let derivative = self.n * (self.kd * e - xf) / (1.0 + self.filter.share() * self.n * self.ts);
+        let free = self.ki * e;
+        let v = law.sum(e, xi + at_once * free, derivative);
+        let w = match self.anti_windup {
+            // Without integral gain there is nothing that could wind up.
+            _ if self.ki == 0.0 => 0.0,
+            AntiWindup::None => free,
+            AntiWindup::Clamping if law.winds_up(v, e, 0.0) != 0.0 => 0.0,
+            AntiWindup::Clamping => free,
+            // a = kb (u - v_a) with v_a = v + p at_once a. The correction is never so large that v_a would come
+            // inside the limits, therefore u = sat(v) for both.
+            AntiWindup::BackCalculation => {
+                let loop_gain = self.kb * law.per_integral() * at_once;
+                free + self.kb * (law.saturate(v) - v) / (1.0 + loop_gain)
+            }
+        };
+        let v = law.sum(e, xi + at_once * w, derivative);
+        Sample { u: law.saturate(v), w, derivative }
+    }
+}
+
+impl Block for DiscretePid {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("ts", self.ts)?;
+        self.law().check()?;
+        let filters = self.kd != 0.0 || self.d0 != 0.0;
+        if self.filter == Method::ForwardEuler && filters && self.n * self.ts >= 2.0 {
+            let (n, limit) = (self.n, 2.0 / self.ts);
+            let message = format!("`n` is {n}, but the filter is stable only below 2 / ts = {limit}");
+            return Err(ParamError::new("n", message)
+                .help("choose a smaller `n` or `ts`, or `filter: BackwardEuler` or `Trapezoidal`"));
+        }
+        Ok(())
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let e = given.input_or_unknown("e");
+        let u = Output::like("u", e.of(self.law().dimension(given)?));
+        let mut interface = Interface::new().input(Input::real("e").doc("Set value minus actual value."));
+        interface = interface.output(u).sampled(self.ts);
+        for _ in 0..e.shape.len() {
+            interface = interface.discrete("integral", self.x0).discrete("filter", self.d0);
+        }
+        Ok(interface)
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        for ((u, e), x) in y.iter_mut().zip(c.u).zip(c.d.chunks_exact(2)) {
+            *u = self.sample(*e, x[0], x[1]).u;
+        }
+    }
+
+    fn update(&self, c: &Context, d: &mut [f64]) {
+        for (e, x) in c.u.iter().zip(d.chunks_exact_mut(2)) {
+            let Sample { w, derivative, .. } = self.sample(*e, x[0], x[1]);
+            x[0] += self.ts * w;
+            x[1] += self.ts * derivative;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::continuous::units::testing::{interface_with, output_unit, vector};
+    use blocksim_block::testing::Bench;
+
+    const METHODS: [Method; 3] = [Method::ForwardEuler, Method::BackwardEuler, Method::Trapezoidal];
+
+    fn pid(method: Method) -> DiscretePid {
+        DiscretePid {
+            ts: 0.01,
+            kp: 2.0,
+            ki: 3.0,
+            kd: 0.5,
+            n: 50.0,
+            form: Form::Parallel,
+            integrator: method,
+            filter: method,
+            lower: None,
+            upper: None,
+            anti_windup: AntiWindup::None,
+            kb: 1.0,
+            x0: 0.0,
+            d0: 0.0,
+        }
+    }
+
+    fn limited(method: Method, anti_windup: AntiWindup) -> DiscretePid {
+        DiscretePid { kd: 0.0, lower: Some(-1.0), upper: Some(1.0), anti_windup, ..pid(method) }
+    }
+
+    #[test]
+    fn the_first_outputs_match_the_reference_values() {
+        let expected = [
+            [27.0, 14.53, 8.31, 5.215, 3.6825],
+            [18.696667, 13.171111, 9.497407, 7.058272, 5.442181],
+            [22.015, 14.045, 9.275, 6.425, 4.727],
+        ];
+        for (method, expected) in METHODS.into_iter().zip(expected) {
+            let mut bench = Bench::new(pid(method));
+            for u in expected {
+                let actual = bench.set(0, &[1.0]).hit()[0];
+                // The reference values are rounded to six decimals.
+                assert!((actual - u).abs() < 6e-7, "{method:?}: {actual} != {u}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_methods_of_integral_part_and_filter_are_independent() {
+        let mut bench =
+            Bench::new(DiscretePid { integrator: Method::BackwardEuler, ..pid(Method::ForwardEuler) });
+        assert!((bench.respond(1.0) - 27.03).abs() < 1e-12);
+    }
+
+    #[test]
+    fn in_the_ideal_form_kp_multiplies_all_parts() {
+        let mut bench = Bench::new(DiscretePid { form: Form::Ideal, ..pid(Method::BackwardEuler) });
+        let expected = 2.0 * (1.0 + 0.03 + 25.0 / 1.5);
+        assert!((bench.respond(1.0) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn clamping_stops_the_integral_part_only_on_the_way_out() {
+        for method in METHODS {
+            let mut bench = Bench::with_inputs(limited(method, AntiWindup::Clamping), vector("e", 2));
+            bench.set(0, &[1.0, -1.0]);
+            (0..100).for_each(|_| drop(bench.hit()));
+            assert_eq!((bench.hit(), bench.d[0], bench.d[2]), (vec![1.0, -1.0], 0.0, 0.0));
+            bench.d[0] = 4.0;
+            bench.set(0, &[-1.0, -1.0]).hit();
+            assert!((bench.d[0] - 3.97).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn without_protection_the_integral_part_winds_up() {
+        let mut bench = Bench::new(limited(Method::ForwardEuler, AntiWindup::None));
+        (0..100).for_each(|_| drop(bench.set(0, &[1.0]).hit()));
+        assert!((bench.d[0] - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn back_calculation_satisfies_its_own_equation_and_settles_in_balance() {
+        for method in METHODS {
+            for form in [Form::Parallel, Form::Ideal] {
+                let block = DiscretePid { kb: 20.0, form, ..limited(method, AntiWindup::BackCalculation) };
+                let mut bench = Bench::new(block.clone());
+                for _ in 0..3000 {
+                    let (xi, e) = (bench.d[0], 1.0);
+                    bench.set(0, &[e]).hit();
+                    let w = (bench.d[0] - xi) / block.ts;
+                    let v = block.law().sum(e, xi + method.share() * block.ts * w, 0.0);
+                    assert!((w - (3.0 * e + 20.0 * (v.clamp(-1.0, 1.0) - v))).abs() < 1e-11);
+                }
+                // ki e = kb (v - upper).
+                let v = block.law().sum(1.0, bench.d[0], 0.0);
+                assert!((v - 1.15).abs() < 1e-12, "{method:?} {form:?}: {v}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_filter_that_would_be_unstable_is_refused() {
+        let block = DiscretePid { n: 200.0, ..pid(Method::ForwardEuler) };
+        let error = block.check().unwrap_err();
+        assert_eq!(error.param, "n");
+        assert!(error.help.unwrap().contains("BackwardEuler"));
+        assert!(DiscretePid { kd: 0.0, ..block.clone() }.check().is_ok());
+        for method in [Method::BackwardEuler, Method::Trapezoidal] {
+            assert!(DiscretePid { filter: method, ..block.clone() }.check().is_ok());
+        }
+    }
+
+    #[test]
+    fn the_unit_is_that_of_the_input_times_that_of_kp() {
+        let block = pid(Method::ForwardEuler);
+        assert_eq!(output_unit(&block, &[("e", "rad")], &[("kp", "V/rad")]), "V");
+        assert!(interface_with(&block, &[("e", "rad")], &[("kp", "V"), ("ki", "V")]).is_err());
+    }
+
+    #[test]
+    fn parameters_that_make_no_controller_are_refused() {
+        let kp = DiscretePid { kp: f64::NAN, ..pid(Method::ForwardEuler) };
+        assert_eq!(kp.check().unwrap_err().param, "kp");
+        let ts = DiscretePid { ts: 0.0, ..pid(Method::ForwardEuler) };
+        assert_eq!(ts.check().unwrap_err().param, "ts");
+    }
+}

@@ -1,0 +1,134 @@
+use blocksim_block::prelude::*;
+
+use crate::continuous::rational::Rational;
+use crate::continuous::units::element;
+
+/// Transfer function of a sampled system, as polynomials in z.
+///
+/// $$ G(z) = k\,\frac{b_m z^m + \dots + b_0}{a_n z^n + \dots + a_0}, \qquad m \le n $$
+///
+/// Coefficients are given in descending powers of z. The input reaches the output at the same sample only if both
+/// have the same degree. Vectors are filtered element by element. The unit of the output is that of the input
+/// times that of `k`; without `k` it is unknown (write `k: "1"` where the output has the unit of the input).
+///
+/// ```ron
+/// DiscreteTransferFunction(ts: "1 ms", num: [0.1], den: [1.0, -0.9], k: "1")
+/// ```
+///
+/// Source: direct form II, A. V. Oppenheim and R. W. Schafer, Discrete-Time Signal Processing, chapter 6.
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Discrete")]
+pub struct DiscreteTransferFunction {
+    /// Sample time, positive.
+    #[block(unit = "s")]
+    pub ts: f64,
+    /// Numerator, in descending powers of z.
+    #[block(default = vec![1.0])]
+    pub num: Vec<f64>,
+    /// Denominator, in descending powers of z.
+    pub den: Vec<f64>,
+    /// Factor; its unit is the unit of the output over that of the input.
+    #[block(default = 1.0)]
+    pub k: f64,
+    /// All states at the start.
+    #[block(default = 0.0)]
+    pub x0: f64,
+}
+
+impl DiscreteTransferFunction {
+    fn ratio(&self) -> Rational<'_> {
+        Rational::new(&self.num, &self.den)
+    }
+}
+
+impl Block for DiscreteTransferFunction {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("ts", self.ts)?;
+        Rational::check(&self.num, &self.den, 'z')?;
+        finite("k", self.k)?;
+        finite("x0", self.x0)
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let mut interface = self.ratio().interface(given, self.x0).sampled(self.ts);
+        let states = std::mem::take(&mut interface.states).into_iter();
+        interface.discrete = states.map(|State { name, initial }| Discrete { name, initial }).collect();
+        Ok(interface)
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        let ratio = self.ratio();
+        let n = ratio.order();
+        for (i, y) in y.iter_mut().enumerate() {
+            *y = self.k * ratio.output(&c.d[i * n..][..n], element(c.u, i));
+        }
+    }
+
+    fn update(&self, c: &Context, d: &mut [f64]) {
+        let ratio = self.ratio();
+        for (i, x) in d.chunks_exact_mut(ratio.order().max(1)).enumerate() {
+            let w = ratio.drive(x, element(c.u, i));
+            x.rotate_right(1);
+            x[0] = w;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::continuous::units::testing::{output_unit, vector};
+    use blocksim_block::testing::Bench;
+
+    fn block(num: &[f64], den: &[f64]) -> DiscreteTransferFunction {
+        DiscreteTransferFunction { ts: 0.1, num: num.to_vec(), den: den.to_vec(), k: 1.0, x0: 0.0 }
+    }
+
+    #[test]
+    fn a_first_order_lag_matches_the_closed_form() {
+        // 0.2 / (z - 0.8): y_k = 1 - 0.8^k.
+        let mut bench = Bench::new(block(&[0.4], &[2.0, -1.6]));
+        for k in 0..40 {
+            assert!((bench.set(0, &[1.0]).hit()[0] - (1.0 - 0.8_f64.powi(k))).abs() < 1e-15 * 10.0);
+        }
+    }
+
+    #[test]
+    fn a_ratio_matches_its_difference_equation() {
+        // (3 z^2 + 2 z + 1) / (z^2 - 0.5 z + 0.25), for a vector of an impulse and a step.
+        let mut bench = Bench::with_inputs(block(&[3.0, 2.0, 1.0], &[1.0, -0.5, 0.25]), vector("u", 2));
+        let mut past = [[0.0; 4]; 2];
+        for k in 0..30 {
+            let u = [if k == 0 { 1.0 } else { 0.0 }, 1.0];
+            let y = bench.set(0, &u).hit();
+            for i in 0..2 {
+                let [u1, u2, y1, y2] = past[i];
+                let expected = 3.0 * u[i] + 2.0 * u1 + u2 + 0.5 * y1 - 0.25 * y2;
+                assert!((y[i] - expected).abs() < 1e-13, "{k}: {} != {expected}", y[i]);
+                past[i] = [u[i], u1, expected, y1];
+            }
+        }
+    }
+
+    #[test]
+    fn the_input_shows_at_the_same_sample_only_for_equal_degrees() {
+        let reads = |num: &[f64]| block(num, &[1.0, 0.5]).interface(&Given::nothing()).unwrap().reads(0, 0);
+        assert!(!reads(&[1.0]) && reads(&[1.0, 0.0]));
+    }
+
+    #[test]
+    fn all_states_start_at_x0() {
+        let mut bench = Bench::new(DiscreteTransferFunction { x0: 2.0, ..block(&[1.0], &[1.0, 0.0, 0.0]) });
+        assert_eq!(bench.hit(), [2.0]);
+        assert_eq!(bench.hit(), [2.0]);
+        assert_eq!(bench.hit(), [0.0]);
+    }
+
+    #[test]
+    fn the_unit_comes_from_the_factor_and_improper_ratios_are_refused() {
+        assert_eq!(output_unit(&block(&[1.0], &[1.0]), &[("u", "V")], &[("k", "1")]), "V");
+        assert_eq!(output_unit(&block(&[1.0], &[1.0]), &[("u", "V")], &[]), "unknown");
+        assert_eq!(block(&[1.0, 0.0], &[1.0]).check().unwrap_err().param, "num");
+        assert_eq!(block(&[1.0], &[0.0]).check().unwrap_err().param, "den[0]");
+    }
+}
