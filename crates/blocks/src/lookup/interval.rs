@@ -1,0 +1,78 @@
+//! Where a value lies among breakpoints.
+
+use blocksim_block::prelude::*;
+
+/// What stands beyond the first and the last breakpoint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum Extrapolation {
+    /// The value at the end.
+    Clip,
+    /// The tangent at the end.
+    Linear,
+}
+
+/// Checks that breakpoints are finite and strictly increasing; one alone is enough only if nothing is extrapolated.
+///
+/// # Errors
+/// They are not; the error names the first that is wrong.
+pub(super) fn check_breakpoints(
+    name: &str,
+    breakpoints: &[f64],
+    extrapolation: Extrapolation,
+) -> Result<(), ParamError> {
+    let needed = if extrapolation == Extrapolation::Clip { 1 } else { 2 };
+    if breakpoints.len() < needed {
+        let message = format!("`{name}` has {} values, but needs at least {needed}", breakpoints.len());
+        return Err(ParamError::new(name, message).help("one alone is enough with `extrapolation: Clip`"));
+    }
+    for (i, value) in breakpoints.iter().enumerate() {
+        finite(&format!("{name}[{i}]"), *value)?;
+    }
+    match breakpoints.windows(2).position(|pair| pair[0] >= pair[1]) {
+        None => Ok(()),
+        Some(i) => {
+            let (before, after) = (breakpoints[i], breakpoints[i + 1]);
+            let message =
+                format!("`{name}[{}]` ({after}) must be greater than the one before ({before})", i + 1);
+            Err(ParamError::new(format!("{name}[{}]", i + 1), message)
+                .help("sort the breakpoints and name each only once"))
+        }
+    }
+}
+
+/// The interval `i`, from breakpoint `i` to the next, in which `u` lies or which is nearest; 0 if there is only
+/// one breakpoint. A breakpoint belongs to the interval above it, the last one to the one below.
+pub(super) fn interval(breakpoints: &[f64], u: f64) -> usize {
+    let above = breakpoints.partition_point(|breakpoint| *breakpoint <= u);
+    above.saturating_sub(1).min(breakpoints.len().saturating_sub(2))
+}
+
+/// The interval of `u`, and how far `u` is through it: 0 at its start, 1 at its end, beyond that only when it is
+/// to be extrapolated.
+pub(super) fn share(breakpoints: &[f64], u: f64, extrapolation: Extrapolation) -> (usize, f64) {
+    let i = interval(breakpoints, u);
+    let Some(end) = breakpoints.get(i + 1) else {
+        return (i, if u.is_nan() { u } else { 0.0 });
+    };
+    let share = (u - breakpoints[i]) / (end - breakpoints[i]);
+    (i, if extrapolation == Extrapolation::Clip { share.clamp(0.0, 1.0) } else { share })
+}
+
+/// From `a` to `b`; exactly these at the shares 0 and 1.
+pub(super) fn mix(a: f64, b: f64, share: f64) -> f64 {
+    if share == 1.0 { b } else { a + share * (b - a) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_find_their_interval() {
+        let breakpoints = [0.0, 1.0, 3.0];
+        for (u, expected) in [(-1.0, 0), (0.0, 0), (0.5, 0), (1.0, 1), (2.9, 1), (3.0, 1), (9.0, 1)] {
+            assert_eq!(interval(&breakpoints, u), expected, "{u}");
+        }
+        assert_eq!(interval(&[5.0], 7.0), 0);
+    }
+}

@@ -1,0 +1,292 @@
+use blocksim_block::prelude::*;
+
+use super::akima;
+use super::interval::{Extrapolation, check_breakpoints, interval, mix, share};
+use crate::continuous::units::{agrees, element};
+
+/// Looks a value up in a table, with interpolation: $y = f(u)$ through the points
+/// $(\mathrm{breakpoints}_i, \mathrm{table}_i)$.
+///
+/// | interpolation | between two breakpoints |
+/// |---|---|
+/// | `Linear` | the straight line |
+/// | `Flat` | the value at the lower one |
+/// | `Nearest` | the value at the nearer one; in the middle, at the upper one |
+/// | `Cubic` | Akima's curve: smooth up to the first derivative, no overshoot beside flat stretches |
+///
+/// At the breakpoints the values are exact. Beyond the ends `Linear` and `Cubic` go on along the tangent, or stay
+/// at the end with `extrapolation: Clip`; `Flat` and `Nearest` stay at the end. Where these two jump is an event.
+/// The output has the unit of `table`. Direct feedthrough; vectors are looked up element by element.
+///
+/// ```ron
+/// LookupTable1D(breakpoints: ["0 deg", "30 deg", "90 deg"], table: ["0 N", "2 N", "3 N"], extrapolation: Clip)
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Lookup")]
+pub struct LookupTable1D {
+    /// Values of the input, strictly increasing.
+    pub breakpoints: Vec<f64>,
+    /// Values of the output, one for each breakpoint.
+    pub table: Vec<f64>,
+    /// `Linear`, `Flat`, `Nearest` or `Cubic`.
+    #[block(default = Interpolation::Linear)]
+    pub interpolation: Interpolation,
+    /// `Clip` or `Linear`.
+    #[block(default = Extrapolation::Linear)]
+    pub extrapolation: Extrapolation,
+}
+
+/// What a table says between its breakpoints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum Interpolation {
+    /// The straight line.
+    Linear,
+    /// The value at the lower breakpoint.
+    Flat,
+    /// The value at the nearer breakpoint.
+    Nearest,
+    /// Akima's curve.
+    Cubic,
+}
+
+impl LookupTable1D {
+    /// Whether the output jumps.
+    fn steps(&self) -> bool {
+        matches!(self.interpolation, Interpolation::Flat | Interpolation::Nearest)
+    }
+
+    /// Number of places where a stepped output jumps: at each breakpoint after the first (`Flat`), or in the
+    /// middle before each of them (`Nearest`).
+    fn jumps(&self) -> usize {
+        self.table.len() - 1
+    }
+
+    fn place_of_jump(&self, i: usize) -> f64 {
+        let (below, above) = (self.breakpoints[i], self.breakpoints[i + 1]);
+        if self.interpolation == Interpolation::Flat { above } else { below + (above - below) / 2.0 }
+    }
+
+    /// How many jumps lie at or below `u`: the index of the value in the table.
+    fn step(&self, u: f64) -> usize {
+        let i = interval(&self.breakpoints, u);
+        if self.jumps() > 0 && u >= self.place_of_jump(i) { i + 1 } else { i }
+    }
+
+    fn smooth(&self, u: f64) -> f64 {
+        let (x, y) = (&self.breakpoints, &self.table);
+        let (i, share) = share(x, u, self.extrapolation);
+        if x.len() == 1 {
+            return if u.is_nan() { u } else { y[0] };
+        }
+        if self.interpolation != Interpolation::Cubic {
+            return mix(y[i], y[i + 1], share);
+        }
+        if share <= 0.0 {
+            y[i] + share * (x[i + 1] - x[i]) * akima::slope(x, y, i)
+        } else if share >= 1.0 {
+            y[i + 1] + (share - 1.0) * (x[i + 1] - x[i]) * akima::slope(x, y, i + 1)
+        } else {
+            akima::curve(x, y, i, u)
+        }
+    }
+}
+
+impl Block for LookupTable1D {
+    fn check(&self) -> Result<(), ParamError> {
+        let ends = if self.steps() { Extrapolation::Clip } else { self.extrapolation };
+        check_breakpoints("breakpoints", &self.breakpoints, ends)?;
+        if self.table.len() != self.breakpoints.len() {
+            let (values, breakpoints) = (self.table.len(), self.breakpoints.len());
+            let message = format!("`table` has {values} values, but there are {breakpoints} breakpoints");
+            return Err(ParamError::new("table", message).help("give one value for each breakpoint"));
+        }
+        self.table.iter().enumerate().try_for_each(|(i, value)| finite(&format!("table[{i}]"), *value))
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let u = given.input_or_unknown("u");
+        agrees(given, "breakpoints", "u", u.dimension)?;
+        let y = Output::like("y", u.of(Some(given.parameters.get("table"))));
+        let mut interface = Interface::new().input(Input::real("u")).output(y);
+        if self.steps() {
+            interface = interface.settles().memory("step", u.shape.len(), 0.0);
+            for _ in 0..u.shape.len() {
+                interface = interface.guard("jump");
+            }
+        }
+        Ok(interface)
+    }
+
+    fn settle(&self, c: &Context, d: &mut [f64]) {
+        if self.steps() {
+            d.iter_mut().enumerate().for_each(|(i, step)| *step = self.step(element(c.u, i)) as f64);
+        }
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        for (i, y) in y.iter_mut().enumerate() {
+            let u = element(c.u, i);
+            *y = match c.d.get(i) {
+                None => self.smooth(u),
+                Some(_) if u.is_nan() => u,
+                Some(step) => self.table[*step as usize],
+            };
+        }
+    }
+
+    /// The distance to the nearest jump; its sign turns at each of them.
+    fn guards(&self, c: &Context, g: &mut [f64]) {
+        for (i, g) in g.iter_mut().enumerate() {
+            let u = element(c.u, i);
+            let step = self.step(u);
+            let below = if step > 0 { u - self.place_of_jump(step - 1) } else { f64::INFINITY };
+            let above = if step < self.jumps() { self.place_of_jump(step) - u } else { f64::INFINITY };
+            // Finite also where a table has but one value.
+            let distance = below.min(above).min(f64::MAX);
+            *g = if step.is_multiple_of(2) { -distance } else { distance };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::continuous::units::testing::{interface_with, output_unit, vector};
+    use blocksim_block::testing::Bench;
+
+    const ALL: [Interpolation; 4] =
+        [Interpolation::Linear, Interpolation::Flat, Interpolation::Nearest, Interpolation::Cubic];
+
+    fn block(interpolation: Interpolation, extrapolation: Extrapolation) -> LookupTable1D {
+        LookupTable1D {
+            breakpoints: vec![-1.0, 0.0, 0.3, 2.0],
+            table: vec![0.1, 0.7, -0.2, 5.0],
+            interpolation,
+            extrapolation,
+        }
+    }
+
+    #[test]
+    fn values_at_breakpoints_are_exact() {
+        for interpolation in ALL {
+            for extrapolation in [Extrapolation::Clip, Extrapolation::Linear] {
+                let table = block(interpolation, extrapolation);
+                let mut bench = Bench::new(table.clone());
+                for (u, y) in table.breakpoints.iter().zip(&table.table) {
+                    assert_eq!(bench.respond(*u), *y, "{interpolation:?} {extrapolation:?} at {u}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn between_breakpoints_each_interpolation_says_its_own() {
+        let y = |interpolation, u| Bench::new(block(interpolation, Extrapolation::Linear)).respond(u);
+        assert!((y(Interpolation::Linear, -0.25) - 0.55).abs() < 1e-15);
+        assert_eq!(y(Interpolation::Flat, 1.999), -0.2);
+        assert_eq!(y(Interpolation::Nearest, 1.1), -0.2);
+        assert_eq!(y(Interpolation::Nearest, 1.2), 5.0);
+        assert_eq!(y(Interpolation::Nearest, -0.5), 0.7);
+    }
+
+    #[test]
+    fn the_cubic_curve_and_its_slope_are_continuous() {
+        let mut bench = Bench::new(block(Interpolation::Cubic, Extrapolation::Linear));
+        let h = 1e-7;
+        for u in [-1.0, 0.0, 0.3, 2.0] {
+            let (before, at, after) = (bench.respond(u - h), bench.respond(u), bench.respond(u + h));
+            let (left, right) = ((at - before) / h, (after - at) / h);
+            // Curvature is below 100 here, so the slopes differ by some 1e-5.
+            assert!((left - right).abs() < 1e-4, "{u}: {left} {right}");
+        }
+    }
+
+    #[test]
+    fn beyond_the_ends_the_table_is_clipped_or_goes_straight_on() {
+        for interpolation in ALL {
+            let mut bench = Bench::new(block(interpolation, Extrapolation::Clip));
+            assert_eq!((bench.respond(-9.0), bench.respond(9.0)), (0.1, 5.0));
+        }
+        let mut bench = Bench::new(block(Interpolation::Linear, Extrapolation::Linear));
+        assert!((bench.respond(-2.0) - (0.1 - 0.6)).abs() < 1e-15);
+        assert!((bench.respond(3.7) - 10.2).abs() < 1e-14);
+        let mut bench = Bench::new(block(Interpolation::Flat, Extrapolation::Linear));
+        assert_eq!((bench.respond(-9.0), bench.respond(9.0)), (0.1, 5.0));
+    }
+
+    #[test]
+    fn what_is_not_a_number_stays_so() {
+        for interpolation in ALL {
+            for extrapolation in [Extrapolation::Clip, Extrapolation::Linear] {
+                assert!(Bench::new(block(interpolation, extrapolation)).respond(f64::NAN).is_nan());
+            }
+        }
+    }
+
+    #[test]
+    fn one_breakpoint_is_enough_for_a_clipped_table() {
+        for interpolation in ALL {
+            let one = |extrapolation| LookupTable1D {
+                breakpoints: vec![1.0],
+                table: vec![4.0],
+                ..block(interpolation, extrapolation)
+            };
+            let mut bench = Bench::new(one(Extrapolation::Clip));
+            assert_eq!((bench.respond(-3.0), bench.respond(3.0)), (4.0, 4.0));
+            assert!(bench.respond(f64::NAN).is_nan());
+        }
+        let line = LookupTable1D {
+            breakpoints: vec![1.0],
+            table: vec![4.0],
+            ..block(Interpolation::Linear, Extrapolation::Linear)
+        };
+        assert_eq!(line.check().unwrap_err().param, "breakpoints");
+    }
+
+    #[test]
+    fn the_guard_turns_its_sign_at_each_jump_and_nowhere_else() {
+        for (interpolation, jumps) in
+            [(Interpolation::Flat, [0.0, 0.3, 2.0]), (Interpolation::Nearest, [-0.5, 0.15, 1.15])]
+        {
+            let mut bench = Bench::new(block(interpolation, Extrapolation::Clip));
+            let mut before = bench.set(0, &[-2.0]).guards()[0];
+            for k in 1..500 {
+                let u = -2.0 + 0.01 * f64::from(k) + 0.003;
+                let after = bench.set(0, &[u]).guards()[0];
+                let passed = jumps.iter().any(|jump| *jump <= u && *jump > u - 0.01);
+                assert_eq!(before.signum() != after.signum(), passed, "{interpolation:?} at {u}");
+                before = after;
+            }
+        }
+    }
+
+    #[test]
+    fn within_a_step_the_value_of_the_table_stays() {
+        let mut bench = Bench::with_inputs(block(Interpolation::Flat, Extrapolation::Clip), vector("u", 2));
+        bench.set(0, &[-0.5, 1.0]).major();
+        assert_eq!(bench.set(0, &[0.1, 3.0]).minor(), [0.1, -0.2]);
+        assert_eq!(bench.major(), [0.7, 5.0]);
+    }
+
+    #[test]
+    fn the_unit_is_that_of_the_table() {
+        let block = block(Interpolation::Linear, Extrapolation::Clip);
+        assert_eq!(output_unit(&block, &[("u", "rad")], &[("table", "N"), ("breakpoints", "deg")]), "N");
+        assert_eq!(output_unit(&block, &[("u", "V")], &[]), "1");
+        assert!(interface_with(&block, &[("u", "V")], &[("breakpoints", "A")]).is_err());
+    }
+
+    #[test]
+    fn tables_that_make_no_function_are_refused() {
+        let linear = || block(Interpolation::Linear, Extrapolation::Linear);
+        let refused = [
+            (LookupTable1D { breakpoints: vec![0.0, 1.0, 1.0, 2.0], ..linear() }, "breakpoints[2]"),
+            (LookupTable1D { breakpoints: Vec::new(), ..linear() }, "breakpoints"),
+            (LookupTable1D { table: vec![1.0], ..linear() }, "table"),
+            (LookupTable1D { table: vec![1.0, 2.0, f64::NAN, 3.0], ..linear() }, "table[2]"),
+        ];
+        for (block, param) in refused {
+            assert_eq!(block.check().unwrap_err().param, param);
+        }
+    }
+}

@@ -1,0 +1,178 @@
+use blocksim_block::prelude::*;
+
+use super::interval::{Extrapolation, check_breakpoints, mix, share};
+use crate::continuous::units::{agrees, element};
+
+/// Looks a value up in a table with rows and columns, bilinearly: $y = f(u_1, u_2)$ with
+/// $f(\mathrm{rows}_i, \mathrm{columns}_j) = \mathrm{table}_{ij}$.
+///
+/// In each cell of the table, with the shares $s = (u_1 - r_i)/(r_{i+1} - r_i)$ and
+/// $t = (u_2 - c_j)/(c_{j+1} - c_j)$,
+///
+/// $$ y = (1-s)(1-t)\,z_{ij} + (1-s)\,t\,z_{i,j+1} + s(1-t)\,z_{i+1,j} + s\,t\,z_{i+1,j+1} $$
+///
+/// At the breakpoints the values are exact. Beyond the ends the cells at the border are continued, or the inputs
+/// clipped with `extrapolation: Clip`. The output has the unit of `table`. Direct feedthrough; vectors are looked
+/// up element by element.
+///
+/// ```ron
+/// LookupTable2D(rows: [1.0, 2.0, 3.0], columns: [1.0, 2.0, 3.0],
+///     table: [[4.0, 5.0, 6.0], [16.0, 19.0, 20.0], [10.0, 18.0, 23.0]])
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Lookup")]
+pub struct LookupTable2D {
+    /// Values of `u1`, strictly increasing, one for each row.
+    pub rows: Vec<f64>,
+    /// Values of `u2`, strictly increasing, one for each column.
+    pub columns: Vec<f64>,
+    /// Values of the output, a list of rows.
+    pub table: Vec<Vec<f64>>,
+    /// `Clip` or `Linear`.
+    #[block(default = Extrapolation::Linear)]
+    pub extrapolation: Extrapolation,
+}
+
+impl LookupTable2D {
+    fn value(&self, u1: f64, u2: f64) -> f64 {
+        let (i, s) = share(&self.rows, u1, self.extrapolation);
+        let (j, t) = share(&self.columns, u2, self.extrapolation);
+        let along = |row: &[f64]| mix(row[j], row[(j + 1).min(row.len() - 1)], t);
+        mix(along(&self.table[i]), along(&self.table[(i + 1).min(self.table.len() - 1)]), s)
+    }
+}
+
+impl Block for LookupTable2D {
+    fn check(&self) -> Result<(), ParamError> {
+        check_breakpoints("rows", &self.rows, self.extrapolation)?;
+        check_breakpoints("columns", &self.columns, self.extrapolation)?;
+        if self.table.len() != self.rows.len() {
+            let message =
+                format!("`table` has {} rows, but `rows` has {} values", self.table.len(), self.rows.len());
+            return Err(ParamError::new("table", message).help("give one row for each value of `rows`"));
+        }
+        for (i, row) in self.table.iter().enumerate() {
+            if row.len() != self.columns.len() {
+                let (values, columns) = (row.len(), self.columns.len());
+                let message = format!("row {i} of `table` has {values} values, but `columns` has {columns}");
+                return Err(ParamError::new(format!("table[{i}]"), message)
+                    .help("give one value for each value of `columns`"));
+            }
+            for (j, value) in row.iter().enumerate() {
+                finite(&format!("table[{i}][{j}]"), *value)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        agrees(given, "rows", "u1", given.input_or_unknown("u1").dimension)?;
+        agrees(given, "columns", "u2", given.input_or_unknown("u2").dimension)?;
+        let shape = given.common_shape(&["u1", "u2"], &[])?;
+        let y = PortType::UNKNOWN.shaped(shape).of(Some(given.parameters.get("table")));
+        Ok(Interface::new()
+            .input(Input::real("u1").doc("Chooses between rows."))
+            .input(Input::real("u2").doc("Chooses between columns."))
+            .output(Output::like("y", y)))
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        for (i, y) in y.iter_mut().enumerate() {
+            *y = self.value(element(c.input(0), i), element(c.input(1), i));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::continuous::units::testing::{interface_with, output_unit};
+    use blocksim_block::testing::Bench;
+
+    fn block(extrapolation: Extrapolation) -> LookupTable2D {
+        LookupTable2D {
+            rows: vec![1.0, 2.0, 3.0],
+            columns: vec![1.0, 2.0, 4.0],
+            table: vec![vec![4.0, 5.0, 6.0], vec![16.0, 19.0, 20.0], vec![10.0, 18.0, 23.0]],
+            extrapolation,
+        }
+    }
+
+    fn value(block: &LookupTable2D, u1: f64, u2: f64) -> f64 {
+        Bench::new(block.clone()).set(0, &[u1]).set(1, &[u2]).major()[0]
+    }
+
+    #[test]
+    fn values_at_breakpoints_are_exact() {
+        for extrapolation in [Extrapolation::Clip, Extrapolation::Linear] {
+            let block = block(extrapolation);
+            for (i, row) in block.rows.iter().enumerate() {
+                for (j, column) in block.columns.iter().enumerate() {
+                    assert_eq!(value(&block, *row, *column), block.table[i][j]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_bilinear_function_is_met_inside_and_outside() {
+        let f = |u: f64, v: f64| 2.0 + 3.0 * u - v + 0.5 * u * v;
+        let axis = [-1.0, 0.0, 2.0];
+        let table = axis.map(|u| axis.map(|v| f(u, v)).to_vec()).to_vec();
+        let block = LookupTable2D {
+            rows: axis.to_vec(),
+            columns: axis.to_vec(),
+            table,
+            extrapolation: Extrapolation::Linear,
+        };
+        for (u, v) in [(0.5, 1.0), (-0.3, 1.7), (-3.0, 5.0), (4.0, -2.0)] {
+            assert!((value(&block, u, v) - f(u, v)).abs() < 1e-13, "{u} {v}");
+        }
+    }
+
+    #[test]
+    fn a_clipped_table_stays_at_its_border() {
+        let block = block(Extrapolation::Clip);
+        assert_eq!(value(&block, 9.0, -9.0), 10.0);
+        assert_eq!(value(&block, 1.5, 9.0), 13.0);
+        let one = LookupTable2D { rows: vec![0.0], columns: vec![0.0], table: vec![vec![7.0]], ..block };
+        assert_eq!(value(&one, 3.0, -3.0), 7.0);
+    }
+
+    #[test]
+    fn what_is_not_a_number_stays_so() {
+        for extrapolation in [Extrapolation::Clip, Extrapolation::Linear] {
+            assert!(value(&block(extrapolation), f64::NAN, 1.0).is_nan());
+            assert!(value(&block(extrapolation), 1.0, f64::NAN).is_nan());
+        }
+    }
+
+    #[test]
+    fn a_scalar_goes_with_a_vector() {
+        let inputs = vec![("u1".to_owned(), PortType::vector(2)), ("u2".to_owned(), PortType::scalar())];
+        let mut bench = Bench::with_inputs(block(Extrapolation::Clip), inputs);
+        assert_eq!(bench.set(0, &[1.0, 3.0]).set(1, &[2.0]).major(), [5.0, 18.0]);
+    }
+
+    #[test]
+    fn units_are_those_of_the_table_and_the_breakpoints() {
+        let block = block(Extrapolation::Clip);
+        assert_eq!(output_unit(&block, &[("u1", "V")], &[("table", "N")]), "N");
+        assert!(interface_with(&block, &[("u2", "V")], &[("columns", "A")]).is_err());
+    }
+
+    #[test]
+    fn tables_of_the_wrong_size_are_refused() {
+        let block = || block(Extrapolation::Linear);
+        let short = LookupTable2D { table: vec![vec![1.0; 3], vec![1.0; 2], vec![1.0; 3]], ..block() };
+        let refused = [
+            (LookupTable2D { rows: vec![1.0, 1.0, 2.0], ..block() }, "rows[1]"),
+            (LookupTable2D { columns: vec![1.0], ..block() }, "columns"),
+            (LookupTable2D { table: vec![vec![1.0; 3]], ..block() }, "table"),
+            (short, "table[1]"),
+        ];
+        for (block, param) in refused {
+            assert_eq!(block.check().unwrap_err().param, param);
+        }
+    }
+}
