@@ -1,1 +1,4 @@
-//! Blocks: motion.
+//! Blocks that give set values for moves.
+
+mod joint_move;
+pub use joint_move::{JointMove, JointPath, Limits, Rule};

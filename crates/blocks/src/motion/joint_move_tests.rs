@@ -1,0 +1,143 @@
+//! Tests of the block.
+
+use super::*;
+use blocksim_block::testing::Bench;
+use std::f64::consts::PI;
+
+/// Two axes over 1 rad and -0.5 rad, at most 1 rad/s and 10 rad/s^2.
+fn block(axis: usize) -> JointMove {
+    let path = JointPath {
+        start: vec![0.0, 0.25],
+        target: vec![1.0, -0.25],
+        velocity: 0.5,
+        acceleration: 0.25,
+        resolution: 0.01,
+    };
+    let limits = vec![Limits { lower: -1.5, upper: 1.5, speed: 1.0, acceleration: 10.0 }; 2];
+    JointMove::new(path, limits, axis, 0.5, Rule::Feasible)
+}
+
+fn refused(change: impl Fn(&mut JointMove)) -> ParamError {
+    let mut block = block(1);
+    change(&mut block);
+    block.check().unwrap_err()
+}
+
+#[test]
+fn the_set_values_match_the_closed_form() {
+    // Axis 1 leads: T_dec = 1 / 0.5 = 2 s, T_acc = 0.25 / 0.75 * 2 = 2/3 s.
+    for (axis, start, d) in [(1, 0.0, 1.0), (2, 0.25, -0.5)] {
+        let (t_acc, t_dec, v) = (2.0 / 3.0, 2.0, d / 2.0);
+        let a = 2.0 * v / t_acc;
+        let mut bench = Bench::new(block(axis));
+        for t in [0.1, 0.3, 0.6_f64] {
+            bench.t = 0.5 + t;
+            let s = (PI * t / t_acc).sin();
+            let q = start + a * (t * t / 4.0 - (t_acc / (2.0 * PI) * s).powi(2));
+            let qd = a * (t / 2.0 - t_acc / (4.0 * PI) * (2.0 * PI * t / t_acc).sin());
+            for (y, expected) in bench.major().into_iter().zip([q, qd, a * s * s]) {
+                assert!((y - expected).abs() < 1e-14, "axis {axis}, t {t}: {y} != {expected}");
+            }
+        }
+        bench.t = 0.5 + (t_acc + t_dec) / 2.0;
+        let y = bench.major();
+        assert!((y[0] - (start + d / 2.0)).abs() < 1e-14 && (y[1] - v).abs() < 1e-14 && y[2] == 0.0);
+    }
+}
+
+#[test]
+fn the_axis_rests_before_and_after_the_move() {
+    let mut bench = Bench::new(block(2));
+    for (t, q) in [(0.0, 0.25), (0.5, 0.25), (0.5 + 8.0 / 3.0 + 1e-9, -0.25), (99.0, -0.25)] {
+        bench.t = t;
+        assert_eq!(bench.major(), [q, 0.0, 0.0], "t = {t}");
+    }
+}
+
+#[test]
+fn the_seams_are_time_events_and_the_end_is_known() {
+    let block = block(1);
+    let end = block.end_time().unwrap();
+    assert!((end - (0.5 + 8.0 / 3.0)).abs() < 1e-15);
+    let mut bench = Bench::new(block);
+    for expected in [0.5, 0.5 + 2.0 / 3.0, 2.5, end] {
+        bench.t = bench.next_event();
+        assert!((bench.t - expected).abs() < 1e-15, "{} != {expected}", bench.t);
+    }
+    assert_eq!(bench.next_event(), f64::INFINITY);
+}
+
+#[test]
+fn loading_makes_the_plan() {
+    #[derive(Debug)]
+    struct NoFiles;
+    impl Files for NoFiles {
+        fn read(&self, path: &str) -> Result<String, String> {
+            Err(format!("no file {path}"))
+        }
+        fn folder(&self) -> &std::path::Path {
+            std::path::Path::new("")
+        }
+    }
+    let mut fresh = JointMove { plan: None, ..block(1) };
+    assert_eq!(fresh.end_time(), None);
+    fresh.load(&NoFiles).unwrap();
+    assert_eq!(fresh.end_time(), block(1).end_time());
+}
+
+#[test]
+fn outputs_bear_their_units() {
+    let interface = block(1).interface(&Given::nothing()).unwrap();
+    let units: Vec<_> = interface
+        .outputs
+        .iter()
+        .map(|output| output.port_type.dimension.map(|dimension| dimension.to_string()))
+        .collect();
+    assert_eq!(units, ["rad", "rad/s", "rad/s^2"].map(|unit| Some(unit.to_owned())));
+    assert!(interface.uses_time && interface.time_events);
+}
+
+#[test]
+fn a_target_beyond_a_limit_is_named_with_value_limit_and_remedy() {
+    let error = refused(|block| block.path.target[1] = 2.0);
+    assert_eq!(error.param, "path.target[1]");
+    assert_eq!(error.message, "axis 2: the target 114.592 deg is 28.648 deg above the limit 85.944 deg");
+    assert_eq!(error.help.unwrap(), "choose a position from -85.944 to 85.944 deg");
+}
+
+#[test]
+fn each_mistake_is_blamed_on_its_parameter() {
+    assert_eq!(refused(|block| block.path.start = vec![0.0]).param, "path.start");
+    assert_eq!(refused(|block| block.path.start[0] = f64::NAN).param, "path.start[0]");
+    assert_eq!(refused(|block| block.path.target = block.path.start.clone()).param, "path.target");
+    assert_eq!(refused(|block| block.path.velocity = 40.0).param, "path.velocity");
+    assert_eq!(refused(|block| block.path.acceleration = 0.6).param, "path.acceleration");
+    assert_eq!(refused(|block| block.path.resolution = 0.0).param, "path.resolution");
+    assert_eq!(refused(|block| block.limits[1].speed = 0.0).param, "limits[1].speed");
+    assert_eq!(refused(|block| block.limits[0].acceleration = -1.0).param, "limits[0].acceleration");
+    assert_eq!(refused(|block| block.limits[0].lower = 9.0).param, "limits[0].upper");
+    assert_eq!(refused(|block| block.limits.clear()).param, "limits");
+    assert_eq!(refused(|block| block.delay = -1.0).param, "delay");
+    for axis in [0, 3] {
+        assert_eq!(refused(|block| block.axis = axis).param, "axis");
+    }
+}
+
+#[test]
+fn every_refusal_comes_with_a_remedy() {
+    assert!(refused(|block| block.path.velocity = 0.0).help.is_some());
+    assert!(refused(|block| block.axis = 7).help.unwrap().contains("1 to 2"));
+}
+
+#[test]
+fn the_rule_as_printed_can_be_chosen() {
+    // Axis 2 would need 3.65 s alone and axis 1 leads with 3.73 s; in its times axis 2 exceeds its limit by 28 %.
+    let with = |rule| {
+        let mut limits = block(1).limits;
+        limits[1].acceleration = 0.3;
+        let mut path = block(1).path;
+        path.target = vec![1.4, -0.25];
+        JointMove::new(path, limits, 1, 0.0, rule).end_time().unwrap()
+    };
+    assert!(with(Rule::AsPrinted) < with(Rule::Feasible));
+}
