@@ -1,0 +1,44 @@
+use blocksim_block::physical::Element;
+use blocksim_block::prelude::*;
+
+/// Applies a given torque between two turning parts, whatever their speed: positive `tau` drives `r` against
+/// `c`.
+///
+/// ```ron
+/// IdealTorqueSource
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Mechanics")]
+pub struct IdealTorqueSource;
+
+impl Block for IdealTorqueSource {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for IdealTorqueSource {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .rod_and_case()
+            .input(Input::real("tau").scalar().unit("N*m").doc("torque on r"))
+            .element(Element::Branch { r: 0, c: 1 })
+    }
+
+    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+        tau[0] = Torque { value: -c.scalar(0), slope: 0.0 };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::testing::law;
+
+    #[test]
+    fn a_source_absorbs_the_negative_of_what_it_applies() {
+        let mut tau = [Torque::default()];
+        IdealTorqueSource.torques(&Law { u: &[2.5], ..law() }, &mut tau);
+        assert_eq!(tau[0].value, -2.5);
+    }
+}

@@ -1,0 +1,138 @@
+//! Losses of gear meshes: what all gears have in common.
+
+use blocksim_block::physical::{LossModel, MeshLoss};
+use blocksim_block::prelude::*;
+
+/// Which way the output of a gear turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum Direction {
+    /// Against the input.
+    #[default]
+    Reversed,
+    /// With the input.
+    Same,
+}
+
+impl Direction {
+    /// Speed of the follower over speed of the base when their amounts have this ratio.
+    pub(crate) fn ratio(self, amount: f64) -> f64 {
+        match self {
+            Direction::Reversed => -amount,
+            Direction::Same => amount,
+        }
+    }
+}
+
+/// How the loss of a gear sets in around standstill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum Loss {
+    /// Over the speed of the base: the mesh never delivers power.
+    #[default]
+    Dissipative,
+    /// Over the power through the mesh, as in widespread libraries of driveline parts. At standstill it is
+    /// not zero when the efficiencies differ or are below one.
+    Published,
+}
+
+/// Efficiencies of a mesh and how its loss sets in.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Mesh {
+    /// Efficiency from the base to the follower, with the name of its parameter.
+    pub forward: (&'static str, f64),
+    /// Efficiency from the follower to the base, with the name of its parameter.
+    pub backward: (&'static str, f64),
+    pub loss: Loss,
+    /// rad/s at the base.
+    pub threshold: f64,
+    /// W.
+    pub power_threshold: f64,
+}
+
+/// Largest fall of the published loss with the torque, over `FL + BL`: the largest value of
+/// `-(tanh(y) + y / cosh(y)^2) / 2`.
+const STEEPEST: f64 = 0.59984;
+
+impl Mesh {
+    pub(crate) fn check(&self) -> Result<(), ParamError> {
+        for (name, efficiency) in [self.forward, self.backward] {
+            if !(efficiency > 0.0 && efficiency <= 1.0) {
+                return Err(ParamError::new(
+                    name,
+                    format!("`{name}` is {efficiency}, but an efficiency lies above 0 and is at most 1"),
+                )
+                .help("1 means no losses"));
+            }
+        }
+        positive("threshold", self.threshold)?;
+        positive("power_threshold", self.power_threshold)?;
+        let (forward, backward) = (1.0 - self.forward.1, 1.0 / self.backward.1 - 1.0);
+        let margin = 1.0 - 0.5 * (forward - backward) - STEEPEST * (forward + backward);
+        if self.loss == Loss::Published && margin <= 0.0 {
+            return Err(ParamError::new(
+                self.backward.0,
+                format!(
+                    "with efficiencies {} and {} the published law of losses has several solutions",
+                    self.forward.1, self.backward.1
+                ),
+            )
+            .help("write `loss: Dissipative`, which always has one solution, or raise the efficiencies"));
+        }
+        Ok(())
+    }
+
+    /// The loss for the network; `None` when nothing is lost.
+    pub(crate) fn element(&self) -> Option<MeshLoss> {
+        if self.forward.1 == 1.0 && self.backward.1 == 1.0 {
+            return None;
+        }
+        let model = match self.loss {
+            Loss::Dissipative => LossModel::Dissipative { threshold: self.threshold },
+            Loss::Published => LossModel::Published { threshold: self.power_threshold },
+        };
+        Some(MeshLoss { forward: self.forward.1, backward: self.backward.1, model })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mesh(forward: f64, backward: f64, loss: Loss) -> Mesh {
+        Mesh {
+            forward: ("efficiency_forward", forward),
+            backward: ("efficiency_backward", backward),
+            loss,
+            threshold: 1.0,
+            power_threshold: 1e-3,
+        }
+    }
+
+    #[test]
+    fn a_gear_without_losses_is_ideal() {
+        assert_eq!(mesh(1.0, 1.0, Loss::Dissipative).element(), None);
+        assert!(mesh(1.0, 0.9, Loss::Dissipative).element().is_some());
+    }
+
+    #[test]
+    fn efficiencies_lie_above_zero_and_are_at_most_one() {
+        for bad in [0.0, -0.1, 1.01, f64::NAN] {
+            let error = mesh(bad, 0.9, Loss::Dissipative).check().unwrap_err();
+            assert_eq!(error.param, "efficiency_forward");
+            assert_eq!(mesh(0.9, bad, Loss::Dissipative).check().unwrap_err().param, "efficiency_backward");
+        }
+    }
+
+    #[test]
+    fn the_published_law_is_refused_where_it_has_several_solutions() {
+        assert_eq!(mesh(0.5, 0.5, Loss::Published).check(), Ok(()));
+        assert!(mesh(0.25, 0.25, Loss::Published).check().is_err());
+        assert_eq!(mesh(0.25, 0.25, Loss::Dissipative).check(), Ok(()));
+    }
+
+    #[test]
+    fn the_bound_of_the_published_law_is_its_steepest_fall() {
+        let slope = |y: f64| 0.5 * (y.tanh() + y / y.cosh().powi(2));
+        let steepest = (0..400_000).map(|i| slope(f64::from(i) * 1e-5)).fold(0.0, f64::max);
+        assert!((steepest - STEEPEST).abs() < 1e-5, "{steepest}");
+    }
+}

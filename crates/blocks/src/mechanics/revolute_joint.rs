@@ -1,0 +1,217 @@
+use blocksim_block::physical::{Domain, Element};
+use blocksim_block::prelude::*;
+
+use super::joint_limit::JointLimit;
+
+/// A joint that turns `follower` about an axis of `base`; both origins coincide.
+///
+/// $$ \tau = \tau_{in} + \tau_{rc} - k (q - q_0) - d \dot q + \tau_{lim}, \qquad w_r - w_c = \dot q $$
+///
+/// Three torques may act on it: the input `torque`; whatever is connected to the drive side `r`, `c` (a gear,
+/// a motor, friction; its inertia counts in the mass matrix of the mechanism, so nothing is filtered); and
+/// the spring and damper inside.
+///
+/// Beyond a limit a spring and a damper set in smoothly over the transition width $b$ and push back, never
+/// pull:
+///
+/// $$ \tau_{lim} = s\,(k_l\,\delta + d_l\,\dot\delta), \qquad s = 3 x^2 - 2 x^3,
+///    \quad x = \min(\delta / b, 1) $$
+///
+/// with the penetration $\delta \ge 0$. The output `tau` is the torque of the actuators: the input and the
+/// drive side, without spring, damper and limits.
+///
+/// ```ron
+/// RevoluteJoint(axis: [0.0, 1.0, 0.0], position: "30 deg", lower: "-95 deg", upper: "155 deg")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Mechanics")]
+pub struct RevoluteJoint {
+    /// Direction of the axis in `base`; its length does not matter.
+    #[block(default = [0.0, 0.0, 1.0])]
+    pub axis: [f64; 3],
+    /// Angle at the start.
+    #[block(unit = "rad", default = 0.0)]
+    pub position: f64,
+    /// Speed at the start.
+    #[block(unit = "rad/s", default = 0.0)]
+    pub velocity: f64,
+    /// Angle $q_0$ at which the spring inside is relaxed.
+    #[block(unit = "rad", default = 0.0)]
+    pub equilibrium: f64,
+    /// Stiffness $k$ of the spring inside.
+    #[block(unit = "N*m/rad", default = 0.0)]
+    pub stiffness: f64,
+    /// Coefficient $d$ of the damper inside.
+    #[block(unit = "N*m*s/rad", default = 0.0)]
+    pub damping: f64,
+    /// Least angle; none unless given.
+    #[block(unit = "rad", default = None)]
+    pub lower: Option<f64>,
+    /// Largest angle; none unless given.
+    #[block(unit = "rad", default = None)]
+    pub upper: Option<f64>,
+    /// Stiffness $k_l$ beyond a limit.
+    #[block(unit = "N*m/rad", default = 5.73e5)]
+    pub limit_stiffness: f64,
+    /// Damping $d_l$ beyond a limit.
+    #[block(unit = "N*m*s/rad", default = 573.0)]
+    pub limit_damping: f64,
+    /// Width $b$ over which a limit sets in.
+    #[block(unit = "rad", default = 1.745e-3)]
+    pub limit_transition: f64,
+}
+
+impl RevoluteJoint {
+    /// Spring, damper and limits at an angle and a speed; the slope is positive where they damp.
+    fn inside(&self, q: f64, w: f64) -> Torque {
+        let mut torque = Torque {
+            value: -self.stiffness * (q - self.equilibrium) - self.damping * w,
+            slope: self.damping,
+        };
+        let limit = JointLimit {
+            stiffness: self.limit_stiffness,
+            damping: self.limit_damping,
+            transition: self.limit_transition,
+        };
+        if let Some(upper) = self.upper {
+            let push = limit.push(q - upper, w);
+            torque = Torque { value: torque.value - push.value, slope: torque.slope + push.slope };
+        }
+        if let Some(lower) = self.lower {
+            let push = limit.push(lower - q, -w);
+            torque = Torque { value: torque.value + push.value, slope: torque.slope + push.slope };
+        }
+        torque
+    }
+}
+
+impl Block for RevoluteJoint {
+    fn check(&self) -> Result<(), ParamError> {
+        self.axis.iter().try_for_each(|a| finite("axis", *a))?;
+        if self.axis == [0.0; 3] {
+            return Err(ParamError::new("axis", "`axis` has no length, so it has no direction")
+                .help("write the direction in `base`, for instance [0.0, 0.0, 1.0]"));
+        }
+        finite("position", self.position)?;
+        finite("velocity", self.velocity)?;
+        finite("equilibrium", self.equilibrium)?;
+        not_negative("stiffness", self.stiffness)?;
+        not_negative("damping", self.damping)?;
+        not_negative("limit_stiffness", self.limit_stiffness)?;
+        not_negative("limit_damping", self.limit_damping)?;
+        not_negative("limit_transition", self.limit_transition)?;
+        for (name, limit) in [("lower", self.lower), ("upper", self.upper)] {
+            limit.map_or(Ok(()), |limit| finite(name, limit))?;
+        }
+        if let (Some(lower), Some(upper)) = (self.lower, self.upper) {
+            ordered("lower", lower, "upper", upper)?;
+        }
+        let below = self.lower.filter(|lower| self.position < *lower).map(|lower| ("lower", lower, "below"));
+        let above = self.upper.filter(|upper| self.position > *upper).map(|upper| ("upper", upper, "above"));
+        if let Some((name, limit, side)) = below.or(above) {
+            return Err(ParamError::new(
+                "position",
+                format!("the joint starts at {} rad, {side} its {name} limit of {limit} rad", self.position),
+            )
+            .help(format!("start within the limits, or change `{name}`")));
+        }
+        Ok(())
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for RevoluteJoint {
+    fn part(&self, _given: &Given) -> Part {
+        let length = self.axis.iter().map(|a| a * a).sum::<f64>().sqrt();
+        Part::new()
+            .port("base", Domain::Frame, "frame that carries the axis")
+            .port("follower", Domain::Frame, "frame that turns")
+            .port("r", Domain::Rotational, "rod of the drive side")
+            .port("c", Domain::Rotational, "case of the drive side")
+            .input(Input::real("torque").scalar().unit("N*m").default(0.0).doc("torque on the follower"))
+            .measures("q", "rad", Needs::State, "angle of the follower against the base")
+            .measures("w", "rad/s", Needs::State, "speed of the follower against the base")
+            .measures("a", "rad/s^2", Needs::Motion, "acceleration of the follower against the base")
+            .measures("tau", "N*m", Needs::Motion, "torque of the actuators: input and drive side")
+            .element(Element::Revolute {
+                base: 0,
+                follower: 1,
+                r: 2,
+                c: 3,
+                axis: self.axis.map(|a| a / length),
+                position: self.position,
+                velocity: self.velocity,
+            })
+    }
+
+    fn joint_torque(&self, c: &Law) -> Torque {
+        let inside = self.inside(c.joint.q, c.joint.w);
+        Torque { value: inside.value + c.scalar(0), slope: inside.slope }
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        match needs {
+            Needs::State => y[..2].copy_from_slice(&[c.joint.q, c.joint.w]),
+            Needs::Electrics => {}
+            Needs::Motion => y[2..4].copy_from_slice(&[c.joint.a, c.scalar(0) + c.joint.drive]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const JOINT: RevoluteJoint = RevoluteJoint {
+        axis: [0.0, 0.0, 2.0],
+        position: 0.0,
+        velocity: 0.0,
+        equilibrium: 0.5,
+        stiffness: 4.0,
+        damping: 0.25,
+        lower: Some(-1.0),
+        upper: Some(2.0),
+        limit_stiffness: 100.0,
+        limit_damping: 10.0,
+        limit_transition: 0.01,
+    };
+
+    #[test]
+    fn the_axis_is_normalised() {
+        let part = JOINT.part(&Given::nothing());
+        assert!(matches!(part.elements[0], Element::Revolute { axis: [0.0, 0.0, 1.0], .. }));
+    }
+
+    #[test]
+    fn spring_and_damper_pull_towards_the_equilibrium() {
+        assert_eq!(JOINT.inside(1.5, 2.0), Torque { value: -4.5, slope: 0.25 });
+    }
+
+    #[test]
+    fn limits_push_back_into_the_free_range() {
+        let joint = RevoluteJoint { stiffness: 0.0, damping: 0.0, ..JOINT };
+        assert!((joint.inside(2.1, 0.0).value + 10.0).abs() < 1e-12);
+        assert!((joint.inside(-1.1, 0.0).value - 10.0).abs() < 1e-12);
+        assert!((joint.inside(-1.1, -0.5).value - 15.0).abs() < 1e-12, "moving further in adds damping");
+        assert_eq!(joint.inside(2.1, -2.0).value, 0.0, "moving out fast must not be held back");
+        assert_eq!(joint.inside(0.0, 100.0).value, 0.0);
+    }
+
+    #[test]
+    fn a_start_outside_the_limits_is_refused() {
+        let error = RevoluteJoint { position: 2.5, ..JOINT }.check().unwrap_err();
+        assert_eq!(error.param, "position");
+        assert!(error.message.contains("above its upper limit of 2 rad"), "{}", error.message);
+        assert_eq!(RevoluteJoint { position: -1.5, ..JOINT }.check().unwrap_err().param, "position");
+        assert_eq!(JOINT.check(), Ok(()));
+    }
+
+    #[test]
+    fn limits_out_of_order_and_an_axis_without_length_are_refused() {
+        assert_eq!(RevoluteJoint { upper: Some(-2.0), ..JOINT }.check().unwrap_err().param, "upper");
+        assert_eq!(RevoluteJoint { axis: [0.0; 3], ..JOINT }.check().unwrap_err().param, "axis");
+    }
+}

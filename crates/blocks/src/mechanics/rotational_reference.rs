@@ -1,0 +1,25 @@
+use blocksim_block::physical::{Domain, Element};
+use blocksim_block::prelude::*;
+
+/// A part that does not turn: the frame that housings are fixed to, $w_r = 0$.
+///
+/// ```ron
+/// RotationalReference
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Mechanics")]
+pub struct RotationalReference;
+
+impl Block for RotationalReference {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for RotationalReference {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("r", Domain::Rotational, "the part that stands still")
+            .element(Element::RotationalReference { port: 0 })
+    }
+}
