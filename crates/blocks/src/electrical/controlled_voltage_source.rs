@@ -1,0 +1,43 @@
+use blocksim_block::physical::Element;
+use blocksim_block::prelude::*;
+
+/// Ideal voltage source that a signal commands: $v_p - v_n = v$, whatever current that takes.
+///
+/// ```ron
+/// ControlledVoltageSource
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Electrical")]
+pub struct ControlledVoltageSource;
+
+impl Block for ControlledVoltageSource {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for ControlledVoltageSource {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .pins()
+            .input(Input::real("v").scalar().unit("V").doc("voltage from p to n"))
+            .element(Element::VoltageSource { p: 0, n: 1 })
+    }
+
+    fn voltages(&self, c: &Law, v: &mut [f64]) {
+        v[0] = c.scalar(0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::testing::law;
+
+    #[test]
+    fn the_voltage_is_the_input() {
+        let mut v = [0.0];
+        ControlledVoltageSource.voltages(&Law { u: &[-48.0], ..law() }, &mut v);
+        assert_eq!(v[0], -48.0);
+    }
+}

@@ -1,0 +1,30 @@
+use blocksim_block::physical::Element;
+use blocksim_block::prelude::*;
+
+/// Measures the current from `p` to `n`; it is a wire.
+///
+/// ```ron
+/// CurrentSensor
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Electrical")]
+pub struct CurrentSensor;
+
+impl Block for CurrentSensor {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for CurrentSensor {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .pins()
+            .measures("i", "A", Needs::Electrics, "current from p to n")
+            .element(Element::CurrentProbe { p: 0, n: 1 })
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.current[0];
+    }
+}

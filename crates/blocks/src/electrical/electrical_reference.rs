@@ -1,0 +1,25 @@
+use blocksim_block::physical::{Domain, Element};
+use blocksim_block::prelude::*;
+
+/// Ground: the node whose potential is zero. Every electrical network needs one.
+///
+/// ```ron
+/// ElectricalReference
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Electrical")]
+pub struct ElectricalReference;
+
+impl Block for ElectricalReference {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for ElectricalReference {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("p", Domain::Electrical, "the node at potential zero")
+            .element(Element::ElectricalReference { port: 0 })
+    }
+}

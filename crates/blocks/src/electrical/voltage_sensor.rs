@@ -1,0 +1,30 @@
+use blocksim_block::physical::Element;
+use blocksim_block::prelude::*;
+
+/// Measures the voltage from `p` to `n` without drawing current.
+///
+/// ```ron
+/// VoltageSensor
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Electrical")]
+pub struct VoltageSensor;
+
+impl Block for VoltageSensor {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for VoltageSensor {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .pins()
+            .measures("v", "V", Needs::Electrics, "voltage from p to n")
+            .element(Element::VoltageProbe { p: 0, n: 1 })
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.voltage[0];
+    }
+}

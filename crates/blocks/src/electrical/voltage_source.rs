@@ -1,0 +1,35 @@
+use blocksim_block::physical::Element;
+use blocksim_block::prelude::*;
+
+/// Ideal source of a constant voltage: $v_p - v_n = V$, whatever current that takes.
+///
+/// ```ron
+/// VoltageSource(v: "48 V")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Electrical")]
+pub struct VoltageSource {
+    /// Voltage.
+    #[block(unit = "V")]
+    pub v: f64,
+}
+
+impl Block for VoltageSource {
+    fn check(&self) -> Result<(), ParamError> {
+        finite("v", self.v)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for VoltageSource {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new().pins().element(Element::VoltageSource { p: 0, n: 1 })
+    }
+
+    fn voltages(&self, _c: &Law, v: &mut [f64]) {
+        v[0] = self.v;
+    }
+}
