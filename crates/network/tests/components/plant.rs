@@ -1,0 +1,125 @@
+//! A network written as in a diagram, on a bench.
+
+use std::sync::Arc;
+
+use blocksim_block::testing::Bench;
+use blocksim_block::{Block, Given};
+use blocksim_blocks::electrical::*;
+use blocksim_blocks::mechanics::*;
+use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
+use serde::de::DeserializeOwned;
+
+fn read<B: Block + DeserializeOwned + 'static>(text: &str) -> Arc<dyn Block> {
+    let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    Arc::new(options.from_str::<B>(text).unwrap_or_else(|error| panic!("{text}: {error}")))
+}
+
+/// A block from text such as `Inertia(j: 1.0)`; all numbers are SI.
+fn block(text: &str) -> Arc<dyn Block> {
+    let kind = text.split('(').next().unwrap_or_default();
+    let text = if text.contains('(') { text.to_owned() } else { format!("{text}()") };
+    macro_rules! one_of {
+        ($($kind:ident)*) => {
+            match kind {
+                $(stringify!($kind) => read::<$kind>(&text),)*
+                _ => panic!("unknown kind {kind}"),
+            }
+        };
+    }
+    one_of!(
+        AsynchronousMachine AveragedInverter Body ControlledVoltageSource CurrentSensor CycloidalDrive DcMotor
+        ElectricalReference IdealSpeedSource IdealTorqueSource Inertia MotionSensor RevoluteJoint
+        RotationalDamper RotationalFriction RotationalReference RotationalSpring SimpleGear ThreePhaseSource
+        TorqueSensor Transform VoltageSensor VoltageSource World
+    )
+}
+
+fn members(blocks: &[(&str, &str)]) -> Vec<Member> {
+    let mut members: Vec<Member> = blocks
+        .iter()
+        .map(|(path, text)| {
+            let block = block(text);
+            block.check().unwrap_or_else(|error| panic!("{path}: {}", error.message));
+            let part = block.component().expect("a component").part(&Given::nothing());
+            let input_lengths = vec![1; part.inputs.len()];
+            Member { path: (*path).to_owned(), block, part, input_lengths }
+        })
+        .collect();
+    members.sort_by(|a, b| a.path.cmp(&b.path));
+    members
+}
+
+fn terminal(members: &[Member], text: &str) -> Terminal {
+    let (path, name) = text.trim().rsplit_once('.').expect("path.port");
+    let member = members.iter().position(|member| member.path == path).expect("a member of this path");
+    let ports = &members[member].part.ports;
+    let port = ports.iter().position(|port| port.name == name).unwrap_or_else(|| panic!("no port {text}"));
+    Terminal { member, port }
+}
+
+/// Assembles blocks with connections such as `motor.r <-> gear.base`; each set of joined ports is one line.
+pub fn assembled(blocks: &[(&str, &str)], connections: &[&str]) -> Result<Network, Vec<NetworkProblem>> {
+    let members = members(blocks);
+    let joined: Vec<Vec<Terminal>> = connections
+        .iter()
+        .map(|line| line.split("<->").map(|text| terminal(&members, text)).collect())
+        .collect();
+    assemble(members, &joined)
+}
+
+/// A network with its buffers.
+pub struct Plant {
+    pub bench: Bench<Network>,
+}
+
+impl Plant {
+    pub fn new(blocks: &[(&str, &str)], connections: &[&str]) -> Self {
+        let network = assembled(blocks, connections).unwrap_or_else(|problems| panic!("{problems:#?}"));
+        Self { bench: Bench::new(network) }
+    }
+
+    /// Sets an input of a member.
+    pub fn set(&mut self, name: &str, value: f64) -> &mut Self {
+        let index = self.bench.interface.inputs.iter().position(|input| input.name == name);
+        self.bench.set(index.unwrap_or_else(|| panic!("no input {name}")), &[value]);
+        self
+    }
+
+    fn output(&self, name: &str) -> usize {
+        let index = self.bench.interface.outputs.iter().position(|output| output.name == name);
+        index.unwrap_or_else(|| panic!("no output {name}"))
+    }
+
+    /// Reads an output of a member.
+    pub fn get(&mut self, name: &str) -> f64 {
+        let index = self.output(name);
+        self.bench.minor()[index]
+    }
+
+    /// Index of a state.
+    pub fn state(&self, name: &str) -> usize {
+        let index = self.bench.interface.states.iter().position(|state| state.name == name);
+        index.unwrap_or_else(|| panic!("no state {name} in {:?}", self.bench.interface.states))
+    }
+
+    /// Integrates with steps of `h` to time `end`.
+    pub fn run_to(&mut self, end: f64, h: f64) -> &mut Self {
+        let duration = end - self.bench.t;
+        self.bench.integrate(duration, (duration / h).round() as usize);
+        self
+    }
+
+    /// The inputs that an output reads at the same instant.
+    pub fn read_by(&self, name: &str) -> Vec<String> {
+        let interface = &self.bench.interface;
+        let group = interface.group_of[self.output(name)];
+        let names = interface.inputs.iter().enumerate().filter(|(i, _)| interface.reads(group, *i));
+        names.map(|(_, input)| input.name.clone()).collect()
+    }
+}
+
+/// Asserts that two numbers agree up to an absolute tolerance.
+#[track_caller]
+pub fn close(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance, "{found} != {expected} (tolerance {tolerance})");
+}
