@@ -12,8 +12,8 @@ use super::units::{SECOND, agrees, element};
 /// With limits the output stays on a limit as long as the input pushes outwards, and leaves it when the input
 /// changes sign: nothing winds up. With `wrap` it jumps by the span when it leaves
 /// $[\mathrm{lower}, \mathrm{upper})$, as an angle does. With `reset` the extra input `reset` sets it back to
-/// `x0`; with `external: true` the value at the start and at a reset comes from the extra input `x0`. Reaching a
-/// limit, leaving it, wrapping and resetting are events.
+/// `x0`; with `external: true` the value at a reset comes from the extra input `x0`, and so does the value at the
+/// start unless the parameter `x0` gives it. Reaching a limit, leaving it, wrapping and resetting are events.
 ///
 /// A ball that bounces: the velocity is set to -0.8 times itself where the height falls through zero.
 ///
@@ -26,9 +26,9 @@ use super::units::{SECOND, agrees, element};
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Continuous")]
 pub struct Integrator {
-    /// Output at the start and after a reset, unless `external`.
-    #[block(default = 0.0)]
-    pub x0: f64,
+    /// Output at the start, and after a reset unless `external`; 0 if it is not given.
+    #[block(default = None)]
+    pub x0: Option<f64>,
     /// Lower limit of the output.
     #[block(default = None)]
     pub lower: Option<f64>,
@@ -39,7 +39,7 @@ pub struct Integrator {
     /// `Falling`, `Either`, `Level`.
     #[block(default = Reset::None)]
     pub reset: Reset,
-    /// Whether the value at the start and at a reset comes from the extra input `x0`.
+    /// Whether the value at a reset, and at the start unless `x0` is given, comes from an extra input `x0`.
     #[block(default = false)]
     pub external: bool,
     /// Range around which the output wraps; not together with limits.
@@ -74,6 +74,11 @@ impl Integrator {
         limited || self.wrap.is_some() || self.reset != Reset::None || self.external
     }
 
+    /// Output at the start as far as the parameters tell.
+    fn x0(&self) -> f64 {
+        self.x0.unwrap_or(0.0)
+    }
+
     fn x0_input(&self) -> usize {
         1 + usize::from(self.reset != Reset::None)
     }
@@ -103,7 +108,7 @@ fn wrapped(x: f64, lower: f64, upper: f64) -> f64 {
 
 impl Block for Integrator {
     fn check(&self) -> Result<(), ParamError> {
-        finite("x0", self.x0)?;
+        finite("x0", self.x0())?;
         let (lower, upper) = (self.lower.unwrap_or(f64::NEG_INFINITY), self.upper.unwrap_or(f64::INFINITY));
         ordered("lower", lower, "upper", upper)?;
         if let Some(wrap) = self.wrap {
@@ -115,8 +120,8 @@ impl Block for Integrator {
                     .help("leave out `wrap`, or `lower` and `upper`"));
             }
         }
-        if !self.external && !(lower..=upper).contains(&self.x0) {
-            return Err(ParamError::new("x0", format!("`x0` is {}, outside the limits", self.x0))
+        if (self.x0.is_some() || !self.external) && !(lower..=upper).contains(&self.x0()) {
+            return Err(ParamError::new("x0", format!("`x0` is {}, outside the limits", self.x0()))
                 .help(format!("choose it from {lower} to {upper}")));
         }
         Ok(())
@@ -137,13 +142,13 @@ impl Block for Integrator {
             interface = interface.input(reset);
         }
         if self.external {
-            let doc = "Value at the start and at a reset.";
+            let doc = "Value at a reset, and at the start unless the parameter `x0` gives it.";
             interface = interface.input(Input::real("x0").dimension(own).doc(doc));
         }
         let y = PortType::UNKNOWN.shaped(shape).of(dimension);
         interface = interface.output_from_state(Output::like("y", y));
         for _ in 0..shape.len() {
-            interface = interface.state("x", self.x0);
+            interface = interface.state("x", self.x0());
         }
         if !self.jumps() {
             return Ok(interface);
@@ -192,16 +197,17 @@ impl Block for Integrator {
         let (flags, modes) = d.split_at_mut(FLAGS);
         let held = self.reset.holds(flags[TRIGGER]);
         let fires = self.reset != Reset::None && self.reset.fires(&mut flags[TRIGGER], c.scalar(1));
-        let starts = self.external && flags[STARTED] == 0.0;
+        let starts = self.external && self.x0.is_none() && flags[STARTED] == 0.0;
         flags[STARTED] = 1.0;
-        let initial = if self.external { c.input(self.x0_input()) } else { &[self.x0] };
+        let initial = if self.external { c.input(self.x0_input()) } else { &[self.x0()] };
         // Whether the state is held shows in its derivative.
         let mut changed = held != self.reset.holds(flags[TRIGGER]);
         for (i, (x, mode)) in x.iter_mut().zip(modes).enumerate() {
-            let before = (x.to_bits(), *mode);
+            let before = (*x, *mode);
             let free = if fires || starts { element(initial, i) } else { *x };
             (*x, *mode) = self.confine(free, element(c.input(0), i));
-            changed |= (x.to_bits(), *mode) != before;
+            // NaN is not equal to itself, and must not be set again and again.
+            changed |= (*x, *mode) != before && !(x.is_nan() && before.0.is_nan());
         }
         changed
     }

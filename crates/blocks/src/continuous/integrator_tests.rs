@@ -5,12 +5,12 @@ use super::*;
 use blocksim_block::testing::Bench;
 
 fn plain() -> Integrator {
-    Integrator { x0: 0.0, lower: None, upper: None, reset: Reset::None, external: false, wrap: None }
+    Integrator { x0: None, lower: None, upper: None, reset: Reset::None, external: false, wrap: None }
 }
 
 #[test]
 fn a_constant_input_gives_a_ramp() {
-    let mut bench = Bench::new(Integrator { x0: -1.0, ..plain() });
+    let mut bench = Bench::new(Integrator { x0: Some(-1.0), ..plain() });
     bench.set(0, &[2.0]).integrate(3.0, 7);
     assert!((bench.minor()[0] - 5.0).abs() < 1e-14);
 }
@@ -56,7 +56,7 @@ fn only_given_limits_have_guards() {
 
 #[test]
 fn an_input_of_zero_keeps_the_state_on_the_limit_and_any_later_input_counts_inwards_alone() {
-    let mut bench = Bench::new(Integrator { x0: 1.0, upper: Some(1.0), ..plain() });
+    let mut bench = Bench::new(Integrator { x0: Some(1.0), upper: Some(1.0), ..plain() });
     bench.major();
     bench.set(0, &[5.0]);
     assert_eq!(bench.derivatives(), [0.0]);
@@ -67,7 +67,7 @@ fn an_input_of_zero_keeps_the_state_on_the_limit_and_any_later_input_counts_inwa
 #[test]
 fn an_angle_wraps_by_its_span() {
     let wrap = Some(Wrap { lower: -180.0, upper: 180.0 });
-    let mut bench = Bench::new(Integrator { x0: 170.0, wrap, ..plain() });
+    let mut bench = Bench::new(Integrator { x0: Some(170.0), wrap, ..plain() });
     bench.set(0, &[10.0]).integrate(2.0, 4);
     assert_eq!(bench.x, [-170.0]);
     bench.set(0, &[-10.0]).integrate(2.0, 4);
@@ -86,7 +86,7 @@ fn a_wrapped_value_is_never_the_excluded_end() {
 
 #[test]
 fn a_rising_edge_sets_the_state_back_once() {
-    let mut bench = Bench::new(Integrator { x0: 2.0, reset: Reset::Rising, ..plain() });
+    let mut bench = Bench::new(Integrator { x0: Some(2.0), reset: Reset::Rising, ..plain() });
     bench.set(0, &[1.0]).set(1, &[-1.0]).integrate(1.0, 1);
     assert_eq!(bench.x, [3.0]);
     bench.set(1, &[0.5]).major();
@@ -98,7 +98,7 @@ fn a_rising_edge_sets_the_state_back_once() {
 
 #[test]
 fn a_level_holds_the_state() {
-    let mut bench = Bench::new(Integrator { x0: 2.0, reset: Reset::Level, ..plain() });
+    let mut bench = Bench::new(Integrator { x0: Some(2.0), reset: Reset::Level, ..plain() });
     bench.set(0, &[1.0]).set(1, &[1.0]);
     bench.major();
     bench.integrate(1.0, 4);
@@ -120,8 +120,24 @@ fn an_external_value_is_used_at_the_start_and_at_a_reset() {
 }
 
 #[test]
+fn a_given_start_stands_before_the_external_value() {
+    let mut bench = Bench::new(Integrator { x0: Some(5.0), reset: Reset::Rising, external: true, ..plain() });
+    bench.set(1, &[-1.0]).set(2, &[7.0]);
+    assert_eq!(bench.major(), [5.0]);
+    bench.set(1, &[1.0]);
+    assert_eq!(bench.major(), [7.0]);
+}
+
+#[test]
+fn a_value_that_is_no_number_is_set_once() {
+    let mut bench = Bench::new(Integrator { external: true, ..plain() });
+    bench.set(1, &[f64::NAN]);
+    assert!(bench.major()[0].is_nan());
+}
+
+#[test]
 fn a_bouncing_ball_turns_its_velocity_without_an_algebraic_loop() {
-    let velocity = Integrator { x0: 0.0, reset: Reset::Falling, external: true, ..plain() };
+    let velocity = Integrator { x0: Some(0.0), reset: Reset::Falling, external: true, ..plain() };
     let interface = velocity.interface(&Given::nothing()).unwrap();
     assert!((0..3).all(|input| !interface.reads(0, input)));
     let mut bench = Bench::new(velocity);
@@ -171,9 +187,9 @@ fn the_unit_is_that_of_the_input_times_seconds() {
 fn parameters_that_contradict_each_other_are_refused() {
     let wrap = Some(Wrap { lower: 0.0, upper: 1.0 });
     let refused = [
-        (Integrator { x0: f64::NAN, ..plain() }, "x0"),
+        (Integrator { x0: Some(f64::NAN), ..plain() }, "x0"),
         (Integrator { lower: Some(1.0), upper: Some(-1.0), ..plain() }, "upper"),
-        (Integrator { x0: 3.0, upper: Some(1.0), ..plain() }, "x0"),
+        (Integrator { x0: Some(3.0), upper: Some(1.0), ..plain() }, "x0"),
         (Integrator { upper: Some(1.0), wrap, ..plain() }, "wrap"),
         (Integrator { wrap: Some(Wrap { lower: 1.0, upper: 1.0 }), ..plain() }, "wrap.upper"),
     ];
