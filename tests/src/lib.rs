@@ -1,1 +1,198 @@
-//! tests
+//! Whole diagrams: compiled from text, run, compared.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use blocksim_block::problem::{Label, Problem};
+use blocksim_block::schedule::{Recorded, Schedule};
+// Blocks register themselves when they are linked, and linked is only what is named.
+use blocksim_blocks as _;
+use blocksim_diagram::{Compiled, Reader, Sources, compile};
+use blocksim_host as _;
+use blocksim_sim::{Counts, Observer, SimError, Simulation};
+
+/// The project's root.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_path_buf).unwrap_or_default()
+}
+
+/// Reads files of the project, and texts that a test makes up.
+#[derive(Debug, Default)]
+pub struct Desk {
+    files: BTreeMap<PathBuf, String>,
+}
+
+impl Desk {
+    /// Only files on disk.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a file that is not on disk.
+    pub fn with(mut self, path: &str, text: &str) -> Self {
+        self.files.insert(PathBuf::from(path), text.to_owned());
+        self
+    }
+}
+
+impl Reader for Desk {
+    fn read(&self, path: &Path) -> Result<String, String> {
+        match self.files.get(path) {
+            Some(text) => Ok(text.clone()),
+            None => std::fs::read_to_string(path).map_err(|_| "there is no such file".to_owned()),
+        }
+    }
+}
+
+/// Compiles a diagram of the project.
+pub fn compile_file(path: &str, overrides: &[&str]) -> (Compiled, String) {
+    compile_with(&Desk::new(), &root().join(path), overrides)
+}
+
+/// Compiles a diagram that a test makes up.
+pub fn compile_text(text: &str) -> (Compiled, String) {
+    compile_with(&Desk::new().with("model.ron", text), Path::new("model.ron"), &[])
+}
+
+/// Compiles; also returns all problems as text.
+pub fn compile_with(desk: &Desk, path: &Path, overrides: &[&str]) -> (Compiled, String) {
+    let sources = Sources::new(desk);
+    let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
+    let compiled = compile(&sources, path, &overrides);
+    let text = compiled.problems.iter().map(|problem| plain(&sources, problem)).collect();
+    (compiled, text)
+}
+
+/// A problem in plain text: message, places with what stands there, notes, advice.
+fn plain(sources: &Sources, problem: &Problem) -> String {
+    let mut out = format!("{:?}[{}]: {}\n", problem.severity, problem.code, problem.message).to_lowercase();
+    // Only the severity is lowered; the message keeps its capitals.
+    out.replace_range(out.find(']').map_or(0, |at| at + 3).., &format!("{}\n", problem.message));
+    for Label { place, text } in &problem.labels {
+        let file = sources.file(place.file);
+        let line = file.text[..place.span.start].matches('\n').count() + 1;
+        let column = place.span.start - file.text[..place.span.start].rfind('\n').map_or(0, |at| at + 1) + 1;
+        let shown = file.text.get(place.span.clone()).unwrap_or_default().replace('\n', " ");
+        let name = file.path.strip_prefix(root()).unwrap_or(&file.path).display().to_string();
+        out.push_str(&format!("  {name}:{line}:{column} `{shown}` {text}\n"));
+    }
+    problem.notes.iter().for_each(|note| out.push_str(&format!("  note: {note}\n")));
+    if let Some(help) = &problem.help {
+        out.push_str(&format!("  help: {help}\n"));
+    }
+    out
+}
+
+/// What a run recorded.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Times, s.
+    pub time: Vec<f64>,
+    /// Columns.
+    pub recorded: Vec<Recorded>,
+    /// Values in SI units, one list for each column.
+    pub columns: Vec<Vec<f64>>,
+    /// Events: time, block, what.
+    pub events: Vec<(f64, String, String)>,
+    /// Work that was done.
+    pub counts: Counts,
+    /// How the run failed, if it did.
+    pub error: Option<SimError>,
+}
+
+struct Keep(Run);
+
+impl Observer for Keep {
+    fn row(&mut self, t: f64, values: &[f64]) {
+        self.0.time.push(t);
+        self.0.columns.iter_mut().zip(values).for_each(|(column, value)| column.push(*value));
+    }
+
+    fn event(&mut self, t: f64, path: &str, what: &str) {
+        self.0.events.push((t, path.to_owned(), what.to_owned()));
+    }
+}
+
+impl Run {
+    /// A column by its name.
+    ///
+    /// # Panics
+    /// Panics when there is none, with the names that there are.
+    pub fn column(&self, path: &str) -> &[f64] {
+        let index = self.recorded.iter().position(|recorded| recorded.path == path);
+        match index {
+            Some(index) => &self.columns[index],
+            None => panic!("no `{path}`; there are {:?}", self.recorded.iter().map(|r| &r.path).collect::<Vec<_>>()),
+        }
+    }
+
+    /// The last value of a column.
+    ///
+    /// # Panics
+    /// Panics when there is no such column or nothing was recorded.
+    pub fn last(&self, path: &str) -> f64 {
+        *self.column(path).last().expect("a recorded value")
+    }
+
+    /// The value of a column at a time, by linear interpolation.
+    ///
+    /// # Panics
+    /// Panics when there is no such column or nothing was recorded.
+    pub fn at(&self, path: &str, t: f64) -> f64 {
+        let column = self.column(path);
+        let after = self.time.partition_point(|time| *time < t).clamp(1, self.time.len() - 1);
+        let (t0, t1) = (self.time[after - 1], self.time[after]);
+        let share = if t1 > t0 { (t - t0) / (t1 - t0) } else { 1.0 };
+        column[after - 1] + share * (column[after] - column[after - 1])
+    }
+}
+
+/// Runs a compiled diagram to its end.
+///
+/// # Panics
+/// Panics when the engine refuses the schedule.
+pub fn run(schedule: Schedule) -> Run {
+    let recorded = schedule.recorded.clone();
+    let mut simulation = Simulation::new(Arc::new(schedule)).expect("a schedule that can run");
+    let empty = Run {
+        time: Vec::new(),
+        columns: vec![Vec::new(); recorded.len()],
+        recorded,
+        events: Vec::new(),
+        counts: simulation.counts(),
+        error: None,
+    };
+    let mut keep = Keep(empty);
+    let error = simulation.run(&mut keep).err();
+    keep.0.counts = simulation.counts();
+    keep.0.error = error;
+    keep.0
+}
+
+/// Compiles and runs a diagram of the project.
+///
+/// # Panics
+/// Panics when it does not compile or fails, with the reasons.
+pub fn run_file(path: &str, overrides: &[&str]) -> Run {
+    let (compiled, problems) = compile_file(path, overrides);
+    finished(compiled, &problems)
+}
+
+/// Compiles and runs a diagram that a test makes up.
+///
+/// # Panics
+/// Panics when it does not compile or fails, with the reasons.
+pub fn run_text(text: &str) -> Run {
+    let (compiled, problems) = compile_text(text);
+    finished(compiled, &problems)
+}
+
+fn finished(compiled: Compiled, problems: &str) -> Run {
+    let schedule = compiled.schedule.unwrap_or_else(|| panic!("the diagram has errors:\n{problems}"));
+    let run = run(schedule);
+    if let Some(error) = &run.error {
+        panic!("the run failed: {error:?}");
+    }
+    run
+}

@@ -478,6 +478,8 @@ impl Computed<'_, '_> {
                     )));
                 }
             }
+            // A bare number says nothing of its unit.
+            (Some(_), None) if matches!(self.written.node.value, Shape::Number(_)) => {}
             (Some(field), None) => {
                 let mut units = self.written.reading.units.borrow_mut();
                 let known = units.find(field);

@@ -91,7 +91,14 @@ pub(crate) fn build(m: &Members) -> Result<Electrics, Vec<NetworkProblem>> {
     let mut problems = Vec::new();
     for (row, fights) in &eliminated.dependent {
         let (member, what) = owners[*row];
-        let mut problem = if *fights {
+        let alone = relations.row(*row).iter().all(|a| *a == 0.0);
+        let mut problem = if *fights && alone {
+            NetworkProblem::new(
+                "voltage_conflict",
+                "an ideal source is short-circuited",
+                "connect its pins to different nodes",
+            )
+        } else if *fights {
             NetworkProblem::new(
                 "voltage_conflict",
                 "two ideal sources prescribe the same voltage",

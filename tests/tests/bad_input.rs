@@ -1,0 +1,414 @@
+//! What is wrong with a diagram is said with place, reason and remedy, and all of it at once.
+
+use blocksim_tests::{Desk, compile_text, compile_with};
+use expect_test::{Expect, expect};
+use std::path::Path;
+
+/// Problems of a diagram with these blocks and connections.
+fn check(blocks: &str, connections: &str, expected: &Expect) {
+    let text = format!("Diagram(\n  blocks: {{\n    {blocks}\n  }},\n  connections: [{connections}],\n)");
+    expected.assert_eq(&compile_text(&text).1);
+}
+
+/// Problems of a diagram that is written in full.
+fn check_text(text: &str, expected: &Expect) {
+    expected.assert_eq(&compile_text(text).1);
+}
+
+#[test]
+fn an_unknown_kind_and_a_misspelt_parameter_show_in_one_report() {
+    check(
+        r#""a": Gian(k: 2), "b": LowPass(tua: 0.5), "c": Gain(k: 1, q: 2, k: 3),"#,
+        "",
+        &expect![[r#"
+            error[unknown_block]: there is no block kind `Gian`
+              model.ron:3:10 `Gian` unknown kind
+              help: did you mean `Gain`? `blocksim blocks Gain` describes it
+            error[missing_parameter]: `LowPass` needs `tau`
+              model.ron:3:27 `LowPass` not given
+              help: `blocksim blocks LowPass` describes its parameters
+            error[unknown_parameter]: `LowPass` has no parameter `tua`
+              model.ron:3:35 `tua` unknown parameter
+              help: did you mean `tau`? The parameters are `tau` and `y0`
+            error[unknown_parameter]: `Gain` has no parameter `q`
+              model.ron:3:62 `q` unknown parameter
+              help: the parameters are `k`
+            error[duplicate_name]: the parameter `k` stands twice
+              model.ron:3:68 `k` the second
+              model.ron:3:56 `k` the first
+              help: rename or remove one of them
+        "#]],
+    );
+}
+
+#[test]
+fn an_unknown_port_shows_the_ports_that_there_are() {
+    check(
+        r#""s": Step(), "g": Gain(k: 2), "t": Terminator,"#,
+        r#""s.y -> g.uu", "g.x -> t.u", "q.y -> g.u""#,
+        &expect![[r#"
+            error[unknown_port]: `g` has no input `uu`
+              model.ron:5:25 `g.uu` no such port
+              model.ron:3:18 `"g"` `g` is a Gain
+              help: its inputs are `u`
+            error[unknown_port]: `g` has no output `x`
+              model.ron:5:33 `g.x` no such port
+              model.ron:3:18 `"g"` `g` is a Gain
+              help: its outputs are `y`
+            error[unknown_block_name]: there is no block `q`
+              model.ron:5:47 `q` no such block
+              help: the blocks here are `s`, `g` and `t`
+        "#]],
+    );
+}
+
+#[test]
+fn an_element_that_a_bus_does_not_have() {
+    check(
+        r#""s": Step(), "b": BusCreator(elements: ["Angle", "Velo"]), "t": Terminator,"#,
+        r#""s.y -> b.Angle, b.Velo", "b.y.Angel -> t.u""#,
+        &expect![[r#"
+            error[unknown_element]: the bus has no element `Angel`
+              model.ron:5:44 `b.y.Angel` no such element
+              help: did you mean `Angle`? The elements are `Angle` and `Velo`
+        "#]],
+    );
+}
+
+#[test]
+fn a_bus_into_a_signal_port() {
+    check(
+        r#""s": Step(), "b": BusCreator(elements: ["Angle"]), "g": Gain(k: 1), "t": Terminator,"#,
+        r#""s.y -> b.Angle", "b.y -> g.u", "g.y -> t.u""#,
+        &expect![[r#"
+            error[type_mismatch]: `g.u` takes a signal, not a bus
+              model.ron:5:36 `b.y` carries a bus with `Angle`
+              model.ron:5:43 `g.u` takes one signal
+              help: select an element: `b.y.Angle`
+        "#]],
+    );
+}
+
+#[test]
+fn a_wrong_unit_in_a_parameter_and_on_a_connection() {
+    check(
+        r#""a": LowPass(tau: "5 V"), "s": Step(after: "3 V"), "v": Constant(value: "1 A"), "sum": Sum(signs: "++"), "t": Terminator,"#,
+        r#""s.y -> sum.u1", "v.y -> sum.u2", "sum.y -> t.u""#,
+        &expect![[r#"
+            error[unit_mismatch]: `tau` is in s, but `5 V` is in V
+              model.ron:3:23 `"5 V"` should be in s
+              help: write a value in s or a unit of the same kind
+            error[unit_mismatch]: in `sum`: `u2` is in A, but `u1` is in V
+              model.ron:5:42 `sum.u2` `u2` comes from here
+              model.ron:5:25 `sum.u1` `u1` comes from here
+              help: give both the same unit: scale one with Gain, or mend the parameter that sets its unit
+        "#]],
+    );
+}
+
+#[test]
+fn units_of_a_connection_that_do_not_fit_show_both_places() {
+    check(
+        r#""s": Step(after: "3 V"), "v": Constant(value: "1 A"), "sum": Sum(signs: "++"), "t": Terminator,"#,
+        r#""s.y -> sum.u1", "v.y -> sum.u2", "sum.y -> t.u""#,
+        &expect![[r#"
+            error[unit_mismatch]: in `sum`: `u2` is in A, but `u1` is in V
+              model.ron:5:42 `sum.u2` `u2` comes from here
+              model.ron:5:25 `sum.u1` `u1` comes from here
+              help: give both the same unit: scale one with Gain, or mend the parameter that sets its unit
+        "#]],
+    );
+}
+
+#[test]
+fn a_decimal_comma() {
+    check_text(
+        "Diagram(\n  blocks: {\n    \"pid\": Pid(kp: 1,05, ki: 2.0),\n  },\n)",
+        &expect![[r#"
+            error[syntax]: `1,05` is no number
+              model.ron:3:20 `1,05` 
+              help: decimal comma? write 1.05
+        "#]],
+    );
+    check(r#""g": Gain(k: "1,05"), "s": Step(), "t": Terminator,"#, r#""s.y -> g.u", "g.y -> t.u""#, &expect![[r#"
+        error[expression]: `1,05` is not a number
+          model.ron:3:19 `1,05` 
+          help: decimal comma? write 1.05
+    "#]]);
+}
+
+#[test]
+fn a_file_that_is_missing_and_a_file_that_includes_itself() {
+    check(
+        r#""a": Subsystem(file: "nowhere.ron"), "b": Subsystem(file: "model.ron"), "c": FromFile(file: "data.csv"),"#,
+        "",
+        &expect![[r#"
+            error[missing_file]: cannot read `nowhere.ron`: there is no such file
+              model.ron:3:26 `"nowhere.ron"` named here
+              help: paths are relative to the file that names them
+            error[recursive_file]: `model.ron` contains itself
+              model.ron:3:63 `"model.ron"` is being built already
+              help: a diagram cannot be part of itself
+            error[missing_file]: cannot read `data.csv`: there is no such file
+              model.ron:3:97 `"data.csv"` 
+              help: the path is relative to the diagram that names it
+        "#]],
+    );
+    check_text(
+        r#"Diagram(parameters: { "p": File("nothing.ron"), "q": File("model.ron"), "r": "s", "s": "r + 1" }, blocks: {}, connections: [])"#,
+        &expect![[r#"
+            error[missing_file]: cannot read `nothing.ron`: there is no such file
+              model.ron:1:33 `"nothing.ron"` named here
+              help: paths are relative to the file that names them
+            error[recursive_file]: `model.ron` includes itself
+              model.ron:1:59 `"model.ron"` is being read already
+            error[recursive_parameter]: `r` depends on itself
+              model.ron:1:73 `"r"` the value is needed to compute it
+              help: give one of the parameters on the way a value of its own
+        "#]],
+    );
+}
+
+#[test]
+fn two_drivers_of_an_input_and_an_input_without_driver() {
+    check(
+        r#""a": Step(), "b": Step(), "g": Gain(k: 1), "h": Gain(k: 1), "t": Terminator,"#,
+        r#""a.y -> g.u", "b.y -> g.u", "g.y -> t.u""#,
+        &expect![[r#"
+            error[unconnected_input]: `h.u` is not connected
+              model.ron:3:48 `"h"` input `u` has no driver
+              help: add `"... -> h.u"` to the connections
+            error[second_driver]: `g.u` has two drivers
+              model.ron:5:39 `g.u` the second
+              model.ron:5:25 `g.u` the first
+              help: an input takes one signal: add them with Sum, or choose with Switch
+        "#]],
+    );
+}
+
+#[test]
+fn wrong_directions_and_mixed_kinds_of_ports() {
+    check(
+        r#""a": Step(), "g": Gain(k: 1), "j": Inertia(j: 1), "r": ElectricalReference, "t": Terminator,"#,
+        r#""g.u -> a.y", "a.y -> j.r, g.u", "j.r <-> g.y", "j.r <-> r.p", "g.y -> t.u""#,
+        &expect![[r#"
+            error[wrong_direction]: `g.u` is an input and cannot drive a signal
+              model.ron:5:18 `g.u` 
+              model.ron:3:18 `"g"` declared here
+              help: put it behind `->`
+            error[wrong_direction]: `a.y` is an output and cannot be driven
+              model.ron:5:25 `a.y` 
+              model.ron:3:5 `"a"` declared here
+              help: put it in front of `->`
+            error[port_kind]: `j.r` is a conserving port
+              model.ron:5:39 `j.r` connected with `->`
+              help: join conserving ports with `<->`; sensors and sources lead between signals and conserving ports
+            error[port_kind]: `g.y` is a signal port
+              model.ron:5:59 `g.y` joined with `<->`
+              help: connect signals with `->`; sensors and sources lead between signals and conserving ports
+            error[domain_mismatch]: a electrical port cannot be joined to a rotational port
+              model.ron:5:74 `r.p` electrical
+              model.ron:5:66 `j.r` rotational
+              help: join ports of one kind; motors, joints and sensors lead from one to the other
+        "#]],
+    );
+}
+
+#[test]
+fn a_vector_into_a_scalar_port() {
+    check(
+        r#""v": Constant(value: [1.0, 2.0]), "s": ControlledVoltageSource, "g": ElectricalReference, "k": Gain(k: "1 V"),"#,
+        r#""v.y -> k.u", "k.y -> s.v", "s.p <-> g.p", "s.n <-> g.p""#,
+        &expect![[r#"
+            error[voltage_conflict]: an ideal source is short-circuited
+              model.ron:3:39 `"s"` `s` prescribes the voltage
+              help: connect its pins to different nodes
+        "#]],
+    );
+    check(
+        r#""v": Constant(value: [1.0, 2.0]), "s": IdealTorqueSource, "j": Inertia(j: 1), "h": RotationalReference, "k": Gain(k: "1 N*m"),"#,
+        r#""v.y -> k.u", "k.y -> s.tau", "s.r <-> j.r", "s.c <-> h.r""#,
+        &expect![[r#"
+            error[type_mismatch]: `s.tau` takes a scalar, but `k.y` is a vector of 2
+              model.ron:5:32 `k.y` a vector of 2
+              model.ron:5:39 `s.tau` takes a scalar
+              help: take one element with Selector, or several with Demux
+        "#]],
+    );
+}
+
+#[test]
+fn an_algebraic_loop_is_shown_with_every_hop() {
+    check(
+        r#""r": Step(), "e": Sum(signs: "+-"), "k": Gain(k: 3), "f": Gain(k: 0.5), "t": Terminator,"#,
+        r#""r.y -> e.u1", "e.y -> k.u", "k.y -> f.u, t.u", "f.y -> e.u2""#,
+        &expect![[r#"
+            error[algebraic_loop]: algebraic loop: e -> k -> f -> e
+              model.ron:5:73 `e.u2` 
+              model.ron:5:40 `k.u` 
+              model.ron:5:54 `f.u` 
+              note: `f.y` is connected to `e.u2`
+              note: `e.u2` feeds through to the outputs of `e` (Sum)
+              note: `e.y` is connected to `k.u`
+              note: `k.u` feeds through to the outputs of `k` (Gain)
+              note: `k.y` is connected to `f.u`
+              note: `f.u` feeds through to the outputs of `f` (Gain)
+              help: put a block without direct feedthrough into the loop: a LowPass, an Integrator or, for sampled signals, a UnitDelay
+        "#]],
+    );
+}
+
+#[test]
+fn a_network_without_reference_and_parts_without_inertia() {
+    check(
+        r#""v": Constant(value: "5 V"), "s": ControlledVoltageSource, "m": DcMotor(r: 1, l: 0.001, k: 0.1, j: 1e-4),"#,
+        r#""v.y -> s.v", "s.p <-> m.p", "s.n <-> m.n""#,
+        &expect![[r#"
+            error[unconnected_port]: the rotational port `m.c` is not connected
+              model.ron:3:64 `"m"` `m` has this port
+              help: connect it; a case goes to a RotationalReference
+        "#]],
+    );
+    check(
+        r#""v": Constant(value: "5 V"), "s": ControlledVoltageSource, "m": DcMotor(r: 1, l: 0.001, k: 0.1, j: 1e-4), "h": RotationalReference,"#,
+        r#""v.y -> s.v", "s.p <-> m.p", "s.n <-> m.n", "m.c <-> h.r""#,
+        &expect![[r#"
+            error[missing_reference]: this electrical network has no reference
+              model.ron:3:64 `"m"` `m` belongs to it
+              help: add an ElectricalReference and connect it to one of the nodes
+        "#]],
+    );
+    check(
+        r#""j": RevoluteJoint(), "b": Body(mass: 1, com: [0.0, 0.0, 1.0], moi: [0.1, 0.1, 0.1], poi: [0.0, 0.0, 0.0]),"#,
+        r#""j.follower <-> b.frame""#,
+        &expect![[r#"
+            error[missing_reference]: this mechanism has no World
+              model.ron:3:27 `"b"` `b` belongs to it
+              help: add a World and connect its frame to the first body or joint
+        "#]],
+    );
+    check(
+        r#""d": RotationalDamper(d: 1), "f": RotationalDamper(d: 1), "h": RotationalReference,"#,
+        r#""d.r <-> f.r", "d.c <-> f.c <-> h.r""#,
+        &expect![[r#"
+            error[no_inertia]: nothing at `d.r` has inertia or a given speed, so its acceleration is unknown
+              model.ron:3:5 `"d"` `d` `r` is connected to it
+              model.ron:3:34 `"f"` `f` `r` is connected to it
+              help: add an Inertia there, or couple the node to something that has one
+        "#]],
+    );
+}
+
+#[test]
+fn sources_that_fight() {
+    check(
+        r#""a": Constant(value: "1 rad/s"), "s": IdealSpeedSource, "q": IdealSpeedSource, "j": Inertia(j: 1), "h": RotationalReference,"#,
+        r#""a.y -> s.w, q.w", "s.r <-> q.r <-> j.r", "s.c <-> q.c <-> h.r""#,
+        &expect![[r#"
+            error[speed_conflict]: two parts prescribe the same speed
+              model.ron:3:38 `"s"` `s` prescribes the speed
+              model.ron:3:104 `"h"` `h` holds the speed at zero
+              model.ron:3:61 `"q"` `q` prescribes the speed
+              help: remove one of them, or put a spring, a damper or a clutch between them
+        "#]],
+    );
+}
+
+#[test]
+fn variants_must_have_the_same_ports_and_an_alternative_that_exists() {
+    let desk = Desk::new()
+        .with("a.ron", r#"Diagram(inputs: { "u": () }, outputs: { "y": "g.y" }, blocks: { "g": Gain(k: 1) }, connections: ["in.u -> g.u"])"#)
+        .with("b.ron", r#"Diagram(inputs: { "v": () }, outputs: { "y": "g.y" }, blocks: { "g": Gain(k: 1) }, connections: ["in.v -> g.u"])"#)
+        .with(
+            "model.ron",
+            r#"Diagram(
+    parameters: { "which": Choice(default: "a", of: ["a", "b"]) },
+    blocks: {
+        "s": Step(),
+        "x": Variant(choice: "which", of: { "a": Subsystem(file: "a.ron"), "b": Subsystem(file: "b.ron") }),
+        "t": Terminator,
+    },
+    connections: ["s.y -> x.u", "x.y -> t.u"],
+)"#,
+        );
+    let problems = compile_with(&desk, Path::new("model.ron"), &["which=c"]).1;
+    expect![[r#"
+        error[variant_ports]: alternative `b` has no input `u`
+          model.ron:5:76 `"b"` no input `u`
+          model.ron:5:45 `"a"` has it
+          help: all alternatives of a variant offer the same ports
+        error[unknown_override]: `which` has no alternative `c`
+          --set:1:1 `which=c` 
+          help: the alternatives are `a` and `b`
+    "#]].assert_eq(&problems);
+    let problems = compile_with(&desk, Path::new("model.ron"), &["wich=b"]).1;
+    expect![[r#"
+        error[variant_ports]: alternative `b` has no input `u`
+          model.ron:5:76 `"b"` no input `u`
+          model.ron:5:45 `"a"` has it
+          help: all alternatives of a variant offer the same ports
+        error[unknown_override]: there is no `wich` to set
+          --set:1:1 `wich=b` 
+          help: did you mean `which`?
+    "#]].assert_eq(&problems);
+}
+
+#[test]
+fn what_the_command_line_sets_must_exist() {
+    let desk = Desk::new().with(
+        "model.ron",
+        r#"Diagram(parameters: { "gain": (kp: 2.0, ki: "1 1/s") }, blocks: { "s": Step(), "g": Gain(k: "gain.kp"), "t": Terminator }, connections: ["s.y -> g.u", "g.y -> t.u"])"#,
+    );
+    for set in ["gain.kq=1", "g.kk=2", "g.k=5 q", "nonsense"] {
+        let problems = compile_with(&desk, Path::new("model.ron"), &[set]).1;
+        match set {
+            "gain.kq=1" => expect![[r#"
+                error[unknown_override]: there is no `kq`; known are `kp` and `ki`
+                  --set:1:1 `gain.kq=1` 
+            "#]].assert_eq(&problems),
+            "g.kk=2" => expect![[r#"
+                error[unknown_override]: there is no `g.kk` to set
+                  --set:1:1 `g.kk=2` 
+                  help: did you mean `g.k`?
+            "#]].assert_eq(&problems),
+            "g.k=5 q" => expect![[r#"
+                error[expression]: unknown unit `q`
+                  model.ron:1:96 `i` 
+                  note: with `--set g.k=5 q`
+                  help: units are SI symbols with prefixes, such as mm, kg, ms, kW, mH, kOhm, N*m, rad/s, deg, rpm, %
+            "#]].assert_eq(&problems),
+            _ => expect![[r#"
+                error[unknown_override]: `--set` needs a name and a value
+                  --set:1:1 `nonsense` 
+                  help: write --set name=value, --set block.parameter=value or --set path/to/block.parameter=value
+            "#]].assert_eq(&problems),
+        }
+    }
+    for set in ["gain.kp=3", "g.k=5", "g.k=gain.kp*2"] {
+        assert_eq!(compile_with(&desk, Path::new("model.ron"), &[set]).1, "", "{set}");
+    }
+}
+
+#[test]
+fn joints_and_moves_stay_within_their_limits() {
+    check(
+        r#""w": World(), "j": RevoluteJoint(position: "200 deg", lower: "-180 deg", upper: "180 deg"), "b": Body(mass: 1, com: [0.0, 0.0, 1.0], moi: [0.1, 0.1, 0.1], poi: [0.0, 0.0, 0.0]),"#,
+        r#""w.frame <-> j.base", "j.follower <-> b.frame""#,
+        &expect![[r#"
+            error[parameter]: the joint starts at 3.490658503988659 rad, above its upper limit of 3.141592653589793 rad
+              model.ron:3:48 `"200 deg"` 
+              note: in block `j` (RevoluteJoint)
+              help: start within the limits, or change `upper`
+        "#]],
+    );
+}
+
+#[test]
+fn nothing_that_is_written_makes_the_compiler_panic() {
+    // Every prefix of a diagram, and every diagram with one character taken out, is answered.
+    let text = r#"Diagram(title: "t", parameters: {"k": "2 V", "m": [1, 2]}, simulation: (stop_time: "1 s"), blocks: {"s": Step(), "g": Gain(k: "k * m[0]"), "t": Terminator}, connections: ["s.y -> g.u", "g.y -> t.u"])"#;
+    for cut in 0..text.len() {
+        let _ = compile_text(&text[..cut]);
+        let _ = compile_text(&format!("{}{}", &text[..cut], &text[cut + 1..]));
+    }
+}

@@ -1,0 +1,73 @@
+//! What must hold for every kind of block, taken from the registry.
+
+use std::collections::BTreeSet;
+
+use blocksim_block::kinds;
+use blocksim_signal::Unit;
+use blocksim_tests::compile_text;
+
+/// Problems that a block alone in a diagram has by nature: nothing is connected to it, and the files and plug-ins
+/// of its example are not there.
+const ALONE: [&str; 9] = [
+    "unconnected_input",
+    "unconnected_port",
+    "missing_reference",
+    "missing_supply",
+    "missing_file",
+    "no_inertia",
+    "floating_node",
+    "plugin_missing",
+    "expression",
+];
+
+#[test]
+fn the_library_is_linked_and_every_name_is_there_once() {
+    let names: Vec<&str> = kinds().iter().map(|info| info.kind).collect();
+    assert!(names.len() > 60, "only {} kinds are registered", names.len());
+    let unique: BTreeSet<&str> = names.iter().copied().collect();
+    assert_eq!(unique.len(), names.len(), "a kind is registered twice: {names:?}");
+}
+
+#[test]
+fn every_kind_has_a_page_and_an_example_that_compiles() {
+    for info in kinds() {
+        let examples = info.examples();
+        assert!(!examples.is_empty(), "{} has no ```ron example", info.kind);
+        for example in examples {
+            assert!(example.contains(info.kind), "the example of {} shows something else: {example}", info.kind);
+            // An example may be a block or a line of a diagram.
+            let block = if example.starts_with('"') { example.to_owned() } else { format!("\"example\": {example}") };
+            let text = format!("Diagram(blocks: {{ {} }}, connections: [])", block.trim_end_matches(','));
+            let (compiled, problems) = compile_text(&text);
+            let unexpected: Vec<_> =
+                compiled.problems.iter().filter(|problem| !ALONE.contains(&problem.code)).collect();
+            assert!(unexpected.is_empty(), "the example of {} has problems:\n{problems}\n{example}", info.kind);
+        }
+    }
+}
+
+#[test]
+fn every_unit_of_every_parameter_is_one() {
+    for info in kinds() {
+        for parameter in info.parameters.iter().filter(|parameter| !parameter.unit.is_empty()) {
+            assert!(
+                Unit::parse(parameter.unit).is_ok(),
+                "{}.{} is in `{}`, which is no unit",
+                info.kind,
+                parameter.name,
+                parameter.unit
+            );
+        }
+    }
+}
+
+#[test]
+fn names_follow_the_rules_of_the_language() {
+    for info in kinds() {
+        assert!(info.kind.starts_with(|c: char| c.is_ascii_uppercase()), "{}", info.kind);
+        for parameter in info.parameters {
+            let fits = parameter.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+            assert!(fits && parameter.name != "label", "{}.{}", info.kind, parameter.name);
+        }
+    }
+}
