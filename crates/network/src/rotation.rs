@@ -210,6 +210,10 @@ pub(crate) fn build(m: &Members, joint_members: &[usize]) -> Result<Rotation, Ve
         }
     }
 
+    if problems.is_empty() {
+        problems.extend(free_cases(m, &rotation));
+    }
+
     // Reactions: residuals of the nodes = A' lambda, so lambda = (A A')^-1 A residuals, with A the relations
     // without the columns of the joints.
     let rows = relations.len();
@@ -272,6 +276,48 @@ pub(crate) fn build(m: &Members, joint_members: &[usize]) -> Result<Rotation, Ve
         drive_rows.iter().map(|row| row.map_or_else(Form::default, |row| reaction(row, -1.0))).collect();
     rotation.start = start(m, &rotation, joint_members, &starts)?;
     Ok(rotation)
+}
+
+/// Cases that nothing holds: without inertia and reference they would follow whatever pushes them.
+fn free_cases(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem> {
+    let mut only_case = vec![None; rotation.nodes.len()];
+    let mut other = vec![false; rotation.nodes.len()];
+    for (member, element) in m.elements() {
+        match *element {
+            Element::Branch { r, c }
+            | Element::Rigid { r, c }
+            | Element::SpeedSource { r, c }
+            | Element::SpeedProbe { r, c } => {
+                only_case[m.node(member, c)] = Some(member);
+                other[m.node(member, r)] = true;
+            }
+            Element::Revolute { r, c, .. } if !(m.alone(member, r) && m.alone(member, c)) => {
+                only_case[m.node(member, c)] = Some(member);
+                other[m.node(member, r)] = true;
+            }
+            Element::Inertia { port, .. } | Element::RotationalReference { port } => {
+                other[m.node(member, port)] = true
+            }
+            Element::Gear { base, follower, .. } => {
+                other[m.node(member, base)] = true;
+                other[m.node(member, follower)] = true;
+            }
+            _ => {}
+        }
+    }
+    only_case
+        .iter()
+        .enumerate()
+        .filter(|(node, _)| !other[*node] && !rotation.nodes[*node].is_empty())
+        .filter_map(|(node, member)| {
+            let problem = NetworkProblem::new(
+                "missing_reference",
+                format!("nothing holds the case at `{}`", m.node_name(node)),
+                "connect it to a RotationalReference, or to the part that it is mounted on",
+            );
+            member.map(|member| problem.with(member, "would turn its case instead of its rod"))
+        })
+        .collect()
 }
 
 /// Speeds at the start that inertias ask for; joints bring their own.
