@@ -286,7 +286,7 @@ impl Network {
             bias: vec![0.0; j],
             force: vec![0.0; n],
             dv: vec![0.0; n],
-            residual: vec![0.0; r.nodes.len()],
+            residual: vec![0.0; r.nodes.len() + j],
             mesh: MeshScratch::new(g),
             mesh_speed: vec![0.0; g],
             coupling: vec![0.0; g * g],
@@ -353,7 +353,9 @@ impl Network {
     fn currents(&self, c: &Context, w: &mut Work, early: bool) {
         let mut winding = std::mem::take(&mut w.winding);
         for seat in self.seats.iter().filter(|seat| !seat.windings.is_empty()) {
-            if early && !seat.windings.clone().all(|i| self.electrics.from_state[i]) {
+            // What follows from states was computed with them.
+            let from_state = seat.windings.clone().all(|i| self.electrics.from_state[i]);
+            if self.has_early && early != from_state {
                 continue;
             }
             if let Some(component) = seat.member.block.component() {
@@ -497,12 +499,13 @@ impl Network {
         let r = &self.rotation;
         let (n, g) = (r.free, self.meshes.len());
         let v = &c.x[self.joints..self.joints + n];
-        self.residuals(w, false);
         for (i, gear) in r.gears.iter().enumerate() {
             w.mesh_speed[i] = gear.base.of(v) + gear.base_prescribed.of(&w.s);
-            w.through[i] = gear.through.of(&w.residual);
+            let torques: f64 =
+                gear.by_torque.terms().iter().map(|(b, f)| f * w.torque[*b as usize].value).sum();
+            w.through[i] = gear.by_acceleration.of(&w.dv) + gear.by_prescribed.of(&w.ds) + torques;
         }
-        // Columns M^-1 t' of all meshes, then K = through (J T M^-1 t' - e).
+        // Columns M^-1 t' of all meshes. A loss takes its column from the accelerations, and acts at its base.
         w.columns.fill(0.0);
         for (h, gear) in r.gears.iter().enumerate() {
             let column = &mut w.columns[h * n..(h + 1) * n];
@@ -512,14 +515,7 @@ impl Network {
         for (i, gear) in r.gears.iter().enumerate() {
             for h in 0..g {
                 let column = &w.columns[h * n..(h + 1) * n];
-                let mut value = gear.own[h];
-                for (node, factor) in gear.through.terms() {
-                    let inertia = r.inertia[*node as usize];
-                    if inertia != 0.0 {
-                        value += factor * inertia * r.nodes[*node as usize].of(column);
-                    }
-                }
-                w.coupling[i * g + h] = value;
+                w.coupling[i * g + h] = gear.by_acceleration.of(column) - gear.by_loss[h];
             }
         }
         if !mesh::solve(&mut w.mesh, &self.meshes, &w.mesh_speed, &w.coupling, &w.through) {
@@ -535,11 +531,11 @@ impl Network {
         }
     }
 
-    /// `J dw - tau` of every node: what the rigid parts must supply. With or without the losses of the meshes.
-    fn residuals(&self, w: &mut Work, with_losses: bool) {
+    /// `J dw - tau` of every node: what the rigid parts must supply.
+    fn residuals(&self, w: &mut Work) {
         let r = &self.rotation;
-        for (node, to) in w.residual.iter_mut().enumerate() {
-            let inertia = r.inertia[node];
+        for (node, (to, inertia)) in w.residual.iter_mut().zip(&r.inertia).enumerate() {
+            let inertia = *inertia;
             *to = if inertia == 0.0 {
                 0.0
             } else {
@@ -550,20 +546,34 @@ impl Network {
             w.residual[*rod] += torque.value;
             w.residual[*case] -= torque.value;
         }
-        if with_losses {
-            for (gear, loss) in r.gears.iter().zip(&w.mesh.loss) {
-                w.residual[gear.base_node] += loss;
-            }
+        for (gear, loss) in r.gears.iter().zip(&w.mesh.loss) {
+            w.residual[gear.base_node] += loss;
+        }
+    }
+
+    /// `M qdd + h - tau` of every joint: what its drive side must supply.
+    fn joint_residuals(&self, w: &mut Work) {
+        let j = self.joints;
+        for joint in 0..j {
+            let row = &w.joint_mass[joint * j..(joint + 1) * j];
+            let inertial: f64 = row.iter().zip(&w.joint_motion).map(|(mass, motion)| mass * motion.a).sum();
+            w.residual[self.rotation.nodes.len() + joint] =
+                inertial + w.bias[joint] - w.joint_torque[joint].value;
         }
     }
 
     /// Accelerations and inner torques, for sensors.
     fn inner_torques(&self, w: &mut Work) {
         let r = &self.rotation;
-        self.residuals(w, true);
         for joint in 0..self.joints {
             w.joint_motion[joint].a = r.joints[joint].of(&w.dv) + r.joints_prescribed[joint].of(&w.ds);
-            w.joint_motion[joint].drive = r.drives[joint].of(&w.residual);
+        }
+        self.residuals(w);
+        if r.needs_joint_balance {
+            self.joint_residuals(w);
+        }
+        for (motion, drive) in w.joint_motion.iter_mut().zip(&r.drives) {
+            motion.drive = drive.of(&w.residual);
         }
         for (i, pin) in r.pins.iter().enumerate() {
             w.pin_acceleration[i] = pin.speed.of(&w.dv) + pin.prescribed.of(&w.ds);

@@ -1,7 +1,7 @@
 //! Speeds: independent ones, and how all others follow from them.
 
 use blocksim_block::physical::{Element, MeshLoss};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use crate::assembly::Members;
 use crate::eliminate::{Form, Relations};
@@ -28,10 +28,14 @@ pub(crate) struct LossyGear {
     pub base: Form,
     pub base_prescribed: Form,
     pub base_node: usize,
-    /// Lossless torque into the base over the residuals of the nodes.
-    pub through: Form,
-    /// `K = K0 + sum through J T M^-1 t'`: the part that needs no acceleration.
-    pub own: Vec<f64>,
+    /// Lossless torque into the base over the derivatives of the independent speeds ...
+    pub by_acceleration: Form,
+    /// ... of the prescribed speeds ...
+    pub by_prescribed: Form,
+    /// ... over the torques of the branches ...
+    pub by_torque: Form,
+    /// ... and over the losses of all lossy meshes.
+    pub by_loss: Vec<f64>,
 }
 
 /// The rotational side of a network.
@@ -65,6 +69,8 @@ pub(crate) struct Rotation {
     pub drives: Vec<Form>,
     /// Start values of the independent speeds.
     pub start: Vec<f64>,
+    /// Reactions are forms over the residuals of the nodes and of the joints, not of the nodes alone.
+    pub needs_joint_balance: bool,
     /// Names of the independent speeds for messages: joint index or node.
     pub names: Vec<String>,
 }
@@ -214,12 +220,17 @@ pub(crate) fn build(m: &Members, joint_members: &[usize]) -> Result<Rotation, Ve
         problems.extend(free_cases(m, &rotation));
     }
 
-    // Reactions: residuals of the nodes = A' lambda, so lambda = (A A')^-1 A residuals, with A the relations
-    // without the columns of the joints.
-    let rows = relations.len();
-    let a = DMatrix::from_fn(rows, nodes, |row, node| relations.row(row)[node]);
-    let gram = &a * a.transpose();
-    let Some(left_inverse) = gram.cholesky().map(|gram| gram.solve(&a)) else {
+    // Reactions: residuals = A' lambda, so lambda = (A A')^-1 A residuals, with A the relations. The columns of the
+    // nodes are enough unless a speed is prescribed to a joint: then the joint's own balance is needed as well.
+    let inverse_over = |columns: usize| {
+        let a = DMatrix::from_fn(relations.len(), columns, |row, column| relations.row(row)[column]);
+        (&a * a.transpose()).cholesky().map(|gram| gram.solve(&a))
+    };
+    let lossless = gears.iter().all(|(_, _, _, loss, _)| loss.is_none());
+    let over_nodes = inverse_over(nodes);
+    rotation.needs_joint_balance = over_nodes.is_none() && lossless;
+    let columns = if rotation.needs_joint_balance { nodes + joints } else { nodes };
+    let Some(left_inverse) = over_nodes.or_else(|| lossless.then(|| inverse_over(columns)).flatten()) else {
         if problems.is_empty() {
             problems.push(indeterminate(&reasons));
         }
@@ -229,7 +240,7 @@ pub(crate) fn build(m: &Members, joint_members: &[usize]) -> Result<Rotation, Ve
         return Err(problems);
     }
     let reaction = |row: usize, factor: f64| -> Form {
-        let dense: Vec<f64> = (0..nodes).map(|node| clean(left_inverse[(row, node)]) * factor).collect();
+        let dense: Vec<f64> = (0..columns).map(|i| clean(left_inverse[(row, i)]) * factor).collect();
         Form::from_dense(&dense)
     };
 
@@ -253,29 +264,49 @@ pub(crate) fn build(m: &Members, joint_members: &[usize]) -> Result<Rotation, Ve
                 base: rotation.nodes[*base].clone(),
                 base_prescribed: rotation.nodes_prescribed[*base].clone(),
                 base_node: *base,
-                through: through.clone(),
-                own: Vec::new(),
+                by_acceleration: Form::default(),
+                by_prescribed: Form::default(),
+                by_torque: Form::default(),
+                by_loss: Vec::new(),
             });
             rotation.gears.len() - 1
         });
         rotation.all_gears.push((through, lossy));
     }
-    let bases: Vec<usize> = rotation.gears.iter().map(|gear| gear.base_node).collect();
-    for gear in &mut rotation.gears {
-        let mut unit = DVector::zeros(nodes);
-        gear.own = bases
-            .iter()
-            .map(|base| {
-                unit.fill(0.0);
-                unit[*base] = 1.0;
-                -gear.through.of(unit.as_slice())
-            })
-            .collect();
-    }
+    pass_through(&mut rotation);
     rotation.drives =
         drive_rows.iter().map(|row| row.map_or_else(Form::default, |row| reaction(row, -1.0))).collect();
     rotation.start = start(m, &rotation, joint_members, &starts)?;
     Ok(rotation)
+}
+
+/// Writes the torque through every lossy gear as forms over accelerations, torques and losses: the residual of a
+/// node is `J dw` plus the torques of the branches that leave it plus the losses of the meshes at their bases.
+fn pass_through(rotation: &mut Rotation) {
+    let nodes = rotation.nodes.len();
+    let bases: Vec<usize> = rotation.gears.iter().map(|gear| gear.base_node).collect();
+    let over_nodes: Vec<Form> = rotation
+        .all_gears
+        .iter()
+        .filter(|(_, lossy)| lossy.is_some())
+        .map(|(through, _)| through.clone())
+        .collect();
+    for (gear, through) in rotation.gears.iter_mut().zip(over_nodes) {
+        let mut weight = vec![0.0; nodes];
+        through.add_to(1.0, &mut weight);
+        let mut acceleration = vec![0.0; rotation.free];
+        let mut prescribed = vec![0.0; rotation.sources];
+        for (node, weight) in weight.iter().enumerate() {
+            let factor = weight * rotation.inertia[node];
+            rotation.nodes[node].add_to(factor, &mut acceleration);
+            rotation.nodes_prescribed[node].add_to(factor, &mut prescribed);
+        }
+        let torque: Vec<f64> = rotation.branch_nodes.iter().map(|(r, c)| weight[*r] - weight[*c]).collect();
+        gear.by_acceleration = Form::from_dense(&acceleration);
+        gear.by_prescribed = Form::from_dense(&prescribed);
+        gear.by_torque = Form::from_dense(&torque);
+        gear.by_loss = bases.iter().map(|base| weight[*base]).collect();
+    }
 }
 
 /// Cases that nothing holds: without inertia and reference they would follow whatever pushes them.

@@ -196,7 +196,6 @@ fn friction_in_a_bearing_acts_between_the_drive_sides_of_a_joint() {
 }
 
 #[test]
-#[ignore = "a speed that is prescribed to a joint is refused: the torques are taken for indeterminate"]
 fn a_prescribed_joint_needs_the_torque_of_inverse_dynamics() {
     // The source turns the drive side of a pendulum; its torque is J a + m g l sin q.
     let mut plant = Plant::new(
