@@ -1,2 +1,75 @@
-//! blocksim
-fn main() {}
+//! `blocksim`: simulates block diagrams written as text.
+//!
+//! This file parses the command line and dispatches; `commands` has one function for each verb. Data goes to the
+//! standard output, what is said to people about it to the standard error.
+
+// Blocks register themselves when they are linked, and only crates that are named are linked.
+use blocksim_blocks as _;
+use blocksim_host as _;
+
+mod args;
+mod bug;
+mod charts;
+mod commands;
+mod console;
+mod disk;
+mod exit;
+mod format;
+mod interrupt;
+mod manifest;
+mod naming;
+mod ports;
+mod progress;
+mod prose;
+mod recorder;
+mod render;
+mod report;
+mod shown;
+mod solver;
+mod summary;
+mod tracking;
+
+use std::io;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::args::{Args, Command};
+use crate::console::Console;
+use crate::exit::Exit;
+
+/// What `blocksim` alone prints.
+const HINTS: &str = "\
+blocksim simulates block diagrams written as text.
+
+  blocksim run MODEL.ron                    simulate, show and keep the results
+  blocksim run MODEL.ron --set drive=dc     with another value of a parameter
+  blocksim check MODEL.ron                  tell all problems without running
+  blocksim blocks                           which kinds of block there are
+  blocksim blocks Gain                      all about one of them
+
+`blocksim --help` tells all commands, `blocksim run --help` the options of one.
+";
+
+fn main() -> ExitCode {
+    bug::report_panics();
+    let args = Args::parse();
+    let console = Console::of_process(args.color, args.ascii);
+    let outcome = match &args.command {
+        None => console.data(HINTS).map(|()| Exit::Done),
+        Some(Command::Run(args)) => commands::run(args, console),
+        Some(Command::Check(args)) => commands::check(args, console),
+        Some(Command::Emit(args)) => commands::emit(args, console),
+        Some(Command::Blocks(args)) => commands::blocks(args, console),
+        Some(Command::Explain(args)) => commands::explain(args, console),
+    };
+    match outcome {
+        Ok(exit) => exit.into(),
+        // Whoever reads only the first lines, such as `head`, has what they want.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Exit::Done.into(),
+        Err(error) => {
+            console.say(&format!("error: cannot write to the standard output: {error}"));
+            Exit::Files.into()
+        }
+    }
+}

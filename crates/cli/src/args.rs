@@ -1,0 +1,248 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use blocksim_diagram::Stage;
+use blocksim_signal::{Lookup, Scope, Unit, evaluate};
+use clap::{Parser, Subcommand, ValueEnum};
+
+/// Simulate block diagrams written as text.
+#[derive(Debug, Parser)]
+#[command(name = "blocksim", version, disable_help_subcommand = true, max_term_width = 100)]
+#[command(after_help = "Exit codes: 0 done, 1 the simulation failed, 2 usage, 3 the model has errors, \
+                        4 files, 101 a bug, 130 interrupted.")]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Colour of messages; NO_COLOR and CLICOLOR_FORCE are heeded.
+    #[arg(long, global = true, value_enum, default_value_t = Colour::Auto, value_name = "WHEN")]
+    pub color: Colour,
+    /// Draw with plain ASCII signs.
+    #[arg(long, global = true)]
+    pub ascii: bool,
+}
+
+/// When messages are coloured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Colour {
+    /// On a terminal.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// The verbs.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Simulate a model, show what happened and keep it in a folder.
+    Run(RunArgs),
+    /// Tell all problems of a model without running it.
+    Check(CheckArgs),
+    /// Print what a step of the compiler makes of a model.
+    Emit(EmitArgs),
+    /// Tell which kinds of block there are, or all about one kind.
+    Blocks(BlocksArgs),
+    /// Explain a problem by the word that stands in its brackets: `error[unknown_port]`.
+    Explain(ExplainArgs),
+}
+
+/// A model and what to change in it.
+#[derive(Debug, clap::Args)]
+pub struct ModelArgs {
+    /// File of the model.
+    pub model: PathBuf,
+    /// Sets a parameter for this call: `drive=dc`, `robot.axis1.gear.ring_teeth=51`, `pid.kp=40`; may be repeated.
+    #[arg(long = "set", value_name = "TARGET=VALUE", value_parser = assignment)]
+    pub set: Vec<String>,
+}
+
+/// `blocksim run`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  blocksim run servo.ron\n  blocksim run servo.ron --set pid.kp=12 --until \"500 ms\"\n  \
+                        blocksim run servo.ron --plot 'angle.*' --out before"
+)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// End of the simulation, such as `10`, `10s` or `250ms`.
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub until: Option<f64>,
+    /// Method: ode1 to ode5 (fixed step), ode23, ode45, rodas4, rosw3 (variable step).
+    #[arg(long, value_name = "NAME")]
+    pub solver: Option<String>,
+    /// Relative tolerance of a method of variable step.
+    #[arg(long, value_name = "X", value_parser = positive)]
+    pub rtol: Option<f64>,
+    /// Step of a method of fixed step, or the largest one of a method of variable step.
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub step: Option<f64>,
+    /// Folder for the results, which must be new or empty [default: runs/<time>_<model>].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Signals to plot: parts of their paths or patterns with `*`, separated by commas.
+    #[arg(long, value_name = "PATTERN", value_delimiter = ',', conflicts_with = "no_plot")]
+    pub plot: Vec<String>,
+    /// Draw nothing.
+    #[arg(long)]
+    pub no_plot: bool,
+    /// Say only what is wrong, and print the folder of the results.
+    #[arg(long, short, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Print problems, progress and the result as JSON, one object a line.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `blocksim check`.
+#[derive(Debug, clap::Args)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// How problems are told: with the text around them, a line each, or as JSON, an object a line.
+    #[arg(long, value_enum, default_value_t = Format::Full, value_name = "FORMAT")]
+    pub output_format: Format,
+}
+
+/// How problems are told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// With the text around them.
+    Full,
+    /// A line each.
+    Short,
+    /// A JSON object a line, on the standard output.
+    Json,
+}
+
+/// `blocksim emit`.
+#[derive(Debug, clap::Args)]
+pub struct EmitArgs {
+    /// Which step.
+    #[arg(value_enum)]
+    pub stage: StageName,
+    #[command(flatten)]
+    pub model: ModelArgs,
+}
+
+/// The steps of the compiler whose result can be printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum StageName {
+    /// Files as read.
+    Ast,
+    /// Parameters and variants resolved.
+    Model,
+    /// All blocks and connections without levels.
+    Flat,
+    /// Types and sample times of all ports.
+    Types,
+    /// What the engine runs.
+    Schedule,
+}
+
+impl From<StageName> for Stage {
+    fn from(name: StageName) -> Stage {
+        match name {
+            StageName::Ast => Stage::Ast,
+            StageName::Model => Stage::Model,
+            StageName::Flat => Stage::Flat,
+            StageName::Types => Stage::Types,
+            StageName::Schedule => Stage::Schedule,
+        }
+    }
+}
+
+/// `blocksim blocks`.
+#[derive(Debug, clap::Args)]
+pub struct BlocksArgs {
+    /// A kind of block; all kinds if none is given.
+    pub kind: Option<String>,
+    /// As JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `blocksim explain`.
+#[derive(Debug, clap::Args)]
+pub struct ExplainArgs {
+    /// The word in the brackets of the message; all of them if none is given.
+    pub code: Option<String>,
+}
+
+/// No names: only numbers and units make sense on the command line.
+struct NoNames;
+
+impl Scope for NoNames {
+    fn lookup(&self, _name: &str) -> Lookup {
+        Lookup::Unknown
+    }
+
+    fn names(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// A time above zero, s.
+fn time(text: &str) -> Result<f64, String> {
+    let value = evaluate(text, &NoNames).map_err(|error| match error.help {
+        Some(help) => format!("{}; {help}", error.message),
+        None => error.message,
+    })?;
+    let quantity = value.as_number().ok_or("a time is a number, such as 10s or 250ms")?;
+    let is_time = Unit::parse("s").is_ok_and(|second| quantity.dimension == second.dimension);
+    match quantity.value {
+        _ if !is_time && !quantity.dimension.is_none() => Err("a time has a unit such as s or ms".to_owned()),
+        seconds if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("a time here is above zero".to_owned()),
+    }
+}
+
+/// A number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("a number above zero, such as 1e-6".to_owned()),
+    }
+}
+
+/// `target=value` with something on both sides.
+fn assignment(text: &str) -> Result<String, String> {
+    match text.split_once('=') {
+        Some((target, value)) if !target.trim().is_empty() && !value.trim().is_empty() => Ok(text.to_owned()),
+        _ => Err("write target=value, such as drive=dc or pid.kp=40".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_of_the_command_line_is_sound() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn times_have_units_or_are_seconds() {
+        assert_eq!(time("10"), Ok(10.0));
+        assert_eq!(time("10s"), Ok(10.0));
+        assert_eq!(time("250 ms"), Ok(0.25));
+        assert_eq!(time("2*1.5 s"), Ok(3.0));
+        for wrong in ["3 m", "0", "-1 s", "1/0", "soon", "[1, 2]", ""] {
+            assert!(time(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn an_assignment_has_two_sides() {
+        assert!(assignment("pid.kp=40").is_ok());
+        assert!(assignment("a=b=c").is_ok(), "the value may be an expression");
+        for wrong in ["kp", "=4", "kp=", " = "] {
+            assert!(assignment(wrong).is_err(), "{wrong}");
+        }
+    }
+}

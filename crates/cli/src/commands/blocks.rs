@@ -1,0 +1,179 @@
+use std::io;
+
+use blocksim_block::{BlockInfo, kinds};
+use blocksim_diagram::HIERARCHY;
+use blocksim_results::{Align, Table};
+use blocksim_signal::closest;
+use serde_json::{Value, json};
+
+use crate::args::BlocksArgs;
+use crate::console::Console;
+use crate::exit::Exit;
+use crate::ports::{Ports, ports};
+use crate::prose::{first_sentence, prose};
+
+/// Lists all kinds of block, or describes one.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn blocks(args: &BlocksArgs, console: Console) -> io::Result<Exit> {
+    let all = all();
+    let Some(name) = &args.kind else {
+        console.data(&if args.json { lines(&all) } else { list(&all, console.width) })?;
+        return Ok(Exit::Done);
+    };
+    match all.iter().find(|info| info.kind == name) {
+        Some(info) if args.json => console.data(&lines(&[info]))?,
+        Some(info) => console.data(&page(info))?,
+        None => {
+            console.say(&unknown(name, &all));
+            return Ok(Exit::Usage);
+        }
+    }
+    Ok(Exit::Done)
+}
+
+/// All kinds by category and name, those of the hierarchy first.
+fn all() -> Vec<&'static BlockInfo> {
+    static OF_HIERARCHY: [BlockInfo; 2] = HIERARCHY;
+    OF_HIERARCHY.iter().chain(kinds()).collect()
+}
+
+fn unknown(name: &str, all: &[&BlockInfo]) -> String {
+    let meant = closest(name, all.iter().map(|info| info.kind));
+    let part = || all.iter().find(|info| info.kind.to_lowercase().contains(&name.to_lowercase()));
+    match meant.or(part().map(|info| info.kind)) {
+        Some(meant) => format!("error: there is no block `{name}`; did you mean `{meant}`?"),
+        None => format!("error: there is no block `{name}`; `blocksim blocks` lists all"),
+    }
+}
+
+/// Kinds below the headings of their categories, each with its first sentence.
+fn list(all: &[&BlockInfo], width: usize) -> String {
+    let longest = all.iter().map(|info| info.kind.len()).max().unwrap_or(0);
+    let mut text = String::new();
+    let mut category = "";
+    for info in all {
+        if info.category != category {
+            text.push_str(&format!("{}{}\n", if category.is_empty() { "" } else { "\n" }, info.category));
+            category = info.category;
+        }
+        let sentence = first_sentence(info.doc);
+        let room = width.saturating_sub(longest + 4).max(20);
+        let sentence = match sentence.chars().count() > room {
+            true => sentence.chars().take(room - 3).collect::<String>().trim_end().to_owned() + "...",
+            false => sentence,
+        };
+        text.push_str(&format!("  {:<longest$}  {sentence}\n", info.kind));
+    }
+    text.push_str("\n`blocksim blocks KIND` tells all about one of them.\n");
+    text
+}
+
+/// All about one kind.
+fn page(info: &BlockInfo) -> String {
+    let mut text = format!("{} ({})\n\n{}", info.kind, info.category, prose(info.doc.trim()));
+    let mut section = |title: &str, content: String| {
+        if !content.is_empty() {
+            text.push_str(&format!("\n{title}\n{content}"));
+        }
+    };
+    section("Ports of the example", ports(info).map(|ports| port_list(&ports)).unwrap_or_default());
+    section("Parameters", parameter_table(info));
+    section("Source", format!("  {}:{}\n", info.file, info.line));
+    text
+}
+
+fn port_list(ports: &Ports) -> String {
+    let sides = [("inputs", &ports.inputs), ("outputs", &ports.outputs), ("conserving", &ports.conserving)];
+    let filled = sides.iter().filter(|(_, names)| !names.is_empty());
+    filled.map(|(side, names)| format!("  {side:<10}  {}\n", names.join(", "))).collect()
+}
+
+fn parameter_table(info: &BlockInfo) -> String {
+    let columns =
+        [("  name", Align::Left), ("unit", Align::Left), ("default", Align::Left), ("", Align::Left)];
+    let mut table = Table::new(&columns);
+    for parameter in info.parameters {
+        let unit = if parameter.unit.is_empty() { "-" } else { parameter.unit };
+        // In diagrams a choice is written without the name of its Rust type, and what may be absent is left out.
+        let default = match parameter.default {
+            None => "required",
+            Some("None") => "-",
+            Some(default) if default.ends_with("::new()") || default.ends_with("::default()") => "-",
+            Some(default) => default.rsplit("::").next().unwrap_or(default),
+        };
+        table.row([
+            format!("  {}", parameter.name),
+            unit.to_owned(),
+            default.to_owned(),
+            prose_line(parameter.doc),
+        ]);
+    }
+    if info.parameters.is_empty() { String::new() } else { table.render() }
+}
+
+/// A comment in one line.
+fn prose_line(doc: &str) -> String {
+    prose(doc).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A JSON object a line.
+fn lines(all: &[&BlockInfo]) -> String {
+    all.iter().map(|info| format!("{}\n", data(info))).collect()
+}
+
+fn data(info: &BlockInfo) -> Value {
+    let parameters: Vec<Value> = info
+        .parameters
+        .iter()
+        .map(|p| json!({"name": p.name, "type": p.rust_type, "unit": p.unit, "default": p.default, "doc": p.doc}))
+        .collect();
+    let ports =
+        ports(info).map(|p| json!({"inputs": p.inputs, "outputs": p.outputs, "conserving": p.conserving}));
+    json!({
+        "v": 1,
+        "type": "block",
+        "kind": info.kind,
+        "category": info.category,
+        "doc": info.doc,
+        "examples": info.examples(),
+        "ports": ports,
+        "parameters": parameters,
+        "file": info.file,
+        "line": info.line,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_library_and_the_plug_in_block_are_linked() {
+        let names: Vec<&str> = all().iter().map(|info| info.kind).collect();
+        for expected in ["Subsystem", "Variant", "Gain", "Integrator", "Plugin"] {
+            assert!(names.contains(&expected), "{expected} is missing");
+        }
+        assert!(names.len() >= 30, "only {} kinds", names.len());
+    }
+
+    #[test]
+    fn every_kind_has_a_page_and_a_line() {
+        let all = all();
+        let list = list(&all, 100);
+        for info in &all {
+            assert!(list.contains(&format!("  {} ", info.kind)), "{}", info.kind);
+            let page = page(info);
+            assert!(info.parameters.iter().all(|p| page.contains(p.name)), "{}", info.kind);
+            assert!(page.contains(info.file));
+        }
+        assert!(list.lines().all(|line| line.chars().count() <= 100));
+    }
+
+    #[test]
+    fn an_unknown_kind_gets_the_likely_one() {
+        assert!(unknown("Intergrator", &all()).ends_with("did you mean `Integrator`?"));
+        assert!(unknown("Zzzz", &all()).ends_with("`blocksim blocks` lists all"));
+    }
+}

@@ -1,0 +1,69 @@
+//! One function for each verb.
+
+mod blocks;
+mod check;
+mod emit;
+mod explain;
+mod run;
+
+pub use blocks::blocks;
+pub use check::check;
+pub use emit::emit;
+pub use explain::explain;
+pub use run::run;
+
+use blocksim_block::problem::Problem;
+use blocksim_diagram::{Compiled, SourceFile, Sources, compile};
+
+use crate::args::{Format, ModelArgs};
+use crate::console::Console;
+use crate::disk::{Disk, refusal};
+use crate::render;
+
+/// A model and the files that it was read from.
+pub struct Loaded {
+    /// What became of it.
+    pub compiled: Compiled,
+    /// All texts that places in problems refer to.
+    pub files: Vec<SourceFile>,
+    /// Those of them that are files.
+    pub on_disk: Vec<SourceFile>,
+}
+
+/// Reads and compiles a model; `None` if there is nothing to read, which has been told then.
+pub fn load(args: &ModelArgs, console: Console) -> Option<Loaded> {
+    if let Some(refusal) = refusal(&args.model) {
+        console.say(&refusal);
+        return None;
+    }
+    blocksim_host::set_build_notice(|notice| {
+        use std::io::Write;
+        let _ = writeln!(std::io::stderr(), "  {notice}");
+    });
+    let disk = Disk::default();
+    let sources = Sources::new(&disk);
+    let compiled = compile(&sources, &args.model, &args.set);
+    let files = sources.all();
+    let on_disk = files.iter().filter(|file| disk.has_read(&file.path)).cloned().collect();
+    Some(Loaded { compiled, files, on_disk })
+}
+
+/// Tells problems: to people on the standard error, as data on the standard output.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn tell(
+    problems: &[Problem],
+    files: &[SourceFile],
+    format: Format,
+    console: Console,
+) -> std::io::Result<()> {
+    for problem in problems {
+        match format {
+            Format::Full => console.say(&format!("{}\n", render::full(problem, files, console.colour))),
+            Format::Short => console.say(&render::short(problem, files)),
+            Format::Json => console.data(&format!("{}\n", render::json(problem, files)))?,
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,94 @@
+//! Files of a model, read from the disk.
+
+use std::cell::RefCell;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use blocksim_diagram::Reader;
+use blocksim_signal::closest;
+
+/// Largest file that is read as text.
+const LARGEST: u64 = 256 << 20;
+
+/// Reads files and remembers which.
+#[derive(Debug, Default)]
+pub struct Disk {
+    read: RefCell<Vec<PathBuf>>,
+}
+
+impl Disk {
+    /// Whether this file was read.
+    pub fn has_read(&self, path: &Path) -> bool {
+        self.read.borrow().iter().any(|known| known == path)
+    }
+}
+
+impl Reader for Disk {
+    fn read(&self, path: &Path) -> Result<String, String> {
+        let text = text(path).map_err(|error| reason(&error))?;
+        self.read.borrow_mut().push(path.to_owned());
+        Ok(text)
+    }
+}
+
+fn text(path: &Path) -> io::Result<String> {
+    let about = fs::metadata(path)?;
+    if about.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if about.len() > LARGEST {
+        return Err(io::Error::other(format!("it has more than {} MiB", LARGEST >> 20)));
+    }
+    fs::read_to_string(path)
+}
+
+/// Why a model cannot be read and what helps; `None` if it can.
+pub fn refusal(model: &Path) -> Option<String> {
+    let error = text(model).err()?;
+    let said = format!("error: cannot read `{}`: {}", model.display(), reason(&error));
+    let help = match error.kind() {
+        io::ErrorKind::NotFound => {
+            likely(model).map(|likely| format!("did you mean `{}`?", likely.display()))
+        }
+        io::ErrorKind::IsADirectory => {
+            models(model).first().map(|file| format!("name a file in it, such as `{}`", file.display()))
+        }
+        _ => None,
+    };
+    Some(help.map_or(said.clone(), |help| format!("{said}\n  = help: {help}")))
+}
+
+fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
+        io::ErrorKind::PermissionDenied => "you may not read it".to_owned(),
+        io::ErrorKind::InvalidData => "it is no text in UTF-8".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
+/// The model beside `model` that is spelt most like it.
+fn likely(model: &Path) -> Option<PathBuf> {
+    let folder = model.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let with_ending = model.with_extension("ron");
+    if with_ending.is_file() {
+        return Some(with_ending);
+    }
+    let files = models(folder);
+    let names: Vec<&str> = files.iter().filter_map(|file| file.file_name()?.to_str()).collect();
+    let meant = closest(model.file_name()?.to_str()?, names)?;
+    Some(if folder == Path::new(".") { PathBuf::from(meant) } else { folder.join(meant) })
+}
+
+/// Models of a folder by name; the one named as the folder first.
+fn models(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let mut files: Vec<PathBuf> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|ending| ending == "ron"))
+        .collect();
+    files.sort_by_key(|file| (file.file_stem() != folder.file_name(), file.clone()));
+    files
+}

@@ -1,0 +1,115 @@
+//! What a run says at its end: to people, to programs, and to the log.
+
+use blocksim_block::schedule::Schedule;
+use blocksim_results::{Ended, EventRow, Manifest, Recording};
+use blocksim_sim::Counts;
+use serde_json::{Value, json};
+
+use crate::args::RunArgs;
+use crate::commands::Loaded;
+use crate::console::Console;
+use crate::shown::{Shown, shown};
+use crate::summary::summary;
+use crate::tracking::{table, trackings};
+use crate::{charts, naming, render, tracking};
+
+/// A finished run.
+pub struct Report<'a> {
+    /// What was run.
+    pub schedule: &'a Schedule,
+    /// How it ended.
+    pub manifest: &'a Manifest,
+    /// Work done.
+    pub counts: Counts,
+    /// What was recorded.
+    pub recording: &'a Recording,
+}
+
+impl Report<'_> {
+    /// Summary, table and plots.
+    pub fn text(&self, place: Option<&str>, args: &RunArgs, console: Console) -> String {
+        let shown = self.shown();
+        let mut parts = vec![self.summary(place), table(&trackings(&shown), &self.recording.time)];
+        if !args.no_plot && self.recording.rows() > 1 {
+            parts.push(self.plots(&shown, &args.plot, console));
+        }
+        parts.retain(|part| !part.is_empty());
+        parts.join("\n")
+    }
+
+    /// The same as data.
+    pub fn json(&self, place: &str) -> Value {
+        let shown = self.shown();
+        let (ended, reason) = match &self.manifest.ended {
+            Ended::Complete => ("complete", None),
+            Ended::Stopped { reason } => ("stopped", Some(reason)),
+            Ended::Interrupted => ("interrupted", None),
+            Ended::Failed { reason } => ("failed", Some(reason)),
+        };
+        json!({
+            "v": 1,
+            "type": "done",
+            "ended": ended,
+            "reason": reason,
+            "run": place,
+            "simulated_time": self.manifest.simulated_time,
+            "wall_time": self.manifest.wall_time,
+            "steps": self.counts.major,
+            "rejected": self.counts.rejected,
+            "evaluations": self.counts.evaluations,
+            "events": self.counts.events,
+            "sample_hits": self.counts.hits,
+            "signals": self.recording.signals.len(),
+            "rows": self.recording.rows(),
+            "tracking": tracking::json(&trackings(&shown), &self.recording.time),
+        })
+    }
+
+    /// A sentence if somebody asked for a plot of signals that are not recorded.
+    pub fn plot_warning(&self, args: &RunArgs) -> Option<String> {
+        let paths = || self.recording.signals.iter().map(|signal| signal.path.as_str());
+        let lost = args.plot.iter().find(|pattern| !paths().any(|path| naming::fits(path, pattern)))?;
+        let some: Vec<&str> = paths().take(5).collect();
+        let more = if paths().count() > some.len() { ", ..." } else { "" };
+        Some(format!("warning: no recorded signal fits `{lost}`; recorded are {}{more}", some.join(", ")))
+    }
+
+    fn shown(&self) -> Vec<Shown<'_>> {
+        shown(&self.schedule.recorded, self.recording)
+    }
+
+    fn summary(&self, place: Option<&str>) -> String {
+        let (signals, rows) = (self.recording.signals.len(), self.recording.rows());
+        summary(&self.schedule.title, self.manifest, &self.counts, signals, rows, place)
+    }
+
+    fn plots(&self, shown: &[Shown], patterns: &[String], console: Console) -> String {
+        let time = &self.recording.time;
+        if let Some(text) = charts::chosen(patterns, shown, time, console) {
+            return text;
+        }
+        let trackings = trackings(shown);
+        if !trackings.is_empty() {
+            return charts::following(&trackings, time, console);
+        }
+        // A scope shows what its author wanted to see; other recorded signals only stand in for one.
+        let scopes = || self.schedule.blocks.iter().filter(|block| block.interface.recorded.is_some());
+        let of_scope = |s: &&Shown| scopes().any(|scope| scope.path == s.block());
+        match shown.iter().find(of_scope).or(shown.first()) {
+            Some(first) => charts::block(first.block(), shown, time, console),
+            None => String::new(),
+        }
+    }
+}
+
+/// The lines of `log.txt`: the command line's problems, the first events, the summary.
+pub fn log(report: &Report, loaded: &Loaded, events: &[EventRow]) -> Vec<String> {
+    let problems = loaded.compiled.problems.iter();
+    let mut lines: Vec<String> =
+        problems.flat_map(|problem| [render::full(problem, &loaded.files, false), String::new()]).collect();
+    lines.push(report.summary(None));
+    let shown = report.shown();
+    lines.push(table(&trackings(&shown), &report.recording.time));
+    lines.push(format!("{} in events.csv", render::plural(events.len(), "event")));
+    lines.iter().flat_map(|text| text.lines().map(str::to_owned)).collect()
+}

@@ -1,0 +1,174 @@
+//! The method of a run: what the diagram says and what the command line changes.
+
+use blocksim_block::schedule::{FixedMethod, Settings, Solver, VariableMethod};
+use blocksim_results::SolverUsed;
+use blocksim_signal::closest;
+
+use crate::args::RunArgs;
+
+/// A method by its name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Method {
+    Fixed(FixedMethod),
+    Variable(VariableMethod),
+}
+
+/// Names as they stand in diagrams.
+const METHODS: [(&str, Method); 9] = [
+    ("Ode1", Method::Fixed(FixedMethod::Ode1)),
+    ("Ode2", Method::Fixed(FixedMethod::Ode2)),
+    ("Ode3", Method::Fixed(FixedMethod::Ode3)),
+    ("Ode4", Method::Fixed(FixedMethod::Ode4)),
+    ("Ode5", Method::Fixed(FixedMethod::Ode5)),
+    ("Ode23", Method::Variable(VariableMethod::Ode23)),
+    ("Ode45", Method::Variable(VariableMethod::Ode45)),
+    ("Rodas4", Method::Variable(VariableMethod::Rodas4)),
+    ("RosW3", Method::Variable(VariableMethod::RosW3)),
+];
+
+/// Relative tolerance where neither the diagram nor the command line says one.
+const RTOL: f64 = 1e-6;
+
+/// Changes the settings of a diagram as the command line says.
+///
+/// # Errors
+/// A sentence about the options, if they do not fit together.
+pub fn apply(args: &RunArgs, settings: &mut Settings) -> Result<(), String> {
+    if let Some(until) = args.until {
+        settings.stop_time = until;
+    }
+    if let Some(name) = &args.solver {
+        settings.solver = changed(named(name)?, settings.solver, args.step)?;
+    }
+    match &mut settings.solver {
+        Solver::Fixed { step, .. } => {
+            if args.rtol.is_some() {
+                return Err("--rtol makes no sense with a method of fixed step; use --step".to_owned());
+            }
+            *step = args.step.unwrap_or(*step);
+        }
+        Solver::Variable { rtol, atol, max_step, .. } => {
+            if let Some(asked) = args.rtol {
+                // The absolute tolerance keeps its ratio to the relative one.
+                *atol *= asked / *rtol;
+                *rtol = asked;
+            }
+            *max_step = args.step.unwrap_or(*max_step);
+        }
+    }
+    Ok(())
+}
+
+fn named(name: &str) -> Result<Method, String> {
+    let found = METHODS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+    found.map(|(_, method)| *method).ok_or_else(|| {
+        let names = METHODS.map(|(known, _)| known.to_lowercase());
+        let meant = closest(name, names.iter().map(String::as_str));
+        let meant = meant.map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"));
+        format!("there is no solver `{name}`{meant}\nsolvers: {}", names.join(", "))
+    })
+}
+
+/// Another method with as much as possible of what was said for the present one.
+fn changed(method: Method, present: Solver, step: Option<f64>) -> Result<Solver, String> {
+    match (method, present) {
+        (Method::Fixed(method), Solver::Fixed { step: present, .. }) => {
+            Ok(Solver::Fixed { method, step: step.unwrap_or(present) })
+        }
+        (Method::Fixed(method), Solver::Variable { .. }) => match step {
+            Some(step) => Ok(Solver::Fixed { method, step }),
+            None => Err("a method of fixed step needs --step, such as --step 1ms".to_owned()),
+        },
+        (Method::Variable(method), Solver::Variable { rtol, atol, max_step, .. }) => {
+            Ok(Solver::Variable { method, rtol, atol, max_step })
+        }
+        (Method::Variable(method), Solver::Fixed { .. }) => {
+            Ok(Solver::Variable { method, rtol: RTOL, atol: RTOL, max_step: f64::INFINITY })
+        }
+    }
+}
+
+/// For the manifest.
+pub fn used(solver: Solver) -> SolverUsed {
+    match solver {
+        Solver::Fixed { method, step } => {
+            SolverUsed { name: name(Method::Fixed(method)), rtol: None, atol: None, step: Some(step) }
+        }
+        Solver::Variable { method, rtol, atol, max_step } => SolverUsed {
+            name: name(Method::Variable(method)),
+            rtol: Some(rtol),
+            atol: Some(atol),
+            step: max_step.is_finite().then_some(max_step),
+        },
+    }
+}
+
+/// In words: `Ode45, rtol 1e-6, atol 1e-6`.
+pub fn described(used: &SolverUsed) -> String {
+    let parts = [("rtol", used.rtol, ""), ("atol", used.atol, "")];
+    let mut text = used.name.clone();
+    for (name, value, unit) in parts {
+        if let Some(value) = value {
+            text.push_str(&format!(", {name} {value:e}{unit}"));
+        }
+    }
+    match (used.step, used.rtol) {
+        (Some(step), None) => text.push_str(&format!(", step {step} s")),
+        (Some(step), Some(_)) => text.push_str(&format!(", steps up to {step} s")),
+        (None, _) => {}
+    }
+    text
+}
+
+fn name(method: Method) -> String {
+    let found = METHODS.iter().find(|(_, known)| *known == method);
+    found.map_or_else(String::new, |(name, _)| (*name).to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{Args, Command};
+    use blocksim_block::schedule::OutputTimes;
+    use clap::Parser;
+
+    const ODE45: Solver =
+        Solver::Variable { method: VariableMethod::Ode45, rtol: 1e-6, atol: 1e-8, max_step: f64::INFINITY };
+    const ODE4: Solver = Solver::Fixed { method: FixedMethod::Ode4, step: 1e-3 };
+
+    fn with(solver: Solver, options: &[&str]) -> Result<Settings, String> {
+        let args = Args::parse_from([&["blocksim", "run", "m.ron"], options].concat());
+        let Some(Command::Run(args)) = args.command else { panic!("run was asked for") };
+        let mut settings = Settings { stop_time: 1.0, solver, output: OutputTimes::Steps, seed: 0 };
+        apply(&args, &mut settings).map(|()| settings)
+    }
+
+    #[test]
+    fn options_change_what_they_name_and_nothing_else() {
+        assert_eq!(with(ODE45, &["--until", "2s"]).unwrap().stop_time, 2.0);
+        assert_eq!(with(ODE45, &[]).unwrap().solver, ODE45);
+        let tight = with(ODE45, &["--rtol", "1e-9", "--solver", "rosw3"]).unwrap().solver;
+        let Solver::Variable { method: VariableMethod::RosW3, rtol, atol, .. } = tight else {
+            panic!("{tight:?}")
+        };
+        assert!(rtol == 1e-9 && (atol / 1e-11 - 1.0).abs() < 1e-12);
+        let fixed = with(ODE45, &["--solver", "ode2", "--step", "2ms"]).unwrap().solver;
+        assert_eq!(fixed, Solver::Fixed { method: FixedMethod::Ode2, step: 2e-3 });
+        let kept = with(ODE4, &["--solver", "Ode1"]).unwrap().solver;
+        assert_eq!(kept, Solver::Fixed { method: FixedMethod::Ode1, step: 1e-3 });
+    }
+
+    #[test]
+    fn options_that_do_not_fit_together_are_refused() {
+        assert!(with(ODE45, &["--solver", "ode4"]).unwrap_err().contains("--step"));
+        assert!(with(ODE4, &["--rtol", "1e-3"]).unwrap_err().contains("fixed step"));
+        let unknown = with(ODE45, &["--solver", "ode54"]).unwrap_err();
+        assert!(unknown.contains("did you mean `ode"), "{unknown}");
+    }
+
+    #[test]
+    fn a_method_is_described_as_it_was_used() {
+        assert_eq!(described(&used(ODE45)), "Ode45, rtol 1e-6, atol 1e-8");
+        assert_eq!(described(&used(ODE4)), "Ode4, step 0.001 s");
+    }
+}

@@ -1,0 +1,147 @@
+//! What a run was, in a few lines.
+
+use blocksim_results::format::{count, duration, fixed, significant};
+use blocksim_results::{Align, Choice, Ended, Manifest, Table};
+use blocksim_sim::Counts;
+
+use crate::render::plural;
+use crate::solver;
+
+/// Title, times, solver, work and what was recorded; `place` is where the results lie.
+pub fn summary(
+    title: &str,
+    manifest: &Manifest,
+    counts: &Counts,
+    signals: usize,
+    rows: usize,
+    place: Option<&str>,
+) -> String {
+    let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
+    let factor = manifest.simulated_time / manifest.wall_time;
+    let speed = match factor.is_finite() && factor > 0.0 {
+        true => format!(" ({} times real time)", significant(factor, 3)),
+        false => String::new(),
+    };
+    let simulated =
+        format!("{} s in {}{speed}", fixed(manifest.simulated_time, 3), short(manifest.wall_time));
+    let n = |n: u64, name: &str| format!("{} {name}{}", count(n), if n == 1 { "" } else { "s" });
+    table.row(["simulated", &simulated]);
+    match &manifest.ended {
+        Ended::Complete => {}
+        Ended::Interrupted => table.row(["ended", "interrupted before its end"]),
+        Ended::Stopped { reason } => table.row(["ended", reason]),
+        Ended::Failed { reason } => table.row(["failed", reason]),
+    }
+    if !manifest.overrides.is_empty() {
+        let set = manifest.overrides.iter().map(|over| format!("{} = {}", over.path, over.value));
+        table.row(["set", &set.collect::<Vec<_>>().join(", ")]);
+    }
+    if !manifest.variants.is_empty() {
+        table.row(["variants", &variants(&manifest.variants)]);
+    }
+    table.row(["solver", &solver::described(&manifest.solver)]);
+    let rejected = format!("{} rejected", count(counts.rejected));
+    let evaluations = n(counts.evaluations, "evaluation");
+    table.row(["work", &[n(counts.major, "major step"), rejected, evaluations].join(", ")]);
+    table.row(["events", &[n(counts.events, "event"), n(counts.hits, "sample hit")].join(", ")]);
+    let recorded = match signals {
+        0 => "nothing; add a Scope, or `record: [\"...\"]` to the diagram".to_owned(),
+        _ => format!("{}, {}", plural(signals, "signal"), n(rows as u64, "row")),
+    };
+    table.row(["recorded", &recorded]);
+    if let Some(place) = place {
+        table.row(["results", place]);
+    }
+    format!("{title}\n{}", table.render())
+}
+
+/// How often each alternative of the variants of one name was chosen: `motor: 5 asm, 1 dc`.
+fn variants(choices: &[Choice]) -> String {
+    let mut of_name: Vec<(&str, Vec<(&str, usize)>)> = Vec::new();
+    for Choice { variant, choice } in choices {
+        let name = variant.rsplit('/').next().unwrap_or(variant);
+        let at = of_name.iter().position(|(known, _)| *known == name).unwrap_or_else(|| {
+            of_name.push((name, Vec::new()));
+            of_name.len() - 1
+        });
+        let chosen = &mut of_name[at].1;
+        match chosen.iter_mut().find(|(known, _)| known == choice) {
+            Some((_, n)) => *n += 1,
+            None => chosen.push((choice, 1)),
+        }
+    }
+    let told = |(name, chosen): &(&str, Vec<(&str, usize)>)| match chosen.as_slice() {
+        [(only, 1)] => format!("{name}: {only}"),
+        all => {
+            let counted: Vec<String> = all.iter().map(|(choice, n)| format!("{n} {choice}")).collect();
+            format!("{name}: {}", counted.join(", "))
+        }
+    };
+    of_name.iter().map(told).collect::<Vec<_>>().join("; ")
+}
+
+/// A duration on the clock on the wall; milliseconds below a tenth of a second.
+fn short(seconds: f64) -> String {
+    if seconds < 0.1 { format!("{} ms", significant(seconds * 1e3, 2)) } else { duration(seconds) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use blocksim_results::{FileUsed, Program, SolverUsed};
+    use expect_test::expect;
+
+    fn manifest(ended: Ended) -> Manifest {
+        Manifest {
+            schema: Manifest::SCHEMA,
+            program: Program { name: "blocksim".into(), version: "0.1.0".into() },
+            model: FileUsed { path: "servo.ron".into(), hash: String::new() },
+            files: Vec::new(),
+            overrides: Vec::new(),
+            variants: Vec::new(),
+            solver: SolverUsed { name: "RosW3".into(), rtol: Some(1e-6), atol: Some(1e-6), step: None },
+            started: "2026-11-21T14:03:22Z".into(),
+            wall_time: 0.42,
+            simulated_time: 1.724,
+            counts: blocksim_results::Counts::default(),
+            ended,
+        }
+    }
+
+    #[test]
+    fn a_summary_reads_like_this() {
+        let counts =
+            Counts { major: 4183, accepted: 4000, rejected: 96, evaluations: 25_674, events: 1, hits: 1724 };
+        let folder = "runs/2026-11-21T14-03-22_servo";
+        expect![[r#"
+            Servo
+            simulated  1.724 s in 0.42 s (4.10 times real time)
+            solver     RosW3, rtol 1e-6, atol 1e-6
+            work       4 183 major steps, 96 rejected, 25 674 evaluations
+            events     1 event, 1 724 sample hits
+            recorded   84 signals, 1 725 rows
+            results    runs/2026-11-21T14-03-22_servo
+        "#]]
+        .assert_eq(&summary("Servo", &manifest(Ended::Complete), &counts, 84, 1725, Some(folder)));
+    }
+
+    #[test]
+    fn variants_are_counted_by_name() {
+        let choice = |variant: &str, choice: &str| Choice { variant: variant.into(), choice: choice.into() };
+        let three = [
+            choice("arm/link1/motor", "asm"),
+            choice("arm/link2/motor", "dc"),
+            choice("arm/link3/motor", "asm"),
+        ];
+        assert_eq!(variants(&three), "motor: 2 asm, 1 dc");
+        assert_eq!(variants(&[choice("drive", "dc"), choice("a/plan", "b")]), "drive: dc; plan: b");
+    }
+
+    #[test]
+    fn a_failure_and_an_empty_recording_are_said() {
+        let ended = Ended::Failed { reason: "step size below 1e-12 s".into() };
+        let text = summary("Servo", &manifest(ended), &Counts::default(), 0, 1, None);
+        assert!(text.contains("failed     step size below 1e-12 s\n"), "{text}");
+        assert!(text.contains("recorded   nothing; add a Scope"), "{text}");
+    }
+}
