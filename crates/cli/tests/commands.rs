@@ -1,0 +1,322 @@
+//! The program as users call it: exit codes, what goes where, what is left on the disk.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+const LAG: &str = r#"Diagram(
+    title: "First order lag",
+    parameters: { "lag": "0.2 s" },
+    simulation: (stop_time: "1 s", output: Every("0.01 s")),
+    blocks: {
+        "demand": Step(time: "0.1 s", after: "90 deg"),
+        "lag_block": LowPass(tau: "lag"),
+        "scope": Scope(inputs: ["set", "actual"], display: "deg"),
+    },
+    connections: [
+        "demand.y -> lag_block.u, scope.set",
+        "lag_block.y -> scope.actual",
+    ],
+)
+"#;
+
+const BROKEN: &str = r#"Diagram(
+    blocks: { "demand": Step(time: "0.1 s", after: 1.0), "gain": Gian(k: 2.0) },
+    connections: ["demand.y -> nowhere.u"],
+)
+"#;
+
+/// x' = x^2 from 1 has a pole at 1 s, so no step is small enough there.
+const POLE: &str = r#"Diagram(
+    simulation: (stop_time: "2 s", solver: Ode45(rtol: 1e-6)),
+    blocks: { "x": Integrator(x0: 1.0), "square": Product(inputs: 2), "scope": Scope(inputs: ["x"]) },
+    connections: ["x.y -> square.u1, square.u2, scope.x", "square.y -> x.u"],
+)
+"#;
+
+/// Long enough to be interrupted.
+const LONG: &str = r#"Diagram(
+    simulation: (stop_time: "1e7 s", solver: Ode4(step: "1 ms"), output: Every("1000 s")),
+    blocks: { "wave": Sine(amplitude: 1.0, frequency: "1 Hz"), "x": Integrator, "scope": Scope(inputs: ["x"]) },
+    connections: ["wave.y -> x.u", "x.y -> scope.x"],
+)
+"#;
+
+/// A folder of its own for each test, removed at the end.
+struct Desk(PathBuf);
+
+impl Desk {
+    fn with(files: &[(&str, &str)]) -> Desk {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let n = COUNT.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("blocksim-cli-{}-{n}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        files.iter().for_each(|(name, text)| fs::write(path.join(name), text).unwrap());
+        Desk(path)
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        command.current_dir(&self.0).args(arguments).env_remove("CLICOLOR_FORCE").env_remove("COLUMNS");
+        command
+    }
+
+    fn call(&self, arguments: &[&str]) -> Answer {
+        Answer::from(self.command(arguments).output().unwrap())
+    }
+
+    fn read(&self, path: &str) -> String {
+        fs::read_to_string(self.0.join(path)).unwrap()
+    }
+
+    /// Names below `runs`.
+    fn runs(&self) -> Vec<String> {
+        names(&self.0.join("runs"))
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[derive(Debug)]
+struct Answer {
+    code: Option<i32>,
+    out: String,
+    err: String,
+}
+
+impl From<Output> for Answer {
+    fn from(output: Output) -> Answer {
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        Answer { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
+    }
+}
+
+#[test]
+fn a_run_is_told_and_kept() {
+    let desk = Desk::with(&[("lag.ron", LAG)]);
+    let answer = desk.call(&["run", "lag.ron"]);
+    assert_eq!(answer.code, Some(0), "{answer:?}");
+    assert_eq!(answer.err, "");
+    for part in ["First order lag\nsimulated  1.000 s in ", "solver     Ode45", "largest error [deg]", "┤"]
+    {
+        assert!(answer.out.contains(part), "{part} is missing in\n{}", answer.out);
+    }
+    let runs = desk.runs();
+    assert_eq!(runs.len(), 1);
+    assert!(runs[0].ends_with("_lag") && answer.out.contains(&format!("runs/{}", runs[0])), "{runs:?}");
+    let run = format!("runs/{}", runs[0]);
+    assert_eq!(names(&desk.0.join(&run)), ["events.csv", "log.txt", "manifest.json", "signals.csv"]);
+    let manifest = desk.read(&format!("{run}/manifest.json"));
+    for part in ["\"how\": \"complete\"", "\"path\": \"lag.ron\"", "\"hash\": \"fnv1a64:", "\"files\": []"] {
+        assert!(manifest.contains(part), "{part} is missing in\n{manifest}");
+    }
+    let signals = desk.read(&format!("{run}/signals.csv"));
+    assert_eq!(signals.lines().next(), Some("time [s],scope.set [rad],scope.actual [rad]"));
+    // y = (pi / 2) (1 - e^(-(t - 0.1) / 0.2)) at the end, within the tolerance of the solver.
+    let last: f64 = signals.lines().last().unwrap().rsplit(',').next().unwrap().parse().unwrap();
+    let expected = std::f64::consts::FRAC_PI_2 * (1.0 - (-0.9_f64 / 0.2).exp());
+    assert!((last - expected).abs() < 1e-5, "{last} is not {expected}");
+    assert!(desk.read(&format!("{run}/log.txt")).starts_with("First order lag\n"));
+}
+
+#[test]
+fn parameters_and_settings_are_changed_from_the_command_line() {
+    let desk = Desk::with(&[("lag.ron", LAG)]);
+    let options =
+        ["--set", "lag=50ms", "--until", "500 ms", "--solver", "ode4", "--step", "1ms", "--out", "new"];
+    let answer = desk.call(&[&["run", "lag.ron", "--no-plot"], &options[..]].concat());
+    assert_eq!(answer.code, Some(0), "{answer:?}");
+    assert!(answer.out.contains("Ode4, step 0.001 s") && !answer.out.contains('┤'), "{}", answer.out);
+    let manifest = desk.read("new/manifest.json");
+    assert!(manifest.contains("\"path\": \"lag\",\n      \"value\": \"50ms\""), "{manifest}");
+    let signals = desk.read("new/signals.csv");
+    let last: Vec<f64> = signals.lines().last().unwrap().split(',').map(|x| x.parse().unwrap()).collect();
+    let expected = std::f64::consts::FRAC_PI_2 * (1.0 - (-0.4_f64 / 0.05).exp());
+    assert!(last[0] == 0.5 && (last[2] - expected).abs() < 1e-6, "{last:?} is not {expected}");
+}
+
+#[test]
+fn nothing_is_overwritten() {
+    let desk = Desk::with(&[("lag.ron", LAG)]);
+    fs::create_dir(desk.0.join("old")).unwrap();
+    fs::write(desk.0.join("old/signals.csv"), "precious").unwrap();
+    let answer = desk.call(&["run", "lag.ron", "--out", "old"]);
+    assert_eq!(answer.code, Some(4));
+    assert!(
+        answer.err.contains("`old`: it already holds files") && answer.err.contains("--out"),
+        "{answer:?}"
+    );
+    assert_eq!(desk.read("old/signals.csv"), "precious");
+    for _ in 0..2 {
+        assert_eq!(desk.call(&["run", "lag.ron", "--quiet"]).code, Some(0));
+    }
+    assert_eq!(desk.runs().len(), 2);
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_refused_before_the_run() {
+    let desk = Desk::with(&[("long.ron", LONG), ("runs", "a file in the way")]);
+    for options in [&["run", "long.ron"][..], &["run", "long.ron", "--out", "runs/here"]] {
+        let answer = desk.call(options);
+        assert_eq!(answer.code, Some(4), "{answer:?}");
+        assert!(answer.err.contains("= help: choose another place with --out"), "{answer:?}");
+    }
+    assert_eq!(names(&desk.0), ["long.ron", "runs"]);
+}
+
+#[test]
+fn a_model_with_errors_is_not_run() {
+    let desk = Desk::with(&[("broken.ron", BROKEN)]);
+    let answer = desk.call(&["run", "broken.ron"]);
+    assert_eq!((answer.code, answer.out.as_str()), (Some(3), ""));
+    assert!(
+        answer.err.contains(" --> broken.ron:2:") && answer.err.contains("did you mean `Gain`"),
+        "{answer:?}"
+    );
+    assert!(
+        answer.err.ends_with("2 errors; nothing was run\n") && !answer.err.contains('\x1b'),
+        "{answer:?}"
+    );
+    assert!(desk.runs().is_empty());
+    assert!(desk.call(&["run", "broken.ron", "--color", "always"]).err.contains('\x1b'));
+}
+
+#[test]
+fn check_tells_problems_in_three_ways() {
+    let desk = Desk::with(&[("broken.ron", BROKEN), ("lag.ron", LAG)]);
+    let short = desk.call(&["check", "broken.ron", "--output-format", "short"]);
+    assert_eq!(short.code, Some(3));
+    assert_eq!(short.err.lines().filter(|line| line.contains(": error[")).count(), 2, "{short:?}");
+    let json = desk.call(&["check", "broken.ron", "--output-format", "json"]);
+    assert_eq!((json.code, json.out.lines().count(), json.err.as_str()), (Some(3), 2, ""));
+    let first: serde_json::Value = serde_json::from_str(json.out.lines().next().unwrap()).unwrap();
+    assert_eq!((&first["type"], &first["labels"][0]["line"]), (&"diagnostic".into(), &2.into()));
+    let good = desk.call(&["check", "lag.ron"]);
+    assert_eq!((good.code, good.err.as_str()), (Some(0), ""));
+    assert!(good.out.starts_with("lag.ron: no problems; 3 blocks, "), "{good:?}");
+    let wrong = desk.call(&["check", "lag.ron", "--set", "leg=1s"]);
+    assert!(wrong.code == Some(3) && wrong.err.contains("did you mean `lag`"), "{wrong:?}");
+}
+
+#[test]
+fn a_failure_keeps_what_was_recorded() {
+    let desk = Desk::with(&[("pole.ron", POLE)]);
+    let answer = desk.call(&["run", "pole.ron", "--out", "pole"]);
+    assert_eq!(answer.code, Some(1), "{answer:?}");
+    assert!(answer.err.starts_with("error[") && answer.err.contains(" at t = "), "{answer:?}");
+    assert!(answer.out.contains("\nfailed     "), "{answer:?}");
+    assert!(desk.read("pole/manifest.json").contains("\"how\": \"failed\""));
+    // x = 1 / (1 - t) is recorded up to close before its pole.
+    assert!(desk.read("pole/signals.csv").lines().any(|line| line.starts_with("0.99")));
+}
+
+#[test]
+fn json_is_a_line_for_each_event() {
+    let desk = Desk::with(&[("lag.ron", LAG), ("pole.ron", POLE)]);
+    let values = |answer: &Answer| -> Vec<serde_json::Value> {
+        answer.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    };
+    let good = values(&desk.call(&["run", "lag.ron", "--json"]));
+    let done = good.last().unwrap();
+    assert_eq!((&done["type"], &done["ended"]), (&"done".into(), &"complete".into()));
+    assert_eq!(done["tracking"][0]["unit"], "deg");
+    let failed = values(&desk.call(&["run", "pole.ron", "--json"]));
+    assert_eq!(failed[0]["type"], "diagnostic");
+    assert_eq!(failed.last().unwrap()["ended"], "failed");
+}
+
+#[test]
+fn mistakes_on_the_command_line_are_usage() {
+    let desk = Desk::with(&[("lag.ron", LAG)]);
+    for arguments in [
+        &["run"][..],
+        &["walk"],
+        &["run", "lag.ron", "--until", "soon"],
+        &["run", "lag.ron", "--set", "lag"],
+        &["run", "lag.ron", "--solver", "ode46"],
+        &["blocks", "Gian"],
+        &["explain", "no_such_code_at_all"],
+        &["emit", "soup", "lag.ron"],
+    ] {
+        let answer = desk.call(arguments);
+        assert!(answer.code == Some(2) && answer.err.starts_with("error: "), "{arguments:?} {answer:?}");
+    }
+    assert!(desk.call(&["blocks", "Gian"]).err.contains("did you mean `Gain`?"));
+    assert!(desk.runs().is_empty());
+}
+
+#[test]
+fn a_missing_model_is_a_matter_of_files() {
+    let desk = Desk::with(&[("lag.ron", LAG)]);
+    for verb in ["run", "check"] {
+        let answer = desk.call(&[verb, "leg.ron"]);
+        assert_eq!(answer.code, Some(4), "{answer:?}");
+        assert!(answer.err.contains("did you mean `lag.ron`?"), "{answer:?}");
+    }
+}
+
+#[test]
+fn all_steps_of_the_compiler_can_be_printed() {
+    let desk = Desk::with(&[("lag.ron", LAG), ("broken.ron", BROKEN)]);
+    for stage in ["ast", "model", "flat", "types", "schedule"] {
+        let answer = desk.call(&["emit", stage, "lag.ron"]);
+        assert!(answer.code == Some(0) && answer.out.contains("lag"), "{stage} {answer:?}");
+    }
+    assert_eq!(desk.call(&["emit", "schedule", "broken.ron"]).code, Some(3));
+}
+
+#[test]
+fn chosen_signals_are_plotted_and_lost_ones_are_named() {
+    let desk = Desk::with(&[("lag.ron", LAG)]);
+    let plotted = desk.call(&["run", "lag.ron", "--plot", "*.set"]);
+    assert!(plotted.out.contains("  scope.set") && plotted.err.is_empty(), "{plotted:?}");
+    let lost = desk.call(&["run", "lag.ron", "--plot", "q1"]);
+    assert_eq!(lost.code, Some(0));
+    assert!(lost.err.contains("no recorded signal fits `q1`"), "{lost:?}");
+}
+
+#[test]
+fn the_program_alone_says_what_it_can_do() {
+    let desk = Desk::with(&[]);
+    let alone = desk.call(&[]);
+    assert!(alone.code == Some(0) && alone.out.contains("blocksim run MODEL.ron"), "{alone:?}");
+    let version = desk.call(&["--version"]);
+    assert_eq!(version.out, format!("blocksim {}\n", env!("CARGO_PKG_VERSION")));
+    let page = desk.call(&["blocks", "LowPass"]);
+    assert!(
+        page.code == Some(0) && page.out.contains("inputs      u") && page.out.contains("tau"),
+        "{page:?}"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_keeps_what_was_recorded() {
+    use std::process::Stdio;
+    use std::time::Duration;
+    let desk = Desk::with(&[("long.ron", LONG)]);
+    let mut command = desk.command(&["run", "long.ron", "--out", "kept"]);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // Ctrl-C is taken over before the folder is begun.
+    while !desk.0.join("kept.partial").exists() {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let answer = Answer::from(child.wait_with_output().unwrap());
+    assert_eq!(answer.code, Some(130), "{answer:?}");
+    assert!(answer.out.contains("interrupted before its end"), "{answer:?}");
+    assert!(desk.read("kept/manifest.json").contains("\"how\": \"interrupted\""));
+}
