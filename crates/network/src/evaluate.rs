@@ -31,6 +31,36 @@ pub struct Network {
     joints: usize,
     /// Some currents are measured before voltages are known.
     has_early: bool,
+    active: Active,
+}
+
+/// Indices of the members that have something to say in a phase.
+#[derive(Debug, Default)]
+struct Active {
+    speed_sources: Vec<usize>,
+    machines: Vec<usize>,
+    sources: Vec<usize>,
+    windings: Vec<usize>,
+    branches: Vec<usize>,
+    states: Vec<usize>,
+    measures: [Vec<usize>; 3],
+}
+
+impl Active {
+    fn new(seats: &[Seat]) -> Self {
+        let which = |has: &dyn Fn(&Seat) -> bool| {
+            seats.iter().enumerate().filter(|(_, seat)| has(seat)).map(|(i, _)| i).collect::<Vec<_>>()
+        };
+        Self {
+            speed_sources: which(&|seat| !seat.speed_sources.is_empty()),
+            machines: which(&|seat| seat.is_machine),
+            sources: which(&|seat| !seat.sources.is_empty()),
+            windings: which(&|seat| !seat.windings.is_empty()),
+            branches: which(&|seat| !seat.branches.is_empty()),
+            states: which(&|seat| !seat.x.is_empty()),
+            measures: [STATE, ELECTRICS, MOTION].map(|group| which(&|seat| seat.measures[group].is_some())),
+        }
+    }
 }
 
 /// A member and where its values lie.
@@ -94,6 +124,9 @@ struct Work {
     product: Vec<f64>,
     hg: f64,
 }
+
+const NO_SUPPLY: Supply = Supply { amplitude: 0.0, offset: 0.0, frequency: 0.0, angle: 0.0 };
+const NO_JOINT: JointMotion = JointMotion { q: 0.0, w: 0.0, a: 0.0, drive: 0.0 };
 
 const STATE: usize = 0;
 const ELECTRICS: usize = 1;
@@ -223,8 +256,19 @@ impl Network {
         }
         interface.groups = vec![Some(reads[STATE].clone()), Some(reads[ELECTRICS].clone()), None];
         let meshes = rotation.gears.iter().map(|gear| gear.loss).collect();
-        let network =
-            Self { seats, rotation, electrics, frames, meshes, supplies, interface, joints, has_early };
+        let active = Active::new(&seats);
+        let network = Self {
+            active,
+            seats,
+            rotation,
+            electrics,
+            frames,
+            meshes,
+            supplies,
+            interface,
+            joints,
+            has_early,
+        };
         network.mass_matrix_is_definite()?;
         Ok(network)
     }
@@ -300,22 +344,34 @@ impl Network {
         }
     }
 
-    /// What a member sees.
+    /// What a member sees before accelerations are known.
+    #[inline]
     fn law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
+        let electrical = !seat.two_pins.is_empty();
         Law {
             t: c.t,
             x: &c.x[seat.x.clone()],
             u: &c.u[seat.u.clone()],
             inputs: &seat.inputs,
             speed: &w.pin_speed[seat.pins.clone()],
+            acceleration: &[],
+            torque: &[],
+            mesh: &[],
+            voltage: if electrical { &w.voltage[seat.two_pins.clone()] } else { &[] },
+            current: if electrical { &w.current[seat.two_pins.clone()] } else { &[] },
+            supply: seat.supply.map_or(NO_SUPPLY, |i| w.supply[i]),
+            line_current: seat.supply.map_or([0.0; 2], |i| w.line_current[i]),
+            joint: seat.joint.map_or(NO_JOINT, |i| w.joint_motion[i]),
+        }
+    }
+
+    /// What a member sees in the end.
+    fn whole_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
+        Law {
             acceleration: &w.pin_acceleration[seat.pins.clone()],
             torque: &w.pin_torque[seat.pins.clone()],
             mesh: &w.all_mesh[seat.gears.clone()],
-            voltage: &w.voltage[seat.two_pins.clone()],
-            current: &w.current[seat.two_pins.clone()],
-            supply: seat.supply.map_or_else(Supply::default, |i| w.supply[i]),
-            line_current: seat.supply.map_or([0.0; 2], |i| w.line_current[i]),
-            joint: seat.joint.map_or_else(JointMotion::default, |i| w.joint_motion[i]),
+            ..self.law(c, seat, w)
         }
     }
 
@@ -328,7 +384,7 @@ impl Network {
         let (q, v) = (&c.x[..self.joints], &c.x[self.joints..self.joints + self.rotation.free]);
         if !w.s.is_empty() {
             let (mut s, mut ds) = (std::mem::take(&mut w.s), std::mem::take(&mut w.ds));
-            for seat in self.seats.iter().filter(|seat| !seat.speed_sources.is_empty()) {
+            for seat in self.active.speed_sources.iter().map(|i| &self.seats[*i]) {
                 if let Some(component) = seat.member.block.component() {
                     let range = seat.speed_sources.clone();
                     component.speeds(&self.law(c, seat, w), &mut s[range.clone()], &mut ds[range]);
@@ -352,7 +408,7 @@ impl Network {
     /// Currents of windings, and what follows from them; of those that are states, or of all.
     fn currents(&self, c: &Context, w: &mut Work, early: bool) {
         let mut winding = std::mem::take(&mut w.winding);
-        for seat in self.seats.iter().filter(|seat| !seat.windings.is_empty()) {
+        for seat in self.active.windings.iter().map(|i| &self.seats[*i]) {
             // What follows from states was computed with them.
             let from_state = seat.windings.clone().all(|i| self.electrics.from_state[i]);
             if self.has_early && early != from_state {
@@ -387,7 +443,7 @@ impl Network {
         }
         if !w.supply.is_empty() {
             w.line_current.fill([0.0; 2]);
-            for seat in self.seats.iter().filter(|seat| seat.is_machine) {
+            for seat in self.active.machines.iter().map(|i| &self.seats[*i]) {
                 if let (Some(component), Some(i)) = (seat.member.block.component(), seat.supply) {
                     let [d, q] = component.line_current(&self.law(c, seat, w));
                     w.line_current[i][0] += d;
@@ -399,7 +455,7 @@ impl Network {
             return;
         }
         let mut source = std::mem::take(&mut w.source);
-        for seat in self.seats.iter().filter(|seat| !seat.sources.is_empty()) {
+        for seat in self.active.sources.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.member.block.component() {
                 component.voltages(&self.law(c, seat, w), &mut source[seat.sources.clone()]);
             }
@@ -448,7 +504,7 @@ impl Network {
         let n = r.free;
 
         let mut torque = std::mem::take(&mut w.torque);
-        for seat in self.seats.iter().filter(|seat| !seat.branches.is_empty()) {
+        for seat in self.active.branches.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.member.block.component() {
                 component.torques(&self.law(c, seat, w), &mut torque[seat.branches.clone()]);
             }
@@ -608,9 +664,9 @@ impl Block for Network {
                 self.inner_torques(w);
             }
         }
-        for seat in &self.seats {
+        for seat in self.active.measures[group].iter().map(|i| &self.seats[*i]) {
             if let (Some(needs), Some(component)) = (seat.measures[group], seat.member.block.component()) {
-                component.measure(&self.law(c, seat, w), needs, &mut y[seat.y.clone()]);
+                component.measure(&self.whole_law(c, seat, w), needs, &mut y[seat.y.clone()]);
             }
         }
     }
@@ -620,7 +676,7 @@ impl Block for Network {
         self.motion_phase(c, w);
         dx[..self.joints].copy_from_slice(&w.joint_speed);
         dx[self.joints..self.joints + self.rotation.free].copy_from_slice(&w.dv);
-        for seat in self.seats.iter().filter(|seat| !seat.x.is_empty()) {
+        for seat in self.active.states.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.member.block.component() {
                 component.derivatives(&self.law(c, seat, w), &mut dx[seat.x.clone()]);
             }
