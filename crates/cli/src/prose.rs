@@ -81,6 +81,23 @@ pub fn first_sentence(markdown: &str) -> String {
     }
 }
 
+/// The text with line feeds instead of some spaces, so that no line is longer than `width` unless a word is.
+pub fn wrapped(text: &str, width: usize) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut column = 0;
+    for word in text.split_inclusive([' ', '\n']) {
+        let length = word.trim_end().chars().count();
+        if column > 0 && column + length > width {
+            out.truncate(out.trim_end().len());
+            out.push('\n');
+            column = 0;
+        }
+        out.push_str(word);
+        column = if word.ends_with('\n') { 0 } else { column + word.chars().count() };
+    }
+    out
+}
+
 /// [`Name`] and [`Name`](address) become `Name`.
 fn links(line: &str) -> String {
     let mut text = String::new();
@@ -215,5 +232,16 @@ mod tests {
         let doc = "Multiplies by a constant: $y = 1.5 u$, element\nby element. More.\n\nSecond.";
         assert_eq!(first_sentence(doc), "Multiplies by a constant: y = 1.5 u, element by element.");
         assert_eq!(first_sentence("No point"), "No point");
+    }
+
+    #[test]
+    fn long_texts_are_wrapped_at_spaces() {
+        let list: Vec<String> = (0..40).map(|n| format!("`input_{n}` = {n}")).collect();
+        let text = wrapped(&list.join(", "), 100);
+        assert!(text.lines().all(|line| line.chars().count() <= 100) && text.lines().count() > 5, "{text}");
+        assert_eq!(text.replace('\n', " "), list.join(", "));
+        let long = "x".repeat(300);
+        assert_eq!(wrapped(&long, 100), long);
+        assert_eq!(wrapped("two\nlines", 100), "two\nlines");
     }
 }

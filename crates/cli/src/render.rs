@@ -7,6 +7,8 @@ use blocksim_block::problem::{FileId, Label, Problem, Severity};
 use blocksim_diagram::SourceFile;
 use serde_json::{Value, json};
 
+use crate::prose::wrapped;
+
 /// A problem with the lines of the files it is about, notes and help, for a person.
 pub fn full(problem: &Problem, files: &[SourceFile], colour: bool) -> String {
     let level = match problem.severity {
@@ -28,10 +30,10 @@ pub fn full(problem: &Problem, files: &[SourceFile], colour: bool) -> String {
         group = group.element(snippet);
     }
     for note in &problem.notes {
-        group = group.element(Level::NOTE.message(wrapped(note)));
+        group = group.element(Level::NOTE.message(wrapped(note, LINE)));
     }
     if let Some(help) = &problem.help {
-        group = group.element(Level::HELP.message(wrapped(help)));
+        group = group.element(Level::HELP.message(wrapped(help, LINE)));
     }
     let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
     renderer.render(&[group])
@@ -74,23 +76,6 @@ pub fn json(problem: &Problem, files: &[SourceFile]) -> Value {
 
 /// Longest line of a note or a help, in characters.
 const LINE: usize = 100;
-
-/// The text with line feeds instead of some spaces, so that no line is longer than need be.
-fn wrapped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    let mut column = 0;
-    for word in text.split_inclusive([' ', '\n']) {
-        let length = word.trim_end().chars().count();
-        if column > 0 && column + length > LINE {
-            out.truncate(out.trim_end().len());
-            out.push('\n');
-            column = 0;
-        }
-        out.push_str(word);
-        column = if word.ends_with('\n') { 0 } else { column + word.chars().count() };
-    }
-    out
-}
 
 /// Number of errors among these problems.
 pub fn errors(problems: &[Problem]) -> usize {

@@ -96,14 +96,3 @@ fn problems_are_counted() {
     assert_eq!(tally(&[problem.clone(), problem.clone(), warning.clone()]), "2 errors, 1 warning");
     assert_eq!(tally(&[warning]), "1 warning");
 }
-
-#[test]
-fn long_notes_are_wrapped_at_spaces() {
-    let list: Vec<String> = (0..40).map(|n| format!("`input_{n}` = {n}")).collect();
-    let text = wrapped(&list.join(", "));
-    assert!(text.lines().all(|line| line.chars().count() <= LINE) && text.lines().count() > 5, "{text}");
-    assert_eq!(text.replace('\n', " "), list.join(", "));
-    let long = "x".repeat(300);
-    assert_eq!(wrapped(&long), long);
-    assert_eq!(wrapped("two\nlines"), "two\nlines");
-}

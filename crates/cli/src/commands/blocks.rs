@@ -1,6 +1,6 @@
 use std::io;
 
-use blocksim_block::{BlockInfo, kinds};
+use blocksim_block::{BlockInfo, ParameterInfo, kinds};
 use blocksim_diagram::HIERARCHY;
 use blocksim_results::{Align, Table};
 use blocksim_signal::closest;
@@ -10,7 +10,7 @@ use crate::args::BlocksArgs;
 use crate::console::Console;
 use crate::exit::Exit;
 use crate::ports::{Ports, ports};
-use crate::prose::{first_sentence, prose};
+use crate::prose::{first_sentence, prose, wrapped};
 
 /// Lists all kinds of block, or describes one.
 ///
@@ -24,7 +24,7 @@ pub fn blocks(args: &BlocksArgs, console: Console) -> io::Result<Exit> {
     };
     match all.iter().find(|info| info.kind == name) {
         Some(info) if args.json => console.data(&lines(&[info]))?,
-        Some(info) => console.data(&page(info))?,
+        Some(info) => console.data(&page(info, console.width))?,
         None => {
             console.say(&unknown(name, &all));
             return Ok(Exit::Usage);
@@ -71,7 +71,7 @@ fn list(all: &[&BlockInfo], width: usize) -> String {
 }
 
 /// All about one kind.
-fn page(info: &BlockInfo) -> String {
+fn page(info: &BlockInfo, width: usize) -> String {
     let mut text = format!("{} ({})\n\n{}", info.kind, info.category, prose(info.doc.trim()));
     let mut section = |title: &str, content: String| {
         if !content.is_empty() {
@@ -79,7 +79,7 @@ fn page(info: &BlockInfo) -> String {
         }
     };
     section("Ports of the example", ports(info).map(|ports| port_list(&ports)).unwrap_or_default());
-    section("Parameters", parameter_table(info));
+    section("Parameters", parameter_table(info, width));
     section("Source", format!("  {}:{}\n", info.file, info.line));
     text
 }
@@ -90,27 +90,34 @@ fn port_list(ports: &Ports) -> String {
     filled.map(|(side, names)| format!("  {side:<10}  {}\n", names.join(", "))).collect()
 }
 
-fn parameter_table(info: &BlockInfo) -> String {
+fn parameter_table(info: &BlockInfo, width: usize) -> String {
     let columns =
         [("  name", Align::Left), ("unit", Align::Left), ("default", Align::Left), ("", Align::Left)];
+    let cells: Vec<[String; 3]> = info.parameters.iter().map(start_of_row).collect();
+    let widest =
+        |n: usize| cells.iter().map(|row| row[n].chars().count()).max().unwrap_or(0).max(columns[n].0.len());
+    let room = width.saturating_sub(widest(0) + widest(1) + widest(2) + 6).max(30);
     let mut table = Table::new(&columns);
-    for parameter in info.parameters {
-        let unit = if parameter.unit.is_empty() { "-" } else { parameter.unit };
-        // In diagrams a choice is written without the name of its Rust type, and what may be absent is left out.
-        let default = match parameter.default {
-            None => "required",
-            Some("None") => "-",
-            Some(default) if default.ends_with("::new()") || default.ends_with("::default()") => "-",
-            Some(default) => default.rsplit("::").next().unwrap_or(default),
-        };
-        table.row([
-            format!("  {}", parameter.name),
-            unit.to_owned(),
-            default.to_owned(),
-            prose_line(parameter.doc),
-        ]);
+    for (parameter, start) in info.parameters.iter().zip(cells) {
+        let doc = wrapped(&prose_line(parameter.doc), room);
+        let mut lines = doc.lines().map(str::to_owned);
+        table.row(start.into_iter().chain(lines.next()));
+        lines.for_each(|line| table.row([String::new(), String::new(), String::new(), line]));
     }
     if info.parameters.is_empty() { String::new() } else { table.render() }
+}
+
+/// Name, unit and default of a parameter as they are written in diagrams: a choice without the name of its Rust
+/// type, and nothing for what may be absent.
+fn start_of_row(parameter: &ParameterInfo) -> [String; 3] {
+    let unit = if parameter.unit.is_empty() { "-" } else { parameter.unit };
+    let default = match parameter.default {
+        None => "required",
+        Some("None") => "-",
+        Some(default) if default.ends_with("::new()") || default.ends_with("::default()") => "-",
+        Some(default) => default.rsplit("::").next().unwrap_or(default),
+    };
+    [format!("  {}", parameter.name), unit.to_owned(), default.to_owned()]
 }
 
 /// A comment in one line.
@@ -164,7 +171,7 @@ mod tests {
         let list = list(&all, 100);
         for info in &all {
             assert!(list.contains(&format!("  {} ", info.kind)), "{}", info.kind);
-            let page = page(info);
+            let page = page(info, 100);
             assert!(info.parameters.iter().all(|p| page.contains(p.name)), "{}", info.kind);
             assert!(page.contains(info.file));
         }
