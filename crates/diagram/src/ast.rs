@@ -139,16 +139,6 @@ pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Optio
             }
         }
     }
-    for (name, _) in &ast.parameters {
-        if let Some(block) = ast.blocks.iter().find(|block| block.name.text == name.text) {
-            problems.push(
-                Problem::error("duplicate_name", format!("`{}` names a block and a parameter", name.text))
-                    .at(&place(&block.name.span), "the block")
-                    .at(&place(&name.span), "the parameter")
-                    .help("rename one of them"),
-            );
-        }
-    }
     Some(ast)
 }
 

@@ -6,7 +6,7 @@ use blocksim_block::problem::Problem;
 use blocksim_block::{Given, ParamUnits};
 use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
 
-use crate::flatten::{Flat, FlatBlock, Source};
+use crate::flatten::{Declared, Flat, FlatBlock, Source};
 use crate::problems::Problems;
 
 /// Replaces the components of every connected network by one block.
@@ -63,7 +63,8 @@ pub(crate) fn elaborate(flat: Flat, problems: &mut Problems) -> Flat {
         });
     }
     let recorded = flat.recorded.iter().map(|(name, source)| (name.clone(), moved(source))).collect();
-    sorted(Flat { blocks, nodes: Vec::new(), recorded })
+    let declared = flat.declared.iter().map(|d| Declared { source: moved(&d.source), ..d.clone() }).collect();
+    sorted(Flat { blocks, nodes: Vec::new(), recorded, declared })
 }
 
 /// Blocks by path again.
@@ -82,7 +83,8 @@ fn sorted(flat: Flat) -> Flat {
         })
         .collect();
     let recorded = flat.recorded.iter().map(|(name, source)| (name.clone(), moved(source))).collect();
-    Flat { blocks, nodes: Vec::new(), recorded }
+    let declared = flat.declared.iter().map(|d| Declared { source: moved(&d.source), ..d.clone() }).collect();
+    Flat { blocks, nodes: Vec::new(), recorded, declared }
 }
 
 /// Components that are joined, directly or through others.

@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use blocksim_block::problem::{Place, Problem};
 use blocksim_block::{Block, Bus, Interface, ParamUnits};
-use blocksim_signal::closest;
+use blocksim_signal::{Dimension, Unit, closest};
 
 use crate::ast::{ConnectionAst, Reference, list};
 use crate::model::{Content, Model, ModelBlock};
 use crate::problems::Problems;
+use crate::tree::{Node, Shape};
 
 /// A list of blocks and how they are connected.
 #[derive(Debug, Clone, Default)]
@@ -20,6 +21,21 @@ pub struct Flat {
     pub nodes: Vec<Vec<(usize, usize)>>,
     /// Further signals to record: name and source.
     pub recorded: Vec<(String, Source)>,
+    /// Inputs of subsystems that say their unit.
+    pub declared: Vec<Declared>,
+}
+
+/// An input of a subsystem with the unit that its diagram declares.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Declared {
+    /// Path of the subsystem and name of the input.
+    pub name: String,
+    /// What the unit measures.
+    pub dimension: Dimension,
+    /// Where the unit is declared.
+    pub place: Place,
+    /// What drives the input.
+    pub source: Source,
 }
 
 /// A block of the list.
@@ -101,6 +117,7 @@ pub(crate) fn flatten(model: &Model, problems: &mut Problems) -> Flat {
         });
     }
     flat.nodes = view.nodes(&flat);
+    flat.declared = view.declared(problems);
     record(model, &view, &found, &mut flat, problems);
     flat
 }
@@ -327,6 +344,45 @@ impl<'m> View<'m> {
         }
     }
 
+    /// Inputs of subsystems that say their unit, with what drives them.
+    fn declared(&self, problems: &mut Problems) -> Vec<Declared> {
+        let mut declared = Vec::new();
+        for level in &self.levels {
+            let ast = &level.model.ast;
+            for (name, node) in &ast.inputs {
+                let dimension = match declared_unit(node) {
+                    Ok(Some(dimension)) => dimension,
+                    Ok(None) => continue,
+                    Err((message, help)) => {
+                        let problem = Problem::error("parameter", message).at(&ast.place(&node.span), "");
+                        problems.push(problem.help(help));
+                        continue;
+                    }
+                };
+                let Some((parent, block)) = &level.parent else { continue };
+                let Some((from, target)) =
+                    self.levels[*parent].drivers.get(&(block.as_str(), name.text.as_str()))
+                else {
+                    continue;
+                };
+                let outer = &self.levels[*parent].model.ast;
+                let (place, target) = (outer.place(&from.span), outer.place(&target.span));
+                let mut asked = Asked { place: place.clone(), text: &from.port, variant: None, hops: 0 };
+                // What is wrong with the name itself is reported where a block asks for it.
+                let tree = self.tree(*parent, &from.block, &from.port, &from.elements, &mut asked);
+                if let Ok(Tree::Leaf { block, output }) = tree {
+                    declared.push(Declared {
+                        name: format!("{}.{}", level.model.path, name.text),
+                        dimension,
+                        place: ast.place(&node.span),
+                        source: Source { block, output, target, place },
+                    });
+                }
+            }
+        }
+        declared
+    }
+
     /// The conserving port of a block of the list that a name leads to.
     fn terminal(&self, level: usize, block: &str, port: &str) -> Option<(usize, String)> {
         let found = self.levels[level].model.block(block)?;
@@ -371,6 +427,26 @@ impl<'m> View<'m> {
         sets.sort();
         sets
     }
+}
+
+/// The unit of `(unit: "rad/s")`; nothing for `()`.
+fn declared_unit(node: &Node) -> Result<Option<Dimension>, (String, String)> {
+    let help = "write `(unit: \"rad/s\")`, or `()` for any signal or bus".to_owned();
+    let Some(members) = node.members() else {
+        return Err((format!("expected a unit, found {}", node.describe()), help));
+    };
+    let mut dimension = None;
+    for (name, value) in members {
+        match (&value.value, name.text.as_str()) {
+            (Shape::Text(text), "unit") => match Unit::parse(text) {
+                Ok(unit) => dimension = Some(unit.dimension),
+                Err(error) => return Err((error.message, error.help.unwrap_or(help))),
+            },
+            (_, "unit") => return Err((format!("expected a unit, found {}", value.describe()), help)),
+            (_, other) => return Err((format!("an input has no `{other}`"), help)),
+        }
+    }
+    Ok(dimension)
 }
 
 /// Signals that `record` asks for at the top: outputs of blocks and elements of buses.

@@ -4,7 +4,7 @@ use blocksim_block::problem::{Place, Problem};
 use blocksim_block::{Given, Interface, InterfaceError, PortType};
 use blocksim_signal::Kind;
 
-use crate::flatten::{Flat, Source};
+use crate::flatten::{Declared, Flat, Source};
 use crate::problems::Problems;
 
 /// Interfaces of all blocks, with the types of all outputs.
@@ -69,7 +69,29 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
             }
         }
     }
+    for declared in &flat.declared {
+        declared_unit(flat, declared, typed.of(&declared.source), problems);
+    }
     typed
+}
+
+/// The unit that a subsystem declares for an input must be that of the signal.
+fn declared_unit(flat: &Flat, declared: &Declared, found: PortType, problems: &mut Problems) {
+    let Some(dimension) = found.dimension.filter(|dimension| !declared.dimension.compatible(*dimension))
+    else {
+        return;
+    };
+    let from = &flat.blocks[declared.source.block].output_names[declared.source.output];
+    let has = if dimension.is_none() { "has no unit".to_owned() } else { format!("is in {dimension}") };
+    problems.push(
+        Problem::error(
+            "unit_mismatch",
+            format!("`{}` is in {}, but `{from}` {has}", declared.name, declared.dimension),
+        )
+        .at(&declared.source.place, has)
+        .at(&declared.place, format!("declared in {}", declared.dimension))
+        .help("mend the unit where the signal arises, or the one that the subsystem declares"),
+    );
 }
 
 /// A block says that its inputs do not fit each other.

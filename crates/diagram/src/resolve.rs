@@ -424,6 +424,13 @@ impl<'a> Resolver<'a> {
     /// Parameters of a diagram that the command line replaces.
     fn override_parameters(&self, ast: &Ast, scope: &Rc<Scope<'a>>, path: &str) {
         for over in self.overrides.iter().filter(|over| over.path == path && scope.has(&over.names[0])) {
+            // A block may bear the name of a parameter; what the parameter does not have is meant for the block.
+            let is_block = ast.blocks.iter().any(|block| block.name.text == over.names[0]);
+            let member = over.names.get(1);
+            let has_member = |value: Value| member.is_none_or(|member| value.get(member).is_some());
+            if is_block && !scope.value(&over.names[0]).and_then(Result::ok).is_some_and(has_member) {
+                continue;
+            }
             over.used.set(true);
             let declared =
                 ast.parameters.iter().find(|(name, _)| name.text == over.names[0]).map(|(_, node)| node);

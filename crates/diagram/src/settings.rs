@@ -162,6 +162,18 @@ pub(crate) fn settings<'a>(
                 .at(&at("stop_time"), ""),
         );
     }
+    if let Some(end) = end
+        && stop_time < end
+    {
+        problems.push(
+            Problem::warning(
+                "stop_time",
+                format!("the run stops at {stop_time} s, before the move ends at {end:.4} s"),
+            )
+            .at(&at("stop_time"), "ends too early")
+            .help("write `stop_time: Auto(margin: \"0.5 s\")` to see the whole move"),
+        );
+    }
     let solver = read.solver.map_or(default.solver, solver);
     let bad = match solver {
         Solver::Fixed { step, .. } => {

@@ -60,6 +60,7 @@ pub struct JointPath {
     /// Share of the move time spent accelerating, above 0 and at most 0.5.
     pub acceleration: f64,
     /// Distance between two rows of a table of the move, rad, positive. The set values do not depend on it.
+    #[serde(default = "half_a_degree")]
     pub resolution: f64,
 }
 
@@ -84,6 +85,11 @@ pub enum Rule {
     Feasible,
     /// In the times of the axis that takes longest alone.
     AsPrinted,
+}
+
+/// Spacing of a table of set values where a move says none, rad.
+fn half_a_degree() -> f64 {
+    0.5_f64.to_radians()
 }
 
 impl JointMove {
