@@ -1,0 +1,136 @@
+//! The six-axis robot with its drives, gears, friction and controllers.
+
+use blocksim_tests::{Run, compile_file, root, run_file};
+
+const MODEL: &str = "diagrams/irb2600/irb2600.ron";
+
+/// The demo move takes 1.22449 s; one second later the robot has come to rest.
+const MOVE: f64 = 1.224_49;
+
+fn degrees(radians: f64) -> f64 {
+    radians * 180.0 / std::f64::consts::PI
+}
+
+/// Largest error of a joint during the move and its error at the end, in degrees.
+fn errors(run: &Run, joint: usize) -> (f64, f64) {
+    let set = run.column(&format!("control/joint{joint}/scope.set"));
+    let actual = run.column(&format!("control/joint{joint}/scope.actual"));
+    let largest = set.iter().zip(actual).map(|(set, actual)| (set - actual).abs()).fold(0.0, f64::max);
+    let last = run.time.len() - 1;
+    (degrees(largest), degrees((set[last] - actual[last]).abs()))
+}
+
+fn tracks(run: &Run, limits: [f64; 6]) {
+    let end = *run.time.last().expect("rows");
+    assert!((end - MOVE - 1.0).abs() < 1e-4, "the run ends at {end} s, one second after the move");
+    for (axis, limit) in (1..=6).zip(limits) {
+        let (largest, last) = errors(run, axis);
+        assert!(largest < limit, "axis {axis} is off by {largest} degrees on the way, allowed are {limit}");
+        assert!(last < 0.02, "axis {axis} is off by {last} degrees at rest");
+        // A test that cannot fail would be one that looks at nothing: the axis moved.
+        let actual = run.column(&format!("control/joint{axis}/scope.actual"));
+        assert!(degrees((actual[actual.len() - 1] - actual[0]).abs()) > 15.0, "axis {axis} did not move");
+    }
+}
+
+#[test]
+fn dc_drives_follow_the_demo_move() {
+    tracks(&run_file(MODEL, &["drive=dc"]), [0.2; 6]);
+}
+
+#[test]
+fn asynchronous_machines_follow_the_demo_move() {
+    tracks(&run_file(MODEL, &["drive=asm"]), [0.3; 6]);
+}
+
+#[test]
+fn ideal_torque_drives_follow_the_demo_move() {
+    tracks(&run_file(MODEL, &["drive=torque"]), [0.3; 6]);
+}
+
+#[test]
+fn one_joint_takes_another_motor() {
+    let run = run_file(MODEL, &["arm/link3.drive=dc"]);
+    tracks(&run, [0.3; 6]);
+    let asm = run_file(MODEL, &[]);
+    let (mixed, pure) = (errors(&run, 4).0, errors(&asm, 4).0);
+    assert!((mixed - pure).abs() > 1e-3, "joint 4 behaves as before: {mixed} and {pure} degrees");
+    let (mixed, pure) = (errors(&run, 1).0, errors(&asm, 1).0);
+    assert!((mixed - pure).abs() < 0.02, "joint 1 keeps its motor: {mixed} and {pure} degrees");
+}
+
+/// Two methods of different kind and order, one of them at a tolerance a hundred thousand times tighter: what the
+/// shipped settings leave as error of integration.
+#[test]
+fn the_shipped_tolerance_is_far_below_what_can_be_seen() {
+    use blocksim_block::schedule::{Solver, VariableMethod};
+    for drive in ["drive=dc", "drive=asm"] {
+        let shipped = run_file(MODEL, &[drive]);
+        let (compiled, problems) = compile_file(MODEL, &[drive]);
+        let mut schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+        schedule.settings.solver = Solver::Variable {
+            method: VariableMethod::Ode45,
+            rtol: 1e-9,
+            atol: 1e-9,
+            max_step: f64::INFINITY,
+        };
+        let reference = blocksim_tests::run(schedule);
+        for axis in 1..=6 {
+            let name = format!("control/joint{axis}/scope.actual");
+            let difference = shipped
+                .time
+                .iter()
+                .zip(shipped.column(&name))
+                .map(|(t, q)| degrees((q - reference.at(&name, *t)).abs()))
+                .fold(0.0, f64::max);
+            assert!(difference < 2e-4, "{drive}, axis {axis}: {difference} degrees");
+        }
+    }
+}
+
+#[test]
+fn standstill_costs_no_more_than_motion() {
+    for drive in ["drive=dc", "drive=asm"] {
+        let (compiled, problems) = compile_file(MODEL, &[drive]);
+        let schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+        let mut until_target = schedule.clone();
+        until_target.settings.stop_time = MOVE;
+        let moving = blocksim_tests::run(until_target).counts.evaluations as f64 / MOVE;
+        let all = blocksim_tests::run(schedule).counts.evaluations as f64;
+        let standing = all - moving * MOVE;
+        assert!(standing < 1.05 * moving, "{drive}: {standing} evaluations per second at rest, {moving} in motion");
+    }
+}
+
+/// Work is part of the contract: a change of these numbers says that something costs more or less than before.
+#[test]
+fn the_work_of_the_shipped_settings_is_known() {
+    let evaluations =
+        ["drive=dc", "drive=asm", "drive=torque"].map(|drive| run_file(MODEL, &[drive]).counts.evaluations);
+    expect_test::expect!["[18273, 10625, 9077]"].assert_eq(&format!("{evaluations:?}"));
+}
+
+#[test]
+fn the_order_of_a_file_changes_no_bit() {
+    use blocksim_tests::{Desk, compile_with};
+    // The joints of the control system, written in reverse.
+    let path = root().join("diagrams/irb2600/control_systems.ron");
+    let text = std::fs::read_to_string(&path).expect("a file");
+    let is_joint = |line: &&str| line.trim_start().starts_with("\"joint") && line.contains("Subsystem");
+    let mut joints: Vec<&str> = text.lines().filter(is_joint).collect();
+    assert_eq!(joints.len(), 6, "one line a joint");
+    let reversed: Vec<&str> =
+        text.lines().map(|line| if is_joint(&line) { joints.pop().unwrap_or(line) } else { line }).collect();
+    let desk = Desk::new().with(&path.display().to_string(), &reversed.join("\n"));
+    let (compiled, problems) = compile_with(&desk, &root().join(MODEL), &[]);
+    let mut other = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+    let (compiled, _) = compile_file(MODEL, &[]);
+    let mut schedule = compiled.schedule.expect("a schedule");
+    schedule.settings.stop_time = 0.3;
+    other.settings.stop_time = 0.3;
+    let (a, b) = (blocksim_tests::run(schedule), blocksim_tests::run(other));
+    assert_eq!(a.time, b.time);
+    for recorded in &a.recorded {
+        assert_eq!(a.column(&recorded.path), b.column(&recorded.path), "{}", recorded.path);
+    }
+}
