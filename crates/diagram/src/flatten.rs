@@ -223,7 +223,7 @@ impl<'m> View<'m> {
                 .help("a BusCreator cannot take its own bus as an element"));
         }
         if block == "in" {
-            return self.from_outside(level, port, elements, asked);
+            return self.outside(level, port, elements, asked);
         }
         let Some(found) = self.levels[level].model.block(block) else { return Ok(Tree::Unknown) };
         if let Some(variant) = &found.variant {
@@ -331,7 +331,7 @@ impl<'m> View<'m> {
         self.tree(level, &source.block, &source.port, &path, asked)
     }
 
-    fn from_outside(
+    fn outside(
         &self,
         level: usize,
         input: &str,

@@ -13,6 +13,7 @@ mod connect;
 mod de;
 mod elaborate;
 mod emit;
+mod example;
 mod flatten;
 mod infer;
 mod model;
@@ -32,7 +33,8 @@ use blocksim_block::schedule::Schedule;
 
 pub use ast::{Ast, BlockAst, ConnectionAst, Reference};
 pub use emit::{Stage, Stages};
-pub use flatten::{Flat, FlatBlock, Source};
+pub use example::example_interface;
+pub use flatten::{Declared, Flat, FlatBlock, Source};
 pub use infer::Typed;
 pub use model::{Content, Model, ModelBlock, PortKind, VariantChoice};
 pub use resolve::HIERARCHY;

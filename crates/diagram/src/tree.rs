@@ -404,14 +404,14 @@ fn decimal_comma(text: &str, at: usize) -> Option<Range<usize>> {
     let bytes = text.as_bytes();
     let line = text[..at].rfind('\n').map_or(0, |newline| newline + 1);
     let end = text[at..].find('\n').map_or(text.len(), |newline| at + newline);
-    let comma = (line..end).filter(|i| {
+    let mut comma = (line..end).filter(|i| {
         bytes[*i] == b','
             && *i > line
             && bytes[*i - 1].is_ascii_digit()
             && bytes.get(*i + 1).is_some_and(u8::is_ascii_digit)
     });
     // The nearest one to the left of, or at, the place.
-    let comma = comma.filter(|i| *i <= at + 1).last()?;
+    let comma = comma.rfind(|i| *i <= at + 1)?;
     let digits = |c: &u8| c.is_ascii_digit() || *c == b'.';
     let start = comma - bytes[line..comma].iter().rev().take_while(|c| digits(c)).count();
     let stop = comma + 1 + bytes[comma + 1..end].iter().take_while(|c| c.is_ascii_digit()).count();

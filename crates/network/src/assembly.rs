@@ -137,7 +137,7 @@ impl<'a> Members<'a> {
         let grounded = self
             .count(|element| matches!(element, Element::RotationalReference { .. } | Element::World { .. }))
             > 0;
-        let problem = if let [only] = terminals[..] {
+        if let [only] = terminals[..] {
             NetworkProblem::new(
                 "unconnected_port",
                 format!("the rotational port `{name}` is not connected"),
@@ -164,8 +164,7 @@ impl<'a> Members<'a> {
                     format!("`{}` is connected to it", self.list[t.member].part.ports[t.port].name),
                 )
             })
-        };
-        problem
+        }
     }
 
     /// Electrical and three-phase ports that nothing is connected to.

@@ -393,9 +393,9 @@ impl Network {
             (w.s, w.ds) = (s, ds);
         }
         let r = &self.rotation;
-        for i in 0..self.joints {
+        for (i, q) in q.iter().enumerate() {
             w.joint_speed[i] = r.joints[i].of(v) + r.joints_prescribed[i].of(&w.s);
-            w.joint_motion[i] = JointMotion { q: q[i], w: w.joint_speed[i], a: 0.0, drive: 0.0 };
+            w.joint_motion[i] = JointMotion { q: *q, w: w.joint_speed[i], a: 0.0, drive: 0.0 };
         }
         for (to, pin) in w.pin_speed.iter_mut().zip(&r.pins) {
             *to = pin.speed.of(v) + pin.prescribed.of(&w.s);
