@@ -43,6 +43,9 @@ impl Simulation {
             let every = self.diagram.plan.every_step || self.rows.grid.is_none();
             let major = self.t >= stop.t || arrival.cut || arrival.event || every || self.is_impatient();
             self.record_within(if major { self.t - same(self.t) } else { self.t }, observer)?;
+            if arrival.event {
+                self.look_back()?;
+            }
             self.accept()?;
             if major {
                 return Ok(arrival);
@@ -123,6 +126,14 @@ impl Simulation {
             observer.row(t, &self.rows.values);
             self.rows.are_due(t);
         }
+        Ok(())
+    }
+
+    /// Takes the row just before an event, while all branches and memories are still as they were.
+    fn look_back(&mut self) -> Result<(), SimError> {
+        let evaluated = self.diagram.continuous(self.t, &self.x);
+        self.held(evaluated)?;
+        self.rows.take_before(&self.diagram.signals);
         Ok(())
     }
 

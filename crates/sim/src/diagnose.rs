@@ -1,10 +1,19 @@
 //! From the fact that something failed to the block that is to blame. Costs nothing until then.
 
-use blocksim_block::schedule::{Instance, Schedule};
+use blocksim_block::schedule::{Instance, Schedule, Solver};
 use blocksim_solve::StepError;
 
 use crate::SimError;
 use crate::evaluate::Diagram;
+
+/// Size above which the value of an input is suspicious.
+const HUGE: f64 = 1e12;
+
+/// What helps where the steps of a fixed size may be too long.
+const SMALLER: &str = "use a smaller step or a method of variable step";
+
+/// Most inputs that are told.
+const FEW: usize = 4;
 
 /// The failure that a block has reported.
 pub(crate) fn failed(schedule: &Schedule, diagram: &mut Diagram) -> SimError {
@@ -18,57 +27,74 @@ pub(crate) fn failed(schedule: &Schedule, diagram: &mut Diagram) -> SimError {
     }
 }
 
-/// Names the first block in the order of evaluation whose output is not finite, or else the first such state.
+/// Names the first block in the order of evaluation whose output is not finite, by its state if that is the cause, or
+/// else the first such state.
 pub(crate) fn not_finite(schedule: &Schedule, diagram: &Diagram, x: &[f64]) -> SimError {
     let t = diagram.now.t;
     let bad = |cell: &usize| !diagram.signals[*cell].is_finite();
-    for step in &schedule.steps {
+    let of_output = schedule.steps.iter().find_map(|step| {
+        let cell = diagram.plan.units[step.block as usize].y.range().find(bad)?;
         let block = &schedule.blocks[step.block as usize];
-        let unit = &diagram.plan.units[step.block as usize];
-        if let Some(cell) = unit.y.range().find(bad) {
-            let (name, value) = (signal_name(schedule, cell), diagram.signals[cell]);
-            let cause = match states(block, x) {
-                Some(state) => format!("its state {state}"),
-                None => inputs(block, &diagram.signals),
-            };
-            return SimError::new("not_finite", t, format!("`{name}` is {value}"))
-                .at(&block.path)
-                .help(cause);
-        }
+        let named = || (signal_name(schedule, cell), diagram.signals[cell]);
+        Some((block, bad_state(block, x).unwrap_or_else(named)))
+    });
+    let of_state = || schedule.blocks.iter().find_map(|block| Some((block, bad_state(block, x)?)));
+    let Some((block, (name, value))) = of_output.or_else(of_state) else {
+        return SimError::new("not_finite", t, "a recorded value is not finite");
+    };
+    let mut help = inputs(block, &diagram.signals);
+    if let Solver::Fixed { .. } = schedule.settings.solver
+        && schedule.states > 0
+    {
+        help.push(SMALLER.to_owned());
     }
-    let block = schedule.blocks.iter().find_map(|block| Some((block, states(block, x)?)));
-    match block {
-        Some((block, state)) => {
-            let message = format!("the state {state} of `{}`", block.path);
-            SimError::new("not_finite", t, message).at(&block.path).help(inputs(block, &diagram.signals))
-        }
-        None => SimError::new("not_finite", t, "a recorded value is not finite"),
-    }
+    let error = SimError::new("not_finite", t, format!("`{name}` is {value}")).at(&block.path);
+    if help.is_empty() { error } else { error.help(help.join("; ")) }
 }
 
-/// The first state of a block that is not finite, in words.
-fn states(block: &Instance, x: &[f64]) -> Option<String> {
+/// The first state of a block that is not finite.
+fn bad_state(block: &Instance, x: &[f64]) -> Option<(String, f64)> {
     let mut states = block.interface.states.iter().zip(&x[block.x..]);
-    let (state, value) = states.find(|(_, value)| !value.is_finite())?;
-    Some(format!("`{}` is {value}", state.name))
+    let (state, &value) = states.find(|(_, value)| !value.is_finite())?;
+    Some((state_name(block, &state.name), value))
 }
 
-/// The inputs of a block, in words.
-fn inputs(block: &Instance, signals: &[f64]) -> String {
-    let gathered: Vec<f64> = block
-        .gather
+/// Path and name of a state. Those of a network carry the path of the member they belong to.
+fn state_name(block: &Instance, state: &str) -> String {
+    if block.path.starts_with("network(") { state.to_owned() } else { format!("{}.{state}", block.path) }
+}
+
+/// The inputs of a block, in words: all of a few, of many those that are suspicious. Nothing if none is.
+fn inputs(block: &Instance, signals: &[f64]) -> Vec<String> {
+    let cells = block.gather.iter().flat_map(|&(from, len)| &signals[from as usize..(from + len) as usize]);
+    let gathered: Vec<f64> = cells.copied().collect();
+    let all: Vec<(&str, &[f64])> = block
+        .interface
+        .inputs
         .iter()
-        .flat_map(|&(from, len)| &signals[from as usize..(from + len) as usize])
-        .copied()
+        .zip(&block.inputs)
+        .map(|(input, &(start, end))| (input.name.as_str(), &gathered[start as usize..end as usize]))
         .collect();
-    let ports = block.interface.inputs.iter().zip(&block.inputs);
-    let words: Vec<String> = ports
-        .map(|(input, &(start, end))| match &gathered[start as usize..end as usize] {
-            [value] => format!("`{}` = {value}", input.name),
-            values => format!("`{}` = {values:?}", input.name),
-        })
-        .collect();
-    if words.is_empty() { "it has no inputs".to_owned() } else { format!("its inputs: {}", words.join(", ")) }
+    if all.is_empty() {
+        return Vec::new();
+    }
+    let suspicious = |value: &f64| !value.is_finite() || value.abs() > HUGE;
+    let are_few = gathered.len() <= FEW;
+    let told: Vec<_> = all.iter().filter(|(_, values)| are_few || values.iter().any(suspicious)).collect();
+    let words = told.iter().take(FEW).map(|(name, values)| match values {
+        [value] => format!("`{name}` = {}", number(*value)),
+        values if values.len() <= FEW => format!("`{name}` = {values:?}"),
+        values => match values.iter().position(suspicious) {
+            Some(i) => format!("`{name}[{i}]` = {}", number(values[i])),
+            None => format!("`{name}` = {values:?}"),
+        },
+    });
+    let words = words.collect::<Vec<_>>().join(", ");
+    match told.len() {
+        0 => Vec::new(),
+        n if n > FEW => vec![format!("its inputs: {words} and {} more", n - FEW)],
+        _ => vec![format!("its inputs: {words}")],
+    }
 }
 
 fn signal_name(schedule: &Schedule, cell: usize) -> String {
@@ -84,10 +110,8 @@ fn signal_name(schedule: &Schedule, cell: usize) -> String {
 pub(crate) fn step(schedule: &Schedule, diagram: &mut Diagram, x: &[f64], error: StepError) -> SimError {
     let (t, state, message) = match error {
         StepError::System => return failed(schedule, diagram),
-        StepError::Underflow { t, h, state } => {
-            (t, state, format!("even a step of {h:e} s is too long for the state"))
-        }
-        StepError::NotFinite { t, state } => (t, state, "no finite derivative of the state".to_owned()),
+        StepError::Underflow { t, h, state } => (t, state, format!("even a step of {h:e} s is too long")),
+        StepError::NotFinite { t, state } => (t, state, "no derivative that is finite".to_owned()),
     };
     let owner = schedule.blocks.iter().find_map(|block| {
         let states = &block.interface.states;
@@ -98,9 +122,20 @@ pub(crate) fn step(schedule: &Schedule, diagram: &mut Diagram, x: &[f64], error:
     let (Some((block, name)), Ok(())) = (owner, derived) else {
         return SimError::new("step_size", t, message);
     };
-    let message = format!("{message} `{name}` of `{}`, with dx/dt = {:e}", block.path, dx[state]);
-    SimError::new("step_size", t, message).at(&block.path).help(format!(
-        "{}; a jump or a pole of the law, or a stiff one, may be the cause: `Rodas4` is for stiff systems",
-        inputs(block, &diagram.signals)
-    ))
+    let message =
+        format!("{message} for the state `{}`; dx/dt = {}", state_name(block, name), number(dx[state]));
+    let mut help = inputs(block, &diagram.signals);
+    help.push(match schedule.settings.solver {
+        Solver::Fixed { .. } => SMALLER.to_owned(),
+        Solver::Variable { .. } => {
+            "a jump or a pole of the law, or a stiff one, may be the cause: `Rodas4` is for stiff systems"
+                .to_owned()
+        }
+    });
+    SimError::new("step_size", t, message).at(&block.path).help(help.join("; "))
+}
+
+/// A number of any size in few digits.
+fn number(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e7).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }

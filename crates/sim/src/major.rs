@@ -37,6 +37,9 @@ impl Simulation {
         self.hit_count += self.hits.strike(self.t);
         self.diagram.settle.changed = false;
         self.pass(first)?;
+        if let Some(before) = self.rows.jumped_from() {
+            observer.row(self.t, before);
+        }
         let jumped = self.jump(observer)?;
         if self.rows.are_due(self.t) || why.event || why.end || jumped {
             observer.row(self.t, &self.rows.values);

@@ -5,10 +5,13 @@ use blocksim_block::schedule::{OutputTimes, Schedule};
 use crate::Counts;
 use crate::clock::Grid;
 
+/// Changes of a value at an event that are below this part of it, or of 0.001 SI units, come from rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Who is told what a simulation brings.
 pub trait Observer {
     /// A row: time in s and one value, in SI units, for each entry of `Schedule::recorded`. Times do not decrease; two
-    /// rows of one time stand around a jump.
+    /// rows of one time stand around a jump: of a state, or of an output at a time event or a zero crossing.
     fn row(&mut self, t: f64, values: &[f64]);
 
     /// A guard of the block at `path` crossed zero, or the block jumped (`what` is then `jump`).
@@ -35,6 +38,10 @@ pub(crate) struct Rows {
     cells: Vec<usize>,
     /// The present row.
     pub values: Vec<f64>,
+    /// The row at the time of an event, with the branches of before it.
+    before: Vec<f64>,
+    /// Whether `before` belongs to the instant at hand.
+    is_before_known: bool,
     /// The grid, unless all major steps are recorded.
     pub grid: Option<Grid>,
 }
@@ -44,6 +51,8 @@ impl Rows {
         let cells: Vec<usize> = schedule.recorded.iter().map(|recorded| recorded.cell).collect();
         Self {
             values: vec![0.0; cells.len()],
+            before: vec![0.0; cells.len()],
+            is_before_known: false,
             cells,
             grid: match schedule.settings.output {
                 OutputTimes::Steps => None,
@@ -54,10 +63,21 @@ impl Rows {
 
     /// Takes the present row from the signals; returns whether all of it is finite.
     pub fn take(&mut self, signals: &[f64]) -> bool {
-        for (value, &cell) in self.values.iter_mut().zip(&self.cells) {
-            *value = signals[cell];
-        }
-        self.values.iter().all(|value| value.is_finite())
+        take(&mut self.values, &self.cells, signals)
+    }
+
+    /// Takes the row just before an event. One that is not finite is none.
+    pub fn take_before(&mut self, signals: &[f64]) {
+        self.is_before_known = take(&mut self.before, &self.cells, signals);
+    }
+
+    /// The row just before the event at this instant, once, if a value has jumped since. What a kink changes by
+    /// rounding is no jump.
+    pub fn jumped_from(&mut self) -> Option<&[f64]> {
+        let known = std::mem::take(&mut self.is_before_known);
+        let mut pairs = self.before.iter().zip(&self.values);
+        let jumped = known && pairs.any(|(&a, &b)| (a - b).abs() > ROUNDING * (1e-3 + a.abs().max(b.abs())));
+        jumped.then_some(&self.before)
     }
 
     /// Whether a row is due at a major step for the sake of its time.
@@ -69,4 +89,12 @@ impl Rows {
     pub fn next_before(&self, end: f64) -> Option<f64> {
         self.grid.as_ref().map(Grid::time).filter(|&t| t <= end)
     }
+}
+
+/// Copies the values of `cells`; returns whether all are finite.
+fn take(row: &mut [f64], cells: &[usize], signals: &[f64]) -> bool {
+    for (value, &cell) in row.iter_mut().zip(cells) {
+        *value = signals[cell];
+    }
+    row.iter().all(|value| value.is_finite())
 }

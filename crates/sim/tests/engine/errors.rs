@@ -34,6 +34,53 @@ fn a_value_that_is_no_number_names_its_source_and_its_inputs() {
     );
 }
 
+/// x' = 1000 x from 1 with fixed steps of 0.1 s and a lag behind it.
+fn explosion(path: &str) -> Arc<Schedule> {
+    let toy = Toy::new().with(path, Integrator(1.0), &["fast"]).with("fast", Gain(1000.0), &[path]);
+    toy.with("lag", Lag(1.0), &[path]).schedule(&["lag"], 100.0, ode4(0.1), Steps)
+}
+
+#[test]
+fn a_state_that_explodes_is_named_with_the_remedy() {
+    let error = |path| Simulation::new(explosion(path)).unwrap().run(&mut Tape::default()).unwrap_err();
+    let found = error("arm/tip");
+    assert_eq!((found.code, found.path.as_deref()), ("step_size", Some("arm/tip")));
+    assert!(found.message.contains(" for the state `arm/tip.x`; dx/dt = "), "{found}");
+    let help = found.help.unwrap();
+    assert!(help.starts_with("its inputs: `u` = ") && help.ends_with(REMEDY), "{help}");
+    // States of a network have the paths of its members already.
+    assert!(error("network(arm)").message.contains(" for the state `x`; "));
+}
+
+#[test]
+fn a_state_that_is_not_finite_at_a_step_is_named_with_the_remedy() {
+    let toy = Toy::new().with("x", Integrator(1e308), &["much"]).with("much", Constant(0.9e308), &[]);
+    check(
+        toy.schedule(&["x"], 10.0, ode4(1.0), Steps),
+        expect![[r#"
+        error[not_finite] at t = 1 s: `x.x` is inf
+        help: its inputs: `u` = 9e307; use a smaller step or a method of variable step
+        block: x, rows: 1
+    "#]],
+    );
+}
+
+const REMEDY: &str = "; use a smaller step or a method of variable step";
+
+#[test]
+fn of_many_inputs_only_the_suspicious_ones_are_told() {
+    let toy = Toy::new().with("one", Constant(1.0), &[]).with("much", Constant(1e200), &[]);
+    let names = ["one", "much", "one", "much", "one", "much", "one", "much", "one", "much"];
+    check(
+        toy.with("product", Product(10), &names).schedule(&["product"], 1.0, ode45(), Steps),
+        expect![[r#"
+            error[not_finite] at t = 0 s: `product.y` is inf
+            help: its inputs: `u2` = 1e200, `u4` = 1e200, `u6` = 1e200, `u8` = 1e200 and 1 more
+            block: product, rows: 0
+        "#]],
+    );
+}
+
 #[test]
 fn a_block_that_gives_up_says_why() {
     let toy = Toy::new().with("one", Constant(1.0), &[]).with("x", Integrator(0.0), &["one"]);
@@ -100,7 +147,7 @@ fn a_pole_ends_with_the_name_of_the_state() {
     let error = Simulation::new(schedule).unwrap().run(&mut Tape::default()).unwrap_err();
     assert_eq!((error.code, error.path.as_deref()), ("step_size", Some("x")));
     assert!((error.t - 1.0).abs() < 1e-6, "{}", error.t);
-    assert!(error.message.contains("too long for the state `x` of `x`, with dx/dt = "), "{}", error.message);
+    assert!(error.message.contains("too long for the state `x.x`; dx/dt = "), "{}", error.message);
 }
 
 #[test]

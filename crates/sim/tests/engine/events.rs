@@ -58,9 +58,39 @@ fn a_step_is_hit_exactly() {
     let schedule = toy.schedule(&["step", "x"], 1.0, ode45(), Steps);
     let mut tape = Tape::default();
     Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
-    assert_eq!(tape.at(0.3, 0), 1.0);
-    assert_eq!(tape.at(0.3, 1), 0.0);
+    // Zero up to the step and one from then on: two rows of one time.
+    let there: Vec<&[f64]> =
+        tape.rows.iter().filter(|row| row.0 == 0.3).map(|row| row.1.as_slice()).collect();
+    assert_eq!(there, [[0.0, 0.0], [1.0, 0.0]]);
     assert!((tape.at(1.0, 1) - 0.7).abs() < 1e-15);
+}
+
+#[test]
+fn a_step_off_the_grid_of_rows_is_a_vertical_line() {
+    let toy = Toy::new().with("step", StepAt(0.33), &[]).with("x", Integrator(0.0), &["step"]);
+    let schedule = toy.schedule(&["step"], 1.0, ode4(0.05), Every(0.25));
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    assert_eq!(tape.times(), [0.0, 0.25, 0.33, 0.33, 0.5, 0.75, 1.0]);
+    assert_eq!(tape.column(0), [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
+}
+
+#[test]
+fn an_event_that_changes_nothing_recorded_is_one_row() {
+    let toy = Toy::new().with("step", StepAt(0.33), &[]).with("x", Integrator(0.0), &["step"]);
+    let schedule = toy.schedule(&["x"], 1.0, ode45(), Every(0.5));
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    assert_eq!(tape.times(), [0.0, 0.33, 0.5, 1.0]);
+}
+
+#[test]
+fn a_sample_hit_is_one_row() {
+    let toy = Toy::new().with("t", Time, &[]).with("hold", Hold(0.25), &["t"]);
+    let schedule = toy.schedule(&["hold"], 1.0, ode45(), Every(0.25));
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    assert_eq!(tape.times(), [0.0, 0.25, 0.5, 0.75, 1.0]);
 }
 
 #[test]
@@ -71,8 +101,9 @@ fn a_step_at_a_sample_hit_is_seen_by_it() {
     let schedule = toy.schedule(&["hold"], 1.0, ode45(), Steps);
     let mut tape = Tape::default();
     Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
-    assert_eq!(tape.rows.len(), 11);
-    assert_eq!(tape.column(0), [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+    // One row for each hit, and one before the step.
+    assert_eq!(tape.rows.len(), 12);
+    assert_eq!(tape.column(0), [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
 }
 
 #[test]
@@ -101,7 +132,10 @@ fn an_event_is_found_where_nothing_is_integrated() {
     let mut tape = Tape::default();
     Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
     assert_eq!(tape.events.len(), 1);
-    assert!((tape.events[0].0 - 0.123).abs() < 1e-12);
+    let crossing = tape.events[0].0;
+    assert!((crossing - 0.123).abs() < 1e-12);
+    assert_eq!(tape.times(), [0.0, crossing, crossing, 0.5, 1.0]);
+    assert_eq!(tape.column(0), [-1.0, -1.0, 1.0, 1.0, 1.0]);
 }
 
 #[test]

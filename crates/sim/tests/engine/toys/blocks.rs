@@ -51,6 +51,21 @@ impl Block for Function2 {
     }
 }
 
+/// The product of this many inputs.
+#[derive(Debug)]
+pub struct Product(pub usize);
+
+impl Block for Product {
+    fn interface(&self, _: &Given) -> Result {
+        let inputs = (1..=self.0).map(|n| Input::any(format!("u{n}")));
+        Ok(inputs.fold(Interface::new(), Interface::input).output(Output::real("y")))
+    }
+
+    fn outputs(&self, _: usize, c: &Context, _: &mut Scratch, y: &mut [f64]) {
+        y[0] = c.u.iter().product();
+    }
+}
+
 /// y = k u.
 #[derive(Debug)]
 pub struct Gain(pub f64);
