@@ -3,8 +3,8 @@
 use blocksim_block::physical::Element;
 use nalgebra::DMatrix;
 
-use crate::assembly::Members;
 use crate::eliminate::{Form, Relations};
+use crate::members::Members;
 use crate::problem::NetworkProblem;
 
 /// Where the current of a two-pin comes from.

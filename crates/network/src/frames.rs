@@ -7,7 +7,7 @@ use blocksim_multibody::{Data, Inertia, Joint, Model, ModelBuilder, Placement};
 
 use nalgebra::Matrix3;
 
-use crate::assembly::Members;
+use crate::members::Members;
 use crate::problem::NetworkProblem;
 
 /// The multibody side of a network.

@@ -11,14 +11,21 @@
 //! currents of sources from Kirchhoff's law; torques follow, then accelerations.
 
 mod assembly;
+mod currents;
 mod electrics;
 mod eliminate;
-mod evaluate;
 mod frames;
+mod implicit;
+mod members;
 mod mesh;
+mod motion;
+mod network;
 mod problem;
 mod rotation;
+mod seat;
+mod speeds;
+mod work;
 
 pub use assembly::{Member, Terminal, assemble};
-pub use evaluate::Network;
+pub use network::Network;
 pub use problem::NetworkProblem;

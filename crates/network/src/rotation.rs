@@ -3,8 +3,8 @@
 use blocksim_block::physical::{Element, MeshLoss};
 use nalgebra::DMatrix;
 
-use crate::assembly::Members;
 use crate::eliminate::{Form, Relations};
+use crate::members::Members;
 use crate::problem::NetworkProblem;
 
 /// A place where a speed is seen: branch, rigid coupling, speed source or probe.

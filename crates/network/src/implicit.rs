@@ -1,0 +1,50 @@
+//! What a network knows of its stiffness, for linearly implicit methods.
+
+use blocksim_block::Context;
+use blocksim_solve::linear::{cholesky_factor, cholesky_solve};
+
+use crate::network::Network;
+use crate::work::Work;
+
+impl Network {
+    /// `J` holds the slopes of torques over speeds and the angles as integrals of speeds: for speeds
+    /// `(M + hg D) dv = M r`, for angles `r + hg T dv`.
+    pub(crate) fn prepare_implicit(&self, c: &Context, hg: f64, w: &mut Work) {
+        self.motion_phase(c, w);
+        let r = &self.rotation;
+        let n = r.free;
+        w.damping.fill(0.0);
+        for (torque, pin) in w.torque.iter().zip(&r.branches).filter(|(torque, _)| torque.slope != 0.0) {
+            r.pins[*pin].speed.square_to(torque.slope, &mut w.damping, n);
+        }
+        for (torque, joint) in w.joint_torque.iter().zip(&r.joints).filter(|(torque, _)| torque.slope != 0.0)
+        {
+            joint.square_to(torque.slope, &mut w.damping, n);
+        }
+        for (gear, slope) in r.gears.iter().zip(&w.mesh.by_speed) {
+            gear.base.square_to(*slope, &mut w.damping, n);
+        }
+        for ((to, mass), damping) in w.implicit.iter_mut().zip(&w.mass).zip(&w.damping) {
+            *to = mass + hg * damping;
+        }
+        w.hg = hg;
+        if cholesky_factor(&mut w.implicit, n).is_err() {
+            c.fail("the mass matrix lost its positive definiteness: check masses and inertias");
+        }
+    }
+
+    /// Overwrites `r` with `(I - hg J)^-1 r`.
+    pub(crate) fn solve_implicit(&self, w: &mut Work, r: &mut [f64]) {
+        let n = self.rotation.free;
+        let (q, rest) = r.split_at_mut(self.joints);
+        let v = &mut rest[..n];
+        for (row, to) in w.product.iter_mut().enumerate() {
+            *to = w.mass[row * n..(row + 1) * n].iter().zip(v.iter()).map(|(m, v)| m * v).sum();
+        }
+        cholesky_solve(&w.implicit, &mut w.product);
+        v.copy_from_slice(&w.product);
+        for (q, joint) in q.iter_mut().zip(&self.rotation.joints) {
+            *q += w.hg * joint.of(v);
+        }
+    }
+}

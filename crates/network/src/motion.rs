@@ -1,0 +1,189 @@
+//! Third phase of an evaluation: torques, accelerations, and what the rigid parts must supply.
+
+use blocksim_block::Context;
+use blocksim_multibody::mass_and_bias;
+use blocksim_solve::linear::{cholesky_factor, cholesky_solve};
+
+use crate::mesh;
+use crate::network::Network;
+use crate::seat::MOTION;
+use crate::work::Work;
+
+impl Network {
+    /// Mass matrix over the independent speeds, bias forces of the joints.
+    pub(crate) fn mass(&self, q: &[f64], w: &mut Work) {
+        let (n, j) = (self.rotation.free, self.joints);
+        w.mass.copy_from_slice(&self.rotation.reflected);
+        let (Some(model), Some(data)) = (&self.frames.model, &mut w.data) else { return };
+        mass_and_bias(model, data, q, &w.joint_speed, &mut w.joint_mass, &mut w.bias);
+        if self.rotation.joints_are_free {
+            for row in 0..j {
+                for column in 0..j {
+                    w.mass[row * n + column] += w.joint_mass[row * j + column];
+                }
+            }
+            return;
+        }
+        for row in 0..j {
+            for column in 0..j {
+                let value = w.joint_mass[row * j + column];
+                for (a, fa) in self.rotation.joints[row].terms() {
+                    for (b, fb) in self.rotation.joints[column].terms() {
+                        w.mass[*a as usize * n + *b as usize] += fa * value * fb;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Torques and accelerations.
+    pub(crate) fn motion_phase(&self, c: &Context, w: &mut Work) {
+        if w.evaluation[MOTION] == c.evaluation {
+            return;
+        }
+        self.electrics_phase(c, w);
+        w.evaluation[MOTION] = c.evaluation;
+        let r = &self.rotation;
+        let n = r.free;
+
+        let mut torque = std::mem::take(&mut w.torque);
+        for seat in self.active.branches.iter().map(|i| &self.seats[*i]) {
+            if let Some(component) = seat.member.block.component() {
+                component.torques(&self.law(c, seat, w), &mut torque[seat.branches.clone()]);
+            }
+        }
+        w.torque = torque;
+        for (joint, member) in self.frames.joint_members.iter().enumerate() {
+            let seat = &self.seats[*member];
+            if let Some(component) = seat.member.block.component() {
+                w.joint_torque[joint] = component.joint_torque(&self.law(c, seat, w));
+            }
+        }
+
+        // (M + T'JT) dv = T' tau - T_j' (h + M P ds) - T_n' J P ds
+        self.mass(&c.x[..self.joints], w);
+        w.force.fill(0.0);
+        for (torque, pin) in w.torque.iter().zip(&r.branches) {
+            r.pins[*pin].speed.add_to(-torque.value, &mut w.force);
+        }
+        for joint in 0..self.joints {
+            let mut value = w.joint_torque[joint].value - w.bias[joint];
+            if !w.ds.is_empty() {
+                for other in 0..self.joints {
+                    value -= w.joint_mass[joint * self.joints + other] * r.joints_prescribed[other].of(&w.ds);
+                }
+            }
+            r.joints[joint].add_to(value, &mut w.force);
+        }
+        if !w.ds.is_empty() {
+            for (node, inertia) in r.inertia.iter().enumerate().filter(|(_, inertia)| **inertia != 0.0) {
+                r.nodes[node].add_to(-inertia * r.nodes_prescribed[node].of(&w.ds), &mut w.force);
+            }
+        }
+        w.factor.copy_from_slice(&w.mass);
+        if cholesky_factor(&mut w.factor, n).is_err() {
+            c.fail("the mass matrix lost its positive definiteness: check masses and inertias");
+            w.dv.fill(0.0);
+            return;
+        }
+        w.dv.copy_from_slice(&w.force);
+        cholesky_solve(&w.factor, &mut w.dv);
+        if !self.meshes.is_empty() {
+            self.meshes(c, w);
+        }
+    }
+
+    /// Losses of gear meshes, and what they change about the accelerations.
+    pub(crate) fn meshes(&self, c: &Context, w: &mut Work) {
+        let r = &self.rotation;
+        let (n, g) = (r.free, self.meshes.len());
+        let v = &c.x[self.joints..self.joints + n];
+        for (i, gear) in r.gears.iter().enumerate() {
+            w.mesh_speed[i] = gear.base.of(v) + gear.base_prescribed.of(&w.s);
+            let torques: f64 =
+                gear.by_torque.terms().iter().map(|(b, f)| f * w.torque[*b as usize].value).sum();
+            w.through[i] = gear.by_acceleration.of(&w.dv) + gear.by_prescribed.of(&w.ds) + torques;
+        }
+        // Columns M^-1 t' of all meshes. A loss takes its column from the accelerations, and acts at its base.
+        w.columns.fill(0.0);
+        for (h, gear) in r.gears.iter().enumerate() {
+            let column = &mut w.columns[h * n..(h + 1) * n];
+            gear.base.add_to(1.0, column);
+            cholesky_solve(&w.factor, column);
+        }
+        for (i, gear) in r.gears.iter().enumerate() {
+            for h in 0..g {
+                let column = &w.columns[h * n..(h + 1) * n];
+                w.coupling[i * g + h] = gear.by_acceleration.of(column) - gear.by_loss[h];
+            }
+        }
+        if !mesh::solve(&mut w.mesh, &self.meshes, &w.mesh_speed, &w.coupling, &w.through) {
+            c.fail(
+                "the losses of the gears have no solution: is a gear self-locking (efficiencies below 0.3)?",
+            );
+            return;
+        }
+        for (h, loss) in w.mesh.loss.iter().enumerate() {
+            for i in 0..n {
+                w.dv[i] -= loss * w.columns[h * n + i];
+            }
+        }
+    }
+
+    /// `J dw - tau` of every node: what the rigid parts must supply.
+    pub(crate) fn residuals(&self, w: &mut Work) {
+        let r = &self.rotation;
+        for (node, (to, inertia)) in w.residual.iter_mut().zip(&r.inertia).enumerate() {
+            let inertia = *inertia;
+            *to = if inertia == 0.0 {
+                0.0
+            } else {
+                inertia * (r.nodes[node].of(&w.dv) + r.nodes_prescribed[node].of(&w.ds))
+            };
+        }
+        for (torque, (rod, case)) in w.torque.iter().zip(&r.branch_nodes) {
+            w.residual[*rod] += torque.value;
+            w.residual[*case] -= torque.value;
+        }
+        for (gear, loss) in r.gears.iter().zip(&w.mesh.loss) {
+            w.residual[gear.base_node] += loss;
+        }
+    }
+
+    /// `M qdd + h - tau` of every joint: what its drive side must supply.
+    pub(crate) fn joint_residuals(&self, w: &mut Work) {
+        let j = self.joints;
+        for joint in 0..j {
+            let row = &w.joint_mass[joint * j..(joint + 1) * j];
+            let inertial: f64 = row.iter().zip(&w.joint_motion).map(|(mass, motion)| mass * motion.a).sum();
+            w.residual[self.rotation.nodes.len() + joint] =
+                inertial + w.bias[joint] - w.joint_torque[joint].value;
+        }
+    }
+
+    /// Accelerations and inner torques, for sensors.
+    pub(crate) fn inner_torques(&self, w: &mut Work) {
+        let r = &self.rotation;
+        for joint in 0..self.joints {
+            w.joint_motion[joint].a = r.joints[joint].of(&w.dv) + r.joints_prescribed[joint].of(&w.ds);
+        }
+        self.residuals(w);
+        if r.needs_joint_balance {
+            self.joint_residuals(w);
+        }
+        for (motion, drive) in w.joint_motion.iter_mut().zip(&r.drives) {
+            motion.drive = drive.of(&w.residual);
+        }
+        for (i, pin) in r.pins.iter().enumerate() {
+            w.pin_acceleration[i] = pin.speed.of(&w.dv) + pin.prescribed.of(&w.ds);
+            w.pin_torque[i] = match pin.branch {
+                Some(branch) => w.torque[branch].value,
+                None => pin.reaction.of(&w.residual),
+            };
+        }
+        for (i, (through, lossy)) in r.all_gears.iter().enumerate() {
+            let loss = lossy.map_or(0.0, |lossy| w.mesh.loss[lossy]);
+            w.all_mesh[i] = through.of(&w.residual) + loss;
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Values of one evaluation: scratch space, made once.
+
+use blocksim_block::physical::{JointMotion, Supply, Torque};
+use blocksim_multibody::Data;
+
+use crate::mesh::MeshScratch;
+use crate::network::Network;
+
+/// Values of one evaluation.
+pub(crate) struct Work {
+    pub data: Option<Data>,
+    pub evaluation: [u64; 3],
+    pub s: Vec<f64>,
+    pub ds: Vec<f64>,
+    pub joint_speed: Vec<f64>,
+    pub joint_motion: Vec<JointMotion>,
+    pub pin_speed: Vec<f64>,
+    pub pin_acceleration: Vec<f64>,
+    pub pin_torque: Vec<f64>,
+    pub supply: Vec<Supply>,
+    pub line_current: Vec<[f64; 2]>,
+    pub source: Vec<f64>,
+    pub voltage: Vec<f64>,
+    pub winding: Vec<f64>,
+    pub current: Vec<f64>,
+    pub torque: Vec<Torque>,
+    pub joint_torque: Vec<Torque>,
+    /// Mass matrix over the independent speeds, and its Cholesky factor.
+    pub mass: Vec<f64>,
+    pub factor: Vec<f64>,
+    pub joint_mass: Vec<f64>,
+    pub bias: Vec<f64>,
+    pub force: Vec<f64>,
+    pub dv: Vec<f64>,
+    pub residual: Vec<f64>,
+    pub mesh: MeshScratch,
+    pub mesh_speed: Vec<f64>,
+    pub coupling: Vec<f64>,
+    pub through: Vec<f64>,
+    pub columns: Vec<f64>,
+    pub all_mesh: Vec<f64>,
+    /// For the implicit solve.
+    pub damping: Vec<f64>,
+    pub implicit: Vec<f64>,
+    pub product: Vec<f64>,
+    pub hg: f64,
+}
+
+impl Work {
+    pub(crate) fn new(network: &Network) -> Self {
+        let r = &network.rotation;
+        let (n, j, g) = (r.free, network.joints, network.meshes.len());
+        Self {
+            data: network.frames.data(),
+            evaluation: [u64::MAX; 3],
+            s: vec![0.0; r.sources],
+            ds: vec![0.0; r.sources],
+            joint_speed: vec![0.0; j],
+            joint_motion: vec![JointMotion::default(); j],
+            pin_speed: vec![0.0; r.pins.len()],
+            pin_acceleration: vec![0.0; r.pins.len()],
+            pin_torque: vec![0.0; r.pins.len()],
+            supply: vec![Supply::default(); network.supplies.len()],
+            line_current: vec![[0.0; 2]; network.supplies.len()],
+            source: vec![0.0; network.electrics.sources],
+            voltage: vec![0.0; network.electrics.voltages.len()],
+            winding: vec![0.0; network.electrics.windings],
+            current: vec![0.0; network.electrics.voltages.len()],
+            torque: vec![Torque::default(); r.branches.len()],
+            joint_torque: vec![Torque::default(); j],
+            mass: vec![0.0; n * n],
+            factor: vec![0.0; n * n],
+            joint_mass: vec![0.0; j * j],
+            bias: vec![0.0; j],
+            force: vec![0.0; n],
+            dv: vec![0.0; n],
+            residual: vec![0.0; r.nodes.len() + j],
+            mesh: MeshScratch::new(g),
+            mesh_speed: vec![0.0; g],
+            coupling: vec![0.0; g * g],
+            through: vec![0.0; g],
+            columns: vec![0.0; g * n],
+            all_mesh: vec![0.0; r.all_gears.len()],
+            damping: vec![0.0; n * n],
+            implicit: vec![0.0; n * n],
+            product: vec![0.0; n],
+            hg: 0.0,
+        }
+    }
+}
