@@ -404,6 +404,79 @@ fn joints_and_moves_stay_within_their_limits() {
 }
 
 #[test]
+fn a_move_out_of_its_limits_names_the_axis_and_the_limit() {
+    for path in [
+        r#"(start: ["0 deg"], target: ["200 deg"], velocity: "40 %", acceleration: "30 %")"#,
+        r#"(start: ["-190 deg"], target: ["20 deg"], velocity: "40 %", acceleration: "30 %")"#,
+        r#"(start: ["0 deg"], target: ["20 deg"], velocity: "140 %", acceleration: "30 %")"#,
+        r#"(start: ["0 deg"], target: ["20 mm"], velocity: "40 %", acceleration: "30 %")"#,
+        r#"(start: ["20 deg"], target: ["20 deg"], velocity: "40 %", acceleration: "30 %")"#,
+    ] {
+        let text = format!(
+            r#"Diagram(
+    simulation: (stop_time: "1 s"),
+    blocks: {{
+        "m": JointMove(
+            path: {path},
+            limits: [(lower: "-180 deg", upper: "180 deg", speed: "175 deg/s", acceleration: "8 rad/s^2")],
+            axis: 1,
+        ),
+        "t": Scope(inputs: ["q", "qd"]),
+    }},
+    connections: ["m.q -> t.q", "m.qd -> t.qd"],
+)"#
+        );
+        let problems = compile_text(&text).1;
+        match path {
+            path if path.contains("200 deg") => expect![[r#"
+                error[parameter]: axis 1: the target 200 deg is 20 deg above the limit 180 deg
+                  model.ron:5:19 `(start: ["0 deg"], target: ["200 deg"], velocity: "40 %", acceleration: "30 %")` 
+                  note: in block `m` (JointMove)
+                  help: choose a position from -180 to 180 deg
+            "#]].assert_eq(&problems),
+            path if path.contains("-190 deg") => expect![[r#"
+                error[parameter]: axis 1: the start -190 deg is 10 deg below the limit -180 deg
+                  model.ron:5:19 `(start: ["-190 deg"], target: ["20 deg"], velocity: "40 %", acceleration: "30 %")` 
+                  note: in block `m` (JointMove)
+                  help: choose a position from -180 to 180 deg
+            "#]].assert_eq(&problems),
+            path if path.contains("140 %") => expect![[r#"
+                error[parameter]: the velocity is 140 % of the largest speed
+                  model.ron:5:19 `(start: ["0 deg"], target: ["20 deg"], velocity: "140 %", acceleration: "30 %")` 
+                  note: in block `m` (JointMove)
+                  help: choose more than 0 % and at most 100 %
+            "#]].assert_eq(&problems),
+            path if path.contains("mm") => expect![[r#"
+                error[parameter]: `path`: expected a value in rad, found one in m
+                  model.ron:5:46 `["20 mm"]` 
+            "#]].assert_eq(&problems),
+            _ => expect![[r#"
+                error[parameter]: start and target are the same on all axes
+                  model.ron:5:19 `(start: ["20 deg"], target: ["20 deg"], velocity: "40 %", acceleration: "30 %")` 
+                  note: in block `m` (JointMove)
+                  help: change the target of at least one
+            "#]].assert_eq(&problems),
+        }
+    }
+}
+
+#[test]
+fn an_input_of_a_subsystem_that_says_its_unit() {
+    let desk = Desk::new()
+        .with("inner.ron", r#"Diagram(inputs: { "w": (unit: "rad/s") }, outputs: { "y": "g.y" }, blocks: { "g": Gain(k: 1) }, connections: ["in.w -> g.u"])"#)
+        .with(
+            "model.ron",
+            r#"Diagram(blocks: { "s": Step(after: "3 Hz"), "x": Subsystem(file: "inner.ron"), "t": Terminator }, connections: ["s.y -> x.w", "x.y -> t.u"])"#,
+        );
+    expect![[r#"
+        error[unit_mismatch]: `x.w` is in rad/s, but `s.y` is in Hz
+          model.ron:1:114 `s.y` is in Hz
+          inner.ron:1:24 `(unit: "rad/s")` declared in rad/s
+          help: mend the unit where the signal arises, or the one that the subsystem declares
+    "#]].assert_eq(&compile_with(&desk, Path::new("model.ron"), &[]).1);
+}
+
+#[test]
 fn nothing_that_is_written_makes_the_compiler_panic() {
     // Every prefix of a diagram, and every diagram with one character taken out, is answered.
     let text = r#"Diagram(title: "t", parameters: {"k": "2 V", "m": [1, 2]}, simulation: (stop_time: "1 s"), blocks: {"s": Step(), "g": Gain(k: "k * m[0]"), "t": Terminator}, connections: ["s.y -> g.u", "g.y -> t.u"])"#;

@@ -8,6 +8,7 @@
 mod context;
 mod contract;
 mod given;
+pub mod in_unit;
 mod interface;
 mod parameter;
 pub mod physical;

@@ -1,3 +1,4 @@
+use blocksim_block::in_unit;
 use blocksim_block::prelude::*;
 use blocksim_motion::{AxisLimits, Endpoint, JointMoveRequest, MoveError, Synchronisation};
 
@@ -52,15 +53,19 @@ pub struct JointMove {
 #[serde(deny_unknown_fields)]
 pub struct JointPath {
     /// Positions at the start, one for each axis, rad.
+    #[serde(deserialize_with = "in_unit::angles")]
     pub start: Vec<f64>,
     /// Positions at the end, one for each axis, rad.
+    #[serde(deserialize_with = "in_unit::angles")]
     pub target: Vec<f64>,
     /// Share of each axis' largest speed, above 0 and at most 1.
+    #[serde(deserialize_with = "in_unit::share")]
     pub velocity: f64,
     /// Share of the move time spent accelerating, above 0 and at most 0.5.
+    #[serde(deserialize_with = "in_unit::share")]
     pub acceleration: f64,
     /// Distance between two rows of a table of the move, rad, positive. The set values do not depend on it.
-    #[serde(default = "half_a_degree")]
+    #[serde(default = "half_a_degree", deserialize_with = "in_unit::angle")]
     pub resolution: f64,
 }
 
@@ -69,12 +74,16 @@ pub struct JointPath {
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     /// Lowest position, rad.
+    #[serde(deserialize_with = "in_unit::angle")]
     pub lower: f64,
     /// Highest position, rad.
+    #[serde(deserialize_with = "in_unit::angle")]
     pub upper: f64,
     /// Largest speed, rad/s.
+    #[serde(deserialize_with = "in_unit::speed")]
     pub speed: f64,
     /// Largest acceleration, rad/s^2.
+    #[serde(deserialize_with = "in_unit::acceleration")]
     pub acceleration: f64,
 }
 
