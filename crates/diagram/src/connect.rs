@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use blocksim_block::problem::{Place, Problem};
 use blocksim_signal::closest;
 
-use crate::ast::{Ast, ConnectionAst, Reference, list};
+use crate::ast::{Ast, ConnectionAst, Reference};
 use crate::model::{Content, Model, ModelBlock, PortKind};
-use crate::problems::Problems;
+use crate::problems::{Problems, list};
 
 /// Checks the connections of a diagram and of all diagrams inside it.
 pub(crate) fn check(model: &Model, problems: &mut Problems) {

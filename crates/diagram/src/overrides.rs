@@ -103,7 +103,7 @@ pub(crate) fn replace(value: &mut Value, names: &[String], new: Value) -> Result
                 Some((_, member)) => replace(member, rest, new),
                 None => Err(match closest(name, known.iter().map(String::as_str)) {
                     Some(close) => format!("there is no `{name}`; did you mean `{close}`?"),
-                    None => format!("there is no `{name}`; known are {}", crate::ast::list(&known)),
+                    None => format!("there is no `{name}`; known are {}", crate::problems::list(&known)),
                 }),
             }
         }

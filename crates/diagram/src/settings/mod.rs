@@ -1,5 +1,7 @@
 //! `simulation: (...)`: stop time, method, tolerances, output.
 
+mod written;
+
 use std::rc::Rc;
 
 use blocksim_block::problem::Problem;
@@ -11,6 +13,7 @@ use crate::ast::Ast;
 use crate::de::{Reading, Written};
 use crate::problems::Problems;
 use crate::scope::Scope;
+use written::{Method, Output, Plain, Seconds, Simulation, Stop};
 
 /// Units of the numbers in `simulation`, for the checks that parameters of blocks have.
 static INFO: BlockInfo = BlockInfo {
@@ -21,90 +24,6 @@ static INFO: BlockInfo = BlockInfo {
     file: file!(),
     line: line!(),
 };
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Simulation {
-    stop_time: Option<Stop>,
-    solver: Option<Method>,
-    output: Option<Output>,
-    #[serde(default)]
-    seed: u64,
-}
-
-/// A time in s with its unit checked.
-struct Seconds(f64);
-
-impl<'de> Deserialize<'de> for Seconds {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        quantity(deserializer, "s").map(Seconds)
-    }
-}
-
-/// A number without unit.
-struct Plain(f64);
-
-impl<'de> Deserialize<'de> for Plain {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        quantity(deserializer, "1").map(Plain)
-    }
-}
-
-fn quantity<'de, D: serde::Deserializer<'de>>(deserializer: D, unit: &str) -> Result<f64, D::Error> {
-    use blocksim_signal::{Dimension, Unit, Value};
-    let value = blocksim_block::ParamValue::deserialize(deserializer)?.0;
-    let Value::Number(quantity) = value else {
-        return Err(serde::de::Error::custom(format!("expected a number, found {}", value.describe())));
-    };
-    let wanted = Unit::parse(unit).map_or(Dimension::NONE, |unit| unit.dimension);
-    if quantity.dimension != Dimension::NONE && !wanted.compatible(quantity.dimension) {
-        return Err(serde::de::Error::custom(format!(
-            "expected a value in {wanted}, found one in {}",
-            quantity.dimension
-        )));
-    }
-    Ok(quantity.value)
-}
-
-enum Stop {
-    At(f64),
-    Auto(f64),
-}
-
-impl<'de> Deserialize<'de> for Stop {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        enum Auto {
-            Auto { margin: Option<Seconds> },
-        }
-        // `Auto` is a word, a time is a number or a text.
-        match crate::de::word_or(deserializer)? {
-            crate::de::Either::Word(Auto::Auto { margin }) => {
-                Ok(Stop::Auto(margin.map_or(0.5, |margin| margin.0)))
-            }
-            crate::de::Either::Other(Seconds(time)) => Ok(Stop::At(time)),
-        }
-    }
-}
-
-#[derive(Deserialize)]
-enum Output {
-    Steps,
-    Every(Seconds),
-}
-
-#[derive(Deserialize)]
-enum Method {
-    Ode1 { step: Seconds },
-    Ode2 { step: Seconds },
-    Ode3 { step: Seconds },
-    Ode4 { step: Seconds },
-    Ode5 { step: Seconds },
-    Ode23 { rtol: Option<Plain>, atol: Option<Plain>, max_step: Option<Seconds> },
-    Ode45 { rtol: Option<Plain>, atol: Option<Plain>, max_step: Option<Seconds> },
-    Rodas4 { rtol: Option<Plain>, atol: Option<Plain>, max_step: Option<Seconds> },
-    RosW3 { rtol: Option<Plain>, atol: Option<Plain>, max_step: Option<Seconds> },
-}
 
 /// Relative tolerance where the diagram says none.
 const RTOL: f64 = 1e-6;

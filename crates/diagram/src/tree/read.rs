@@ -1,8 +1,7 @@
-//! RON text as a tree with places.
+//! Text becomes a tree with places.
 //!
 //! `ron` does the reading. Each value is taken as raw text that still lies in the file, so its place is known;
-//! what is inside is read the same way. No type is asked for yet: a value that makes no sense where it stands can
-//! be reported there, and does not hide the others.
+//! what is inside is read the same way.
 
 use std::ops::Range;
 
@@ -12,83 +11,12 @@ use ron::value::RawValue;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-/// A value and its place.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Node {
-    /// Start and end in bytes.
-    pub span: Range<usize>,
-    /// What it is.
-    pub value: Shape,
-}
-
-/// A name and its place.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Name {
-    /// The name.
-    pub text: String,
-    /// Start and end in bytes.
-    pub span: Range<usize>,
-}
-
-/// What stands in a file.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Shape {
-    /// `1.5`
-    Number(f64),
-    /// `true`
-    Bool(bool),
-    /// `"text"`
-    Text(String),
-    /// `[1, 2]`
-    List(Vec<Node>),
-    /// `{"a": 1}`
-    Map(Vec<(Name, Node)>),
-    /// `(a: 1)` or `Kind(a: 1)`
-    Struct(Option<Name>, Vec<(Name, Node)>),
-    /// `(1, 2)`, `()` or `Kind(1)`
-    Tuple(Option<Name>, Vec<Node>),
-    /// `Kind`
-    Word(String),
-}
-
-impl Node {
-    /// What it is, in words.
-    pub fn describe(&self) -> String {
-        match &self.value {
-            Shape::Number(_) => "a number".to_owned(),
-            Shape::Bool(_) => "true or false".to_owned(),
-            Shape::Text(_) => "a text".to_owned(),
-            Shape::List(items) => format!("a list of {}", items.len()),
-            Shape::Map(_) | Shape::Struct(None, _) => "a set".to_owned(),
-            Shape::Struct(Some(name), _) | Shape::Tuple(Some(name), _) => format!("`{}(...)`", name.text),
-            Shape::Tuple(None, _) => "a tuple".to_owned(),
-            Shape::Word(word) => format!("the word `{word}`"),
-        }
-    }
-
-    /// Named members of a set or of `Kind(...)`; none for `()`.
-    pub fn members(&self) -> Option<&[(Name, Node)]> {
-        match &self.value {
-            Shape::Map(members) | Shape::Struct(_, members) => Some(members),
-            Shape::Tuple(_, items) if items.is_empty() => Some(&[]),
-            Shape::Word(_) => Some(&[]),
-            _ => None,
-        }
-    }
-
-    /// The word before the parentheses, or the word itself.
-    pub fn word(&self) -> Option<&str> {
-        match &self.value {
-            Shape::Struct(Some(name), _) | Shape::Tuple(Some(name), _) => Some(&name.text),
-            Shape::Word(word) => Some(word),
-            _ => None,
-        }
-    }
-}
+use super::scan::{byte_of, decimal_comma, is_raw_string, skip, skip_with, trim_end, word_length};
+use super::{Name, Node, Shape};
 
 /// Text that is no RON.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SyntaxError {
+pub(crate) struct SyntaxError {
     /// Where.
     pub span: Range<usize>,
     /// What is wrong.
@@ -101,7 +29,7 @@ pub struct SyntaxError {
 ///
 /// # Errors
 /// The first place that is no RON.
-pub fn read(text: &str) -> Result<Node, SyntaxError> {
+pub(crate) fn read(text: &str) -> Result<Node, SyntaxError> {
     let reader = Reader { text };
     let raw: &RawValue = options().from_str(text).map_err(|error| reader.error(text, &error))?;
     reader.node(raw.get_ron())
@@ -281,141 +209,6 @@ fn entries<'de, A: MapAccess<'de>>(mut map: A) -> Result<Vec<(String, &'de RawVa
         entries.push((name, map.next_value()?));
     }
     Ok(entries)
-}
-
-/// Length of white space, comments and attributes at the start.
-fn skip(text: &str) -> usize {
-    skip_with(text, false)
-}
-
-/// The same, commas too.
-fn skip_with(text: &str, commas: bool) -> usize {
-    let mut at = 0;
-    loop {
-        let rest = &text[at..];
-        let white =
-            rest.len() - rest.trim_start_matches(|c: char| c.is_whitespace() || (commas && c == ',')).len();
-        if white > 0 {
-            at += white;
-        } else if rest.starts_with("//") {
-            at += rest.find('\n').unwrap_or(rest.len());
-        } else if rest.starts_with("/*") {
-            at += block_comment(rest);
-        } else if rest.starts_with("#![") {
-            at += rest.find(']').map_or(rest.len(), |end| end + 1);
-        } else {
-            return at;
-        }
-    }
-}
-
-/// Length of a comment that may hold others.
-fn block_comment(text: &str) -> usize {
-    let (mut depth, mut at) = (0usize, 0);
-    while at < text.len() {
-        let rest = &text[at..];
-        if rest.starts_with("/*") {
-            (depth, at) = (depth + 1, at + 2);
-        } else if rest.starts_with("*/") {
-            (depth, at) = (depth - 1, at + 2);
-            if depth == 0 {
-                return at;
-            }
-        } else {
-            at += rest.chars().next().map_or(1, char::len_utf8);
-        }
-    }
-    text.len()
-}
-
-/// Without white space and comments at the end. A value has no comment markers outside of texts, so the text is
-/// walked from the start.
-fn trim_end(raw: &str) -> &str {
-    let (mut at, mut end) = (0, 0);
-    while at < raw.len() {
-        let rest = &raw[at..];
-        let skipped = skip(rest);
-        if skipped > 0 {
-            at += skipped;
-            continue;
-        }
-        at += token(rest);
-        end = at;
-    }
-    &raw[..end]
-}
-
-/// Length of a text, a character or a single character of anything else.
-fn token(rest: &str) -> usize {
-    if let Some(length) = raw_string(rest) {
-        return length;
-    }
-    let first = rest.chars().next().map_or(1, char::len_utf8);
-    if rest.starts_with('"') {
-        let mut escaped = false;
-        for (i, c) in rest.char_indices().skip(1) {
-            match c {
-                _ if escaped => escaped = false,
-                '\\' => escaped = true,
-                '"' => return i + 1,
-                _ => {}
-            }
-        }
-        return rest.len();
-    }
-    first
-}
-
-fn is_raw_string(text: &str) -> bool {
-    raw_string(text).is_some()
-}
-
-/// Length of `r"..."` or `r#"..."#`.
-fn raw_string(text: &str) -> Option<usize> {
-    let rest = text.strip_prefix('r')?;
-    let hashes = rest.len() - rest.trim_start_matches('#').len();
-    let body = rest[hashes..].strip_prefix('"')?;
-    let close = format!("\"{}", "#".repeat(hashes));
-    let end = body.find(&close)?;
-    Some(1 + hashes + 1 + end + close.len())
-}
-
-fn word_length(text: &str) -> usize {
-    let starts = text.chars().next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
-    if !starts {
-        return 0;
-    }
-    text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(text.len())
-}
-
-/// Byte of a line and a column, both counted from 1, columns in characters.
-fn byte_of(text: &str, line: usize, column: usize) -> usize {
-    let start = if line <= 1 {
-        0
-    } else {
-        text.match_indices('\n').nth(line - 2).map_or(text.len(), |(newline, _)| newline + 1)
-    };
-    let rest = &text[start..];
-    start + rest.char_indices().nth(column.saturating_sub(1)).map_or(rest.len(), |(byte, _)| byte)
-}
-
-/// `1,05` just before or at a place where reading failed.
-fn decimal_comma(text: &str, at: usize) -> Option<Range<usize>> {
-    let bytes = text.as_bytes();
-    let line = text[..at].rfind('\n').map_or(0, |newline| newline + 1);
-    let end = text[at..].find('\n').map_or(text.len(), |newline| at + newline);
-    let mut comma = (line..end).filter(|i| {
-        bytes[*i] == b','
-            && *i > line
-            && bytes[*i - 1].is_ascii_digit()
-            && bytes.get(*i + 1).is_some_and(u8::is_ascii_digit)
-    });
-    // The nearest one to the left of, or at, the place.
-    let comma = comma.rfind(|i| *i <= at + 1)?;
-    let digits = |c: &u8| c.is_ascii_digit() || *c == b'.';
-    let start = comma - bytes[line..comma].iter().rev().take_while(|c| digits(c)).count();
-    let stop = comma + 1 + bytes[comma + 1..end].iter().take_while(|c| c.is_ascii_digit()).count();
-    Some(start..stop)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! A diagram as it is written: names, raw parameters, places. No block is known yet.
+//! The sections of a diagram are read; what does not fit is reported and left out.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -6,79 +6,9 @@ use std::ops::Range;
 use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_signal::closest;
 
-use crate::problems::Problems;
+use super::{Ast, BlockAst, Reference};
+use crate::problems::{Problems, list};
 use crate::tree::{Name, Node, Shape};
-
-/// A file that holds a diagram.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Ast {
-    /// The file.
-    pub file: FileId,
-    /// Title, if it has one.
-    pub title: Option<String>,
-    /// Parameters with their defaults.
-    pub parameters: Vec<(Name, Node)>,
-    /// `simulation: (...)`.
-    pub simulation: Option<Node>,
-    /// Signal inputs when used as a subsystem.
-    pub inputs: Vec<(Name, Node)>,
-    /// Signal outputs when used as a subsystem.
-    pub outputs: Vec<(Name, Reference)>,
-    /// Conserving ports when used as a subsystem.
-    pub ports: Vec<(Name, Reference)>,
-    /// Blocks in the order of the file.
-    pub blocks: Vec<BlockAst>,
-    /// Connections in the order of the file.
-    pub connections: Vec<ConnectionAst>,
-    /// Patterns of signals to record.
-    pub record: Vec<Name>,
-    /// The word `Diagram`, for problems of the whole.
-    pub span: Range<usize>,
-}
-
-/// A block as it is written.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BlockAst {
-    /// Name.
-    pub name: Name,
-    /// Kind.
-    pub kind: Name,
-    /// Text for drawings.
-    pub label: Option<String>,
-    /// Parameters.
-    pub parameters: Vec<(Name, Node)>,
-    /// The whole value.
-    pub span: Range<usize>,
-}
-
-/// A port of a block, or an element of a bus behind it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Reference {
-    /// Block, or `in` for the inputs of the diagram.
-    pub block: String,
-    /// Port.
-    pub port: String,
-    /// Path within the bus.
-    pub elements: Vec<String>,
-    /// Place of the text.
-    pub span: Range<usize>,
-}
-
-/// A connection.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum ConnectionAst {
-    /// One output to inputs.
-    Signal(Reference, Vec<Reference>),
-    /// Conserving ports joined.
-    Conserving(Vec<Reference>),
-}
-
-impl Ast {
-    /// A place in this file.
-    pub fn place(&self, span: &Range<usize>) -> Place {
-        Place { file: self.file, span: span.clone() }
-    }
-}
 
 const SECTIONS: [&str; 9] =
     ["title", "parameters", "simulation", "inputs", "outputs", "ports", "blocks", "connections", "record"];
@@ -142,18 +72,8 @@ pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Optio
     Some(ast)
 }
 
-/// Words in a row for people: `a`, `b` and `c`.
-pub(crate) fn list<S: AsRef<str>>(words: &[S]) -> String {
-    let quoted: Vec<String> = words.iter().map(|word| format!("`{}`", word.as_ref())).collect();
-    match quoted.as_slice() {
-        [] => "none".to_owned(),
-        [one] => one.clone(),
-        [head @ .., last] => format!("{} and {last}", head.join(", ")),
-    }
-}
-
 /// Reports names that stand twice.
-pub(crate) fn unique(file: FileId, members: &[(Name, Node)], what: &str, problems: &mut Problems) {
+fn unique(file: FileId, members: &[(Name, Node)], what: &str, problems: &mut Problems) {
     let mut first: HashMap<&str, &Name> = HashMap::new();
     for (name, _) in members {
         if let Some(other) = first.insert(&name.text, name) {
@@ -168,17 +88,17 @@ pub(crate) fn unique(file: FileId, members: &[(Name, Node)], what: &str, problem
     }
 }
 
-struct Section<'a> {
-    file: FileId,
-    problems: &'a mut Problems,
+pub(super) struct Section<'a> {
+    pub(super) file: FileId,
+    pub(super) problems: &'a mut Problems,
 }
 
 impl Section<'_> {
-    fn place(&self, span: &Range<usize>) -> Place {
+    pub(super) fn place(&self, span: &Range<usize>) -> Place {
         Place { file: self.file, span: span.clone() }
     }
 
-    fn expected(&mut self, what: &str, node: &Node) {
+    pub(super) fn expected(&mut self, what: &str, node: &Node) {
         let place = self.place(&node.span);
         self.problems.push(
             Problem::error("syntax", format!("expected {what}, found {}", node.describe()))
@@ -284,94 +204,5 @@ impl Section<'_> {
                 Some(BlockAst { name, kind, label, parameters: kept, span: node.span.clone() })
             })
             .collect()
-    }
-
-    fn connections(&mut self, node: &Node) -> Vec<ConnectionAst> {
-        let Shape::List(items) = &node.value else {
-            self.expected("a list of connections", node);
-            return Vec::new();
-        };
-        items.iter().filter_map(|item| self.connection(item)).collect()
-    }
-
-    fn connection(&mut self, node: &Node) -> Option<ConnectionAst> {
-        let Shape::Text(text) = &node.value else {
-            self.expected("a connection such as `\"a.y -> b.u\"`", node);
-            return None;
-        };
-        // Texts without escapes begin one quote after their place.
-        let base = node.span.start + 1;
-        let (arrow, double) = (text.find("->").filter(|at| !text[..*at].ends_with('<')), text.find("<->"));
-        let problem = |this: &mut Self, message: &str, help: &str| {
-            let place = this.place(&node.span);
-            this.problems.push(Problem::error("syntax", message).at(&place, "").help(help));
-        };
-        match (arrow, double) {
-            (Some(at), None) => {
-                let source = self.reference(&text[..at], base)?;
-                let mut targets = Vec::new();
-                let mut start = at + 2;
-                for part in text[start..].split(',') {
-                    targets.push(self.reference(part, base + start)?);
-                    start += part.len() + 1;
-                }
-                Some(ConnectionAst::Signal(source, targets))
-            }
-            (None, Some(_)) => {
-                let mut joined = Vec::new();
-                let mut start = 0;
-                for part in text.split("<->") {
-                    joined.push(self.reference(part, base + start)?);
-                    start += part.len() + 3;
-                }
-                Some(ConnectionAst::Conserving(joined))
-            }
-            (Some(_), Some(_)) => {
-                problem(self, "`->` and `<->` do not mix in one connection", "write two connections");
-                None
-            }
-            (None, None) => {
-                problem(
-                    self,
-                    "a connection needs an arrow",
-                    "`a.y -> b.u` connects signals, `a.p <-> b.n` joins conserving ports",
-                );
-                None
-            }
-        }
-    }
-
-    fn reference(&mut self, text: &str, base: usize) -> Option<Reference> {
-        let trimmed = text.trim();
-        let start = base + text.len() - text.trim_start().len();
-        let span = start..start + trimmed.len();
-        let mut parts = trimmed.split('.').map(str::to_owned);
-        let fits =
-            |part: &String| !part.is_empty() && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        match (parts.next().filter(fits), parts.next().filter(fits)) {
-            (Some(block), Some(port)) => {
-                let elements: Vec<String> = parts.collect();
-                if elements.iter().all(fits) {
-                    return Some(Reference { block, port, elements, span });
-                }
-            }
-            (Some(block), None) if !trimmed.contains('.') => {
-                let place = self.place(&span);
-                self.problems.push(
-                    Problem::error("syntax", format!("`{block}` names a block but no port"))
-                        .at(&place, "which port?")
-                        .help("write `block.port`; most outputs are called `y`, most inputs `u`"),
-                );
-                return None;
-            }
-            _ => {}
-        }
-        let place = self.place(&span);
-        self.problems.push(
-            Problem::error("syntax", format!("`{trimmed}` is no port"))
-                .at(&place, "")
-                .help("write `block.port`, or `block.port.element` for an element of a bus"),
-        );
-        None
     }
 }

@@ -1,0 +1,83 @@
+//! A diagram as it is written: names, raw parameters, places. No block is known yet.
+
+mod connection;
+mod parse;
+
+use std::ops::Range;
+
+use blocksim_block::problem::{FileId, Place};
+
+use crate::tree::{Name, Node};
+
+pub(crate) use parse::parse;
+
+/// A file that holds a diagram.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ast {
+    /// The file.
+    pub file: FileId,
+    /// Title, if it has one.
+    pub title: Option<String>,
+    /// Parameters with their defaults.
+    pub parameters: Vec<(Name, Node)>,
+    /// `simulation: (...)`.
+    pub simulation: Option<Node>,
+    /// Signal inputs when used as a subsystem.
+    pub inputs: Vec<(Name, Node)>,
+    /// Signal outputs when used as a subsystem.
+    pub outputs: Vec<(Name, Reference)>,
+    /// Conserving ports when used as a subsystem.
+    pub ports: Vec<(Name, Reference)>,
+    /// Blocks in the order of the file.
+    pub blocks: Vec<BlockAst>,
+    /// Connections in the order of the file.
+    pub connections: Vec<ConnectionAst>,
+    /// Patterns of signals to record.
+    pub record: Vec<Name>,
+    /// The word `Diagram`, for problems of the whole.
+    pub span: Range<usize>,
+}
+
+/// A block as it is written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BlockAst {
+    /// Name.
+    pub name: Name,
+    /// Kind.
+    pub kind: Name,
+    /// Text for drawings.
+    pub label: Option<String>,
+    /// Parameters.
+    pub parameters: Vec<(Name, Node)>,
+    /// The whole value.
+    pub span: Range<usize>,
+}
+
+/// A port of a block, or an element of a bus behind it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Reference {
+    /// Block, or `in` for the inputs of the diagram.
+    pub block: String,
+    /// Port.
+    pub port: String,
+    /// Path within the bus.
+    pub elements: Vec<String>,
+    /// Place of the text.
+    pub span: Range<usize>,
+}
+
+/// A connection.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ConnectionAst {
+    /// One output to inputs.
+    Signal(Reference, Vec<Reference>),
+    /// Conserving ports joined.
+    Conserving(Vec<Reference>),
+}
+
+impl Ast {
+    /// A place in this file.
+    pub fn place(&self, span: &Range<usize>) -> Place {
+        Place { file: self.file, span: span.clone() }
+    }
+}

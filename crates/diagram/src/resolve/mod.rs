@@ -1,0 +1,121 @@
+//! From written diagrams to blocks: kinds are looked up, parameters computed, subsystems and variants built.
+
+mod hierarchy;
+mod names;
+mod overridden;
+mod primitive;
+mod subsystem;
+mod variant;
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use blocksim_block::problem::{FileId, Problem};
+
+use crate::ast::{Ast, BlockAst, parse};
+use crate::model::{Model, ModelBlock};
+use crate::overrides::Override;
+use crate::problems::Problems;
+use crate::scope::{Scope, read_tree};
+use crate::source::Sources;
+
+pub use hierarchy::HIERARCHY;
+
+/// Resolves the top diagram and everything below it.
+pub(crate) struct Resolver<'a> {
+    pub sources: &'a Sources<'a>,
+    pub overrides: Vec<Override>,
+    pub problems: RefCell<Problems>,
+    asts: RefCell<HashMap<FileId, Option<Rc<Ast>>>>,
+}
+
+impl<'a> Resolver<'a> {
+    pub(crate) fn new(sources: &'a Sources<'a>, overrides: Vec<Override>) -> Self {
+        Self { sources, overrides, problems: RefCell::default(), asts: RefCell::default() }
+    }
+
+    fn report(&self, problem: Problem) {
+        self.problems.borrow_mut().push(problem);
+    }
+
+    /// Reads a diagram once.
+    pub(crate) fn ast(&self, file: FileId) -> Option<Rc<Ast>> {
+        if let Some(known) = self.asts.borrow().get(&file) {
+            return known.clone();
+        }
+        let ast = match read_tree(self.sources, file) {
+            Ok(root) => parse(file, &root, &mut self.problems.borrow_mut()).map(Rc::new),
+            Err(problem) => {
+                self.report(problem);
+                None
+            }
+        };
+        self.asts.borrow_mut().insert(file, ast.clone());
+        ast
+    }
+
+    /// The top diagram with its scope.
+    pub(crate) fn top(&self, file: FileId) -> Option<(Model, Rc<Scope<'a>>)> {
+        let ast = self.ast(file)?;
+        let scope = Rc::new(Scope::new(self.sources, None));
+        ast.parameters.iter().for_each(|(name, node)| scope.declare(name, file, node));
+        self.override_parameters(&ast, &scope, "");
+        let model = self.model(&ast, &scope, "", &[file]);
+        for unused in self.overrides.iter().filter(|o| !o.used.get()) {
+            self.report(self.unknown_override(unused, &model));
+        }
+        Some((model, scope))
+    }
+
+    /// The blocks of a diagram whose parameters are known.
+    fn model(&self, ast: &Rc<Ast>, scope: &Rc<Scope<'a>>, path: &str, stack: &[FileId]) -> Model {
+        for (name, _) in &ast.parameters {
+            if let Some(Err(problem)) = scope.value(&name.text) {
+                self.report(problem);
+            }
+        }
+        let blocks = ast
+            .blocks
+            .iter()
+            .map(|block| {
+                let path = if path.is_empty() {
+                    block.name.text.clone()
+                } else {
+                    format!("{path}/{}", block.name.text)
+                };
+                self.block(ast, block, scope, path, stack)
+            })
+            .collect();
+        Model { path: path.to_owned(), ast: ast.clone(), blocks }
+    }
+
+    fn block(
+        &self,
+        ast: &Ast,
+        block: &BlockAst,
+        scope: &Rc<Scope<'a>>,
+        path: String,
+        stack: &[FileId],
+    ) -> ModelBlock {
+        let mut variant = None;
+        let content = match block.kind.text.as_str() {
+            "Subsystem" => self.subsystem(ast, block, scope, &path, stack),
+            "Variant" => {
+                let (choice, content) = self.variant(ast, block, scope, &path, stack);
+                variant = choice;
+                content
+            }
+            _ => self.primitive(ast, block, scope, &path),
+        };
+        ModelBlock {
+            name: block.name.text.clone(),
+            path,
+            kind: block.kind.text.clone(),
+            label: block.label.clone(),
+            place: ast.place(&block.name.span),
+            variant,
+            content,
+        }
+    }
+}

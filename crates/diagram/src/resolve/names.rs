@@ -1,0 +1,79 @@
+//! Names of kinds and of parameters: those that do not exist, and those that are missing.
+
+use blocksim_block::problem::Problem;
+use blocksim_block::{BlockInfo, kinds};
+use blocksim_signal::closest;
+
+use super::{HIERARCHY, Resolver};
+use crate::ast::{Ast, BlockAst};
+use crate::problems::list;
+use crate::tree::{Name, Node};
+
+impl Resolver<'_> {
+    pub(super) fn unknown_kind(&self, ast: &Ast, kind: &Name) {
+        let mut known: Vec<&str> = kinds().iter().map(|info| info.kind).collect();
+        known.extend(HIERARCHY.iter().map(|info| info.kind));
+        let problem = Problem::error("unknown_block", format!("there is no block kind `{}`", kind.text))
+            .at(&ast.place(&kind.span), "unknown kind");
+        self.report(match closest(&kind.text, known.iter().copied()) {
+            Some(close) => {
+                problem.help(format!("did you mean `{close}`? `blocksim blocks {close}` describes it"))
+            }
+            None => problem.help("`blocksim blocks` lists all kinds"),
+        });
+    }
+
+    /// Reports unknown and missing parameters, all at once.
+    pub(super) fn names_fit(
+        &self,
+        ast: &Ast,
+        block: &BlockAst,
+        info: &BlockInfo,
+        parameters: &[(Name, Node)],
+    ) -> bool {
+        let known: Vec<&str> = info.parameters.iter().map(|parameter| parameter.name).collect();
+        let mut fits = true;
+        for (name, _) in parameters.iter().filter(|(name, _)| !known.contains(&name.text.as_str())) {
+            fits = false;
+            let problem = Problem::error(
+                "unknown_parameter",
+                format!("`{}` has no parameter `{}`", info.kind, name.text),
+            )
+            .at(&ast.place(&name.span), "unknown parameter");
+            self.report(match (closest(&name.text, known.iter().copied()), known.as_slice()) {
+                (_, []) => problem.help(format!("`{}` has no parameters", info.kind)),
+                (Some(close), _) => {
+                    problem.help(format!("did you mean `{close}`? The parameters are {}", list(&known)))
+                }
+                (None, _) => problem.help(format!("the parameters are {}", list(&known))),
+            });
+        }
+        let missing: Vec<&str> = info
+            .parameters
+            .iter()
+            .filter(|parameter| parameter.default.is_none())
+            .map(|parameter| parameter.name)
+            .filter(|name| !parameters.iter().any(|(given, _)| given.text == *name))
+            .collect();
+        if !missing.is_empty() {
+            fits = false;
+            self.report(
+                Problem::error("missing_parameter", format!("`{}` needs {}", info.kind, list(&missing)))
+                    .at(&ast.place(&block.kind.span), "not given")
+                    .help(format!("`blocksim blocks {}` describes its parameters", info.kind)),
+            );
+        }
+        fits
+    }
+
+    pub(super) fn unknown_with(&self, ast: &Ast, given: &Name, file: &str, known: &[String]) {
+        let problem =
+            Problem::error("unknown_parameter", format!("`{file}` has no parameter `{}`", given.text))
+                .at(&ast.place(&given.span), "unknown parameter");
+        self.report(match closest(&given.text, known.iter().map(String::as_str)) {
+            Some(close) => problem.help(format!("did you mean `{close}`?")),
+            None if known.is_empty() => problem.help("the file declares no parameters"),
+            None => problem.help(format!("its parameters are {}", list(known))),
+        });
+    }
+}

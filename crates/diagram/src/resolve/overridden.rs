@@ -1,0 +1,188 @@
+//! What the command line replaces: parameters of diagrams and of blocks.
+
+use std::ops::Range;
+use std::rc::Rc;
+
+use blocksim_block::BlockInfo;
+use blocksim_block::problem::Problem;
+use blocksim_signal::{Value, closest};
+
+use super::Resolver;
+use crate::ast::{Ast, BlockAst};
+use crate::model::{Content, Model};
+use crate::overrides::{Override, replace};
+use crate::problems::list;
+use crate::scope::{Evaluation, Scope, choices};
+use crate::tree::{Name, Node, Shape};
+
+impl<'a> Resolver<'a> {
+    /// Parameters with those replaced that the command line names.
+    pub(super) fn block_overrides(
+        &self,
+        block: &BlockAst,
+        info: &BlockInfo,
+        path: &str,
+    ) -> Vec<(Name, Node)> {
+        let mut parameters = block.parameters.clone();
+        for (over, names) in self.overrides_of(path) {
+            let Some((first, rest)) = names.split_first() else { continue };
+            let Some(parameter) = info.parameters.iter().find(|parameter| parameter.name == *first) else {
+                // The parameters of a plug-in stand in a set of their own.
+                let inner = parameters.iter_mut().find(|(name, _)| name.text == "parameters");
+                if let (Some((_, node)), []) = (inner, rest)
+                    && let Shape::Map(members) | Shape::Struct(None, members) = &mut node.value
+                {
+                    over.used.set(true);
+                    put(members, first, value_node(over, true), &node.span);
+                }
+                continue;
+            };
+            if rest.is_empty() {
+                over.used.set(true);
+                let text = ["f64", "String", "usize", "u32", "ParamValue"]
+                    .iter()
+                    .any(|t| parameter.rust_type.contains(t));
+                put(&mut parameters, first, value_node(over, text), &block.span);
+            }
+        }
+        parameters
+    }
+
+    /// What the command line sets in the block at a path, with the names below it.
+    fn overrides_of<'s>(&'s self, path: &'s str) -> impl Iterator<Item = (&'s Override, &'s [String])> {
+        self.overrides.iter().filter_map(move |over| {
+            // At the top a block and a parameter look alike: `pid.kp`.
+            let top = over.path.is_empty() && over.names.len() > 1 && over.names[0] == path;
+            match over.path == path {
+                true if !over.path.is_empty() => Some((over, over.names.as_slice())),
+                _ if top => Some((over, &over.names[1..])),
+                _ => None,
+            }
+        })
+    }
+
+    /// A value from the command line has no place in the file.
+    pub(super) fn about_override(&self, problem: Problem, path: &str) -> Problem {
+        match self.overrides_of(path).next() {
+            Some((over, _)) => problem.note(format!("with `--set {}`", over.text)),
+            None => problem,
+        }
+    }
+
+    /// Parameters of a diagram that the command line replaces.
+    pub(super) fn override_parameters(&self, ast: &Ast, scope: &Rc<Scope<'a>>, path: &str) {
+        for over in self.overrides.iter().filter(|over| over.path == path && scope.has(&over.names[0])) {
+            // A block may bear the name of a parameter; what the parameter does not have is meant for the block.
+            let is_block = ast.blocks.iter().any(|block| block.name.text == over.names[0]);
+            let member = over.names.get(1);
+            let has_member = |value: Value| member.is_none_or(|member| value.get(member).is_some());
+            if is_block && !scope.value(&over.names[0]).and_then(Result::ok).is_some_and(has_member) {
+                continue;
+            }
+            over.used.set(true);
+            let declared =
+                ast.parameters.iter().find(|(name, _)| name.text == over.names[0]).map(|(_, node)| node);
+            match self.overridden(over, declared, scope) {
+                Ok(value) => scope.set(&over.names[0], value),
+                Err(problem) => self.report(problem),
+            }
+        }
+    }
+
+    fn overridden(
+        &self,
+        over: &Override,
+        declared: Option<&Node>,
+        scope: &Rc<Scope<'a>>,
+    ) -> Result<Value, Problem> {
+        let alternatives = declared.map(choices).unwrap_or_default();
+        let fail = |message: String| Problem::error("unknown_override", message).at(&over.place(), "");
+        if over.names.len() == 1 && !alternatives.is_empty() {
+            let (Shape::Word(word) | Shape::Text(word)) = &over.node.value else {
+                return Err(fail(format!("`{}` is one of {}", over.names[0], list(&alternatives))));
+            };
+            if alternatives.contains(word) {
+                return Ok(Value::Text(word.clone()));
+            }
+            let problem = fail(format!("`{}` has no alternative `{word}`", over.names[0]));
+            return Err(match closest(word, alternatives.iter().map(String::as_str)) {
+                Some(close) => problem
+                    .help(format!("did you mean `{close}`? The alternatives are {}", list(&alternatives))),
+                None => problem.help(format!("the alternatives are {}", list(&alternatives))),
+            });
+        }
+        let required =
+            matches!(declared.map(|node| &node.value), Some(Shape::Word(word)) if word == "Required");
+        let mut value = match scope.value(&over.names[0]) {
+            Some(Ok(value)) => value,
+            Some(Err(_)) if required && over.names.len() == 1 => Value::Bool(false),
+            Some(Err(problem)) => return Err(problem),
+            None => return Err(fail(format!("there is no parameter `{}`", over.names[0]))),
+        };
+        let old_is_text = matches!(value, Value::Text(_)) && over.names.len() == 1;
+        let new = match &over.node.value {
+            Shape::Word(word) | Shape::Text(word) if old_is_text => Value::Text(word.clone()),
+            _ => {
+                let stack = Vec::new();
+                Evaluation { scope, file: over.file, stack: &stack }.value(&value_node(over, true))?
+            }
+        };
+        replace(&mut value, &over.names[1..], new).map_err(fail)?;
+        Ok(value)
+    }
+
+    pub(super) fn unknown_override(&self, over: &Override, model: &Model) -> Problem {
+        let target = over.text.split('=').next().unwrap_or_default().trim();
+        let problem = Problem::error("unknown_override", format!("there is no `{target}` to set"))
+            .at(&over.place(), "");
+        let mut known: Vec<String> = model.ast.parameters.iter().map(|(name, _)| name.text.clone()).collect();
+        collect_parameters(model, &mut known);
+        match closest(target, known.iter().map(String::as_str)) {
+            Some(close) => problem.help(format!("did you mean `{close}`?")),
+            None => problem.help(format!(
+                "parameters of the diagram are {}; `path/to/block.parameter` names one of a block",
+                list(&model.ast.parameters.iter().map(|(name, _)| name.text.clone()).collect::<Vec<_>>())
+            )),
+        }
+    }
+}
+
+/// Replaces or adds a member.
+fn put(members: &mut Vec<(Name, Node)>, name: &str, node: Node, span: &Range<usize>) {
+    // The value stands on the command line; in the file the whole block is its place.
+    let node = Node { span: span.clone(), ..node };
+    match members.iter_mut().find(|(known, _)| known.text == name) {
+        Some((_, old)) => *old = Node { span: old.span.clone(), ..node },
+        None => members.push((Name { text: name.to_owned(), span: span.clone() }, node)),
+    }
+}
+
+/// A word from the command line is an expression or a text where one of them is asked for.
+fn value_node(over: &Override, text: bool) -> Node {
+    match &over.node.value {
+        Shape::Word(word) if text && word != "None" => {
+            Node { span: over.node.span.clone(), value: Shape::Text(word.clone()) }
+        }
+        _ => over.node.clone(),
+    }
+}
+
+/// What `--set` could have meant.
+fn collect_parameters(model: &Model, known: &mut Vec<String>) {
+    for block in &model.blocks {
+        match &block.content {
+            Content::Diagram(inside) => {
+                known.extend(
+                    inside.ast.parameters.iter().map(|(name, _)| format!("{}.{}", block.path, name.text)),
+                );
+                collect_parameters(inside, known);
+            }
+            Content::Block { .. } => {
+                if let Some(info) = BlockInfo::find(&block.kind) {
+                    known.extend(info.parameters.iter().map(|p| format!("{}.{}", block.path, p.name)));
+                }
+            }
+            Content::Unknown => {}
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Blocks of the library: a kind, its parameters and the ports that follow from them.
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use blocksim_block::problem::Problem;
+use blocksim_block::{Block, BlockInfo, BlockKind, Given, ParamUnits};
+use serde::Deserialize;
+
+use super::Resolver;
+use crate::ast::{Ast, BlockAst};
+use crate::de::{Reading, Tagged, Written};
+use crate::model::Content;
+use crate::scope::Scope;
+use crate::source::BlockFiles;
+use crate::tree::{Node, Shape};
+
+impl<'a> Resolver<'a> {
+    pub(super) fn primitive(
+        &self,
+        ast: &Ast,
+        block: &BlockAst,
+        scope: &Rc<Scope<'a>>,
+        path: &str,
+    ) -> Content {
+        let Some(info) = BlockInfo::find(&block.kind.text) else {
+            self.unknown_kind(ast, &block.kind);
+            return Content::Unknown;
+        };
+        let parameters = self.block_overrides(block, info, path);
+        if !self.names_fit(ast, block, info, &parameters) {
+            return Content::Unknown;
+        }
+        let node =
+            Node { span: block.span.clone(), value: Shape::Struct(Some(block.kind.clone()), parameters) };
+        let reading = Reading::new(scope.clone(), ast.file, Some(info));
+        let body = Written::new(&reading, &node);
+        let kind = match Box::<dyn BlockKind>::deserialize(Tagged { kind: &block.kind.text, body }) {
+            Ok(kind) => kind,
+            Err(noted) => {
+                let problem = reading
+                    .problem
+                    .take()
+                    .unwrap_or_else(|| Problem::error("parameter", noted.0).at(&ast.place(&block.span), ""));
+                self.report(self.about_override(problem, path));
+                return Content::Unknown;
+            }
+        };
+        let mut built = kind.into_block();
+        let units = reading.units.take();
+        let place_of = |param: &str| {
+            let name = param.split(['.', '[']).next().unwrap_or(param);
+            let parameter = block.parameters.iter().find(|(known, _)| known.text == name);
+            ast.place(parameter.map_or(&block.span, |(_, node)| &node.span))
+        };
+        let files = BlockFiles { sources: self.sources, folder: self.sources.folder(ast.file) };
+        if let Err(error) = built.load(&files) {
+            let problem = Problem::error(error.code, error.message).at(&place_of(error.param), "");
+            self.report(with_help(problem, error.help));
+            return Content::Unknown;
+        }
+        if let Err(error) = built.check() {
+            let problem = Problem::error("parameter", error.message)
+                .at(&place_of(&error.param), "")
+                .note(format!("in block `{path}` ({})", block.kind.text));
+            self.report(with_help(problem, error.help));
+            return Content::Unknown;
+        }
+        self.interface(ast, block, Arc::from(built), units)
+    }
+
+    fn interface(&self, ast: &Ast, block: &BlockAst, built: Arc<dyn Block>, units: ParamUnits) -> Content {
+        match built.interface(&Given::new(Vec::new(), units.clone())) {
+            Ok(interface) => Content::Block { block: built, units, interface: Box::new(interface) },
+            Err(error) => {
+                let problem = Problem::error(error.code, error.message).at(&ast.place(&block.span), "");
+                self.report(with_help(problem, error.help));
+                Content::Unknown
+            }
+        }
+    }
+}
+
+fn with_help(problem: Problem, help: Option<String>) -> Problem {
+    match help {
+        Some(help) => problem.help(help),
+        None => problem,
+    }
+}

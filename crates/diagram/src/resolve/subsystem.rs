@@ -1,0 +1,90 @@
+//! A diagram inside another, with what it is given.
+
+use std::rc::Rc;
+
+use blocksim_block::problem::{FileId, Problem};
+
+use super::{HIERARCHY, Resolver};
+use crate::ast::{Ast, BlockAst};
+use crate::model::Content;
+use crate::scope::{Scope, missing_file};
+use crate::tree::{Node, Shape};
+
+impl<'a> Resolver<'a> {
+    pub(super) fn subsystem(
+        &self,
+        ast: &Ast,
+        block: &BlockAst,
+        scope: &Rc<Scope<'a>>,
+        path: &str,
+        stack: &[FileId],
+    ) -> Content {
+        if !self.names_fit(ast, block, &HIERARCHY[0], &block.parameters) {
+            return Content::Unknown;
+        }
+        let parameter =
+            |name: &str| block.parameters.iter().find(|(n, _)| n.text == name).map(|(_, node)| node);
+        let Some(Node { value: Shape::Text(name), span }) = parameter("file") else {
+            self.report(
+                Problem::error("parameter", "the file of a subsystem is a text")
+                    .at(&ast.place(&block.span), "")
+                    .help("write `file: \"name.ron\"`"),
+            );
+            return Content::Unknown;
+        };
+        let place = ast.place(span);
+        let file = match self.sources.open(&self.sources.folder(ast.file).join(name)) {
+            Ok(file) => file,
+            Err(reason) => {
+                self.report(missing_file(name, &reason, &place));
+                return Content::Unknown;
+            }
+        };
+        if stack.contains(&file) {
+            self.report(
+                Problem::error("recursive_file", format!("`{name}` contains itself"))
+                    .at(&place, "is being built already")
+                    .help("a diagram cannot be part of itself"),
+            );
+            return Content::Unknown;
+        }
+        let Some(inside) = self.ast(file) else { return Content::Unknown };
+        let inner = Rc::new(Scope::new(self.sources, Some(scope.clone())));
+        inside.parameters.iter().for_each(|(name, node)| inner.declare(name, file, node));
+        let mut fits = true;
+        if let Some(with) = parameter("with") {
+            for (given, node) in with.members().unwrap_or_default() {
+                if inner.has(&given.text) {
+                    inner.give(given, ast.file, node, scope);
+                } else {
+                    fits = false;
+                    self.unknown_with(ast, given, name, &inner.own_names());
+                }
+            }
+        }
+        self.override_parameters(&inside, &inner, path);
+        for (parameter, node) in &inside.parameters {
+            let required = matches!(&node.value, Shape::Word(word) if word == "Required");
+            let given = !required
+                || !matches!(inner.value(&parameter.text), Some(Err(p)) if p.code == "missing_parameter");
+            if !given {
+                fits = false;
+                self.report(
+                    Problem::error(
+                        "missing_parameter",
+                        format!("`{name}` needs the parameter `{}`", parameter.text),
+                    )
+                    .at(&ast.place(&block.span), "not given")
+                    .at(&inside.place(&parameter.span), "required here")
+                    .help(format!("add it to `with: {{ \"{}\": ... }}`", parameter.text)),
+                );
+            }
+        }
+        if !fits {
+            return Content::Unknown;
+        }
+        let mut stack = stack.to_vec();
+        stack.push(file);
+        Content::Diagram(Box::new(self.model(&inside, &inner, path, &stack)))
+    }
+}

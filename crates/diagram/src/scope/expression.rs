@@ -1,0 +1,69 @@
+//! Expressions, with the parameters that they see.
+
+use std::cell::RefCell;
+use std::ops::Range;
+use std::rc::Rc;
+
+use blocksim_block::problem::{FileId, Place, Problem};
+use blocksim_signal::{Lookup, Scope as Names, Value, evaluate};
+
+use super::Scope;
+
+/// The names that an expression sees, for `blocksim_signal::evaluate`; keeps the problem of a parameter that
+/// could not be computed.
+struct Visible<'s, 'a> {
+    scope: &'s Rc<Scope<'a>>,
+    failed: RefCell<Option<Problem>>,
+}
+
+impl Names for Visible<'_, '_> {
+    fn lookup(&self, name: &str) -> Lookup {
+        match self.scope.value(name) {
+            None => Lookup::Unknown,
+            Some(Ok(value)) => Lookup::Found(value),
+            Some(Err(problem)) => {
+                let reason = problem.message.clone();
+                self.failed.borrow_mut().get_or_insert(problem);
+                Lookup::Failed(reason)
+            }
+        }
+    }
+
+    fn names(&self) -> Vec<String> {
+        let mut names = Vec::new();
+        let mut scope = Some(self.scope);
+        while let Some(current) = scope {
+            names.extend(current.own_names());
+            scope = current.parent.as_ref();
+        }
+        names
+    }
+}
+
+/// Evaluates an expression; problems are placed in the text that begins at `start` of `file`.
+pub(crate) fn expression(
+    scope: &Rc<Scope>,
+    text: &str,
+    file: FileId,
+    start: usize,
+    whole: &Range<usize>,
+) -> Result<Value, Problem> {
+    let visible = Visible { scope, failed: RefCell::default() };
+    evaluate(text, &visible).map_err(|error| {
+        if let Some(problem) = visible.failed.take() {
+            return problem;
+        }
+        // Texts with escapes are longer in the file than in memory: then the whole text is shown.
+        let inside = start + error.span.end <= whole.end;
+        let span = if inside && !error.span.is_empty() {
+            start + error.span.start..start + error.span.end
+        } else {
+            whole.clone()
+        };
+        let problem = Problem::error("expression", error.message).at(&Place { file, span }, "");
+        match error.help {
+            Some(help) => problem.help(help),
+            None => problem,
+        }
+    })
+}

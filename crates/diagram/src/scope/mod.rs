@@ -1,0 +1,120 @@
+//! Parameters: where a name is looked up.
+
+mod evaluation;
+mod expression;
+mod files;
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use blocksim_block::problem::{FileId, Place, Problem};
+use blocksim_signal::Value;
+
+use crate::source::Sources;
+use crate::tree::{Name, Node};
+
+pub(crate) use evaluation::{Evaluation, choices};
+pub(crate) use expression::expression;
+pub(crate) use files::{missing_file, read_tree};
+
+/// Parameters of one instance of a diagram.
+///
+/// A name is looked up in what the instance was given and the file's own defaults, then in the enclosing
+/// diagrams. Values are computed when they are first needed, so they may refer to each other in any order.
+pub(crate) struct Scope<'a> {
+    pub sources: &'a Sources<'a>,
+    pub parent: Option<Rc<Scope<'a>>>,
+    entries: RefCell<Vec<Entry<'a>>>,
+}
+
+struct Entry<'a> {
+    name: String,
+    place: Place,
+    state: State<'a>,
+}
+
+#[derive(Clone)]
+enum State<'a> {
+    /// Written in a file, to be evaluated in a scope: its own (`None`) or the one that gives it.
+    Written {
+        file: FileId,
+        node: Rc<Node>,
+        within: Option<Rc<Scope<'a>>>,
+    },
+    Busy,
+    Ready(Result<Value, Problem>),
+}
+
+impl<'a> Scope<'a> {
+    pub(crate) fn new(sources: &'a Sources<'a>, parent: Option<Rc<Scope<'a>>>) -> Self {
+        Self { sources, parent, entries: RefCell::default() }
+    }
+
+    /// Adds a parameter that a file declares.
+    pub(crate) fn declare(&self, name: &Name, file: FileId, node: &Node) {
+        let state = State::Written { file, node: Rc::new(node.clone()), within: None };
+        self.insert(&name.text, Place { file, span: name.span.clone() }, state);
+    }
+
+    /// Replaces the default by what an instance gives; it is evaluated in the scope of the giver.
+    pub(crate) fn give(&self, name: &Name, file: FileId, node: &Node, within: &Rc<Scope<'a>>) {
+        let state = State::Written { file, node: Rc::new(node.clone()), within: Some(within.clone()) };
+        self.insert(&name.text, Place { file, span: name.span.clone() }, state);
+    }
+
+    /// Replaces a value by a known one.
+    pub(crate) fn set(&self, name: &str, value: Value) {
+        let mut entries = self.entries.borrow_mut();
+        if let Some(entry) = entries.iter_mut().find(|entry| entry.name == name) {
+            entry.state = State::Ready(Ok(value));
+        }
+    }
+
+    fn insert(&self, name: &str, place: Place, state: State<'a>) {
+        let mut entries = self.entries.borrow_mut();
+        match entries.iter_mut().find(|entry| entry.name == name) {
+            Some(entry) => (entry.place, entry.state) = (place, state),
+            None => entries.push(Entry { name: name.to_owned(), place, state }),
+        }
+    }
+
+    /// Names of this diagram's own parameters.
+    pub(crate) fn own_names(&self) -> Vec<String> {
+        self.entries.borrow().iter().map(|entry| entry.name.clone()).collect()
+    }
+
+    /// Whether this diagram itself has a parameter of this name.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.entries.borrow().iter().any(|entry| entry.name == name)
+    }
+
+    /// Value of a parameter; `None` when no diagram has it.
+    pub(crate) fn value(self: &Rc<Self>, name: &str) -> Option<Result<Value, Problem>> {
+        let found = {
+            let mut entries = self.entries.borrow_mut();
+            entries.iter_mut().find(|entry| entry.name == name).map(|entry| {
+                let state = std::mem::replace(&mut entry.state, State::Busy);
+                (state, entry.place.clone())
+            })
+        };
+        let Some((state, place)) = found else {
+            return self.parent.as_ref().and_then(|parent| parent.value(name));
+        };
+        let value = match state {
+            State::Ready(value) => value,
+            State::Busy => Err(Problem::error("recursive_parameter", format!("`{name}` depends on itself"))
+                .at(&place, "the value is needed to compute it")
+                .help("give one of the parameters on the way a value of its own")),
+            State::Written { file, node, within } => {
+                let scope = within.as_ref().unwrap_or(self);
+                let stack = Vec::new();
+                Evaluation { scope, file, stack: &stack }.value(&node)
+            }
+        };
+        let mut entries = self.entries.borrow_mut();
+        if let Some(entry) = entries.iter_mut().find(|entry| entry.name == name) {
+            entry.state = State::Ready(value.clone());
+        }
+        Some(value)
+    }
+}

@@ -1,0 +1,146 @@
+//! Where every value lies: signals, inputs, states, memories, guards and what is recorded.
+
+use std::collections::HashMap;
+
+use blocksim_block::schedule::{Clock, Instance, Recorded, Schedule, Settings, Signal, Step};
+
+use super::clock::rate_of;
+use super::order::Order;
+use super::when::{needed_in_minor_steps, when};
+use crate::flatten::Flat;
+use crate::infer::Typed;
+
+pub(super) fn lay_out(
+    title: String,
+    flat: &Flat,
+    typed: &Typed,
+    settings: Settings,
+    sorted: &[(usize, usize)],
+    clock: Clock,
+) -> Schedule {
+    let order = Order::new(flat, typed);
+    let rates: HashMap<usize, usize> = typed
+        .interfaces
+        .iter()
+        .enumerate()
+        .filter_map(|(block, interface)| rate_of(interface, &clock).map(|rate| (block, rate)))
+        .collect();
+    let when = when(flat, typed, sorted, &rates);
+    let needed = needed_in_minor_steps(&order);
+
+    let mut signals = Vec::new();
+    let mut first_signal = Vec::new();
+    let mut cells = 0;
+    for (block, interface) in flat.blocks.iter().zip(&typed.interfaces) {
+        first_signal.push((signals.len(), cells));
+        for (output, path) in interface.outputs.iter().zip(&block.output_names) {
+            let port_type = output.port_type;
+            signals.push(Signal {
+                path: path.clone(),
+                offset: cells,
+                kind: port_type.kind,
+                shape: port_type.shape,
+                dimension: port_type.dimension,
+            });
+            cells += port_type.shape.len();
+        }
+    }
+    let mut initial_signals = vec![0.0; cells];
+
+    let mut blocks: Vec<Instance> = Vec::new();
+    let (mut x, mut d, mut g) = (0, 0, 0);
+    let mut recorded = Vec::new();
+    for (index, (block, interface)) in flat.blocks.iter().zip(&typed.interfaces).enumerate() {
+        let mut gather = Vec::new();
+        let mut inputs = Vec::new();
+        let mut at = 0;
+        for (input, source) in interface.inputs.iter().zip(&block.inputs) {
+            let (cell, length) = match source {
+                Some(source) => {
+                    let signal = &signals[first_signal[source.block].0 + source.output];
+                    (signal.offset, signal.shape.len())
+                }
+                None => {
+                    let length = input.shape.unwrap_or_default().len();
+                    let cell = initial_signals.len();
+                    initial_signals.extend(std::iter::repeat_n(input.default.unwrap_or(0.0), length));
+                    (cell, length)
+                }
+            };
+            gather.push((cell as u32, length as u32));
+            inputs.push((at, at + length as u32));
+            at += length as u32;
+            if let (Some(wanted), Some(source)) = (&interface.recorded, source) {
+                let signal = &signals[first_signal[source.block].0 + source.output];
+                let name = format!("{}.{}", block.path, input.name);
+                push_recorded(&mut recorded, &name, signal, wanted.display.as_deref());
+            }
+        }
+        let (first, y) = first_signal[index];
+        let outputs = signals[first..first + interface.outputs.len()]
+            .iter()
+            .map(|signal| ((signal.offset - y) as u32, (signal.offset - y + signal.shape.len()) as u32))
+            .collect();
+        blocks.push(Instance {
+            path: block.path.clone(),
+            kind: block.kind.clone(),
+            place: block.place.clone(),
+            block: block.block.clone(),
+            interface: interface.clone(),
+            gather,
+            inputs,
+            outputs,
+            y,
+            x,
+            d,
+            g,
+            rate: rates.get(&index).copied(),
+        });
+        x += interface.states.len();
+        d += interface.discrete.len();
+        g += interface.guards.len();
+    }
+    for (name, source) in &flat.recorded {
+        let signal = &signals[first_signal[source.block].0 + source.output];
+        push_recorded(&mut recorded, name, signal, None);
+    }
+    let steps = sorted
+        .iter()
+        .map(|(block, group)| Step {
+            block: *block as u32,
+            group: *group as u32,
+            when: when[&(*block, *group)],
+            minor: needed.contains(&(*block, *group)),
+        })
+        .collect();
+    Schedule {
+        title,
+        blocks,
+        steps,
+        signals,
+        initial_signals,
+        states: x,
+        discrete: d,
+        guards: g,
+        clock,
+        recorded,
+        settings,
+    }
+}
+
+fn push_recorded(recorded: &mut Vec<Recorded>, name: &str, signal: &Signal, display: Option<&str>) {
+    let length = signal.shape.len();
+    for element in 0..length {
+        let path = if length == 1 { name.to_owned() } else { format!("{name}[{element}]") };
+        if recorded.iter().any(|known| known.path == path) {
+            continue;
+        }
+        recorded.push(Recorded {
+            path,
+            cell: signal.offset + element,
+            kind: signal.kind,
+            dimension: signal.dimension,
+            display: display.map(str::to_owned),
+        });
+    }
+}

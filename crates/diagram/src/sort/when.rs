@@ -1,0 +1,73 @@
+//! How often each output group is evaluated.
+
+use std::collections::HashMap;
+
+use blocksim_block::schedule::When;
+use blocksim_signal::SampleTime;
+
+use super::order::Order;
+use crate::flatten::Flat;
+use crate::infer::Typed;
+
+/// When each group must be evaluated, in the order of evaluation.
+pub(super) fn when(
+    flat: &Flat,
+    typed: &Typed,
+    sorted: &[(usize, usize)],
+    rates: &HashMap<usize, usize>,
+) -> HashMap<(usize, usize), When> {
+    let mut when: HashMap<(usize, usize), When> = HashMap::new();
+    for (block, group) in sorted {
+        let interface = &typed.interfaces[*block];
+        let found = if let Some(rate) = rates.get(block) {
+            When::Sampled(*rate as u32)
+        } else if interface.sample_time == Some(SampleTime::Constant) {
+            When::Constant
+        } else if !interface.states.is_empty() || interface.uses_time {
+            When::Continuous
+        } else {
+            let mut latest =
+                if interface.settles || interface.time_events || interface.accepts || interface.jumps {
+                    When::Major
+                } else {
+                    When::Constant
+                };
+            for (input, source) in flat.blocks[*block].inputs.iter().enumerate() {
+                let Some(source) = source else { continue };
+                if !interface.reads(*group, input) {
+                    continue;
+                }
+                let from = (source.block, typed.interfaces[source.block].group_of[source.output]);
+                latest = match (latest, when.get(&from)) {
+                    (When::Continuous, _) | (_, Some(When::Continuous)) => When::Continuous,
+                    (latest, Some(When::Constant)) => latest,
+                    _ => When::Major,
+                };
+            }
+            latest
+        };
+        when.insert((*block, *group), found);
+    }
+    when
+}
+
+/// Groups that derivatives, guards or memories depend on.
+pub(super) fn needed_in_minor_steps(order: &Order) -> Vec<(usize, usize)> {
+    let mut needed: Vec<(usize, usize)> = Vec::new();
+    let mut stack: Vec<(usize, usize)> = Vec::new();
+    for (block, interface) in order.typed.interfaces.iter().enumerate() {
+        if interface.states.is_empty() && interface.guards.is_empty() && !interface.accepts {
+            continue;
+        }
+        for source in order.flat.blocks[block].inputs.iter().flatten() {
+            stack.push((source.block, order.typed.interfaces[source.block].group_of[source.output]));
+        }
+    }
+    while let Some(next) = stack.pop() {
+        if !needed.contains(&next) {
+            needed.push(next);
+            stack.extend(order.reads(next.0, next.1).into_iter().map(|(from, _)| from));
+        }
+    }
+    needed
+}
