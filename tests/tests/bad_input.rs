@@ -130,11 +130,15 @@ fn a_decimal_comma() {
               help: decimal comma? write 1.05
         "#]],
     );
-    check(r#""g": Gain(k: "1,05"), "s": Step(), "t": Terminator,"#, r#""s.y -> g.u", "g.y -> t.u""#, &expect![[r#"
+    check(
+        r#""g": Gain(k: "1,05"), "s": Step(), "t": Terminator,"#,
+        r#""s.y -> g.u", "g.y -> t.u""#,
+        &expect![[r#"
         error[expression]: `1,05` is not a number
           model.ron:3:19 `1,05` 
           help: decimal comma? write 1.05
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]
@@ -340,7 +344,8 @@ fn variants_must_have_the_same_ports_and_an_alternative_that_exists() {
         error[unknown_override]: `which` has no alternative `c`
           --set:1:1 `which=c` 
           help: the alternatives are `a` and `b`
-    "#]].assert_eq(&problems);
+    "#]]
+    .assert_eq(&problems);
     let problems = compile_with(&desk, Path::new("model.ron"), &["wich=b"]).1;
     expect![[r#"
         error[variant_ports]: alternative `b` has no input `u`
@@ -350,7 +355,8 @@ fn variants_must_have_the_same_ports_and_an_alternative_that_exists() {
         error[unknown_override]: there is no `wich` to set
           --set:1:1 `wich=b` 
           help: did you mean `which`?
-    "#]].assert_eq(&problems);
+    "#]]
+    .assert_eq(&problems);
 }
 
 #[test]
@@ -473,7 +479,8 @@ fn an_input_of_a_subsystem_that_says_its_unit() {
           model.ron:1:114 `s.y` is in Hz
           inner.ron:1:24 `(unit: "rad/s")` declared in rad/s
           help: mend the unit where the signal arises, or the one that the subsystem declares
-    "#]].assert_eq(&compile_with(&desk, Path::new("model.ron"), &[]).1);
+    "#]]
+    .assert_eq(&compile_with(&desk, Path::new("model.ron"), &[]).1);
 }
 
 #[test]

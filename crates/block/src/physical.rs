@@ -124,6 +124,13 @@ pub enum Element {
         /// Losses of the mesh; `None` when there are none.
         loss: Option<MeshLoss>,
     },
+    /// `sum of factor * w_port = 0`, all against an implied ground: the linear relation between the speeds of a
+    /// planetary gear or a differential. Without losses; the torques into the ports have the proportions of the
+    /// factors.
+    Coupling {
+        /// Rotational ports with their factors; none of them zero.
+        terms: Vec<(usize, f64)>,
+    },
     /// A rotational port that does not turn.
     RotationalReference {
         /// Rotational port.
@@ -149,6 +156,29 @@ pub enum Element {
         n: usize,
         /// The current follows from states alone (there is inductance), not from the voltage at the same instant.
         from_state: bool,
+    },
+    /// A current that [`Component::currents`] gives from its inputs, whatever the voltage.
+    CurrentSource {
+        /// Pin that the current enters by.
+        p: usize,
+        /// Pin that it leaves by.
+        n: usize,
+    },
+    /// A voltage that is a state: [`Component::voltages`] gives it, the current changes it.
+    Capacitance {
+        /// Positive pin.
+        p: usize,
+        /// Negative pin.
+        n: usize,
+    },
+    /// `v = resistance * i`.
+    Resistance {
+        /// Positive pin.
+        p: usize,
+        /// Negative pin.
+        n: usize,
+        /// Resistance, Ohm; positive.
+        resistance: f64,
     },
     /// Only looks at a voltage.
     VoltageProbe {
@@ -274,7 +304,7 @@ pub struct JointMotion {
 
 /// What a component sees. Lists are numbered by the elements of one kind in the order of [`Part::elements`]:
 /// `speed`, `acceleration` and `torque` count branches, rigid couplings, speed sources and speed probes together;
-/// `voltage` and `current` count sources, windings and both probes together.
+/// `voltage` and `current` count all two-pins (sources, capacitances, windings, resistances, both probes) together.
 #[derive(Debug, Clone, Copy)]
 pub struct Law<'a> {
     /// Time, s.
@@ -325,7 +355,7 @@ pub trait Component: Debug + Send + Sync {
     /// Ports, signals, states and elements.
     fn part(&self, given: &Given) -> Part;
 
-    /// Voltage of each source, V.
+    /// Voltage of each voltage source and capacitance, V.
     fn voltages(&self, _c: &Law, _v: &mut [f64]) {}
 
     /// The three-phase supply.
@@ -336,7 +366,7 @@ pub trait Component: Debug + Send + Sync {
     /// Prescribed speed (rad/s) and its derivative (rad/s^2) of each speed source.
     fn speeds(&self, _c: &Law, _w: &mut [f64], _dw: &mut [f64]) {}
 
-    /// Current of each winding, A.
+    /// Current of each winding and current source, A.
     fn currents(&self, _c: &Law, _i: &mut [f64]) {}
 
     /// Current that a machine draws from its supply, as a space vector in the frame of the supply, A.

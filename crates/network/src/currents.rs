@@ -2,33 +2,47 @@
 
 use blocksim_block::Context;
 
-use crate::electrics::CurrentOf;
+use crate::electrics::GivenBy;
+use crate::eliminate::Form;
 use crate::network::Network;
-use crate::seat::ELECTRICS;
+use crate::seat::{ELECTRICS, Seat};
 use crate::work::Work;
 
 impl Network {
-    /// Currents of windings, and what follows from them; of those that are states, or of all.
-    pub(crate) fn currents(&self, c: &Context, w: &mut Work, early: bool) {
-        let mut winding = std::mem::take(&mut w.winding);
+    /// What sensors read that follows from states alone.
+    pub(crate) fn early_readings(&self, c: &Context, w: &mut Work) {
+        let mut given = std::mem::take(&mut w.given);
+        self.source_voltages(c, w, &mut given, |seat| seat.is_capacitance);
+        self.given_currents(c, w, &mut given, |by| by == GivenBy::State);
+        for (two_pin, (voltage, current)) in w.voltage.iter_mut().zip(&mut w.current).enumerate() {
+            if self.electrics.is_early(two_pin) {
+                *voltage = self.electrics.voltages[two_pin].of(&given);
+                *current = self.electrics.currents[two_pin].of(&given);
+            }
+        }
+        w.given = given;
+    }
+
+    fn source_voltages(&self, c: &Context, w: &Work, given: &mut [f64], which: impl Fn(&Seat) -> bool) {
+        for seat in self.active.sources.iter().map(|i| &self.seats[*i]).filter(|seat| which(seat)) {
+            if let Some(component) = seat.member.block.component() {
+                component.voltages(&self.law(c, seat, w), &mut given[seat.sources.clone()]);
+            }
+        }
+    }
+
+    fn given_currents(&self, c: &Context, w: &Work, given: &mut [f64], which: impl Fn(GivenBy) -> bool) {
+        let first = self.electrics.sources;
         for seat in self.active.windings.iter().map(|i| &self.seats[*i]) {
-            // What follows from states was computed with them.
-            let from_state = seat.windings.clone().all(|i| self.electrics.from_state[i]);
-            if self.has_early && early != from_state {
+            // A component writes all its currents; those that wait for a voltage are written again.
+            if !seat.windings.clone().any(|i| which(self.electrics.windings[i])) {
                 continue;
             }
             if let Some(component) = seat.member.block.component() {
-                component.currents(&self.law(c, seat, w), &mut winding[seat.windings.clone()]);
+                let range = first + seat.windings.start..first + seat.windings.end;
+                component.currents(&self.law(c, seat, w), &mut given[range]);
             }
         }
-        for (to, from) in w.current.iter_mut().zip(&self.electrics.currents) {
-            *to = match from {
-                CurrentOf::Winding(i) => winding[*i],
-                CurrentOf::Balance(form) => form.of(&winding),
-                CurrentOf::Open => 0.0,
-            };
-        }
-        w.winding = winding;
     }
 
     /// Voltages and currents.
@@ -57,16 +71,19 @@ impl Network {
         if w.voltage.is_empty() {
             return;
         }
-        let mut source = std::mem::take(&mut w.source);
-        for seat in self.active.sources.iter().map(|i| &self.seats[*i]) {
-            if let Some(component) = seat.member.block.component() {
-                component.voltages(&self.law(c, seat, w), &mut source[seat.sources.clone()]);
-            }
+        let mut given = std::mem::take(&mut w.given);
+        self.source_voltages(c, w, &mut given, |_| true);
+        self.given_currents(c, w, &mut given, |by| by != GivenBy::Voltage);
+        all(&self.electrics.voltages, &given, &mut w.voltage);
+        if self.electrics.waits_for_voltages() {
+            self.given_currents(c, w, &mut given, |by| by == GivenBy::Voltage);
+            all(&self.electrics.voltages, &given, &mut w.voltage);
         }
-        for (to, form) in w.voltage.iter_mut().zip(&self.electrics.voltages) {
-            *to = form.of(&source);
-        }
-        w.source = source;
-        self.currents(c, w, false);
+        all(&self.electrics.currents, &given, &mut w.current);
+        w.given = given;
     }
+}
+
+fn all(forms: &[Form], given: &[f64], out: &mut [f64]) {
+    out.iter_mut().zip(forms).for_each(|(to, form)| *to = form.of(given));
 }

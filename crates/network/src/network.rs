@@ -5,7 +5,7 @@ use blocksim_block::{Block, Context, Given, Input, Interface, InterfaceError, Ou
 use blocksim_solve::linear::cholesky_factor;
 
 use crate::assembly::Member;
-use crate::electrics::{CurrentOf, Electrics};
+use crate::electrics::Electrics;
 use crate::frames::Frames;
 use crate::problem::NetworkProblem;
 use crate::rotation::Rotation;
@@ -63,21 +63,27 @@ impl Network {
         let mut at = [0usize; 7];
         for (index, (member, supply)) in members.into_iter().zip(supply_of).enumerate() {
             let mut counts = [0usize; 7];
-            let (mut is_machine, mut drives_electrics) = (false, false);
+            let (mut is_machine, mut is_capacitance, mut drives_electrics) = (false, false, false);
             for element in &member.part.elements {
                 let kinds: &[usize] = match element {
                     Element::Branch { .. } => &[0, 3],
                     Element::SpeedSource { .. } => &[0, 6],
                     Element::Rigid { .. } | Element::SpeedProbe { .. } => &[0],
-                    Element::VoltageSource { .. } => &[1, 4],
-                    Element::Winding { .. } => &[1, 5],
-                    Element::VoltageProbe { .. } | Element::CurrentProbe { .. } => &[1],
+                    Element::VoltageSource { .. } | Element::Capacitance { .. } => &[1, 4],
+                    Element::Winding { .. } | Element::CurrentSource { .. } => &[1, 5],
+                    Element::VoltageProbe { .. }
+                    | Element::CurrentProbe { .. }
+                    | Element::Resistance { .. } => &[1],
                     Element::Gear { .. } => &[2],
                     _ => &[],
                 };
                 kinds.iter().for_each(|kind| counts[*kind] += 1);
                 is_machine |= matches!(element, Element::Machine { .. });
-                drives_electrics |= matches!(element, Element::VoltageSource { .. } | Element::Supply { .. });
+                is_capacitance |= matches!(element, Element::Capacitance { .. });
+                drives_electrics |= matches!(
+                    element,
+                    Element::VoltageSource { .. } | Element::CurrentSource { .. } | Element::Supply { .. }
+                );
             }
             let mut range = |kind: usize| {
                 let start = at[kind];
@@ -109,13 +115,8 @@ impl Network {
                 interface = interface.state(format!("{}.{}", member.path, state.name), state.initial);
             }
             let outputs: usize = member.part.outputs.iter().map(|(o, _)| o.port_type.shape.len()).sum();
-            // An ammeter reads a state when every current that it sums up is one: no algebraic loop through it.
-            let early = !two_pins.is_empty()
-                && sources.is_empty()
-                && windings.is_empty()
-                && two_pins
-                    .clone()
-                    .all(|i| matches!(electrics.currents[i], CurrentOf::Balance(_)) && electrics.is_state(i));
+            // A sensor that reads states alone closes no algebraic loop.
+            let early = !two_pins.is_empty() && two_pins.clone().all(|i| electrics.is_early(i));
             let measures = [Needs::State, Needs::Electrics, Needs::Motion].map(|needs| {
                 let needs_of = |declared: Needs| {
                     if early && declared == Needs::Electrics { Needs::State } else { declared }
@@ -150,6 +151,7 @@ impl Network {
                 joint: frames.joint_members.iter().position(|m| *m == index),
                 supply,
                 is_machine,
+                is_capacitance,
                 measures,
                 member,
             });

@@ -78,6 +78,7 @@ pub(crate) struct Rotation {
 /// What a row of the relations stands for.
 enum Reason {
     Gear { member: usize },
+    Coupling { member: usize },
     Reference { member: usize },
     Rigid { member: usize },
     Source { member: usize },
@@ -88,6 +89,7 @@ impl Reason {
     fn member(&self) -> usize {
         match self {
             Reason::Gear { member }
+            | Reason::Coupling { member }
             | Reason::Reference { member }
             | Reason::Rigid { member }
             | Reason::Source { member }
@@ -97,7 +99,7 @@ impl Reason {
 
     fn what(&self) -> &'static str {
         match self {
-            Reason::Gear { .. } => "couples these speeds",
+            Reason::Gear { .. } | Reason::Coupling { .. } => "couples these speeds",
             Reason::Reference { .. } => "holds the speed at zero",
             Reason::Rigid { .. } => "couples these speeds",
             Reason::Source { .. } => "prescribes the speed",
@@ -151,6 +153,12 @@ pub(crate) fn build(m: &Members, joint_members: &[usize]) -> Result<Rotation, Ve
                 let row = relations.add(&[(node(follower), 1.0), (node(base), -ratio)], &[]);
                 reasons.push(Reason::Gear { member });
                 gears.push((node(base), row, ratio, loss, member));
+            }
+            Element::Coupling { ref terms } => {
+                let row: Vec<(usize, f64)> =
+                    terms.iter().map(|(port, factor)| (node(*port), *factor)).collect();
+                relations.add(&row, &[]);
+                reasons.push(Reason::Coupling { member });
             }
             Element::RotationalReference { port } => {
                 relations.add(&[(node(port), 1.0)], &[]);
@@ -329,6 +337,9 @@ fn free_cases(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem> {
             Element::Inertia { port, .. } | Element::RotationalReference { port } => {
                 other[m.node(member, port)] = true
             }
+            Element::Coupling { ref terms } => {
+                terms.iter().for_each(|(port, _)| other[m.node(member, *port)] = true);
+            }
             Element::Gear { base, follower, .. } => {
                 other[m.node(member, base)] = true;
                 other[m.node(member, follower)] = true;
@@ -351,47 +362,42 @@ fn free_cases(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem> {
         .collect()
 }
 
-/// Speeds at the start that inertias ask for; joints bring their own.
+/// Speeds at the start that inertias ask for; joints bring their own. Independent speeds that nobody asks for are
+/// zero.
 fn start(
     m: &Members,
     rotation: &Rotation,
     joint_members: &[usize],
     starts: &[(usize, f64)],
 ) -> Result<Vec<f64>, Vec<NetworkProblem>> {
-    let mut v = vec![f64::NAN; rotation.free];
+    let mut asked = Relations::new(rotation.free, 1);
+    let mut ask = |form: &Form, speed: f64| {
+        let terms: Vec<(usize, f64)> =
+            form.terms().iter().map(|(k, factor)| (*k as usize, *factor)).collect();
+        asked.add(&terms, &[(0, speed)]);
+    };
     for (member, element) in m.elements() {
         if let Element::Revolute { velocity, .. } = element
             && let Some(joint) = joint_members.iter().position(|other| *other == member)
-            && let [(k, factor)] = rotation.joints[joint].terms()
         {
-            v[*k as usize] = velocity / factor;
+            ask(&rotation.joints[joint], *velocity);
         }
     }
+    starts.iter().for_each(|(node, speed)| ask(&rotation.nodes[*node], *speed));
+    let v: Vec<f64> = asked.eliminate(|_| 0).over_given.iter().map(|row| row[0]).collect();
     for (node, speed) in starts {
-        let terms = rotation.nodes[*node].terms();
-        let conflict = || {
-            vec![
+        if (rotation.nodes[*node].of(&v) - speed).abs() > 1e-9 * (1.0 + speed.abs()) {
+            return Err(vec![
                 NetworkProblem::new(
                     "start_conflict",
                     format!("the speed of {speed} rad/s at the start does not fit the parts it is coupled to"),
                     "give one part of a rigidly coupled train its start speed, or start values that fit the ratios",
                 )
                 .with(m.any_member_at(*node), "asks for it"),
-            ]
-        };
-        match terms {
-            [(k, factor)] => {
-                let value = speed / factor;
-                let slot = &mut v[*k as usize];
-                if !slot.is_nan() && (*slot - value).abs() > 1e-9 * (1.0 + value.abs()) {
-                    return Err(conflict());
-                }
-                *slot = value;
-            }
-            _ => return Err(conflict()),
+            ]);
         }
     }
-    Ok(v.into_iter().map(|value| if value.is_nan() { 0.0 } else { value }).collect())
+    Ok(v)
 }
 
 /// Rounding of the inverse must not couple drives that have nothing to do with each other.

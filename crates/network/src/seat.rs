@@ -31,6 +31,8 @@ pub(crate) struct Seat {
     pub joint: Option<usize>,
     pub supply: Option<usize>,
     pub is_machine: bool,
+    /// Its voltages are states.
+    pub is_capacitance: bool,
     /// Which outputs it has, by group, under the need that the component knows them by.
     pub measures: [Option<Needs>; 3],
 }

@@ -34,7 +34,7 @@ impl Network {
             *to = pin.speed.of(v) + pin.prescribed.of(&w.s);
         }
         if self.has_early {
-            self.currents(c, w, true);
+            self.early_readings(c, w);
         }
     }
 }

@@ -1,0 +1,31 @@
+use blocksim_block::physical::Element;
+use blocksim_block::prelude::*;
+
+/// Ideal current source that a signal commands: $i$ flows from `p` through the source to `n`, whatever voltage that
+/// takes.
+///
+/// ```ron
+/// ControlledCurrentSource
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Electrical")]
+pub struct ControlledCurrentSource;
+
+impl Block for ControlledCurrentSource {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for ControlledCurrentSource {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .pins()
+            .input(Input::real("i").scalar().unit("A").doc("current from p to n"))
+            .element(Element::CurrentSource { p: 0, n: 1 })
+    }
+
+    fn currents(&self, c: &Law, i: &mut [f64]) {
+        i[0] = c.scalar(0);
+    }
+}

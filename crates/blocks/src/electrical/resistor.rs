@@ -1,0 +1,45 @@
+use blocksim_block::physical::Element;
+use blocksim_block::prelude::*;
+
+/// Resistor: $v = R i$.
+///
+/// ```ron
+/// Resistor(r: "10 Ohm")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Electrical")]
+pub struct Resistor {
+    /// Resistance, positive: for zero use a wire (join the pins), for infinity nothing.
+    #[block(unit = "Ohm")]
+    pub r: f64,
+}
+
+impl Block for Resistor {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("r", self.r).map_err(|error| match self.r {
+            0.0 => error.help("a resistance of zero is a wire: join the two nodes instead"),
+            _ => error,
+        })
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for Resistor {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new().pins().element(Element::Resistance { p: 0, n: 1, resistance: self.r })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn resistances_that_are_none_are_refused() {
+        assert!(Resistor { r: -1.0 }.check().is_err());
+        assert!(Resistor { r: 0.0 }.check().unwrap_err().help.is_some());
+    }
+}
