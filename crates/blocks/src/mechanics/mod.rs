@@ -1,14 +1,19 @@
 //! Blocks: mechanics.
 
 mod body;
+mod brake;
+mod clutch;
 mod constant_torque;
+mod coulomb;
 mod cycloidal_drive;
 mod ideal_speed_source;
 mod ideal_torque_source;
 mod inertia;
 mod joint_limit;
+mod lugre_friction;
 mod mesh;
 mod motion_sensor;
+mod one_way_clutch;
 mod quadratic_load;
 mod revolute_joint;
 mod rotational_damper;
@@ -25,13 +30,17 @@ mod transform;
 mod world;
 
 pub use body::Body;
+pub use brake::Brake;
+pub use clutch::Clutch;
 pub use constant_torque::ConstantTorque;
 pub use cycloidal_drive::CycloidalDrive;
 pub use ideal_speed_source::IdealSpeedSource;
 pub use ideal_torque_source::IdealTorqueSource;
 pub use inertia::Inertia;
+pub use lugre_friction::LuGreFriction;
 pub use mesh::{Direction, Loss};
 pub use motion_sensor::MotionSensor;
+pub use one_way_clutch::OneWayClutch;
 pub use quadratic_load::QuadraticLoad;
 pub use revolute_joint::RevoluteJoint;
 pub use rotational_damper::RotationalDamper;
