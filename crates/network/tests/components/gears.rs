@@ -99,7 +99,7 @@ fn the_published_law_of_losses_acts_in_a_network() {
 }
 
 /// A motor side, a gear and a load that are pushed from both sides.
-fn train(gear: &str) -> Plant {
+pub fn train(gear: &str) -> Plant {
     Plant::new(
         &[
             ("push", "IdealTorqueSource"),
@@ -126,7 +126,7 @@ fn train(gear: &str) -> Plant {
 }
 
 /// Torque of the motor over time: drives, brakes and lets go.
-fn push(t: f64) -> f64 {
+pub fn push(t: f64) -> f64 {
     0.4 * (7.0 * t).sin() + 0.1 * (31.0 * t).cos()
 }
 

@@ -1,7 +1,10 @@
 //! Networks of real components: against closed forms, equivalent circuits and second implementations.
 
+mod contacts;
+mod couplings;
 mod dc_motors;
 mod errors;
+mod friction;
 mod gears;
 mod machines;
 mod mechanisms;

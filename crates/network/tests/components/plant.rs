@@ -27,9 +27,11 @@ fn block(text: &str) -> Arc<dyn Block> {
         };
     }
     one_of!(
-        AsynchronousMachine AveragedInverter Body ControlledVoltageSource CurrentSensor CycloidalDrive DcMotor
-        ElectricalReference IdealSpeedSource IdealTorqueSource Inertia MotionSensor RevoluteJoint
-        RotationalDamper RotationalFriction RotationalReference RotationalSpring SimpleGear ThreePhaseSource
+        AsynchronousMachine AveragedInverter Body Brake Clutch ConstantTorque ControlledVoltageSource
+        CurrentSensor CycloidalDrive DcMotor Differential ElectricalReference HarmonicDrive
+        IdealSpeedSource IdealTorqueSource Inertia LuGreFriction MotionSensor OneWayClutch PlanetaryGear
+        QuadraticLoad RevoluteJoint RotationalDamper RotationalFriction RotationalHardStop
+        RotationalReference RotationalSpring RotationalSpringDamper SimpleGear ThreePhaseSource
         TorqueSensor Transform VoltageSensor VoltageSource World
     )
 }
