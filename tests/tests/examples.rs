@@ -1,0 +1,293 @@
+//! The small diagrams that teach one idea each, against closed forms and reference values.
+
+use std::collections::BTreeSet;
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::path::{Path, PathBuf};
+
+use blocksim_block::schedule::{OutputTimes, Schedule, Solver, VariableMethod};
+use blocksim_tests::{Run, compile_file, root, run, run_file};
+
+/// A diagram with other settings than its own.
+fn run_with(path: &str, change: impl FnOnce(&mut Schedule)) -> Run {
+    let (compiled, problems) = compile_file(path, &[]);
+    let mut schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+    change(&mut schedule);
+    let run = run(schedule);
+    assert!(run.error.is_none(), "{:?}", run.error);
+    run
+}
+
+fn ode45(tolerance: f64) -> Solver {
+    Solver::Variable {
+        method: VariableMethod::Ode45,
+        rtol: tolerance,
+        atol: tolerance,
+        max_step: f64::INFINITY,
+    }
+}
+
+fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!(
+        (found - expected).abs() < tolerance,
+        "{what}: {found} instead of {expected}, allowed are {tolerance}"
+    );
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn smallest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn the_servo_settles_at_ninety_degrees() {
+    let run = run_file("diagrams/servo.ron", &[]);
+    // The slow integral part (ki / kp = 0.25 1/s) leaves a few tenths of a degree after two seconds.
+    close(run.last("angle.actual").to_degrees(), 90.0, 0.5, "angle in degrees");
+    assert!(run.column("angle.actual")[0] == 0.0, "it starts elsewhere");
+}
+
+#[test]
+fn the_servo_runs_away_with_a_gear_that_reverses() {
+    let run = run_file("diagrams/servo.ron", &["gear.direction=Reversed"]);
+    // The voltage limit holds the speed at 48 V / 0.22 V s / 50 = 4.4 rad/s, so the load makes at least one turn back.
+    assert!(
+        run.last("angle.actual").to_degrees() < -360.0,
+        "{} degrees",
+        run.last("angle.actual").to_degrees()
+    );
+}
+
+/// `L i' = v - R i - k w` and `J w' = k i` are an oscillator of second order with decay `a` and frequency `wd`.
+#[test]
+fn the_dc_motor_starts_as_its_closed_form_says() {
+    let (r, l, k, j, v, start) = (1.5, 2.5e-3, 0.22, 5e-5, 24.0, 1e-3);
+    let a = r / (2.0 * l);
+    let wd = f64::sqrt(k * k / (l * j) - a * a);
+    let run = run_file("diagrams/dc_motor_start.ron", &[]);
+    let rows = run.time.iter().zip(run.column("current.i")).zip(run.column("speed.w"));
+    let mut after = 0;
+    for ((t, i), w) in rows {
+        let since = (t - start).max(0.0);
+        let (sin, cos) = (wd * since).sin_cos();
+        let decay = f64::exp(-a * since);
+        // At a relative tolerance of 1e-8 and some hundred steps, of values around 100.
+        close(*i, v / (l * wd) * decay * sin, 1e-5, &format!("current at {t} s"));
+        close(*w, v / k * (1.0 - decay * (cos + a / wd * sin)), 1e-5, &format!("speed at {t} s"));
+        after += usize::from(*t > start);
+    }
+    assert!(after > 20, "only {after} rows lie after the switch");
+    assert!(run.time.contains(&start), "the switch is hit exactly");
+}
+
+/// Reference: the same equations in phase quantities, computed independently with a fixed step of 50 us.
+#[test]
+fn the_asynchronous_machine_runs_up_as_the_reference_does() {
+    let run = run_with("diagrams/asm_direct_on_line.ron", |schedule| {
+        schedule.settings.output = OutputTimes::Every(50e-6);
+    });
+    let reference = [
+        (0.005, 0.2142, 18.999),
+        (0.01, 3.2647, 102.776),
+        (0.02, 7.3350, -56.699),
+        (0.05, 17.8017, 26.009),
+        (0.1, 29.4541, 75.113),
+        (0.2, 53.1758, 15.282),
+        (0.5, 167.6186, 47.451),
+        (0.9, 375.7814, 4.190),
+    ];
+    for (t, w, torque) in reference {
+        // Printed to four and three places; the rest is the error of the reference's step.
+        close(run.at("speed.w", t), w, 2e-4, &format!("speed at {t} s"));
+        close(run.at("torque.tau", t), torque, 2e-3, &format!("torque at {t} s"));
+    }
+    // Extremes of a swing of 60 Hz, looked at every 50 us: off by less than (0.5 * 50 us * 377 rad/s)^2 / 2 of 100 N m.
+    close(largest(run.column("torque.tau")), 117.38, 0.01, "largest torque");
+    close(smallest(run.column("torque.tau")), -63.52, 0.01, "smallest torque");
+}
+
+/// Arithmetic-geometric mean: `K(k) = pi / (2 agm(1, sqrt(1 - k^2)))`.
+fn agm(mut a: f64, mut b: f64) -> f64 {
+    for _ in 0..8 {
+        (a, b) = ((a + b) / 2.0, (a * b).sqrt());
+    }
+    a
+}
+
+const GRAVITY: f64 = 9.80665;
+
+#[test]
+fn the_pendulum_swings_with_the_period_of_the_elliptic_integral() {
+    let (length, amplitude, swings) = (1.0, FRAC_PI_2, 5.0);
+    let small = 2.0 * PI * f64::sqrt(2.0 * length / (3.0 * GRAVITY));
+    let period = small / agm(1.0, f64::cos(amplitude / 2.0));
+    let run = run_with("diagrams/pendulum.ron", |schedule| {
+        schedule.settings.stop_time = swings * period;
+        schedule.settings.solver = ode45(1e-10);
+    });
+    // At the turning point the angle is blind to an error of time, the speed is not: w = 3 g / (2 L) times the error.
+    let late = run.last("speed.w") / (1.5 * GRAVITY / length);
+    close(late / swings, 0.0, 1e-8, "error of one period, s");
+    close(run.last("angle.q"), amplitude, 1e-8, "angle after five swings");
+}
+
+#[test]
+fn the_pendulum_keeps_its_energy() {
+    // One swing at 1e-9, and five at 1e-10: what is lost grows with the number of steps, some forty a swing.
+    for (tolerance, stop) in [(1e-9, 1.9), (1e-10, 10.0)] {
+        let run = run_with("diagrams/pendulum.ron", |schedule| {
+            schedule.settings.solver = ode45(tolerance);
+            schedule.settings.stop_time = stop;
+        });
+        // The energy is zero at the start (horizontal, at rest), so it is compared with the depth of the fall, m g L / 2.
+        let depth = GRAVITY / 2.0;
+        let rows = run.column("angle.q").iter().zip(run.column("speed.w"));
+        let worst =
+            largest(&rows.map(|(q, w)| (w * w / 6.0 - depth * q.cos()).abs() / depth).collect::<Vec<_>>());
+        assert!(worst < 1e-8, "at a tolerance of {tolerance} the energy drifts by {worst}");
+        assert!(smallest(run.column("angle.q")) < -1.5, "it does not swing");
+    }
+}
+
+#[test]
+fn the_mass_bounces_at_the_times_of_the_closed_form() {
+    let run = run_file("diagrams/bouncing_mass.ron", &[]);
+    let first = f64::sqrt(2.0 * 10.0 / GRAVITY);
+    let expected = (0..).scan((first, 2.0 * first), |(t, flight), _| {
+        let now = *t;
+        *flight *= 0.8;
+        *t += *flight;
+        Some(now)
+    });
+    let expected: Vec<f64> = expected.take_while(|t| *t < 10.0).collect();
+    let impacts: Vec<f64> = run
+        .events
+        .iter()
+        .filter(|(_, path, what)| path == "velocity" && what == "jump")
+        .map(|(t, ..)| *t)
+        .collect();
+    assert_eq!(impacts.len(), expected.len(), "{:?}", run.events);
+    for (found, expected) in impacts.iter().zip(&expected) {
+        // The law is a parabola, which the method integrates without error; what is left is rounding.
+        close(*found, *expected, 1e-9, "time of an impact");
+    }
+    assert!(smallest(run.column("height_scope.h")) > -1e-9, "the mass falls through the floor");
+}
+
+#[test]
+fn clamping_takes_most_of_the_overshoot_away() {
+    let run = run_file("diagrams/pid_anti_windup.ron", &[]);
+    let (free, clamped) =
+        (largest(run.column("result.free")) - 1.0, largest(run.column("result.clamped")) - 1.0);
+    assert!(free > 0.3, "without protection it overshoots by {free}");
+    assert!(clamped < 0.5 * free, "clamped it overshoots by {clamped}, free by {free}");
+    for column in ["effort.free", "effort.clamped"] {
+        assert!(
+            largest(run.column(column)) <= 1.5 && smallest(run.column(column)) >= -1.5,
+            "{column} leaves its limits"
+        );
+    }
+    // Both have an integral part: no error stays.
+    close(run.last("result.clamped"), 1.0, 0.01, "end, clamped");
+}
+
+/// All files below a folder that end in `.ron`.
+fn files(folder: &Path, into: &mut Vec<PathBuf>) {
+    for entry in
+        std::fs::read_dir(folder).expect("a folder of the project").map(|entry| entry.expect("an entry"))
+    {
+        let path = entry.path();
+        if path.is_dir() {
+            files(&path, into);
+        } else if path.extension().is_some_and(|extension| extension == "ron") {
+            into.push(path);
+        }
+    }
+}
+
+/// Every text in quotes behind this word.
+fn quoted_behind<'a>(text: &'a str, word: &str) -> Vec<&'a str> {
+    text.split(word)
+        .skip(1)
+        .filter_map(|rest| rest.trim_start().strip_prefix('"')?.split('"').next())
+        .collect()
+}
+
+/// `"drive": Choice(default: "asm", of: ["asm", "dc"])` as name and alternatives.
+fn choices(text: &str) -> Vec<(&str, Vec<&str>)> {
+    let pieces: Vec<&str> = text.split("Choice(").collect();
+    pieces
+        .windows(2)
+        .filter_map(|pair| {
+            let name =
+                pair[0].trim_end().strip_suffix(':')?.trim_end().strip_suffix('"')?.rsplit('"').next()?;
+            let list = pair[1].split("of:").nth(1)?.split(']').next()?;
+            Some((name, list.split('"').skip(1).step_by(2).collect()))
+        })
+        .collect()
+}
+
+/// One `--set` for each choice, in all combinations.
+fn combinations(choices: &[(&str, Vec<&str>)]) -> Vec<Vec<String>> {
+    choices.iter().fold(vec![Vec::new()], |sets, (name, alternatives)| {
+        let with = |set: &Vec<String>, one: &str| [set.as_slice(), &[format!("{name}={one}")]].concat();
+        sets.iter().flat_map(|set| alternatives.iter().map(move |one| with(set, one))).collect()
+    })
+}
+
+#[test]
+fn every_diagram_compiles_without_any_problem_under_every_choice() {
+    let folder = root().join("diagrams");
+    let mut paths = Vec::new();
+    files(&folder, &mut paths);
+    let texts: Vec<(PathBuf, String)> = paths
+        .into_iter()
+        .map(|path| (path.clone(), std::fs::read_to_string(path).expect("a text")))
+        .collect();
+    let beside = |path: &Path, name: &str| path.with_file_name(name);
+    let parts: BTreeSet<PathBuf> = texts
+        .iter()
+        .flat_map(|(path, text)| quoted_behind(text, "file:").into_iter().map(move |name| beside(path, name)))
+        .collect();
+    let mut seen = BTreeSet::new();
+    let mut combined = 0;
+    for (path, text) in &texts {
+        let bare = text.lines().find(|line| !line.trim_start().starts_with("//") && !line.trim().is_empty());
+        if parts.contains(path) || !bare.is_some_and(|line| line.starts_with("Diagram(")) {
+            continue;
+        }
+        let shown = path.strip_prefix(root()).expect("a file of the project").display().to_string();
+        for sets in combinations(&choices(text)) {
+            let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+            let (compiled, problems) = compile_file(&shown, &sets);
+            assert!(problems.is_empty() && compiled.schedule.is_some(), "{shown} with {sets:?}:\n{problems}");
+            combined += 1;
+        }
+        seen.insert(shown);
+    }
+    for file in
+        ["servo", "dc_motor_start", "asm_direct_on_line", "pendulum", "bouncing_mass", "irb2600/irb2600"]
+    {
+        assert!(seen.contains(&format!("diagrams/{file}.ron")), "{file} was not looked at: {seen:?}");
+    }
+    assert!(combined >= seen.len() + 2, "the choices were not tried: {combined} of {seen:?}");
+}
+
+#[test]
+fn every_part_is_used_by_some_diagram() {
+    let folder = root().join("diagrams");
+    let mut paths = Vec::new();
+    files(&folder, &mut paths);
+    let texts: Vec<String> =
+        paths.iter().map(|path| std::fs::read_to_string(path).expect("a text")).collect();
+    for (path, text) in paths.iter().zip(&texts) {
+        let offers =
+            ["\n    inputs:", "\n    outputs:", "\n    ports:"].iter().any(|section| text.contains(section));
+        let is_data = !text.contains("Diagram(");
+        let name = path.file_name().and_then(|name| name.to_str()).expect("a name");
+        let named = texts.iter().any(|other| other.contains(&format!("{name}\"")));
+        assert!(!(offers || is_data) || named, "nothing uses {}", path.display());
+    }
+}
