@@ -68,7 +68,8 @@ impl WoundFieldDcMotor {
 impl Block for WoundFieldDcMotor {
     fn check(&self) -> Result<(), ParamError> {
         not_negative("r", self.r)?;
-        positive("l", self.l).map_err(|error| error.help("the time constant l / r of an armature is some milliseconds"))?;
+        positive("l", self.l)
+            .map_err(|error| error.help("the time constant l / r of an armature is some milliseconds"))?;
         not_negative("r_f", self.r_f)?;
         positive("l_f", self.l_f)
             .map_err(|error| error.help("for a constant field take a DcMotor with k = l_af i_f"))?;
