@@ -8,5 +8,7 @@ mod friction;
 mod gears;
 mod machines;
 mod mechanisms;
+mod permanent_magnets;
 mod plant;
 mod shafts;
+mod wound_fields;

@@ -28,11 +28,12 @@ fn block(text: &str) -> Arc<dyn Block> {
     }
     one_of!(
         AsynchronousMachine AveragedInverter Body Brake Clutch ConstantTorque ControlledVoltageSource
-        CurrentSensor CycloidalDrive DcMotor Differential ElectricalReference HarmonicDrive
-        IdealSpeedSource IdealTorqueSource Inertia LuGreFriction MotionSensor OneWayClutch PlanetaryGear
-        QuadraticLoad RevoluteJoint RotationalDamper RotationalFriction RotationalHardStop
-        RotationalReference RotationalSpring RotationalSpringDamper SimpleGear ThreePhaseSource
-        TorqueSensor Transform VoltageSensor VoltageSource World
+        CurrentSensor CycloidalDrive DcMotor DcMotorByRating DcMotorByStall Differential
+        ElectricalReference HarmonicDrive IdealSpeedSource IdealTorqueSource Inertia LuGreFriction
+        MotionSensor OneWayClutch PermanentMagnetMachine PlanetaryGear QuadraticLoad RevoluteJoint
+        RotationalDamper RotationalFriction RotationalHardStop RotationalReference RotationalSpring
+        RotationalSpringDamper SimpleGear ThreePhaseSource TorqueSensor Transform UniversalMotor
+        VectorInverter VoltageSensor VoltageSource World WoundFieldDcMotor
     )
 }
 
