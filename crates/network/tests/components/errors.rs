@@ -88,7 +88,6 @@ fn two_voltage_sources_in_parallel() {
             "voltage_conflict: two ideal sources prescribe the same voltage",
             "  b: prescribes the voltage",
             "  a: prescribes the voltage",
-            "  ground: holds the potential at zero",
             "  help: remove one of them, or connect them through a resistance",
         ]
     );
