@@ -23,7 +23,10 @@ impl Observer for Forget {
 
 #[expect(clippy::print_stdout, reason = "a benchmark shows its figures")]
 fn main() {
-    println!("{:<34} {:>12} {:>12} {:>14}", "ABB IRB 2600, demo move", "x real time", "evaluations", "ns/evaluation");
+    println!(
+        "{:<34} {:>12} {:>12} {:>14}",
+        "ABB IRB 2600, demo move", "x real time", "evaluations", "ns/evaluation"
+    );
     let mut fastest = Vec::new();
     for drive in ["dc", "asm", "torque"] {
         for rtol in ["shipped", "1e-6"] {
@@ -31,14 +34,18 @@ fn main() {
             let (compiled, problems) = compile_file("diagrams/irb2600/irb2600.ron", &[&over]);
             let Some(mut schedule) = compiled.schedule else { panic!("{problems}") };
             if rtol != "shipped"
-                && let blocksim_block::schedule::Solver::Variable { rtol, atol, .. } = &mut schedule.settings.solver
+                && let blocksim_block::schedule::Solver::Variable { rtol, atol, .. } =
+                    &mut schedule.settings.solver
             {
                 (*rtol, *atol) = (1e-6, 1e-6);
             }
             let (wall, evaluations) = best(&Arc::new(schedule.clone()));
             let factor = schedule.settings.stop_time / wall.as_secs_f64();
             let each = wall.as_nanos() as f64 / evaluations as f64;
-            println!("{:<34} {factor:>12.1} {evaluations:>12} {each:>14.0}", format!("{drive}, tolerance {rtol}"));
+            println!(
+                "{:<34} {factor:>12.1} {evaluations:>12} {each:>14.0}",
+                format!("{drive}, tolerance {rtol}")
+            );
             fastest.push((drive, factor));
         }
     }

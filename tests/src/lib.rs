@@ -123,7 +123,10 @@ impl Run {
         let index = self.recorded.iter().position(|recorded| recorded.path == path);
         match index {
             Some(index) => &self.columns[index],
-            None => panic!("no `{path}`; there are {:?}", self.recorded.iter().map(|r| &r.path).collect::<Vec<_>>()),
+            None => panic!(
+                "no `{path}`; there are {:?}",
+                self.recorded.iter().map(|r| &r.path).collect::<Vec<_>>()
+            ),
         }
     }
 

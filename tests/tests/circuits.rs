@@ -146,7 +146,8 @@ fn circuits_without_a_solution_are_named() {
           model.ron:3:41 `"u"` `u` prescribes the voltage
           model.ron:3:71 `"c"` `c` prescribes the voltage
           help: remove one of them, or connect them through a resistance
-    "#]].assert_eq(&problems(
+    "#]]
+    .assert_eq(&problems(
         r#""u": VoltageSource(v: "1 V"), "c": Capacitor(c: "1 uF")"#,
         r#""u.p <-> c.p", "u.n <-> c.n <-> g.p""#,
     ));
@@ -155,7 +156,8 @@ fn circuits_without_a_solution_are_named() {
           model.ron:3:71 `"l"` `l` has inductance
           model.ron:3:96 `"m"` `m` has inductance
           help: connect a resistance from there to another node, in parallel to one of the inductances
-    "#]].assert_eq(&problems(
+    "#]]
+    .assert_eq(&problems(
         r#""u": VoltageSource(v: "1 V"), "l": Inductor(l: "1 H"), "m": Inductor(l: "1 H")"#,
         r#""u.p <-> l.p", "l.n <-> m.p", "m.n <-> u.n <-> g.p""#,
     ));
@@ -163,7 +165,8 @@ fn circuits_without_a_solution_are_named() {
         error[parameter]: `r` is -5, but must be positive
           model.ron:3:88 `"-5 Ohm"` 
           note: in block `r` (Resistor)
-    "#]].assert_eq(&problems(
+    "#]]
+    .assert_eq(&problems(
         r#""u": VoltageSource(v: "1 V"), "r": Resistor(r: "-5 Ohm")"#,
         r#""u.p <-> r.p", "r.n <-> u.n <-> g.p""#,
     ));

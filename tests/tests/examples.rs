@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::{Path, PathBuf};
 
 use blocksim_block::schedule::{OutputTimes, Schedule, Solver, VariableMethod};
-use blocksim_tests::{Run, compile_file, root, run, run_file};
+use blocksim_tests::{Run, compile_file, compile_text, root, run, run_file};
 
 /// A diagram with other settings than its own.
 fn run_with(path: &str, change: impl FnOnce(&mut Schedule)) -> Run {
@@ -290,4 +290,34 @@ fn every_part_is_used_by_some_diagram() {
         let named = texts.iter().any(|other| other.contains(&format!("{name}\"")));
         assert!(!(offers || is_data) || named, "nothing uses {}", path.display());
     }
+}
+
+#[test]
+fn limits_of_a_controller_that_never_reaches_them_cost_nothing() {
+    // The sign of an error of 1e-30 flickers; away from the limits that must be no event.
+    let text = std::fs::read_to_string(root().join("diagrams/pmsm_foc.ron")).expect("a file");
+    let limits = "lower: \"-150 V\", upper: \"150 V\", anti_windup: Clamping, ";
+    let limited = ["pi_d", "pi_q"].iter().fold(text.clone(), |text, name| {
+        text.replace(&format!("\"{name}\": Pid("), &format!("\"{name}\": Pid({limits}"))
+    });
+    assert_ne!(text, limited);
+    let (compiled, problems) = compile_text(&limited);
+    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+    assert!(run.error.is_none(), "{:?}", run.error);
+    assert!(run.events.len() < 50, "{} events", run.events.len());
+}
+
+#[test]
+fn a_permanent_magnet_machine_reaches_its_speed_under_load() {
+    let run = run_file("diagrams/pmsm_foc.ron", &[]);
+    assert!((run.last("speeds.actual") - 157.0796).abs() < 0.01, "{}", run.last("speeds.actual"));
+}
+
+#[test]
+fn a_cascade_of_current_and_speed_control_holds_the_speed_of_a_motor() {
+    let run = run_file("diagrams/dc_motor_speed_control.ron", &[]);
+    let (set, actual) = (run.last("speeds.set"), run.last("speeds.actual"));
+    assert!((actual - set).abs() < 1e-3 * set, "{actual} rad/s instead of {set}");
+    let peak = run.column("currents.set").iter().fold(0.0_f64, |peak, i| peak.max(*i));
+    assert!((peak - 15.0).abs() < 1e-6, "the speed controller asks for {peak} A at most");
 }

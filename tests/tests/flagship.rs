@@ -98,7 +98,10 @@ fn standstill_costs_no_more_than_motion() {
         let moving = blocksim_tests::run(until_target).counts.evaluations as f64 / MOVE;
         let all = blocksim_tests::run(schedule).counts.evaluations as f64;
         let standing = all - moving * MOVE;
-        assert!(standing < 1.05 * moving, "{drive}: {standing} evaluations per second at rest, {moving} in motion");
+        assert!(
+            standing < 1.05 * moving,
+            "{drive}: {standing} evaluations per second at rest, {moving} in motion"
+        );
     }
 }
 

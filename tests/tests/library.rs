@@ -34,14 +34,23 @@ fn every_kind_has_a_page_and_an_example_that_compiles() {
         let examples = info.examples();
         assert!(!examples.is_empty(), "{} has no ```ron example", info.kind);
         for example in examples {
-            assert!(example.contains(info.kind), "the example of {} shows something else: {example}", info.kind);
+            assert!(
+                example.contains(info.kind),
+                "the example of {} shows something else: {example}",
+                info.kind
+            );
             // An example may be a block or a line of a diagram.
-            let block = if example.starts_with('"') { example.to_owned() } else { format!("\"example\": {example}") };
+            let block =
+                if example.starts_with('"') { example.to_owned() } else { format!("\"example\": {example}") };
             let text = format!("Diagram(blocks: {{ {} }}, connections: [])", block.trim_end_matches(','));
             let (compiled, problems) = compile_text(&text);
             let unexpected: Vec<_> =
                 compiled.problems.iter().filter(|problem| !ALONE.contains(&problem.code)).collect();
-            assert!(unexpected.is_empty(), "the example of {} has problems:\n{problems}\n{example}", info.kind);
+            assert!(
+                unexpected.is_empty(),
+                "the example of {} has problems:\n{problems}\n{example}",
+                info.kind
+            );
         }
     }
 }
@@ -66,7 +75,8 @@ fn names_follow_the_rules_of_the_language() {
     for info in kinds() {
         assert!(info.kind.starts_with(|c: char| c.is_ascii_uppercase()), "{}", info.kind);
         for parameter in info.parameters {
-            let fits = parameter.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+            let fits =
+                parameter.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
             assert!(fits && parameter.name != "label", "{}.{}", info.kind, parameter.name);
         }
     }

@@ -190,7 +190,9 @@ impl Block for Pid {
                 let waits = |side: f64| if *mode == side { self.slack() } else { 0.0 };
                 g[0] = self.upper.map_or(-1.0, |upper| v - (upper - waits(1.0)));
                 g[1] = self.lower.map_or(1.0, |lower| v - (lower + waits(-1.0)));
-                g[2] = if self.anti_windup == AntiWindup::Clamping { *e } else { 1.0 };
+                // The sign of the error matters at the limits alone; elsewhere it may flicker in rounding.
+                let at_limit = *mode != 0.0 || g[0] >= 0.0 || g[1] <= 0.0;
+                g[2] = if self.anti_windup == AntiWindup::Clamping && at_limit { *e } else { 1.0 };
             }
         }
         if self.reset != Reset::None
