@@ -11,7 +11,8 @@ use crate::problems::{Problems, list};
 
 /// Checks the connections of a diagram and of all diagrams inside it.
 pub(crate) fn check(model: &Model, problems: &mut Problems) {
-    let mut level = Level { model, problems, drivers: HashMap::new() };
+    let blocks = model.blocks.iter().map(|block| (block.name.as_str(), block)).collect();
+    let mut level = Level { model, blocks, problems, drivers: HashMap::new() };
     level.connections();
     level.interface();
     level.unconnected();
@@ -24,13 +25,14 @@ pub(crate) fn check(model: &Model, problems: &mut Problems) {
 
 struct Level<'a> {
     model: &'a Model,
+    blocks: HashMap<&'a str, &'a ModelBlock>,
     problems: &'a mut Problems,
     /// Block and input, and the connection that drives it.
     drivers: HashMap<(String, String), Place>,
 }
 
-impl Level<'_> {
-    fn ast(&self) -> &Ast {
+impl<'a> Level<'a> {
+    fn ast(&self) -> &'a Ast {
         &self.model.ast
     }
 
@@ -47,8 +49,9 @@ impl Level<'_> {
     }
 
     /// The block of a reference; reports a name that is none.
-    fn block(&mut self, reference: &Reference) -> Option<&ModelBlock> {
-        if self.model.block(&reference.block).is_none() {
+    fn block(&mut self, reference: &Reference) -> Option<&'a ModelBlock> {
+        let found = self.blocks.get(reference.block.as_str()).copied();
+        if found.is_none() {
             let known: Vec<&str> = self.model.blocks.iter().map(|block| block.name.as_str()).collect();
             let start = reference.span.start;
             let place = self.ast().place(&(start..start + reference.block.len()));
@@ -60,7 +63,7 @@ impl Level<'_> {
                 None => problem.help(format!("the blocks here are {}", list(&known))),
             });
         }
-        self.model.block(&reference.block)
+        found
     }
 
     fn port(&mut self, reference: &Reference, side: &str) -> Option<PortKind> {
@@ -111,15 +114,15 @@ impl Level<'_> {
     }
 
     fn own_input(&mut self, reference: &Reference) {
-        let known: Vec<String> = self.ast().inputs.iter().map(|(name, _)| name.text.clone()).collect();
-        if known.contains(&reference.port) {
+        let known: Vec<&str> = self.ast().inputs.iter().map(|(name, _)| name.text.as_str()).collect();
+        if known.contains(&reference.port.as_str()) {
             return;
         }
         let place = self.ast().place(&reference.span);
         let problem =
             Problem::error("unknown_port", format!("this diagram has no input `{}`", reference.port))
                 .at(&place, "no such input");
-        self.problems.push(match closest(&reference.port, known.iter().map(String::as_str)) {
+        self.problems.push(match closest(&reference.port, known.iter().copied()) {
             Some(close) => problem.help(format!("did you mean `in.{close}`?")),
             None if known.is_empty() => problem.help("declare it: `inputs: { \"name\": (unit: \"1\") }`"),
             None => problem.help(format!("its inputs are {}", list(&known))),
@@ -193,7 +196,7 @@ impl Level<'_> {
 
     fn direction(&mut self, reference: &Reference, what: &str, help: &str) {
         let place = self.ast().place(&reference.span);
-        let declared = self.model.block(&reference.block).map(|block| block.place.clone());
+        let declared = self.blocks.get(reference.block.as_str()).map(|block| block.place.clone());
         let problem =
             Problem::error("wrong_direction", format!("`{}.{}` {what}", reference.block, reference.port))
                 .at(&place, "");

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use blocksim_block::problem::Problem;
 use blocksim_block::{Given, ParamUnits};
 use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
+use indexmap::IndexMap;
+use petgraph::unionfind::UnionFind;
 
 use crate::flatten::{Declared, Flat, FlatBlock, Source};
 use crate::problems::Problems;
@@ -14,28 +16,34 @@ use crate::problems::Problems;
 /// This happens after flattening, because a network reaches across subsystems.
 pub(crate) fn elaborate(flat: Flat, problems: &mut Problems) -> Flat {
     let groups = groups(&flat);
-    let member_of: Vec<Option<(usize, usize)>> = (0..flat.blocks.len())
-        .map(|block| {
-            groups
-                .iter()
-                .enumerate()
-                .find_map(|(g, group)| group.iter().position(|b| *b == block).map(|m| (g, m)))
-        })
-        .collect();
+    let mut member_of: Vec<Option<(usize, usize)>> = vec![None; flat.blocks.len()];
+    for (group, members) in groups.iter().enumerate() {
+        for (member, block) in members.iter().enumerate() {
+            member_of[*block] = Some((group, member));
+        }
+    }
+    let joined = joined(&flat, &member_of, groups.len());
     let mut networks = Vec::new();
-    for group in &groups {
-        networks.push(build(&flat, group, problems));
+    for (group, joined) in groups.iter().zip(&joined) {
+        networks.push(build(&flat, group, joined, problems));
     }
 
     // Blocks that stay, then the networks.
     let kept: Vec<usize> = (0..flat.blocks.len()).filter(|block| member_of[*block].is_none()).collect();
-    let outputs_before = |group: usize, member: usize| -> usize {
-        groups[group][..member].iter().map(|block| flat.blocks[*block].interface.outputs.len()).sum()
-    };
+    let mut place = vec![0; flat.blocks.len()];
+    kept.iter().enumerate().for_each(|(new, old)| place[*old] = new);
+    // First output of each component within its network.
+    let mut outputs_before = vec![0; flat.blocks.len()];
+    for group in &groups {
+        group.iter().fold(0, |outputs, block| {
+            outputs_before[*block] = outputs;
+            outputs + flat.blocks[*block].interface.outputs.len()
+        });
+    }
     let moved = |source: &Source| -> Source {
         let (block, output) = match member_of[source.block] {
-            Some((group, member)) => (kept.len() + group, outputs_before(group, member) + source.output),
-            None => (kept.iter().position(|block| *block == source.block).unwrap_or(0), source.output),
+            Some((group, _)) => (kept.len() + group, outputs_before[source.block] + source.output),
+            None => (place[source.block], source.output),
         };
         Source { block, output, ..source.clone() }
     };
@@ -87,37 +95,39 @@ fn sorted(flat: Flat) -> Flat {
     Flat { blocks, nodes: Vec::new(), recorded, declared }
 }
 
-/// Components that are joined, directly or through others.
+/// Components that are joined, directly or through others: each group by its blocks, in their order.
 fn groups(flat: &Flat) -> Vec<Vec<usize>> {
-    let mut group_of: Vec<Option<usize>> = flat
-        .blocks
-        .iter()
-        .enumerate()
-        .map(|(i, block)| block.block.component().is_some().then_some(i))
-        .collect();
-    loop {
-        let mut changed = false;
-        for node in &flat.nodes {
-            let Some(least) = node.iter().filter_map(|(block, _)| group_of[*block]).min() else { continue };
-            for (block, _) in node {
-                if group_of[*block].is_some_and(|group| group > least) {
-                    group_of[*block] = Some(least);
-                    changed = true;
-                }
-            }
-        }
-        if !changed {
-            break;
+    let mut joined = UnionFind::new(flat.blocks.len());
+    for node in &flat.nodes {
+        for pair in node.windows(2) {
+            joined.union(pair[0].0, pair[1].0);
         }
     }
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    for (first, _) in group_of.iter().enumerate().filter(|(i, group)| **group == Some(*i)) {
-        groups.push((0..flat.blocks.len()).filter(|block| group_of[*block] == Some(first)).collect());
+    let mut groups: IndexMap<usize, Vec<usize>> = IndexMap::new();
+    for (index, block) in flat.blocks.iter().enumerate() {
+        if block.block.component().is_some() {
+            groups.entry(joined.find(index)).or_default().push(index);
+        }
     }
-    groups
+    groups.into_values().collect()
 }
 
-fn build(flat: &Flat, group: &[usize], problems: &mut Problems) -> Option<Network> {
+/// The sets of joined ports of each network.
+fn joined(flat: &Flat, member_of: &[Option<(usize, usize)>], groups: usize) -> Vec<Vec<Vec<Terminal>>> {
+    let mut joined = vec![Vec::new(); groups];
+    for node in &flat.nodes {
+        let mut sets: IndexMap<usize, Vec<Terminal>> = IndexMap::new();
+        for (block, port) in node {
+            if let Some((group, member)) = member_of[*block] {
+                sets.entry(group).or_default().push(Terminal { member, port: *port });
+            }
+        }
+        sets.into_iter().for_each(|(group, set)| joined[group].push(set));
+    }
+    joined
+}
+
+fn build(flat: &Flat, group: &[usize], joined: &[Vec<Terminal>], problems: &mut Problems) -> Option<Network> {
     let members: Vec<Member> = group
         .iter()
         .filter_map(|index| {
@@ -129,19 +139,7 @@ fn build(flat: &Flat, group: &[usize], problems: &mut Problems) -> Option<Networ
             Some(Member { path: block.path.clone(), block: block.block.clone(), part, input_lengths })
         })
         .collect();
-    let joined: Vec<Vec<Terminal>> = flat
-        .nodes
-        .iter()
-        .map(|node| {
-            node.iter()
-                .filter_map(|(block, port)| {
-                    group.iter().position(|b| b == block).map(|member| Terminal { member, port: *port })
-                })
-                .collect()
-        })
-        .filter(|set: &Vec<Terminal>| !set.is_empty())
-        .collect();
-    match assemble(members, &joined) {
+    match assemble(members, joined) {
         Ok(network) => Some(network),
         Err(found) => {
             problems.extend(found.into_iter().map(|problem| placed(flat, group, problem)));

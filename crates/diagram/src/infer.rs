@@ -3,6 +3,8 @@
 use blocksim_block::problem::{Place, Problem};
 use blocksim_block::{Given, Interface, InterfaceError, PortType};
 use blocksim_signal::Kind;
+use petgraph::algo::kosaraju_scc;
+use petgraph::graph::{DiGraph, NodeIndex};
 
 use crate::flatten::{Declared, Flat, Source};
 use crate::problems::Problems;
@@ -23,15 +25,22 @@ impl Typed {
 
 /// Asks every block for its interface until nothing changes, then checks every connection.
 ///
-/// A type travels one block further in each round, so as many rounds as there are blocks always suffice.
+/// Blocks are asked in the order in which signals travel, and again only when an input has changed: without feedback
+/// once. In a loop a type travels at least one block further in each round, so as many rounds as there are blocks
+/// always suffice.
 pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
     let mut typed = Typed { interfaces: flat.blocks.iter().map(|block| block.interface.clone()).collect() };
     // Types that are known; what a block says before its inputs are known does not count.
     let mut known = vec![false; flat.blocks.len()];
     let mut errors: Vec<Option<InterfaceError>> = vec![None; flat.blocks.len()];
+    let (order, readers) = downstream(flat);
+    let mut waiting = vec![true; flat.blocks.len()];
     for _ in 0..flat.blocks.len() + 2 {
-        let mut changed = false;
-        for (index, block) in flat.blocks.iter().enumerate() {
+        for index in order.iter().copied() {
+            if !std::mem::replace(&mut waiting[index], false) {
+                continue;
+            }
+            let block = &flat.blocks[index];
             let given = block
                 .interface
                 .inputs
@@ -41,19 +50,20 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
                 .filter(|(_, source)| known[source.block])
                 .map(|(input, source)| (input.name.clone(), typed.of(source)))
                 .collect();
+            let mut changed = !std::mem::replace(&mut known[index], true);
             match block.block.interface(&Given::new(given, block.units.clone())) {
                 Ok(interface) => {
                     errors[index] = None;
-                    if !known[index] || interface != typed.interfaces[index] {
-                        typed.interfaces[index] = interface;
-                        changed = true;
-                    }
+                    changed |= interface != typed.interfaces[index];
+                    typed.interfaces[index] = interface;
                 }
                 Err(error) => errors[index] = Some(error),
             }
-            known[index] = true;
+            if changed {
+                readers[index].iter().for_each(|reader| waiting[*reader] = true);
+            }
         }
-        if !changed {
+        if !waiting.contains(&true) {
             break;
         }
     }
@@ -73,6 +83,27 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
         declared_unit(flat, declared, typed.of(&declared.source), problems);
     }
     typed
+}
+
+/// Blocks in the order in which signals travel, those of a loop by their index; and the blocks that read each block.
+fn downstream(flat: &Flat) -> (Vec<usize>, Vec<Vec<usize>>) {
+    let mut graph: DiGraph<(), ()> = DiGraph::with_capacity(flat.blocks.len(), flat.blocks.len());
+    flat.blocks.iter().for_each(|_| {
+        graph.add_node(());
+    });
+    let mut readers = vec![Vec::new(); flat.blocks.len()];
+    for (index, block) in flat.blocks.iter().enumerate() {
+        for source in block.inputs.iter().flatten() {
+            graph.add_edge(NodeIndex::new(source.block), NodeIndex::new(index), ());
+            readers[source.block].push(index);
+        }
+    }
+    let mut order = Vec::with_capacity(flat.blocks.len());
+    for mut component in kosaraju_scc(&graph).into_iter().rev() {
+        component.sort_unstable();
+        order.extend(component.into_iter().map(NodeIndex::index));
+    }
+    (order, readers)
 }
 
 /// The unit that a subsystem declares for an input must be that of the signal.

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
-use blocksim_block::physical::{Domain, PhysicalPort};
+use blocksim_block::physical::Domain;
 use blocksim_block::problem::Place;
 use blocksim_block::{Block, Interface, ParamUnits};
 
@@ -133,19 +133,28 @@ impl ModelBlock {
 
     /// What the port of this name is.
     pub fn port(&self, name: &str) -> Option<PortKind> {
-        let has = |names: Vec<String>| names.iter().any(|known| known == name);
         match &self.content {
             Content::Unknown => Some(PortKind::Anything),
-            _ if has(self.outputs()) => Some(PortKind::Output),
-            _ if has(self.inputs()) => Some(PortKind::Input),
             Content::Block { interface, .. } => {
-                let port = interface.ports.iter().find(|port: &&PhysicalPort| port.name == name)?;
+                if interface.outputs.iter().any(|output| output.name == name) {
+                    return Some(PortKind::Output);
+                }
+                if interface.inputs.iter().any(|input| input.name == name) {
+                    return Some(PortKind::Input);
+                }
+                let port = interface.ports.iter().find(|port| port.name == name)?;
                 Some(PortKind::Conserving(port.domain))
             }
-            Content::Diagram(model) if has(self.ports()) => {
+            Content::Diagram(model) => {
+                if model.ast.outputs.iter().any(|(output, _)| output.text == name) {
+                    return Some(PortKind::Output);
+                }
+                if model.ast.inputs.iter().any(|(input, _)| input.text == name) {
+                    return Some(PortKind::Input);
+                }
+                model.ast.ports.iter().find(|(port, _)| port.text == name)?;
                 Some(model.port_domain(name).map_or(PortKind::Anything, PortKind::Conserving))
             }
-            Content::Diagram(_) => None,
         }
     }
 }

@@ -1,30 +1,38 @@
 //! Problems are gathered, not thrown: one report shows all of them.
 
+use std::collections::HashMap;
+
 use blocksim_block::problem::{Problem, Severity};
 
 /// The problems found so far. A problem that is found twice (six instances of one file) is kept once.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Problems(Vec<Problem>);
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Problems {
+    all: Vec<Problem>,
+    /// Problems by their message, to find one that is known.
+    known: HashMap<String, Vec<usize>>,
+}
 
 impl Problems {
     /// Adds a problem.
-    pub fn push(&mut self, problem: Problem) {
-        let same = |other: &Problem| {
-            other.code == problem.code && other.labels == problem.labels && other.message == problem.message
+    pub(crate) fn push(&mut self, problem: Problem) {
+        let same = |other: &usize| {
+            self.all[*other].code == problem.code && self.all[*other].labels == problem.labels
         };
-        if !self.0.iter().any(same) {
-            self.0.push(problem);
+        let known = self.known.entry(problem.message.clone()).or_default();
+        if !known.iter().any(same) {
+            known.push(self.all.len());
+            self.all.push(problem);
         }
     }
 
     /// Adds problems.
-    pub fn extend(&mut self, more: impl IntoIterator<Item = Problem>) {
+    pub(crate) fn extend(&mut self, more: impl IntoIterator<Item = Problem>) {
         more.into_iter().for_each(|problem| self.push(problem));
     }
 
     /// All, errors first, in the order of files and places.
-    pub fn sorted(&self) -> Vec<Problem> {
-        let mut all = self.0.clone();
+    pub(crate) fn sorted(&self) -> Vec<Problem> {
+        let mut all = self.all.clone();
         all.sort_by_key(|problem| {
             let place = problem.labels.first().map(|label| (label.place.file, label.place.span.start));
             (problem.severity == Severity::Warning, place)
@@ -33,8 +41,8 @@ impl Problems {
     }
 
     /// Whether any of them stops the run.
-    pub fn any_error(&self) -> bool {
-        self.0.iter().any(|problem| problem.severity == Severity::Error)
+    pub(crate) fn any_error(&self) -> bool {
+        self.all.iter().any(|problem| problem.severity == Severity::Error)
     }
 }
 

@@ -32,7 +32,7 @@ impl View<'_> {
                 };
                 let outer = &self.levels[*parent].model.ast;
                 let (place, target) = (outer.place(&from.span), outer.place(&target.span));
-                let mut asked = Asked { place: place.clone(), text: &from.port, variant: None, hops: 0 };
+                let mut asked = Asked::new(place.clone(), &from.port);
                 // What is wrong with the name itself is reported where a block asks for it.
                 let tree = self.tree(*parent, &from.block, &from.port, &from.elements, &mut asked);
                 if let Ok(Tree::Leaf { block, output }) = tree {

@@ -1,5 +1,10 @@
 //! Conserving ports that are joined, over all levels.
 
+use std::collections::HashMap;
+
+use indexmap::IndexSet;
+use petgraph::unionfind::UnionFind;
+
 use super::Flat;
 use super::view::View;
 use crate::ast::ConnectionAst;
@@ -8,7 +13,7 @@ use crate::model::Content;
 impl View<'_> {
     /// The conserving port of a block of the list that a name leads to.
     fn terminal(&self, level: usize, block: &str, port: &str) -> Option<(usize, String)> {
-        let found = self.levels[level].model.block(block)?;
+        let found = self.levels[level].blocks.get(block)?;
         match &found.content {
             Content::Diagram(inner) => {
                 let (_, inside) = inner.ast.ports.iter().find(|(name, _)| name.text == port)?;
@@ -22,31 +27,36 @@ impl View<'_> {
         }
     }
 
-    /// Sets of joined conserving ports over all levels.
+    /// Sets of joined conserving ports over all levels: block and port.
     pub(super) fn nodes(&self, flat: &Flat) -> Vec<Vec<(usize, usize)>> {
         let port_of = |(block, port): (usize, String)| {
             let index = flat.blocks[block].interface.ports.iter().position(|known| known.name == port)?;
             Some((block, index))
         };
-        let mut sets: Vec<Vec<(usize, usize)>> = Vec::new();
+        // Ports are numbered as they are met.
+        let mut ports: IndexSet<(usize, usize)> = IndexSet::new();
+        let mut joined: UnionFind<usize> = UnionFind::new_empty();
         for (level, inside) in self.levels.iter().enumerate() {
             for connection in &inside.model.ast.connections {
-                let ConnectionAst::Conserving(joined) = connection else { continue };
-                let mut merged: Vec<(usize, usize)> = joined
-                    .iter()
-                    .filter_map(|reference| self.terminal(level, &reference.block, &reference.port))
-                    .filter_map(port_of)
-                    .collect();
-                let (touching, others) =
-                    sets.into_iter().partition(|set: &Vec<_>| set.iter().any(|t| merged.contains(t)));
-                sets = others;
-                merged.extend(touching.into_iter().flatten());
-                merged.sort_unstable();
-                merged.dedup();
-                sets.push(merged);
+                let ConnectionAst::Conserving(references) = connection else { continue };
+                let mut first = None;
+                for reference in references {
+                    let terminal = self.terminal(level, &reference.block, &reference.port);
+                    let Some(port) = terminal.and_then(port_of) else { continue };
+                    let (number, new) = ports.insert_full(port);
+                    if new {
+                        joined.new_set();
+                    }
+                    joined.union(*first.get_or_insert(number), number);
+                }
             }
         }
-        sets.retain(|set| !set.is_empty());
+        let mut sets: HashMap<usize, Vec<(usize, usize)>> = HashMap::new();
+        for (number, port) in ports.iter().enumerate() {
+            sets.entry(joined.find(number)).or_default().push(*port);
+        }
+        let mut sets: Vec<_> = sets.into_values().collect();
+        sets.iter_mut().for_each(|set| set.sort_unstable());
         sets.sort();
         sets
     }

@@ -1,6 +1,6 @@
 //! Signals that `record` asks for, by patterns of names.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use blocksim_block::problem::Problem;
 
@@ -24,12 +24,13 @@ pub(super) fn record(
     for (level, block) in found {
         for output in block.outputs() {
             let place = block.place.clone();
-            let mut asked = Asked { place, text: &output, variant: None, hops: 0 };
+            let mut asked = Asked::new(place, &output);
             if let Ok(tree) = view.tree(*level, &block.name, &output, &[], &mut asked) {
                 name_leaves(&format!("{}.{output}", block.path), &tree, &mut candidates);
             }
         }
     }
+    let mut seen: BTreeSet<&String> = BTreeSet::new();
     for pattern in &model.ast.record {
         let place = model.ast.place(&pattern.span);
         let matching: Vec<_> = candidates.iter().filter(|(name, _)| matches(&pattern.text, name)).collect();
@@ -41,7 +42,7 @@ pub(super) fn record(
             );
         }
         for (name, (block, output)) in matching {
-            if flat.recorded.iter().all(|(known, _)| known != name) {
+            if seen.insert(name) {
                 let source =
                     Source { block: *block, output: *output, target: place.clone(), place: place.clone() };
                 flat.recorded.push((name.clone(), source));
@@ -64,19 +65,29 @@ fn name_leaves(name: &str, tree: &Tree, out: &mut BTreeMap<String, (usize, usize
     }
 }
 
-/// `*` stands for any text without `/` and `.`, `**` for any text.
+/// `*` stands for any text without `/` and `.`, `**` for any text. Takes time in proportion to the product of the lengths,
+/// whatever the pattern is.
 fn matches(pattern: &str, name: &str) -> bool {
-    fn go(pattern: &[u8], name: &[u8]) -> bool {
-        match pattern {
-            [] => name.is_empty(),
-            [b'*', b'*', rest @ ..] => (0..=name.len()).any(|skip| go(rest, &name[skip..])),
-            [b'*', rest @ ..] => (0..=name.len())
-                .take_while(|skip| name[..*skip].iter().all(|c| *c != b'/' && *c != b'.'))
-                .any(|skip| go(rest, &name[skip..])),
-            [c, rest @ ..] => name.first() == Some(c) && go(rest, &name[1..]),
+    let name = name.as_bytes();
+    // Whether the pattern so far matches the first bytes of the name.
+    let mut reached = vec![false; name.len() + 1];
+    reached[0] = true;
+    let mut rest = pattern.as_bytes();
+    while let [first, after @ ..] = rest {
+        let across = rest.starts_with(b"**");
+        rest = if across { &after[1..] } else { after };
+        if *first == b'*' {
+            for (i, byte) in name.iter().enumerate() {
+                reached[i + 1] |= reached[i] && (across || (*byte != b'/' && *byte != b'.'));
+            }
+        } else {
+            for (i, byte) in name.iter().enumerate().rev() {
+                reached[i + 1] = reached[i] && byte == first;
+            }
+            reached[0] = false;
         }
     }
-    pattern.len() < 256 && pattern.matches('*').count() < 12 && go(pattern.as_bytes(), name.as_bytes())
+    reached[name.len()]
 }
 
 #[cfg(test)]
@@ -90,5 +101,12 @@ mod tests {
         assert!(!matches("arm/*.q", "arm/base/joint.q"));
         assert!(matches("**", "anything.y"));
         assert!(!matches("arm", "arm.y"));
+        assert!(matches("*.y", "g.y") && matches("", "") && matches("g.y*", "g.y"));
+        assert!(!matches("", "g") && !matches("g.y", "") && !matches("ag.y", "g.y"));
+    }
+
+    #[test]
+    fn a_pattern_of_many_stars_takes_no_time() {
+        assert!(!matches(&format!("{}b", "**a".repeat(100)), &"a".repeat(200)));
     }
 }

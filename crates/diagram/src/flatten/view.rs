@@ -33,6 +33,8 @@ pub(super) struct View<'m> {
 
 pub(super) struct Level<'m> {
     pub model: &'m Model,
+    /// The blocks by name.
+    pub blocks: HashMap<&'m str, &'m ModelBlock>,
     /// Outer level and the name of this subsystem there.
     pub parent: Option<(usize, String)>,
     /// What drives each input.
@@ -41,11 +43,27 @@ pub(super) struct Level<'m> {
 
 /// A question that may lead through many levels; problems are shown where it was asked.
 pub(super) struct Asked<'r> {
-    pub place: Place,
-    pub text: &'r str,
+    place: Place,
+    text: &'r str,
     /// A variant on the way, which may explain a missing element.
-    pub variant: Option<String>,
-    pub hops: u32,
+    variant: Option<String>,
+    /// Steps taken so far.
+    hops: u32,
+    /// Steps that wait for the present one.
+    depth: u32,
+}
+
+/// Steps from an input through buses and subsystems to its source. More of them are a circle; few enough that the stack
+/// of a thread holds them.
+const DEEPEST: u32 = 200;
+
+/// Steps to all elements of a bus.
+const MOST_HOPS: u32 = 100_000;
+
+impl<'r> Asked<'r> {
+    pub(super) fn new(place: Place, text: &'r str) -> Self {
+        Self { place, text, variant: None, hops: 0, depth: 0 }
+    }
 }
 
 impl<'m> View<'m> {
@@ -64,7 +82,8 @@ impl<'m> View<'m> {
                 }
             }
         }
-        self.levels.push(Level { model, parent, drivers });
+        let blocks = model.blocks.iter().map(|block| (block.name.as_str(), block)).collect();
+        self.levels.push(Level { model, blocks, parent, drivers });
         for block in &model.blocks {
             found.push((level, block));
             if let Content::Diagram(inner) = &block.content {
@@ -84,7 +103,7 @@ impl<'m> View<'m> {
         let (source, target) = self.levels[level].drivers.get(&(block, input))?;
         let ast = &self.levels[level].model.ast;
         let (place, at) = (ast.place(&source.span), ast.place(&target.span));
-        let mut asked = Asked { place: place.clone(), text: &source.port, variant: None, hops: 0 };
+        let mut asked = Asked::new(place.clone(), &source.port);
         match self.tree(level, &source.block, &source.port, &source.elements, &mut asked) {
             Ok(Tree::Leaf { block, output }) => Some(Source { block, output, target: at, place }),
             Ok(Tree::Unknown) => None,
@@ -120,15 +139,35 @@ impl<'m> View<'m> {
         asked: &mut Asked,
     ) -> Result<Tree, Problem> {
         asked.hops += 1;
-        if asked.hops > 10_000 {
-            return Err(Problem::error("recursive_bus", "a bus contains itself")
+        asked.depth += 1;
+        let tree = if asked.depth > DEEPEST {
+            Err(Problem::error("recursive_bus", "a bus contains itself")
                 .at(&asked.place, "leads around in a circle")
-                .help("a BusCreator cannot take its own bus as an element"));
-        }
+                .help("a BusCreator cannot take its own bus as an element"))
+        } else if asked.hops > MOST_HOPS {
+            Err(Problem::error("recursive_bus", format!("a bus has more than {MOST_HOPS} elements"))
+                .at(&asked.place, "leads to too many signals")
+                .help("buses in buses multiply: select what is needed before it is put into the next bus"))
+        } else {
+            self.meaning(level, block, port, elements, asked)
+        };
+        asked.depth -= 1;
+        tree
+    }
+
+    /// The same one step further.
+    fn meaning(
+        &self,
+        level: usize,
+        block: &str,
+        port: &str,
+        elements: &[String],
+        asked: &mut Asked,
+    ) -> Result<Tree, Problem> {
         if block == "in" {
             return self.outside(level, port, elements, asked);
         }
-        let Some(found) = self.levels[level].model.block(block) else { return Ok(Tree::Unknown) };
+        let Some(found) = self.levels[level].blocks.get(block) else { return Ok(Tree::Unknown) };
         if let Some(variant) = &found.variant {
             let others: Vec<&String> = variant.of.iter().filter(|name| **name != variant.chosen).collect();
             asked.variant = Some(format!(

@@ -27,6 +27,10 @@ impl<'a> Evaluation<'_, 'a> {
 
     /// Value of a node.
     pub(crate) fn value(&self, node: &Node) -> Result<Value, Problem> {
+        self.scope.deeper(1, || self.place(node), || self.meaning(node))
+    }
+
+    fn meaning(&self, node: &Node) -> Result<Value, Problem> {
         match &node.value {
             Shape::Number(value) => Ok(Value::Number(Quantity::plain(*value))),
             Shape::Bool(value) => Ok(Value::Bool(*value)),

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
-use blocksim_signal::{Lookup, Scope as Names, Value, evaluate};
+use blocksim_signal::{ExprError, Lookup, Scope as Names, Value, evaluate};
 
 use super::Scope;
 
@@ -49,21 +49,28 @@ pub(crate) fn expression(
     whole: &Range<usize>,
 ) -> Result<Value, Problem> {
     let visible = Visible { scope, failed: RefCell::default() };
-    evaluate(text, &visible).map_err(|error| {
-        if let Some(problem) = visible.failed.take() {
-            return problem;
-        }
-        // Texts with escapes are longer in the file than in memory: then the whole text is shown.
-        let inside = start + error.span.end <= whole.end;
-        let span = if inside && !error.span.is_empty() {
-            start + error.span.start..start + error.span.end
-        } else {
-            whole.clone()
-        };
-        let problem = Problem::error("expression", error.message).at(&Place { file, span }, "");
-        match error.help {
-            Some(help) => problem.help(help),
-            None => problem,
-        }
-    })
+    // Signs are counted that may open a level; a parameter on the way costs as much stack as some brackets.
+    let levels = 8 + text.matches(['(', '[', '^', '-', '+', '!']).count();
+    let place = || Place { file, span: whole.clone() };
+    let evaluated = || evaluate(text, &visible).map_err(|error| located(error, &visible, file, start, whole));
+    scope.deeper(levels, place, evaluated)
+}
+
+/// The problem of a parameter that could not be computed, or what is wrong with the text itself.
+fn located(error: ExprError, visible: &Visible, file: FileId, start: usize, whole: &Range<usize>) -> Problem {
+    if let Some(problem) = visible.failed.take() {
+        return problem;
+    }
+    // Texts with escapes are longer in the file than in memory: then the whole text is shown.
+    let inside = start + error.span.end <= whole.end;
+    let span = if inside && !error.span.is_empty() {
+        start + error.span.start..start + error.span.end
+    } else {
+        whole.clone()
+    };
+    let problem = Problem::error("expression", error.message).at(&Place { file, span }, "");
+    match error.help {
+        Some(help) => problem.help(help),
+        None => problem,
+    }
 }

@@ -4,11 +4,12 @@ mod evaluation;
 mod expression;
 mod files;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_signal::Value;
+use indexmap::IndexMap;
 
 use crate::source::Sources;
 use crate::tree::{Name, Node};
@@ -24,11 +25,15 @@ pub(crate) use files::{missing_file, read_tree};
 pub(crate) struct Scope<'a> {
     pub sources: &'a Sources<'a>,
     pub parent: Option<Rc<Scope<'a>>>,
-    entries: RefCell<Vec<Entry<'a>>>,
+    entries: RefCell<IndexMap<String, Entry<'a>>>,
+    /// How deep the present value lies within others that wait for it, over all scopes of the model.
+    depth: Rc<Cell<usize>>,
 }
 
+/// How deep values, brackets and parameters may lie in each other. All of them take the stack of the thread.
+const DEEPEST: usize = 600;
+
 struct Entry<'a> {
-    name: String,
     place: Place,
     state: State<'a>,
 }
@@ -47,7 +52,8 @@ enum State<'a> {
 
 impl<'a> Scope<'a> {
     pub(crate) fn new(sources: &'a Sources<'a>, parent: Option<Rc<Scope<'a>>>) -> Self {
-        Self { sources, parent, entries: RefCell::default() }
+        let depth = parent.as_ref().map(|parent| parent.depth.clone()).unwrap_or_default();
+        Self { sources, parent, entries: RefCell::default(), depth }
     }
 
     /// Adds a parameter that a file declares.
@@ -64,35 +70,49 @@ impl<'a> Scope<'a> {
 
     /// Replaces a value by a known one.
     pub(crate) fn set(&self, name: &str, value: Value) {
-        let mut entries = self.entries.borrow_mut();
-        if let Some(entry) = entries.iter_mut().find(|entry| entry.name == name) {
+        if let Some(entry) = self.entries.borrow_mut().get_mut(name) {
             entry.state = State::Ready(Ok(value));
         }
     }
 
     fn insert(&self, name: &str, place: Place, state: State<'a>) {
-        let mut entries = self.entries.borrow_mut();
-        match entries.iter_mut().find(|entry| entry.name == name) {
-            Some(entry) => (entry.place, entry.state) = (place, state),
-            None => entries.push(Entry { name: name.to_owned(), place, state }),
-        }
+        self.entries.borrow_mut().insert(name.to_owned(), Entry { place, state });
     }
 
     /// Names of this diagram's own parameters.
     pub(crate) fn own_names(&self) -> Vec<String> {
-        self.entries.borrow().iter().map(|entry| entry.name.clone()).collect()
+        self.entries.borrow().keys().cloned().collect()
     }
 
     /// Whether this diagram itself has a parameter of this name.
     pub(crate) fn has(&self, name: &str) -> bool {
-        self.entries.borrow().iter().any(|entry| entry.name == name)
+        self.entries.borrow().contains_key(name)
+    }
+
+    /// Computes a value `levels` deeper than the present one.
+    fn deeper(
+        &self,
+        levels: usize,
+        place: impl FnOnce() -> Place,
+        compute: impl FnOnce() -> Result<Value, Problem>,
+    ) -> Result<Value, Problem> {
+        let depth = self.depth.get();
+        if depth >= DEEPEST {
+            return Err(Problem::error("recursive_parameter", "too many parameters wait for each other")
+                .at(&place(), "needed by all of them")
+                .help("declare a parameter before those that refer to it"));
+        }
+        self.depth.set(depth + levels);
+        let value = compute();
+        self.depth.set(depth);
+        value
     }
 
     /// Value of a parameter; `None` when no diagram has it.
     pub(crate) fn value(self: &Rc<Self>, name: &str) -> Option<Result<Value, Problem>> {
         let found = {
             let mut entries = self.entries.borrow_mut();
-            entries.iter_mut().find(|entry| entry.name == name).map(|entry| {
+            entries.get_mut(name).map(|entry| {
                 let state = std::mem::replace(&mut entry.state, State::Busy);
                 (state, entry.place.clone())
             })
@@ -111,8 +131,7 @@ impl<'a> Scope<'a> {
                 Evaluation { scope, file, stack: &stack }.value(&node)
             }
         };
-        let mut entries = self.entries.borrow_mut();
-        if let Some(entry) = entries.iter_mut().find(|entry| entry.name == name) {
+        if let Some(entry) = self.entries.borrow_mut().get_mut(name) {
             entry.state = State::Ready(value.clone());
         }
         Some(value)

@@ -1,24 +1,21 @@
 //! Where every value lies: signals, inputs, states, memories, guards and what is recorded.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use blocksim_block::schedule::{Clock, Instance, Recorded, Schedule, Settings, Signal, Step};
 
 use super::clock::rate_of;
 use super::order::Order;
 use super::when::{needed_in_minor_steps, when};
-use crate::flatten::Flat;
-use crate::infer::Typed;
 
 pub(super) fn lay_out(
     title: String,
-    flat: &Flat,
-    typed: &Typed,
+    order: &Order,
     settings: Settings,
     sorted: &[(usize, usize)],
     clock: Clock,
 ) -> Schedule {
-    let order = Order::new(flat, typed);
+    let (flat, typed) = (order.flat, order.typed);
     let rates: HashMap<usize, usize> = typed
         .interfaces
         .iter()
@@ -26,7 +23,7 @@ pub(super) fn lay_out(
         .filter_map(|(block, interface)| rate_of(interface, &clock).map(|rate| (block, rate)))
         .collect();
     let when = when(flat, typed, sorted, &rates);
-    let needed = needed_in_minor_steps(&order);
+    let needed = needed_in_minor_steps(order);
 
     let mut signals = Vec::new();
     let mut first_signal = Vec::new();
@@ -49,7 +46,7 @@ pub(super) fn lay_out(
 
     let mut blocks: Vec<Instance> = Vec::new();
     let (mut x, mut d, mut g) = (0, 0, 0);
-    let mut recorded = Vec::new();
+    let mut recorded = Columns::default();
     for (index, (block, interface)) in flat.blocks.iter().zip(&typed.interfaces).enumerate() {
         let mut gather = Vec::new();
         let mut inputs = Vec::new();
@@ -73,7 +70,7 @@ pub(super) fn lay_out(
             if let (Some(wanted), Some(source)) = (&interface.recorded, source) {
                 let signal = &signals[first_signal[source.block].0 + source.output];
                 let name = format!("{}.{}", block.path, input.name);
-                push_recorded(&mut recorded, &name, signal, wanted.display.as_deref());
+                recorded.push(&name, signal, wanted.display.as_deref());
             }
         }
         let (first, y) = first_signal[index];
@@ -102,7 +99,7 @@ pub(super) fn lay_out(
     }
     for (name, source) in &flat.recorded {
         let signal = &signals[first_signal[source.block].0 + source.output];
-        push_recorded(&mut recorded, name, signal, None);
+        recorded.push(name, signal, None);
     }
     let steps = sorted
         .iter()
@@ -123,24 +120,33 @@ pub(super) fn lay_out(
         discrete: d,
         guards: g,
         clock,
-        recorded,
+        recorded: recorded.columns,
         settings,
     }
 }
 
-fn push_recorded(recorded: &mut Vec<Recorded>, name: &str, signal: &Signal, display: Option<&str>) {
-    let length = signal.shape.len();
-    for element in 0..length {
-        let path = if length == 1 { name.to_owned() } else { format!("{name}[{element}]") };
-        if recorded.iter().any(|known| known.path == path) {
-            continue;
+/// What is recorded, each name once.
+#[derive(Default)]
+struct Columns {
+    columns: Vec<Recorded>,
+    names: HashSet<String>,
+}
+
+impl Columns {
+    fn push(&mut self, name: &str, signal: &Signal, display: Option<&str>) {
+        let length = signal.shape.len();
+        for element in 0..length {
+            let path = if length == 1 { name.to_owned() } else { format!("{name}[{element}]") };
+            if !self.names.insert(path.clone()) {
+                continue;
+            }
+            self.columns.push(Recorded {
+                path,
+                cell: signal.offset + element,
+                kind: signal.kind,
+                dimension: signal.dimension,
+                display: display.map(str::to_owned),
+            });
         }
-        recorded.push(Recorded {
-            path,
-            cell: signal.offset + element,
-            kind: signal.kind,
-            dimension: signal.dimension,
-            display: display.map(str::to_owned),
-        });
     }
 }

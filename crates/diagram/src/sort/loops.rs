@@ -1,9 +1,9 @@
 //! Algebraic loops, told hop by hop.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::{HashMap, HashSet, VecDeque};
 
 use blocksim_block::problem::Problem;
-use petgraph::algo::tarjan_scc;
+use petgraph::algo::kosaraju_scc;
 use petgraph::graph::NodeIndex;
 
 use super::order::Order;
@@ -11,7 +11,7 @@ use super::order::Order;
 impl Order<'_> {
     /// Every algebraic loop with all its hops.
     pub(super) fn loops(&self) -> Vec<Problem> {
-        tarjan_scc(&self.graph)
+        kosaraju_scc(&self.graph)
             .into_iter()
             .filter(|component| component.len() > 1 || self.graph.contains_edge(component[0], component[0]))
             .map(|mut component| {
@@ -24,11 +24,12 @@ impl Order<'_> {
     /// A shortest cycle through the first group of a component.
     fn cycle(&self, component: &[NodeIndex]) -> Vec<(usize, usize)> {
         let start = component[0];
+        let inside: HashSet<&NodeIndex> = component.iter().collect();
         let mut come_from: HashMap<NodeIndex, NodeIndex> = HashMap::new();
         let mut queue = VecDeque::from([start]);
         while let Some(node) = queue.pop_front() {
             let mut next: Vec<NodeIndex> =
-                self.graph.neighbors(node).filter(|n| component.contains(n)).collect();
+                self.graph.neighbors(node).filter(|n| inside.contains(n)).collect();
             next.sort_by_key(|n| self.graph[*n]);
             for after in next {
                 if after == start {

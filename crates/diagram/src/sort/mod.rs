@@ -35,7 +35,7 @@ pub(crate) fn sort(
     if problems.any_error() {
         return None;
     }
-    Some(lay_out(title, flat, typed, settings, &sorted, clock))
+    Some(lay_out(title, &order, settings, &sorted, clock))
 }
 
 /// The longest time that a block has something to show, for `stop_time: Auto`.

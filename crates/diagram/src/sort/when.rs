@@ -1,6 +1,6 @@
 //! How often each output group is evaluated.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use blocksim_block::schedule::When;
 use blocksim_signal::SampleTime;
@@ -52,8 +52,8 @@ pub(super) fn when(
 }
 
 /// Groups that derivatives, guards or memories depend on.
-pub(super) fn needed_in_minor_steps(order: &Order) -> Vec<(usize, usize)> {
-    let mut needed: Vec<(usize, usize)> = Vec::new();
+pub(super) fn needed_in_minor_steps(order: &Order) -> HashSet<(usize, usize)> {
+    let mut needed: HashSet<(usize, usize)> = HashSet::new();
     let mut stack: Vec<(usize, usize)> = Vec::new();
     for (block, interface) in order.typed.interfaces.iter().enumerate() {
         if interface.states.is_empty() && interface.guards.is_empty() && !interface.accepts {
@@ -64,8 +64,7 @@ pub(super) fn needed_in_minor_steps(order: &Order) -> Vec<(usize, usize)> {
         }
     }
     while let Some(next) = stack.pop() {
-        if !needed.contains(&next) {
-            needed.push(next);
+        if needed.insert(next) {
             stack.extend(order.reads(next.0, next.1).into_iter().map(|(from, _)| from));
         }
     }
