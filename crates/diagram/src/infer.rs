@@ -209,3 +209,39 @@ fn check(
         );
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toys::{flat, messages};
+    use blocksim_signal::Shape;
+
+    fn shapes(flat: &Flat) -> Vec<Shape> {
+        let mut problems = Problems::default();
+        let typed = infer(flat, &mut problems);
+        assert_eq!(messages(&problems), Vec::<String>::new());
+        typed.interfaces.iter().map(|interface| interface.outputs[0].port_type.shape).collect()
+    }
+
+    #[test]
+    fn a_shape_travels_against_the_order_of_names() {
+        let flat = flat("\"a\": Gain, \"b\": Gain, \"c\": Constant(n: 3)", "\"c.y -> b.u\", \"b.y -> a.u\"");
+        assert_eq!(shapes(&flat), [Shape::Vector(3); 3]);
+    }
+
+    #[test]
+    fn a_shape_travels_through_a_feedback_loop() {
+        let blocks = "\"a\": State, \"b\": Gain, \"sum\": Sum, \"z\": Constant(n: 2)";
+        let flat = flat(blocks, "\"z.y -> sum.u\", \"a.y -> sum.v\", \"sum.y -> b.u\", \"b.y -> a.u\"");
+        assert_eq!(shapes(&flat), [Shape::Vector(2); 4]);
+    }
+
+    #[test]
+    fn inputs_that_do_not_fit_each_other_are_named() {
+        let blocks = "\"a\": Constant(n: 2), \"b\": Constant(n: 3), \"sum\": Sum";
+        let mut problems = Problems::default();
+        infer(&flat(blocks, "\"a.y -> sum.u\", \"b.y -> sum.v\""), &mut problems);
+        assert_eq!(messages(&problems).len(), 1);
+        assert!(messages(&problems)[0].starts_with("in `sum`: `v` is a"), "{:?}", messages(&problems));
+    }
+}

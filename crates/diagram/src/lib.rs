@@ -24,6 +24,8 @@ mod scope;
 mod settings;
 mod sort;
 mod source;
+#[cfg(test)]
+mod toys;
 mod tree;
 
 use std::path::Path;

@@ -110,3 +110,64 @@ pub(crate) fn replace(value: &mut Value, names: &[String], new: Value) -> Result
         _ => Err(format!("`{name}` is asked of {}, which has no members", value.describe())),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toys::NoFiles;
+    use blocksim_signal::{Dimension, Quantity, Unit};
+
+    fn target(text: &str) -> (String, Vec<String>) {
+        let over = parse(&Sources::new(&NoFiles), text).expect("an override");
+        (over.path, over.names)
+    }
+
+    fn number(value: f64, dimension: Dimension) -> Value {
+        Value::Number(Quantity { value, dimension })
+    }
+
+    #[test]
+    fn the_last_slash_divides_folders_from_names() {
+        let names = |names: &[&str]| names.iter().map(ToString::to_string).collect::<Vec<_>>();
+        assert_eq!(target("kp=2"), (String::new(), names(&["kp"])));
+        assert_eq!(target(" pid.kp = 2"), (String::new(), names(&["pid", "kp"])));
+        assert_eq!(target("arm/pid.gains.kp=2"), ("arm/pid".to_owned(), names(&["gains", "kp"])));
+    }
+
+    #[test]
+    fn the_value_stands_where_it_is_written() {
+        let over = parse(&Sources::new(&NoFiles), "a =  [1, 2] ").expect("an override");
+        assert_eq!(&over.text[over.node.span.clone()], "[1, 2]");
+        assert!(matches!(over.node.value, Shape::List(_)));
+        let over = parse(&Sources::new(&NoFiles), "a=2 m/s").expect("an override");
+        assert_eq!(over.node.value, Shape::Text("2 m/s".to_owned()));
+    }
+
+    #[test]
+    fn an_incomplete_override_is_refused() {
+        for (text, message) in [
+            ("kp", "`--set` needs a name and a value"),
+            ("kp= ", "the value is missing"),
+            ("arm/pid=2", "which parameter of the block?"),
+            ("arm/pid.=2", "a name is missing"),
+            ("=2", "a name is missing"),
+        ] {
+            assert_eq!(parse(&Sources::new(&NoFiles), text).expect_err("a problem").message, message);
+        }
+    }
+
+    #[test]
+    fn a_member_is_replaced_and_a_bare_number_keeps_the_unit() {
+        let metre = Unit::parse("m").expect("a unit").dimension;
+        let mut value = Value::Set(vec![("length".to_owned(), number(1.0, metre))]);
+        let path = ["length".to_owned()];
+        replace(&mut value, &path, number(3.0, Dimension::NONE)).expect("a member");
+        assert_eq!(value, Value::Set(vec![("length".to_owned(), number(3.0, metre))]));
+        let error = replace(&mut value, &["lenght".to_owned()], Value::Bool(true)).expect_err("no member");
+        assert_eq!(error, "there is no `lenght`; did you mean `length`?");
+        let below = ["length".to_owned(), "x".to_owned()];
+        assert!(
+            replace(&mut value, &below, Value::Bool(true)).expect_err("no set").contains("has no members")
+        );
+    }
+}

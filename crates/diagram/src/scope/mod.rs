@@ -137,3 +137,81 @@ impl<'a> Scope<'a> {
         Some(value)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toys::NoFiles;
+    use crate::tree::read;
+
+    const FILE: FileId = FileId(0);
+
+    fn name(text: &str) -> Name {
+        Name { text: text.to_owned(), span: 0..0 }
+    }
+
+    fn declare(scope: &Scope, parameter: &str, written: &str) {
+        scope.declare(&name(parameter), FILE, &read(written).expect("RON"));
+    }
+
+    fn number(scope: &Rc<Scope>, parameter: &str) -> f64 {
+        let value = scope.value(parameter).expect("a parameter").expect("a value");
+        value.as_number().expect("a number").value
+    }
+
+    #[test]
+    fn what_is_given_comes_before_the_default_and_that_before_the_enclosing_diagram() {
+        let sources = Sources::new(&NoFiles);
+        let outer = Rc::new(Scope::new(&sources, None));
+        declare(&outer, "a", "1");
+        declare(&outer, "b", "2");
+        declare(&outer, "c", "3");
+        let inner = Rc::new(Scope::new(&sources, Some(outer.clone())));
+        declare(&inner, "b", "20");
+        declare(&inner, "c", "30");
+        // What is given is computed where it is written: this `c` is the outer one.
+        inner.give(&name("c"), FILE, &read("\"c * 100\"").expect("RON"), &outer);
+        assert_eq!((number(&inner, "a"), number(&inner, "b"), number(&inner, "c")), (1.0, 20.0, 300.0));
+        assert!(inner.value("d").is_none() && !inner.has("a"));
+    }
+
+    #[test]
+    fn parameters_refer_to_each_other_in_any_order() {
+        let sources = Sources::new(&NoFiles);
+        let scope = Rc::new(Scope::new(&sources, None));
+        declare(&scope, "area", "\"width * height\"");
+        declare(&scope, "width", "2");
+        declare(&scope, "height", "\"3 * width\"");
+        assert_eq!(number(&scope, "area"), 12.0);
+    }
+
+    #[test]
+    fn a_parameter_that_needs_itself_is_refused() {
+        let sources = Sources::new(&NoFiles);
+        let scope = Rc::new(Scope::new(&sources, None));
+        declare(&scope, "a", "\"b\"");
+        declare(&scope, "b", "\"a + 1\"");
+        let problem = scope.value("a").expect("a parameter").expect_err("a circle");
+        assert_eq!(
+            (problem.code, problem.message.as_str()),
+            ("recursive_parameter", "`a` depends on itself")
+        );
+    }
+
+    #[test]
+    fn a_long_chain_of_parameters_does_not_take_the_stack() {
+        let sources = Sources::new(&NoFiles);
+        let scope = Rc::new(Scope::new(&sources, None));
+        let nested = |inner: &str| format!("\"{}{inner}{}\"", "(".repeat(30), ")".repeat(30));
+        (0..10_000).for_each(|n| declare(&scope, &format!("p{n}"), &nested(&format!("p{} + 1", n + 1))));
+        declare(&scope, "p10000", "0");
+        let problem = scope.value("p0").expect("a parameter").expect_err("too long");
+        assert_eq!(problem.code, "recursive_parameter");
+        let forward = Rc::new(Scope::new(&sources, None));
+        declare(&forward, "q0", "0");
+        for n in 0..10_000 {
+            declare(&forward, &format!("q{}", n + 1), &format!("\"q{n} + 1\""));
+            assert_eq!(number(&forward, &format!("q{}", n + 1)), f64::from(n + 1));
+        }
+    }
+}

@@ -156,3 +156,69 @@ fn variable(
     let atol = atol.map_or(rtol, |atol| atol.0);
     Solver::Variable { method, rtol, atol, max_step: max_step.map_or(f64::INFINITY, |step| step.0) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ast::parse;
+    use crate::source::Sources;
+    use crate::toys::{NoFiles, messages};
+    use crate::tree::read;
+    use blocksim_block::problem::FileId;
+
+    /// Settings and messages of `simulation: (...)` where the last move ends at `end`.
+    fn read_settings(simulation: &str, end: Option<f64>) -> (Settings, Vec<String>) {
+        let root = read(&format!("Diagram(simulation: {simulation})")).expect("RON");
+        let mut problems = Problems::default();
+        let ast = parse(FileId(0), &root, &mut problems).expect("a diagram");
+        let sources = Sources::new(&NoFiles);
+        let scope = Rc::new(Scope::new(&sources, None));
+        let settings = settings(&ast, &scope, end, &mut problems);
+        (settings, messages(&problems))
+    }
+
+    fn message(simulation: &str) -> String {
+        read_settings(simulation, None).1.join("; ")
+    }
+
+    #[test]
+    fn every_setting_is_read() {
+        let text = "(stop_time: \"2 s\", solver: Ode4(step: \"1 ms\"), output: Every(\"10 ms\"), seed: 7)";
+        let solver = Solver::Fixed { method: FixedMethod::Ode4, step: 1e-3 };
+        let wanted = Settings { stop_time: 2.0, solver, output: OutputTimes::Every(0.01), seed: 7 };
+        assert_eq!(read_settings(text, None), (wanted, Vec::new()));
+    }
+
+    #[test]
+    fn auto_stops_after_the_last_move() {
+        assert_eq!(read_settings("(stop_time: Auto())", Some(2.0)).0.stop_time, 2.5);
+        assert_eq!(read_settings("(stop_time: Auto(margin: \"1 s\"))", Some(2.0)).0.stop_time, 3.0);
+        assert_eq!(message("(stop_time: Auto())"), "nothing in this diagram says when it is over");
+    }
+
+    #[test]
+    fn a_stop_before_the_end_of_the_last_move_is_a_warning() {
+        let (_, messages) = read_settings("(stop_time: 1)", Some(2.0));
+        assert_eq!(messages, ["the run stops at 1 s, before the move ends at 2.0000 s"]);
+    }
+
+    #[test]
+    fn a_number_that_must_be_positive_is_refused_otherwise() {
+        assert_eq!(message("(stop_time: 0)"), "the stop time is 0 s, but must be positive");
+        assert_eq!(message("(stop_time: inf)"), "the stop time is inf s, but must be positive");
+        assert_eq!(message("(solver: Ode1(step: -1))"), "the step is -1 s, but must be positive");
+        assert_eq!(message("(solver: Ode45(rtol: 0))"), "`rtol` is 0, but must be positive");
+        assert_eq!(message("(solver: Ode45(atol: 0))"), "`atol` is 0, but must be positive");
+        assert_eq!(message("(solver: Ode23(max_step: 0))"), "`max_step` is 0 s, but must be positive");
+        assert_eq!(message("(output: Every(0))"), "the output interval is 0 s, but must be positive");
+    }
+
+    #[test]
+    fn a_misspelt_word_or_a_wrong_unit_is_named() {
+        assert!(message("(stop: 1)").contains("`stop` is not known here"));
+        assert!(message("(solver: Ode46())").contains("`Ode46` is no choice for `solver`"));
+        assert!(message("(solver: Ode4())").contains("`step` is missing"));
+        assert!(message("(stop_time: \"2 m\")").contains("expected a value in s"));
+        assert!(message("(seed: -1)").contains("seed"));
+    }
+}

@@ -42,3 +42,109 @@ pub(crate) fn sort(
 pub(crate) fn end_time(flat: &Flat) -> Option<f64> {
     flat.blocks.iter().filter_map(|block| block.block.end_time()).max_by(f64::total_cmp)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use blocksim_block::schedule::{OutputTimes, Rate, Solver, VariableMethod, When};
+
+    use super::*;
+    use crate::elaborate::elaborate;
+    use crate::infer::infer;
+    use crate::toys::{flat, messages, model};
+
+    /// The schedule of toys, and what is wrong with them.
+    fn scheduled(flat: Flat) -> (Option<Schedule>, Vec<String>) {
+        let mut problems = Problems::default();
+        let solver =
+            Solver::Variable { method: VariableMethod::Ode45, rtol: 1e-6, atol: 1e-6, max_step: 1.0 };
+        let settings = Settings { stop_time: 1.0, solver, output: OutputTimes::Steps, seed: 0 };
+        let flat = elaborate(flat, &mut problems);
+        let typed = infer(&flat, &mut problems);
+        let schedule = sort(String::new(), &flat, &typed, settings, &mut problems);
+        (schedule, messages(&problems))
+    }
+
+    fn order(schedule: &Schedule) -> Vec<&str> {
+        schedule.steps.iter().map(|step| schedule.blocks[step.block as usize].path.as_str()).collect()
+    }
+
+    #[test]
+    fn readers_follow_their_sources_and_ties_go_by_path() {
+        let blocks = "\"z\": State, \"c\": Gain, \"b\": Gain, \"a\": Gain";
+        let (schedule, _) = scheduled(flat(blocks, "\"z.y -> c.u, b.u\", \"c.y -> a.u\", \"a.y -> z.u\""));
+        let schedule = schedule.expect("a schedule");
+        assert_eq!(order(&schedule), ["z", "b", "c", "a"]);
+        // `b` only shows; the others lead to a derivative.
+        let minor: Vec<bool> = schedule.steps.iter().map(|step| step.minor).collect();
+        assert_eq!(minor, [true, false, true, true]);
+    }
+
+    #[test]
+    fn what_depends_on_constants_alone_is_evaluated_once() {
+        let (schedule, _) = scheduled(flat("\"c\": Constant(n: 1), \"g\": Gain", "\"c.y -> g.u\""));
+        assert!(schedule.expect("a schedule").steps.iter().all(|step| step.when == When::Constant));
+    }
+
+    #[test]
+    fn an_algebraic_loop_is_told_hop_by_hop() {
+        let blocks = "\"a\": Gain, \"b\": Gain, \"c\": Gain, \"d\": Gain";
+        let (schedule, messages) =
+            scheduled(flat(blocks, "\"a.y -> c.u, d.u\", \"c.y -> b.u\", \"b.y -> a.u\""));
+        assert!(schedule.is_none());
+        assert_eq!(messages, ["algebraic loop: a -> c -> b -> a"]);
+    }
+
+    fn sampled(times: &[(f64, f64)]) -> (Option<Schedule>, Vec<String>) {
+        let block = |(n, (period, offset)): (usize, &(f64, f64))| {
+            format!("\"s{n}\": Sampled(period: {period}, offset: {offset}),")
+        };
+        let blocks: String = times.iter().enumerate().map(block).collect();
+        let connections: String = (0..times.len()).map(|n| format!("\"s{n}.y -> s{n}.u\",")).collect();
+        scheduled(flat(&blocks, &connections))
+    }
+
+    #[test]
+    fn sample_times_share_one_clock() {
+        let (schedule, _) = sampled(&[(0.005, 0.0), (0.001, 0.0), (0.005, 0.0005), (0.001, 0.0)]);
+        let clock = schedule.expect("a schedule").clock;
+        assert!((clock.tick - 0.0005).abs() < 1e-15, "{}", clock.tick);
+        let rate = |period, offset| Rate { period, offset };
+        assert_eq!(clock.rates, [rate(2, 0), rate(10, 0), rate(10, 1)]);
+    }
+
+    #[test]
+    fn sample_times_without_a_common_clock_are_refused() {
+        let (_, messages) = sampled(&[(1.0, 0.0), (std::f64::consts::PI * 1e-10, 0.0)]);
+        assert_eq!(messages, ["the sample times have no common clock"]);
+        let (_, messages) = sampled(&[(0.0, 0.0)]);
+        assert_eq!(messages, ["a sample time of 0 s cannot be kept"]);
+    }
+
+    /// A row of gains whose signals run against the order of names.
+    fn chain(n: usize) -> (String, String) {
+        let blocks = (0..n).map(|i| format!("\"g{i:05}\": Gain,")).collect();
+        let connections = (1..n).map(|i| format!("\"g{i:05}.y -> g{:05}.u\",", i - 1)).collect();
+        (blocks, connections)
+    }
+
+    #[test]
+    fn twenty_thousand_blocks_in_a_row_take_no_long_time() {
+        let start = Instant::now();
+        let (blocks, mut connections) = chain(20_000);
+        let model = model(&blocks, &connections);
+        let mut problems = Problems::default();
+        crate::connect::check(&model, &mut problems);
+        let (schedule, messages) = scheduled(crate::flatten::flatten(&model, &mut problems));
+        assert_eq!(messages, Vec::<String>::new());
+        let schedule = schedule.expect("a schedule");
+        assert_eq!(order(&schedule)[..2], ["g19999", "g19998"]);
+        assert_eq!(crate::emit::schedule(&schedule).lines().count(), 20_002);
+        // The same row closed to a loop.
+        connections.push_str("\"g00000.y -> g19999.u\"");
+        let (_, messages) = scheduled(flat(&blocks, &connections));
+        assert!(messages[0].starts_with("algebraic loop: g00000 -> g19999 -> g19998"));
+        assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
+    }
+}

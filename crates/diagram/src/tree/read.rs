@@ -267,4 +267,27 @@ Diagram(
         let error = read("Diagram(\n  title: \"x\"\n  blocks: {},\n)").unwrap_err();
         assert!(error.span.start >= 20, "{error:?}");
     }
+
+    #[test]
+    fn deeply_nested_brackets_are_refused_without_taking_the_stack() {
+        for (open, close) in
+            [("[", "]"), ("(", ")"), ("{\"a\": ", "}"), ("A(a: ", ")"), ("A(", ")"), ("/*", "*/")]
+        {
+            let text = format!("{}1{}", open.repeat(10_000), close.repeat(10_000));
+            assert!(read(&text).is_err(), "{open}");
+            assert!(read(&open.repeat(10_000)).is_err(), "{open}");
+        }
+    }
+
+    #[test]
+    fn what_a_person_writes_is_not_too_deep() {
+        let text = format!("{}1{}", "[".repeat(60), "]".repeat(60));
+        assert!(read(&text).is_ok());
+    }
+
+    #[test]
+    fn a_list_of_a_hundred_thousand_numbers_is_read() {
+        let node = read(&format!("[{}]", "1.5, ".repeat(100_000))).expect("RON");
+        assert!(matches!(node.value, Shape::List(items) if items.len() == 100_000));
+    }
 }
