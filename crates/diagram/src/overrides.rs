@@ -57,7 +57,15 @@ pub(crate) fn parse(sources: &Sources, text: &str) -> Result<Override, Problem> 
         _ if folder > 0 => return Err(fail("which parameter of the block?")),
         _ => (String::new(), target),
     };
-    let names: Vec<String> = names.split('.').map(str::to_owned).collect();
+    // `target[0]` is the member `[0]` of `target`.
+    let names: Vec<String> = names
+        .split('.')
+        .flat_map(|name| {
+            let end = name.find('[').filter(|at| *at > 0).unwrap_or(name.len());
+            let (head, items) = name.split_at(end);
+            std::iter::once(head.to_owned()).chain(items.split_inclusive(']').map(str::to_owned))
+        })
+        .collect();
     if names.iter().any(String::is_empty) {
         return Err(fail("a name is missing"));
     }
@@ -107,6 +115,16 @@ pub(crate) fn replace(value: &mut Value, names: &[String], new: Value) -> Result
                 }),
             }
         }
+        Value::List(items) => {
+            let index = name.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
+            let count = items.len();
+            match index.and_then(|index| index.parse::<usize>().ok()).and_then(|index| items.get_mut(index)) {
+                Some(item) => replace(item, rest, new),
+                None => Err(format!(
+                    "there is no `{name}` in a list of {count}; items are counted from 0, as in `[0]`"
+                )),
+            }
+        }
         _ => Err(format!("`{name}` is asked of {}, which has no members", value.describe())),
     }
 }
@@ -124,6 +142,16 @@ mod tests {
 
     fn number(value: f64, dimension: Dimension) -> Value {
         Value::Number(Quantity { value, dimension })
+    }
+
+    #[test]
+    fn items_of_lists_are_members_in_brackets() {
+        assert_eq!(target("move.target[2]=1").1, ["move", "target", "[2]"]);
+        let mut list = Value::List(vec![Value::from(1.0), Value::from(2.0)]);
+        replace(&mut list, &["[1]".to_owned()], Value::from(5.0)).expect("an item");
+        assert_eq!(list, Value::List(vec![Value::from(1.0), Value::from(5.0)]));
+        assert!(replace(&mut list, &["[2]".to_owned()], Value::from(5.0)).is_err());
+        assert!(replace(&mut list, &["first".to_owned()], Value::from(5.0)).is_err());
     }
 
     #[test]
