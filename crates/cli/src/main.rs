@@ -12,6 +12,7 @@ mod bug;
 mod charts;
 mod commands;
 mod console;
+mod defaults;
 mod disk;
 mod exit;
 mod format;

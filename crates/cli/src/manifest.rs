@@ -1,5 +1,7 @@
 //! The manifest of a run: enough to repeat it.
 
+use std::path::Path;
+
 use blocksim_block::schedule::Schedule;
 use blocksim_diagram::SourceFile;
 use blocksim_results::{Choice, Counts, Ended, FileUsed, Manifest, Override, Program, hash};
@@ -41,7 +43,7 @@ pub fn of(facts: &Facts) -> Manifest {
             path: facts.args.model.model.display().to_string(),
             hash: hash::fingerprint(&[]),
         }),
-        files: files.collect(),
+        files: files.chain(facts.loaded.plugins.iter().cloned()).collect(),
         overrides: facts.args.model.set.iter().map(|text| override_of(text)).collect(),
         variants: facts.loaded.compiled.variants.iter().map(|(path, v)| choice(path, &v.chosen)).collect(),
         solver: solver::used(facts.schedule.settings.solver),
@@ -49,20 +51,30 @@ pub fn of(facts: &Facts) -> Manifest {
         wall_time: facts.wall_time,
         simulated_time: facts.simulation.time(),
         counts: Counts {
-            steps: counts.major,
+            steps: counts.accepted,
             rejected: counts.rejected,
             evaluations: counts.evaluations,
             events: counts.events,
+            sample_hits: counts.hits,
         },
         ended: facts.ended.clone(),
     }
 }
 
 fn file_used(file: &SourceFile) -> FileUsed {
-    let parts: Vec<_> = file.path.iter().map(|part| part.to_string_lossy()).collect();
+    FileUsed { path: with_slashes(&file.path), hash: hash::fingerprint(file.text.as_bytes()) }
+}
+
+/// The library of a plug-in. One that cannot be read any more has an empty hash.
+pub fn library_used(path: &Path) -> FileUsed {
+    let hash = std::fs::read(path).map(|bytes| hash::fingerprint(&bytes)).unwrap_or_default();
+    FileUsed { path: with_slashes(path), hash }
+}
+
+fn with_slashes(path: &Path) -> String {
+    let parts: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
     // An absolute path begins with the part `/`.
-    let path = parts.join("/").replacen("//", "/", 1);
-    FileUsed { path, hash: hash::fingerprint(file.text.as_bytes()) }
+    parts.join("/").replacen("//", "/", 1)
 }
 
 fn override_of(text: &str) -> Override {

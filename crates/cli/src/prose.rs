@@ -28,6 +28,8 @@ const SIGNS: [(&str, &str); 45] = [
     ("Psi", "Ψ"),
     ("cdot", "·"),
     ("times", "×"),
+    ("mp", "∓"),
+    ("pm", "±"),
     ("pm", "±"),
     ("le", "≤"),
     ("leq", "≤"),
@@ -50,7 +52,26 @@ const SIGNS: [(&str, &str); 45] = [
 ];
 
 /// Commands whose argument is all that matters.
-const BARE: [&str; 8] = ["mathrm", "text", "operatorname", "mathbf", "left", "right", "bigl", "bigr"];
+const BARE: [&str; 14] = [
+    "mathrm",
+    "text",
+    "operatorname",
+    "mathbf",
+    "boldsymbol",
+    "left",
+    "right",
+    "bigl",
+    "bigr",
+    "Bigl",
+    "Bigr",
+    "bigg",
+    "Bigg",
+    "displaystyle",
+];
+
+/// Functions by name: what follows is their argument.
+const FUNCTIONS: [&str; 12] =
+    ["sin", "cos", "tan", "tanh", "sinh", "cosh", "exp", "ln", "log", "max", "min", "det"];
 
 /// Readable text: formulas in signs instead of commands, code indented, links by their words.
 pub fn prose(markdown: &str) -> String {
@@ -75,10 +96,26 @@ pub fn first_sentence(markdown: &str) -> String {
     let text = formulas(&links(&paragraph.join(" ")));
     let text = text.trim();
     // A point ends a sentence if a space follows, and not within "e.g." or behind a number of a formula.
-    match text.find(". ") {
+    let mut points = text.match_indices(". ").map(|(at, _)| at);
+    match points.find(|&at| !text[..at].ends_with('.')) {
         Some(end) => text[..=end].to_owned(),
         None => text.to_owned(),
     }
+}
+
+/// The text cut behind a word, with dots, where it has more than `room` signs.
+pub fn shortened(text: &str, room: usize) -> String {
+    if text.chars().count() <= room {
+        return text.to_owned();
+    }
+    let start: String = text.chars().take(room.saturating_sub(3)).collect();
+    let words = start.rsplit_once(' ').map_or(start.as_str(), |(words, _)| words);
+    format!("{} ...", words.trim_end_matches([',', ':', ' ']))
+}
+
+/// A comment in one line.
+pub fn one_line(markdown: &str) -> String {
+    prose(markdown).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// The text with line feeds instead of some spaces, so that no line is longer than `width` unless a word is.
@@ -98,7 +135,7 @@ pub fn wrapped(text: &str, width: usize) -> String {
     out
 }
 
-/// [`Name`] and [`Name`](address) become `Name`.
+/// Links to names, with or without an address, become the names.
 fn links(line: &str) -> String {
     let mut text = String::new();
     let mut rest = line;
@@ -152,8 +189,25 @@ fn formula(tex: &str) -> String {
             rest = after;
         } else if command == "dot" || command == "ddot" {
             let (of, after) = argument(rest);
-            text.push_str(&format!("{}{}", if command == "dot" { "d" } else { "d²" }, formula(of)));
+            // A combining sign stands behind the letter that it belongs to.
+            let of = formula(of);
+            let (letter, index) = of.split_at(of.chars().next().map_or(0, char::len_utf8));
+            let dots = if command == "dot" { '\u{307}' } else { '\u{308}' };
+            text.push_str(&format!("{letter}{dots}{index}"));
             rest = after;
+        } else if FUNCTIONS.contains(&command) {
+            text.push_str(command);
+            let follows = rest.trim_start();
+            if let Some(fraction) = follows.strip_prefix("\\frac") {
+                let (above, after) = argument(fraction);
+                let (below, after) = argument(after);
+                let (above, below) = (grouped(&formula(above)), grouped(&formula(below)));
+                text.push_str(&format!("({above}/{below})"));
+                rest = after;
+            } else if follows.starts_with(|c: char| c.is_alphanumeric() || c == '\\') {
+                text.push(' ');
+                rest = follows;
+            }
         } else if let Some((_, sign)) = SIGNS.iter().find(|(name, _)| *name == command) {
             text.push_str(sign);
         } else if !BARE.contains(&command) {
@@ -181,9 +235,12 @@ fn ungrouped(tex: &str) -> String {
     text + rest
 }
 
-/// What stands in the braces at the start, or the first sign, and the rest.
+/// What stands in the braces at the start, or the first command or sign, and the rest.
 fn argument(tex: &str) -> (&str, &str) {
     let tex = tex.trim_start();
+    if let Some(command) = tex.strip_prefix('\\') {
+        return tex.split_at(1 + command.bytes().take_while(u8::is_ascii_alphabetic).count());
+    }
     let mut depth = 0;
     for (at, sign) in tex.char_indices() {
         depth += i32::from(sign == '{') - i32::from(sign == '}');
@@ -210,7 +267,10 @@ mod tests {
     fn formulas_are_readable() {
         assert_eq!(formulas("Law: $y = k \\cdot u$ holds."), "Law: y = k · u holds.");
         assert_eq!(formulas("$\\frac{1}{1 + \\tau s}$"), "1/(1 + τ s)");
-        assert_eq!(formulas("$\\dot{x} = \\frac{u - x}{\\tau}$"), "dx = (u - x)/τ");
+        assert_eq!(formulas("$\\dot{x} = \\frac{u - x}{\\tau}$"), "x\u{307} = (u - x)/τ");
+        assert_eq!(formulas("$\\tau = J \\ddot\\omega$, $\\dot x_i$"), "τ = J ω\u{308}, x\u{307}_i");
+        assert_eq!(formulas("$\\tanh\\frac{w}{w_{th}}$, $\\max(a)$"), "tanh(w/w_th), max(a)");
+        assert_eq!(formulas("$\\sin\\phi \\cdot \\Bigl(a\\Bigr)$"), "sin φ · (a)");
         assert_eq!(formulas("costs 5 $ or more"), "costs 5 $ or more");
         assert_eq!(formulas("$$\\omega_{ref}$$"), "ω_ref");
         assert_eq!(formulas("$y_{k-n} + x_{ref}^2$"), "y_(k-n) + x_ref^2");
@@ -232,6 +292,14 @@ mod tests {
         let doc = "Multiplies by a constant: $y = 1.5 u$, element\nby element. More.\n\nSecond.";
         assert_eq!(first_sentence(doc), "Multiplies by a constant: y = 1.5 u, element by element.");
         assert_eq!(first_sentence("No point"), "No point");
+        assert_eq!(first_sentence("From `a` ... `b`. More."), "From `a` ... `b`.");
+    }
+
+    #[test]
+    fn a_long_sentence_is_cut_behind_a_word() {
+        assert_eq!(shortened("Limits, and protection", 30), "Limits, and protection");
+        assert_eq!(shortened("Limits, and protection", 12), "Limits ...");
+        assert!(shortened("Limits, and protection", 20).chars().count() <= 20);
     }
 
     #[test]

@@ -54,7 +54,7 @@ impl Report<'_> {
             "run": place,
             "simulated_time": self.manifest.simulated_time,
             "wall_time": self.manifest.wall_time,
-            "steps": self.counts.major,
+            "steps": self.counts.accepted,
             "rejected": self.counts.rejected,
             "evaluations": self.counts.evaluations,
             "events": self.counts.events,

@@ -42,8 +42,8 @@ pub fn summary(
     table.row(["solver", &solver::described(&manifest.solver)]);
     let rejected = format!("{} rejected", count(counts.rejected));
     let evaluations = n(counts.evaluations, "evaluation");
-    table.row(["work", &[n(counts.major, "major step"), rejected, evaluations].join(", ")]);
-    table.row(["events", &[n(counts.events, "event"), n(counts.hits, "sample hit")].join(", ")]);
+    table.row(["work", &[n(counts.accepted, "step"), rejected, evaluations].join(", ")]);
+    table.row(["events", &[n(counts.events, "zero crossing"), n(counts.hits, "sample hit")].join(", ")]);
     let recorded = match signals {
         0 => "nothing; add a Scope, or `record: [\"...\"]` to the diagram".to_owned(),
         _ => format!("{}, {}", plural(signals, "signal"), n(rows as u64, "row")),
@@ -117,8 +117,8 @@ mod tests {
             Servo
             simulated  1.724 s in 0.42 s (4.10 times real time)
             solver     RosW3, rtol 1e-6, atol 1e-6
-            work       4 183 major steps, 96 rejected, 25 674 evaluations
-            events     1 event, 1 724 sample hits
+            work       4 000 steps, 96 rejected, 25 674 evaluations
+            events     1 zero crossing, 1 724 sample hits
             recorded   84 signals, 1 725 rows
             results    runs/2026-11-21T14-03-22_servo
         "#]]

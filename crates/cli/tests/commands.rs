@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 const LAG: &str = r#"Diagram(
@@ -297,23 +297,68 @@ fn the_program_alone_says_what_it_can_do() {
     assert_eq!(version.out, format!("blocksim {}\n", env!("CARGO_PKG_VERSION")));
     let page = desk.call(&["blocks", "LowPass"]);
     assert!(
-        page.code == Some(0) && page.out.contains("inputs      u") && page.out.contains("tau"),
+        page.code == Some(0) && page.out.contains("  u     input ") && page.out.contains("tau"),
         "{page:?}"
     );
 }
 
 #[cfg(unix)]
+fn wait_for(path: &Path) {
+    while !path.exists() {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn results_that_cannot_be_written_at_the_end_leave_nothing_half_named() {
+    let desk = Desk::with(&[("long.ron", LONG)]);
+    let mut command = desk.command(&["run", "long.ron", "--out", "kept/here"]);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_for(&desk.0.join("kept/here.partial"));
+    // Somebody clears away while the run goes on.
+    fs::remove_dir_all(desk.0.join("kept")).unwrap();
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let answer = Answer::from(child.wait_with_output().unwrap());
+    assert_eq!(answer.code, Some(4), "{answer:?}");
+    for part in ["error: cannot write the results to `", "kept/here", "removed during the run", "= help: "] {
+        assert!(answer.err.contains(part), "{part} is missing in {answer:?}");
+    }
+    // What was simulated is at least told.
+    assert!(
+        answer.out.contains("interrupted before its end") && !answer.out.contains("results "),
+        "{answer:?}"
+    );
+    assert_eq!(names(&desk.0), ["long.ron"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_is_full_at_the_end_is_told_with_what_helps() {
+    let desk = Desk::with(&[("long.ron", LONG)]);
+    let mut command = desk.command(&["run", "long.ron", "--out", "kept", "--quiet"]);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let partial = desk.0.join("kept.partial");
+    wait_for(&partial);
+    // The signals go to a device that is always full.
+    std::os::unix::fs::symlink("/dev/full", partial.join("signals.csv.tmp")).unwrap();
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let answer = Answer::from(child.wait_with_output().unwrap());
+    assert_eq!((answer.code, answer.out.as_str()), (Some(4), ""), "{answer:?}");
+    for part in ["kept.partial/signals.csv`: the disk is full\n", "= help: free some space, "] {
+        assert!(answer.err.contains(part), "{part} is missing in {answer:?}");
+    }
+    assert_eq!(names(&desk.0), ["long.ron"]);
+}
+
+#[cfg(unix)]
 #[test]
 fn ctrl_c_keeps_what_was_recorded() {
-    use std::process::Stdio;
-    use std::time::Duration;
     let desk = Desk::with(&[("long.ron", LONG)]);
     let mut command = desk.command(&["run", "long.ron", "--out", "kept"]);
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     // Ctrl-C is taken over before the folder is begun.
-    while !desk.0.join("kept.partial").exists() {
-        std::thread::sleep(Duration::from_millis(10));
-    }
+    wait_for(&desk.0.join("kept.partial"));
     Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     let answer = Answer::from(child.wait_with_output().unwrap());
     assert_eq!(answer.code, Some(130), "{answer:?}");

@@ -34,5 +34,5 @@ mod table;
 
 pub use cargo::set_build_notice;
 pub use kind::{Kind, Quantity};
-pub use open::{Library, open};
+pub use open::{Library, open, opened};
 pub use plugin::Plugin;

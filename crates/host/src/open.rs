@@ -56,6 +56,11 @@ pub fn open(folder: &Path, library: &str) -> Result<&'static Library, LoadError>
     Ok(loaded)
 }
 
+/// All plug-ins that this process has loaded, by path.
+pub fn opened() -> Vec<&'static Library> {
+    OPENED.lock().unwrap_or_else(PoisonError::into_inner).values().copied().collect()
+}
+
 fn load(path: &Path) -> Result<&'static Library, LoadError> {
     let shown = fault::shown(path);
     let opened = open_copy(path)?;

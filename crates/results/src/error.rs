@@ -51,11 +51,18 @@ impl ResultsError {
         }
     }
 
+    /// Whether the folder was there at the start of the run and is not any more.
+    fn is_gone(&self) -> bool {
+        let gone = io::ErrorKind::NotFound;
+        matches!(self, ResultsError::Io { doing: "write", source, .. } if source.kind() == gone)
+    }
+
     /// Why it failed, without the place.
     pub fn reason(&self) -> String {
         match self {
             ResultsError::FolderInUse { .. } => "it already holds files".to_owned(),
             ResultsError::NoFolderName { .. } => "this is no name for a new folder".to_owned(),
+            _ if self.is_gone() => "its folder was removed during the run".to_owned(),
             ResultsError::Io { source, .. } => io_reason(source),
             ResultsError::Csv { source, .. } => source.to_string(),
         }
@@ -68,6 +75,7 @@ impl ResultsError {
                 "choose another folder with --out, or move the old run away; nothing is ever overwritten"
             }
             ResultsError::NoFolderName { .. } => "choose another folder with --out",
+            _ if self.is_gone() => "run it again, with --out in a place that nothing clears away",
             ResultsError::Io { source, .. } => io_remedy(source),
             ResultsError::Csv { .. } => "correct the file, or export it again",
         }

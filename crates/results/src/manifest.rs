@@ -92,8 +92,11 @@ pub struct Counts {
     pub rejected: u64,
     /// Evaluations of the right-hand side.
     pub evaluations: u64,
-    /// Events handled.
+    /// Zero crossings handled.
     pub events: u64,
+    /// Sample hits, over all rates; 0 in manifests that do not tell it.
+    #[serde(default)]
+    pub sample_hits: u64,
 }
 
 /// How a run ended.
@@ -173,7 +176,7 @@ pub(crate) mod tests {
             started: "2026-11-21T14:03:22Z".into(),
             wall_time: 0.42,
             simulated_time: 10.0,
-            counts: Counts { steps: 4183, rejected: 96, evaluations: 25_674, events: 3 },
+            counts: Counts { steps: 4183, rejected: 96, evaluations: 25_674, events: 3, sample_hits: 1724 },
             ended: Ended::Complete,
         }
     }
@@ -221,7 +224,8 @@ pub(crate) mod tests {
                 "steps": 4183,
                 "rejected": 96,
                 "evaluations": 25674,
-                "events": 3
+                "events": 3,
+                "sample_hits": 1724
               },
               "ended": {
                 "how": "complete"
@@ -242,6 +246,13 @@ pub(crate) mod tests {
             let manifest = Manifest { ended, ..example() };
             assert_eq!(Manifest::from_json(&manifest.to_json().unwrap()).unwrap(), manifest);
         }
+    }
+
+    #[test]
+    fn a_manifest_without_sample_hits_is_read() {
+        let text = example().to_json().unwrap().replace(",\n    \"sample_hits\": 1724", "");
+        assert!(!text.contains("sample_hits"));
+        assert_eq!(Manifest::from_json(&text).unwrap().counts.sample_hits, 0);
     }
 
     #[test]

@@ -119,6 +119,16 @@ fn a_run_that_cannot_be_written_leaves_nothing() {
 }
 
 #[test]
+fn a_folder_that_is_gone_is_told_as_such() {
+    let scratch = Scratch::new();
+    let run = RunFolder::create_at_time(&scratch.0, "pick", start()).unwrap();
+    fs::remove_dir(scratch.0.join("2026-11-21T14-03-22_pick.partial")).unwrap();
+    let error = run.write_log(&[]).unwrap_err();
+    assert_eq!(error.reason(), "its folder was removed during the run");
+    assert!(error.remedy().contains("--out"));
+}
+
+#[test]
 fn names_are_plain() {
     for (name, expected) in [
         ("pick", "pick"),

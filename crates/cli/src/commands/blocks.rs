@@ -8,9 +8,10 @@ use serde_json::{Value, json};
 
 use crate::args::BlocksArgs;
 use crate::console::Console;
+use crate::defaults::in_diagram;
 use crate::exit::Exit;
-use crate::ports::{Ports, ports};
-use crate::prose::{first_sentence, prose, wrapped};
+use crate::ports;
+use crate::prose::{first_sentence, one_line, prose, shortened, wrapped};
 
 /// Lists all kinds of block, or describes one.
 ///
@@ -60,11 +61,7 @@ fn list(all: &[&BlockInfo], width: usize) -> String {
         }
         let sentence = first_sentence(info.doc);
         let room = width.saturating_sub(longest + 4).max(20);
-        let sentence = match sentence.chars().count() > room {
-            true => sentence.chars().take(room - 3).collect::<String>().trim_end().to_owned() + "...",
-            false => sentence,
-        };
-        text.push_str(&format!("  {:<longest$}  {sentence}\n", info.kind));
+        text.push_str(&format!("  {:<longest$}  {}\n", info.kind, shortened(&sentence, room)));
     }
     text.push_str("\n`blocksim blocks KIND` tells all about one of them.\n");
     text
@@ -78,16 +75,11 @@ fn page(info: &BlockInfo, width: usize) -> String {
             text.push_str(&format!("\n{title}\n{content}"));
         }
     };
-    section("Ports of the example", ports(info).map(|ports| port_list(&ports)).unwrap_or_default());
+    let ports = ports::interface(info).map(|interface| ports::table(&interface, width));
+    section("Ports of the example, with nothing connected", ports.unwrap_or_default());
     section("Parameters", parameter_table(info, width));
     section("Source", format!("  {}:{}\n", info.file, info.line));
     text
-}
-
-fn port_list(ports: &Ports) -> String {
-    let sides = [("inputs", &ports.inputs), ("outputs", &ports.outputs), ("conserving", &ports.conserving)];
-    let filled = sides.iter().filter(|(_, names)| !names.is_empty());
-    filled.map(|(side, names)| format!("  {side:<10}  {}\n", names.join(", "))).collect()
 }
 
 fn parameter_table(info: &BlockInfo, width: usize) -> String {
@@ -99,7 +91,7 @@ fn parameter_table(info: &BlockInfo, width: usize) -> String {
     let room = width.saturating_sub(widest(0) + widest(1) + widest(2) + 6).max(30);
     let mut table = Table::new(&columns);
     for (parameter, start) in info.parameters.iter().zip(cells) {
-        let doc = wrapped(&prose_line(parameter.doc), room);
+        let doc = wrapped(&one_line(parameter.doc), room);
         let mut lines = doc.lines().map(str::to_owned);
         table.row(start.into_iter().chain(lines.next()));
         lines.for_each(|line| table.row([String::new(), String::new(), String::new(), line]));
@@ -107,22 +99,14 @@ fn parameter_table(info: &BlockInfo, width: usize) -> String {
     if info.parameters.is_empty() { String::new() } else { table.render() }
 }
 
-/// Name, unit and default of a parameter as they are written in diagrams: a choice without the name of its Rust
-/// type, and nothing for what may be absent.
+/// Name, unit and default of a parameter as they are written in diagrams; a line for what may be absent.
 fn start_of_row(parameter: &ParameterInfo) -> [String; 3] {
     let unit = if parameter.unit.is_empty() { "-" } else { parameter.unit };
     let default = match parameter.default {
-        None => "required",
-        Some("None") => "-",
-        Some(default) if default.ends_with("::new()") || default.ends_with("::default()") => "-",
-        Some(default) => default.rsplit("::").next().unwrap_or(default),
+        None => "required".to_owned(),
+        Some(default) => in_diagram(default).unwrap_or_else(|| "-".to_owned()),
     };
-    [format!("  {}", parameter.name), unit.to_owned(), default.to_owned()]
-}
-
-/// A comment in one line.
-fn prose_line(doc: &str) -> String {
-    prose(doc).split_whitespace().collect::<Vec<_>>().join(" ")
+    [format!("  {}", parameter.name), unit.to_owned(), default]
 }
 
 /// A JSON object a line.
@@ -134,10 +118,13 @@ fn data(info: &BlockInfo) -> Value {
     let parameters: Vec<Value> = info
         .parameters
         .iter()
-        .map(|p| json!({"name": p.name, "type": p.rust_type, "unit": p.unit, "default": p.default, "doc": p.doc}))
+        .map(|p| {
+            let (required, default) = (p.default.is_none(), p.default.and_then(in_diagram));
+            json!({"name": p.name, "type": p.rust_type, "unit": p.unit, "required": required, "default": default,
+                "doc": p.doc})
+        })
         .collect();
-    let ports =
-        ports(info).map(|p| json!({"inputs": p.inputs, "outputs": p.outputs, "conserving": p.conserving}));
+    let ports = ports::interface(info).map(|interface| ports::data(&interface));
     json!({
         "v": 1,
         "type": "block",

@@ -14,11 +14,12 @@ pub use run::run;
 
 use blocksim_block::problem::Problem;
 use blocksim_diagram::{Compiled, SourceFile, Sources, compile};
+use blocksim_results::FileUsed;
 
 use crate::args::{Format, ModelArgs};
 use crate::console::Console;
 use crate::disk::{Disk, refusal};
-use crate::render;
+use crate::{manifest, render};
 
 /// A model and the files that it was read from.
 pub struct Loaded {
@@ -28,6 +29,8 @@ pub struct Loaded {
     pub files: Vec<SourceFile>,
     /// Those of them that are files.
     pub on_disk: Vec<SourceFile>,
+    /// Libraries of plug-ins.
+    pub plugins: Vec<FileUsed>,
 }
 
 /// Reads and compiles a model; `None` if there is nothing to read, which has been told then.
@@ -45,7 +48,9 @@ pub fn load(args: &ModelArgs, console: Console) -> Option<Loaded> {
     let compiled = compile(&sources, &args.model, &args.set);
     let files = sources.all();
     let on_disk = files.iter().filter(|file| disk.has_read(&file.path)).cloned().collect();
-    Some(Loaded { compiled, files, on_disk })
+    // Hashed now, before anybody builds them anew.
+    let plugins = blocksim_host::opened().into_iter().map(|library| manifest::library_used(&library.path));
+    Some(Loaded { compiled, files, on_disk, plugins: plugins.collect() })
 }
 
 /// Tells problems: to people on the standard error, as data on the standard output.
