@@ -1,7 +1,7 @@
 //! Markdown of the manual as text for a terminal.
 
 /// Commands of LaTeX that have a sign of their own.
-const SIGNS: [(&str, &str); 45] = [
+const SIGNS: [(&str, &str); 46] = [
     ("alpha", "α"),
     ("beta", "β"),
     ("gamma", "γ"),
@@ -29,7 +29,6 @@ const SIGNS: [(&str, &str); 45] = [
     ("cdot", "·"),
     ("times", "×"),
     ("mp", "∓"),
-    ("pm", "±"),
     ("pm", "±"),
     ("le", "≤"),
     ("leq", "≤"),
