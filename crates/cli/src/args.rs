@@ -80,7 +80,7 @@ pub struct RunArgs {
     /// Step of a method of fixed step, or the largest one of a method of variable step.
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub step: Option<f64>,
-    /// Folder for the results, which must be new or empty [default: `runs/<time>_<model>`].
+    /// Folder for the results, which must be new or empty; without it `runs/<time>_<model>`.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Signals to plot: parts of their paths or patterns with `*`, separated by commas.
