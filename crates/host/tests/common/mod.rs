@@ -11,7 +11,11 @@ use blocksim_signal::{Quantity, Unit, Value};
 use expect_test::Expect;
 
 /// Files of a diagram in this folder.
-pub struct Folder(pub PathBuf);
+pub struct Folder(
+    pub PathBuf,
+    /// Whether the folder was made for one test and goes with it.
+    bool,
+);
 
 impl Files for Folder {
     fn read(&self, path: &str) -> Result<String, String> {
@@ -25,7 +29,7 @@ impl Files for Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        if self.0.starts_with(std::env::temp_dir()) {
+        if self.1 {
             let _ = std::fs::remove_dir_all(&self.0);
         }
     }
@@ -33,7 +37,7 @@ impl Drop for Folder {
 
 /// The folder of this crate.
 pub fn here() -> Folder {
-    Folder(PathBuf::from(env!("CARGO_MANIFEST_DIR")))
+    Folder(PathBuf::from(env!("CARGO_MANIFEST_DIR")), false)
 }
 
 /// An empty folder for one test, removed at its end.
@@ -41,7 +45,7 @@ pub fn fresh(name: &str) -> Folder {
     let folder = std::env::temp_dir().join(format!("host-test-{name}-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
-    Folder(folder)
+    Folder(folder, true)
 }
 
 /// Compiles `source` of `tests/c` to `file` in `folder`, with these definitions.
