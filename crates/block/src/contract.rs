@@ -71,12 +71,12 @@ pub trait Block: Debug + Send + Sync {
 
     /// Jumps of states at a major step (a reset, an impact). Returns whether anything changed; the outputs of the
     /// diagram are then evaluated again at the same time.
-    fn jump(&self, _c: &Context, _x: &mut [f64], _d: &mut [f64]) -> bool {
+    fn jump(&self, _c: &Context, _w: &mut Scratch, _x: &mut [f64], _d: &mut [f64]) -> bool {
         false
     }
 
     /// Functions whose sign changes are events that the solver must not step over.
-    fn guards(&self, _c: &Context, _g: &mut [f64]) {}
+    fn guards(&self, _c: &Context, _w: &mut Scratch, _g: &mut [f64]) {}
 
     /// The next time after `c.t` at which the block changes by itself (Step, Pulse); it is hit exactly.
     fn next_event(&self, _c: &Context) -> f64 {

@@ -10,13 +10,15 @@
 
 use std::fmt::Debug;
 
-use crate::{Given, Input, Interface, Output, State};
+use crate::{Discrete, Given, Input, Interface, Output, State};
 
 /// What a conserving port carries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Domain {
     /// Angular velocity (rad/s) and torque (N*m).
     Rotational,
+    /// Velocity (m/s) and force (N).
+    Translational,
     /// Potential (V) and current (A).
     Electrical,
     /// Three potentials and currents, phases a, b, c.
@@ -29,6 +31,7 @@ impl std::fmt::Display for Domain {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         f.write_str(match self {
             Domain::Rotational => "rotational",
+            Domain::Translational => "translational",
             Domain::Electrical => "electrical",
             Domain::ThreePhase => "three-phase",
             Domain::Frame => "frame",
@@ -311,6 +314,8 @@ pub struct Law<'a> {
     pub t: f64,
     /// States of the component.
     pub x: &'a [f64],
+    /// Discrete states of the component: latches, modes, memories.
+    pub d: &'a [f64],
     /// Inputs, port after port.
     pub u: &'a [f64],
     /// Start and end in `u` of each input port.
@@ -336,6 +341,26 @@ pub struct Law<'a> {
 }
 
 impl<'a> Law<'a> {
+    /// Time zero, everything at rest, nothing connected.
+    pub fn nothing() -> Self {
+        Law {
+            t: 0.0,
+            x: &[],
+            d: &[],
+            u: &[],
+            inputs: &[],
+            speed: &[],
+            acceleration: &[],
+            torque: &[],
+            mesh: &[],
+            voltage: &[],
+            current: &[],
+            supply: Supply::default(),
+            line_current: [0.0; 2],
+            joint: JointMotion::default(),
+        }
+    }
+
     /// The first element of an input port.
     #[inline]
     pub fn scalar(&self, port: usize) -> f64 {
@@ -385,6 +410,21 @@ pub trait Component: Debug + Send + Sync {
     /// Derivatives of the states; voltages, currents and speeds are known.
     fn derivatives(&self, _c: &Law, _dx: &mut [f64]) {}
 
+    /// Jumps of states at a major step: changes `x` and `d`, while the law shows everything as it was before; see
+    /// [`Block::jump`](crate::Block::jump). Only when the part says [`Part::jumps`].
+    fn jump(&self, _c: &Law, _x: &mut [f64], _d: &mut [f64]) -> bool {
+        false
+    }
+
+    /// Functions whose sign changes are events; as many as [`Part::guards`].
+    fn guards(&self, _c: &Law, _g: &mut [f64]) {}
+
+    /// The next time after `c.t` at which the component changes by itself; of the law, only time, inputs and
+    /// states are known. Only when the part says [`Part::time_events`].
+    fn next_event(&self, _c: &Law) -> f64 {
+        f64::INFINITY
+    }
+
     /// Writes all outputs of one need. `y` holds all outputs of the component, port after port.
     fn measure(&self, _c: &Law, _needs: Needs, _y: &mut [f64]) {}
 }
@@ -400,6 +440,14 @@ pub struct Part {
     pub outputs: Vec<(Output, Needs)>,
     /// Continuous states.
     pub states: Vec<State>,
+    /// Discrete states; [`Component::jump`] changes them.
+    pub discrete: Vec<Discrete>,
+    /// Names of the guards.
+    pub guards: Vec<String>,
+    /// Has [`Component::jump`].
+    pub jumps: bool,
+    /// Has [`Component::next_event`].
+    pub time_events: bool,
     /// What the component contributes.
     pub elements: Vec<Element>,
 }
@@ -449,6 +497,30 @@ impl Part {
         self
     }
 
+    /// Adds a discrete state. The component changes it in [`Component::jump`].
+    pub fn discrete(mut self, name: &str, initial: f64) -> Self {
+        self.discrete.push(Discrete { name: name.to_owned(), initial });
+        self
+    }
+
+    /// Adds a guard.
+    pub fn guard(mut self, name: &str) -> Self {
+        self.guards.push(name.to_owned());
+        self
+    }
+
+    /// Has [`Component::jump`].
+    pub fn jumps(mut self) -> Self {
+        self.jumps = true;
+        self
+    }
+
+    /// Has [`Component::next_event`].
+    pub fn time_events(mut self) -> Self {
+        self.time_events = true;
+        self
+    }
+
     /// Adds an element.
     pub fn element(mut self, element: Element) -> Self {
         self.elements.push(element);
@@ -461,6 +533,10 @@ impl Part {
         interface.inputs = self.inputs;
         interface.ports = self.ports;
         interface.states = self.states;
+        interface.discrete = self.discrete;
+        interface.guards = self.guards;
+        interface.jumps = self.jumps;
+        interface.time_events = self.time_events;
         for (output, needs) in self.outputs {
             interface = match needs {
                 Needs::State => interface.output_from_state(output),

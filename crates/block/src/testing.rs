@@ -124,8 +124,9 @@ impl<B: Block> Bench<B> {
                 return y;
             }
             let (mut x, mut d) = (self.x.clone(), self.d.clone());
-            let jumped = self.block.jump(&self.context(&[], &[]), &mut x, &mut d);
-            (self.x, self.d) = (x, d);
+            let mut w = std::mem::take(&mut self.w);
+            let jumped = self.block.jump(&self.context(&[], &[]), &mut w, &mut x, &mut d);
+            (self.x, self.d, self.w) = (x, d, w);
             if !jumped {
                 return y;
             }
@@ -176,7 +177,9 @@ impl<B: Block> Bench<B> {
     /// Values of the guards.
     pub fn guards(&mut self) -> Vec<f64> {
         let mut g = vec![0.0; self.interface.guards.len()];
-        self.block.guards(&self.context(&self.x, &self.d), &mut g);
+        let mut w = std::mem::take(&mut self.w);
+        self.block.guards(&self.context(&self.x, &self.d), &mut w, &mut g);
+        self.w = w;
         g
     }
 

@@ -20,7 +20,8 @@ pub(crate) struct Members<'a> {
 
 fn index_of(domain: Domain) -> usize {
     match domain {
-        Domain::Rotational => 0,
+        // Speeds are speeds: gears between the two, as rack and pinion, need one space of nodes.
+        Domain::Rotational | Domain::Translational => 0,
         Domain::Electrical => 1,
         Domain::ThreePhase => 2,
         Domain::Frame => 3,

@@ -60,6 +60,7 @@ impl Network {
         let mut seats = Vec::new();
         let mut has_early = false;
         let (mut x, mut u, mut y) = (joints + rotation.free, 0, 0);
+        let (mut d, mut g) = (0, 0);
         let mut at = [0usize; 7];
         for (index, (member, supply)) in members.into_iter().zip(supply_of).enumerate() {
             let mut counts = [0usize; 7];
@@ -114,6 +115,15 @@ impl Network {
             for state in &member.part.states {
                 interface = interface.state(format!("{}.{}", member.path, state.name), state.initial);
             }
+            for memory in &member.part.discrete {
+                interface = interface.discrete(format!("{}.{}", member.path, memory.name), memory.initial);
+            }
+            for guard in &member.part.guards {
+                interface = interface.guard(format!("{}.{guard}", member.path));
+            }
+            interface.jumps |= member.part.jumps;
+            interface.time_events |= member.part.time_events;
+            let (memories, guards) = (member.part.discrete.len(), member.part.guards.len());
             let outputs: usize = member.part.outputs.iter().map(|(o, _)| o.port_type.shape.len()).sum();
             // A sensor that reads states alone closes no algebraic loop.
             let early = !two_pins.is_empty() && two_pins.clone().all(|i| electrics.is_early(i));
@@ -138,6 +148,8 @@ impl Network {
             let states = member.part.states.len();
             seats.push(Seat {
                 x: x..x + states,
+                d: d..d + memories,
+                g: g..g + guards,
                 u: u..u + cells,
                 inputs,
                 y: y..y + outputs,
@@ -156,6 +168,8 @@ impl Network {
                 member,
             });
             x += states;
+            d += memories;
+            g += guards;
             u += cells;
             y += outputs;
         }
@@ -214,7 +228,8 @@ impl Network {
         let electrical = !seat.two_pins.is_empty();
         Law {
             t: c.t,
-            x: &c.x[seat.x.clone()],
+            x: c.x.get(seat.x.clone()).unwrap_or(&[]),
+            d: c.d.get(seat.d.clone()).unwrap_or(&[]),
             u: &c.u[seat.u.clone()],
             inputs: &seat.inputs,
             speed: &w.pin_speed[seat.pins.clone()],
@@ -226,6 +241,18 @@ impl Network {
             supply: seat.supply.map_or(NO_SUPPLY, |i| w.supply[i]),
             line_current: seat.supply.map_or([0.0; 2], |i| w.line_current[i]),
             joint: seat.joint.map_or(NO_JOINT, |i| w.joint_motion[i]),
+        }
+    }
+
+    /// What a member sees when nothing but time, inputs and states is known.
+    fn still<'a>(&'a self, c: &Context<'a>, seat: &'a Seat) -> Law<'a> {
+        Law {
+            t: c.t,
+            x: c.x.get(seat.x.clone()).unwrap_or(&[]),
+            d: c.d.get(seat.d.clone()).unwrap_or(&[]),
+            u: &c.u[seat.u.clone()],
+            inputs: &seat.inputs,
+            ..Law::nothing()
         }
     }
 
@@ -276,6 +303,44 @@ impl Block for Network {
                 component.derivatives(&self.law(c, seat, w), &mut dx[seat.x.clone()]);
             }
         }
+    }
+
+    fn guards(&self, c: &Context, w: &mut Scratch, g: &mut [f64]) {
+        let Some(w) = w.get::<Work>() else { return };
+        self.motion_phase(c, w);
+        self.inner_torques(w);
+        for seat in self.active.guards.iter().map(|i| &self.seats[*i]) {
+            if let Some(component) = seat.member.block.component() {
+                component.guards(&self.whole_law(c, seat, w), &mut g[seat.g.clone()]);
+            }
+        }
+    }
+
+    fn jump(&self, c: &Context, w: &mut Scratch, x: &mut [f64], d: &mut [f64]) -> bool {
+        let Some(w) = w.get::<Work>() else { return false };
+        // Members see the states as they were while they change them.
+        let (mut before, mut modes) = (std::mem::take(&mut w.before), std::mem::take(&mut w.modes));
+        before.copy_from_slice(x);
+        modes.copy_from_slice(d);
+        let here = Context { x: &before, d: &modes, ..*c };
+        self.motion_phase(&here, w);
+        self.inner_torques(w);
+        let mut jumped = false;
+        for seat in self.active.jumps.iter().map(|i| &self.seats[*i]) {
+            if let Some(component) = seat.member.block.component() {
+                let (x, d) = (&mut x[seat.x.clone()], &mut d[seat.d.clone()]);
+                jumped |= component.jump(&self.whole_law(&here, seat, w), x, d);
+            }
+        }
+        (w.before, w.modes) = (before, modes);
+        jumped
+    }
+
+    fn next_event(&self, c: &Context) -> f64 {
+        let seats = self.active.time_events.iter().map(|i| &self.seats[*i]);
+        let times =
+            seats.filter_map(|seat| Some(seat.member.block.component()?.next_event(&self.still(c, seat))));
+        times.fold(f64::INFINITY, f64::min)
     }
 
     fn prepare(&self, c: &Context, hg: f64, w: &mut Scratch) {

@@ -18,6 +18,8 @@ pub(crate) const MOTION: usize = 2;
 pub(crate) struct Seat {
     pub member: Member,
     pub x: Range<usize>,
+    pub d: Range<usize>,
+    pub g: Range<usize>,
     pub u: Range<usize>,
     pub inputs: Vec<(u32, u32)>,
     pub y: Range<usize>,
@@ -46,6 +48,9 @@ pub(crate) struct Active {
     pub windings: Vec<usize>,
     pub branches: Vec<usize>,
     pub states: Vec<usize>,
+    pub jumps: Vec<usize>,
+    pub guards: Vec<usize>,
+    pub time_events: Vec<usize>,
     pub measures: [Vec<usize>; 3],
 }
 
@@ -61,6 +66,9 @@ impl Active {
             windings: which(&|seat| !seat.windings.is_empty()),
             branches: which(&|seat| !seat.branches.is_empty()),
             states: which(&|seat| !seat.x.is_empty()),
+            jumps: which(&|seat| seat.member.part.jumps),
+            guards: which(&|seat| !seat.g.is_empty()),
+            time_events: which(&|seat| seat.member.part.time_events),
             measures: [STATE, ELECTRICS, MOTION].map(|group| which(&|seat| seat.measures[group].is_some())),
         }
     }

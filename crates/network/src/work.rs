@@ -43,6 +43,9 @@ pub(crate) struct Work {
     pub damping: Vec<f64>,
     pub implicit: Vec<f64>,
     pub product: Vec<f64>,
+    /// States and discrete states before a jump.
+    pub before: Vec<f64>,
+    pub modes: Vec<f64>,
     pub hg: f64,
 }
 
@@ -83,6 +86,8 @@ impl Work {
             damping: vec![0.0; n * n],
             implicit: vec![0.0; n * n],
             product: vec![0.0; n],
+            before: vec![0.0; network.interface.states.len()],
+            modes: vec![0.0; network.interface.discrete.len()],
             hg: 0.0,
         }
     }

@@ -38,10 +38,11 @@ impl Diagram {
     pub fn guards(&mut self, g: &mut [f64]) -> Result<(), Failed> {
         for i in 0..self.plan.guarded.len() {
             let block = self.plan.guarded[i];
-            let Self { plan, now, signals, d, .. } = self;
+            let Self { plan, now, signals, d, scratch, .. } = self;
             let unit = &plan.units[block];
             now.gather(&unit.copies, signals);
-            unit.block.guards(&now.context(unit, &d[unit.d.range()]), &mut g[unit.g.range()]);
+            let c = now.context(unit, &d[unit.d.range()]);
+            unit.block.guards(&c, &mut scratch[block], &mut g[unit.g.range()]);
             self.checked(block)?;
         }
         Ok(())
@@ -100,11 +101,11 @@ impl Diagram {
     pub fn jump(&mut self, x: &mut [f64], mut jumped: impl FnMut(usize)) -> Result<(), Failed> {
         for i in 0..self.plan.jumping.len() {
             let block = self.plan.jumping[i];
-            let Self { plan, now, signals, d, .. } = self;
+            let Self { plan, now, signals, d, scratch, .. } = self;
             let unit = &plan.units[block];
             now.gather(&unit.copies, signals);
             let c = Context { x: &[], ..now.context(unit, &[]) };
-            if unit.block.jump(&c, &mut x[unit.x.range()], &mut d[unit.d.range()]) {
+            if unit.block.jump(&c, &mut scratch[block], &mut x[unit.x.range()], &mut d[unit.d.range()]) {
                 jumped(block);
                 self.forget();
             }

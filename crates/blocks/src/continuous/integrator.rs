@@ -190,7 +190,7 @@ impl Block for Integrator {
         }
     }
 
-    fn jump(&self, c: &Context, x: &mut [f64], d: &mut [f64]) -> bool {
+    fn jump(&self, c: &Context, _w: &mut Scratch, x: &mut [f64], d: &mut [f64]) -> bool {
         if d.len() < FLAGS {
             return false;
         }
@@ -212,7 +212,7 @@ impl Block for Integrator {
         changed
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         let wrap = self.wrap;
         let upper = self.upper.or(wrap.map(|wrap| wrap.upper));
         let lower = self.lower.or(wrap.map(|wrap| wrap.lower));

@@ -166,7 +166,7 @@ impl Block for Pid {
         }
     }
 
-    fn jump(&self, c: &Context, x: &mut [f64], d: &mut [f64]) -> bool {
+    fn jump(&self, c: &Context, _w: &mut Scratch, x: &mut [f64], d: &mut [f64]) -> bool {
         if self.reset == Reset::None {
             return false;
         }
@@ -182,7 +182,7 @@ impl Block for Pid {
         changed
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         if self.limited() {
             let elements = c.input(0).iter().zip(c.x.chunks_exact(2)).zip(&c.d[MODES..]);
             for (((e, x), mode), g) in elements.zip(g.chunks_exact_mut(3)) {

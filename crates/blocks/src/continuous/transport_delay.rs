@@ -86,7 +86,7 @@ impl Block for TransportDelay {
     }
 
     /// Nothing jumps here; but this is where the input is known after the jumps of others.
-    fn jump(&self, c: &Context, _x: &mut [f64], d: &mut [f64]) -> bool {
+    fn jump(&self, c: &Context, _w: &mut Scratch, _x: &mut [f64], d: &mut [f64]) -> bool {
         self.note(c, d);
         false
     }

@@ -38,7 +38,7 @@ impl Block for DeadZone {
         y.iter_mut().zip(c.u).for_each(|(y, u)| *y = u - clamp(*u, self.start, self.end));
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         let (start, end) = g.split_at_mut(c.u.len());
         start.iter_mut().zip(c.u).for_each(|(g, u)| *g = u - self.start);
         end.iter_mut().zip(c.u).for_each(|(g, u)| *g = u - self.end);

@@ -41,7 +41,7 @@ impl Block for Quantizer {
         y.copy_from_slice(c.d);
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         let half = 0.5 * self.interval;
         let (above, below) = g.split_at_mut(c.u.len());
         for (((above, below), u), y) in above.iter_mut().zip(below).zip(c.u).zip(c.d) {

@@ -76,7 +76,7 @@ impl Block for Relay {
         }
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         for ((g, on), u) in g.iter_mut().zip(c.d).zip(c.u) {
             *g = u - if *on == 1.0 { self.off_at } else { self.on_at };
         }

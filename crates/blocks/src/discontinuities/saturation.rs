@@ -36,7 +36,7 @@ impl Block for Saturation {
         y.iter_mut().zip(c.u).for_each(|(y, u)| *y = clamp(*u, self.lower, self.upper));
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         let (lower, upper) = g.split_at_mut(c.u.len());
         lower.iter_mut().zip(c.u).for_each(|(g, u)| *g = u - self.lower);
         upper.iter_mut().zip(c.u).for_each(|(g, u)| *g = u - self.upper);

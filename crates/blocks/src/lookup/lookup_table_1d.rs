@@ -135,7 +135,7 @@ impl Block for LookupTable1D {
     }
 
     /// The distance to the nearest jump; its sign turns at each of them.
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         for (i, g) in g.iter_mut().enumerate() {
             let u = element(c.u, i);
             let step = self.step(u);

@@ -23,7 +23,7 @@ impl Block for Abs {
         y.iter_mut().zip(c.u).for_each(|(y, u)| *y = u.abs());
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         g.copy_from_slice(c.u);
     }
 }

@@ -30,7 +30,7 @@ impl Block for Atan2 {
         }
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         g.iter_mut().enumerate().for_each(|(i, g)| *g = at(c.input(0), i));
     }
 }

@@ -94,7 +94,7 @@ impl Block for Compare {
         y.copy_from_slice(c.d);
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         for (i, g) in g.iter_mut().enumerate() {
             let (a, b) = self.sides(c, i);
             *g = a - b;

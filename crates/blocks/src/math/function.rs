@@ -132,7 +132,7 @@ impl Block for Function {
         }
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         g.iter_mut().zip(c.u).for_each(|(g, u)| *g = *u);
     }
 }

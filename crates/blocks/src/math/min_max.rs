@@ -64,7 +64,7 @@ impl Block for MinMax {
         }
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         let (n, mut i) = (operands(c, 0).count().saturating_sub(1).max(1), 0);
         for g in g.chunks_mut(n) {
             let mut operands = operands(c, i);

@@ -33,7 +33,7 @@ impl Block for Sign {
         y.copy_from_slice(c.d);
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         g.copy_from_slice(c.u);
     }
 }

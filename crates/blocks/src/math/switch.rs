@@ -66,7 +66,7 @@ impl Block for Switch {
         }
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         g.iter_mut().zip(c.input(1)).for_each(|(g, control)| *g = control - self.threshold);
     }
 }

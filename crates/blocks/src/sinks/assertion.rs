@@ -22,7 +22,7 @@ impl Block for Assertion {
     }
 
     /// Nothing jumps here: it is the one function that is called at every major step with all inputs known.
-    fn jump(&self, c: &Context, _x: &mut [f64], _d: &mut [f64]) -> bool {
+    fn jump(&self, c: &Context, _w: &mut Scratch, _x: &mut [f64], _d: &mut [f64]) -> bool {
         if c.input(0).contains(&0.0) {
             c.fail(self.message.as_str());
         }
@@ -49,7 +49,7 @@ mod tests {
             evaluation: 0,
             fault: &fault,
         };
-        assert!(!block.jump(&c, &mut [], &mut []));
+        assert!(!block.jump(&c, &mut Scratch::default(), &mut [], &mut []));
         fault.take()
     }
 

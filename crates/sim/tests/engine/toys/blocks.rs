@@ -190,7 +190,7 @@ impl Block for Relay {
         y[0] = c.d[0];
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         g[0] = c.scalar(0) - if c.d[0] > 0.0 { self.low } else { self.high };
     }
 }
@@ -213,7 +213,7 @@ impl Block for Sign {
         y[0] = c.d[0];
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         g[0] = c.scalar(0);
     }
 }
@@ -243,11 +243,11 @@ impl Block for Ball {
         dx.copy_from_slice(&[c.x[1], -GRAVITY]);
     }
 
-    fn guards(&self, c: &Context, g: &mut [f64]) {
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         g[0] = c.x[0];
     }
 
-    fn jump(&self, _: &Context, x: &mut [f64], _: &mut [f64]) -> bool {
+    fn jump(&self, _: &Context, _w: &mut Scratch, x: &mut [f64], _: &mut [f64]) -> bool {
         let hits = x[0] <= 0.0 && x[1] < 0.0;
         if hits {
             x[1] *= -self.restitution;
@@ -265,7 +265,7 @@ impl Block for Restless {
         Ok(Interface::new().output(Output::real("y")).jumps())
     }
 
-    fn jump(&self, _: &Context, _: &mut [f64], _: &mut [f64]) -> bool {
+    fn jump(&self, _: &Context, _w: &mut Scratch, _: &mut [f64], _: &mut [f64]) -> bool {
         true
     }
 }
