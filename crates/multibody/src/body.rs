@@ -10,7 +10,9 @@ use nalgebra::Vector3;
 pub struct BodyId(pub(crate) usize);
 
 impl BodyId {
-    /// Index of the body's joint in `q`, `v`, `a` and `tau`, counting from 0.
+    /// Number of the body in the order in which bodies were added, counting from 0. Where its joint stands in
+    /// `q` and `v` is told by [`Model::positions`](crate::Model::positions) and
+    /// [`Model::speeds`](crate::Model::speeds).
     pub fn index(self) -> usize {
         self.0 - 1
     }
@@ -25,13 +27,19 @@ pub(crate) struct Body {
     pub mount: MountedJoint,
     /// About the body's origin, in its coordinates.
     pub inertia: SpatialInertia,
+    /// First position of the joint.
+    pub q: usize,
+    /// First speed of the joint.
+    pub v: usize,
+    /// Number of spherical joints before.
+    pub ball: usize,
 }
 
 impl Body {
     /// The ground: it has no parent and nothing reads its joint.
     pub fn ground() -> Self {
         let mount = MountedJoint::new(Joint::Revolute { axis: Vector3::z() }, Placement::identity());
-        Body { parent: 0, mount, inertia: SpatialInertia::default() }
+        Body { parent: 0, mount, inertia: SpatialInertia::default(), q: 0, v: 0, ball: 0 }
     }
 
     #[inline(always)]

@@ -4,7 +4,8 @@ use crate::aba::ArticulatedInertia;
 use crate::body::BodyId;
 use crate::placement::Placement;
 use crate::spatial::{Force, Motion, SpatialInertia};
-use nalgebra::Vector3;
+use crate::symmetric::Symmetric;
+use nalgebra::{Matrix3, Vector3};
 
 /// Workspace for one model, made by [`Model::data`](crate::Model::data).
 ///
@@ -14,6 +15,21 @@ use nalgebra::Vector3;
 pub struct Data {
     /// One entry per body; entry 0 is the ground.
     pub(crate) bodies: Vec<BodyData>,
+    /// One entry per spherical joint.
+    pub(crate) balls: Vec<BallData>,
+}
+
+/// Intermediate results of the articulated-body algorithm at a spherical joint.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct BallData {
+    /// `(Sᵀ Iᴬ S + armature)⁻¹`.
+    pub d_inverse: Symmetric,
+    /// `Sᵀ Iᴬ`: how accelerations of the parent turn the joint.
+    pub rotational: Symmetric,
+    /// The linear part of `Sᵀ Iᴬ`.
+    pub coupling: Matrix3<f64>,
+    /// `τ - Sᵀ pᴬ`.
+    pub tau: Vector3<f64>,
 }
 
 /// Intermediate results of one body, in its coordinates.
@@ -42,7 +58,7 @@ pub(crate) struct BodyData {
 }
 
 impl Data {
-    pub(crate) fn new(bodies: usize) -> Self {
+    pub(crate) fn new(bodies: usize, balls: usize) -> Self {
         let rest = BodyData {
             x: Placement::identity(),
             world: Placement::identity(),
@@ -55,7 +71,7 @@ impl Data {
             d_inverse: 0.0,
             tau: 0.0,
         };
-        Data { bodies: vec![rest; bodies] }
+        Data { bodies: vec![rest; bodies], balls: vec![BallData::default(); balls] }
     }
 
     /// Placement of a body in the world, as of the last [`forward_kinematics`](crate::forward_kinematics) or
@@ -82,6 +98,22 @@ impl Data {
         let BodyData { v, a, .. } = &self.bodies[body.0];
         let speed = v.linear + v.angular.cross(point);
         a.linear + a.angular.cross(point) + v.angular.cross(&speed)
+    }
+
+    /// Velocity of the point of the body that is at `point` (body coordinates, m), in world axes: angular
+    /// velocity and velocity of the point, as of the last [`forward_velocities`](crate::forward_velocities).
+    pub fn world_velocity(&self, body: BodyId, point: &Vector3<f64>) -> Motion {
+        let BodyData { v, world, .. } = &self.bodies[body.0];
+        let linear = v.linear + v.angular.cross(point);
+        Motion { angular: world.direction(&v.angular), linear: world.direction(&linear) }
+    }
+
+    /// Angular acceleration and acceleration of a point as an observer on the ground measures them, in world
+    /// axes; `point` as in [`Data::world_velocity`], valid as [`Data::acceleration`].
+    pub fn world_acceleration(&self, body: BodyId, point: &Vector3<f64>) -> Motion {
+        let BodyData { a, world, .. } = &self.bodies[body.0];
+        let linear = self.point_acceleration(body, point);
+        Motion { angular: world.direction(&a.angular), linear: world.direction(&linear) }
     }
 
     /// Force that the joint transmits from the parent to a body, in body coordinates about the body's

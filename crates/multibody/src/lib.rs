@@ -11,11 +11,15 @@
 //! | both, for a caller that solves | [`mass_and_bias`] | one forward and one backward sweep |
 //! | accelerations for torques | [`aba`] | articulated bodies, table 7.1 |
 //! | where everything is | [`forward_kinematics`], [`jacobian`] | |
+//! | what forces from outside do | [`add_force`] | `τ += Jᵀ f` |
+//! | positions from speeds | [`positions_derivative`], [`move_positions`] | |
 //!
 //! # Conventions
 //!
-//! * Ground is body 0, bodies count from 1; body i is moved by joint i, whose coordinate is `q[i - 1]`
-//!   ([`BodyId::index`]). λ(i) is the parent of body i.
+//! * Ground is body 0, bodies count from 1; body i is moved by joint i. λ(i) is the parent of body i.
+//! * A joint has its positions in `q` and its speeds in `v`, `a` and `tau`, in the order of the bodies
+//!   ([`Model::positions`], [`Model::speeds`]). Axes have one of each, a spherical joint has four positions
+//!   (a quaternion) and three speeds (its angular velocity in the axes of the child).
 //! * Spatial vectors are written **in the coordinates of their body, angular part first**, and refer to the
 //!   origin of the body frame: a motion is (ω, v), a force is (n, f).
 //! * A [`Placement`] maps child coordinates to parent coordinates.
@@ -34,6 +38,8 @@ mod kinematics;
 mod mass_and_bias;
 mod model;
 mod placement;
+mod positions;
+mod quaternion;
 mod rnea;
 mod spatial;
 mod symmetric;
@@ -46,9 +52,13 @@ pub use energy::{Momentum, center_of_mass, kinetic_energy, momentum, potential_e
 pub use error::{InertiaError, ModelError};
 pub use inertia::Inertia;
 pub use joint::Joint;
-pub use kinematics::{forward_accelerations, forward_kinematics, forward_velocities, jacobian};
+pub use kinematics::{
+    add_force, add_jacobian, bias_accelerations, forward_accelerations, forward_kinematics,
+    forward_velocities, jacobian,
+};
 pub use mass_and_bias::mass_and_bias;
 pub use model::{Model, ModelBuilder, STANDARD_GRAVITY};
 pub use placement::Placement;
+pub use positions::{home_positions, move_positions, positions_derivative};
 pub use rnea::{bias, rnea};
 pub use spatial::{Force, Motion};

@@ -1,6 +1,6 @@
 //! Mass matrix and bias torques in one sweep, for callers that solve `M a = tau - h` themselves.
 
-use crate::crba::fill_column;
+use crate::crba::fill_columns;
 use crate::data::Data;
 use crate::model::Model;
 use crate::spatial::Motion;
@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 /// If a slice or `data` does not fit the model.
 pub fn mass_and_bias(model: &Model, data: &mut Data, q: &[f64], v: &[f64], m: &mut [f64], h: &mut [f64]) {
     let n = model.dof();
-    model.assert_fit(data, &[("q", q.len()), ("v", v.len()), ("h", h.len())]);
+    model.assert_fit(data, q.len(), &[("v", v.len()), ("h", h.len())]);
     assert!(m.len() == n * n, "the mass matrix has {} entries, not {n} x {n}", m.len());
 
     // v_0 = 0,  a_0 = -g
@@ -25,11 +25,11 @@ pub fn mass_and_bias(model: &Model, data: &mut Data, q: &[f64], v: &[f64], m: &m
         let (parent, d) = (&before[body.parent], &mut rest[0]);
         let joint = body.joint();
         // λX_i = X_T X_J(q)
-        d.x = body.mount.placement(q[i - 1]);
+        d.x = body.mount.placement(|k| q[body.q + k]);
         // v_i = ⁱX_λ v_λ + S q̇
-        d.v = joint.add_motion(d.x.motion_to_child(&parent.v), v[i - 1]);
+        d.v = joint.add_motion(d.x.motion_to_child(&parent.v), |k| v[body.v + k]);
         // a_i = ⁱX_λ a_λ + v_i × S q̇
-        d.a = d.x.motion_to_child(&parent.a) + joint.cross_motion(&d.v, v[i - 1]);
+        d.a = d.x.motion_to_child(&parent.a) + joint.cross_motion(&d.v, |k| v[body.v + k]);
         // f_i = I_i a_i + v_i ×* I_i v_i
         d.f = body.inertia.times(&d.a) + d.v.cross_force(&body.inertia.times(&d.v));
         // Iᶜ_i = I_i
@@ -38,11 +38,11 @@ pub fn mass_and_bias(model: &Model, data: &mut Data, q: &[f64], v: &[f64], m: &m
 
     m.fill(0.0);
     for (i, body) in model.bodies.iter().enumerate().skip(1).rev() {
-        fill_column(model, data, i, m);
+        fill_columns(model, data, i, m);
         let (before, rest) = data.bodies.split_at_mut(i);
         let (parent, d) = (&mut before[body.parent], &rest[0]);
         // h_i = Sᵀ f_i
-        h[i - 1] = body.joint().project(&d.f);
+        body.joint().project(&d.f, |k, value| h[body.v + k] = value);
         if body.parent != 0 {
             // f_λ += λX_i* f_i
             parent.f += d.x.force_to_parent(&d.f);

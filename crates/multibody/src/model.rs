@@ -6,7 +6,9 @@ use crate::error::ModelError;
 use crate::inertia::Inertia;
 use crate::joint::{Joint, MountedJoint};
 use crate::placement::Placement;
+use crate::spatial::SpatialInertia;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Standard acceleration of free fall, m/s² (CGPM 1901).
 pub const STANDARD_GRAVITY: f64 = 9.80665;
@@ -20,12 +22,32 @@ pub struct Model {
     /// Entry 0 is the ground.
     pub(crate) bodies: Vec<Body>,
     pub(crate) gravity: Vector3<f64>,
+    pub(crate) positions: usize,
+    pub(crate) speeds: usize,
 }
 
 impl Model {
-    /// Number of degrees of freedom, which is also the number of bodies.
+    /// Number of degrees of freedom: of the speeds, accelerations and joint torques.
+    #[inline(always)]
     pub fn dof(&self) -> usize {
-        self.bodies.len() - 1
+        self.speeds
+    }
+
+    /// Number of positions; more than degrees of freedom where there are spherical joints.
+    pub fn nq(&self) -> usize {
+        self.positions
+    }
+
+    /// Where the joint of a body stands in `q`.
+    pub fn positions(&self, body: BodyId) -> Range<usize> {
+        let body = &self.bodies[body.0];
+        body.q..body.q + body.joint().positions()
+    }
+
+    /// Where the joint of a body stands in `v`, `a` and `tau`.
+    pub fn speeds(&self, body: BodyId) -> Range<usize> {
+        let body = &self.bodies[body.0];
+        body.v..body.v + body.joint().speeds()
     }
 
     /// The bodies in topological order.
@@ -54,17 +76,39 @@ impl Model {
         self.bodies.iter().map(|body| body.inertia.mass).sum()
     }
 
+    /// Adds `share` times a mass to a body, where the load of a body changes while a simulation runs; `inertia`
+    /// is written in the frame of the body ([`Inertia::placed`]) and has passed [`Inertia::check`].
+    pub fn add_load(&mut self, body: BodyId, inertia: &Inertia, share: f64) {
+        let about = inertia.spatial();
+        let load = SpatialInertia {
+            mass: share * about.mass,
+            moment: about.moment * share,
+            rotational: about.rotational.scaled(share),
+        };
+        self.bodies[body.0].inertia += load;
+    }
+
+    /// Gives all bodies the mass properties that they have in `other`, a model of the same tree: without the
+    /// loads of [`Model::add_load`].
+    pub fn copy_inertias(&mut self, other: &Model) {
+        for (body, other) in self.bodies.iter_mut().zip(&other.bodies) {
+            body.inertia = other.inertia;
+        }
+    }
+
     /// A workspace for this model.
     pub fn data(&self) -> Data {
-        Data::new(self.bodies.len())
+        let balls = self.bodies.iter().skip(1).filter(|body| *body.joint() == Joint::Spherical).count();
+        Data::new(self.bodies.len(), balls)
     }
 
     /// Panics unless `data` and the slices (name, length) fit the model: a mix-up in the calling code.
     #[inline(always)]
-    pub(crate) fn assert_fit(&self, data: &Data, slices: &[(&str, usize)]) {
+    pub(crate) fn assert_fit(&self, data: &Data, positions: usize, slices: &[(&str, usize)]) {
         assert!(data.bodies.len() == self.bodies.len(), "the workspace belongs to another model");
+        assert!(positions == self.positions, "q has {positions} entries, the model {}", self.positions);
         for (name, length) in slices {
-            assert!(*length == self.dof(), "{name} has {length} entries, the model {} joints", self.dof());
+            assert!(*length == self.speeds, "{name} has {length} entries, the model {} speeds", self.speeds);
         }
     }
 }
@@ -133,12 +177,36 @@ impl ModelBuilder {
         if let Some(parent) = parent {
             self.known(parent)?;
         }
-        let joint = joint.normalized().ok_or(ModelError::Axis { body: index, axis: joint.axis().into() })?;
+        let joint = joint.normalized().ok_or_else(|| {
+            let axis = joint.axis().unwrap_or_else(Vector3::zeros).into();
+            ModelError::Axis { body: index, axis }
+        })?;
         check_placement(index, &placement)?;
         inertia.check().map_err(|cause| ModelError::Inertia { body: index, cause })?;
         let mount = MountedJoint::new(joint, placement);
         self.parts.push(Part { parent: parent.map_or(0, |id| id.0), mount, inertia });
         Ok(BodyId(index + 1))
+    }
+
+    /// Adds a body that moves against `parent` by several joints one after another, with bodies that have no mass
+    /// in between. Returns all of them; the last one bears `inertia`.
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::add_body`].
+    pub fn add_chain(
+        &mut self,
+        parent: Option<BodyId>,
+        joints: &[Joint],
+        placement: Placement,
+        inertia: Inertia,
+    ) -> Result<Vec<BodyId>, ModelError> {
+        let mut bodies = Vec::new();
+        for (i, joint) in joints.iter().enumerate() {
+            let place = if i == 0 { placement } else { Placement::identity() };
+            let mass = if i + 1 == joints.len() { inertia } else { Inertia::zero() };
+            bodies.push(self.add_body(bodies.last().copied().or(parent), *joint, place, mass)?);
+        }
+        Ok(bodies)
     }
 
     /// Fixes another mass to a body; `inertia` is written in a frame at `placement` in the body.
@@ -162,12 +230,23 @@ impl ModelBuilder {
 
     /// The finished model.
     pub fn build(self) -> Model {
-        let bodies = self.parts.iter().map(|part| Body {
-            parent: part.parent,
-            mount: part.mount,
-            inertia: part.inertia.spatial(),
-        });
-        Model { bodies: std::iter::once(Body::ground()).chain(bodies).collect(), gravity: self.gravity }
+        let mut bodies = vec![Body::ground()];
+        let (mut q, mut v, mut ball) = (0, 0, 0);
+        for part in &self.parts {
+            let joint = part.mount.joint;
+            bodies.push(Body {
+                parent: part.parent,
+                mount: part.mount,
+                inertia: part.inertia.spatial(),
+                q,
+                v,
+                ball,
+            });
+            q += joint.positions();
+            v += joint.speeds();
+            ball += usize::from(joint == Joint::Spherical);
+        }
+        Model { bodies, gravity: self.gravity, positions: q, speeds: v }
     }
 
     fn known(&self, body: BodyId) -> Result<(), ModelError> {
@@ -223,6 +302,24 @@ mod tests {
         assert!((got.moment - expected.moment).norm() < 1e-15);
         assert!((got.rotational.full() - expected.rotational.full()).abs().max() < 1e-15);
         assert_eq!(attached.mass(), 2.0);
+        Ok(())
+    }
+
+    #[test]
+    fn a_load_comes_and_goes_without_a_trace() -> Result<(), Box<dyn std::error::Error>> {
+        let load = Inertia::from_moments(2.0, [0.1, 0.0, 0.0], [0.5, 0.6, 0.7], [0.0; 3])?;
+        let (mut bare, mut loaded) = (ModelBuilder::new(), ModelBuilder::new());
+        let body = bare.add_body(None, hinge(), Placement::identity(), Inertia::point(1.0, [0.3; 3])?)?;
+        loaded.add_body(None, hinge(), Placement::identity(), Inertia::point(1.0, [0.3; 3])?)?;
+        loaded.add_inertia(body, Placement::identity(), load)?;
+        let (bare, loaded) = (bare.build(), loaded.build());
+        let mut model = bare.clone();
+        model.add_load(body, &load, 1.0);
+        let (got, expected) = (model.bodies[1].inertia, loaded.bodies[1].inertia);
+        assert!((got.moment - expected.moment).norm() < 1e-15);
+        assert!((got.rotational.full() - expected.rotational.full()).abs().max() < 1e-15);
+        model.copy_inertias(&bare);
+        assert_eq!(model.bodies[1].inertia, bare.bodies[1].inertia);
         Ok(())
     }
 

@@ -35,6 +35,34 @@ impl Symmetric {
         )
     }
 
+    /// `k A`.
+    pub fn scaled(&self, k: f64) -> Self {
+        Symmetric {
+            xx: k * self.xx,
+            yy: k * self.yy,
+            zz: k * self.zz,
+            yz: k * self.yz,
+            zx: k * self.zx,
+            xy: k * self.xy,
+        }
+    }
+
+    /// The inverse by cofactors; not finite where there is none.
+    pub fn inverse(&self) -> Self {
+        let (xx, yy, zz) = (
+            self.yy * self.zz - self.yz * self.yz,
+            self.xx * self.zz - self.zx * self.zx,
+            self.xx * self.yy - self.xy * self.xy,
+        );
+        let (yz, zx, xy) = (
+            self.zx * self.xy - self.xx * self.yz,
+            self.xy * self.yz - self.zx * self.yy,
+            self.zx * self.yz - self.xy * self.zz,
+        );
+        let k = 1.0 / (self.xx * xx + self.xy * xy + self.zx * zx);
+        Symmetric { xx: k * xx, yy: k * yy, zz: k * zz, yz: k * yz, zx: k * zx, xy: k * xy }
+    }
+
     /// `R A Rᵀ`, of which only the upper triangle is computed.
     #[inline(always)]
     pub fn rotated(&self, r: &Matrix3<f64>) -> Self {
@@ -112,6 +140,7 @@ mod tests {
         assert_eq!(Symmetric::from_upper(&A.full()), A);
         assert!((A.times(&u) - A.full() * u).norm() < 1e-15);
         let minus = A.full() - u * u.transpose() * 0.8;
+        assert!((A.inverse().full() * A.full() - Matrix3::identity()).abs().max() < 1e-14);
         assert!((A.minus_outer(0.8, &u).full() - minus).abs().max() < 1e-15);
     }
 

@@ -2,15 +2,18 @@
 
 use crate::assert_close;
 use crate::trees::forest;
-use blocksim_multibody::{aba, bias, crba, kinetic_energy, mass_and_bias, potential_energy, rnea};
-use nalgebra::{DMatrix, DVector};
+use blocksim_multibody::{
+    Force, aba, add_force, bias, crba, jacobian, kinetic_energy, mass_and_bias, move_positions,
+    potential_energy, rnea,
+};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 #[test]
 fn inverse_dynamics_is_mass_times_acceleration_plus_bias() {
     for (model, mut random) in forest() {
         let n = model.dof();
         let mut data = model.data();
-        let (q, v, a) = (random.vector(n, 3.0), random.vector(n, 2.0), random.vector(n, 5.0));
+        let (q, v, a) = (random.positions(&model), random.vector(n, 2.0), random.vector(n, 5.0));
         let (mut m, mut h, mut tau) = (vec![0.0; n * n], vec![0.0; n], vec![0.0; n]);
         crba(&model, &mut data, &q, &mut m);
         bias(&model, &mut data, &q, &v, &mut h);
@@ -25,7 +28,7 @@ fn columns_of_the_mass_matrix_are_torques_for_unit_accelerations() {
     for (model, mut random) in forest() {
         let n = model.dof();
         let mut data = model.data();
-        let (q, rest) = (random.vector(n, 3.0), vec![0.0; n]);
+        let (q, rest) = (random.positions(&model), vec![0.0; n]);
         let (mut m, mut weight) = (vec![0.0; n * n], vec![0.0; n]);
         crba(&model, &mut data, &q, &mut m);
         bias(&model, &mut data, &q, &rest, &mut weight);
@@ -45,7 +48,7 @@ fn the_shared_sweep_gives_the_mass_matrix_and_the_bias() {
     for (model, mut random) in forest() {
         let n = model.dof();
         let mut data = model.data();
-        let (q, v) = (random.vector(n, 3.0), random.vector(n, 2.0));
+        let (q, v) = (random.positions(&model), random.vector(n, 2.0));
         let (mut m, mut h) = (vec![0.0; n * n], vec![0.0; n]);
         let (mut expected_m, mut expected_h) = (vec![0.0; n * n], vec![0.0; n]);
         mass_and_bias(&model, &mut data, &q, &v, &mut m, &mut h);
@@ -61,7 +64,7 @@ fn forward_dynamics_inverts_inverse_dynamics() {
     for (model, mut random) in forest() {
         let n = model.dof();
         let mut data = model.data();
-        let (q, v, tau) = (random.vector(n, 3.0), random.vector(n, 2.0), random.vector(n, 50.0));
+        let (q, v, tau) = (random.positions(&model), random.vector(n, 2.0), random.vector(n, 50.0));
         let (mut a, mut back) = (vec![0.0; n], vec![0.0; n]);
         aba(&model, &mut data, &q, &v, &tau, &[], &mut a);
         rnea(&model, &mut data, &q, &v, &a, &mut back);
@@ -74,7 +77,7 @@ fn reflected_inertia_adds_to_the_diagonal_of_the_mass_matrix() {
     for (model, mut random) in forest() {
         let n = model.dof();
         let mut data = model.data();
-        let (q, v, tau) = (random.vector(n, 3.0), random.vector(n, 2.0), random.vector(n, 50.0));
+        let (q, v, tau) = (random.positions(&model), random.vector(n, 2.0), random.vector(n, 50.0));
         let armature: Vec<f64> = random.vector(n, 10.0).iter().map(|x| x.abs()).collect();
         let (mut a, mut back) = (vec![0.0; n], vec![0.0; n]);
         aba(&model, &mut data, &q, &v, &tau, &armature, &mut a);
@@ -91,7 +94,7 @@ fn the_mass_matrix_is_symmetric_and_positive_definite_and_gives_the_kinetic_ener
     for (model, mut random) in forest() {
         let n = model.dof();
         let mut data = model.data();
-        let (q, v) = (random.vector(n, 3.0), random.vector(n, 2.0));
+        let (q, v) = (random.positions(&model), random.vector(n, 2.0));
         let mut m = vec![0.0; n * n];
         crba(&model, &mut data, &q, &mut m);
         let m = DMatrix::from_row_slice(n, n, &m);
@@ -109,17 +112,37 @@ fn gravity_torques_are_the_slope_of_the_potential_energy() {
     for (model, mut random) in forest() {
         let n = model.dof();
         let mut data = model.data();
-        let q = random.vector(n, 3.0);
+        let q = random.positions(&model);
         let mut h = vec![0.0; n];
         bias(&model, &mut data, &q, &vec![0.0; n], &mut h);
         let mut energy_at = |i: usize, step: f64| {
-            let mut moved = q.clone();
-            moved[i] += step;
+            let (mut moved, mut along) = (q.clone(), vec![0.0; n]);
+            along[i] = step;
+            move_positions(&model, &mut moved, &along);
             potential_energy(&model, &mut data, &moved)
         };
         let slope: Vec<f64> =
             (0..n).map(|i| (energy_at(i, STEP) - energy_at(i, -STEP)) / (2.0 * STEP)).collect();
         // a central difference of this step errs by about 1e-10 of the energy, seldom small against h
         assert_close(&slope, &h, 1e-8);
+    }
+}
+
+#[test]
+fn a_force_from_outside_is_worth_its_power_at_every_joint() {
+    let point = Vector3::new(0.2, -0.5, 0.3);
+    for (model, mut random) in forest() {
+        let n = model.dof();
+        let mut data = model.data();
+        let q = random.positions(&model);
+        let force = Force { angular: random.triple().into(), linear: random.triple().into() };
+        for body in model.bodies() {
+            let (mut columns, mut tau) = (vec![0.0; 6 * n], vec![0.0; n]);
+            jacobian(&model, &mut data, &q, body, &point, &mut columns);
+            add_force(&model, &data, body, &point, &force, &mut tau);
+            let f: Vec<f64> = force.angular.iter().chain(&force.linear).copied().collect();
+            let expected = DMatrix::from_row_slice(6, n, &columns).transpose() * DVector::from_vec(f);
+            assert!((DVector::from_vec(tau) - &expected).amax() < 1e-13 * (1.0 + expected.amax()));
+        }
     }
 }

@@ -7,6 +7,7 @@ mod conservation;
 mod irb2600;
 mod motion;
 mod pinocchio;
+mod rotations;
 mod trees;
 
 /// Asserts that two vectors differ by at most `tolerance` relative to the largest entry of either.

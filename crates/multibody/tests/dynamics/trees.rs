@@ -32,6 +32,11 @@ impl Random {
         (0..n).map(|_| scale * self.signed()).collect()
     }
 
+    /// Positions of a model; the quaternions among them have any length.
+    pub fn positions(&mut self, model: &Model) -> Vec<f64> {
+        self.vector(model.nq(), 3.0)
+    }
+
     pub fn placement(&mut self) -> Placement {
         let rpy = self.triple().map(|x| 3.0 * x);
         Placement::from_rpy(self.triple(), rpy)
@@ -49,7 +54,11 @@ impl Random {
     fn joint(&mut self) -> Joint {
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], self.triple()];
         let axis = axes[self.below(4)];
-        if self.below(3) == 0 { Joint::prismatic(axis) } else { Joint::revolute(axis) }
+        match self.below(6) {
+            0 | 1 => Joint::prismatic(axis),
+            2 => Joint::Spherical,
+            _ => Joint::revolute(axis),
+        }
     }
 }
 
