@@ -11,6 +11,7 @@ mod dc_motor_by_rating;
 mod dc_motor_by_stall;
 mod dc_motor_line;
 mod electrical_reference;
+pub mod induction;
 mod inductor;
 mod machine_per_unit;
 mod permanent_magnet_machine;
