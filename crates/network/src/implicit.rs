@@ -8,7 +8,7 @@ use crate::work::Work;
 
 impl Network {
     /// `J` holds the slopes of torques over speeds and the angles as integrals of speeds: for speeds
-    /// `(M + hg D) dv = M r`, for angles `r + hg T dv`.
+    /// `(M + hg C) dv = M r + D' lambda` with `D dv = D r` where constraints `D` hold, for angles `r + hg T dv`.
     pub(crate) fn prepare_implicit(&self, c: &Context, hg: f64, w: &mut Work) {
         self.motion_phase(c, w);
         let r = &self.rotation;
@@ -30,6 +30,10 @@ impl Network {
         w.hg = hg;
         if cholesky_factor(&mut w.implicit, n).is_err() {
             c.fail("the mass matrix lost its positive definiteness: check masses and inertias");
+            return;
+        }
+        if !w.rows.is_empty() {
+            w.implicit_schur.factor(&w.rows, &w.implicit);
         }
     }
 
@@ -42,6 +46,10 @@ impl Network {
             *to = w.mass[row * n..(row + 1) * n].iter().zip(v.iter()).map(|(m, v)| m * v).sum();
         }
         cholesky_solve(&w.implicit, &mut w.product);
+        if !w.rows.is_empty() {
+            // The Jacobian leaves `D v` alone, so the solution has that of `r`.
+            w.implicit_schur.impose(&w.rows, &mut w.product, |i| w.rows.of(i, v));
+        }
         v.copy_from_slice(&w.product);
         for (q, joint) in q.iter_mut().zip(&self.rotation.joints) {
             *q += w.hg * joint.of(v);

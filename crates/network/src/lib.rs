@@ -11,6 +11,7 @@
 //! currents of sources from Kirchhoff's law; torques follow, then accelerations.
 
 mod assembly;
+mod constraints;
 mod currents;
 mod electrics;
 mod eliminate;

@@ -88,6 +88,7 @@ impl Network {
         }
         w.dv.copy_from_slice(&w.force);
         cholesky_solve(&w.factor, &mut w.dv);
+        self.constrain(c, w);
         if !self.meshes.is_empty() {
             self.meshes(c, w);
         }
@@ -110,6 +111,11 @@ impl Network {
             let column = &mut w.columns[h * n..(h + 1) * n];
             gear.base.add_to(1.0, column);
             cholesky_solve(&w.factor, column);
+            if !w.rows.is_empty() {
+                w.schur.impose(&w.rows, column, |_| 0.0);
+                let m = w.rows.len();
+                w.mesh_lambda[h * m..(h + 1) * m].copy_from_slice(&w.schur.lambda[..m]);
+            }
         }
         for (i, gear) in r.gears.iter().enumerate() {
             for h in 0..g {
@@ -126,6 +132,10 @@ impl Network {
         for (h, loss) in w.mesh.loss.iter().enumerate() {
             for i in 0..n {
                 w.dv[i] -= loss * w.columns[h * n + i];
+            }
+            let m = w.rows.len();
+            for (lambda, share) in w.lambda.iter_mut().zip(&w.mesh_lambda[h * m..(h + 1) * m]) {
+                *lambda -= loss * share;
             }
         }
     }

@@ -3,6 +3,7 @@
 use blocksim_block::physical::{JointMotion, Supply, Torque};
 use blocksim_multibody::Data;
 
+use crate::constraints::{Rows, Schur};
 use crate::mesh::MeshScratch;
 use crate::network::Network;
 
@@ -32,6 +33,13 @@ pub(crate) struct Work {
     pub bias: Vec<f64>,
     pub force: Vec<f64>,
     pub dv: Vec<f64>,
+    /// Constraints that hold at this evaluation, their Schur complement, and that of implicit steps.
+    pub rows: Rows,
+    pub schur: Schur,
+    pub implicit_schur: Schur,
+    /// Multipliers of the constraints, and what a loss of one in each mesh takes from them.
+    pub lambda: Vec<f64>,
+    pub mesh_lambda: Vec<f64>,
     pub residual: Vec<f64>,
     pub mesh: MeshScratch,
     pub mesh_speed: Vec<f64>,
@@ -53,6 +61,7 @@ impl Work {
     pub(crate) fn new(network: &Network) -> Self {
         let r = &network.rotation;
         let (n, j, g) = (r.free, network.joints, network.meshes.len());
+        let rows = network.most_constraints();
         Self {
             data: network.frames.data(),
             evaluation: [u64::MAX; 3],
@@ -76,6 +85,11 @@ impl Work {
             bias: vec![0.0; j],
             force: vec![0.0; n],
             dv: vec![0.0; n],
+            rows: Rows::new(n, rows),
+            schur: Schur::new(n, rows),
+            implicit_schur: Schur::new(n, rows),
+            lambda: vec![0.0; rows],
+            mesh_lambda: vec![0.0; g * rows],
             residual: vec![0.0; r.nodes.len() + j],
             mesh: MeshScratch::new(g),
             mesh_speed: vec![0.0; g],

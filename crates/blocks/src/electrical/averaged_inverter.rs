@@ -4,7 +4,6 @@ use blocksim_block::physical::{Domain, Element, Supply};
 use blocksim_block::prelude::*;
 
 use super::three_phase_source::delivered;
-use crate::drives::modulation::Modulation;
 
 /// Three-phase inverter without its switching: the mean of the phase voltages over a switching period.
 ///
@@ -12,9 +11,8 @@ use crate::drives::modulation::Modulation;
 ///
 /// The angle is an integral of the frequency, so the voltages have no jump when the frequency changes. The DC
 /// link limits the amplitude: $v_{max} = V_{dc}/2$ for sine modulation, $V_{dc}/\sqrt3$ for space-vector
-/// modulation and the discontinuous laws of `PwmGenerator`. With `reverse` the phases b and c are exchanged: angle
-/// and frequency are mirrored. A negative frequency turns the field the other way as well, and does it without a
-/// jump of the voltages.
+/// modulation. With `reverse` the phases b and c are exchanged: angle and frequency are mirrored. A negative
+/// frequency turns the field the other way as well, and does it without a jump of the voltages.
 ///
 /// Power balances: what the machines draw is taken from the DC link.
 ///
@@ -27,9 +25,19 @@ pub struct AveragedInverter {
     /// Voltage of the DC link.
     #[block(unit = "V")]
     pub vdc: f64,
-    /// `Sine` or `SpaceVector`, or any other law of `PwmGenerator`.
+    /// `Sine` or `SpaceVector`.
     #[block(default = Modulation::Sine)]
     pub modulation: Modulation,
+}
+
+/// How an inverter makes its voltages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum Modulation {
+    /// Sine against a carrier: phase voltages up to half of the DC link.
+    #[default]
+    Sine,
+    /// Space vectors: phase voltages up to the DC link over the square root of three.
+    SpaceVector,
 }
 
 const V: usize = 0;
@@ -44,7 +52,10 @@ const FRAME: usize = 1;
 impl AveragedInverter {
     /// Largest peak phase voltage, V.
     pub fn limit(&self) -> f64 {
-        self.modulation.limit(self.vdc)
+        match self.modulation {
+            Modulation::Sine => self.vdc / 2.0,
+            Modulation::SpaceVector => self.vdc / 3.0_f64.sqrt(),
+        }
     }
 }
 

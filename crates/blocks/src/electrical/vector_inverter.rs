@@ -3,8 +3,8 @@ use std::f64::consts::TAU;
 use blocksim_block::physical::{Domain, Element, Supply};
 use blocksim_block::prelude::*;
 
+use super::averaged_inverter::{AveragedInverter, Modulation};
 use super::three_phase_source::delivered;
-use crate::drives::modulation::Modulation;
 
 /// Three-phase inverter without its switching, commanded by a voltage vector in a frame of the controller's
 /// choice: for field-oriented control.
@@ -31,7 +31,7 @@ pub struct VectorInverter {
     /// Voltage of the DC link.
     #[block(unit = "V")]
     pub vdc: f64,
-    /// `Sine` or `SpaceVector`, or any other law of `PwmGenerator`.
+    /// `Sine` or `SpaceVector`.
     #[block(default = Modulation::Sine)]
     pub modulation: Modulation,
 }
@@ -44,7 +44,7 @@ const F: usize = 3;
 impl VectorInverter {
     /// Largest peak phase voltage, V.
     pub fn limit(&self) -> f64 {
-        self.modulation.limit(self.vdc)
+        AveragedInverter { vdc: self.vdc, modulation: self.modulation }.limit()
     }
 }
 

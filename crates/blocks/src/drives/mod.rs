@@ -1,3 +1,0 @@
-//! Blocks: electronics of drives, as signals.
-
-pub mod modulation;
