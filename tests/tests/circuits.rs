@@ -152,14 +152,13 @@ fn circuits_without_a_solution_are_named() {
         r#""u.p <-> c.p", "u.n <-> c.n <-> g.p""#,
     ));
     expect![[r#"
-        error[floating_node]: only currents of inductances meet at `l.n`: they cannot be independent
-          model.ron:3:71 `"l"` `l` has inductance
-          model.ron:3:96 `"m"` `m` has inductance
-          help: connect a resistance from there to another node, in parallel to one of the inductances
+        error[no_current_path]: a prescribed current has no path at `j.p`: only prescribed currents and inductances meet there
+          model.ron:3:41 `"j"` `j` prescribes the current
+          help: connect a resistance or a capacitance there, in parallel to the source
     "#]]
     .assert_eq(&problems(
-        r#""u": VoltageSource(v: "1 V"), "l": Inductor(l: "1 H"), "m": Inductor(l: "1 H")"#,
-        r#""u.p <-> l.p", "l.n <-> m.p", "m.n <-> u.n <-> g.p""#,
+        r#""j": ControlledCurrentSource, "l": Inductor(l: "1 H"), "one": Constant(value: "1 A")"#,
+        r#""one.y -> j.i", "j.p <-> l.p", "l.n <-> j.n <-> g.p""#,
     ));
     expect![[r#"
         error[parameter]: `r` is -5, but must be positive

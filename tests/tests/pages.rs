@@ -10,7 +10,7 @@ use blocksim_sim::Simulation;
 use blocksim_tests::{Desk, root, run};
 
 /// Pages without a diagram that could fail here, and why.
-const WITHOUT_DIAGRAM: [(&str, &str); 8] = [
+const WITHOUT_DIAGRAM: [(&str, &str); 9] = [
     ("plugin_abi", "needs a plug-in of another version"),
     ("plugin_build", "needs a crate that does not build"),
     ("plugin_missing", "the path is that of the reader"),
@@ -19,6 +19,7 @@ const WITHOUT_DIAGRAM: [(&str, &str); 8] = [
     ("plugin_symbol", "needs a library of something else"),
     ("settings", "comes from the command line; the compiler refuses such numbers before"),
     ("time_event", "a mistake that no block of the library makes"),
+    ("too_many_valves", "needs a circuit of more than a hundred valves"),
 ];
 
 /// Pages whose diagram fails while it runs.

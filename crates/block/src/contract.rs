@@ -66,8 +66,9 @@ pub trait Block: Debug + Send + Sync {
     /// Writes `dx = f(t, x, d, u)`; all inputs are known.
     fn derivatives(&self, _c: &Context, _w: &mut Scratch, _dx: &mut [f64]) {}
 
-    /// Advances the discrete states at a sample hit, after the outputs of that instant.
-    fn update(&self, _c: &Context, _d: &mut [f64]) {}
+    /// Advances the discrete states at a sample hit, after the outputs of that instant. A block with a sample time may
+    /// have continuous states, too; its outputs are then evaluated between the hits as well.
+    fn update(&self, _c: &Context, _w: &mut Scratch, _d: &mut [f64]) {}
 
     /// Jumps of states at a major step (a reset, an impact). Returns whether anything changed; the outputs of the
     /// diagram are then evaluated again at the same time.

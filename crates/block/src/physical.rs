@@ -76,6 +76,32 @@ pub enum LossModel {
     },
 }
 
+/// Where an electrical element ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Pin {
+    /// An electrical port.
+    Port(usize),
+    /// Phase 0, 1 or 2 of a three-phase port.
+    Phase(usize, usize),
+    /// A node of the component's own, numbered from 0.
+    Inner(usize),
+    /// Potential zero.
+    Ground,
+}
+
+/// What makes a valve conduct.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ValveKind {
+    /// While the gate is on, in both directions: contact, MOSFET.
+    Switch,
+    /// While it is forward biased: diode.
+    Diode,
+    /// While the gate is on and it is forward biased: IGBT.
+    GatedDiode,
+    /// From a moment when the gate is on and it is forward biased until its current ends: thyristor.
+    Thyristor,
+}
+
 /// What a component contributes to a network. Ports are numbered as in [`Part::ports`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum Element {
@@ -147,65 +173,96 @@ pub enum Element {
     /// A voltage that [`Component::voltages`] gives.
     VoltageSource {
         /// Positive pin.
-        p: usize,
+        p: Pin,
         /// Negative pin.
-        n: usize,
+        n: Pin,
     },
     /// A current that [`Component::currents`] gives.
     Winding {
         /// Positive pin.
-        p: usize,
+        p: Pin,
         /// Negative pin.
-        n: usize,
+        n: Pin,
         /// The current follows from states alone (there is inductance), not from the voltage at the same instant.
         from_state: bool,
     },
     /// A current that [`Component::currents`] gives from its inputs, whatever the voltage.
     CurrentSource {
         /// Pin that the current enters by.
-        p: usize,
+        p: Pin,
         /// Pin that it leaves by.
-        n: usize,
+        n: Pin,
     },
     /// A voltage that is a state: [`Component::voltages`] gives it, the current changes it.
     Capacitance {
         /// Positive pin.
-        p: usize,
+        p: Pin,
         /// Negative pin.
-        n: usize,
+        n: Pin,
     },
     /// `v = resistance * i`.
     Resistance {
         /// Positive pin.
-        p: usize,
+        p: Pin,
         /// Negative pin.
-        n: usize,
+        n: Pin,
         /// Resistance, Ohm; positive.
         resistance: f64,
+    },
+    /// Conducts or not, by a gate, by itself or both.
+    Valve {
+        /// Pin that the current enters by when the valve conducts forward.
+        p: Pin,
+        /// Pin that it leaves by.
+        n: Pin,
+        /// What makes it conduct.
+        kind: ValveKind,
+        /// Resistance while it conducts, ohm; zero is an ideal contact.
+        on_resistance: f64,
+        /// Voltage that remains while it conducts, V.
+        forward_voltage: f64,
+        /// Conductance while it does not, S; zero cuts the branch.
+        off_conductance: f64,
+    },
+    /// `v_primary = ratio * v_secondary`, `i_secondary = -ratio * i_primary`, at all frequencies.
+    IdealTransformer {
+        /// Positive and negative pin.
+        primary: (Pin, Pin),
+        /// Positive and negative pin.
+        secondary: (Pin, Pin),
+        /// Turns of the primary over turns of the secondary.
+        ratio: f64,
     },
     /// Only looks at a voltage.
     VoltageProbe {
         /// Positive pin.
-        p: usize,
+        p: Pin,
         /// Negative pin.
-        n: usize,
+        n: Pin,
     },
     /// A wire whose current is measured.
     CurrentProbe {
         /// Positive pin.
-        p: usize,
+        p: Pin,
         /// Negative pin.
-        n: usize,
+        n: Pin,
     },
     /// A symmetric three-phase source that [`Component::supply`] gives.
     Supply {
         /// Three-phase port.
         ac: usize,
     },
-    /// A symmetric three-phase load; it sees [`Law::supply`] and gives [`Component::line_current`].
+    /// A three-phase winding that is symmetric and has inductance; it sees [`Law::supply`] and gives
+    /// [`Component::line_current`].
+    ///
+    /// With `ends` it is three separate windings from the phases of `ac` to those of `ends`; voltages and currents are
+    /// those of the windings. Without, the windings are joined inside, in delta or in a star whose point floats:
+    /// voltages are those of the phases against their mean, currents those of the lines.
     Machine {
         /// Three-phase port.
         ac: usize,
+        /// Three-phase port of the other ends.
+        ends: Option<usize>,
     },
     /// The inertial frame.
     World {
@@ -278,18 +335,50 @@ pub enum Needs {
     Motion,
 }
 
-/// A symmetric three-phase voltage as a space vector (amplitude invariant) in a frame that turns with the
-/// supply.
+/// Three-phase voltages as a space vector (amplitude invariant) in a frame of its own.
+///
+/// An ideal source gives its frame, which turns with it, to the machines that it feeds directly; elsewhere the frame
+/// stands still with its real axis on phase a.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Supply {
-    /// Peak phase voltage, V.
-    pub amplitude: f64,
-    /// Angle of the voltage vector in the frame of the supply, rad.
-    pub offset: f64,
+    /// Components on the real (d) and imaginary (q) axis of the frame, V; their length is the peak phase voltage.
+    pub voltage: [f64; 2],
+    /// Zero sequence: the mean of the three voltages, V.
+    pub zero: f64,
     /// Speed of the frame, Hz; negative for the sequence a, c, b.
     pub frequency: f64,
     /// Angle of the frame against the axis of phase a, rad.
     pub angle: f64,
+}
+
+impl Supply {
+    /// Peak phase voltage, V.
+    pub fn amplitude(&self) -> f64 {
+        self.voltage[0].hypot(self.voltage[1])
+    }
+
+    /// Voltages of the phases, V.
+    pub fn phases(&self) -> [f64; 3] {
+        let (sin, cos) = self.angle.sin_cos();
+        let [d, q] = self.voltage;
+        from_space_vector([cos * d - sin * q, sin * d + cos * q, self.zero])
+    }
+}
+
+/// Half the square root of three.
+const HALF_SQRT_3: f64 = 0.866_025_403_784_438_6;
+
+/// Phase values of a space vector with zero sequence in the frame of phase a.
+#[inline]
+pub fn from_space_vector([alpha, beta, zero]: [f64; 3]) -> [f64; 3] {
+    let (half, lift) = (-0.5 * alpha, HALF_SQRT_3 * beta);
+    [alpha + zero, half + lift + zero, half - lift + zero]
+}
+
+/// Space vector and zero sequence of phase values, in the frame of phase a.
+#[inline]
+pub fn space_vector([a, b, c]: [f64; 3]) -> [f64; 3] {
+    [(2.0 * a - b - c) / 3.0, (b - c) / (2.0 * HALF_SQRT_3), (a + b + c) / 3.0]
 }
 
 /// Motion of the joint of a component.
@@ -307,7 +396,8 @@ pub struct JointMotion {
 
 /// What a component sees. Lists are numbered by the elements of one kind in the order of [`Part::elements`]:
 /// `speed`, `acceleration` and `torque` count branches, rigid couplings, speed sources and speed probes together;
-/// `voltage` and `current` count all two-pins (sources, capacitances, windings, resistances, both probes) together.
+/// `voltage` and `current` count all two-pins (sources, capacitances, windings, resistances, valves, both probes)
+/// together; an ideal transformer counts as two, primary and secondary.
 #[derive(Debug, Clone, Copy)]
 pub struct Law<'a> {
     /// Time, s.
@@ -334,8 +424,8 @@ pub struct Law<'a> {
     pub current: &'a [f64],
     /// The three-phase supply that the component is connected to (or is).
     pub supply: Supply,
-    /// Current drawn from the supply as a space vector in its frame, A; for the supply in `measure`.
-    pub line_current: [f64; 2],
+    /// Current drawn from the supply as a space vector in its frame and zero sequence, A; for the supply in `measure`.
+    pub line_current: [f64; 3],
     /// Motion of the component's joint.
     pub joint: JointMotion,
 }
@@ -356,7 +446,7 @@ impl<'a> Law<'a> {
             voltage: &[],
             current: &[],
             supply: Supply::default(),
-            line_current: [0.0; 2],
+            line_current: [0.0; 3],
             joint: JointMotion::default(),
         }
     }
@@ -394,10 +484,25 @@ pub trait Component: Debug + Send + Sync {
     /// Current of each winding and current source, A.
     fn currents(&self, _c: &Law, _i: &mut [f64]) {}
 
-    /// Current that a machine draws from its supply, as a space vector in the frame of the supply, A.
-    fn line_current(&self, _c: &Law) -> [f64; 2] {
-        [0.0; 2]
+    /// Current that a machine draws from its supply, as a space vector in the frame of the supply and zero sequence, A;
+    /// from states alone.
+    fn line_current(&self, _c: &Law) -> [f64; 3] {
+        [0.0; 3]
     }
+
+    /// Whether the gate of each valve is on; from inputs and discrete states.
+    fn gates(&self, _c: &Law, _on: &mut [bool]) {}
+
+    /// How the currents of windings that are states change with voltages: `di/dt = inverse * (v - internal)`.
+    ///
+    /// Where nothing but such currents meets at a node they depend on each other, and this tells the potential
+    /// there. `internal` has one entry for each such winding, three for a machine: a space vector in the frame of its
+    /// supply and zero sequence. `inverse`, 1/H, is symmetric and stored by rows. Speeds are known.
+    fn reluctance(&self, _c: &Law, _internal: &mut [f64], _inverse: &mut [f64]) {}
+
+    /// Adds volt-seconds, as numbered in [`reluctance`](Self::reluctance), to the fluxes: what a voltage without end
+    /// does in no time when a contact opens.
+    fn strike(&self, _c: &Law, _volt_seconds: &[f64], _x: &mut [f64]) {}
 
     /// Torque of each branch.
     fn torques(&self, _c: &Law, _tau: &mut [Torque]) {}
@@ -450,6 +555,9 @@ pub struct Part {
     pub time_events: bool,
     /// What the component contributes.
     pub elements: Vec<Element>,
+    /// The electrical circuit that the component belongs to is integrated by the network itself, between the edges of
+    /// its valves, and coupled to the mechanics in steps of this length, s; see [`Part::separate`].
+    pub separate: Option<f64>,
 }
 
 impl Part {
@@ -500,6 +608,15 @@ impl Part {
     /// Adds a discrete state. The component changes it in [`Component::jump`].
     pub fn discrete(mut self, name: &str, initial: f64) -> Self {
         self.discrete.push(Discrete { name: name.to_owned(), initial });
+        self
+    }
+
+    /// Lets the network integrate the circuit that this component belongs to by itself: from one instant where a
+    /// component of it changes by itself ([`Component::next_event`]) to the next, at the speeds that are expected for
+    /// the coupling step; the mechanics gets the mean of the torques. For circuits that switch much faster than the
+    /// mechanics moves.
+    pub fn separate(mut self, step: f64) -> Self {
+        self.separate = Some(step);
         self
     }
 

@@ -160,7 +160,9 @@ impl<B: Block> Bench<B> {
     pub fn hit(&mut self) -> Vec<f64> {
         let y = self.major();
         let mut d = self.d.clone();
-        self.block.update(&self.context(&self.x, &[]), &mut d);
+        let mut w = std::mem::take(&mut self.w);
+        self.block.update(&self.context(&self.x, &[]), &mut w, &mut d);
+        self.w = w;
         self.d = d;
         y
     }

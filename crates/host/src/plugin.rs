@@ -158,7 +158,7 @@ impl Block for Plugin {
         });
     }
 
-    fn update(&self, c: &Context, d: &mut [f64]) {
+    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
         self.run(c, |Loaded { kind, params, .. }| {
             with_numbers(d.len(), |before| {
                 before.copy_from_slice(d);

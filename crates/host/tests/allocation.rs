@@ -45,7 +45,7 @@ fn outputs_and_updates_do_not_allocate() {
     for k in 0..1000 {
         u[0] = 1e-3 * f64::from(k);
         block.outputs(0, &context(&u, &d, &inputs, &fault), &mut scratch, &mut y);
-        block.update(&context(&u, &[], &inputs, &fault), &mut d);
+        block.update(&context(&u, &[], &inputs, &fault), &mut Scratch::default(), &mut d);
     }
     assert_eq!(COUNT.get() - before, 0);
     assert!(!fault.is_raised() && y[0] == 1.0, "{y:?}");

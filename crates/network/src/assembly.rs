@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use blocksim_block::Block;
-use blocksim_block::physical::{Element, Part};
+use blocksim_block::physical::Part;
 
 use crate::members::Members;
 use crate::network::Network;
@@ -44,8 +44,9 @@ pub struct Terminal {
 pub fn assemble(members: Vec<Member>, joined: &[Vec<Terminal>]) -> Result<Network, Vec<NetworkProblem>> {
     let view = Members::new(&members, joined);
     let mut problems = view.unconnected();
-    let supplies = view.supplies().map_err(|more| problems.extend(more)).unwrap_or_default();
-    let electrics = electrics::build(&view).map_err(|more| problems.extend(more)).ok();
+    let fed_by = view.fed_by();
+    let fed: Vec<bool> = fed_by.iter().map(Option::is_some).collect();
+    let electrics = electrics::build(&view, &fed).map_err(|more| problems.extend(more)).ok();
     let frames = frames::build(&view).map_err(|more| problems.extend(more)).ok();
     let rotation = frames.as_ref().and_then(|frames| {
         rotation::build(&view, &frames.joint_members).map_err(|more| problems.extend(more)).ok()
@@ -58,7 +59,7 @@ pub fn assemble(members: Vec<Member>, joined: &[Vec<Terminal>]) -> Result<Networ
         .collect();
     problems.retain(|p| {
         p.code == "unconnected_port"
-            || !matches!(p.code, "floating_node" | "missing_reference")
+            || !matches!(p.code, "floating_node" | "missing_reference" | "missing_supply")
             || !p.members.iter().any(|(member, _)| unconnected.contains(member))
     });
     if !problems.is_empty() {
@@ -67,23 +68,5 @@ pub fn assemble(members: Vec<Member>, joined: &[Vec<Terminal>]) -> Result<Networ
     let (Some(electrics), Some(frames), Some(rotation)) = (electrics, frames, rotation) else {
         return Err(problems);
     };
-    let supply_of =
-        members
-            .iter()
-            .enumerate()
-            .map(|(i, member)| {
-                member.part.elements.iter().find_map(|element| match element {
-                    Element::Supply { ac } | Element::Machine { ac } => {
-                        let node = view.node(i, *ac);
-                        supplies.iter().position(|supply| {
-                            view.list[*supply].part.elements.iter().any(
-                                |e| matches!(e, Element::Supply { ac } if view.node(*supply, *ac) == node),
-                            )
-                        })
-                    }
-                    _ => None,
-                })
-            })
-            .collect();
-    Network::new(members, rotation, electrics, frames, supplies, supply_of)
+    Network::new(members, rotation, electrics, frames, &fed_by)
 }

@@ -1,89 +1,266 @@
 //! Second phase of an evaluation: supplies, voltages and currents.
 
 use blocksim_block::Context;
+use blocksim_block::physical::{Supply, ValveKind, from_space_vector, space_vector};
 
-use crate::electrics::GivenBy;
-use crate::eliminate::Form;
+use crate::electrics::{Conducting, Early, GivenBy, Joined, Unsolvable, coordinates, solve};
 use crate::network::Network;
-use crate::seat::{ELECTRICS, Seat};
+use crate::seat::{ELECTRICS, Role};
 use crate::work::Work;
+
+/// Why the circuit of an island could not be evaluated; the context knows the sentence.
+pub(crate) struct Faulty;
 
 impl Network {
     /// What sensors read that follows from states alone.
     pub(crate) fn early_readings(&self, c: &Context, w: &mut Work) {
         let mut given = std::mem::take(&mut w.given);
-        self.source_voltages(c, w, &mut given, |seat| seat.is_capacitance);
-        self.given_currents(c, w, &mut given, |by| by == GivenBy::State);
-        for (two_pin, (voltage, current)) in w.voltage.iter_mut().zip(&mut w.current).enumerate() {
-            if self.electrics.is_early(two_pin) {
-                *voltage = self.electrics.voltages[two_pin].of(&given);
-                *current = self.electrics.currents[two_pin].of(&given);
+        for seat in self.active.circuit.iter().map(|i| &self.seats[*i]) {
+            let Some(component) = seat.member.block.component() else { continue };
+            if seat.is_capacitance {
+                component.voltages(&self.law(c, seat, w), &mut given[seat.sources.clone()]);
+            }
+        }
+        self.given_currents(c, w, &mut given, &self.active.circuit, |by| by == GivenBy::State);
+        for (two_pin, early) in self.electrics.early.iter().enumerate() {
+            match early {
+                Some(Early::Voltage(form)) => w.voltage[two_pin] = form.of(&given),
+                Some(Early::Current(form)) => w.current[two_pin] = form.of(&given),
+                None => {}
             }
         }
         w.given = given;
     }
 
-    fn source_voltages(&self, c: &Context, w: &Work, given: &mut [f64], which: impl Fn(&Seat) -> bool) {
-        for seat in self.active.sources.iter().map(|i| &self.seats[*i]).filter(|seat| which(seat)) {
-            if let Some(component) = seat.member.block.component() {
-                component.voltages(&self.law(c, seat, w), &mut given[seat.sources.clone()]);
-            }
-        }
-    }
-
-    fn given_currents(&self, c: &Context, w: &Work, given: &mut [f64], which: impl Fn(GivenBy) -> bool) {
+    /// Currents of these members that depend on what is asked for.
+    fn given_currents(
+        &self,
+        c: &Context,
+        w: &Work,
+        given: &mut [f64],
+        members: &[usize],
+        which: impl Fn(GivenBy) -> bool,
+    ) {
         let first = self.electrics.sources;
-        for seat in self.active.windings.iter().map(|i| &self.seats[*i]) {
+        for seat in members.iter().map(|i| &self.seats[*i]) {
             // A component writes all its currents; those that wait for a voltage are written again.
             if !seat.windings.clone().any(|i| which(self.electrics.windings[i])) {
                 continue;
             }
-            if let Some(component) = seat.member.block.component() {
-                let range = first + seat.windings.start..first + seat.windings.end;
-                component.currents(&self.law(c, seat, w), &mut given[range]);
+            let Some(component) = seat.member.block.component() else { continue };
+            let law = self.law(c, seat, w);
+            let own = &mut given[first + seat.windings.start..first + seat.windings.end];
+            match seat.role {
+                Role::Machine(_) => {
+                    let phases = from_space_vector(component.line_current(&law));
+                    own.iter_mut().zip(phases).for_each(|(to, current)| *to = current);
+                }
+                _ => component.currents(&law, own),
             }
         }
     }
 
-    /// Voltages and currents.
+    /// Voltages and currents of everything that the network does not integrate by itself.
     pub(crate) fn electrics_phase(&self, c: &Context, w: &mut Work) {
         if w.evaluation[ELECTRICS] == c.evaluation {
             return;
         }
         self.state_phase(c, w);
         w.evaluation[ELECTRICS] = c.evaluation;
-        for (i, member) in self.supplies.iter().enumerate() {
-            let seat = &self.seats[*member];
-            if let Some(component) = seat.member.block.component() {
-                w.supply[i] = component.supply(&self.law(c, seat, w));
+        self.fed(c, w);
+        for (island, circuit) in self.electrics.islands.iter().enumerate() {
+            if circuit.separate.is_none() && self.circuit(island, c, w).is_err() {
+                return;
             }
         }
-        if !w.supply.is_empty() {
-            w.line_current.fill([0.0; 2]);
-            for seat in self.active.machines.iter().map(|i| &self.seats[*i]) {
-                if let (Some(component), Some(i)) = (seat.member.block.component(), seat.supply) {
-                    let [d, q] = component.line_current(&self.law(c, seat, w));
-                    w.line_current[i][0] += d;
-                    w.line_current[i][1] += q;
-                }
-            }
-        }
-        if w.voltage.is_empty() {
+    }
+
+    /// Voltages and currents of what the network integrates by itself, for those who look at them.
+    pub(crate) fn held_circuits(&self, c: &Context, w: &mut Work) {
+        if self.separate.is_empty() || w.held_evaluation == c.evaluation {
             return;
         }
-        let mut given = std::mem::take(&mut w.given);
-        self.source_voltages(c, w, &mut given, |_| true);
-        self.given_currents(c, w, &mut given, |by| by != GivenBy::Voltage);
-        all(&self.electrics.voltages, &given, &mut w.voltage);
-        if self.electrics.waits_for_voltages() {
-            self.given_currents(c, w, &mut given, |by| by == GivenBy::Voltage);
-            all(&self.electrics.voltages, &given, &mut w.voltage);
+        w.held_evaluation = c.evaluation;
+        for separate in &self.separate {
+            if self.circuit(separate.island, c, w).is_err() {
+                return;
+            }
         }
-        all(&self.electrics.currents, &given, &mut w.current);
+    }
+
+    /// Ideal sources and the machines that they feed directly.
+    fn fed(&self, c: &Context, w: &mut Work) {
+        for seat in self.active.sources.iter().map(|i| &self.seats[*i]) {
+            if let (Some(component), Some(slot)) = (seat.member.block.component(), seat.supply) {
+                w.supply[slot] = component.supply(&self.law(c, seat, w));
+                w.line_current[slot] = [0.0; 3];
+            }
+        }
+        for seat in self.active.fed.iter().map(|i| &self.seats[*i]) {
+            if let (Some(component), Some(slot)) = (seat.member.block.component(), seat.supply) {
+                let current = component.line_current(&self.law(c, seat, w));
+                w.line_current[slot].iter_mut().zip(current).for_each(|(sum, i)| *sum += i);
+            }
+        }
+    }
+
+    /// Voltages and currents of one island.
+    pub(crate) fn circuit(&self, island: usize, c: &Context, w: &mut Work) -> Result<(), Faulty> {
+        let members = &self.electrics.islands[island].members;
+        let mut given = std::mem::take(&mut w.given);
+        for seat in members.iter().map(|i| &self.seats[*i]).filter(|seat| !seat.sources.is_empty()) {
+            let Some(component) = seat.member.block.component() else { continue };
+            let law = self.law(c, seat, w);
+            let own = &mut given[seat.sources.clone()];
+            match (seat.role, seat.supply) {
+                (Role::Source, Some(slot)) => {
+                    let supply = component.supply(&law);
+                    own.copy_from_slice(&supply.phases());
+                    w.supply[slot] = supply;
+                }
+                _ => component.voltages(&law, own),
+            }
+        }
+        self.given_currents(c, w, &mut given, members, |by| by != GivenBy::Voltage);
         w.given = given;
+        let conducting = self.conducting(island, c, w);
+        self.choose(island, conducting, c, w)?;
+        self.voltages(island, w);
+        self.float(island, c, w);
+        if self.electrics.islands[island].waits {
+            let mut given = std::mem::take(&mut w.given);
+            self.given_currents(c, w, &mut given, members, |by| by == GivenBy::Voltage);
+            w.given = given;
+            self.voltages(island, w);
+        }
+        let Work { circuits, given, current, .. } = w;
+        let solved = &circuits[island].now().currents;
+        for (pin, form) in self.electrics.islands[island].two_pins.iter().zip(solved) {
+            current[pin.index] = form.of(given);
+        }
+        for seat in members.iter().map(|i| &self.seats[*i]) {
+            self.vectors(seat, w);
+        }
+        Ok(())
+    }
+
+    fn voltages(&self, island: usize, w: &mut Work) {
+        let Work { circuits, given, voltage, .. } = w;
+        for (pin, form) in
+            self.electrics.islands[island].two_pins.iter().zip(&circuits[island].now().voltages)
+        {
+            voltage[pin.index] = form.of(given);
+        }
+    }
+
+    /// The space vectors that machines and supplies of a circuit see.
+    fn vectors(&self, seat: &crate::seat::Seat, w: &mut Work) {
+        let Some(slot) = seat.supply else { return };
+        match seat.role {
+            Role::Machine(joined) => {
+                let v = coordinates(joined, &w.voltage[seat.two_pins.clone()]);
+                w.supply[slot] = Supply { voltage: [v[0], v[1]], zero: v[2], ..Supply::default() };
+            }
+            Role::Source => {
+                let i = &w.current[seat.two_pins.clone()];
+                let [alpha, beta, zero] = space_vector([-i[0], -i[1], -i[2]]);
+                let (sin, cos) = w.supply[slot].angle.sin_cos();
+                w.line_current[slot] = [cos * alpha + sin * beta, cos * beta - sin * alpha, zero];
+            }
+            Role::Fed | Role::Other => {}
+        }
+    }
+
+    /// Which valves of an island conduct: what the gates say and what the discrete states remember.
+    pub(crate) fn conducting(&self, island: usize, c: &Context, w: &mut Work) -> Conducting {
+        let island = &self.electrics.islands[island];
+        if island.valves.is_empty() {
+            return 0;
+        }
+        let mut gates = std::mem::take(&mut w.gates);
+        for seat in island.members.iter().map(|i| &self.seats[*i]).filter(|seat| !seat.valves.is_empty()) {
+            if let Some(component) = seat.member.block.component() {
+                component.gates(&self.law(c, seat, w), &mut gates[seat.valves.clone()]);
+            }
+        }
+        let mut conducting = 0;
+        for (bit, valve) in island.valves.iter().enumerate() {
+            let latched = || c.d.get(self.first_latch + valve).is_some_and(|latch| *latch != 0.0);
+            let on = match self.electrics.valves[*valve].kind {
+                ValveKind::Switch => gates[*valve],
+                ValveKind::Diode | ValveKind::Thyristor => latched(),
+                ValveKind::GatedDiode => gates[*valve] && latched(),
+            };
+            conducting |= Conducting::from(on) << bit;
+        }
+        w.gates = gates;
+        conducting
+    }
+
+    /// Makes the solution for a set of conducting valves the current one; it is worked out at its first use.
+    pub(crate) fn choose(
+        &self,
+        island: usize,
+        conducting: Conducting,
+        c: &Context,
+        w: &mut Work,
+    ) -> Result<(), Faulty> {
+        if w.circuits[island].choose(conducting) {
+            return Ok(());
+        }
+        match solve(&self.electrics, &self.electrics.islands[island], conducting) {
+            Ok(solved) => {
+                w.circuits[island].add(conducting, solved);
+                Ok(())
+            }
+            Err(why) => {
+                c.fail(self.unsolvable(island, conducting, &why));
+                Err(Faulty)
+            }
+        }
+    }
+
+    /// What valves have done to a circuit that cannot be.
+    fn unsolvable(&self, island: usize, conducting: Conducting, why: &Unsolvable) -> String {
+        let circuit = &self.electrics.islands[island];
+        let name = |two_pin: &usize| self.seats[circuit.two_pins[*two_pin].member].member.path.as_str();
+        let valves = |on: bool| -> String {
+            let which =
+                circuit.valves.iter().enumerate().filter(|(bit, _)| (conducting >> bit & 1 == 1) == on);
+            let mut names: Vec<&str> = which
+                .map(|(_, v)| self.seats[self.electrics.valves[*v].member].member.path.as_str())
+                .collect();
+            names.dedup();
+            names.join("`, `")
+        };
+        match why {
+            Unsolvable::Loop(two_pins) => {
+                let mut names: Vec<&str> = two_pins.iter().map(name).collect();
+                names.dedup();
+                format!(
+                    "the conducting valves (`{}`) close a loop of ideal voltages among `{}`: give the valves a \
+                     resistance, and do not let both valves of a leg conduct at once",
+                    valves(true),
+                    names.join("`, `")
+                )
+            }
+            Unsolvable::Cut(two_pins) => format!(
+                "the open valves (`{}`) leave the prescribed current of `{}` without a path: connect a resistance in \
+                 parallel, or give the valves an off-state conductance",
+                valves(false),
+                two_pins.first().map_or("", name)
+            ),
+            Unsolvable::Floating(_) => format!(
+                "the open valves (`{}`) leave a part of the circuit without any potential: connect it to a reference",
+                valves(false)
+            ),
+        }
     }
 }
 
-fn all(forms: &[Form], given: &[f64], out: &mut [f64]) {
-    out.iter_mut().zip(forms).for_each(|(to, form)| *to = form.of(given));
+/// Kinds of connection that have three voltages of their own.
+impl Role {
+    pub(crate) fn joined(self) -> Option<Joined> {
+        if let Role::Machine(joined) = self { Some(joined) } else { None }
+    }
 }

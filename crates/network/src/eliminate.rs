@@ -46,11 +46,6 @@ impl Relations {
         &self.rows[row][..self.unknowns]
     }
 
-    /// Coefficients of the given values in a row.
-    pub(crate) fn given_row(&self, row: usize) -> &[f64] {
-        &self.rows[row][self.unknowns..]
-    }
-
     pub(crate) fn len(&self) -> usize {
         self.rows.len()
     }

@@ -11,12 +11,16 @@
 //! currents of sources from Kirchhoff's law; torques follow, then accelerations.
 
 mod assembly;
+mod circuits;
+mod commutation;
 mod constraints;
 mod currents;
 mod electrics;
 mod eliminate;
+mod float;
 mod frames;
 mod implicit;
+mod layout;
 mod members;
 mod mesh;
 mod motion;
@@ -24,6 +28,7 @@ mod network;
 mod problem;
 mod rotation;
 mod seat;
+mod separate;
 mod speeds;
 mod work;
 

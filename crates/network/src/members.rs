@@ -1,6 +1,6 @@
 //! Members of a network with their ports numbered as nodes.
 
-use blocksim_block::physical::{Domain, Element};
+use blocksim_block::physical::{Domain, Element, Pin};
 
 use crate::assembly::{Member, Terminal};
 use crate::problem::NetworkProblem;
@@ -13,9 +13,14 @@ pub(crate) struct Members<'a> {
     /// Terminals of each node of each domain.
     terminals: [Vec<Vec<Terminal>>; 4],
     pub rotational_nodes: usize,
+    /// Nodes of electrical ports, then three of each three-phase node, then those inside components.
     pub electrical_nodes: usize,
     pub three_phase_nodes: usize,
     pub frame_nodes: usize,
+    /// First node inside each member.
+    inner: Vec<usize>,
+    /// Electrical ports whose potential is zero.
+    grounded: Vec<bool>,
 }
 
 fn index_of(domain: Domain) -> usize {
@@ -25,6 +30,30 @@ fn index_of(domain: Domain) -> usize {
         Domain::Electrical => 1,
         Domain::ThreePhase => 2,
         Domain::Frame => 3,
+    }
+}
+
+/// Number of nodes inside a component.
+fn inner_nodes(elements: &[Element]) -> usize {
+    let inner = |pin: &Pin| if let Pin::Inner(index) = pin { index + 1 } else { 0 };
+    elements.iter().flat_map(pins).map(|pin| inner(&pin)).max().unwrap_or(0)
+}
+
+/// Where an electrical element ends.
+fn pins(element: &Element) -> Vec<Pin> {
+    match *element {
+        Element::VoltageSource { p, n }
+        | Element::Winding { p, n, .. }
+        | Element::CurrentSource { p, n }
+        | Element::Capacitance { p, n }
+        | Element::Resistance { p, n, .. }
+        | Element::Valve { p, n, .. }
+        | Element::VoltageProbe { p, n }
+        | Element::CurrentProbe { p, n } => vec![p, n],
+        Element::IdealTransformer { primary, secondary, .. } => {
+            vec![primary.0, primary.1, secondary.0, secondary.1]
+        }
+        _ => Vec::new(),
     }
 }
 
@@ -51,11 +80,25 @@ impl<'a> Members<'a> {
                 nodes.push(vec![t]);
             }
         }
+        let mut grounded = vec![false; terminals[1].len()];
+        let mut electrical_nodes = terminals[1].len() + 3 * terminals[2].len();
+        let mut inner = Vec::new();
+        for (member, nodes) in list.iter().zip(&node_of) {
+            inner.push(electrical_nodes);
+            electrical_nodes += inner_nodes(&member.part.elements);
+            for element in &member.part.elements {
+                if let Element::ElectricalReference { port } = element {
+                    grounded[nodes[*port]] = true;
+                }
+            }
+        }
         Self {
             list,
             node_of,
             rotational_nodes: terminals[0].len(),
-            electrical_nodes: terminals[1].len(),
+            electrical_nodes,
+            inner,
+            grounded,
             three_phase_nodes: terminals[2].len(),
             frame_nodes: terminals[3].len(),
             terminals,
@@ -72,6 +115,27 @@ impl<'a> Members<'a> {
 
     pub(crate) fn node(&self, member: usize, port: usize) -> usize {
         self.node_of[member][port]
+    }
+
+    /// The node at a pin, `None` if its potential is zero.
+    pub(crate) fn electrical_node(&self, member: usize, pin: Pin) -> Option<usize> {
+        match pin {
+            Pin::Ground => None,
+            Pin::Inner(index) => Some(self.inner[member] + index),
+            Pin::Port(port) => Some(self.node(member, port)).filter(|node| !self.grounded[*node]),
+            Pin::Phase(port, phase) => Some(self.terminals[1].len() + 3 * self.node(member, port) + phase),
+        }
+    }
+
+    /// Whether an electrical node is a phase of a three-phase node.
+    pub(crate) fn is_phase(&self, node: usize) -> bool {
+        let ports = self.terminals[1].len();
+        (ports..ports + 3 * self.three_phase_nodes).contains(&node)
+    }
+
+    /// Whether anything holds a potential at zero.
+    pub(crate) fn is_grounded(&self) -> bool {
+        self.grounded.contains(&true)
     }
 
     pub(crate) fn path(&self, member: usize) -> &str {
@@ -94,7 +158,15 @@ impl<'a> Members<'a> {
     }
 
     pub(crate) fn electrical_node_name(&self, node: usize) -> String {
-        self.name(Domain::Electrical, node)
+        let ports = self.terminals[1].len();
+        let phases = ports + 3 * self.three_phase_nodes;
+        if node < ports {
+            self.name(Domain::Electrical, node)
+        } else if node < phases {
+            self.name(Domain::ThreePhase, (node - ports) / 3)
+        } else {
+            self.path(self.any_electrical_member_at(node)).to_owned()
+        }
     }
 
     pub(crate) fn any_member_at(&self, node: usize) -> usize {
@@ -102,7 +174,14 @@ impl<'a> Members<'a> {
     }
 
     pub(crate) fn any_electrical_member_at(&self, node: usize) -> usize {
-        self.terminals[1][node][0].member
+        let ports = self.terminals[1].len();
+        if node < ports {
+            self.terminals[1][node][0].member
+        } else if node < ports + 3 * self.three_phase_nodes {
+            self.terminals[2][(node - ports) / 3][0].member
+        } else {
+            self.inner.partition_point(|first| *first <= node) - 1
+        }
     }
 
     /// The free speed of a node moves nothing.
@@ -162,40 +241,31 @@ impl<'a> Members<'a> {
         problems
     }
 
-    /// The supply of each three-phase node: the member that is the source.
-    pub(crate) fn supplies(&self) -> Result<Vec<usize>, Vec<NetworkProblem>> {
-        let mut supplies = vec![None; self.three_phase_nodes];
-        let mut problems = Vec::new();
-        for (member, element) in self.elements() {
-            let Element::Supply { ac } = element else { continue };
-            let slot: &mut Option<usize> = &mut supplies[self.node(member, *ac)];
-            if let Some(other) = slot {
-                problems.push(
-                    NetworkProblem::new(
-                        "voltage_conflict",
-                        "two ideal three-phase sources are connected in parallel",
-                        "remove one of them",
-                    )
-                    .with(member, "prescribes the voltages")
-                    .with(*other, "prescribes the voltages"),
-                );
-            }
-            *slot = Some(member);
-        }
-        for (node, supply) in supplies.iter().enumerate() {
-            let terminals = &self.terminals[2][node];
-            if supply.is_none() && terminals.len() > 1 {
-                let problem = NetworkProblem::new(
-                    "missing_supply",
-                    format!(
-                        "nothing feeds the three-phase node at `{}`",
-                        self.name(Domain::ThreePhase, node)
-                    ),
-                    "connect a three-phase source or an inverter",
-                );
-                problems.push(terminals.iter().fold(problem, |p, t| p.with(t.member, "is connected to it")));
+    /// The supply that feeds each supply and each machine of three-phase nodes where nothing else is connected: the
+    /// member that is the source. Such machines need no circuit.
+    pub(crate) fn fed_by(&self) -> Vec<Option<usize>> {
+        let mut fed_by = vec![None; self.list.len()];
+        for terminals in &self.terminals[2] {
+            let is = |t: &Terminal, which: &dyn Fn(&Element) -> bool| {
+                self.list[t.member].part.elements.iter().any(which)
+            };
+            let supply = |e: &Element| matches!(e, Element::Supply { .. });
+            let machine = |e: &Element| matches!(e, Element::Machine { ends: None, .. });
+            let alone = |t: &Terminal| {
+                let part = &self.list[t.member].part;
+                part.separate.is_none()
+                    && part.ports.iter().filter(|port| is_electrical(port.domain)).count() == 1
+            };
+            let plain = terminals.iter().all(|t| (is(t, &supply) || is(t, &machine)) && alone(t));
+            let mut supplies = terminals.iter().filter(|t| is(t, &supply));
+            if let (true, Some(source), None) = (plain, supplies.next(), supplies.next()) {
+                terminals.iter().for_each(|t| fed_by[t.member] = Some(source.member));
             }
         }
-        if problems.is_empty() { Ok(supplies.into_iter().flatten().collect()) } else { Err(problems) }
+        fed_by
     }
+}
+
+fn is_electrical(domain: Domain) -> bool {
+    matches!(domain, Domain::Electrical | Domain::ThreePhase)
 }

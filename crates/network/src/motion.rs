@@ -1,6 +1,7 @@
 //! Third phase of an evaluation: torques, accelerations, and what the rigid parts must supply.
 
 use blocksim_block::Context;
+use blocksim_block::physical::Torque;
 use blocksim_multibody::mass_and_bias;
 use blocksim_solve::linear::{cholesky_factor, cholesky_solve};
 
@@ -48,7 +49,11 @@ impl Network {
 
         let mut torque = std::mem::take(&mut w.torque);
         for seat in self.active.branches.iter().map(|i| &self.seats[*i]) {
-            if let Some(component) = seat.member.block.component() {
+            if let Some(held) = &seat.held {
+                for (to, mean) in torque[seat.branches.clone()].iter_mut().zip(held.torque.clone()) {
+                    *to = Torque { value: c.d[mean], slope: 0.0 };
+                }
+            } else if let Some(component) = seat.member.block.component() {
                 component.torques(&self.law(c, seat, w), &mut torque[seat.branches.clone()]);
             }
         }

@@ -1,7 +1,7 @@
 //! A network as a block: its values, laid out.
 
-use blocksim_block::physical::{Element, JointMotion, Law, MeshLoss, Needs, Supply};
-use blocksim_block::{Block, Context, Given, Input, Interface, InterfaceError, Output, Scratch};
+use blocksim_block::physical::{JointMotion, Law, MeshLoss, Supply};
+use blocksim_block::{Block, Context, Fault, Given, Interface, InterfaceError, Scratch};
 use blocksim_solve::linear::cholesky_factor;
 
 use crate::assembly::Member;
@@ -10,6 +10,7 @@ use crate::frames::Frames;
 use crate::problem::NetworkProblem;
 use crate::rotation::Rotation;
 use crate::seat::{Active, ELECTRICS, STATE, Seat};
+use crate::separate::Separate;
 use crate::work::Work;
 
 /// A physical network as one block.
@@ -23,182 +24,33 @@ pub struct Network {
     pub(crate) electrics: Electrics,
     pub(crate) frames: Frames,
     pub(crate) meshes: Vec<MeshLoss>,
-    /// Member of each supply.
-    pub(crate) supplies: Vec<usize>,
+    /// Number of supplies: those of sources, and those that machines in circuits see.
+    pub(crate) supplies: usize,
+    /// Where the discrete states of valves begin: whether each conducts by itself.
+    pub(crate) first_latch: usize,
+    /// Valves that conduct by themselves, in the order of their guards, which come behind those of the members.
+    pub(crate) natural: Vec<usize>,
+    pub(crate) first_natural: usize,
     pub(crate) interface: Interface,
     pub(crate) joints: usize,
     /// Some currents are measured before voltages are known.
     pub(crate) has_early: bool,
     pub(crate) active: Active,
+    /// Circuits that the network integrates by itself.
+    pub(crate) separate: Vec<Separate>,
 }
 
-const NO_SUPPLY: Supply = Supply { amplitude: 0.0, offset: 0.0, frequency: 0.0, angle: 0.0 };
+const NO_SUPPLY: Supply = Supply { voltage: [0.0; 2], zero: 0.0, frequency: 0.0, angle: 0.0 };
 const NO_JOINT: JointMotion = JointMotion { q: 0.0, w: 0.0, a: 0.0, drive: 0.0 };
 
 impl Network {
-    pub(crate) fn new(
-        members: Vec<Member>,
-        rotation: Rotation,
-        electrics: Electrics,
-        frames: Frames,
-        supplies: Vec<usize>,
-        supply_of: Vec<Option<usize>>,
-    ) -> Result<Self, Vec<NetworkProblem>> {
-        let joints = frames.joint_members.len();
-        let mut interface = Interface::new().implicit();
-        let names: Vec<String> =
-            frames.joint_members.iter().map(|m| format!("{}.q", members[*m].path)).collect();
-        for (name, position) in names.iter().zip(&frames.position) {
-            interface = interface.state(name.clone(), *position);
-        }
-        for (name, start) in rotation.names.iter().zip(&rotation.start) {
-            interface = interface.state(name.clone(), *start);
-        }
-
-        // Inputs of prescribed speeds and of electrical sources: what groups 0 and 1 read.
-        let mut reads = [Vec::new(), Vec::new()];
-        let mut seats = Vec::new();
-        let mut has_early = false;
-        let (mut x, mut u, mut y) = (joints + rotation.free, 0, 0);
-        let (mut d, mut g) = (0, 0);
-        let mut at = [0usize; 7];
-        for (index, (member, supply)) in members.into_iter().zip(supply_of).enumerate() {
-            let mut counts = [0usize; 7];
-            let (mut is_machine, mut is_capacitance, mut drives_electrics) = (false, false, false);
-            for element in &member.part.elements {
-                let kinds: &[usize] = match element {
-                    Element::Branch { .. } => &[0, 3],
-                    Element::SpeedSource { .. } => &[0, 6],
-                    Element::Rigid { .. } | Element::SpeedProbe { .. } => &[0],
-                    Element::VoltageSource { .. } | Element::Capacitance { .. } => &[1, 4],
-                    Element::Winding { .. } | Element::CurrentSource { .. } => &[1, 5],
-                    Element::VoltageProbe { .. }
-                    | Element::CurrentProbe { .. }
-                    | Element::Resistance { .. } => &[1],
-                    Element::Gear { .. } => &[2],
-                    _ => &[],
-                };
-                kinds.iter().for_each(|kind| counts[*kind] += 1);
-                is_machine |= matches!(element, Element::Machine { .. });
-                is_capacitance |= matches!(element, Element::Capacitance { .. });
-                drives_electrics |= matches!(
-                    element,
-                    Element::VoltageSource { .. } | Element::CurrentSource { .. } | Element::Supply { .. }
-                );
-            }
-            let mut range = |kind: usize| {
-                let start = at[kind];
-                at[kind] += counts[kind];
-                start..at[kind]
-            };
-            let (pins, two_pins, gears) = (range(0), range(1), range(2));
-            let (branches, sources, windings, speed_sources) = (range(3), range(4), range(5), range(6));
-
-            let first_input = interface.inputs.len();
-            let mut inputs = Vec::new();
-            let mut cells = 0;
-            for (input, length) in member.part.inputs.iter().zip(&member.input_lengths) {
-                inputs.push((cells as u32, (cells + length) as u32));
-                cells += length;
-                let index = interface.inputs.len();
-                interface
-                    .inputs
-                    .push(Input { name: format!("{}.{}", member.path, input.name), ..input.clone() });
-                if !speed_sources.is_empty() {
-                    reads[STATE].push(index);
-                }
-                if drives_electrics || !speed_sources.is_empty() {
-                    reads[ELECTRICS].push(index);
-                }
-            }
-            debug_assert_eq!(interface.inputs.len() - first_input, inputs.len());
-            for state in &member.part.states {
-                interface = interface.state(format!("{}.{}", member.path, state.name), state.initial);
-            }
-            for memory in &member.part.discrete {
-                interface = interface.discrete(format!("{}.{}", member.path, memory.name), memory.initial);
-            }
-            for guard in &member.part.guards {
-                interface = interface.guard(format!("{}.{guard}", member.path));
-            }
-            interface.jumps |= member.part.jumps;
-            interface.time_events |= member.part.time_events;
-            let (memories, guards) = (member.part.discrete.len(), member.part.guards.len());
-            let outputs: usize = member.part.outputs.iter().map(|(o, _)| o.port_type.shape.len()).sum();
-            // A sensor that reads states alone closes no algebraic loop.
-            let early = !two_pins.is_empty() && two_pins.clone().all(|i| electrics.is_early(i));
-            let measures = [Needs::State, Needs::Electrics, Needs::Motion].map(|needs| {
-                let needs_of = |declared: Needs| {
-                    if early && declared == Needs::Electrics { Needs::State } else { declared }
-                };
-                member
-                    .part
-                    .outputs
-                    .iter()
-                    .map(|(_, declared)| *declared)
-                    .find(|declared| needs_of(*declared) == needs)
-            });
-            for (output, declared) in &member.part.outputs {
-                let name = format!("{}.{}", member.path, output.name);
-                let group = if early && *declared == Needs::Electrics { STATE } else { *declared as usize };
-                interface.outputs.push(Output { name, ..output.clone() });
-                interface.group_of.push(group);
-            }
-            has_early |= early;
-            let states = member.part.states.len();
-            seats.push(Seat {
-                x: x..x + states,
-                d: d..d + memories,
-                g: g..g + guards,
-                u: u..u + cells,
-                inputs,
-                y: y..y + outputs,
-                pins,
-                two_pins,
-                gears,
-                branches,
-                sources,
-                windings,
-                speed_sources,
-                joint: frames.joint_members.iter().position(|m| *m == index),
-                supply,
-                is_machine,
-                is_capacitance,
-                measures,
-                member,
-            });
-            x += states;
-            d += memories;
-            g += guards;
-            u += cells;
-            y += outputs;
-        }
-        interface.groups = vec![Some(reads[STATE].clone()), Some(reads[ELECTRICS].clone()), None];
-        let meshes = rotation.gears.iter().map(|gear| gear.loss).collect();
-        let active = Active::new(&seats);
-        let network = Self {
-            active,
-            seats,
-            rotation,
-            electrics,
-            frames,
-            meshes,
-            supplies,
-            interface,
-            joints,
-            has_early,
-        };
-        network.mass_matrix_is_definite()?;
-        Ok(network)
-    }
-
     /// The members, in the order of their inputs and outputs.
     pub fn members(&self) -> impl Iterator<Item = &Member> {
         self.seats.iter().map(|seat| &seat.member)
     }
 
     /// At the start pose every independent speed must move something.
-    fn mass_matrix_is_definite(&self) -> Result<(), Vec<NetworkProblem>> {
+    pub(crate) fn mass_matrix_is_definite(&self) -> Result<(), Vec<NetworkProblem>> {
         let mut work = Work::new(self);
         let n = self.rotation.free;
         self.mass(&self.frames.position, &mut work);
@@ -222,14 +74,37 @@ impl Network {
         ])
     }
 
+    /// Currents that are states must obey Kirchhoff's law from the start. Where valves may open a path, the first
+    /// instant tells.
+    pub(crate) fn currents_fit(&self) -> Result<(), Vec<NetworkProblem>> {
+        let mut work = Work::new(self);
+        let x: Vec<f64> = self.interface.states.iter().map(|state| state.initial).collect();
+        let d: Vec<f64> = self.interface.discrete.iter().map(|state| state.initial).collect();
+        let inputs = self.seats.last().map_or(0, |seat| seat.u.end);
+        let u = vec![0.0; inputs];
+        let fault = Fault::default();
+        let c =
+            Context { t: 0.0, x: &x, d: &d, u: &u, inputs: &[], outputs: &[], evaluation: 0, fault: &fault };
+        self.state_phase(&c, &mut work);
+        let mut problems = Vec::new();
+        for (index, island) in self.electrics.islands.iter().enumerate() {
+            if !island.valves.is_empty() || self.circuit(index, &c, &mut work).is_err() {
+                continue;
+            }
+            problems.extend(self.misfit(index, &work));
+        }
+        if problems.is_empty() { Ok(()) } else { Err(problems) }
+    }
+
     /// What a member sees before accelerations are known.
     #[inline]
     pub(crate) fn law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
         let electrical = !seat.two_pins.is_empty();
+        let (x, d) = seat.states(c);
         Law {
             t: c.t,
-            x: c.x.get(seat.x.clone()).unwrap_or(&[]),
-            d: c.d.get(seat.d.clone()).unwrap_or(&[]),
+            x,
+            d,
             u: &c.u[seat.u.clone()],
             inputs: &seat.inputs,
             speed: &w.pin_speed[seat.pins.clone()],
@@ -239,21 +114,15 @@ impl Network {
             voltage: if electrical { &w.voltage[seat.two_pins.clone()] } else { &[] },
             current: if electrical { &w.current[seat.two_pins.clone()] } else { &[] },
             supply: seat.supply.map_or(NO_SUPPLY, |i| w.supply[i]),
-            line_current: seat.supply.map_or([0.0; 2], |i| w.line_current[i]),
+            line_current: seat.supply.map_or([0.0; 3], |i| w.line_current[i]),
             joint: seat.joint.map_or(NO_JOINT, |i| w.joint_motion[i]),
         }
     }
 
     /// What a member sees when nothing but time, inputs and states is known.
     fn still<'a>(&'a self, c: &Context<'a>, seat: &'a Seat) -> Law<'a> {
-        Law {
-            t: c.t,
-            x: c.x.get(seat.x.clone()).unwrap_or(&[]),
-            d: c.d.get(seat.d.clone()).unwrap_or(&[]),
-            u: &c.u[seat.u.clone()],
-            inputs: &seat.inputs,
-            ..Law::nothing()
-        }
+        let (x, d) = seat.states(c);
+        Law { t: c.t, x, d, u: &c.u[seat.u.clone()], inputs: &seat.inputs, ..Law::nothing() }
     }
 
     /// What a member sees in the end.
@@ -286,6 +155,9 @@ impl Block for Network {
                 self.inner_torques(w);
             }
         }
+        if group != STATE {
+            self.held_circuits(c, w);
+        }
         for seat in self.active.measures[group].iter().map(|i| &self.seats[*i]) {
             if let (Some(needs), Some(component)) = (seat.measures[group], seat.member.block.component()) {
                 component.measure(&self.whole_law(c, seat, w), needs, &mut y[seat.y.clone()]);
@@ -314,6 +186,9 @@ impl Block for Network {
                 component.guards(&self.whole_law(c, seat, w), &mut g[seat.g.clone()]);
             }
         }
+        if !self.natural.is_empty() {
+            self.valve_guards(c, w, &mut g[self.first_natural..]);
+        }
     }
 
     fn jump(&self, c: &Context, w: &mut Scratch, x: &mut [f64], d: &mut [f64]) -> bool {
@@ -333,7 +208,21 @@ impl Block for Network {
             }
         }
         (w.before, w.modes) = (before, modes);
+        let here = Context { x: &[], d: &[], ..*c };
+        for island in &self.active.valves {
+            jumped |= self.commutate(*island, &here, w, x, d);
+        }
+        if jumped {
+            // What is in the working space belongs to the states before.
+            w.evaluation = [u64::MAX; 3];
+        }
         jumped
+    }
+
+    fn update(&self, c: &Context, w: &mut Scratch, d: &mut [f64]) {
+        if let Some(w) = w.get::<Work>() {
+            self.couple(c, w, d);
+        }
     }
 
     fn next_event(&self, c: &Context) -> f64 {

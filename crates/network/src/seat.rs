@@ -2,9 +2,11 @@
 
 use std::ops::Range;
 
+use blocksim_block::Context;
 use blocksim_block::physical::Needs;
 
 use crate::assembly::Member;
+use crate::electrics::Joined;
 
 /// Output group of what depends on states alone.
 pub(crate) const STATE: usize = 0;
@@ -20,6 +22,8 @@ pub(crate) struct Seat {
     pub x: Range<usize>,
     pub d: Range<usize>,
     pub g: Range<usize>,
+    /// The network integrates it by itself; `x` and `d` are then places among the discrete states.
+    pub held: Option<Held>,
     pub u: Range<usize>,
     pub inputs: Vec<(u32, u32)>,
     pub y: Range<usize>,
@@ -29,26 +33,75 @@ pub(crate) struct Seat {
     pub branches: Range<usize>,
     pub sources: Range<usize>,
     pub windings: Range<usize>,
+    pub valves: Range<usize>,
+    /// Two-pins of the windings whose currents are states.
+    pub winding_pins: Vec<usize>,
     pub speed_sources: Range<usize>,
     pub joint: Option<usize>,
+    /// Where its supply lies: that of the source that feeds it, or its own.
     pub supply: Option<usize>,
-    pub is_machine: bool,
+    pub role: Role,
     /// Its voltages are states.
     pub is_capacitance: bool,
+    /// Its readings follow from states alone.
+    pub is_early: bool,
     /// Which outputs it has, by group, under the need that the component knows them by.
     pub measures: [Option<Needs>; 3],
+}
+
+/// Where a member that the network integrates by itself has its values at the end of a coupling step, all among the
+/// discrete states.
+#[derive(Debug, Clone)]
+pub(crate) struct Held {
+    /// Times of the beginning and the end of the step.
+    pub times: usize,
+    pub x_end: Range<usize>,
+    pub d_end: Range<usize>,
+    /// Mean torque of each branch.
+    pub torque: Range<usize>,
+}
+
+impl Seat {
+    /// States and discrete states of the member.
+    #[inline]
+    pub(crate) fn states<'a>(&self, c: &Context<'a>) -> (&'a [f64], &'a [f64]) {
+        let of = |list: &'a [f64], range: &Range<usize>| list.get(range.clone()).unwrap_or(&[]);
+        match &self.held {
+            None => (of(c.x, &self.x), of(c.d, &self.d)),
+            Some(held) if c.d.get(held.times + 1).is_some_and(|end| c.t >= *end) => {
+                (of(c.d, &held.x_end), of(c.d, &held.d_end))
+            }
+            Some(_) => (of(c.d, &self.x), of(c.d, &self.d)),
+        }
+    }
+}
+
+/// What a member is in a three-phase system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// Gives a supply: directly to machines, or to a circuit.
+    Source,
+    /// A machine that an ideal source feeds directly.
+    Fed,
+    /// A machine in a circuit.
+    Machine(Joined),
+    Other,
 }
 
 /// Indices of the members that have something to say in a phase.
 #[derive(Debug, Default)]
 pub(crate) struct Active {
     pub speed_sources: Vec<usize>,
-    pub machines: Vec<usize>,
+    /// Ideal sources that feed machines directly, and these machines.
     pub sources: Vec<usize>,
-    pub windings: Vec<usize>,
+    pub fed: Vec<usize>,
+    /// Members of circuits with voltages or currents of their own.
+    pub circuit: Vec<usize>,
     pub branches: Vec<usize>,
     pub states: Vec<usize>,
     pub jumps: Vec<usize>,
+    /// Circuits with valves.
+    pub valves: Vec<usize>,
     pub guards: Vec<usize>,
     pub time_events: Vec<usize>,
     pub measures: [Vec<usize>; 3],
@@ -61,14 +114,17 @@ impl Active {
         };
         Self {
             speed_sources: which(&|seat| !seat.speed_sources.is_empty()),
-            machines: which(&|seat| seat.is_machine),
-            sources: which(&|seat| !seat.sources.is_empty()),
-            windings: which(&|seat| !seat.windings.is_empty()),
+            sources: which(&|seat| seat.role == Role::Source && seat.sources.is_empty()),
+            fed: which(&|seat| seat.role == Role::Fed),
+            circuit: which(&|seat| {
+                seat.held.is_none() && (!seat.sources.is_empty() || !seat.windings.is_empty())
+            }),
             branches: which(&|seat| !seat.branches.is_empty()),
-            states: which(&|seat| !seat.x.is_empty()),
-            jumps: which(&|seat| seat.member.part.jumps),
+            states: which(&|seat| seat.held.is_none() && !seat.x.is_empty()),
+            jumps: which(&|seat| seat.held.is_none() && seat.member.part.jumps),
+            valves: Vec::new(),
             guards: which(&|seat| !seat.g.is_empty()),
-            time_events: which(&|seat| seat.member.part.time_events),
+            time_events: which(&|seat| seat.held.is_none() && seat.member.part.time_events),
             measures: [STATE, ELECTRICS, MOTION].map(|group| which(&|seat| seat.measures[group].is_some())),
         }
     }

@@ -3,9 +3,12 @@
 use blocksim_block::physical::{JointMotion, Supply, Torque};
 use blocksim_multibody::Data;
 
+use crate::circuits::Circuits;
 use crate::constraints::{Rows, Schur};
+use crate::float::FloatRoom;
 use crate::mesh::MeshScratch;
 use crate::network::Network;
+use crate::separate::Room;
 
 /// Values of one evaluation.
 pub(crate) struct Work {
@@ -19,11 +22,20 @@ pub(crate) struct Work {
     pub pin_acceleration: Vec<f64>,
     pub pin_torque: Vec<f64>,
     pub supply: Vec<Supply>,
-    pub line_current: Vec<[f64; 2]>,
+    pub line_current: Vec<[f64; 3]>,
     /// Voltages and currents that components give.
     pub given: Vec<f64>,
     pub voltage: Vec<f64>,
     pub current: Vec<f64>,
+    /// Solutions of each island.
+    pub circuits: Vec<Circuits>,
+    /// Whether the gate of each valve is on.
+    pub gates: Vec<bool>,
+    pub float: FloatRoom,
+    pub room: Room,
+    /// Evaluation in which circuits that the network integrates by itself were looked at.
+    pub held_evaluation: u64,
+    pub flux: Vec<f64>,
     pub torque: Vec<Torque>,
     pub joint_torque: Vec<Torque>,
     /// Mass matrix over the independent speeds, and its Cholesky factor.
@@ -62,6 +74,9 @@ impl Work {
         let r = &network.rotation;
         let (n, j, g) = (r.free, network.joints, network.meshes.len());
         let rows = network.most_constraints();
+        let mut given = vec![0.0; network.electrics.given()];
+        // The last of the given values is the number 1.
+        given.iter_mut().last().into_iter().for_each(|one| *one = 1.0);
         Self {
             data: network.frames.data(),
             evaluation: [u64::MAX; 3],
@@ -72,11 +87,17 @@ impl Work {
             pin_speed: vec![0.0; r.pins.len()],
             pin_acceleration: vec![0.0; r.pins.len()],
             pin_torque: vec![0.0; r.pins.len()],
-            supply: vec![Supply::default(); network.supplies.len()],
-            line_current: vec![[0.0; 2]; network.supplies.len()],
-            given: vec![0.0; network.electrics.given()],
-            voltage: vec![0.0; network.electrics.voltages.len()],
-            current: vec![0.0; network.electrics.voltages.len()],
+            supply: vec![Supply::default(); network.supplies],
+            line_current: vec![[0.0; 3]; network.supplies],
+            given,
+            voltage: vec![0.0; network.electrics.two_pins],
+            current: vec![0.0; network.electrics.two_pins],
+            circuits: network.electrics.islands.iter().map(|_| Circuits::default()).collect(),
+            gates: vec![false; network.electrics.valves.len()],
+            float: FloatRoom::default(),
+            room: Room::default(),
+            held_evaluation: u64::MAX,
+            flux: Vec::new(),
             torque: vec![Torque::default(); r.branches.len()],
             joint_torque: vec![Torque::default(); j],
             mass: vec![0.0; n * n],

@@ -1,6 +1,6 @@
 //! What blocks do besides outputs. Each function belongs to the point of the last evaluation.
 
-use blocksim_block::{Block, Context};
+use blocksim_block::{Block, Context, Scratch};
 use blocksim_solve::Failed;
 
 use crate::evaluate::Diagram;
@@ -68,7 +68,7 @@ impl Diagram {
         for i in 0..self.plan.updated.len() {
             let updated = self.plan.updated[i];
             if due[updated.rate] {
-                self.change(updated.block, |block, c, d| block.update(c, d))?;
+                self.change(updated.block, |block, c, w, d| block.update(c, w, d))?;
                 seen |= updated.seen;
             }
         }
@@ -81,7 +81,7 @@ impl Diagram {
     /// Tells the blocks that want to know that a step was accepted.
     pub fn accept(&mut self) -> Result<(), Failed> {
         for i in 0..self.plan.accepting.len() {
-            self.change(self.plan.accepting[i], |block, c, d| block.accept(c, d))?;
+            self.change(self.plan.accepting[i], |block, c, _, d| block.accept(c, d))?;
         }
         if !self.plan.accepting.is_empty() {
             self.forget();
@@ -89,11 +89,15 @@ impl Diagram {
         Ok(())
     }
 
-    fn change(&mut self, block: usize, act: impl Fn(&dyn Block, &Context, &mut [f64])) -> Result<(), Failed> {
-        let Self { plan, now, signals, d, .. } = self;
+    fn change(
+        &mut self,
+        block: usize,
+        act: impl Fn(&dyn Block, &Context, &mut Scratch, &mut [f64]),
+    ) -> Result<(), Failed> {
+        let Self { plan, now, signals, d, scratch, .. } = self;
         let unit = &plan.units[block];
         now.gather(&unit.copies, signals);
-        act(&*unit.block, &now.context(unit, &[]), &mut d[unit.d.range()]);
+        act(&*unit.block, &now.context(unit, &[]), &mut scratch[block], &mut d[unit.d.range()]);
         self.checked(block)
     }
 

@@ -66,7 +66,7 @@ impl Block for Delay {
         y.copy_from_slice(&c.d[self.oldest(c.d, y.len())]);
     }
 
-    fn update(&self, c: &Context, d: &mut [f64]) {
+    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
         let cells = self.oldest(d, c.u.len());
         d[cells].iter_mut().enumerate().for_each(|(i, x)| *x = element(c.u, i));
         d[NEXT] = ((d[NEXT] as usize + 1) % self.steps) as f64;

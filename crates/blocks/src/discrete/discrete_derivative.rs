@@ -49,7 +49,7 @@ impl Block for DiscreteDerivative {
         }
     }
 
-    fn update(&self, c: &Context, d: &mut [f64]) {
+    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
         d.iter_mut().enumerate().for_each(|(i, before)| *before = element(c.u, i));
     }
 }

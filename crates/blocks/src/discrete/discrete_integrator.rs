@@ -85,7 +85,7 @@ impl Block for DiscreteIntegrator {
         }
     }
 
-    fn update(&self, c: &Context, d: &mut [f64]) {
+    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
         let share = self.method.share();
         for (i, x) in d.iter_mut().enumerate() {
             let y = self.advanced(*x, share, element(c.u, i));

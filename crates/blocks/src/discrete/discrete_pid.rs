@@ -135,7 +135,7 @@ impl Block for DiscretePid {
         }
     }
 
-    fn update(&self, c: &Context, d: &mut [f64]) {
+    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
         for (e, x) in c.u.iter().zip(d.chunks_exact_mut(2)) {
             let Sample { w, derivative, .. } = self.sample(*e, x[0], x[1]);
             x[0] += self.ts * w;

@@ -64,7 +64,7 @@ impl Block for DiscreteTransferFunction {
         }
     }
 
-    fn update(&self, c: &Context, d: &mut [f64]) {
+    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
         let ratio = self.ratio();
         for (i, x) in d.chunks_exact_mut(ratio.order().max(1)).enumerate() {
             let w = ratio.drive(x, element(c.u, i));

@@ -42,7 +42,7 @@ impl Block for UnitDelay {
         y.copy_from_slice(c.d);
     }
 
-    fn update(&self, c: &Context, d: &mut [f64]) {
+    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
         d.iter_mut().enumerate().for_each(|(i, x)| *x = element(c.u, i));
     }
 }

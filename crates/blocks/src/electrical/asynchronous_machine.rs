@@ -127,7 +127,7 @@ impl AsynchronousMachine {
     /// Winding voltage in per unit in the frame of the supply.
     #[inline]
     fn voltage(&self, c: &Law) -> [f64; 2] {
-        turned([self.base().voltage * c.supply.amplitude, 0.0], c.supply.offset)
+        c.supply.voltage.map(|v| self.base().voltage * v)
     }
 
     /// Fluxes at the start, in per unit.
@@ -192,7 +192,7 @@ impl Component for AsynchronousMachine {
             .port("ac", Domain::ThreePhase, "the lines")
             .port("r", Domain::Rotational, "rotor")
             .port("c", Domain::Rotational, "housing")
-            .element(Element::Machine { ac: 0 })
+            .element(Element::Machine { ac: 0, ends: None })
             .element(Element::Branch { r: 1, c: 2 })
             .measures("torque", "N*m", Needs::State, "torque on the rotor")
             .measures("i_rms", "A", Needs::State, "RMS current of a winding")
@@ -211,9 +211,25 @@ impl Component for AsynchronousMachine {
         part
     }
 
-    fn line_current(&self, c: &Law) -> [f64; 2] {
+    fn line_current(&self, c: &Law) -> [f64; 3] {
         let base = self.base();
-        base.stator_current(c.x).map(|i| base.line * i)
+        let [d, q] = base.stator_current(c.x).map(|i| base.line * i);
+        [d, q, 0.0]
+    }
+
+    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+        let base = self.base();
+        let w = TAU * c.supply.frequency / base.w_base;
+        let (inner, per_flux) = base.reluctance(c.x, w, base.speed * c.speed[0]);
+        internal.copy_from_slice(&[inner[0] / base.voltage, inner[1] / base.voltage, 0.0]);
+        let of_lines = base.line * base.w_base * per_flux * base.voltage;
+        inverse.copy_from_slice(&[of_lines, 0.0, 0.0, 0.0, of_lines, 0.0, 0.0, 0.0, 0.0]);
+    }
+
+    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+        let base = self.base();
+        x[0] += base.w_base * base.voltage * volt_seconds[0];
+        x[1] += base.w_base * base.voltage * volt_seconds[1];
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {

@@ -3,6 +3,7 @@ use std::f64::consts::TAU;
 use blocksim_block::physical::{Domain, Element, Supply};
 use blocksim_block::prelude::*;
 
+use super::machine_per_unit::turned;
 use super::three_phase_source::delivered;
 
 /// Three-phase inverter without its switching: the mean of the phase voltages over a switching period.
@@ -92,8 +93,8 @@ impl Component for AveragedInverter {
     fn supply(&self, c: &Law) -> Supply {
         let sequence = sequence(c);
         Supply {
-            amplitude: c.scalar(V).clamp(0.0, self.limit()),
-            offset: sequence * c.x[THETA] - c.x[FRAME],
+            voltage: turned([c.scalar(V).clamp(0.0, self.limit()), 0.0], sequence * c.x[THETA] - c.x[FRAME]),
+            zero: 0.0,
             frequency: sequence * c.scalar(F),
             angle: c.x[FRAME],
         }
@@ -108,7 +109,7 @@ impl Component for AveragedInverter {
         match needs {
             Needs::State => y[0] = c.x[THETA],
             Needs::Electrics => {
-                y[1] = c.supply.amplitude;
+                y[1] = c.supply.amplitude();
                 y[2] = delivered(&c.supply, c.line_current);
             }
             Needs::Motion => {}
@@ -126,7 +127,7 @@ mod tests {
         let sine = AveragedInverter { vdc: 400.0, modulation: Modulation::Sine };
         let vectors = AveragedInverter { vdc: 400.0, modulation: Modulation::SpaceVector };
         let amplitude = |inverter: &AveragedInverter, v: f64| {
-            inverter.supply(&Law { x: &[0.0, 0.0], u: &[v, 50.0, 0.0], ..law() }).amplitude
+            inverter.supply(&Law { x: &[0.0, 0.0], u: &[v, 50.0, 0.0], ..law() }).amplitude()
         };
         assert_eq!(amplitude(&sine, 150.0), 150.0);
         assert_eq!(amplitude(&sine, 250.0), 200.0);
@@ -152,7 +153,8 @@ mod tests {
         let x = [0.7, 0.7];
         let forward = inverter.supply(&Law { x: &x, u: &[100.0, 50.0, 0.0], ..law() });
         let reverse = inverter.supply(&Law { x: &x, u: &[100.0, 50.0, 1.0], ..law() });
-        assert_eq!((forward.angle, forward.offset, forward.frequency), (0.7, 0.0, 50.0));
-        assert_eq!((reverse.angle, reverse.offset, reverse.frequency), (0.7, -1.4, -50.0));
+        assert_eq!((forward.angle, forward.voltage[1], forward.frequency), (0.7, 0.0, 50.0));
+        assert_eq!((reverse.angle, reverse.frequency), (0.7, -50.0));
+        assert!((reverse.voltage[1].atan2(reverse.voltage[0]) + 1.4).abs() < 1e-15);
     }
 }

@@ -1,4 +1,4 @@
-use blocksim_block::physical::Element;
+use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
 /// Capacitor: $i = C \frac{dv}{dt}$. Its voltage is a state.
@@ -33,12 +33,11 @@ impl Block for Capacitor {
 
 impl Component for Capacitor {
     fn part(&self, _given: &Given) -> Part {
-        Part::new().pins().state("v", self.v0).element(Element::Capacitance { p: 0, n: 1 }).measures(
-            "v",
-            "V",
-            Needs::State,
-            "voltage from p to n",
-        )
+        Part::new()
+            .pins()
+            .state("v", self.v0)
+            .element(Element::Capacitance { p: Pin::Port(0), n: Pin::Port(1) })
+            .measures("v", "V", Needs::State, "voltage from p to n")
     }
 
     fn voltages(&self, c: &Law, v: &mut [f64]) {

@@ -1,4 +1,4 @@
-use blocksim_block::physical::Element;
+use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
 /// Ideal current source that a signal commands: $i$ flows from `p` through the source to `n`, whatever voltage that
@@ -22,7 +22,7 @@ impl Component for ControlledCurrentSource {
         Part::new()
             .pins()
             .input(Input::real("i").scalar().unit("A").doc("current from p to n"))
-            .element(Element::CurrentSource { p: 0, n: 1 })
+            .element(Element::CurrentSource { p: Pin::Port(0), n: Pin::Port(1) })
     }
 
     fn currents(&self, c: &Law, i: &mut [f64]) {

@@ -1,4 +1,4 @@
-use blocksim_block::physical::Element;
+use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
 /// Ideal voltage source that a signal commands: $v_p - v_n = v$, whatever current that takes.
@@ -21,7 +21,7 @@ impl Component for ControlledVoltageSource {
         Part::new()
             .pins()
             .input(Input::real("v").scalar().unit("V").doc("voltage from p to n"))
-            .element(Element::VoltageSource { p: 0, n: 1 })
+            .element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Port(1) })
     }
 
     fn voltages(&self, c: &Law, v: &mut [f64]) {

@@ -1,4 +1,4 @@
-use blocksim_block::physical::Element;
+use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
 /// Measures the current from `p` to `n`; it is a wire.
@@ -21,7 +21,7 @@ impl Component for CurrentSensor {
         Part::new()
             .pins()
             .measures("i", "A", Needs::Electrics, "current from p to n")
-            .element(Element::CurrentProbe { p: 0, n: 1 })
+            .element(Element::CurrentProbe { p: Pin::Port(0), n: Pin::Port(1) })
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {

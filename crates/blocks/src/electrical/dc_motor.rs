@@ -1,4 +1,4 @@
-use blocksim_block::physical::{Domain, Element};
+use blocksim_block::physical::{Domain, Element, Pin};
 use blocksim_block::prelude::*;
 
 /// Brushed motor with permanent magnets.
@@ -78,7 +78,7 @@ impl Component for DcMotor {
             .pins()
             .port("r", Domain::Rotational, "rotor")
             .port("c", Domain::Rotational, "housing")
-            .element(Element::Winding { p: 0, n: 1, from_state: self.l > 0.0 })
+            .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: self.l > 0.0 })
             .element(Element::Branch { r: 2, c: 3 })
             .element(Element::Inertia { port: 2, inertia: self.j, speed: 0.0 });
         if self.l > 0.0 {
@@ -90,6 +90,15 @@ impl Component for DcMotor {
 
     fn currents(&self, c: &Law, i: &mut [f64]) {
         i[0] = self.current(c);
+    }
+
+    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+        internal[0] = self.r * c.x[0] + self.k * c.speed[0];
+        inverse[0] = 1.0 / self.l;
+    }
+
+    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+        x[0] += volt_seconds[0] / self.l;
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {

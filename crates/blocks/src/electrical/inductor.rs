@@ -1,10 +1,10 @@
-use blocksim_block::physical::Element;
+use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
 /// Inductor: $v = L \frac{di}{dt}$. Its current is a state.
 ///
-/// Currents of inductances that meet at a node where nothing else is connected cannot be independent: a resistance in
-/// parallel to one of them, or an `Inductor` for both, avoids that.
+/// Where only inductances meet at a node their currents depend on each other: start values must then obey
+/// Kirchhoff's law.
 ///
 /// ```ron
 /// Inductor(l: "2.5 mH")
@@ -33,7 +33,7 @@ impl Block for Inductor {
 
 impl Component for Inductor {
     fn part(&self, _given: &Given) -> Part {
-        let winding = Element::Winding { p: 0, n: 1, from_state: true };
+        let winding = Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true };
         Part::new().pins().state("i", self.i0).element(winding).measures(
             "i",
             "A",
@@ -44,6 +44,14 @@ impl Component for Inductor {
 
     fn currents(&self, c: &Law, i: &mut [f64]) {
         i[0] = c.x[0];
+    }
+
+    fn reluctance(&self, _c: &Law, _internal: &mut [f64], inverse: &mut [f64]) {
+        inverse[0] = 1.0 / self.l;
+    }
+
+    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+        x[0] += volt_seconds[0] / self.l;
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {

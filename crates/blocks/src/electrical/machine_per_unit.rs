@@ -109,6 +109,16 @@ impl PerUnit {
         d_psi[3] = self.w_base * (-slip * psi[2] - self.r_r * i_r[1]);
     }
 
+    /// How the stator current changes with the stator voltage: `di_s/dt = w_base inverse (v - internal)`; the internal
+    /// voltage and the inverse of the transient inductance.
+    #[inline]
+    pub(super) fn reluctance(&self, psi: &[f64], w: f64, w_r: f64) -> (Vector, f64) {
+        let mut without = [0.0; 4];
+        self.derivatives(psi, [0.0; 2], w, w_r, &mut without);
+        let [d, q] = self.stator_current(&without).map(|slope| -slope / (self.w_base * self.g_s));
+        ([d, q], self.g_s)
+    }
+
     /// Fluxes of the steady state at a winding voltage on the direct axis, in a frame of speed `w`, at a slip
     /// against it: `(r_s + j w l_s) i_s + j w l_m i_r = v`, `j s w l_m i_s + (r_r + j s w l_r) i_r = 0`.
     pub(super) fn steady_state(&self, v: f64, w: f64, slip: f64) -> [f64; 4] {

@@ -2,6 +2,7 @@ use blocksim_block::physical::{Domain, Element};
 use blocksim_block::prelude::*;
 
 use super::machine_per_unit::{Vector, turned};
+use std::f64::consts::TAU;
 
 /// Three-phase synchronous machine with permanent magnets (PMSM): fundamental wave, no saturation, no damper
 /// cage.
@@ -77,7 +78,7 @@ impl PermanentMagnetMachine {
 
     /// Phase voltage in the frame of the rotor, V.
     fn voltage(&self, c: &Law) -> Vector {
-        turned([c.supply.amplitude, 0.0], c.supply.offset + c.supply.angle - c.x[THETA])
+        turned(c.supply.voltage, c.supply.angle - c.x[THETA])
     }
 }
 
@@ -111,7 +112,7 @@ impl Component for PermanentMagnetMachine {
             .port("ac", Domain::ThreePhase, "the lines")
             .port("r", Domain::Rotational, "rotor")
             .port("c", Domain::Rotational, "housing")
-            .element(Element::Machine { ac: 0 })
+            .element(Element::Machine { ac: 0, ends: None })
             .element(Element::Branch { r: 1, c: 2 })
             .measures("torque", "N*m", Needs::State, "torque on the rotor")
             .measures("i_d", "A", Needs::State, "current along the magnets")
@@ -123,8 +124,42 @@ impl Component for PermanentMagnetMachine {
             .state("theta", self.theta0)
     }
 
-    fn line_current(&self, c: &Law) -> [f64; 2] {
-        turned([c.x[I_D], c.x[I_Q]], c.x[THETA] - c.supply.angle)
+    fn line_current(&self, c: &Law) -> [f64; 3] {
+        let [d, q] = turned([c.x[I_D], c.x[I_Q]], c.x[THETA] - c.supply.angle);
+        [d, q, 0.0]
+    }
+
+    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+        // v - u = L di/dt in the frame of the rotor, whose turning itself changes the currents of the supply's frame.
+        let (w_e, turn) = (self.w_e(c), c.x[THETA] - c.supply.angle);
+        let (i_d, i_q) = (c.x[I_D], c.x[I_Q]);
+        let w = w_e - TAU * c.supply.frequency;
+        let u = [
+            self.r_s * i_d - w_e * self.l_q * i_q + self.l_d * w * i_q,
+            self.r_s * i_q + w_e * (self.l_d * i_d + self.flux) - self.l_q * w * i_d,
+        ];
+        let u = turned(u, turn);
+        internal.copy_from_slice(&[u[0], u[1], 0.0]);
+        let (sin, cos) = turn.sin_cos();
+        let (d, q) = (1.0 / self.l_d, 1.0 / self.l_q);
+        let cross = (d - q) * sin * cos;
+        inverse.copy_from_slice(&[
+            d * cos * cos + q * sin * sin,
+            cross,
+            0.0,
+            cross,
+            d * sin * sin + q * cos * cos,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+        ]);
+    }
+
+    fn strike(&self, c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+        let [d, q] = turned([volt_seconds[0], volt_seconds[1]], c.supply.angle - c.x[THETA]);
+        x[I_D] += d / self.l_d;
+        x[I_Q] += q / self.l_q;
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
@@ -175,7 +210,7 @@ mod tests {
 
     #[test]
     fn the_voltage_in_the_frame_of_the_rotor_is_that_of_the_phases() {
-        let supply = Supply { amplitude: 100.0, offset: 0.4, frequency: 50.0, angle: 1.1 };
+        let supply = Supply { voltage: turned([100.0, 0.0], 0.4), zero: 0.0, frequency: 50.0, angle: 1.1 };
         let c = Law { x: &[0.0, 0.0, 2.3], supply, ..law() };
         let v = MACHINE.voltage(&c);
         // Phases b and c are a third of a turn behind.
@@ -189,11 +224,12 @@ mod tests {
     #[test]
     fn the_frame_of_the_supply_does_not_matter() {
         let see = |offset: f64, angle: f64| {
-            let supply = Supply { amplitude: 100.0, offset, frequency: 50.0, angle };
+            let supply = Supply { voltage: turned([100.0, 0.0], offset), zero: 0.0, frequency: 50.0, angle };
             let c = Law { x: &[3.0, 7.0, 2.3], speed: &[20.0], supply, ..law() };
             let mut dx = [0.0; 3];
             Component::derivatives(&MACHINE, &c, &mut dx);
-            (dx, turned(MACHINE.line_current(&c), angle))
+            let [d, q, _] = MACHINE.line_current(&c);
+            (dx, turned([d, q], angle))
         };
         let ((dx, i), (dx_other, i_other)) = (see(0.4, 1.1), see(1.5, 0.0));
         assert!(dx.iter().zip(dx_other).all(|(a, b)| (a - b).abs() < 1e-9 * a.abs()));
@@ -202,7 +238,7 @@ mod tests {
 
     #[test]
     fn the_lines_give_the_power_that_the_windings_take() {
-        let supply = Supply { amplitude: 80.0, offset: -0.2, frequency: 30.0, angle: 5.0 };
+        let supply = Supply { voltage: turned([80.0, 0.0], -0.2), zero: 0.0, frequency: 30.0, angle: 5.0 };
         let c = Law { x: &[-2.0, 6.0, 4.1], speed: &[20.0], supply, ..law() };
         let mut y = [0.0; 5];
         MACHINE.measure(&c, Needs::Electrics, &mut y);

@@ -1,4 +1,4 @@
-use blocksim_block::physical::Element;
+use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
 /// Resistor: $v = R i$.
@@ -29,7 +29,11 @@ impl Block for Resistor {
 
 impl Component for Resistor {
     fn part(&self, _given: &Given) -> Part {
-        Part::new().pins().element(Element::Resistance { p: 0, n: 1, resistance: self.r })
+        Part::new().pins().element(Element::Resistance {
+            p: Pin::Port(0),
+            n: Pin::Port(1),
+            resistance: self.r,
+        })
     }
 }
 

@@ -50,8 +50,8 @@ impl Component for ThreePhaseSource {
 
     fn supply(&self, c: &Law) -> Supply {
         Supply {
-            amplitude: self.voltage * (2.0_f64 / 3.0).sqrt(),
-            offset: 0.0,
+            voltage: [self.voltage * (2.0_f64 / 3.0).sqrt(), 0.0],
+            zero: 0.0,
             frequency: self.frequency,
             angle: TAU * self.frequency * c.t + self.phase,
         }
@@ -62,10 +62,10 @@ impl Component for ThreePhaseSource {
     }
 }
 
-/// Power that a supply delivers, W: `3/2 (v_d i_d + v_q i_q)`.
-pub(super) fn delivered(supply: &Supply, current: [f64; 2]) -> f64 {
-    let (sin, cos) = supply.offset.sin_cos();
-    1.5 * supply.amplitude * (cos * current[0] + sin * current[1])
+/// Power that a supply delivers, W: `3/2 (v_d i_d + v_q i_q) + 3 v_0 i_0`.
+pub(super) fn delivered(supply: &Supply, current: [f64; 3]) -> f64 {
+    let [d, q] = supply.voltage;
+    1.5 * (d * current[0] + q * current[1]) + 3.0 * supply.zero * current[2]
 }
 
 #[cfg(test)]
@@ -77,17 +77,18 @@ mod tests {
     fn the_voltage_is_known_as_a_function_of_time() {
         let source = ThreePhaseSource { voltage: 220.0, frequency: 60.0, phase: 0.5 };
         let supply = source.supply(&Law { t: 0.25, ..law() });
-        assert!((supply.amplitude - 179.629_247).abs() < 1e-6, "{}", supply.amplitude);
+        assert!((supply.amplitude() - 179.629_247).abs() < 1e-6, "{}", supply.amplitude());
         assert!((supply.angle - (TAU * 15.0 + 0.5)).abs() < 1e-12);
-        assert_eq!((supply.frequency, supply.offset), (60.0, 0.0));
+        assert_eq!((supply.frequency, supply.voltage[1]), (60.0, 0.0));
     }
 
     #[test]
     fn power_is_three_halves_of_the_product_of_the_vectors() {
-        let supply = Supply { amplitude: 100.0, offset: 0.3, ..Supply::default() };
-        let in_phase = [2.0 * 0.3_f64.cos(), 2.0 * 0.3_f64.sin()];
+        let voltage = [100.0 * 0.3_f64.cos(), 100.0 * 0.3_f64.sin()];
+        let supply = Supply { voltage, ..Supply::default() };
+        let in_phase = [2.0 * 0.3_f64.cos(), 2.0 * 0.3_f64.sin(), 0.0];
         assert!((delivered(&supply, in_phase) - 300.0).abs() < 1e-12);
-        let lagging = [2.0 * 0.3_f64.sin(), -2.0 * 0.3_f64.cos()];
+        let lagging = [2.0 * 0.3_f64.sin(), -2.0 * 0.3_f64.cos(), 0.0];
         assert!(delivered(&supply, lagging).abs() < 1e-12);
     }
 }

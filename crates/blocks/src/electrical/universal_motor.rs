@@ -1,4 +1,4 @@
-use blocksim_block::physical::{Domain, Element};
+use blocksim_block::physical::{Domain, Element, Pin};
 use blocksim_block::prelude::*;
 
 /// Brushed motor whose field winding lies in series with the armature, for direct and alternating voltage.
@@ -71,7 +71,7 @@ impl Component for UniversalMotor {
             .pins()
             .port("r", Domain::Rotational, "rotor")
             .port("c", Domain::Rotational, "housing")
-            .element(Element::Winding { p: 0, n: 1, from_state: true })
+            .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true })
             .element(Element::Branch { r: 2, c: 3 })
             .element(Element::Inertia { port: 2, inertia: self.j, speed: 0.0 })
             .state("i", self.i0)
@@ -86,6 +86,15 @@ impl Component for UniversalMotor {
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
         let value = self.damping * c.speed[0] - self.l_af * c.x[0] * c.x[0];
         tau[0] = Torque { value, slope: self.damping };
+    }
+
+    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+        internal[0] = (self.r + self.l_af * c.speed[0]) * c.x[0];
+        inverse[0] = 1.0 / self.l;
+    }
+
+    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+        x[0] += volt_seconds[0] / self.l;
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {

@@ -4,6 +4,7 @@ use blocksim_block::physical::{Domain, Element, Supply};
 use blocksim_block::prelude::*;
 
 use super::averaged_inverter::{AveragedInverter, Modulation};
+use super::machine_per_unit::turned;
 use super::three_phase_source::delivered;
 
 /// Three-phase inverter without its switching, commanded by a voltage vector in a frame of the controller's
@@ -77,9 +78,11 @@ impl Component for VectorInverter {
         let (v_d, v_q, frame) = (c.scalar(V_D), c.scalar(V_Q), c.x[0]);
         // The frame is the integral of its own speed, never the angle that is put in: fluxes that a machine
         // holds in it must not jump when that angle does.
+        let (length, limit) = (v_d.hypot(v_q), self.limit());
+        let shorter = if length > limit { limit / length } else { 1.0 };
         Supply {
-            amplitude: v_d.hypot(v_q).min(self.limit()),
-            offset: c.scalar(THETA) + v_q.atan2(v_d) - frame,
+            voltage: turned([v_d * shorter, v_q * shorter], c.scalar(THETA) - frame),
+            zero: 0.0,
             frequency: c.scalar(F),
             angle: frame,
         }
@@ -91,7 +94,7 @@ impl Component for VectorInverter {
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         if needs == Needs::Electrics {
-            y.copy_from_slice(&[c.supply.amplitude, delivered(&c.supply, c.line_current)]);
+            y.copy_from_slice(&[c.supply.amplitude(), delivered(&c.supply, c.line_current)]);
         }
     }
 }
@@ -107,7 +110,7 @@ mod tests {
     fn the_voltage_of_phase_a_is_that_of_the_vector_whatever_the_frame_of_the_fluxes() {
         for frame in [0.0, 0.7, -3.0] {
             let supply = INVERTER.supply(&Law { x: &[frame], u: &[30.0, -40.0, 1.2, 50.0], ..law() });
-            let phase_a = supply.amplitude * (supply.angle + supply.offset).cos();
+            let phase_a = supply.phases()[0];
             let expected = 30.0 * 1.2_f64.cos() + 40.0 * 1.2_f64.sin();
             assert!((phase_a - expected).abs() < 1e-12, "{phase_a} != {expected}");
             assert_eq!((supply.frequency, supply.angle), (50.0, frame));
@@ -117,8 +120,8 @@ mod tests {
     #[test]
     fn the_dc_link_shortens_the_vector_and_keeps_its_direction() {
         let supply = INVERTER.supply(&Law { x: &[0.0], u: &[300.0, 400.0, 0.0, 0.0], ..law() });
-        assert!((supply.amplitude - 230.940_107_676).abs() < 1e-8);
-        assert!((supply.offset - 4.0_f64.atan2(3.0)).abs() < 1e-15);
+        assert!((supply.amplitude() - 230.940_107_676).abs() < 1e-8);
+        assert!((supply.voltage[1] / supply.voltage[0] - 4.0 / 3.0).abs() < 1e-14);
         let sine = VectorInverter { modulation: Modulation::Sine, ..INVERTER };
         assert_eq!(sine.limit(), 200.0);
     }
@@ -126,7 +129,7 @@ mod tests {
     #[test]
     fn no_voltage_has_no_direction_and_needs_none() {
         let supply = INVERTER.supply(&Law { x: &[0.0], u: &[0.0; 4], ..law() });
-        assert_eq!((supply.amplitude, supply.offset), (0.0, 0.0));
+        assert_eq!(supply.voltage, [0.0, 0.0]);
         assert_eq!(VectorInverter { vdc: -1.0, ..INVERTER }.check().unwrap_err().param, "vdc");
     }
 }

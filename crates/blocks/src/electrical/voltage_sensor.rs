@@ -1,4 +1,4 @@
-use blocksim_block::physical::Element;
+use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
 /// Measures the voltage from `p` to `n` without drawing current.
@@ -21,7 +21,7 @@ impl Component for VoltageSensor {
         Part::new()
             .pins()
             .measures("v", "V", Needs::Electrics, "voltage from p to n")
-            .element(Element::VoltageProbe { p: 0, n: 1 })
+            .element(Element::VoltageProbe { p: Pin::Port(0), n: Pin::Port(1) })
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {

@@ -1,4 +1,4 @@
-use blocksim_block::physical::Element;
+use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
 /// Ideal source of a constant voltage: $v_p - v_n = V$, whatever current that takes.
@@ -26,7 +26,7 @@ impl Block for VoltageSource {
 
 impl Component for VoltageSource {
     fn part(&self, _given: &Given) -> Part {
-        Part::new().pins().element(Element::VoltageSource { p: 0, n: 1 })
+        Part::new().pins().element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Port(1) })
     }
 
     fn voltages(&self, _c: &Law, v: &mut [f64]) {

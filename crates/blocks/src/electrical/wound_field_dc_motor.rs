@@ -1,4 +1,4 @@
-use blocksim_block::physical::{Domain, Element};
+use blocksim_block::physical::{Domain, Element, Pin};
 use blocksim_block::prelude::*;
 
 /// Brushed motor with a separately excited field winding.
@@ -94,8 +94,8 @@ impl Component for WoundFieldDcMotor {
             .port("fn", Domain::Electrical, "negative pin of the field winding")
             .port("r", Domain::Rotational, "rotor")
             .port("c", Domain::Rotational, "housing")
-            .element(Element::Winding { p: 0, n: 1, from_state: true })
-            .element(Element::Winding { p: 2, n: 3, from_state: true })
+            .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true })
+            .element(Element::Winding { p: Pin::Port(2), n: Pin::Port(3), from_state: true })
             .element(Element::Branch { r: 4, c: 5 })
             .element(Element::Inertia { port: 4, inertia: self.j, speed: 0.0 })
             .state("i", self.i0)
@@ -112,6 +112,17 @@ impl Component for WoundFieldDcMotor {
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
         let value = self.damping * c.speed[0] - self.k(c) * c.x[ARMATURE];
         tau[0] = Torque { value, slope: self.damping };
+    }
+
+    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+        internal[ARMATURE] = self.r * c.x[ARMATURE] + self.k(c) * c.speed[0];
+        internal[FIELD] = self.r_f * c.x[FIELD];
+        inverse.copy_from_slice(&[1.0 / self.l, 0.0, 0.0, 1.0 / self.l_f]);
+    }
+
+    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+        x[ARMATURE] += volt_seconds[ARMATURE] / self.l;
+        x[FIELD] += volt_seconds[FIELD] / self.l_f;
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {

@@ -19,7 +19,8 @@ pub(super) fn when(
     let mut when: HashMap<(usize, usize), When> = HashMap::new();
     for (block, group) in sorted {
         let interface = &typed.interfaces[*block];
-        let found = if let Some(rate) = rates.get(block) {
+        // A block with continuous states is evaluated between its hits, too.
+        let found = if let (Some(rate), true) = (rates.get(block), interface.states.is_empty()) {
             When::Sampled(*rate as u32)
         } else if interface.sample_time == Some(SampleTime::Constant) {
             When::Constant

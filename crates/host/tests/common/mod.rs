@@ -137,7 +137,7 @@ pub fn failure(plugin: &Plugin, u: &[f64], d: &mut [f64], what: What) -> Option<
     let kept = d.to_vec();
     match what {
         What::Start => plugin.initialize(&c, &mut [], d),
-        What::Update => plugin.update(&c, d),
+        What::Update => plugin.update(&c, &mut Scratch::default(), d),
         What::Outputs => {
             c.d = &kept;
             plugin.outputs(0, &c, &mut Scratch::default(), &mut y);

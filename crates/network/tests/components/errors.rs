@@ -153,10 +153,10 @@ fn two_mains_in_parallel() {
     assert_eq!(
         text,
         [
-            "voltage_conflict: two ideal three-phase sources are connected in parallel",
-            "  b: prescribes the voltages",
-            "  a: prescribes the voltages",
-            "  help: remove one of them",
+            "voltage_conflict: two ideal sources prescribe the same voltage",
+            "  b: prescribes the voltage",
+            "  a: prescribes the voltage",
+            "  help: remove one of them, or connect them through a resistance",
         ]
     );
 }

@@ -283,7 +283,7 @@ impl Block for UnitDelay {
         y[0] = c.d[0];
     }
 
-    fn update(&self, c: &Context, d: &mut [f64]) {
+    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
         d[0] = c.scalar(0);
     }
 }
@@ -301,7 +301,7 @@ impl Block for Counter {
         y[0] = c.d[0];
     }
 
-    fn update(&self, _: &Context, d: &mut [f64]) {
+    fn update(&self, _: &Context, _w: &mut Scratch, d: &mut [f64]) {
         d[0] += 1.0;
     }
 }

@@ -1,0 +1,150 @@
+//! From the elements of all members to islands of two-pins.
+
+use blocksim_block::physical::{Element, Pin};
+use petgraph::unionfind::UnionFind;
+
+use super::{Branch, Electrics, GivenBy, Island, Joined, Places, TwoPin, Valve};
+use crate::members::Members;
+
+/// What an element contributes, before islands are known.
+struct Piece {
+    member: usize,
+    p: Pin,
+    n: Pin,
+    branch: Branch,
+}
+
+pub(super) fn collect(m: &Members, fed: &[bool]) -> Electrics {
+    let mut electrics = Electrics { places: vec![Places::default(); m.list.len()], ..Electrics::default() };
+    let mut pieces: Vec<Piece> = Vec::new();
+    for (member, of_member) in m.list.iter().enumerate() {
+        let (two_pins, sources) = (pieces.len(), electrics.sources);
+        let (windings, valves) = (electrics.windings.len(), electrics.valves.len());
+        for element in &of_member.part.elements {
+            add(member, element, fed[member], &mut electrics, &mut pieces);
+        }
+        let places = &mut electrics.places[member];
+        places.two_pins = two_pins..pieces.len();
+        places.sources = sources..electrics.sources;
+        places.windings = windings..electrics.windings.len();
+        places.valves = valves..electrics.valves.len();
+    }
+    electrics.two_pins = pieces.len();
+    // Currents come behind the voltages, whose number is known only now.
+    for piece in &mut pieces {
+        if let Branch::Given(index) = &mut piece.branch {
+            *index += electrics.sources;
+        }
+    }
+    islands(m, &mut electrics, &pieces);
+    electrics
+}
+
+fn add(member: usize, element: &Element, fed: bool, electrics: &mut Electrics, pieces: &mut Vec<Piece>) {
+    let source = |electrics: &mut Electrics| {
+        electrics.sources += 1;
+        Branch::Source(electrics.sources - 1)
+    };
+    let given = |electrics: &mut Electrics, by: GivenBy| {
+        electrics.windings.push(by);
+        Branch::Given(electrics.windings.len() - 1)
+    };
+    let mut piece = |p: Pin, n: Pin, branch: Branch| pieces.push(Piece { member, p, n, branch });
+    match *element {
+        Element::VoltageSource { p, n } => piece(p, n, source(electrics)),
+        Element::Capacitance { p, n } => {
+            electrics.capacitances.push(electrics.sources);
+            piece(p, n, source(electrics));
+        }
+        Element::CurrentProbe { p, n } => piece(p, n, Branch::Wire),
+        Element::VoltageProbe { p, n } => piece(p, n, Branch::Probe),
+        Element::Winding { p, n, from_state } => {
+            piece(p, n, given(electrics, if from_state { GivenBy::State } else { GivenBy::Voltage }));
+        }
+        Element::CurrentSource { p, n } => piece(p, n, given(electrics, GivenBy::Input)),
+        Element::Resistance { p, n, resistance } => piece(p, n, Branch::Conductance(1.0 / resistance)),
+        Element::IdealTransformer { primary, secondary, ratio } => {
+            piece(primary.0, primary.1, Branch::Primary(ratio));
+            piece(secondary.0, secondary.1, Branch::Secondary);
+        }
+        Element::Valve { p, n, kind, on_resistance, forward_voltage, off_conductance } => {
+            // Numbered within its island later.
+            let branch = Branch::Valve {
+                index: electrics.valves.len(),
+                on_resistance,
+                forward_voltage,
+                off_conductance,
+            };
+            piece(p, n, branch);
+            electrics.valves.push(Valve { member, kind, forward_voltage, two_pin: pieces.len() - 1 });
+        }
+        Element::Supply { ac } if !fed => {
+            (0..3).for_each(|k| piece(Pin::Phase(ac, k), Pin::Ground, source(electrics)));
+        }
+        Element::Machine { ac, ends } if !fed => {
+            electrics.places[member].machine =
+                Some(if ends.is_some() { Joined::Outside } else { Joined::Inside });
+            match ends {
+                None => (0..2).for_each(|k| {
+                    piece(Pin::Phase(ac, k), Pin::Phase(ac, 2), given(electrics, GivenBy::State));
+                }),
+                Some(ends) => (0..3).for_each(|k| {
+                    piece(Pin::Phase(ac, k), Pin::Phase(ends, k), given(electrics, GivenBy::State));
+                }),
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Divides the pieces: those that share a node other than ground, or a member, belong together.
+fn islands(m: &Members, electrics: &mut Electrics, pieces: &[Piece]) {
+    let place = |piece: &Piece, pin: Pin| m.electrical_node(piece.member, pin);
+    let nodes = m.electrical_nodes;
+    let mut joined = UnionFind::new(nodes + m.list.len());
+    for piece in pieces {
+        for node in [place(piece, piece.p), place(piece, piece.n)].into_iter().flatten() {
+            joined.union(node, nodes + piece.member);
+        }
+    }
+    let mut root_of: Vec<usize> = Vec::new();
+    let mut local: Vec<Option<usize>> = vec![None; nodes];
+    for (index, piece) in pieces.iter().enumerate() {
+        let root = joined.find(nodes + piece.member);
+        let number = root_of.iter().position(|known| *known == root).unwrap_or_else(|| {
+            root_of.push(root);
+            electrics.islands.push(Island::default());
+            root_of.len() - 1
+        });
+        let island = &mut electrics.islands[number];
+        if island.members.last() != Some(&piece.member) {
+            island.members.push(piece.member);
+            electrics.places[piece.member].island = Some(number);
+            let wanted = m.list[piece.member].part.separate;
+            island.separate = [island.separate, wanted].into_iter().flatten().reduce(f64::min);
+        }
+        let mut node = |pin: Pin| {
+            place(piece, pin).map(|node| {
+                *local[node].get_or_insert_with(|| {
+                    island.nodes.push(node);
+                    island.nodes.len() - 1
+                })
+            })
+        };
+        let (p, n) = (node(piece.p), node(piece.n));
+        if let Branch::Given(index) = piece.branch {
+            let by = electrics.windings[index - electrics.sources];
+            island.waits |= by == GivenBy::Voltage;
+            island.has_windings |= by == GivenBy::State;
+        }
+        let branch = match piece.branch {
+            Branch::Valve { index, on_resistance, forward_voltage, off_conductance } => {
+                island.valves.push(index);
+                let index = island.valves.len() - 1;
+                Branch::Valve { index, on_resistance, forward_voltage, off_conductance }
+            }
+            branch => branch,
+        };
+        island.two_pins.push(TwoPin { member: piece.member, index, p, n, branch });
+    }
+}

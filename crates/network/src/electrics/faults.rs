@@ -1,0 +1,201 @@
+//! What is wrong with a circuit, in words.
+
+use super::solved::{Unsolvable, solve};
+use super::{Branch, Electrics, Island};
+use crate::eliminate::Relations;
+use crate::members::Members;
+use crate::problem::NetworkProblem;
+
+/// Everything that is wrong with an island whatever its valves do.
+pub(super) fn faults(m: &Members, electrics: &Electrics, island: &Island) -> Vec<NetworkProblem> {
+    let problems = conflicts(island);
+    if !problems.is_empty() {
+        return problems;
+    }
+    // What floats even while all valves conduct floats always; what they short-circuit they need not.
+    match solve(electrics, island, u128::MAX) {
+        Err(Unsolvable::Floating(nodes)) => vec![undetermined(m, island, nodes.first().copied())],
+        Err(Unsolvable::Cut(two_pins)) => vec![no_path(m, island, &two_pins)],
+        Err(Unsolvable::Loop(two_pins)) if island.valves.is_empty() => vec![closed(island, &two_pins)],
+        Ok(solved) if island.valves.is_empty() => currents_in_a_loop(electrics, island, &solved),
+        Err(Unsolvable::Loop(_)) | Ok(_) => too_many(island),
+    }
+}
+
+/// Voltages that are prescribed twice.
+fn conflicts(island: &Island) -> Vec<NetworkProblem> {
+    let sources = |branch: &Branch| matches!(branch, Branch::Source(_));
+    let count = island.two_pins.iter().filter(|pin| sources(&pin.branch)).count();
+    let mut relations = Relations::new(island.nodes.len(), count);
+    // Two-pin of each row.
+    let mut owners: Vec<usize> = Vec::new();
+    let mut source = 0;
+    for (position, pin) in island.two_pins.iter().enumerate() {
+        let across = |pin: &super::TwoPin, factor: f64| -> Vec<(usize, f64)> {
+            let ends = [(pin.p, factor), (pin.n, -factor)];
+            ends.into_iter().filter_map(|(node, sign)| Some((node?, sign))).collect()
+        };
+        let (row, given) = match pin.branch {
+            Branch::Source(_) => {
+                source += 1;
+                (across(pin, 1.0), vec![(source - 1, 1.0)])
+            }
+            Branch::Wire => (across(pin, 1.0), Vec::new()),
+            Branch::Primary(ratio) => {
+                let secondary = across(&island.two_pins[position + 1], -ratio);
+                ([across(pin, 1.0), secondary].concat(), Vec::new())
+            }
+            _ => continue,
+        };
+        relations.add(&row, &given);
+        owners.push(position);
+    }
+    let dependent = relations.eliminate(|_| 0).dependent;
+    let mut problems: Vec<NetworkProblem> = Vec::new();
+    for (row, fights) in &dependent {
+        // The three phases of two sources fight in the same manner.
+        let problem = conflict(island, &relations, &owners, *row, *fights);
+        if !problems.contains(&problem) {
+            problems.push(problem);
+        }
+    }
+    problems
+}
+
+fn conflict(
+    island: &Island,
+    relations: &Relations,
+    owners: &[usize],
+    row: usize,
+    fights: bool,
+) -> NetworkProblem {
+    let owner = |row: usize| {
+        let pin = &island.two_pins[owners[row]];
+        let what = match pin.branch {
+            Branch::Source(_) => "prescribes the voltage",
+            Branch::Primary(_) => "couples two voltages",
+            _ => "is a wire",
+        };
+        (pin.member, what)
+    };
+    let alone = relations.row(row).iter().all(|a| *a == 0.0);
+    let problem = if fights && alone {
+        NetworkProblem::new(
+            "voltage_conflict",
+            "an ideal source is short-circuited",
+            "connect its pins to different nodes",
+        )
+    } else if fights {
+        NetworkProblem::new(
+            "voltage_conflict",
+            "two ideal sources prescribe the same voltage",
+            "remove one of them, or connect them through a resistance",
+        )
+    } else {
+        NetworkProblem::new(
+            "indeterminate_current",
+            "wires close a loop without resistance: how the current divides cannot be known",
+            "remove one of the parallel sensors or references",
+        )
+    };
+    let (member, what) = owner(row);
+    let shares = |index: usize| {
+        relations.row(row).iter().zip(relations.row(index)).any(|(a, b)| *a != 0.0 && *b != 0.0)
+    };
+    (0..owners.len())
+        .filter(|index| owner(*index).0 != member && shares(*index))
+        .map(owner)
+        .fold(problem.with(member, what), |problem, (other, what)| problem.with(other, what))
+}
+
+/// Ideal branches that close a loop, where no single pair of them fights.
+fn closed(island: &Island, two_pins: &[usize]) -> NetworkProblem {
+    let problem = NetworkProblem::new(
+        "voltage_conflict",
+        "ideal voltages close a loop without resistance",
+        "add a resistance to the loop",
+    );
+    two_pins.iter().fold(problem, |problem, i| problem.with(island.two_pins[*i].member, "belongs to it"))
+}
+
+/// Given currents of which one is no state, with nothing else at the node.
+fn no_path(m: &Members, island: &Island, two_pins: &[usize]) -> NetworkProblem {
+    let first = &island.two_pins[two_pins[0]];
+    let node = first.p.or(first.n).map_or(0, |node| island.nodes[node]);
+    let problem = NetworkProblem::new(
+        "no_current_path",
+        format!(
+            "a prescribed current has no path at `{}`: only prescribed currents and inductances meet there",
+            m.electrical_node_name(node)
+        ),
+        "connect a resistance or a capacitance there, in parallel to the source",
+    );
+    two_pins.iter().fold(problem, |p, i| p.with(island.two_pins[*i].member, "prescribes the current"))
+}
+
+fn too_many(island: &Island) -> Vec<NetworkProblem> {
+    let most = u128::BITS as usize;
+    let Some(first) = island.two_pins.iter().find(|pin| matches!(pin.branch, Branch::Valve { .. })) else {
+        return Vec::new();
+    };
+    if island.valves.len() <= most {
+        return Vec::new();
+    }
+    vec![
+        NetworkProblem::new(
+            "too_many_valves",
+            format!("{} valves belong to one circuit; {most} are possible", island.valves.len()),
+            "divide the circuit: parts that share nothing but a reference are independent",
+        )
+        .with(first.member, "is the first of them"),
+    ]
+}
+
+/// A current that follows from a voltage must not change that voltage: there is no inductance to separate them.
+fn currents_in_a_loop(electrics: &Electrics, island: &Island, solved: &super::Solved) -> Vec<NetworkProblem> {
+    let waits = |given: usize| {
+        given
+            .checked_sub(electrics.sources)
+            .is_some_and(|i| electrics.windings.get(i) == Some(&super::GivenBy::Voltage))
+    };
+    let pins = island.two_pins.iter().zip(&solved.voltages);
+    pins.filter(|(pin, _)| matches!(pin.branch, Branch::Given(index) if waits(index)))
+        .filter(|(_, voltage)| voltage.terms().iter().any(|(i, _)| waits(*i as usize)))
+        .map(|(pin, _)| {
+            NetworkProblem::new(
+                "indeterminate_current",
+                "a current that follows from a voltage changes that voltage at the same instant",
+                "give the motor an inductance, or connect it to an ideal source",
+            )
+            .with(pin.member, "has no inductance")
+        })
+        .collect()
+}
+
+fn undetermined(m: &Members, island: &Island, node: Option<usize>) -> NetworkProblem {
+    let node = island.nodes[node.unwrap_or(0)];
+    let source = island.two_pins.iter().find(|pin| matches!(pin.branch, Branch::Source(_)));
+    if source.is_none() && m.is_phase(node) {
+        let problem = NetworkProblem::new(
+            "missing_supply",
+            format!("nothing feeds the three-phase node at `{}`", m.electrical_node_name(node)),
+            "connect a three-phase source or an inverter",
+        );
+        island.members.iter().fold(problem, |problem, member| problem.with(*member, "is connected to it"))
+    } else if m.is_grounded() {
+        let member = m.any_electrical_member_at(node);
+        NetworkProblem::new(
+            "floating_node",
+            format!("nothing determines the potential at `{}`", m.electrical_node_name(node)),
+            "connect it to a source or to a reference",
+        )
+        .with(member, "is connected to it")
+    } else {
+        NetworkProblem::new(
+            "missing_reference",
+            "this electrical network has no reference",
+            "add an ElectricalReference and connect it to one of the nodes",
+        )
+        .with(m.any_electrical_member_at(node), "belongs to it")
+    }
+}

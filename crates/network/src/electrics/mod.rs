@@ -1,0 +1,190 @@
+//! Potentials and currents: how they follow from sources, windings, resistances and valves.
+//!
+//! The electrical elements of a network fall into islands that share no node but ground. In each island, modified
+//! nodal analysis is solved once for every set of valves that has conducted together so far ([`Solved`]); voltages and
+//! currents are then linear forms over what components give: voltages of sources and capacitances, currents of
+//! windings.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `collect` | from elements to islands of two-pins |
+//! | `solved` | nodal analysis for one set of conducting valves |
+//! | `floating` | potentials of nodes where only inductances meet |
+//! | `faults` | what is wrong with a circuit, in words |
+//! | `early` | readings that follow from states alone |
+
+mod collect;
+mod early;
+mod faults;
+mod floating;
+mod solved;
+
+use std::ops::Range;
+
+use blocksim_block::physical::ValveKind;
+
+use crate::eliminate::Form;
+use crate::members::Members;
+use crate::problem::NetworkProblem;
+
+pub(crate) use floating::{Floating, coordinates};
+pub(crate) use solved::{Conducting, Solved, Unsolvable, solve};
+
+/// What a current that a component gives depends on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum GivenBy {
+    /// States alone.
+    State,
+    /// Inputs.
+    Input,
+    /// The voltage at the same instant.
+    Voltage,
+}
+
+/// Where the electrical values of a member lie.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Places {
+    pub two_pins: Range<usize>,
+    /// Among the given voltages.
+    pub sources: Range<usize>,
+    /// Among the given currents.
+    pub windings: Range<usize>,
+    pub valves: Range<usize>,
+    /// The island, if it has electrical elements.
+    pub island: Option<usize>,
+    /// How the three phases of a machine are connected, unless a source feeds it directly.
+    pub machine: Option<Joined>,
+}
+
+/// How the windings of a machine appear in a circuit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Joined {
+    /// Two independent voltages and currents, from phases a and b to phase c.
+    Inside,
+    /// Three separate windings.
+    Outside,
+}
+
+/// A valve.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Valve {
+    pub member: usize,
+    pub kind: ValveKind,
+    pub forward_voltage: f64,
+    pub two_pin: usize,
+}
+
+/// Where the current of a two-pin comes from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Branch {
+    /// A prescribed voltage: index among the given values.
+    Source(usize),
+    /// A wire whose current is looked at.
+    Wire,
+    /// Index among the given values.
+    Given(usize),
+    /// Conductance, S.
+    Conductance(f64),
+    /// Index among the valves of the island.
+    Valve { index: usize, on_resistance: f64, forward_voltage: f64, off_conductance: f64 },
+    /// Only looks at the voltage.
+    Probe,
+    /// Primary of an ideal transformer, with its ratio; the next two-pin is the secondary.
+    Primary(f64),
+    /// Secondary of an ideal transformer.
+    Secondary,
+}
+
+/// A two-pin of an island. Nodes are those of the island, `None` is ground.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TwoPin {
+    pub member: usize,
+    /// Index among all two-pins.
+    pub index: usize,
+    pub p: Option<usize>,
+    pub n: Option<usize>,
+    pub branch: Branch,
+}
+
+/// Elements that are connected electrically.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Island {
+    /// Members, ascending.
+    pub members: Vec<usize>,
+    pub two_pins: Vec<TwoPin>,
+    /// Index of each node of the island among all nodes, for messages.
+    pub nodes: Vec<usize>,
+    /// Index of each valve of the island among all valves.
+    pub valves: Vec<usize>,
+    /// Some current follows from a voltage at the same instant.
+    pub waits: bool,
+    /// Some current is a state.
+    pub has_windings: bool,
+    /// Length of a coupling step, if the network integrates the island by itself.
+    pub separate: Option<f64>,
+}
+
+/// The electrical side of a network.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Electrics {
+    pub places: Vec<Places>,
+    /// Number of voltages that components give: the first of the given values. Then come currents, then the number 1.
+    pub sources: usize,
+    /// Those of them that are voltages of capacitances.
+    pub capacitances: Vec<usize>,
+    /// What each current that a component gives depends on.
+    pub windings: Vec<GivenBy>,
+    /// Number of two-pins.
+    pub two_pins: usize,
+    pub valves: Vec<Valve>,
+    pub islands: Vec<Island>,
+    /// Voltage or current of each two-pin that is a sensor whose reading follows from states alone.
+    pub early: Vec<Option<Early>>,
+}
+
+/// A reading over the given values.
+#[derive(Debug, Clone)]
+pub(crate) enum Early {
+    Voltage(Form),
+    Current(Form),
+}
+
+impl Electrics {
+    /// Number of given values.
+    pub(crate) fn given(&self) -> usize {
+        self.sources + self.windings.len() + 1
+    }
+
+    /// Two-pins of the windings of a member whose currents are states.
+    pub(crate) fn winding_pins(&self, member: usize) -> Vec<usize> {
+        let Some(island) = self.places[member].island else { return Vec::new() };
+        let pins = self.islands[island].two_pins.iter().filter(|pin| pin.member == member);
+        let of_state = |branch: &Branch| match branch {
+            Branch::Given(index) => self.windings[index - self.sources] == GivenBy::State,
+            _ => false,
+        };
+        pins.filter(|pin| of_state(&pin.branch)).map(|pin| pin.index).collect()
+    }
+
+    /// Valves that conduct by themselves, in circuits that the solver integrates.
+    pub(crate) fn natural(&self) -> Vec<usize> {
+        let natural = |valve: &usize| self.valves[*valve].kind != ValveKind::Switch;
+        let islands = self.islands.iter().filter(|island| island.separate.is_none());
+        islands.flat_map(|island| island.valves.iter().copied().filter(natural)).collect()
+    }
+}
+
+/// Finds the islands of a network and what is wrong with them. `fed` tells which members are supplies and machines
+/// that need no circuit, because an ideal source feeds the machines directly.
+pub(crate) fn build(m: &Members, fed: &[bool]) -> Result<Electrics, Vec<NetworkProblem>> {
+    let mut electrics = collect::collect(m, fed);
+    let mut problems = Vec::new();
+    for island in &electrics.islands {
+        problems.extend(faults::faults(m, &electrics, island));
+    }
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    electrics.early = early::readings(&electrics);
+    Ok(electrics)
+}

@@ -1,0 +1,216 @@
+//! Modified nodal analysis of an island for one set of conducting valves.
+//!
+//! With the conductances `G`, the incidence `A` of all branches that prescribe a voltage (sources, capacitances, wires,
+//! ideal contacts, transformers) and that of the branches whose current is given, `A_w`,
+//!
+//! ```text
+//! | G  A' | | v |   | -A_w' i_w |      Kirchhoff's law at every node
+//! | A  0  | | i | = |     e     |      prescribed voltages
+//! ```
+//!
+//! so every voltage and every current is a linear form over the given values `(e, i_w, 1)`. Parts of the circuit that
+//! nothing but given currents connects to ground float: one of their nodes is held at zero here, through which no
+//! current flows as long as the given currents obey Kirchhoff's law, and [`Floating`] finds the true potential.
+
+use nalgebra::DMatrix;
+use petgraph::unionfind::UnionFind;
+
+use super::floating::Floating;
+use super::{Branch, Electrics, Island, TwoPin};
+use crate::eliminate::Form;
+
+/// Voltages and currents of the two-pins of an island, in their order.
+#[derive(Debug, Clone)]
+pub(crate) struct Solved {
+    pub voltages: Vec<Form>,
+    pub currents: Vec<Form>,
+    pub floating: Option<Floating>,
+}
+
+/// Why there is no solution.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Unsolvable {
+    /// Branches that prescribe voltages close a loop: indices of two-pins.
+    Loop(Vec<usize>),
+    /// Nothing determines the potential of a part of the circuit: its nodes.
+    Floating(Vec<usize>),
+    /// Given currents of which some are no states have no path: indices of two-pins.
+    Cut(Vec<usize>),
+}
+
+/// Which valves of an island conduct, one bit each.
+pub(crate) type Conducting = u128;
+
+/// What a branch is while certain valves conduct.
+#[derive(Debug, Clone, Copy)]
+enum Now {
+    /// Prescribes the voltage: index of a given value and its factor.
+    Row(Option<(usize, f64)>),
+    /// Conductance and the index of a given value with the current it drives, per unit of that value.
+    Conductance(f64, Option<(usize, f64)>),
+    Given(usize),
+    Open,
+    Primary(f64),
+    Secondary,
+}
+
+fn now(branch: Branch, conducting: Conducting, one: usize) -> Now {
+    match branch {
+        Branch::Source(index) => Now::Row(Some((index, 1.0))),
+        Branch::Wire => Now::Row(None),
+        Branch::Given(index) => Now::Given(index),
+        Branch::Conductance(g) => Now::Conductance(g, None),
+        Branch::Probe => Now::Open,
+        Branch::Primary(ratio) => Now::Primary(ratio),
+        Branch::Secondary => Now::Secondary,
+        Branch::Valve { index, on_resistance, forward_voltage, off_conductance } => {
+            let forward = |factor: f64| (forward_voltage != 0.0).then_some((one, factor * forward_voltage));
+            if conducting >> index & 1 == 0 {
+                match off_conductance {
+                    0.0 => Now::Open,
+                    g => Now::Conductance(g, None),
+                }
+            } else if on_resistance == 0.0 {
+                Now::Row(forward(1.0))
+            } else {
+                Now::Conductance(1.0 / on_resistance, forward(-1.0 / on_resistance))
+            }
+        }
+    }
+}
+
+/// Solves an island while certain valves conduct.
+pub(crate) fn solve(
+    electrics: &Electrics,
+    island: &Island,
+    conducting: Conducting,
+) -> Result<Solved, Unsolvable> {
+    let (nodes, given) = (island.nodes.len(), electrics.given());
+    let branches: Vec<Now> =
+        island.two_pins.iter().map(|pin| now(pin.branch, conducting, given - 1)).collect();
+    let part = parts(island, &branches);
+    let floating = Floating::find(electrics, island, conducting, &part)?;
+
+    let rows = branches.iter().filter(|b| matches!(b, Now::Row(_) | Now::Primary(_))).count();
+    let size = nodes + rows;
+    let mut matrix = DMatrix::<f64>::zeros(size, size);
+    let mut right = DMatrix::<f64>::zeros(size, given);
+    let mut row_of = vec![None; branches.len()];
+    let mut row = nodes;
+    for (i, (pin, branch)) in island.two_pins.iter().zip(&branches).enumerate() {
+        match *branch {
+            Now::Row(value) => {
+                couple(&mut matrix, row, pin, 1.0);
+                if let Some((index, factor)) = value {
+                    right[(row, index)] += factor;
+                }
+                row_of[i] = Some((row, 1.0));
+                row += 1;
+            }
+            Now::Primary(ratio) => {
+                couple(&mut matrix, row, pin, 1.0);
+                couple(&mut matrix, row, &island.two_pins[i + 1], -ratio);
+                row_of[i] = Some((row, 1.0));
+                row_of[i + 1] = Some((row, -ratio));
+                row += 1;
+            }
+            Now::Conductance(g, driven) => {
+                for (a, sign_a) in ends(pin) {
+                    for (b, sign_b) in ends(pin) {
+                        matrix[(a, b)] += g * sign_a * sign_b;
+                    }
+                    if let Some((index, current)) = driven {
+                        right[(a, index)] -= sign_a * current;
+                    }
+                }
+            }
+            Now::Given(index) => ends(pin).for_each(|(node, sign)| right[(node, index)] -= sign),
+            Now::Open | Now::Secondary => {}
+        }
+    }
+    for first in first_nodes(&part).into_iter().skip(1) {
+        matrix[(first, first)] += 1.0;
+    }
+    let Some(solution) = matrix.clone().lu().solve(&right).filter(|s| well(&matrix, s, &right)) else {
+        let closed = |b: &Now| matches!(b, Now::Row(_) | Now::Primary(_) | Now::Secondary);
+        let all = island.two_pins.iter().zip(&branches).enumerate();
+        return Err(Unsolvable::Loop(all.filter(|(_, (_, b))| closed(b)).map(|(i, _)| i).collect()));
+    };
+
+    let potential = |node: Option<usize>, k: usize| node.map_or(0.0, |node| solution[(node, k)]);
+    let mut solved = Solved { voltages: Vec::new(), currents: Vec::new(), floating };
+    for (i, (pin, branch)) in island.two_pins.iter().zip(&branches).enumerate() {
+        let voltage: Vec<f64> = (0..given).map(|k| potential(pin.p, k) - potential(pin.n, k)).collect();
+        let current: Vec<f64> = match (*branch, row_of[i]) {
+            (_, Some((row, factor))) => (0..given).map(|k| factor * solution[(row, k)]).collect(),
+            (Now::Conductance(g, driven), _) => {
+                let mut current: Vec<f64> = voltage.iter().map(|v| g * v).collect();
+                if let Some((index, extra)) = driven {
+                    current[index] += extra;
+                }
+                current
+            }
+            (Now::Given(index), _) => {
+                let mut unit = vec![0.0; given];
+                unit[index] = 1.0;
+                unit
+            }
+            _ => vec![0.0; given],
+        };
+        solved.voltages.push(form(&voltage));
+        solved.currents.push(form(&current));
+    }
+    Ok(solved)
+}
+
+/// The ends of a two-pin that are no ground, with the sign of the current into the two-pin.
+fn ends(pin: &TwoPin) -> impl Iterator<Item = (usize, f64)> + use<> {
+    [(pin.p, 1.0), (pin.n, -1.0)].into_iter().filter_map(|(node, sign)| node.map(|node| (node, sign)))
+}
+
+fn couple(matrix: &mut DMatrix<f64>, row: usize, pin: &TwoPin, factor: f64) {
+    for (node, sign) in ends(pin) {
+        matrix[(row, node)] += sign * factor;
+        matrix[(node, row)] += sign * factor;
+    }
+}
+
+/// Whether a solution satisfies its equations: elimination of a singular matrix may end with garbage.
+fn well(matrix: &DMatrix<f64>, solution: &DMatrix<f64>, right: &DMatrix<f64>) -> bool {
+    let scale = right.amax() + matrix.amax() * 1e-3;
+    let error = matrix * solution - right;
+    solution.iter().all(|v| v.is_finite()) && error.amax() <= 1e-8 * scale
+}
+
+/// Rounding must not make one part of a circuit depend on another.
+pub(super) fn form(row: &[f64]) -> Form {
+    let scale = row.iter().fold(0.0_f64, |max, value| max.max(value.abs()));
+    Form::from_dense(&row.iter().map(|v| if v.abs() < 1e-12 * scale { 0.0 } else { *v }).collect::<Vec<_>>())
+}
+
+/// The part of the circuit that each node belongs to: 0 is what is connected to ground by voltages or conductances.
+fn parts(island: &Island, branches: &[Now]) -> Vec<usize> {
+    let ground = island.nodes.len();
+    let mut joined = UnionFind::new(ground + 1);
+    for (pin, branch) in island.two_pins.iter().zip(branches) {
+        if !matches!(branch, Now::Given(_) | Now::Open) {
+            joined.union(pin.p.unwrap_or(ground), pin.n.unwrap_or(ground));
+        }
+    }
+    let mut roots = vec![joined.find(ground)];
+    (0..ground)
+        .map(|node| {
+            let root = joined.find(node);
+            roots.iter().position(|known| *known == root).unwrap_or_else(|| {
+                roots.push(root);
+                roots.len() - 1
+            })
+        })
+        .collect()
+}
+
+/// The first node of each part; that of part 0 has no meaning.
+fn first_nodes(part: &[usize]) -> Vec<usize> {
+    let parts = part.iter().max().map_or(1, |max| max + 1);
+    (0..parts).map(|i| part.iter().position(|p| *p == i).unwrap_or(0)).collect()
+}

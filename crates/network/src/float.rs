@@ -1,0 +1,163 @@
+//! Potentials of parts that float, while a network runs; see `electrics/floating.rs` for the equations.
+
+use blocksim_block::Context;
+
+use crate::electrics::{Floating, coordinates};
+use crate::network::Network;
+use crate::work::Work;
+
+/// Room for floating parts, sized once for an island.
+#[derive(Debug, Default)]
+pub(crate) struct FloatRoom {
+    internal: Vec<f64>,
+    inverse: Vec<f64>,
+    /// `W' Gamma W` and its right-hand side.
+    matrix: Vec<f64>,
+    pub phi: Vec<f64>,
+    /// `Gamma W` of one member, and the voltages of its windings.
+    product: Vec<f64>,
+    voltage: Vec<f64>,
+}
+
+impl Network {
+    /// Adds the potentials of floating parts to the voltages of an island.
+    pub(crate) fn float(&self, island: usize, c: &Context, w: &mut Work) {
+        let mut circuits = std::mem::take(&mut w.circuits);
+        if let Some(floating) = &circuits[island].now().floating {
+            let mut room = std::mem::take(&mut w.float);
+            self.assemble_floating(floating, c, w, &mut room, true);
+            self.settle_floating(island, floating, &mut room, w);
+            w.float = room;
+        }
+        w.circuits = std::mem::take(&mut circuits);
+    }
+
+    /// `W' Gamma W` and, if wanted, `W' Gamma (u - v)`, or else `-W' i`.
+    pub(crate) fn assemble_floating(
+        &self,
+        floating: &Floating,
+        c: &Context,
+        w: &Work,
+        room: &mut FloatRoom,
+        of_voltages: bool,
+    ) {
+        let k = floating.parts;
+        room.matrix.clear();
+        room.matrix.resize(k * k, 0.0);
+        room.phi.clear();
+        room.phi.resize(k, 0.0);
+        for crossing in &floating.crossing {
+            let seat = &self.seats[crossing.member];
+            let Some(component) = seat.member.block.component() else { continue };
+            let m = crossing.weights.len();
+            room.internal.clear();
+            room.internal.resize(m, 0.0);
+            room.inverse.clear();
+            room.inverse.resize(m * m, 0.0);
+            component.reluctance(&self.law(c, seat, w), &mut room.internal, &mut room.inverse);
+            self.winding_voltages(crossing.member, w, &mut room.voltage);
+            room.product.clear();
+            room.product.resize(m * k, 0.0);
+            for i in 0..m {
+                for j in 0..m {
+                    for part in 0..k {
+                        room.product[i * k + part] +=
+                            room.inverse[i * m + j] * crossing.border[j * k + part] * crossing.weights[i];
+                    }
+                }
+            }
+            for i in 0..m {
+                for a in 0..k {
+                    if of_voltages {
+                        room.phi[a] += room.product[i * k + a] * (room.internal[i] - room.voltage[i]);
+                    }
+                    for b in 0..k {
+                        room.matrix[a * k + b] += crossing.border[i * k + a] * room.product[i * k + b];
+                    }
+                }
+            }
+        }
+        // The common potential of a group that windings do not connect to the rest is free here.
+        for group in &floating.groups {
+            let scale = group.iter().map(|a| room.matrix[a * k + a]).sum::<f64>().max(f64::MIN_POSITIVE);
+            for a in group {
+                for b in group {
+                    room.matrix[a * k + b] += scale;
+                }
+            }
+        }
+    }
+
+    /// Voltages of the windings of a member in the coordinates of its reluctance.
+    pub(crate) fn winding_voltages(&self, member: usize, w: &Work, out: &mut Vec<f64>) {
+        let seat = &self.seats[member];
+        out.clear();
+        match seat.role.joined() {
+            Some(joined) => out.extend(coordinates(joined, &w.voltage[seat.two_pins.clone()])),
+            None => out.extend(seat.winding_pins.iter().map(|two_pin| w.voltage[*two_pin])),
+        }
+    }
+
+    /// Solves for the potentials and adds them to the voltages.
+    pub(crate) fn settle_floating(
+        &self,
+        island: usize,
+        floating: &Floating,
+        room: &mut FloatRoom,
+        w: &mut Work,
+    ) {
+        solve_symmetric(&mut room.matrix, &mut room.phi);
+        self.shift(island, floating, &room.phi, w);
+        self.leak(island, floating, room, w);
+    }
+
+    fn shift(&self, island: usize, floating: &Floating, phi: &[f64], w: &mut Work) {
+        for (position, parts) in &floating.shifts {
+            let index = self.electrics.islands[island].two_pins[*position].index;
+            w.voltage[index] += parts.iter().map(|(part, sign)| sign * phi[*part]).sum::<f64>();
+        }
+    }
+
+    /// Lets leakage decide the potentials of groups that only open valves connect.
+    fn leak(&self, island: usize, floating: &Floating, room: &mut FloatRoom, w: &mut Work) {
+        let g = floating.groups.len();
+        if g == 0 {
+            return;
+        }
+        let two_pins = &self.electrics.islands[island].two_pins;
+        room.phi.fill(0.0);
+        for a in 0..g {
+            let mut common = 0.0;
+            for b in 0..g {
+                let pull: f64 =
+                    floating.leaks.iter().map(|(at, z)| z[b] * w.voltage[two_pins[*at].index]).sum();
+                common -= floating.leak_inverse[a * g + b] * pull;
+            }
+            floating.groups[a].iter().for_each(|part| room.phi[*part] = common);
+        }
+        self.shift(island, floating, &room.phi, w);
+    }
+}
+
+/// Solves `A x = b` for a symmetric positive semidefinite matrix stored by rows; a direction without stiffness stays.
+pub(crate) fn solve_symmetric(a: &mut [f64], b: &mut [f64]) {
+    let n = b.len();
+    for k in 0..n {
+        let pivot = a[k * n + k];
+        if pivot <= 0.0 {
+            continue;
+        }
+        for i in k + 1..n {
+            let factor = a[i * n + k] / pivot;
+            for j in k..n {
+                a[i * n + j] -= factor * a[k * n + j];
+            }
+            b[i] -= factor * b[k];
+        }
+    }
+    for k in (0..n).rev() {
+        let pivot = a[k * n + k];
+        let rest: f64 = (k + 1..n).map(|j| a[k * n + j] * b[j]).sum();
+        b[k] = if pivot > 0.0 { (b[k] - rest) / pivot } else { 0.0 };
+    }
+}

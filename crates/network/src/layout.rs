@@ -1,0 +1,276 @@
+//! Where the values of all members lie: states, discrete states, inputs, outputs, guards.
+
+use std::ops::Range;
+
+use blocksim_block::physical::{Element, Needs};
+use blocksim_block::{Input, Interface, Output};
+
+use crate::assembly::Member;
+use crate::electrics::Electrics;
+use crate::frames::Frames;
+use crate::network::Network;
+use crate::problem::NetworkProblem;
+use crate::rotation::Rotation;
+use crate::seat::{Active, ELECTRICS, Held, Role, STATE, Seat};
+use crate::separate::Separate;
+
+/// Counters of everything that members have a share of.
+#[derive(Default)]
+struct Next {
+    x: usize,
+    d: usize,
+    u: usize,
+    y: usize,
+    g: usize,
+    pins: usize,
+    gears: usize,
+    branches: usize,
+    speed_sources: usize,
+}
+
+fn take(next: &mut usize, count: usize) -> Range<usize> {
+    let start = *next;
+    *next += count;
+    start..*next
+}
+
+impl Network {
+    pub(crate) fn new(
+        members: Vec<Member>,
+        rotation: Rotation,
+        electrics: Electrics,
+        frames: Frames,
+        fed_by: &[Option<usize>],
+    ) -> Result<Self, Vec<NetworkProblem>> {
+        let joints = frames.joint_members.len();
+        let mut interface = Interface::new().implicit();
+        for (member, position) in frames.joint_members.iter().zip(&frames.position) {
+            interface = interface.state(format!("{}.q", members[*member].path), *position);
+        }
+        for (name, start) in rotation.names.iter().zip(&rotation.start) {
+            interface = interface.state(name.clone(), *start);
+        }
+        let mut separate = Separate::of(&electrics);
+        for island in &mut separate {
+            for name in ["begin", "end"] {
+                let start = interface.discrete.len();
+                interface = interface.discrete(format!("{}.{name}", members[island.members[0]].path), 0.0);
+                if name == "begin" {
+                    island.times = start;
+                }
+            }
+        }
+
+        // Inputs of prescribed speeds and of electrical sources: what groups 0 and 1 read.
+        let mut reads = [Vec::new(), Vec::new()];
+        let mut next = Next { x: joints + rotation.free, d: interface.discrete.len(), ..Next::default() };
+        let (supply_of, supplies) = supplies(&members, fed_by);
+        let mut seats: Vec<Seat> = Vec::new();
+        for (index, member) in members.into_iter().enumerate() {
+            let places = &electrics.places[index];
+            let held_by = separate.iter().position(|s| Some(s.island) == places.island);
+            let part = &member.part;
+            let count = |which: &dyn Fn(&Element) -> bool| part.elements.iter().filter(|e| which(e)).count();
+            let branches = count(&|e| matches!(e, Element::Branch { .. }));
+            let speed_sources = count(&|e| matches!(e, Element::SpeedSource { .. }));
+            let looks = count(&|e| matches!(e, Element::Rigid { .. } | Element::SpeedProbe { .. }));
+            let gears = count(&|e| matches!(e, Element::Gear { .. }));
+            let has = |which: &dyn Fn(&Element) -> bool| part.elements.iter().any(which);
+
+            let prescribes_speed = speed_sources > 0;
+            let drives_electrics = has(&|e| {
+                matches!(
+                    e,
+                    Element::VoltageSource { .. }
+                        | Element::CurrentSource { .. }
+                        | Element::Supply { .. }
+                        | Element::Valve { .. }
+                )
+            });
+            let mut inputs = Vec::new();
+            let mut cells = 0;
+            for (input, length) in part.inputs.iter().zip(&member.input_lengths) {
+                inputs.push((cells as u32, (cells + length) as u32));
+                cells += length;
+                if prescribes_speed {
+                    reads[STATE].push(interface.inputs.len());
+                }
+                if drives_electrics || prescribes_speed {
+                    reads[ELECTRICS].push(interface.inputs.len());
+                }
+                let name = format!("{}.{}", member.path, input.name);
+                interface.inputs.push(Input { name, ..input.clone() });
+            }
+            let (x, d, held) = match held_by {
+                Some(by) => hold(&mut interface, &mut next, &member, separate[by].times, branches),
+                None => free(&mut interface, &mut next, &member),
+            };
+            let early = held.is_none()
+                && !places.two_pins.is_empty()
+                && places.two_pins.clone().all(|i| electrics.early[i].is_some());
+            let measures = measures(&mut interface, &member, early);
+            let outputs = part.outputs.iter().map(|(o, _)| o.port_type.shape.len()).sum();
+            let winding_pins = electrics.winding_pins(index);
+            seats.push(Seat {
+                x,
+                d,
+                held,
+                u: take(&mut next.u, cells),
+                inputs,
+                y: take(&mut next.y, outputs),
+                g: take(&mut next.g, if held_by.is_some() { 0 } else { part.guards.len() }),
+                pins: take(&mut next.pins, branches + speed_sources + looks),
+                gears: take(&mut next.gears, gears),
+                branches: take(&mut next.branches, branches),
+                speed_sources: take(&mut next.speed_sources, speed_sources),
+                two_pins: places.two_pins.clone(),
+                sources: places.sources.clone(),
+                windings: places.windings.clone(),
+                valves: places.valves.clone(),
+                winding_pins,
+                joint: frames.joint_members.iter().position(|m| *m == index),
+                supply: supply_of[index],
+                role: role(&member, places.machine, fed_by[index].is_some()),
+                is_capacitance: has(&|e| matches!(e, Element::Capacitance { .. })),
+                is_early: early,
+                measures,
+                member,
+            });
+        }
+        interface.groups = vec![Some(reads[STATE].clone()), Some(reads[ELECTRICS].clone()), None];
+        let first_latch = interface.discrete.len();
+        let first_natural = interface.guards.len();
+        let natural = electrics.natural();
+        for valve in &electrics.valves {
+            interface = interface.discrete(format!("{}.conducts", seats[valve.member].member.path), 0.0);
+        }
+        for valve in &natural {
+            let path = &seats[electrics.valves[*valve].member].member.path;
+            interface = interface.guard(format!("{path}.conducts"));
+        }
+        interface.jumps |= !with_valves(&electrics).is_empty();
+        if let Some(step) = separate.iter().map(|s| s.step).reduce(f64::min) {
+            interface = interface.sampled(step);
+        }
+        let network = Self {
+            active: Active { valves: with_valves(&electrics), ..Active::new(&seats) },
+            has_early: seats.iter().any(|seat| seat.is_early),
+            meshes: rotation.gears.iter().map(|gear| gear.loss).collect(),
+            seats,
+            rotation,
+            electrics,
+            frames,
+            supplies,
+            interface,
+            joints,
+            first_latch,
+            natural,
+            first_natural,
+            separate,
+        };
+        network.mass_matrix_is_definite()?;
+        network.currents_fit()?;
+        Ok(network)
+    }
+}
+
+/// Circuits with valves that the solver integrates.
+fn with_valves(electrics: &Electrics) -> Vec<usize> {
+    let islands = electrics.islands.iter().enumerate();
+    islands.filter(|(_, i)| !i.valves.is_empty() && i.separate.is_none()).map(|(i, _)| i).collect()
+}
+
+/// Where the supply of each member lies, if it has one, and how many there are.
+fn supplies(members: &[Member], fed_by: &[Option<usize>]) -> (Vec<Option<usize>>, usize) {
+    let mut own = vec![None; members.len()];
+    let mut supplies = 0;
+    for (index, member) in members.iter().enumerate() {
+        let three_phase = |e: &Element| matches!(e, Element::Supply { .. } | Element::Machine { .. });
+        let is_source = fed_by[index].is_none_or(|source| source == index);
+        if is_source && member.part.elements.iter().any(three_phase) {
+            own[index] = Some(supplies);
+            supplies += 1;
+        }
+    }
+    let of = fed_by.iter().enumerate().map(|(index, source)| source.and_then(|s| own[s]).or(own[index]));
+    (of.collect(), supplies)
+}
+
+fn role(member: &Member, machine: Option<crate::electrics::Joined>, fed: bool) -> Role {
+    if member.part.elements.iter().any(|e| matches!(e, Element::Supply { .. })) {
+        Role::Source
+    } else if let Some(joined) = machine {
+        Role::Machine(joined)
+    } else if fed {
+        Role::Fed
+    } else {
+        Role::Other
+    }
+}
+
+/// States of a member that the solver integrates.
+fn free(
+    interface: &mut Interface,
+    next: &mut Next,
+    member: &Member,
+) -> (Range<usize>, Range<usize>, Option<Held>) {
+    let part = &member.part;
+    for state in &part.states {
+        *interface =
+            std::mem::take(interface).state(format!("{}.{}", member.path, state.name), state.initial);
+    }
+    for memory in &part.discrete {
+        *interface =
+            std::mem::take(interface).discrete(format!("{}.{}", member.path, memory.name), memory.initial);
+    }
+    for guard in &part.guards {
+        *interface = std::mem::take(interface).guard(format!("{}.{guard}", member.path));
+    }
+    interface.jumps |= part.jumps;
+    interface.time_events |= part.time_events;
+    (take(&mut next.x, part.states.len()), take(&mut next.d, part.discrete.len()), None)
+}
+
+/// States of a member that the network integrates by itself: all of them are discrete states, once as they are at the
+/// beginning of a coupling step and once as they will be at its end; behind them the mean torques of the step.
+fn hold(
+    interface: &mut Interface,
+    next: &mut Next,
+    member: &Member,
+    times: usize,
+    branches: usize,
+) -> (Range<usize>, Range<usize>, Option<Held>) {
+    let part = &member.part;
+    let mut copy = |suffix: &str| {
+        for state in &part.states {
+            let name = format!("{}.{}{suffix}", member.path, state.name);
+            *interface = std::mem::take(interface).discrete(name, state.initial);
+        }
+        for memory in &part.discrete {
+            let name = format!("{}.{}{suffix}", member.path, memory.name);
+            *interface = std::mem::take(interface).discrete(name, memory.initial);
+        }
+        (take(&mut next.d, part.states.len()), take(&mut next.d, part.discrete.len()))
+    };
+    let (x, d) = copy("");
+    let (x_end, d_end) = copy("'");
+    let torque = take(&mut next.d, branches);
+    for branch in 0..branches {
+        *interface = std::mem::take(interface).discrete(format!("{}.torque{branch}", member.path), 0.0);
+    }
+    (x, d, Some(Held { times, x_end, d_end, torque }))
+}
+
+/// Declares the outputs of a member; returns, for each group, the need that its component knows them by. A sensor that
+/// reads states alone closes no algebraic loop: `early`.
+fn measures(interface: &mut Interface, member: &Member, early: bool) -> [Option<Needs>; 3] {
+    let group = |declared: Needs| if early && declared == Needs::Electrics { Needs::State } else { declared };
+    for (output, declared) in &member.part.outputs {
+        let name = format!("{}.{}", member.path, output.name);
+        interface.outputs.push(Output { name, ..output.clone() });
+        interface.group_of.push(group(*declared) as usize);
+    }
+    [Needs::State, Needs::Electrics, Needs::Motion].map(|needs| {
+        member.part.outputs.iter().map(|(_, declared)| *declared).find(|declared| group(*declared) == needs)
+    })
+}

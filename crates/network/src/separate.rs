@@ -1,0 +1,273 @@
+//! Circuits that switch much faster than the mechanics moves, integrated by the network itself.
+//!
+//! At each hit of the coupling step `H` the network integrates such a circuit from `t` to `t + H`, from edge to edge,
+//! each of which is hit exactly, at the speeds that are expected: `w(t) + w'(t) s`. The mechanics is then integrated by
+//! the solver with the mean of each torque over the step, so that it gets exactly the impulse of the torque.
+//!
+//! The order of the coupling is two. Speeds are predicted with an error of `H^2` within a step, so torques are wrong by
+//! as much; a mean instead of the course of a torque changes the angle by `H^2` times the change of torque within a
+//! step, which is `H` itself but for the ripple of the valves, whose mean is what is wanted. Between edges Runge-Kutta
+//! of order four is used.
+//!
+//! Inputs are held during a coupling step. Outputs of such a circuit show the beginning of the step.
+
+use blocksim_block::Context;
+use blocksim_block::physical::Torque;
+
+use crate::currents::Faulty;
+use crate::electrics::Electrics;
+use crate::network::Network;
+use crate::work::Work;
+
+/// Steps of the integrator in a coupling step, at least.
+const LEAST: f64 = 4.0;
+
+/// Edges within a coupling step that are taken for chatter.
+const CHATTER: usize = 10_000;
+
+/// A circuit that the network integrates by itself.
+#[derive(Debug, Clone)]
+pub(crate) struct Separate {
+    pub island: usize,
+    pub members: Vec<usize>,
+    /// Length of a coupling step, s.
+    pub step: f64,
+    /// Discrete states with the times of the beginning and the end of the current step.
+    pub times: usize,
+}
+
+impl Separate {
+    /// The circuits that ask for it; where they lie is not known yet.
+    pub(crate) fn of(electrics: &Electrics) -> Vec<Self> {
+        let islands = electrics.islands.iter().enumerate();
+        islands
+            .filter_map(|(index, island)| {
+                let step = island.separate?;
+                Some(Self { island: index, members: island.members.clone(), step, times: 0 })
+            })
+            .collect()
+    }
+}
+
+/// Room for the integration of circuits.
+#[derive(Debug, Default)]
+pub(crate) struct Room {
+    /// Discrete states of the network while a trial point is evaluated.
+    d: Vec<f64>,
+    /// States at the beginning of a step of the integrator.
+    start: Vec<f64>,
+    /// Sum of the weighted slopes, and the last slope.
+    sum: Vec<f64>,
+    slope: Vec<f64>,
+    /// Speeds and accelerations of all pins at the hit.
+    speed: Vec<f64>,
+    acceleration: Vec<f64>,
+    torque: Vec<Torque>,
+    mean: Vec<f64>,
+}
+
+impl Network {
+    /// Integrates all separate circuits over the coupling step that begins now.
+    pub(crate) fn couple(&self, c: &Context, w: &mut Work, d: &mut [f64]) {
+        let mut room = std::mem::take(&mut w.room);
+        copy(&mut room.d, d);
+        {
+            let here = Context { d: &room.d, ..*c };
+            self.motion_phase(&here, w);
+            self.inner_torques(w);
+        }
+        copy(&mut room.speed, &w.pin_speed);
+        copy(&mut room.acceleration, &w.pin_acceleration);
+        // One step for all, so that they stay together on the grid of the hits.
+        let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
+        for separate in &self.separate {
+            self.begin(separate, c.t, step, &mut room.d);
+            if self.advance(separate, c, w, &mut room).is_err() {
+                break;
+            }
+            self.end(separate, &room, d);
+        }
+        w.room = room;
+        // Speeds and circuits in the working space are those of another time now.
+        w.evaluation = [u64::MAX; 3];
+        w.held_evaluation = u64::MAX;
+    }
+
+    /// What was the end of the last step is the beginning of this one.
+    fn begin(&self, separate: &Separate, t: f64, step: f64, d: &mut [f64]) {
+        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+            if let Some(held) = &seat.held {
+                d.copy_within(held.x_end.clone(), seat.x.start);
+                d.copy_within(held.d_end.clone(), seat.d.start);
+            }
+        }
+        d[separate.times] = t;
+        // While the step is worked out, everything looks at its beginning.
+        d[separate.times + 1] = f64::INFINITY;
+        debug_assert!(step > 0.0);
+    }
+
+    /// Keeps what the integration has found: the beginning stays what it was, the end is new.
+    fn end(&self, separate: &Separate, room: &Room, d: &mut [f64]) {
+        let t = room.d[separate.times];
+        let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
+        d[separate.times] = t;
+        // Half an instant early: at the next hit the end is what holds.
+        d[separate.times + 1] = t + step * (1.0 - 1e-9);
+        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+            let Some(held) = &seat.held else { continue };
+            d.copy_within(held.x_end.clone(), seat.x.start);
+            d.copy_within(held.d_end.clone(), seat.d.start);
+            d[held.x_end.clone()].copy_from_slice(&room.d[seat.x.clone()]);
+            d[held.d_end.clone()].copy_from_slice(&room.d[seat.d.clone()]);
+            for (to, branch) in d[held.torque.clone()].iter_mut().zip(seat.branches.clone()) {
+                *to = room.mean[branch] / step;
+            }
+        }
+    }
+
+    /// From edge to edge.
+    fn advance(&self, separate: &Separate, c: &Context, w: &mut Work, room: &mut Room) -> Result<(), Faulty> {
+        let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
+        let end = c.t + step;
+        room.mean.clear();
+        room.mean.resize(self.rotation.branches.len(), 0.0);
+        room.torque.resize(self.rotation.branches.len(), Torque::default());
+        let mut t = c.t;
+        for _ in 0..CHATTER {
+            let next = self.switch(separate, t, c, w, room)?;
+            let until = next.min(end);
+            let steps = ((until - t) / step * LEAST).ceil().max(1.0);
+            let h = (until - t) / steps;
+            for i in 0..steps as usize {
+                self.runge_kutta(separate, t + i as f64 * h, h, c, w, room)?;
+            }
+            t = until;
+            if t >= end {
+                return Ok(());
+            }
+        }
+        c.fail(format!(
+            "more than {CHATTER} edges in a coupling step of {step} s: is the switching frequency right?"
+        ));
+        Err(Faulty)
+    }
+
+    /// Lets the members of a circuit change at an instant; returns the next instant at which one does.
+    fn switch(
+        &self,
+        separate: &Separate,
+        t: f64,
+        c: &Context,
+        w: &mut Work,
+        room: &mut Room,
+    ) -> Result<f64, Faulty> {
+        self.expect(separate, t - c.t, w, room);
+        {
+            let here = Context { t, d: &room.d, ..*c };
+            self.circuit(separate.island, &here, w)?;
+        }
+        for seat in separate.members.iter().map(|i| &self.seats[*i]).filter(|s| s.member.part.jumps) {
+            let Some(component) = seat.member.block.component() else { continue };
+            let mut x = std::mem::take(&mut room.start);
+            let mut memory = std::mem::take(&mut room.slope);
+            copy(&mut x, &room.d[seat.x.clone()]);
+            copy(&mut memory, &room.d[seat.d.clone()]);
+            let here = Context { t, d: &room.d, ..*c };
+            component.jump(&self.law(&here, seat, w), &mut x, &mut memory);
+            room.d[seat.x.clone()].copy_from_slice(&x);
+            room.d[seat.d.clone()].copy_from_slice(&memory);
+            (room.start, room.slope) = (x, memory);
+        }
+        let here = Context { t, d: &room.d, ..*c };
+        let seats = separate.members.iter().map(|i| &self.seats[*i]).filter(|s| s.member.part.time_events);
+        let times =
+            seats.filter_map(|s| Some(s.member.block.component()?.next_event(&self.law(&here, s, w))));
+        Ok(times.fold(f64::INFINITY, f64::min))
+    }
+
+    /// Expected speeds, `s` after the hit.
+    fn expect(&self, separate: &Separate, s: f64, w: &mut Work, room: &Room) {
+        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+            for pin in seat.pins.clone() {
+                w.pin_speed[pin] = room.speed[pin] + s * room.acceleration[pin];
+            }
+        }
+    }
+
+    /// One step of the classical method of order four; torques are averaged with the weights of Simpson's rule, which
+    /// are its own.
+    fn runge_kutta(
+        &self,
+        separate: &Separate,
+        t: f64,
+        h: f64,
+        c: &Context,
+        w: &mut Work,
+        room: &mut Room,
+    ) -> Result<(), Faulty> {
+        let states = || separate.members.iter().map(|i| self.seats[*i].x.clone());
+        room.start.clear();
+        states().for_each(|x| room.start.extend_from_slice(&room.d[x]));
+        room.sum.clear();
+        room.sum.resize(room.start.len(), 0.0);
+        room.slope.clear();
+        room.slope.resize(room.start.len(), 0.0);
+        for (part, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
+            let mut i = 0;
+            for x in states() {
+                for cell in x {
+                    room.d[cell] = room.start[i] + part * h * room.slope[i];
+                    i += 1;
+                }
+            }
+            self.expect(separate, t + part * h - c.t, w, room);
+            self.slopes(separate, t + part * h, c, w, room)?;
+            room.sum.iter_mut().zip(&room.slope).for_each(|(sum, slope)| *sum += weight * slope);
+            for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+                for branch in seat.branches.clone() {
+                    room.mean[branch] += weight * h / 6.0 * room.torque[branch].value;
+                }
+            }
+        }
+        let mut i = 0;
+        for x in states() {
+            for cell in x {
+                room.d[cell] = room.start[i] + h / 6.0 * room.sum[i];
+                i += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Derivatives and torques at a trial point.
+    fn slopes(
+        &self,
+        separate: &Separate,
+        t: f64,
+        c: &Context,
+        w: &mut Work,
+        room: &mut Room,
+    ) -> Result<(), Faulty> {
+        let here = Context { t, d: &room.d, ..*c };
+        self.circuit(separate.island, &here, w)?;
+        let mut i = 0;
+        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+            let Some(component) = seat.member.block.component() else { continue };
+            let law = self.law(&here, seat, w);
+            if !seat.x.is_empty() {
+                component.derivatives(&law, &mut room.slope[i..i + seat.x.len()]);
+                i += seat.x.len();
+            }
+            if !seat.branches.is_empty() {
+                component.torques(&law, &mut room.torque[seat.branches.clone()]);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn copy(to: &mut Vec<f64>, from: &[f64]) {
+    to.clear();
+    to.extend_from_slice(from);
+}
