@@ -165,6 +165,13 @@ pub enum Element {
         /// Rotational port.
         port: usize,
     },
+    /// Two pins that are one node: a connection inside a component.
+    Junction {
+        /// One pin.
+        p: Pin,
+        /// The other.
+        n: Pin,
+    },
     /// Potential zero.
     ElectricalReference {
         /// Electrical port.

@@ -2,7 +2,11 @@
 
 use std::collections::HashMap;
 
-use crate::electrics::{Conducting, Solved};
+use crate::electrics::{Conducting, Electrics, Island, Solved, solve};
+
+/// Islands with at most this many valves are solved for all sets of them before a run; others take memory when a set
+/// conducts together for the first time.
+const ALL: usize = 6;
 
 /// Solutions by set of conducting valves, and which of them holds.
 #[derive(Debug, Default)]
@@ -15,6 +19,19 @@ pub(crate) struct Circuits {
 }
 
 impl Circuits {
+    /// With the solutions that are worth having from the beginning.
+    pub(crate) fn new(electrics: &Electrics, island: &Island) -> Self {
+        let mut circuits = Self::default();
+        let valves = if island.valves.len() <= ALL { island.valves.len() } else { 0 };
+        // A set that has no solution is one that must not occur; the run will tell if it does.
+        for conducting in (0..1 << valves).rev() {
+            if let Ok(solved) = solve(electrics, island, conducting) {
+                circuits.add(conducting, solved);
+            }
+        }
+        circuits
+    }
+
     /// Makes the solution for a set the current one; returns whether it is known.
     #[inline]
     pub(crate) fn choose(&mut self, conducting: Conducting) -> bool {

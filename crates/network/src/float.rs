@@ -2,7 +2,7 @@
 
 use blocksim_block::Context;
 
-use crate::electrics::{Floating, coordinates};
+use crate::electrics::{Electrics, Floating, coordinates};
 use crate::network::Network;
 use crate::work::Work;
 
@@ -17,6 +17,21 @@ pub(crate) struct FloatRoom {
     /// `Gamma W` of one member, and the voltages of its windings.
     product: Vec<f64>,
     voltage: Vec<f64>,
+}
+
+impl FloatRoom {
+    pub(crate) fn new(electrics: &Electrics) -> Self {
+        let most = electrics.islands.iter().map(|island| island.two_pins.len() + 3).max().unwrap_or(0);
+        let (vector, square) = (|| Vec::with_capacity(most), || Vec::with_capacity(most * most));
+        Self {
+            internal: vector(),
+            inverse: square(),
+            matrix: square(),
+            phi: vector(),
+            product: square(),
+            voltage: vector(),
+        }
+    }
 }
 
 impl Network {

@@ -2,6 +2,8 @@
 
 use blocksim_block::physical::{Domain, Element, Pin};
 
+use petgraph::unionfind::UnionFind;
+
 use crate::assembly::{Member, Terminal};
 use crate::problem::NetworkProblem;
 
@@ -19,8 +21,9 @@ pub(crate) struct Members<'a> {
     pub frame_nodes: usize,
     /// First node inside each member.
     inner: Vec<usize>,
-    /// Electrical ports whose potential is zero.
-    grounded: Vec<bool>,
+    /// The node that each electrical node is one with; `None` if its potential is zero.
+    one_with: Vec<Option<usize>>,
+    has_reference: bool,
 }
 
 fn index_of(domain: Domain) -> usize {
@@ -48,6 +51,7 @@ fn pins(element: &Element) -> Vec<Pin> {
         | Element::Capacitance { p, n }
         | Element::Resistance { p, n, .. }
         | Element::Valve { p, n, .. }
+        | Element::Junction { p, n }
         | Element::VoltageProbe { p, n }
         | Element::CurrentProbe { p, n } => vec![p, n],
         Element::IdealTransformer { primary, secondary, .. } => {
@@ -80,29 +84,45 @@ impl<'a> Members<'a> {
                 nodes.push(vec![t]);
             }
         }
-        let mut grounded = vec![false; terminals[1].len()];
         let mut electrical_nodes = terminals[1].len() + 3 * terminals[2].len();
         let mut inner = Vec::new();
-        for (member, nodes) in list.iter().zip(&node_of) {
+        for member in list {
             inner.push(electrical_nodes);
             electrical_nodes += inner_nodes(&member.part.elements);
-            for element in &member.part.elements {
-                if let Element::ElectricalReference { port } = element {
-                    grounded[nodes[*port]] = true;
-                }
-            }
         }
-        Self {
+        let mut members = Self {
             list,
             node_of,
             rotational_nodes: terminals[0].len(),
             electrical_nodes,
             inner,
-            grounded,
+            one_with: Vec::new(),
+            has_reference: false,
             three_phase_nodes: terminals[2].len(),
             frame_nodes: terminals[3].len(),
             terminals,
+        };
+        members.unite();
+        members
+    }
+
+    /// Makes nodes one that junctions and references join.
+    fn unite(&mut self) {
+        let ground = self.electrical_nodes;
+        let mut joined = UnionFind::new(ground + 1);
+        for (member, element) in self.elements() {
+            let at = |pin: Pin| self.node_of_its_own(member, pin).unwrap_or(ground);
+            match *element {
+                Element::Junction { p, n } => _ = joined.union(at(p), at(n)),
+                Element::ElectricalReference { port } => _ = joined.union(at(Pin::Port(port)), ground),
+                _ => {}
+            }
         }
+        let zero = joined.find(ground);
+        let references = self.count(|element| matches!(element, Element::ElectricalReference { .. }));
+        self.has_reference = references > 0;
+        self.one_with =
+            (0..ground).map(|node| Some(joined.find(node)).filter(|root| *root != zero)).collect();
     }
 
     pub(crate) fn elements(&self) -> impl Iterator<Item = (usize, &'a Element)> + '_ {
@@ -119,10 +139,15 @@ impl<'a> Members<'a> {
 
     /// The node at a pin, `None` if its potential is zero.
     pub(crate) fn electrical_node(&self, member: usize, pin: Pin) -> Option<usize> {
+        self.node_of_its_own(member, pin).and_then(|node| self.one_with[node])
+    }
+
+    /// The node at a pin before junctions and references make several nodes one.
+    fn node_of_its_own(&self, member: usize, pin: Pin) -> Option<usize> {
         match pin {
             Pin::Ground => None,
             Pin::Inner(index) => Some(self.inner[member] + index),
-            Pin::Port(port) => Some(self.node(member, port)).filter(|node| !self.grounded[*node]),
+            Pin::Port(port) => Some(self.node(member, port)),
             Pin::Phase(port, phase) => Some(self.terminals[1].len() + 3 * self.node(member, port) + phase),
         }
     }
@@ -135,7 +160,7 @@ impl<'a> Members<'a> {
 
     /// Whether anything holds a potential at zero.
     pub(crate) fn is_grounded(&self) -> bool {
-        self.grounded.contains(&true)
+        self.has_reference
     }
 
     pub(crate) fn path(&self, member: usize) -> &str {

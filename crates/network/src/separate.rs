@@ -66,6 +66,24 @@ pub(crate) struct Room {
     mean: Vec<f64>,
 }
 
+impl Room {
+    pub(crate) fn new(network: &Network) -> Self {
+        let (d, pins) = (network.interface.discrete.len(), network.rotation.pins.len());
+        let branches = network.rotation.branches.len();
+        let room = Vec::with_capacity;
+        Self {
+            d: room(d),
+            start: room(d),
+            sum: room(d),
+            slope: room(d),
+            speed: room(pins),
+            acceleration: room(pins),
+            torque: Vec::with_capacity(branches),
+            mean: room(branches),
+        }
+    }
+}
+
 impl Network {
     /// Integrates all separate circuits over the coupling step that begins now.
     pub(crate) fn couple(&self, c: &Context, w: &mut Work, d: &mut [f64]) {

@@ -92,12 +92,17 @@ impl Work {
             given,
             voltage: vec![0.0; network.electrics.two_pins],
             current: vec![0.0; network.electrics.two_pins],
-            circuits: network.electrics.islands.iter().map(|_| Circuits::default()).collect(),
+            circuits: network
+                .electrics
+                .islands
+                .iter()
+                .map(|i| Circuits::new(&network.electrics, i))
+                .collect(),
             gates: vec![false; network.electrics.valves.len()],
-            float: FloatRoom::default(),
-            room: Room::default(),
+            float: FloatRoom::new(&network.electrics),
+            room: Room::new(network),
             held_evaluation: u64::MAX,
-            flux: Vec::new(),
+            flux: Vec::with_capacity(network.electrics.two_pins),
             torque: vec![Torque::default(); r.branches.len()],
             joint_torque: vec![Torque::default(); j],
             mass: vec![0.0; n * n],
