@@ -6,6 +6,7 @@
 pub mod continuous;
 pub mod discontinuities;
 pub mod discrete;
+pub mod drives;
 pub mod electrical;
 pub mod lookup;
 pub mod math;

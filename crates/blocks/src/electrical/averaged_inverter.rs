@@ -5,6 +5,7 @@ use blocksim_block::prelude::*;
 
 use super::machine_per_unit::turned;
 use super::three_phase_source::delivered;
+use crate::drives::modulation::Modulation;
 
 /// Three-phase inverter without its switching: the mean of the phase voltages over a switching period.
 ///
@@ -12,8 +13,9 @@ use super::three_phase_source::delivered;
 ///
 /// The angle is an integral of the frequency, so the voltages have no jump when the frequency changes. The DC
 /// link limits the amplitude: $v_{max} = V_{dc}/2$ for sine modulation, $V_{dc}/\sqrt3$ for space-vector
-/// modulation. With `reverse` the phases b and c are exchanged: angle and frequency are mirrored. A negative
-/// frequency turns the field the other way as well, and does it without a jump of the voltages.
+/// modulation and the discontinuous laws of `PwmGenerator`. With `reverse` the phases b and c are exchanged: angle
+/// and frequency are mirrored. A negative frequency turns the field the other way as well, and does it without a
+/// jump of the voltages.
 ///
 /// Power balances: what the machines draw is taken from the DC link.
 ///
@@ -26,19 +28,9 @@ pub struct AveragedInverter {
     /// Voltage of the DC link.
     #[block(unit = "V")]
     pub vdc: f64,
-    /// `Sine` or `SpaceVector`.
+    /// `Sine` or `SpaceVector`, or any other law of `PwmGenerator`.
     #[block(default = Modulation::Sine)]
     pub modulation: Modulation,
-}
-
-/// How an inverter makes its voltages.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-pub enum Modulation {
-    /// Sine against a carrier: phase voltages up to half of the DC link.
-    #[default]
-    Sine,
-    /// Space vectors: phase voltages up to the DC link over the square root of three.
-    SpaceVector,
 }
 
 const V: usize = 0;
@@ -53,10 +45,7 @@ const FRAME: usize = 1;
 impl AveragedInverter {
     /// Largest peak phase voltage, V.
     pub fn limit(&self) -> f64 {
-        match self.modulation {
-            Modulation::Sine => self.vdc / 2.0,
-            Modulation::SpaceVector => self.vdc / 3.0_f64.sqrt(),
-        }
+        self.modulation.limit(self.vdc)
     }
 }
 

@@ -25,7 +25,7 @@ mod volts_per_hertz;
 mod wound_field_dc_motor;
 
 pub use asynchronous_machine::{AsynchronousMachine, Connection, Start};
-pub use averaged_inverter::{AveragedInverter, Modulation};
+pub use averaged_inverter::AveragedInverter;
 pub use capacitor::Capacitor;
 pub use controlled_current_source::ControlledCurrentSource;
 pub use controlled_voltage_source::ControlledVoltageSource;

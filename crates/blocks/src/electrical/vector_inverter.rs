@@ -3,9 +3,9 @@ use std::f64::consts::TAU;
 use blocksim_block::physical::{Domain, Element, Supply};
 use blocksim_block::prelude::*;
 
-use super::averaged_inverter::{AveragedInverter, Modulation};
 use super::machine_per_unit::turned;
 use super::three_phase_source::delivered;
+use crate::drives::modulation::Modulation;
 
 /// Three-phase inverter without its switching, commanded by a voltage vector in a frame of the controller's
 /// choice: for field-oriented control.
@@ -32,7 +32,7 @@ pub struct VectorInverter {
     /// Voltage of the DC link.
     #[block(unit = "V")]
     pub vdc: f64,
-    /// `Sine` or `SpaceVector`.
+    /// `Sine` or `SpaceVector`, or any other law of `PwmGenerator`.
     #[block(default = Modulation::Sine)]
     pub modulation: Modulation,
 }
@@ -45,7 +45,7 @@ const F: usize = 3;
 impl VectorInverter {
     /// Largest peak phase voltage, V.
     pub fn limit(&self) -> f64 {
-        AveragedInverter { vdc: self.vdc, modulation: self.modulation }.limit()
+        self.modulation.limit(self.vdc)
     }
 }
 

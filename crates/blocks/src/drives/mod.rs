@@ -1,0 +1,3 @@
+//! Blocks: electronics of drives, as signals.
+
+pub mod modulation;

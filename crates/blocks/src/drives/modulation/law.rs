@@ -1,0 +1,234 @@
+//! From voltages to modulation and duties.
+
+use serde::Deserialize;
+
+/// How a bridge makes its voltages: what is added to all three references alike, which no winding sees.
+///
+/// The laws other than `Sine` reach the voltage of space vectors. The discontinuous ones hold one leg at a time still, which
+/// saves a third of the switching. Source: D. G. Holmes, T. A. Lipo, *Pulse Width Modulation for Power Converters*,
+/// chapters 5 and 6, where they are called DPWM1, DPWM0, DPWM2, DPWM3, DPWMMAX and DPWMMIN.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum Modulation {
+    /// Sine against a carrier, nothing added: phase voltages up to half of the DC link.
+    #[default]
+    Sine,
+    /// Space vectors, the same as half of the middle reference added: up to the DC link over the square root of three.
+    SpaceVector,
+    /// Each leg rests for 60 degrees around each peak of its voltage.
+    Discontinuous60,
+    /// As `Discontinuous60`, 30 degrees earlier: for currents that lead.
+    Discontinuous60Leading,
+    /// As `Discontinuous60`, 30 degrees later: for currents that lag.
+    Discontinuous60Lagging,
+    /// Each leg rests four times for 30 degrees, before and behind the 60 degrees around each peak.
+    Discontinuous30,
+    /// Each leg rests high for 120 degrees.
+    Discontinuous120Upper,
+    /// Each leg rests low for 120 degrees.
+    Discontinuous120Lower,
+}
+
+/// Share of a period during which a leg is high, from its modulation: $(1 + m)/2$, limited to 0 to 1. What is no number
+/// stays so.
+#[inline]
+pub fn duty(modulation: f64) -> f64 {
+    (0.5 * (1.0 + modulation)).clamp(0.0, 1.0)
+}
+
+impl Modulation {
+    /// Largest peak phase voltage, V, of a DC link of `vdc`, V, up to which the mean voltages are sines.
+    pub fn limit(self, vdc: f64) -> f64 {
+        match self {
+            Self::Sine => vdc / 2.0,
+            _ => vdc / 3.0_f64.sqrt(),
+        }
+    }
+
+    /// Modulation of the legs a, b, c for phase voltages `v`, V, from a DC link of `vdc`, V: -1 is always low, 1 always
+    /// high. Not limited: beyond ±1 the bridge is overmodulated. Without a DC link all are 0.
+    pub fn references(self, v: [f64; 3], vdc: f64) -> [f64; 3] {
+        if vdc <= 0.0 {
+            return [0.0; 3];
+        }
+        let u = v.map(|v| v / (0.5 * vdc));
+        let [a, b, c] = u;
+        match self {
+            Self::Sine => u,
+            Self::SpaceVector => {
+                let middle = 0.5 * (u[highest(u)] + u[lowest(u)]);
+                u.map(|u| u - middle)
+            }
+            Self::Discontinuous60 => {
+                clamped(u, outermost([2.0 * a - b - c, 2.0 * b - c - a, 2.0 * c - a - b]))
+            }
+            Self::Discontinuous60Leading => clamped(u, outermost([a - b, b - c, c - a])),
+            Self::Discontinuous60Lagging => clamped(u, outermost([a - c, b - a, c - b])),
+            Self::Discontinuous30 => {
+                let free = [2.0 * a - b - c, 2.0 * b - c - a, 2.0 * c - a - b];
+                let upper = free[highest(free)] < -free[lowest(free)];
+                clamped(u, if upper { (highest(u), 1.0) } else { (lowest(u), -1.0) })
+            }
+            Self::Discontinuous120Upper => clamped(u, (highest(u), 1.0)),
+            Self::Discontinuous120Lower => clamped(u, (lowest(u), -1.0)),
+        }
+    }
+
+    /// Duties of the legs a, b, c, each 0 to 1; see [`references`](Self::references).
+    pub fn duties(self, v: [f64; 3], vdc: f64) -> [f64; 3] {
+        self.references(v, vdc).map(duty)
+    }
+}
+
+/// Shifts all references so that one leg rests at one side. Its own value is exact, so that it does not switch.
+fn clamped(u: [f64; 3], (leg, side): (usize, f64)) -> [f64; 3] {
+    u.map(|x| side + (x - u[leg]))
+}
+
+/// The leg whose value is farthest from zero, and the side.
+fn outermost(u: [f64; 3]) -> (usize, f64) {
+    let (high, low) = (highest(u), lowest(u));
+    if u[high] >= -u[low] { (high, 1.0) } else { (low, -1.0) }
+}
+
+fn highest(u: [f64; 3]) -> usize {
+    (1..3).fold(0, |best, i| if u[i] > u[best] { i } else { best })
+}
+
+fn lowest(u: [f64; 3]) -> usize {
+    (1..3).fold(0, |best, i| if u[i] < u[best] { i } else { best })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_6, TAU};
+
+    use super::*;
+
+    const ALL: [Modulation; 8] = [
+        Modulation::Sine,
+        Modulation::SpaceVector,
+        Modulation::Discontinuous60,
+        Modulation::Discontinuous60Leading,
+        Modulation::Discontinuous60Lagging,
+        Modulation::Discontinuous30,
+        Modulation::Discontinuous120Upper,
+        Modulation::Discontinuous120Lower,
+    ];
+    const VDC: f64 = 560.0;
+
+    fn phases(amplitude: f64, angle: f64) -> [f64; 3] {
+        [0.0, 1.0, 2.0].map(|k| amplitude * (angle - k * TAU / 3.0).cos())
+    }
+
+    /// Angles over a turn that meet no boundary between sectors.
+    fn angles() -> impl Iterator<Item = f64> {
+        (0..3600).map(|k| (f64::from(k) + 0.37) * TAU / 3600.0)
+    }
+
+    #[test]
+    fn mean_line_voltages_are_those_asked_for_up_to_the_limit_of_each_law() {
+        for law in ALL {
+            for share in [0.0, 0.01, 0.5, 1.0 - 1e-12] {
+                for angle in angles() {
+                    let v = phases(share * law.limit(VDC), angle);
+                    let d = law.duties(v, VDC);
+                    for (x, y) in [(0, 1), (1, 2), (2, 0)] {
+                        let mean = (d[x] - d[y]) * VDC;
+                        assert!((mean - (v[x] - v[y])).abs() < 1e-12 * VDC, "{law:?} at {share}, {angle}");
+                    }
+                    assert!(law.references(v, VDC).iter().all(|m| m.abs() <= 1.0 + 1e-12), "{law:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sine_modulation_gives_each_pole_its_phase_voltage() {
+        for angle in angles() {
+            let v = phases(200.0, angle);
+            let d = Modulation::Sine.duties(v, VDC);
+            assert!((0..3).all(|x| ((d[x] - 0.5) * VDC - v[x]).abs() < 1e-12 * VDC));
+        }
+    }
+
+    #[test]
+    fn beyond_the_limit_some_leg_is_cut_off_and_duties_stay_duties() {
+        for law in ALL {
+            let beyond = |share: f64| {
+                angles().any(|angle| {
+                    let m = law.references(phases(share * law.limit(VDC), angle), VDC);
+                    m.iter().any(|m| m.abs() > 1.0 + 1e-9)
+                })
+            };
+            assert!(!beyond(1.0 - 1e-9), "{law:?}");
+            assert!(beyond(1.001), "{law:?}");
+            for angle in angles() {
+                let d = law.duties(phases(5.0 * VDC, angle), VDC);
+                assert!(d.iter().all(|d| (0.0..=1.0).contains(d)), "{law:?}: {d:?}");
+            }
+        }
+    }
+
+    /// For how much of a turn leg a rests high and low, and where the middle of the time high lies (rad).
+    fn rests(law: Modulation) -> (f64, f64, f64) {
+        let (mut high, mut low, mut moment) = (0.0, 0.0, (0.0, 0.0));
+        for angle in angles() {
+            let m = law.references(phases(0.7 * VDC / 2.0, angle), VDC)[0];
+            if m == 1.0 {
+                high += 0.1;
+                moment = (moment.0 + angle.cos(), moment.1 + angle.sin());
+            } else if m == -1.0 {
+                low += 0.1;
+            }
+        }
+        (high, low, f64::atan2(moment.1, moment.0))
+    }
+
+    #[test]
+    fn discontinuous_laws_rest_exactly_for_a_third_of_the_turn_where_they_say() {
+        let expected = [
+            (Modulation::Discontinuous60, 60.0, 60.0, Some(0.0)),
+            (Modulation::Discontinuous60Leading, 60.0, 60.0, Some(-FRAC_PI_6)),
+            (Modulation::Discontinuous60Lagging, 60.0, 60.0, Some(FRAC_PI_6)),
+            (Modulation::Discontinuous30, 60.0, 60.0, Some(0.0)),
+            (Modulation::Discontinuous120Upper, 120.0, 0.0, Some(0.0)),
+            (Modulation::Discontinuous120Lower, 0.0, 120.0, None),
+        ];
+        for (law, high, low, middle) in expected {
+            let found = rests(law);
+            assert!((found.0 - high).abs() < 0.25 && (found.1 - low).abs() < 0.25, "{law:?}: {found:?}");
+            if let Some(middle) = middle {
+                assert!((found.2 - middle).abs() < 2e-3, "{law:?}: {found:?}");
+            }
+        }
+        // Not in the sixty degrees around the peak, but before and behind them.
+        let m = |degrees: f64| {
+            Modulation::Discontinuous30.references(phases(200.0, degrees.to_radians()), VDC)[0]
+        };
+        assert!(m(45.0) == 1.0 && m(-45.0) == 1.0 && m(15.0) < 1.0 && m(61.0) < 1.0);
+    }
+
+    #[test]
+    fn what_is_common_to_all_phases_changes_nothing_but_sine_modulation() {
+        for law in ALL.into_iter().skip(1) {
+            for angle in angles().step_by(10) {
+                let v = phases(200.0, angle);
+                let (plain, shifted) = (law.references(v, VDC), law.references(v.map(|v| v + 33.0), VDC));
+                assert!((0..3).all(|x| (plain[x] - shifted[x]).abs() < 1e-12), "{law:?} at {angle}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_a_dc_link_all_legs_are_high_for_half_of_the_time() {
+        for law in ALL {
+            assert_eq!(law.duties([100.0, -50.0, -50.0], 0.0), [0.5; 3]);
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_gives_no_duty() {
+        assert!(duty(f64::NAN).is_nan());
+        assert!(Modulation::SpaceVector.duties([1.0, 2.0, 3.0], f64::NAN).iter().all(|d| d.is_nan()));
+    }
+}
