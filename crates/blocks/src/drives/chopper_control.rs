@@ -1,0 +1,87 @@
+use blocksim_block::prelude::*;
+
+/// Gate of a brake chopper: on while the voltage of the DC link is too high, with hysteresis.
+///
+/// On when $v_{dc} \ge$ `on_at`, off when $v_{dc} \le$ `off_at`, in between as before; off at the start unless the voltage
+/// says otherwise. The solver stops where the voltage reaches the point that matters.
+///
+/// A machine that brakes feeds its power into the DC link. If only a rectifier feeds the link, its capacitor takes it
+/// all, and the voltage rises until the chopper sends it into a resistor.
+///
+/// ```ron
+/// ChopperControl(on_at: "700 V", off_at: "680 V")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Drives")]
+pub struct ChopperControl {
+    /// Voltage at which the chopper is turned on.
+    #[block(unit = "V")]
+    pub on_at: f64,
+    /// Voltage at which it is turned off; less than `on_at`.
+    #[block(unit = "V")]
+    pub off_at: f64,
+}
+
+impl Block for ChopperControl {
+    fn check(&self) -> Result<(), ParamError> {
+        finite("on_at", self.on_at)?;
+        finite("off_at", self.off_at)?;
+        if self.off_at >= self.on_at {
+            let message =
+                format!("`off_at` ({} V) must be less than `on_at` ({} V)", self.off_at, self.on_at);
+            return Err(ParamError::new("off_at", message)
+                .help("without a distance between them the chopper switches without end"));
+        }
+        Ok(())
+    }
+
+    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+        Ok(Interface::new()
+            .input(Input::real("vdc").scalar().unit("V").doc("voltage of the DC link"))
+            .output(Output::boolean("gate").doc("of the switch of the chopper"))
+            .discrete("on", 0.0)
+            .guard("switches")
+            .settles())
+    }
+
+    fn settle(&self, c: &Context, d: &mut [f64]) {
+        if c.scalar(0) >= self.on_at {
+            d[0] = 1.0;
+        } else if c.scalar(0) <= self.off_at {
+            d[0] = 0.0;
+        }
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        y[0] = c.d[0];
+    }
+
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
+        g[0] = c.scalar(0) - if c.d[0] == 1.0 { self.off_at } else { self.on_at };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use blocksim_block::testing::Bench;
+
+    const CHOPPER: ChopperControl = ChopperControl { on_at: 700.0, off_at: 680.0 };
+
+    #[test]
+    fn it_walks_round_the_hysteresis() {
+        let mut bench = Bench::new(CHOPPER);
+        for (v, on) in [(690.0, 0.0), (700.0, 1.0), (690.0, 1.0), (680.0, 0.0), (699.9, 0.0), (750.0, 1.0)] {
+            assert_eq!(bench.respond(v), on, "{v} V");
+        }
+        assert_eq!(bench.guards(), [70.0]);
+        assert_eq!(bench.interface.outputs[0].port_type.kind, Kind::Bool);
+    }
+
+    #[test]
+    fn the_points_keep_a_distance() {
+        let error = ChopperControl { off_at: 700.0, ..CHOPPER }.check().unwrap_err();
+        assert_eq!(error.param, "off_at");
+        assert_eq!(ChopperControl { on_at: f64::INFINITY, ..CHOPPER }.check().unwrap_err().param, "on_at");
+    }
+}

@@ -1,0 +1,49 @@
+use blocksim_block::prelude::*;
+
+use super::transforms;
+
+/// Clarke transform: three phases to two axes at right angles. Amplitudes stay what they are.
+///
+/// $$ \begin{pmatrix} \alpha \\ \beta \\ 0 \end{pmatrix} = \frac13 \begin{pmatrix} 2 & -1 & -1 \\
+///    0 & \sqrt3 & -\sqrt3 \\ 1 & 1 & 1 \end{pmatrix} \begin{pmatrix} a \\ b \\ c \end{pmatrix} $$
+///
+/// The axis alpha is that of phase a, beta lies 90 degrees ahead. A balanced system of amplitude $\hat u$ becomes a
+/// vector of length $\hat u$, so power is $\tfrac32 (v_\alpha i_\alpha + v_\beta i_\beta) + 3 v_0 i_0$.
+///
+/// ```ron
+/// Clarke
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Drives")]
+pub struct Clarke;
+
+impl Block for Clarke {
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let unit = given.input_or_unknown("abc").dimension;
+        Ok(Interface::new()
+            .input(Input::real("abc").shape(Shape::Vector(3)).doc("phases a, b, c"))
+            .output(Output::like("alpha_beta", PortType::vector(2).of(unit)).doc("axes alpha, beta"))
+            .output(Output::like("zero", PortType::scalar().of(unit)).doc("mean of the phases")))
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        let ([alpha, beta], zero) = transforms::clarke([c.u[0], c.u[1], c.u[2]]);
+        y.copy_from_slice(&[alpha, beta, zero]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::elements::dimension;
+    use blocksim_block::testing::Bench;
+
+    #[test]
+    fn phase_a_alone_is_two_thirds_of_alpha_and_a_third_of_zero() {
+        let volts = PortType::vector(3).of(Some(dimension("V")));
+        let mut bench = Bench::with_inputs(Clarke, vec![("abc".to_owned(), volts)]);
+        let y = bench.set(0, &[3.0, 0.0, 0.0]).major();
+        assert_eq!(y, [2.0, 0.0, 1.0]);
+        assert!(bench.interface.outputs.iter().all(|y| y.port_type.dimension == Some(dimension("V"))));
+    }
+}

@@ -1,0 +1,54 @@
+use blocksim_block::prelude::*;
+
+use super::transforms;
+
+/// Inverse Clarke transform: two axes at right angles to three phases. Amplitudes stay what they are.
+///
+/// $$ \begin{pmatrix} a \\ b \\ c \end{pmatrix} = \begin{pmatrix} 1 & 0 & 1 \\
+///    -\tfrac12 & \tfrac{\sqrt3}{2} & 1 \\ -\tfrac12 & -\tfrac{\sqrt3}{2} & 1 \end{pmatrix}
+///    \begin{pmatrix} \alpha \\ \beta \\ 0 \end{pmatrix} $$
+///
+/// The input `zero` need not be connected; then the phases sum to 0.
+///
+/// ```ron
+/// InverseClarke
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Drives")]
+pub struct InverseClarke;
+
+impl Block for InverseClarke {
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let unit = given.common_dimension(&["alpha_beta", "zero"])?;
+        Ok(Interface::new()
+            .input(Input::real("alpha_beta").shape(Shape::Vector(2)).doc("axes alpha, beta"))
+            .input(Input::real("zero").scalar().default(0.0).doc("mean of the phases"))
+            .output(Output::like("abc", PortType::vector(3).of(unit)).doc("phases a, b, c")))
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        y.copy_from_slice(&transforms::inverse_clarke([c.u[0], c.u[1]], c.u[2]));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::elements::given;
+    use blocksim_block::testing::Bench;
+
+    #[test]
+    fn alpha_is_phase_a_and_zero_is_in_all() {
+        let inputs =
+            vec![("alpha_beta".to_owned(), PortType::vector(2)), ("zero".to_owned(), PortType::scalar())];
+        let mut bench = Bench::with_inputs(InverseClarke, inputs);
+        assert_eq!(bench.set(0, &[2.0, 0.0]).major(), [2.0, -1.0, -1.0]);
+        assert_eq!(bench.set(1, &[1.0]).major(), [3.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn both_inputs_are_of_one_unit() {
+        let error = InverseClarke.interface(&given(&[("alpha_beta", "V"), ("zero", "A")], &[])).unwrap_err();
+        assert_eq!(error.code, "unit_mismatch");
+    }
+}

@@ -1,0 +1,41 @@
+//! What the blocks that make gates have in common: checks of parameters, the output of gates, memory.
+
+use blocksim_block::prelude::*;
+
+use super::modulation::{Modulator, Sampling};
+
+/// Checks a switching frequency, Hz, and a dead time, s.
+///
+/// # Errors
+/// A frequency that is not positive; a dead time that is negative or leaves no room for pulses.
+pub(super) fn check(switching_frequency: f64, dead_time: f64) -> Result<(), ParamError> {
+    positive("switching_frequency", switching_frequency)
+        .map_err(|error| error.help("drives switch at 2 kHz to 20 kHz"))?;
+    not_negative("dead_time", dead_time)?;
+    let half = 0.5 / switching_frequency;
+    if dead_time >= half {
+        let message =
+            format!("`dead_time` is {dead_time} s, but must be less than half of a period, {half} s");
+        return Err(ParamError::new("dead_time", message).help("usual are 0.5 us to 5 us"));
+    }
+    Ok(())
+}
+
+/// The output `gates` with this many truth values.
+pub(super) fn gates(number: usize, order: &'static str) -> Output {
+    Output::like("gates", PortType::boolean().shaped(Shape::Vector(number))).doc(order)
+}
+
+/// Adds the memory, the events and, for natural sampling, the guards of a modulator of as many legs as there are names.
+pub(super) fn remember(interface: Interface, sampling: Sampling, legs: &[&str]) -> Interface {
+    let mut interface = interface.settles().time_events();
+    for (i, initial) in Modulator::initial(legs.len()).into_iter().enumerate() {
+        interface = interface.discrete(format!("modulator[{i}]"), initial);
+    }
+    if sampling == Sampling::Natural {
+        for leg in legs {
+            interface = interface.guard(*leg);
+        }
+    }
+    interface
+}
