@@ -302,23 +302,119 @@ pub enum Element {
         /// Origin of `follower` in `base`, m.
         translation: [f64; 3],
     },
-    /// A joint that turns `follower` about an axis of `base`. Its drive side are two rotational ports.
-    Revolute {
+    /// A joint: `follower` moves against `base` by one freedom after another, in this order from `base`.
+    Joint {
         /// Frame port.
         base: usize,
         /// Frame port.
         follower: usize,
-        /// Rod of the drive side: `w_r - w_c` is the speed of the joint.
-        r: usize,
-        /// Case of the drive side.
-        c: usize,
-        /// Unit vector of the axis in `base`.
-        axis: [f64; 3],
-        /// Angle at the start, rad.
-        position: f64,
-        /// Speed at the start, rad/s.
-        velocity: f64,
+        /// At least one; at most one of them is [`Freedom::Ball`].
+        freedoms: Vec<Freedom>,
     },
+    /// Looks at the motion of a frame: [`Law::frames`].
+    FrameProbe {
+        /// Frame port.
+        frame: usize,
+    },
+    /// Looks at the motion of a frame and acts on it with the wrench that [`Component::wrenches`] gives.
+    FrameForce {
+        /// Frame port.
+        frame: usize,
+    },
+    /// A rigid body fixed to a frame with the share, 0 or 1, that [`Component::load`] gives: what a gripper holds.
+    Payload {
+        /// Frame port.
+        frame: usize,
+        /// Mass, kg.
+        mass: f64,
+        /// Centre of mass in the frame, m.
+        com: [f64; 3],
+        /// Inertia about the centre of mass, axes of the frame: Ixx, Iyy, Izz, kg*m^2.
+        moi: [f64; 3],
+        /// Tensor elements Iyz, Izx, Ixy, kg*m^2.
+        poi: [f64; 3],
+    },
+}
+
+/// One motion that a joint allows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Freedom {
+    /// Rotation about an axis: rad, rad/s, N*m.
+    Turn(Axis),
+    /// Translation along an axis: m, m/s, N.
+    Slide(Axis),
+    /// Any rotation. Four positions: the quaternion (w, x, y, z) that turns `follower` against `base`; three speeds:
+    /// the angular velocity of `follower` against `base` in the axes of `follower`, rad/s.
+    Ball {
+        /// Orientation at the start; any length but zero.
+        orientation: Option<[f64; 4]>,
+        /// Angular velocity at the start in the axes of `follower`, rad/s.
+        velocity: Option<[f64; 3]>,
+    },
+}
+
+/// An axis of a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Names of the states: position and speed.
+    pub names: [&'static str; 2],
+    /// Unit vector in the frame that the freedoms before it have moved.
+    pub direction: [f64; 3],
+    /// Rod and case of the drive side, two rotational ports (translational ones of a slide): `w_r - w_c` is the
+    /// speed of the axis.
+    pub drive: Option<(usize, usize)>,
+    /// Position at the start; where nothing is given it is zero, or in a closed loop what closes it.
+    pub position: Option<f64>,
+    /// Speed at the start; as for the position.
+    pub velocity: Option<f64>,
+}
+
+impl Axis {
+    /// An axis without a drive side and without start values.
+    pub fn new(names: [&'static str; 2], direction: [f64; 3]) -> Self {
+        Self { names, direction, drive: None, position: None, velocity: None }
+    }
+
+    /// With a drive side.
+    pub fn driven(mut self, r: usize, c: usize) -> Self {
+        self.drive = Some((r, c));
+        self
+    }
+
+    /// With start values.
+    pub fn starting(mut self, position: Option<f64>, velocity: Option<f64>) -> Self {
+        (self.position, self.velocity) = (position, velocity);
+        self
+    }
+}
+
+impl Freedom {
+    /// Number of speeds.
+    pub fn speeds(&self) -> usize {
+        if matches!(self, Freedom::Ball { .. }) { 3 } else { 1 }
+    }
+}
+
+/// Motion of a frame in the axes of the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameMotion {
+    /// Rotation matrix, row by row: coordinates in the frame to coordinates in the world.
+    pub rotation: [[f64; 3]; 3],
+    /// Origin in the world, m.
+    pub position: [f64; 3],
+    /// Angular velocity, rad/s.
+    pub angular: [f64; 3],
+    /// Velocity of the origin, m/s.
+    pub velocity: [f64; 3],
+}
+
+/// Force and torque on a body at the origin of a frame, in the axes of the world.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Wrench {
+    /// Force, N.
+    pub force: [f64; 3],
+    /// Torque about the origin of the frame, N*m.
+    pub torque: [f64; 3],
 }
 
 /// A torque and how it changes with speed.
@@ -388,16 +484,16 @@ pub fn space_vector([a, b, c]: [f64; 3]) -> [f64; 3] {
     [(2.0 * a - b - c) / 3.0, (b - c) / (2.0 * HALF_SQRT_3), (a + b + c) / 3.0]
 }
 
-/// Motion of the joint of a component.
+/// Motion of one speed of a joint: rad, rad/s, N*m, or m, m/s, N of a slide.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointMotion {
-    /// Angle, rad.
+    /// Position; zero of a ball, see [`Law::orientation`].
     pub q: f64,
-    /// Speed, rad/s.
+    /// Speed.
     pub w: f64,
-    /// Acceleration, rad/s^2; in `measure` only.
+    /// Acceleration; in `measure` with [`Needs::Motion`] only.
     pub a: f64,
-    /// Torque of the drive side on the joint, N*m; in `measure` only.
+    /// Torque of the drive side on the joint; in `measure` with [`Needs::Motion`] only.
     pub drive: f64,
 }
 
@@ -433,8 +529,12 @@ pub struct Law<'a> {
     pub supply: Supply,
     /// Current drawn from the supply as a space vector in its frame and zero sequence, A; for the supply in `measure`.
     pub line_current: [f64; 3],
-    /// Motion of the component's joint.
-    pub joint: JointMotion,
+    /// Motion of the component's joint, speed by speed in the order of its freedoms.
+    pub joint: &'a [JointMotion],
+    /// Orientation of `follower` in `base` of a joint with a ball: unit quaternion (w, x, y, z).
+    pub orientation: [f64; 4],
+    /// Motion of the frames that the component looks at: probes and forces in the order of the elements.
+    pub frames: &'a [FrameMotion],
 }
 
 impl<'a> Law<'a> {
@@ -454,7 +554,9 @@ impl<'a> Law<'a> {
             current: &[],
             supply: Supply::default(),
             line_current: [0.0; 3],
-            joint: JointMotion::default(),
+            joint: &[],
+            orientation: [1.0, 0.0, 0.0, 0.0],
+            frames: &[],
         }
     }
 
@@ -514,9 +616,15 @@ pub trait Component: Debug + Send + Sync {
     /// Torque of each branch.
     fn torques(&self, _c: &Law, _tau: &mut [Torque]) {}
 
-    /// Torque that the component itself applies to its joint (springs, stops, the torque input).
-    fn joint_torque(&self, _c: &Law) -> Torque {
-        Torque::default()
+    /// Torque that the component itself applies to each speed of its joint (springs, stops, the torque input).
+    fn joint_torques(&self, _c: &Law, _tau: &mut [Torque]) {}
+
+    /// Force and torque on each frame that the component acts on, in the order of [`Element::FrameForce`].
+    fn wrenches(&self, _c: &Law, _f: &mut [Wrench]) {}
+
+    /// Share of its payload that is attached: 0 or 1.
+    fn load(&self, _c: &Law) -> f64 {
+        0.0
     }
 
     /// Derivatives of the states; voltages, currents and speeds are known.

@@ -48,9 +48,9 @@ pub fn assemble(members: Vec<Member>, joined: &[Vec<Terminal>]) -> Result<Networ
     let fed: Vec<bool> = fed_by.iter().map(Option::is_some).collect();
     let electrics = electrics::build(&view, &fed).map_err(|more| problems.extend(more)).ok();
     let frames = frames::build(&view).map_err(|more| problems.extend(more)).ok();
-    let rotation = frames.as_ref().and_then(|frames| {
-        rotation::build(&view, &frames.joint_members).map_err(|more| problems.extend(more)).ok()
-    });
+    let rotation = frames
+        .as_ref()
+        .and_then(|frames| rotation::build(&view, frames).map_err(|more| problems.extend(more)).ok());
     // An unconnected pin says more than what follows from it.
     let unconnected: Vec<usize> = problems
         .iter()

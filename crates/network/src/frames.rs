@@ -1,13 +1,14 @@
-//! Bodies and joints: from frames that are joined to a tree of links.
+//! Bodies and joints: from frames that are joined to a tree of links, and the loops that it closes.
 
 use std::collections::VecDeque;
 
-use blocksim_block::physical::Element;
+use blocksim_block::physical::{Axis, Element, Freedom};
 use blocksim_multibody::{Data, Inertia, Joint, Model, ModelBuilder, Placement};
 
 use nalgebra::Matrix3;
 
 use crate::members::Members;
+use crate::place::Place;
 use crate::problem::NetworkProblem;
 
 /// The multibody side of a network.
@@ -15,30 +16,117 @@ use crate::problem::NetworkProblem;
 pub(crate) struct Frames {
     /// The tree; `None` without frames.
     pub model: Option<Model>,
-    /// The member of each joint in the order of the model.
-    pub joint_members: Vec<usize>,
-    /// Angle of each joint at the start.
+    /// Speeds of the joints in the order of the model.
+    pub speeds: Vec<JointSpeed>,
+    /// Balls among the joints.
+    pub balls: Vec<Ball>,
+    /// Positions at the start.
     pub position: Vec<f64>,
+    /// Names of the positions.
+    pub position_names: Vec<String>,
+    /// Frames that members look at, in the order of the members.
+    pub probes: Vec<Probe>,
+    /// Bodies that come and go.
+    pub payloads: Vec<Payload>,
+    /// Frames that must coincide.
+    #[allow(dead_code)] // Until loops are closed.
+    pub loops: Vec<Loop>,
+}
+
+/// A speed of a joint.
+#[derive(Debug, Clone)]
+pub(crate) struct JointSpeed {
+    pub member: usize,
+    /// Index of the freedom in the joint.
+    pub freedom: usize,
+    /// Its position; `None` of a ball.
+    pub position: Option<usize>,
+    /// Where the member looks for it: members count from `base`, the tree from the world.
+    pub user: usize,
+    pub name: String,
+    /// Speed at the start, in the terms of the tree.
+    pub start: Option<f64>,
+    /// The position at the start is given.
+    #[allow(dead_code)] // Until loops are closed.
+    pub given: bool,
+}
+
+/// A ball among the freedoms of a joint.
+#[derive(Debug, Clone)]
+pub(crate) struct Ball {
+    pub member: usize,
+    /// First position.
+    pub position: usize,
+    /// First speed in the tree.
+    pub speed: usize,
+    /// First speed of the member.
+    pub user: usize,
+    /// The tree goes from `follower` to `base`.
+    pub flipped: bool,
+}
+
+/// A frame that a member looks at.
+#[derive(Debug, Clone)]
+pub(crate) struct Probe {
+    pub member: usize,
+    pub place: Place,
+    /// The member acts on it, too.
+    pub acts: bool,
+}
+
+/// A body that comes and goes.
+#[derive(Debug, Clone)]
+pub(crate) struct Payload {
+    pub member: usize,
+    /// `None` is the world: it then changes nothing.
+    pub body: Option<blocksim_multibody::BodyId>,
+    /// In the frame of the body.
+    pub inertia: Inertia,
+}
+
+/// Two frames that must coincide, because a member closes a loop.
+#[derive(Debug, Clone)]
+#[allow(dead_code)] // Until loops are closed.
+pub(crate) struct Loop {
+    pub member: usize,
+    pub a: Place,
+    pub b: Place,
 }
 
 impl Frames {
     pub(crate) fn data(&self) -> Option<Data> {
         self.model.as_ref().map(Model::data)
     }
+
+    /// Index of the first speed of a freedom of a joint.
+    pub(crate) fn speed_of(&self, member: usize, freedom: usize) -> Option<usize> {
+        self.speeds.iter().position(|speed| speed.member == member && speed.freedom == freedom)
+    }
+
+    /// Frames that a member looks at.
+    pub(crate) fn probe_range(&self, member: usize) -> std::ops::Range<usize> {
+        let of_member = |probe: &Probe| probe.member == member;
+        let first = self.probes.iter().position(of_member).unwrap_or(0);
+        first..first + self.probes.iter().filter(|probe| of_member(probe)).count()
+    }
+
+    /// Speeds of a joint as its member counts them.
+    pub(crate) fn user_range(&self, member: usize) -> std::ops::Range<usize> {
+        let of_member = || self.speeds.iter().filter(|speed| speed.member == member).map(|speed| speed.user);
+        let first = of_member().min().unwrap_or(0);
+        first..first + of_member().count()
+    }
 }
 
 /// An edge between two frame nodes.
 #[derive(Clone, Copy)]
-enum Edge<'a> {
-    Rigid { placement: &'a Element, forward: bool },
-    Joint { joint: &'a Element, forward: bool },
-}
-
-/// Where a frame node lies: on which body (`None` is the world), and how.
-#[derive(Clone)]
-struct Seat {
-    body: Option<blocksim_multibody::BodyId>,
-    placement: Placement,
+struct Edge<'a> {
+    to: usize,
+    member: usize,
+    /// A transform or a joint.
+    element: &'a Element,
+    /// From `base` to `follower`.
+    forward: bool,
 }
 
 /// Builds the tree from the world outwards.
@@ -46,113 +134,233 @@ pub(crate) fn build(m: &Members) -> Result<Frames, Vec<NetworkProblem>> {
     if m.frame_nodes == 0 {
         return Ok(Frames::default());
     }
-    let mut edges: Vec<Vec<(usize, usize, Edge)>> = vec![Vec::new(); m.frame_nodes]; // to, member, edge
-    let mut worlds = Vec::new();
-    for (member, element) in m.elements() {
-        match element {
-            Element::World { frame, gravity } => worlds.push((member, m.node(member, *frame), *gravity)),
-            Element::Transform { base, follower, .. } => {
-                let (b, f) = (m.node(member, *base), m.node(member, *follower));
-                edges[b].push((f, member, Edge::Rigid { placement: element, forward: true }));
-                edges[f].push((b, member, Edge::Rigid { placement: element, forward: false }));
+    let (root, gravity) = world(m)?;
+    let edges = edges(m);
+    let mut builder = ModelBuilder::new();
+    builder.gravity(gravity);
+    let mut frames = Frames::default();
+    let mut places: Vec<Option<Place>> = vec![None; m.frame_nodes];
+    let mut used = vec![false; m.list.len()];
+    let mut came: Vec<Option<usize>> = vec![None; m.frame_nodes];
+    places[root] = Some(Place { body: None, placement: Placement::identity() });
+    let mut queue = VecDeque::from([root]);
+    while let Some(node) = queue.pop_front() {
+        let Some(place) = places[node] else { continue };
+        for edge in &edges[node] {
+            if std::mem::replace(&mut used[edge.member], true) {
+                continue;
             }
-            Element::Revolute { base, follower, .. } => {
-                let (b, f) = (m.node(member, *base), m.node(member, *follower));
-                edges[b].push((f, member, Edge::Joint { joint: element, forward: true }));
-                edges[f].push((b, member, Edge::Joint { joint: element, forward: false }));
+            let next = match edge.element {
+                Element::Joint { freedoms, .. } => {
+                    add_joint(m, &mut builder, &mut frames, edge, freedoms, place)
+                        .map_err(|problem| vec![problem])?
+                }
+                transform => place.then(placement_of(transform, edge.forward)),
+            };
+            match places[edge.to] {
+                // The frame is reached a second time: from both ways it must be the same.
+                Some(_) => return Err(vec![closed_loop(edge.member, came[edge.to])]),
+                None => {
+                    places[edge.to] = Some(next);
+                    came[edge.to] = Some(edge.member);
+                    queue.push_back(edge.to);
+                }
             }
-            _ => {}
         }
     }
-    let Some((_, root, gravity)) = worlds.first() else {
+    let problems = add_bodies(m, &places, &mut builder, &mut frames);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    frames.model = Some(builder.build());
+    Ok(frames)
+}
+
+/// Node of the world and its gravity.
+fn world(m: &Members) -> Result<(usize, [f64; 3]), Vec<NetworkProblem>> {
+    let worlds: Vec<(usize, usize, [f64; 3])> = m
+        .elements()
+        .filter_map(|(member, element)| match element {
+            Element::World { frame, gravity } => Some((member, m.node(member, *frame), *gravity)),
+            _ => None,
+        })
+        .collect();
+    let Some((first, root, gravity)) = worlds.first() else {
         return Err(vec![no_world(m)]);
     };
-    if let Some((member, ..)) = worlds.iter().find(|(_, node, other)| node != root || other != gravity) {
-        return Err(vec![
+    match worlds.iter().find(|(_, node, other)| node != root || other != gravity) {
+        Some((member, ..)) => Err(vec![
             NetworkProblem::new(
                 "closed_loop",
                 "this mechanism has two worlds",
                 "keep one World and connect to it",
             )
             .with(*member, "is the second")
-            .with(worlds[0].0, "is the first"),
-        ]);
+            .with(*first, "is the first"),
+        ]),
+        None => Ok((*root, *gravity)),
     }
+}
 
-    let mut builder = ModelBuilder::new();
-    builder.gravity(*gravity);
-    let mut seats: Vec<Option<Seat>> = vec![None; m.frame_nodes];
-    let mut come_from: Vec<Option<usize>> = vec![None; m.frame_nodes];
-    let mut frames = Frames::default();
-    seats[*root] = Some(Seat { body: None, placement: Placement::identity() });
-    let mut queue = VecDeque::from([*root]);
-    while let Some(node) = queue.pop_front() {
-        let Some(seat) = seats[node].clone() else { continue };
-        for (to, member, edge) in &edges[node] {
-            if come_from[node] == Some(*member) {
-                continue;
-            }
-            if seats[*to].is_some() {
-                return Err(vec![closed_loop(*member, come_from[*to])]);
-            }
-            let next = match edge {
-                Edge::Rigid { placement, forward } => {
-                    let step = placement_of(placement, *forward);
-                    Seat { body: seat.body, placement: seat.placement * step }
-                }
-                Edge::Joint { joint, forward } => {
-                    let Element::Revolute { axis, position, .. } = joint else { continue };
-                    let sign = if *forward { 1.0 } else { -1.0 };
-                    let axis = Joint::revolute(axis.map(|a| sign * a));
-                    let body = builder
-                        .add_body(seat.body, axis, seat.placement, Inertia::zero())
-                        .map_err(|reason| vec![refused(*member, &reason)])?;
-                    frames.joint_members.push(*member);
-                    frames.position.push(*position);
-                    Seat { body: Some(body), placement: Placement::identity() }
-                }
-            };
-            seats[*to] = Some(next);
-            come_from[*to] = Some(*member);
-            queue.push_back(*to);
-        }
-    }
-
-    let mut problems = Vec::new();
+/// Edges that leave each node.
+fn edges<'a>(m: &Members<'a>) -> Vec<Vec<Edge<'a>>> {
+    let mut edges = vec![Vec::new(); m.frame_nodes];
     for (member, element) in m.elements() {
-        let (Element::Body { frame, .. }
-        | Element::Transform { base: frame, .. }
-        | Element::Revolute { base: frame, .. }) = element
+        let (Element::Transform { base, follower, .. } | Element::Joint { base, follower, .. }) = element
         else {
             continue;
         };
-        let Some(seat) = &seats[m.node(member, *frame)] else {
-            problems.push(
-                NetworkProblem::new(
-                    "missing_reference",
-                    format!("`{}` is not connected to the world", m.path(member)),
-                    "connect it, through joints or transforms, to a World",
-                )
-                .with(member, "floats"),
-            );
-            continue;
+        let (base, follower) = (m.node(member, *base), m.node(member, *follower));
+        edges[base].push(Edge { to: follower, member, element, forward: true });
+        edges[follower].push(Edge { to: base, member, element, forward: false });
+    }
+    edges
+}
+
+/// Adds the freedoms of a joint to the tree; returns where its far end is.
+fn add_joint(
+    m: &Members,
+    builder: &mut ModelBuilder,
+    frames: &mut Frames,
+    edge: &Edge,
+    freedoms: &[Freedom],
+    place: Place,
+) -> Result<Place, NetworkProblem> {
+    let member = edge.member;
+    let user = frames.speeds.len();
+    let user_of = |k: usize| user + freedoms[..k].iter().map(Freedom::speeds).sum::<usize>();
+    let sign = if edge.forward { 1.0 } else { -1.0 };
+    let order: Vec<usize> = match edge.forward {
+        true => (0..freedoms.len()).collect(),
+        false => (0..freedoms.len()).rev().collect(),
+    };
+    let mut here = place;
+    for k in order {
+        let joint = match &freedoms[k] {
+            Freedom::Turn(axis) => Joint::revolute(axis.direction.map(|a| sign * a)),
+            Freedom::Slide(axis) => Joint::prismatic(axis.direction.map(|a| sign * a)),
+            Freedom::Ball { .. } => Joint::Spherical,
         };
-        if let (Element::Body { mass, com, moi, poi, .. }, Some(body)) = (element, seat.body) {
-            let added = Inertia::from_moments(*mass, *com, *moi, *poi)
-                .map_err(|reason| refused(member, &reason))
-                .and_then(|inertia| {
-                    builder
-                        .add_inertia(body, seat.placement, inertia)
-                        .map_err(|reason| refused(member, &reason))
-                });
-            problems.extend(added.err());
+        let body = builder
+            .add_body(here.body, joint, here.placement, Inertia::zero())
+            .map_err(|reason| refused(member, &reason))?;
+        here = Place { body: Some(body), placement: Placement::identity() };
+        match &freedoms[k] {
+            Freedom::Turn(axis) | Freedom::Slide(axis) => {
+                add_axis(frames, m.path(member), member, k, user_of(k), axis)
+            }
+            Freedom::Ball { orientation, velocity } => {
+                let ball = Ball {
+                    member,
+                    position: frames.position.len(),
+                    speed: frames.speeds.len(),
+                    user: user_of(k),
+                    flipped: !edge.forward,
+                };
+                add_ball(frames, m.path(member), k, ball, *orientation, *velocity);
+            }
         }
     }
-    if !problems.is_empty() {
-        return Err(problems);
+    Ok(here)
+}
+
+fn add_axis(frames: &mut Frames, path: &str, member: usize, freedom: usize, user: usize, axis: &Axis) {
+    let [position, speed] = axis.names;
+    frames.speeds.push(JointSpeed {
+        member,
+        freedom,
+        position: Some(frames.position.len()),
+        user,
+        name: format!("{path}.{speed}"),
+        start: axis.velocity,
+        given: axis.position.is_some(),
+    });
+    frames.position.push(axis.position.unwrap_or(0.0));
+    frames.position_names.push(format!("{path}.{position}"));
+}
+
+fn add_ball(
+    frames: &mut Frames,
+    path: &str,
+    freedom: usize,
+    ball: Ball,
+    orientation: Option<[f64; 4]>,
+    velocity: Option<[f64; 3]>,
+) {
+    let mut p = orientation.unwrap_or([1.0, 0.0, 0.0, 0.0]);
+    let mut speeds = velocity.map(nalgebra::Vector3::from);
+    if ball.flipped {
+        speeds = speeds.map(|speeds| -(crate::joints::rotation(p) * speeds));
+        p = [p[0], -p[1], -p[2], -p[3]];
     }
-    frames.model = Some(builder.build());
-    Ok(frames)
+    for k in 0..3 {
+        frames.speeds.push(JointSpeed {
+            member: ball.member,
+            freedom,
+            position: None,
+            user: ball.user + k,
+            name: format!("{path}.w[{k}]"),
+            start: speeds.map(|speeds| speeds[k]),
+            given: orientation.is_some(),
+        });
+    }
+    let length = p.iter().map(|e| e * e).sum::<f64>().sqrt();
+    frames.position.extend(p.map(|e| e / length));
+    frames.position_names.extend((0..4).map(|k| format!("{path}.p[{k}]")));
+    frames.balls.push(ball);
+}
+
+/// Gives the tree its masses and finds the frames that members look at.
+fn add_bodies(
+    m: &Members,
+    places: &[Option<Place>],
+    builder: &mut ModelBuilder,
+    frames: &mut Frames,
+) -> Vec<NetworkProblem> {
+    let mut problems = Vec::new();
+    for (member, element) in m.elements() {
+        let (Element::Body { frame, .. }
+        | Element::Payload { frame, .. }
+        | Element::FrameProbe { frame }
+        | Element::FrameForce { frame }
+        | Element::Transform { base: frame, .. }
+        | Element::Joint { base: frame, .. }) = element
+        else {
+            continue;
+        };
+        let Some(place) = places[m.node(member, *frame)] else {
+            problems.push(floats(m, member));
+            continue;
+        };
+        match element {
+            Element::Body { mass, com, moi, poi, .. } => {
+                let Some(body) = place.body else { continue };
+                let added = Inertia::from_moments(*mass, *com, *moi, *poi)
+                    .map_err(|reason| refused(member, &reason))
+                    .and_then(|inertia| {
+                        builder
+                            .add_inertia(body, place.placement, inertia)
+                            .map_err(|reason| refused(member, &reason))
+                    });
+                problems.extend(added.err());
+            }
+            Element::Payload { mass, com, moi, poi, .. } => {
+                match Inertia::from_moments(*mass, *com, *moi, *poi) {
+                    Ok(inertia) => {
+                        let inertia = inertia.placed(&place.placement);
+                        frames.payloads.push(Payload { member, body: place.body, inertia });
+                    }
+                    Err(reason) => problems.push(refused(member, &reason)),
+                }
+            }
+            Element::FrameProbe { .. } => frames.probes.push(Probe { member, place, acts: false }),
+            Element::FrameForce { .. } => frames.probes.push(Probe { member, place, acts: true }),
+            _ => {}
+        }
+    }
+    let mut seen = std::collections::BTreeSet::new();
+    problems.retain(|problem| problem.members.first().is_none_or(|(member, _)| seen.insert(*member)));
+    problems
 }
 
 fn placement_of(element: &Element, forward: bool) -> Placement {
@@ -164,6 +372,15 @@ fn placement_of(element: &Element, forward: bool) -> Placement {
         translation: (*translation).into(),
     };
     if forward { placement } else { placement.inverse() }
+}
+
+fn floats(m: &Members, member: usize) -> NetworkProblem {
+    NetworkProblem::new(
+        "missing_reference",
+        format!("`{}` is not connected to the world", m.path(member)),
+        "connect it, through joints or transforms, to a World",
+    )
+    .with(member, "floats")
 }
 
 fn refused(member: usize, reason: &dyn std::fmt::Display) -> NetworkProblem {
@@ -182,7 +399,7 @@ fn no_world(m: &Members) -> NetworkProblem {
         "add a World and connect its frame to the first body or joint",
     );
     let first = m.elements().find(|(_, element)| {
-        matches!(element, Element::Body { .. } | Element::Transform { .. } | Element::Revolute { .. })
+        matches!(element, Element::Body { .. } | Element::Transform { .. } | Element::Joint { .. })
     });
     match first {
         Some((member, _)) => problem.with(member, "belongs to it"),

@@ -7,8 +7,8 @@ use crate::network::Network;
 use crate::work::Work;
 
 impl Network {
-    /// `J` holds the slopes of torques over speeds and the angles as integrals of speeds: for speeds
-    /// `(M + hg C) dv = M r + D' lambda` with `D dv = D r` where constraints `D` hold, for angles `r + hg T dv`.
+    /// `J` holds the slopes of torques over speeds and the positions as integrals of speeds: for speeds
+    /// `(M + hg C) dv = M r + D' lambda` with `D dv = D r` where constraints `D` hold, for positions `r + hg T dv`.
     pub(crate) fn prepare_implicit(&self, c: &Context, hg: f64, w: &mut Work) {
         self.motion_phase(c, w);
         let r = &self.rotation;
@@ -28,6 +28,7 @@ impl Network {
             *to = mass + hg * damping;
         }
         w.hg = hg;
+        w.position.copy_from_slice(self.positions(c));
         if cholesky_factor(&mut w.implicit, n).is_err() {
             c.fail("the mass matrix lost its positive definiteness: check masses and inertias");
             return;
@@ -40,7 +41,7 @@ impl Network {
     /// Overwrites `r` with `(I - hg J)^-1 r`.
     pub(crate) fn solve_implicit(&self, w: &mut Work, r: &mut [f64]) {
         let n = self.rotation.free;
-        let (q, rest) = r.split_at_mut(self.joints);
+        let (q, rest) = r.split_at_mut(self.positions);
         let v = &mut rest[..n];
         for (row, to) in w.product.iter_mut().enumerate() {
             *to = w.mass[row * n..(row + 1) * n].iter().zip(v.iter()).map(|(m, v)| m * v).sum();
@@ -51,8 +52,14 @@ impl Network {
             w.implicit_schur.impose(&w.rows, &mut w.product, |i| w.rows.of(i, v));
         }
         v.copy_from_slice(&w.product);
-        for (q, joint) in q.iter_mut().zip(&self.rotation.joints) {
-            *q += w.hg * joint.of(v);
+        for (to, joint) in w.joint_product.iter_mut().zip(&self.rotation.joints) {
+            *to = w.hg * joint.of(v);
+        }
+        if self.frames.balls.is_empty() {
+            q.iter_mut().zip(&w.joint_product).for_each(|(q, step)| *q += step);
+        } else {
+            self.position_rates(&w.position, &w.joint_product, &mut w.position_rate);
+            q.iter_mut().zip(&w.position_rate).for_each(|(q, step)| *q += step);
         }
     }
 }

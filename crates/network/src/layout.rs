@@ -42,10 +42,10 @@ impl Network {
         frames: Frames,
         fed_by: &[Option<usize>],
     ) -> Result<Self, Vec<NetworkProblem>> {
-        let joints = frames.joint_members.len();
+        let (positions, joints) = (frames.position.len(), frames.speeds.len());
         let mut interface = Interface::new().implicit();
-        for (member, position) in frames.joint_members.iter().zip(&frames.position) {
-            interface = interface.state(format!("{}.q", members[*member].path), *position);
+        for (name, position) in frames.position_names.iter().zip(&frames.position) {
+            interface = interface.state(name.clone(), *position);
         }
         for (name, start) in rotation.names.iter().zip(&rotation.start) {
             interface = interface.state(name.clone(), *start);
@@ -63,7 +63,7 @@ impl Network {
 
         // Inputs of prescribed speeds and of electrical sources: what groups 0 and 1 read.
         let mut reads = [Vec::new(), Vec::new()];
-        let mut next = Next { x: joints + rotation.free, d: interface.discrete.len(), ..Next::default() };
+        let mut next = Next { x: positions + rotation.free, d: interface.discrete.len(), ..Next::default() };
         let (supply_of, supplies) = supplies(&members, fed_by);
         let mut seats: Vec<Seat> = Vec::new();
         for (index, member) in members.into_iter().enumerate() {
@@ -128,7 +128,9 @@ impl Network {
                 windings: places.windings.clone(),
                 valves: places.valves.clone(),
                 winding_pins,
-                joint: frames.joint_members.iter().position(|m| *m == index),
+                joint: frames.user_range(index),
+                ball: frames.balls.iter().position(|ball| ball.member == index),
+                frames: frames.probe_range(index),
                 supply: supply_of[index],
                 role: role(&member, places.machine, fed_by[index].is_some()),
                 is_capacitance: has(&|e| matches!(e, Element::Capacitance { .. })),
@@ -162,6 +164,7 @@ impl Network {
             frames,
             supplies,
             interface,
+            positions,
             joints,
             first_latch,
             natural,

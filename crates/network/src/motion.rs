@@ -15,7 +15,10 @@ impl Network {
     pub(crate) fn mass(&self, q: &[f64], w: &mut Work) {
         let (n, j) = (self.rotation.free, self.joints);
         w.mass.copy_from_slice(&self.rotation.reflected);
-        let (Some(model), Some(data)) = (&self.frames.model, &mut w.data) else { return };
+        let (Some(model), Some(data)) = (w.loaded.as_ref().or(self.frames.model.as_ref()), &mut w.data)
+        else {
+            return;
+        };
         mass_and_bias(model, data, q, &w.joint_speed, &mut w.joint_mass, &mut w.bias);
         if self.rotation.joints_are_free {
             for row in 0..j {
@@ -58,21 +61,17 @@ impl Network {
             }
         }
         w.torque = torque;
-        for (joint, member) in self.frames.joint_members.iter().enumerate() {
-            let seat = &self.seats[*member];
-            if let Some(component) = seat.member.block.component() {
-                w.joint_torque[joint] = component.joint_torque(&self.law(c, seat, w));
-            }
-        }
+        self.joint_torques(c, w);
+        self.outside_forces(c, w);
 
         // (M + T'JT) dv = T' tau - T_j' (h + M P ds) - T_n' J P ds
-        self.mass(&c.x[..self.joints], w);
+        self.mass(self.positions(c), w);
         w.force.fill(0.0);
         for (torque, pin) in w.torque.iter().zip(&r.branches) {
             r.pins[*pin].speed.add_to(-torque.value, &mut w.force);
         }
         for joint in 0..self.joints {
-            let mut value = w.joint_torque[joint].value - w.bias[joint];
+            let mut value = w.joint_torque[joint].value + w.joint_outside[joint] - w.bias[joint];
             if !w.ds.is_empty() {
                 for other in 0..self.joints {
                     value -= w.joint_mass[joint * self.joints + other] * r.joints_prescribed[other].of(&w.ds);
@@ -103,7 +102,7 @@ impl Network {
     pub(crate) fn meshes(&self, c: &Context, w: &mut Work) {
         let r = &self.rotation;
         let (n, g) = (r.free, self.meshes.len());
-        let v = &c.x[self.joints..self.joints + n];
+        let v = self.speeds(c);
         for (i, gear) in r.gears.iter().enumerate() {
             w.mesh_speed[i] = gear.base.of(v) + gear.base_prescribed.of(&w.s);
             let torques: f64 =
@@ -170,24 +169,22 @@ impl Network {
         let j = self.joints;
         for joint in 0..j {
             let row = &w.joint_mass[joint * j..(joint + 1) * j];
-            let inertial: f64 = row.iter().zip(&w.joint_motion).map(|(mass, motion)| mass * motion.a).sum();
+            let inertial: f64 = row.iter().zip(&w.joint_acceleration).map(|(mass, a)| mass * a).sum();
             w.residual[self.rotation.nodes.len() + joint] =
-                inertial + w.bias[joint] - w.joint_torque[joint].value;
+                inertial + w.bias[joint] - w.joint_torque[joint].value - w.joint_outside[joint];
         }
     }
 
     /// Accelerations and inner torques, for sensors.
     pub(crate) fn inner_torques(&self, w: &mut Work) {
         let r = &self.rotation;
-        for joint in 0..self.joints {
-            w.joint_motion[joint].a = r.joints[joint].of(&w.dv) + r.joints_prescribed[joint].of(&w.ds);
-        }
+        self.joint_accelerations(w);
         self.residuals(w);
         if r.needs_joint_balance {
             self.joint_residuals(w);
         }
-        for (motion, drive) in w.joint_motion.iter_mut().zip(&r.drives) {
-            motion.drive = drive.of(&w.residual);
+        for (speed, drive) in self.frames.speeds.iter().zip(&r.drives) {
+            w.joint_motion[speed.user].drive = drive.of(&w.residual);
         }
         for (i, pin) in r.pins.iter().enumerate() {
             w.pin_acceleration[i] = pin.speed.of(&w.dv) + pin.prescribed.of(&w.ds);

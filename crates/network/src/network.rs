@@ -1,6 +1,6 @@
 //! A network as a block: its values, laid out.
 
-use blocksim_block::physical::{JointMotion, Law, MeshLoss, Supply};
+use blocksim_block::physical::{Law, MeshLoss, Supply};
 use blocksim_block::{Block, Context, Fault, Given, Interface, InterfaceError, Scratch};
 use blocksim_solve::linear::cholesky_factor;
 
@@ -15,7 +15,7 @@ use crate::work::Work;
 
 /// A physical network as one block.
 ///
-/// States: joint angles, independent speeds, then the states of the members. Output group 0 (of the three that
+/// States: positions of joints, independent speeds, then the states of the members. Output group 0 (of the three that
 /// [`Needs`] names) depends on states alone, group 1 on the inputs of electrical sources, group 2 on everything.
 #[derive(Debug)]
 pub struct Network {
@@ -32,6 +32,9 @@ pub struct Network {
     pub(crate) natural: Vec<usize>,
     pub(crate) first_natural: usize,
     pub(crate) interface: Interface,
+    /// Number of positions of joints.
+    pub(crate) positions: usize,
+    /// Number of speeds of joints.
     pub(crate) joints: usize,
     /// Some currents are measured before voltages are known.
     pub(crate) has_early: bool,
@@ -41,7 +44,6 @@ pub struct Network {
 }
 
 const NO_SUPPLY: Supply = Supply { voltage: [0.0; 2], zero: 0.0, frequency: 0.0, angle: 0.0 };
-const NO_JOINT: JointMotion = JointMotion { q: 0.0, w: 0.0, a: 0.0, drive: 0.0 };
 
 impl Network {
     /// The members, in the order of their inputs and outputs.
@@ -68,9 +70,9 @@ impl Network {
             ),
             "give the bodies behind it mass, or couple an Inertia to its drive side",
         );
-        let member = self.frames.joint_members.get(weak);
+        let joint = self.frames.speeds.get(weak);
         Err(vec![
-            member.into_iter().fold(problem, |problem, member| problem.with(*member, "moves too little")),
+            joint.into_iter().fold(problem, |problem, joint| problem.with(joint.member, "moves too little")),
         ])
     }
 
@@ -115,7 +117,9 @@ impl Network {
             current: if electrical { &w.current[seat.two_pins.clone()] } else { &[] },
             supply: seat.supply.map_or(NO_SUPPLY, |i| w.supply[i]),
             line_current: seat.supply.map_or([0.0; 3], |i| w.line_current[i]),
-            joint: seat.joint.map_or(NO_JOINT, |i| w.joint_motion[i]),
+            joint: &w.joint_motion[seat.joint.clone()],
+            orientation: seat.ball.map_or([1.0, 0.0, 0.0, 0.0], |i| w.orientation[i]),
+            frames: &w.frame_motion[seat.frames.clone()],
         }
     }
 
@@ -168,8 +172,8 @@ impl Block for Network {
     fn derivatives(&self, c: &Context, w: &mut Scratch, dx: &mut [f64]) {
         let Some(w) = w.get::<Work>() else { return };
         self.motion_phase(c, w);
-        dx[..self.joints].copy_from_slice(&w.joint_speed);
-        dx[self.joints..self.joints + self.rotation.free].copy_from_slice(&w.dv);
+        self.position_rates(self.positions(c), &w.joint_speed, &mut dx[..self.positions]);
+        dx[self.positions..self.positions + self.rotation.free].copy_from_slice(&w.dv);
         for seat in self.active.states.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.member.block.component() {
                 component.derivatives(&self.law(c, seat, w), &mut dx[seat.x.clone()]);

@@ -1,9 +1,10 @@
 //! Speeds: independent ones, and how all others follow from them.
 
-use blocksim_block::physical::{Element, MeshLoss};
+use blocksim_block::physical::{Axis, Element, Freedom, MeshLoss};
 use nalgebra::DMatrix;
 
 use crate::eliminate::{Form, Relations};
+use crate::frames::Frames;
 use crate::members::Members;
 use crate::problem::NetworkProblem;
 
@@ -110,9 +111,9 @@ impl Reason {
 
 /// Finds the independent speeds of all members and everything that is constant about the others.
 #[allow(clippy::too_many_lines)] // One pass over the elements, then one section for each result.
-pub(crate) fn build(m: &Members, joint_members: &[usize]) -> Result<Rotation, Vec<NetworkProblem>> {
+pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<NetworkProblem>> {
     let nodes = m.rotational_nodes;
-    let joints = joint_members.len();
+    let joints = frames.speeds.len();
     let mut rotation = Rotation { inertia: vec![0.0; nodes], ..Rotation::default() };
     rotation.sources = m.count(|element| matches!(element, Element::SpeedSource { .. }));
     let mut relations = Relations::new(nodes + joints, rotation.sources);
@@ -120,7 +121,6 @@ pub(crate) fn build(m: &Members, joint_members: &[usize]) -> Result<Rotation, Ve
     let mut pins: Vec<(usize, usize, Option<usize>)> = Vec::new(); // r, c, row of the reaction
     let mut gears: Vec<(usize, usize, f64, Option<MeshLoss>, usize)> = Vec::new();
     let mut drive_rows: Vec<Option<usize>> = vec![None; joints];
-    let joint_of = |member: usize| joint_members.iter().position(|other| *other == member).unwrap_or(0);
     let mut starts: Vec<(usize, f64)> = Vec::new();
     let mut source = 0;
     for (member, element) in m.elements() {
@@ -164,19 +164,23 @@ pub(crate) fn build(m: &Members, joint_members: &[usize]) -> Result<Rotation, Ve
                 relations.add(&[(node(port), 1.0)], &[]);
                 reasons.push(Reason::Reference { member });
             }
-            Element::Revolute { r, c, .. } => {
-                let joint = joint_of(member);
-                if m.alone(member, r) && m.alone(member, c) {
-                    // A drive side that nothing is connected to stands still, so that it is no free part.
-                    for port in [r, c] {
-                        relations.add(&[(node(port), 1.0)], &[]);
-                        reasons.push(Reason::Joint { member });
+            Element::Joint { ref freedoms, .. } => {
+                for (k, axis) in axes(freedoms) {
+                    let (Some((r, c)), Some(joint)) = (axis.drive, frames.speed_of(member, k)) else {
+                        continue;
+                    };
+                    if m.alone(member, r) && m.alone(member, c) {
+                        // A drive side that nothing is connected to stands still, so that it is no free part.
+                        for port in [r, c] {
+                            relations.add(&[(node(port), 1.0)], &[]);
+                            reasons.push(Reason::Joint { member });
+                        }
+                        continue;
                     }
-                    continue;
+                    let row = relations.add(&[(node(r), 1.0), (node(c), -1.0), (nodes + joint, -1.0)], &[]);
+                    reasons.push(Reason::Joint { member });
+                    drive_rows[joint] = Some(row);
                 }
-                let row = relations.add(&[(node(r), 1.0), (node(c), -1.0), (nodes + joint, -1.0)], &[]);
-                reasons.push(Reason::Joint { member });
-                drive_rows[joint] = Some(row);
             }
             _ => {}
         }
@@ -209,7 +213,7 @@ pub(crate) fn build(m: &Members, joint_members: &[usize]) -> Result<Rotation, Ve
     rotation.names = free
         .iter()
         .map(|unknown| match unknown.checked_sub(nodes) {
-            Some(joint) => format!("{}.w", m.path(joint_members[joint])),
+            Some(joint) => frames.speeds[joint].name.clone(),
             None => format!("{}.w", m.node_name(*unknown)),
         })
         .collect();
@@ -284,7 +288,7 @@ pub(crate) fn build(m: &Members, joint_members: &[usize]) -> Result<Rotation, Ve
     pass_through(&mut rotation);
     rotation.drives =
         drive_rows.iter().map(|row| row.map_or_else(Form::default, |row| reaction(row, -1.0))).collect();
-    rotation.start = start(m, &rotation, joint_members, &starts)?;
+    rotation.start = start(m, &rotation, frames, &starts)?;
     Ok(rotation)
 }
 
@@ -330,9 +334,13 @@ fn free_cases(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem> {
                 only_case[m.node(member, c)] = Some(member);
                 other[m.node(member, r)] = true;
             }
-            Element::Revolute { r, c, .. } if !(m.alone(member, r) && m.alone(member, c)) => {
-                only_case[m.node(member, c)] = Some(member);
-                other[m.node(member, r)] = true;
+            Element::Joint { ref freedoms, .. } => {
+                for (r, c) in axes(freedoms).filter_map(|(_, axis)| axis.drive) {
+                    if !(m.alone(member, r) && m.alone(member, c)) {
+                        only_case[m.node(member, c)] = Some(member);
+                        other[m.node(member, r)] = true;
+                    }
+                }
             }
             Element::Inertia { port, .. } | Element::RotationalReference { port } => {
                 other[m.node(member, port)] = true
@@ -367,7 +375,7 @@ fn free_cases(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem> {
 fn start(
     m: &Members,
     rotation: &Rotation,
-    joint_members: &[usize],
+    frames: &Frames,
     starts: &[(usize, f64)],
 ) -> Result<Vec<f64>, Vec<NetworkProblem>> {
     let mut asked = Relations::new(rotation.free, 1);
@@ -376,11 +384,9 @@ fn start(
             form.terms().iter().map(|(k, factor)| (*k as usize, *factor)).collect();
         asked.add(&terms, &[(0, speed)]);
     };
-    for (member, element) in m.elements() {
-        if let Element::Revolute { velocity, .. } = element
-            && let Some(joint) = joint_members.iter().position(|other| *other == member)
-        {
-            ask(&rotation.joints[joint], *velocity);
+    for (form, joint) in rotation.joints.iter().zip(&frames.speeds) {
+        if let Some(speed) = joint.start {
+            ask(form, speed);
         }
     }
     starts.iter().for_each(|(node, speed)| ask(&rotation.nodes[*node], *speed));
@@ -398,6 +404,14 @@ fn start(
         }
     }
     Ok(v)
+}
+
+/// The axes among freedoms, with their index.
+fn axes(freedoms: &[Freedom]) -> impl Iterator<Item = (usize, &Axis)> {
+    freedoms.iter().enumerate().filter_map(|(k, freedom)| match freedom {
+        Freedom::Turn(axis) | Freedom::Slide(axis) => Some((k, axis)),
+        Freedom::Ball { .. } => None,
+    })
 }
 
 /// Rounding of the inverse must not couple drives that have nothing to do with each other.

@@ -37,7 +37,12 @@ pub(crate) struct Seat {
     /// Two-pins of the windings whose currents are states.
     pub winding_pins: Vec<usize>,
     pub speed_sources: Range<usize>,
-    pub joint: Option<usize>,
+    /// Speeds of its joint, as it counts them.
+    pub joint: Range<usize>,
+    /// Index of the ball of its joint.
+    pub ball: Option<usize>,
+    /// Frames that it looks at.
+    pub frames: Range<usize>,
     /// Where its supply lies: that of the source that feeds it, or its own.
     pub supply: Option<usize>,
     pub role: Role,
@@ -98,6 +103,8 @@ pub(crate) struct Active {
     /// Members of circuits with voltages or currents of their own.
     pub circuit: Vec<usize>,
     pub branches: Vec<usize>,
+    pub joints: Vec<usize>,
+    pub frames: Vec<usize>,
     pub states: Vec<usize>,
     pub jumps: Vec<usize>,
     /// Circuits with valves.
@@ -120,6 +127,8 @@ impl Active {
                 seat.held.is_none() && (!seat.sources.is_empty() || !seat.windings.is_empty())
             }),
             branches: which(&|seat| !seat.branches.is_empty()),
+            joints: which(&|seat| !seat.joint.is_empty()),
+            frames: which(&|seat| !seat.frames.is_empty()),
             states: which(&|seat| seat.held.is_none() && !seat.x.is_empty()),
             jumps: which(&|seat| seat.held.is_none() && seat.member.part.jumps),
             valves: Vec::new(),

@@ -1,7 +1,6 @@
 //! First phase of an evaluation: the speeds of everything.
 
 use blocksim_block::Context;
-use blocksim_block::physical::JointMotion;
 
 use crate::network::Network;
 use crate::seat::STATE;
@@ -14,7 +13,7 @@ impl Network {
             return;
         }
         w.evaluation[STATE] = c.evaluation;
-        let (q, v) = (&c.x[..self.joints], &c.x[self.joints..self.joints + self.rotation.free]);
+        let (q, v) = (self.positions(c), self.speeds(c));
         if !w.s.is_empty() {
             let (mut s, mut ds) = (std::mem::take(&mut w.s), std::mem::take(&mut w.ds));
             for seat in self.active.speed_sources.iter().map(|i| &self.seats[*i]) {
@@ -26,9 +25,9 @@ impl Network {
             (w.s, w.ds) = (s, ds);
         }
         let r = &self.rotation;
-        for (i, q) in q.iter().enumerate() {
-            w.joint_speed[i] = r.joints[i].of(v) + r.joints_prescribed[i].of(&w.s);
-            w.joint_motion[i] = JointMotion { q: *q, w: w.joint_speed[i], a: 0.0, drive: 0.0 };
+        self.joint_motion(q, v, w);
+        if !self.frames.probes.is_empty() {
+            self.frame_motion(q, w);
         }
         for (to, pin) in w.pin_speed.iter_mut().zip(&r.pins) {
             *to = pin.speed.of(v) + pin.prescribed.of(&w.s);

@@ -1,7 +1,7 @@
 //! Values of one evaluation: scratch space, made once.
 
-use blocksim_block::physical::{JointMotion, Supply, Torque};
-use blocksim_multibody::Data;
+use blocksim_block::physical::{FrameMotion, JointMotion, Supply, Torque, Wrench};
+use blocksim_multibody::{Data, Model};
 
 use crate::circuits::Circuits;
 use crate::constraints::{Rows, Schur};
@@ -10,14 +10,31 @@ use crate::mesh::MeshScratch;
 use crate::network::Network;
 use crate::separate::Room;
 
+const AT_REST: FrameMotion = FrameMotion {
+    rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    position: [0.0; 3],
+    angular: [0.0; 3],
+    velocity: [0.0; 3],
+};
+
 /// Values of one evaluation.
 pub(crate) struct Work {
     pub data: Option<Data>,
+    /// The model with what payloads add, where there are any.
+    pub loaded: Option<Model>,
     pub evaluation: [u64; 3],
     pub s: Vec<f64>,
     pub ds: Vec<f64>,
     pub joint_speed: Vec<f64>,
+    /// Accelerations and torques from outside in the order of the tree; motion as members count it.
+    pub joint_acceleration: Vec<f64>,
+    pub joint_outside: Vec<f64>,
     pub joint_motion: Vec<JointMotion>,
+    /// Orientation of each ball as its member sees it.
+    pub orientation: Vec<[f64; 4]>,
+    pub frame_motion: Vec<FrameMotion>,
+    pub wrench: Vec<Wrench>,
+    pub load: Vec<f64>,
     pub pin_speed: Vec<f64>,
     pub pin_acceleration: Vec<f64>,
     pub pin_torque: Vec<f64>,
@@ -37,7 +54,9 @@ pub(crate) struct Work {
     pub held_evaluation: u64,
     pub flux: Vec<f64>,
     pub torque: Vec<Torque>,
+    /// Torques that members apply to their joints, in the order of the tree and as members count them.
     pub joint_torque: Vec<Torque>,
+    pub user_torque: Vec<Torque>,
     /// Mass matrix over the independent speeds, and its Cholesky factor.
     pub mass: Vec<f64>,
     pub factor: Vec<f64>,
@@ -63,6 +82,9 @@ pub(crate) struct Work {
     pub damping: Vec<f64>,
     pub implicit: Vec<f64>,
     pub product: Vec<f64>,
+    pub joint_product: Vec<f64>,
+    pub position: Vec<f64>,
+    pub position_rate: Vec<f64>,
     /// States and discrete states before a jump.
     pub before: Vec<f64>,
     pub modes: Vec<f64>,
@@ -79,11 +101,18 @@ impl Work {
         given.iter_mut().last().into_iter().for_each(|one| *one = 1.0);
         Self {
             data: network.frames.data(),
+            loaded: network.frames.model.clone().filter(|_| !network.frames.payloads.is_empty()),
             evaluation: [u64::MAX; 3],
             s: vec![0.0; r.sources],
             ds: vec![0.0; r.sources],
             joint_speed: vec![0.0; j],
+            joint_acceleration: vec![0.0; j],
+            joint_outside: vec![0.0; j],
             joint_motion: vec![JointMotion::default(); j],
+            orientation: vec![[1.0, 0.0, 0.0, 0.0]; network.frames.balls.len()],
+            frame_motion: vec![AT_REST; network.frames.probes.len()],
+            wrench: vec![Wrench::default(); network.frames.probes.len()],
+            load: vec![0.0; network.frames.payloads.len()],
             pin_speed: vec![0.0; r.pins.len()],
             pin_acceleration: vec![0.0; r.pins.len()],
             pin_torque: vec![0.0; r.pins.len()],
@@ -105,6 +134,7 @@ impl Work {
             flux: Vec::with_capacity(network.electrics.two_pins),
             torque: vec![Torque::default(); r.branches.len()],
             joint_torque: vec![Torque::default(); j],
+            user_torque: vec![Torque::default(); j],
             mass: vec![0.0; n * n],
             factor: vec![0.0; n * n],
             joint_mass: vec![0.0; j * j],
@@ -126,6 +156,9 @@ impl Work {
             damping: vec![0.0; n * n],
             implicit: vec![0.0; n * n],
             product: vec![0.0; n],
+            joint_product: vec![0.0; j],
+            position: vec![0.0; network.positions],
+            position_rate: vec![0.0; network.positions],
             before: vec![0.0; network.interface.states.len()],
             modes: vec![0.0; network.interface.discrete.len()],
             hg: 0.0,

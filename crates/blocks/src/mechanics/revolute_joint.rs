@@ -1,6 +1,7 @@
-use blocksim_block::physical::{Domain, Element};
+use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
 
+use super::axis::{Inside, direction, finite_start, unit};
 use super::joint_limit::JointLimit;
 
 /// A joint that turns `follower` about an axis of `base`; both origins coincide.
@@ -29,12 +30,12 @@ pub struct RevoluteJoint {
     /// Direction of the axis in `base`; its length does not matter.
     #[block(default = [0.0, 0.0, 1.0])]
     pub axis: [f64; 3],
-    /// Angle at the start.
-    #[block(unit = "rad", default = 0.0)]
-    pub position: f64,
-    /// Speed at the start.
-    #[block(unit = "rad/s", default = 0.0)]
-    pub velocity: f64,
+    /// Angle at the start. Where none is given it is zero, or in a closed loop what closes it.
+    #[block(unit = "rad", default = None)]
+    pub position: Option<f64>,
+    /// Speed at the start. Where none is given it is zero, or in a closed loop what fits the others.
+    #[block(unit = "rad/s", default = None)]
+    pub velocity: Option<f64>,
     /// Angle $q_0$ at which the spring inside is relaxed.
     #[block(unit = "rad", default = 0.0)]
     pub equilibrium: f64,
@@ -62,60 +63,28 @@ pub struct RevoluteJoint {
 }
 
 impl RevoluteJoint {
-    /// Spring, damper and limits at an angle and a speed; the slope is positive where they damp.
-    fn inside(&self, q: f64, w: f64) -> Torque {
-        let mut torque = Torque {
-            value: -self.stiffness * (q - self.equilibrium) - self.damping * w,
-            slope: self.damping,
-        };
-        let limit = JointLimit {
-            stiffness: self.limit_stiffness,
-            damping: self.limit_damping,
-            transition: self.limit_transition,
-        };
-        if let Some(upper) = self.upper {
-            let push = limit.push(q - upper, w);
-            torque = Torque { value: torque.value - push.value, slope: torque.slope + push.slope };
+    fn inside(&self) -> Inside {
+        Inside {
+            equilibrium: self.equilibrium,
+            stiffness: self.stiffness,
+            damping: self.damping,
+            lower: self.lower,
+            upper: self.upper,
+            limit: JointLimit {
+                stiffness: self.limit_stiffness,
+                damping: self.limit_damping,
+                transition: self.limit_transition,
+            },
         }
-        if let Some(lower) = self.lower {
-            let push = limit.push(lower - q, -w);
-            torque = Torque { value: torque.value + push.value, slope: torque.slope + push.slope };
-        }
-        torque
     }
 }
 
 impl Block for RevoluteJoint {
     fn check(&self) -> Result<(), ParamError> {
-        self.axis.iter().try_for_each(|a| finite("axis", *a))?;
-        if self.axis == [0.0; 3] {
-            return Err(ParamError::new("axis", "`axis` has no length, so it has no direction")
-                .help("write the direction in `base`, for instance [0.0, 0.0, 1.0]"));
-        }
-        finite("position", self.position)?;
-        finite("velocity", self.velocity)?;
-        finite("equilibrium", self.equilibrium)?;
-        not_negative("stiffness", self.stiffness)?;
-        not_negative("damping", self.damping)?;
-        not_negative("limit_stiffness", self.limit_stiffness)?;
-        not_negative("limit_damping", self.limit_damping)?;
-        not_negative("limit_transition", self.limit_transition)?;
-        for (name, limit) in [("lower", self.lower), ("upper", self.upper)] {
-            limit.map_or(Ok(()), |limit| finite(name, limit))?;
-        }
-        if let (Some(lower), Some(upper)) = (self.lower, self.upper) {
-            ordered("lower", lower, "upper", upper)?;
-        }
-        let below = self.lower.filter(|lower| self.position < *lower).map(|lower| ("lower", lower, "below"));
-        let above = self.upper.filter(|upper| self.position > *upper).map(|upper| ("upper", upper, "above"));
-        if let Some((name, limit, side)) = below.or(above) {
-            return Err(ParamError::new(
-                "position",
-                format!("the joint starts at {} rad, {side} its {name} limit of {limit} rad", self.position),
-            )
-            .help(format!("start within the limits, or change `{name}`")));
-        }
-        Ok(())
+        direction("axis", self.axis)?;
+        finite_start("position", self.position)?;
+        finite_start("velocity", self.velocity)?;
+        self.inside().check(self.position, "rad")
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -125,7 +94,7 @@ impl Block for RevoluteJoint {
 
 impl Component for RevoluteJoint {
     fn part(&self, _given: &Given) -> Part {
-        let length = self.axis.iter().map(|a| a * a).sum::<f64>().sqrt();
+        let turn = Axis::new(["q", "w"], unit(self.axis)).driven(2, 3).starting(self.position, self.velocity);
         Part::new()
             .port("base", Domain::Frame, "frame that carries the axis")
             .port("follower", Domain::Frame, "frame that turns")
@@ -136,27 +105,19 @@ impl Component for RevoluteJoint {
             .measures("w", "rad/s", Needs::State, "speed of the follower against the base")
             .measures("a", "rad/s^2", Needs::Motion, "acceleration of the follower against the base")
             .measures("tau", "N*m", Needs::Motion, "torque of the actuators: input and drive side")
-            .element(Element::Revolute {
-                base: 0,
-                follower: 1,
-                r: 2,
-                c: 3,
-                axis: self.axis.map(|a| a / length),
-                position: self.position,
-                velocity: self.velocity,
-            })
+            .element(Element::Joint { base: 0, follower: 1, freedoms: vec![Freedom::Turn(turn)] })
     }
 
-    fn joint_torque(&self, c: &Law) -> Torque {
-        let inside = self.inside(c.joint.q, c.joint.w);
-        Torque { value: inside.value + c.scalar(0), slope: inside.slope }
+    fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
+        let inside = self.inside().torque(c.joint[0].q, c.joint[0].w);
+        tau[0] = Torque { value: inside.value + c.scalar(0), slope: inside.slope };
     }
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         match needs {
-            Needs::State => y[..2].copy_from_slice(&[c.joint.q, c.joint.w]),
+            Needs::State => y[..2].copy_from_slice(&[c.joint[0].q, c.joint[0].w]),
             Needs::Electrics => {}
-            Needs::Motion => y[2..4].copy_from_slice(&[c.joint.a, c.scalar(0) + c.joint.drive]),
+            Needs::Motion => y[2..4].copy_from_slice(&[c.joint[0].a, c.scalar(0) + c.joint[0].drive]),
         }
     }
 }
@@ -167,8 +128,8 @@ mod tests {
 
     const JOINT: RevoluteJoint = RevoluteJoint {
         axis: [0.0, 0.0, 2.0],
-        position: 0.0,
-        velocity: 0.0,
+        position: None,
+        velocity: None,
         equilibrium: 0.5,
         stiffness: 4.0,
         damping: 0.25,
@@ -182,30 +143,34 @@ mod tests {
     #[test]
     fn the_axis_is_normalised() {
         let part = JOINT.part(&Given::nothing());
-        assert!(matches!(part.elements[0], Element::Revolute { axis: [0.0, 0.0, 1.0], .. }));
+        let Element::Joint { freedoms, .. } = &part.elements[0] else { panic!("no joint") };
+        assert!(matches!(&freedoms[..], [Freedom::Turn(axis)] if axis.direction == [0.0, 0.0, 1.0]));
     }
 
     #[test]
     fn spring_and_damper_pull_towards_the_equilibrium() {
-        assert_eq!(JOINT.inside(1.5, 2.0), Torque { value: -4.5, slope: 0.25 });
+        assert_eq!(JOINT.inside().torque(1.5, 2.0), Torque { value: -4.5, slope: 0.25 });
     }
 
     #[test]
     fn limits_push_back_into_the_free_range() {
         let joint = RevoluteJoint { stiffness: 0.0, damping: 0.0, ..JOINT };
-        assert!((joint.inside(2.1, 0.0).value + 10.0).abs() < 1e-12);
-        assert!((joint.inside(-1.1, 0.0).value - 10.0).abs() < 1e-12);
-        assert!((joint.inside(-1.1, -0.5).value - 15.0).abs() < 1e-12, "moving further in adds damping");
-        assert_eq!(joint.inside(2.1, -2.0).value, 0.0, "moving out fast must not be held back");
-        assert_eq!(joint.inside(0.0, 100.0).value, 0.0);
+        assert!((joint.inside().torque(2.1, 0.0).value + 10.0).abs() < 1e-12);
+        assert!((joint.inside().torque(-1.1, 0.0).value - 10.0).abs() < 1e-12);
+        assert!(
+            (joint.inside().torque(-1.1, -0.5).value - 15.0).abs() < 1e-12,
+            "moving further in adds damping"
+        );
+        assert_eq!(joint.inside().torque(2.1, -2.0).value, 0.0, "moving out fast must not be held back");
+        assert_eq!(joint.inside().torque(0.0, 100.0).value, 0.0);
     }
 
     #[test]
     fn a_start_outside_the_limits_is_refused() {
-        let error = RevoluteJoint { position: 2.5, ..JOINT }.check().unwrap_err();
+        let error = RevoluteJoint { position: Some(2.5), ..JOINT }.check().unwrap_err();
         assert_eq!(error.param, "position");
         assert!(error.message.contains("above its upper limit of 2 rad"), "{}", error.message);
-        assert_eq!(RevoluteJoint { position: -1.5, ..JOINT }.check().unwrap_err().param, "position");
+        assert_eq!(RevoluteJoint { position: Some(-1.5), ..JOINT }.check().unwrap_err().param, "position");
         assert_eq!(JOINT.check(), Ok(()));
     }
 

@@ -6,6 +6,7 @@ mod dc_motors;
 mod errors;
 mod friction;
 mod gears;
+mod joints;
 mod machines;
 mod mechanisms;
 mod permanent_magnets;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use blocksim_block::testing::Bench;
-use blocksim_block::{Block, Given};
+use blocksim_block::{Block, Given, Input, Output};
 use blocksim_blocks::electrical::*;
 use blocksim_blocks::mechanics::*;
 use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
@@ -28,12 +28,12 @@ fn block(text: &str) -> Arc<dyn Block> {
     }
     one_of!(
         AsynchronousMachine AveragedInverter Body Brake Clutch ConstantTorque ControlledVoltageSource
-        CurrentSensor CycloidalDrive DcMotor DcMotorByRating DcMotorByStall Differential
-        ElectricalReference HarmonicDrive IdealSpeedSource IdealTorqueSource Inertia LuGreFriction
-        MotionSensor OneWayClutch PermanentMagnetMachine PlanetaryGear QuadraticLoad RevoluteJoint
+        CurrentSensor CycloidalDrive CylindricalJoint DcMotor DcMotorByRating DcMotorByStall Differential
+        ElectricalReference FreeJoint HarmonicDrive IdealSpeedSource IdealTorqueSource Inertia LuGreFriction
+        MotionSensor OneWayClutch PermanentMagnetMachine PlanarJoint PlanetaryGear PrismaticJoint QuadraticLoad RevoluteJoint
         RotationalDamper RotationalFriction RotationalHardStop RotationalReference RotationalSpring
-        RotationalSpringDamper SimpleGear ThreePhaseSource TorqueSensor Transform UniversalMotor
-        VectorInverter VoltageSensor VoltageSource World WoundFieldDcMotor
+        RotationalSpringDamper SimpleGear SphericalJoint ThreePhaseSource TorqueSensor Transform UniversalJoint UniversalMotor
+        VectorInverter VoltageSensor VoltageSource WeldJoint World WoundFieldDcMotor
     )
 }
 
@@ -44,7 +44,8 @@ fn members(blocks: &[(&str, &str)]) -> Vec<Member> {
             let block = block(text);
             block.check().unwrap_or_else(|error| panic!("{path}: {}", error.message));
             let part = block.component().expect("a component").part(&Given::nothing());
-            let input_lengths = vec![1; part.inputs.len()];
+            let length = |input: &Input| input.shape.map_or(1, |shape| shape.len());
+            let input_lengths = part.inputs.iter().map(length).collect();
             Member { path: (*path).to_owned(), block, part, input_lengths }
         })
         .collect();
@@ -88,6 +89,13 @@ impl Plant {
         self
     }
 
+    /// Sets a vector input of a member.
+    pub fn set_all(&mut self, name: &str, values: &[f64]) -> &mut Self {
+        let index = self.bench.interface.inputs.iter().position(|input| input.name == name);
+        self.bench.set(index.unwrap_or_else(|| panic!("no input {name}")), values);
+        self
+    }
+
     fn output(&self, name: &str) -> usize {
         let index = self.bench.interface.outputs.iter().position(|output| output.name == name);
         index.unwrap_or_else(|| panic!("no output {name}"))
@@ -95,8 +103,16 @@ impl Plant {
 
     /// Reads an output of a member.
     pub fn get(&mut self, name: &str) -> f64 {
+        self.get_all(name)[0]
+    }
+
+    /// Reads a vector output of a member.
+    pub fn get_all(&mut self, name: &str) -> Vec<f64> {
         let index = self.output(name);
-        self.bench.minor()[index]
+        let length = |output: &Output| output.port_type.shape.len();
+        let outputs = &self.bench.interface.outputs;
+        let (start, n) = (outputs[..index].iter().map(length).sum::<usize>(), length(&outputs[index]));
+        self.bench.minor()[start..start + n].to_vec()
     }
 
     /// Index of a state.

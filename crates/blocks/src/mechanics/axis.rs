@@ -1,0 +1,100 @@
+//! What the axes of all joints have in common: direction, start values, spring, damper and end of travel.
+
+use blocksim_block::physical::Torque;
+use blocksim_block::prelude::*;
+
+use super::joint_limit::JointLimit;
+
+/// A direction as a vector of length one.
+pub(crate) fn unit(axis: [f64; 3]) -> [f64; 3] {
+    let length = axis.iter().map(|a| a * a).sum::<f64>().sqrt();
+    axis.map(|a| a / length)
+}
+
+/// A direction must have one.
+pub(crate) fn direction(name: &'static str, axis: [f64; 3]) -> Result<(), ParamError> {
+    axis.iter().try_for_each(|a| finite(name, *a))?;
+    match axis == [0.0; 3] {
+        true => Err(ParamError::new(name, format!("`{name}` has no length, so it has no direction"))
+            .help("write the direction in `base`, for instance [0.0, 0.0, 1.0]")),
+        false => Ok(()),
+    }
+}
+
+/// Start values, where they are given.
+pub(crate) fn finite_start(name: &'static str, value: Option<f64>) -> Result<(), ParamError> {
+    value.map_or(Ok(()), |value| finite(name, value))
+}
+
+/// Spring, damper and end of travel of an axis.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Inside {
+    pub equilibrium: f64,
+    pub stiffness: f64,
+    pub damping: f64,
+    pub lower: Option<f64>,
+    pub upper: Option<f64>,
+    pub limit: JointLimit,
+}
+
+impl Inside {
+    /// Torque at a position and a speed; the slope is positive where it damps.
+    pub(crate) fn torque(&self, q: f64, w: f64) -> Torque {
+        let mut torque = Torque {
+            value: -self.stiffness * (q - self.equilibrium) - self.damping * w,
+            slope: self.damping,
+        };
+        if let Some(upper) = self.upper {
+            let push = self.limit.push(q - upper, w);
+            torque = Torque { value: torque.value - push.value, slope: torque.slope + push.slope };
+        }
+        if let Some(lower) = self.lower {
+            let push = self.limit.push(lower - q, -w);
+            torque = Torque { value: torque.value + push.value, slope: torque.slope + push.slope };
+        }
+        torque
+    }
+
+    /// Whether the numbers make sense, under the names `equilibrium`, `stiffness`, `damping`, `lower`, `upper`,
+    /// `limit_stiffness`, `limit_damping` and `limit_transition`; the start at `position` lies within the limits.
+    pub(crate) fn check(&self, position: Option<f64>, unit: &str) -> Result<(), ParamError> {
+        finite("equilibrium", self.equilibrium)?;
+        not_negative("stiffness", self.stiffness)?;
+        not_negative("damping", self.damping)?;
+        not_negative("limit_stiffness", self.limit.stiffness)?;
+        not_negative("limit_damping", self.limit.damping)?;
+        not_negative("limit_transition", self.limit.transition)?;
+        for (name, limit) in [("lower", self.lower), ("upper", self.upper)] {
+            limit.map_or(Ok(()), |limit| finite(name, limit))?;
+        }
+        if let (Some(lower), Some(upper)) = (self.lower, self.upper) {
+            ordered("lower", lower, "upper", upper)?;
+        }
+        let position = position.unwrap_or(0.0);
+        let below = self.lower.filter(|lower| position < *lower).map(|lower| ("lower", lower, "below"));
+        let above = self.upper.filter(|upper| position > *upper).map(|upper| ("upper", upper, "above"));
+        match below.or(above) {
+            Some((name, limit, side)) => Err(ParamError::new(
+                "position",
+                format!("the joint starts at {position} {unit}, {side} its {name} limit of {limit} {unit}"),
+            )
+            .help(format!("start within the limits, or change `{name}`"))),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A vector output.
+pub(crate) fn vector_output(name: &str, length: usize, unit: &str, doc: &'static str) -> Output {
+    Output::real(name).shape(Shape::Vector(length)).unit(unit).doc(doc)
+}
+
+/// A vector input that is zero where nothing is connected.
+pub(crate) fn vector_input(name: &str, length: usize, unit: &str, doc: &'static str) -> Input {
+    Input::real(name).shape(Shape::Vector(length)).unit(unit).default(0.0).doc(doc)
+}
+
+/// A spring about zero and a damper.
+pub(crate) fn spring(stiffness: f64, damping: f64, q: f64, w: f64) -> Torque {
+    Torque { value: -stiffness * q - damping * w, slope: damping }
+}
