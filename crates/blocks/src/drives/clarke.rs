@@ -4,11 +4,10 @@ use super::transforms;
 
 /// Clarke transform: three phases to two axes at right angles. Amplitudes stay what they are.
 ///
-/// $$ \begin{pmatrix} \alpha \\ \beta \\ 0 \end{pmatrix} = \frac13 \begin{pmatrix} 2 & -1 & -1 \\
-///    0 & \sqrt3 & -\sqrt3 \\ 1 & 1 & 1 \end{pmatrix} \begin{pmatrix} a \\ b \\ c \end{pmatrix} $$
+/// $$ \alpha = \frac{2a - b - c}{3}, \qquad \beta = \frac{b - c}{\sqrt3}, \qquad u_0 = \frac{a + b + c}{3} $$
 ///
-/// The axis alpha is that of phase a, beta lies 90 degrees ahead. A balanced system of amplitude $\hat u$ becomes a
-/// vector of length $\hat u$, so power is $\tfrac32 (v_\alpha i_\alpha + v_\beta i_\beta) + 3 v_0 i_0$.
+/// The axis alpha is that of phase a, beta lies 90 degrees ahead. A balanced system becomes a vector whose length
+/// is its amplitude, so power is $3 (v_\alpha i_\alpha + v_\beta i_\beta)/2 + 3 v_0 i_0$.
 ///
 /// ```ron
 /// Clarke

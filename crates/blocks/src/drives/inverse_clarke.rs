@@ -4,11 +4,10 @@ use super::transforms;
 
 /// Inverse Clarke transform: two axes at right angles to three phases. Amplitudes stay what they are.
 ///
-/// $$ \begin{pmatrix} a \\ b \\ c \end{pmatrix} = \begin{pmatrix} 1 & 0 & 1 \\
-///    -\tfrac12 & \tfrac{\sqrt3}{2} & 1 \\ -\tfrac12 & -\tfrac{\sqrt3}{2} & 1 \end{pmatrix}
-///    \begin{pmatrix} \alpha \\ \beta \\ 0 \end{pmatrix} $$
+/// $$ a = u_0 + \alpha, \qquad b = u_0 + \frac{-\alpha + \sqrt3 \beta}{2}, \qquad
+///    c = u_0 + \frac{-\alpha - \sqrt3 \beta}{2} $$
 ///
-/// The input `zero` need not be connected; then the phases sum to 0.
+/// The input `zero`, $u_0$, need not be connected; then the phases sum to 0.
 ///
 /// ```ron
 /// InverseClarke

@@ -6,8 +6,8 @@ use super::transforms;
 
 /// Three phase voltages from amplitude and frequency, for a `PwmGenerator`.
 ///
-/// $$ \dot\theta = 2\pi f, \qquad v_a = \hat v \cos\theta, \quad v_b = \hat v \cos(\theta - \tfrac{2\pi}{3}), \quad
-///    v_c = \hat v \cos(\theta + \tfrac{2\pi}{3}) $$
+/// $$ \dot\theta = 2\pi f, \qquad v_a = v \cos\theta, \qquad v_b = v \cos(\theta - 2\pi/3), \qquad
+///    v_c = v \cos(\theta + 2\pi/3) $$
 ///
 /// The angle is an integral of the frequency, so the voltages have no jump when the frequency changes. A negative
 /// frequency turns the field the other way. `VoltsPerHertz` gives the amplitude; its input `f` is the same frequency.

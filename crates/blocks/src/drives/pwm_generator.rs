@@ -5,14 +5,14 @@ use super::switching;
 
 /// Gates of a three-phase bridge for phase voltages: pulse-width modulation.
 ///
-/// $$ m_x = \frac{v_x + v_0}{V_{dc}/2}, \qquad d_x = \min\bigl(\max\bigl(\tfrac12 (1 + m_x), 0\bigr), 1\bigr) $$
+/// $$ m_x = \frac{v_x + v_0}{V_{dc}/2}, \qquad d_x = \min(\max((1 + m_x)/2, 0), 1) $$
 ///
 /// A leg is high for the share $d_x$ of each period of a triangular carrier, in the middle of the period: with
 /// symmetric sampling, in period $k$ of length $T$, from $(k + (1 - d_x)/2)\,T$ to $(k + (1 + d_x)/2)\,T$. The mean of its
 /// voltage over the period is then $d_x V_{dc}$. The laws differ in $v_0$, which no winding sees:
 ///
 /// - `Sine`: $v_0 = 0$. Phase voltages up to $V_{dc}/2$; all others reach $V_{dc}/\sqrt3$.
-/// - `SpaceVector`: $v_0 = -\tfrac12 (\max v + \min v)$.
+/// - `SpaceVector`: $v_0 = -(\max(v) + \min(v))/2$.
 /// - `Discontinuous60`, `Discontinuous60Leading`, `Discontinuous60Lagging`, `Discontinuous30`,
 ///   `Discontinuous120Upper`, `Discontinuous120Lower`: $v_0$ holds one leg at a time still, which saves a third of the
 ///   switching. Each leg rests for 60 degrees around its peaks, or 30 degrees earlier or later; four times for 30 degrees

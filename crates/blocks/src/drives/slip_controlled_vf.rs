@@ -6,8 +6,8 @@ use crate::continuous::{AntiWindup, Form, Pid, Reset};
 
 /// Speed control of an asynchronous machine by its slip, for an inverter with constant volts per hertz.
 ///
-/// $$ f_s = \operatorname{sat}\Bigl(k_p e + k_i \!\int\! e \, dt\Bigr), \quad e = w_{ref} - w, \qquad
-///    f = \frac{N w}{2\pi} + f_s $$
+/// $$ f_s = \operatorname{sat}(k_p e + k_i \int e \, dt), \qquad e = w_{ref} - w, \qquad
+///    f = N w/(2\pi) + f_s $$
 ///
 /// $N$ is the number of pole pairs. At constant flux the torque of the machine is nearly proportional to the slip
 /// frequency $f_s$, so its limit $\pm$ `slip_limit` limits torque and current and keeps the machine from pulling out.
