@@ -210,7 +210,7 @@ fn wrong_directions_and_mixed_kinds_of_ports() {
             error[port_kind]: `g.y` is a signal port
               model.ron:5:59 `g.y` joined with `<->`
               help: connect signals with `->`; sensors and sources lead between signals and conserving ports
-            error[domain_mismatch]: a electrical port cannot be joined to a rotational port
+            error[domain_mismatch]: an electrical port cannot be joined to a rotational port
               model.ron:5:74 `r.p` electrical
               model.ron:5:66 `j.r` rotational
               help: join ports of one kind; motors, joints and sensors lead from one to the other

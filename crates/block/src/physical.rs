@@ -4,6 +4,9 @@
 //! elements as functions. Kirchhoff's laws, the balance of torques and the elimination of rigid connections
 //! appear in no component: the assembly of a network does them in one place.
 //!
+//! Rotation and translation share their elements: where this page says speed, torque and inertia, translational ports
+//! have velocity (m/s), force (N) and mass (kg), and angles (rad) are positions (m).
+//!
 //! Signs. A branch between `r` and `c` has the speed `w_r - w_c`; its torque is counted positive when it absorbs
 //! power at positive speed: it acts as `-tau` on `r` and `+tau` on `c`. A two-pin between `p` and `n` has the
 //! voltage `v_p - v_n`; its current is counted positive from `p` through the element to `n`.
@@ -105,50 +108,50 @@ pub enum ValveKind {
 /// What a component contributes to a network. Ports are numbered as in [`Part::ports`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum Element {
-    /// Moment of inertia at a rotational port, kg*m^2, against an implied ground.
+    /// Moment of inertia or mass at a mechanical port, against an implied ground.
     Inertia {
-        /// Rotational port.
+        /// Mechanical port.
         port: usize,
-        /// Moment of inertia, kg*m^2.
+        /// Moment of inertia, kg*m^2; mass, kg.
         inertia: f64,
-        /// Speed at the start, rad/s.
+        /// Speed at the start, rad/s or m/s.
         speed: f64,
     },
-    /// A torque between two rotational ports that [`Component::torques`] gives.
+    /// A torque between two mechanical ports of one domain that [`Component::torques`] gives.
     Branch {
         /// Rod.
         r: usize,
         /// Case.
         c: usize,
     },
-    /// Two rotational ports rigidly coupled; the torque through it is measured.
+    /// Two mechanical ports of one domain rigidly coupled; the torque through it is measured.
     Rigid {
         /// Rod.
         r: usize,
         /// Case.
         c: usize,
     },
-    /// A speed between two rotational ports that [`Component::speeds`] prescribes.
+    /// A speed between two mechanical ports of one domain that [`Component::speeds`] prescribes.
     SpeedSource {
         /// Rod.
         r: usize,
         /// Case.
         c: usize,
     },
-    /// Only looks at the speed between two rotational ports.
+    /// Only looks at the speed between two mechanical ports of one domain.
     SpeedProbe {
         /// Rod.
         r: usize,
         /// Case.
         c: usize,
     },
-    /// `w_follower = ratio * w_base`, both against an implied ground.
+    /// `w_follower = ratio * w_base`, both against an implied ground; may lead from one domain to the other.
     Gear {
         /// Input side.
         base: usize,
         /// Output side.
         follower: usize,
-        /// Speed of the follower over speed of the base; negative when it reverses.
+        /// Speed of the follower over speed of the base; negative when it reverses. In m from rotation to translation.
         ratio: f64,
         /// Losses of the mesh; `None` when there are none.
         loss: Option<MeshLoss>,
@@ -157,12 +160,12 @@ pub enum Element {
     /// planetary gear or a differential. Without losses; the torques into the ports have the proportions of the
     /// factors.
     Coupling {
-        /// Rotational ports with their factors; none of them zero.
+        /// Mechanical ports with their factors; none of them zero.
         terms: Vec<(usize, f64)>,
     },
-    /// A rotational port that does not turn.
-    RotationalReference {
-        /// Rotational port.
+    /// A mechanical port that stands still.
+    MechanicalReference {
+        /// Mechanical port.
         port: usize,
     },
     /// Two pins that are one node: a connection inside a component.
@@ -417,12 +420,12 @@ pub struct Wrench {
     pub torque: [f64; 3],
 }
 
-/// A torque and how it changes with speed.
+/// A torque or force and how it changes with speed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Torque {
-    /// Torque, N*m.
+    /// Torque, N*m; force, N.
     pub value: f64,
-    /// Its derivative with respect to the speed, N*m*s/rad; positive damps. Needs not be exact: it keeps stiff
+    /// Its derivative with respect to the speed, N*m*s/rad or N*s/m; positive damps. Needs not be exact: it keeps stiff
     /// friction cheap to integrate, and never changes the result.
     pub slope: f64,
 }
@@ -587,7 +590,7 @@ pub trait Component: Debug + Send + Sync {
         Supply::default()
     }
 
-    /// Prescribed speed (rad/s) and its derivative (rad/s^2) of each speed source.
+    /// Prescribed speed and its derivative of each speed source.
     fn speeds(&self, _c: &Law, _w: &mut [f64], _dw: &mut [f64]) {}
 
     /// Current of each winding and current source, A.

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use blocksim_block::physical::Domain;
 use blocksim_block::problem::{Place, Problem};
 use blocksim_signal::closest;
 
@@ -20,6 +21,22 @@ pub(crate) fn check(model: &Model, problems: &mut Problems) {
         if let Content::Diagram(inside) = &block.content {
             check(inside, problems);
         }
+    }
+}
+
+fn a_port(domain: Domain) -> String {
+    let name = domain.to_string();
+    let article = if name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+    format!("{article} {name} port")
+}
+
+/// What leads from ports of one kind to those of another.
+fn way_between(one: Domain, other: Domain) -> &'static str {
+    match (one, other) {
+        (Domain::Rotational, Domain::Translational) | (Domain::Translational, Domain::Rotational) => {
+            "a WheelAndAxle, a RackAndPinion or a LeadScrew leads from one to the other"
+        }
+        _ => "join ports of one kind; motors, joints and sensors lead from one to the other",
     }
 }
 
@@ -165,7 +182,7 @@ impl<'a> Level<'a> {
     }
 
     fn joined(&mut self, joined: &[Reference]) {
-        let mut first: Option<(blocksim_block::physical::Domain, Place)> = None;
+        let mut first: Option<(Domain, Place)> = None;
         for reference in joined {
             let place = self.ast().place(&reference.span);
             if !reference.elements.is_empty() {
@@ -179,10 +196,13 @@ impl<'a> Level<'a> {
                     None => first = Some((domain, place)),
                     Some((other, _)) if *other == domain => {}
                     Some((other, there)) => self.problems.push(
-                        Problem::error("domain_mismatch", format!("a {domain} port cannot be joined to a {other} port"))
-                            .at(&place, format!("{domain}"))
-                            .at(there, format!("{other}"))
-                            .help("join ports of one kind; motors, joints and sensors lead from one to the other"),
+                        Problem::error(
+                            "domain_mismatch",
+                            format!("{} cannot be joined to {}", a_port(domain), a_port(*other)),
+                        )
+                        .at(&place, format!("{domain}"))
+                        .at(there, format!("{other}"))
+                        .help(way_between(domain, *other)),
                     ),
                 },
                 Some(PortKind::Input | PortKind::Output) => self.problems.push(

@@ -8,7 +8,8 @@
 //! Mechanics: every speed is `w = T v + P s` with independent speeds `v` (joints first) and prescribed speeds
 //! `s`; `T` and `P` are constant. Then `(M(q) + T'JT) dv = T' tau - h(q, v)`: rotors and gears act inside the mass
 //! matrix. Electrics: potentials follow from the sources, currents of windings from states or from voltages, the
-//! currents of sources from Kirchhoff's law; torques follow, then accelerations.
+//! currents of sources from Kirchhoff's law; torques follow, then accelerations. Rotation and translation are one
+//! system: what the code calls speed, torque and inertia are velocity, force and mass at translational ports.
 
 mod assembly;
 mod circuits;
@@ -33,6 +34,7 @@ mod rotation;
 mod seat;
 mod separate;
 mod speeds;
+mod words;
 mod work;
 
 pub use assembly::{Member, Terminal, assemble};

@@ -6,6 +6,7 @@ use petgraph::unionfind::UnionFind;
 
 use crate::assembly::{Member, Terminal};
 use crate::problem::NetworkProblem;
+use crate::words::Words;
 
 /// Members with their ports numbered as nodes, domain by domain.
 pub(crate) struct Members<'a> {
@@ -14,6 +15,7 @@ pub(crate) struct Members<'a> {
     node_of: Vec<Vec<usize>>,
     /// Terminals of each node of each domain.
     terminals: [Vec<Vec<Terminal>>; 4],
+    /// Nodes of rotational and translational ports.
     pub rotational_nodes: usize,
     /// Nodes of electrical ports, then three of each three-phase node, then those inside components.
     pub electrical_nodes: usize,
@@ -209,32 +211,46 @@ impl<'a> Members<'a> {
         }
     }
 
+    /// What a mechanical node carries.
+    pub(crate) fn node_domain(&self, node: usize) -> Domain {
+        let Terminal { member, port } = self.terminals[0][node][0];
+        self.list[member].part.ports[port].domain
+    }
+
+    /// Whether a part of the network stands still in this domain.
+    fn is_held(&self, domain: Domain) -> bool {
+        self.elements().any(|(member, element)| match *element {
+            Element::World { .. } => true,
+            Element::MechanicalReference { port } => self.list[member].part.ports[port].domain == domain,
+            _ => false,
+        })
+    }
+
     /// The free speed of a node moves nothing.
     pub(crate) fn no_inertia(&self, node: usize) -> NetworkProblem {
         let terminals = &self.terminals[0][node];
         let name = self.node_name(node);
-        let grounded = self
-            .count(|element| matches!(element, Element::RotationalReference { .. } | Element::World { .. }))
-            > 0;
+        let domain = self.node_domain(node);
+        let Words { inertia, part, reference, .. } = Words::of(domain);
         if let [only] = terminals[..] {
             NetworkProblem::new(
                 "unconnected_port",
-                format!("the rotational port `{name}` is not connected"),
-                "connect it; a case goes to a RotationalReference",
+                format!("the {domain} port `{name}` is not connected"),
+                format!("connect it; a case goes to a {reference}"),
             )
             .with(only.member, "has this port")
         } else {
-            let (code, help) = if grounded {
-                ("no_inertia", "add an Inertia there, or couple the node to something that has one")
+            let (code, help) = if self.is_held(domain) {
+                ("no_inertia", format!("add {part} there, or couple the node to something that has one"))
             } else {
                 (
                     "missing_reference",
-                    "this network has no RotationalReference: connect one to the cases, or add an Inertia there",
+                    format!("this network has no {reference}: connect one to the cases, or add {part} there"),
                 )
             };
             let problem = NetworkProblem::new(
                 code,
-                format!("nothing at `{name}` has inertia or a given speed, so its acceleration is unknown"),
+                format!("nothing at `{name}` has {inertia} or a given speed, so its acceleration is unknown"),
                 help,
             );
             terminals.iter().fold(problem, |problem, t| {

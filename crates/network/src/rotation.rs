@@ -7,6 +7,7 @@ use crate::eliminate::{Form, Relations};
 use crate::frames::Frames;
 use crate::members::Members;
 use crate::problem::NetworkProblem;
+use crate::words::Words;
 
 /// A place where a speed is seen: branch, rigid coupling, speed source or probe.
 #[derive(Debug, Clone)]
@@ -160,7 +161,7 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
                 relations.add(&row, &[]);
                 reasons.push(Reason::Coupling { member });
             }
-            Element::RotationalReference { port } => {
+            Element::MechanicalReference { port } => {
                 relations.add(&[(node(port), 1.0)], &[]);
                 reasons.push(Reason::Reference { member });
             }
@@ -214,7 +215,7 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
         .iter()
         .map(|unknown| match unknown.checked_sub(nodes) {
             Some(joint) => frames.speeds[joint].name.clone(),
-            None => format!("{}.w", m.node_name(*unknown)),
+            None => format!("{}.{}", m.node_name(*unknown), Words::of(m.node_domain(*unknown)).speed),
         })
         .collect();
 
@@ -342,7 +343,7 @@ fn free_cases(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem> {
                     }
                 }
             }
-            Element::Inertia { port, .. } | Element::RotationalReference { port } => {
+            Element::Inertia { port, .. } | Element::MechanicalReference { port } => {
                 other[m.node(member, port)] = true
             }
             Element::Coupling { ref terms } => {
@@ -360,12 +361,13 @@ fn free_cases(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem> {
         .enumerate()
         .filter(|(node, _)| !other[*node] && !rotation.nodes[*node].is_empty())
         .filter_map(|(node, member)| {
+            let reference = Words::of(m.node_domain(node)).reference;
             let problem = NetworkProblem::new(
                 "missing_reference",
                 format!("nothing holds the case at `{}`", m.node_name(node)),
-                "connect it to a RotationalReference, or to the part that it is mounted on",
+                format!("connect it to a {reference}, or to the part that it is mounted on"),
             );
-            member.map(|member| problem.with(member, "would turn its case instead of its rod"))
+            member.map(|member| problem.with(member, "would move its case instead of its rod"))
         })
         .collect()
 }
@@ -396,7 +398,10 @@ fn start(
             return Err(vec![
                 NetworkProblem::new(
                     "start_conflict",
-                    format!("the speed of {speed} rad/s at the start does not fit the parts it is coupled to"),
+                    format!(
+                        "the speed of {speed} {} at the start does not fit the parts it is coupled to",
+                        Words::of(m.node_domain(*node)).unit
+                    ),
                     "give one part of a rigidly coupled train its start speed, or start values that fit the ratios",
                 )
                 .with(m.any_member_at(*node), "asks for it"),
@@ -439,7 +444,7 @@ fn over_determined(
     } else {
         NetworkProblem::new(
             "indeterminate_torque",
-            "this coupling is rigid twice over: how the torque divides cannot be known",
+            "this coupling is rigid twice over: how the load divides cannot be known",
             "remove one of the couplings, or make one of them elastic with a spring",
         )
     };
@@ -455,7 +460,7 @@ fn over_determined(
 fn indeterminate(reasons: &[Reason]) -> NetworkProblem {
     let problem = NetworkProblem::new(
         "indeterminate_torque",
-        "the torques inside this network cannot be known: parts are rigidly coupled twice over",
+        "the loads inside this network cannot be known: parts are rigidly coupled twice over",
         "remove one of the couplings, or make one of them elastic with a spring",
     );
     reasons.iter().take(4).fold(problem, |problem, reason| problem.with(reason.member(), reason.what()))

@@ -20,6 +20,6 @@ impl Component for RotationalReference {
     fn part(&self, _given: &Given) -> Part {
         Part::new()
             .port("r", Domain::Rotational, "the part that stands still")
-            .element(Element::RotationalReference { port: 0 })
+            .element(Element::MechanicalReference { port: 0 })
     }
 }

@@ -236,7 +236,7 @@ fn two_gears_in_parallel() {
     assert_eq!(
         text,
         [
-            "indeterminate_torque: this coupling is rigid twice over: how the torque divides cannot be known",
+            "indeterminate_torque: this coupling is rigid twice over: how the load divides cannot be known",
             "  b: couples these speeds",
             "  a: couples these speeds",
             "  help: remove one of the couplings, or make one of them elastic with a spring",
