@@ -9,14 +9,28 @@ use blocksim_signal::{Dimension, Quantity, Unit, Value};
 
 use crate::ParamValue;
 
+/// A number with or without a unit, for parameters that mean something else without: in per unit, for instance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measure {
+    /// In SI, if there is a unit.
+    pub value: f64,
+    /// Whether a unit was written.
+    pub has_unit: bool,
+}
+
 fn checked<E: Error>(value: &Value, unit: &str) -> Result<f64, E> {
+    measured(value, unit).map(|measure| measure.value)
+}
+
+fn measured<E: Error>(value: &Value, unit: &str) -> Result<Measure, E> {
     let Value::Number(Quantity { value, dimension }) = value else {
         return Err(E::custom(format!("expected a number in {unit}, found {}", value.describe())));
     };
     let wanted = Unit::parse(unit).map_or(Dimension::NONE, |unit| unit.dimension);
     // A number without unit is meant in SI.
-    if *dimension == Dimension::NONE || wanted.compatible(*dimension) {
-        return Ok(*value);
+    let has_unit = *dimension != Dimension::NONE;
+    if !has_unit || wanted.compatible(*dimension) {
+        return Ok(Measure { value: *value, has_unit });
     }
     Err(E::custom(format!("expected a value in {unit}, found one in {dimension}")))
 }
@@ -40,17 +54,45 @@ numbers_in! {
     speed, "rad/s";
     /// An angular acceleration, rad/s^2.
     acceleration, "rad/s^2";
+    /// A voltage, V.
+    voltage, "V";
+    /// A frequency, Hz.
+    frequency, "Hz";
     /// A share or another number without unit.
     share, "1";
 }
 
-/// Angles, rad.
+macro_rules! lists_in {
+    ($($(#[$doc:meta])* $name:ident -> $item:ty, $each:ident, $unit:literal;)*) => {
+        $($(#[$doc])*
+        ///
+        /// # Errors
+        /// No list of numbers, or one in another unit.
+        pub fn $name<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<$item>, D::Error> {
+            match ParamValue::deserialize(deserializer)?.0 {
+                Value::List(items) => items.iter().map(|item| $each(item, $unit)).collect(),
+                other => Err(D::Error::custom(format!("expected a list of numbers, found {}", other.describe()))),
+            }
+        }
+        )*
+    };
+}
+
+lists_in! {
+    /// Angles, rad.
+    angles -> f64, checked, "rad";
+    /// Plain numbers.
+    shares -> f64, checked, "1";
+    /// Currents, A, or something else without unit.
+    currents -> Measure, measured, "A";
+    /// Voltages, V, or something else without unit.
+    voltages -> Measure, measured, "V";
+}
+
+/// A resistance or reactance, ohm, or something else without unit.
 ///
 /// # Errors
-/// No list of numbers, or one in another unit.
-pub fn angles<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
-    match ParamValue::deserialize(deserializer)?.0 {
-        Value::List(items) => items.iter().map(|item| checked(item, "rad")).collect(),
-        other => Err(D::Error::custom(format!("expected a list of angles, found {}", other.describe()))),
-    }
+/// No number, or one in another unit.
+pub fn impedance<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Measure, D::Error> {
+    measured(&ParamValue::deserialize(deserializer)?.0, "ohm")
 }

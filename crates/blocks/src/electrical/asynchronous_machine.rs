@@ -1,34 +1,51 @@
-use std::f64::consts::{FRAC_PI_6, SQRT_2, TAU};
+use std::f64::consts::SQRT_2;
 use std::sync::OnceLock;
 
-use blocksim_block::physical::{Domain, Element};
 use blocksim_block::prelude::*;
 
-use super::machine_per_unit::{PerUnit, turned};
+use super::asynchronous_machine_component::{Motor, has_zero_sequence};
+use super::asynchronous_machine_parameters::{
+    Cage, Connection, Impedance, Impedances, Saturation, Start, ZeroSequence,
+};
+use super::induction::{Base, Cages, Circuit, Magnetisation};
 
-/// Three-phase induction machine with a squirrel cage: fundamental wave, no saturation.
+/// Three-phase induction machine with a squirrel cage: fundamental wave, one or two cages, with or without saturation of
+/// the main flux.
 ///
-/// In per unit and in a frame that turns with the supply at the speed $w$, with the rotor at
-/// $w_r = N (\omega_r - \omega_c)/w_b$:
+/// In per unit and in a frame that turns at the speed $w$, with the rotor at
+/// $w_r = N (\omega_r - \omega_c)/w_b$, stator $s$ and cages $k$:
 ///
 /// $$ v_s = R_s i_s + \tfrac{1}{w_b}\dot\psi_s + j w \psi_s, \qquad
-///    0 = R_r i_r + \tfrac{1}{w_b}\dot\psi_r + j (w - w_r)\psi_r $$
-/// $$ \psi_s = L_s i_s + L_m i_r, \quad \psi_r = L_r i_r + L_m i_s, \qquad
-///    T = \psi_{ds} i_{qs} - \psi_{qs} i_{ds}, \quad T_e = T\,S_n N / w_b $$
+///    0 = R_k i_k + \tfrac{1}{w_b}\dot\psi_k + j (w - w_r)\psi_k $$
+/// $$ \psi_s = L_{ls} i_s + \psi_m, \quad \psi_k = L_{lk} i_k + \psi_m, \quad \psi_m = L_m(|i_m|) i_m, \quad
+///    i_m = i_s + \textstyle\sum i_k, \qquad T = \psi_{ds} i_{qs} - \psi_{qs} i_{ds}, \quad T_e = T\,S_n N / w_b $$
 ///
-/// States are the fluxes of stator and rotor in per unit. The torque acts on `r` and its reaction on `c`; the
-/// machine has no inertia and no damping of its own: add an `Inertia` and a `RotationalDamper` at `r`.
+/// States are the fluxes in per unit, in the frame of an ideal source that feeds the machine directly, otherwise in a
+/// frame that stands still. The torque acts on `r` and its reaction on `c`; the machine has no inertia and no damping of
+/// its own: add an `Inertia` and a `RotationalDamper` at `r`.
 ///
-/// Windings in `Delta` see the voltage from line to line, windings in `Wye` that from line to star point: a
-/// third of the torque at the same slip. No zero sequence can be driven through either of them (the star
-/// point floats), so `x_0` has no influence.
+/// Windings in `Delta` see the voltage from line to line, windings in `Wye` that from line to a star point that floats: a
+/// third of the torque at the same slip. `Open` windings have their starts at `ac1` and their ends at `ac2`, for
+/// connections that are made outside or change while the machine runs.
 ///
-/// A machine starts without flux, or magnetised: in the steady state of a given supply and slip, so that a
-/// drive that holds a load starts without a transient. The inertia must be given the matching speed.
+/// With `impedances: PerUnit` resistances and reactances are in units of $3 V_n^2/S_n$, the base of a machine in delta,
+/// whatever the connection.
 ///
-/// The outputs that begin with `pu_` are in per unit, their vectors in a frame that turns at the rated
-/// frequency. `slip` refers to the frequency of the supply (0 when that is 0), `slip_rated` to the rated
-/// frequency.
+/// `cage: Double(r_r2: .., x_lr2: ..)` adds a second cage to `r_r` and `x_lr`; `x_lr12` is the leakage that both have in
+/// common, as bars below each other in one slot. `saturation: Table(current: [..], voltage: [..])` is the curve of the
+/// machine turning without load at rated frequency, beginning with 0, 0: RMS values of a winding in A and V, or in per
+/// unit without units. It takes the place of `x_m`, is straight between its points, and goes on along its last line.
+///
+/// A current of the zero sequence can flow in `Open` windings, and circulate in `Delta` when the start says so: it
+/// follows from `x_0`. With `zero_sequence: Exclude` there is none, whatever voltage the connection forces.
+///
+/// A machine starts without flux; or `Magnetised`, in the steady state of a given supply and slip, so that a drive that
+/// holds a load starts without a transient (the inertia must be given the matching speed); or with `Explicit` fluxes.
+///
+/// Values of the stator are those of its windings; vectors `ds`, `qs`, `0s` are peak values in a frame that turns at
+/// the rated frequency. Outputs that begin with `pu_` are in per unit. `slip` refers to the frequency of an ideal source
+/// that feeds the machine directly, otherwise to the speed at which the flux of the rotor turns, and is 0 where that
+/// stands still; `slip_rated` refers to the rated frequency.
 ///
 /// ```ron
 /// AsynchronousMachine(
@@ -54,97 +71,97 @@ pub struct AsynchronousMachine {
     pub pole_pairs: u32,
     /// Resistance of a stator winding.
     #[block(unit = "ohm")]
-    pub r_s: f64,
+    pub r_s: Impedance,
     /// Leakage reactance of a stator winding.
     #[block(unit = "ohm")]
-    pub x_ls: f64,
+    pub x_ls: Impedance,
     /// Resistance of the rotor, referred to the stator.
     #[block(unit = "ohm")]
-    pub r_r: f64,
+    pub r_r: Impedance,
     /// Leakage reactance of the rotor, referred to the stator.
     #[block(unit = "ohm")]
-    pub x_lr: f64,
-    /// Magnetising reactance.
-    #[block(unit = "ohm")]
-    pub x_m: f64,
-    /// Zero-sequence reactance; without influence, see above.
-    #[block(unit = "ohm", default = 0.0)]
-    pub x_0: f64,
-    /// `Delta` or `Wye`.
+    pub x_lr: Impedance,
+    /// Magnetising reactance; needed without a table of saturation.
+    #[block(unit = "ohm", default = None)]
+    pub x_m: Option<Impedance>,
+    /// Zero-sequence reactance; needed where a current of the zero sequence can flow, see above.
+    #[block(unit = "ohm", default = None)]
+    pub x_0: Option<Impedance>,
+    /// `Ohm` or `PerUnit`.
+    #[block(default = Impedances::Ohm)]
+    pub impedances: Impedances,
+    /// `Single` or `Double(r_r2: .., x_lr2: .., x_lr12: ..)`.
+    #[block(default = Cage::Single)]
+    pub cage: Cage,
+    /// `None` or `Table(current: [..], voltage: [..])`.
+    #[block(default = Saturation::None)]
+    pub saturation: Saturation,
+    /// `Include` or `Exclude`.
+    #[block(default = ZeroSequence::Include)]
+    pub zero_sequence: ZeroSequence,
+    /// `Delta`, `Wye` or `Open`.
     #[block(default = Connection::Delta)]
     pub connection: Connection,
-    /// `Zero` or `Magnetised(voltage: .., frequency: .., slip: ..)`.
+    /// `Zero`, `Magnetised(voltage: .., frequency: .., slip: ..)` or `Explicit(psi_s: [..], psi_r: [..])`.
     #[block(default = Start::Zero)]
     pub start: Start,
-    /// Constants that follow from the parameters, worked out when they are first used.
+    /// What follows from the parameters, worked out when it is first used; `None` if they make no sense.
     #[block(skip)]
-    pub per_unit: OnceLock<PerUnit>,
+    motor: OnceLock<Option<Motor>>,
 }
-
-/// How the windings are connected.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-pub enum Connection {
-    /// Each winding lies between two lines.
-    #[default]
-    Delta,
-    /// Each winding lies between a line and a common point that is connected to nothing else.
-    Wye,
-}
-
-/// Fluxes at the start.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
-pub enum Start {
-    /// No flux.
-    #[default]
-    Zero,
-    /// The steady state of a supply and a slip.
-    Magnetised {
-        /// RMS voltage from line to line, V.
-        voltage: f64,
-        /// Frequency of the supply, Hz; zero for direct current.
-        frequency: f64,
-        /// Slip against that frequency: 0 for no load, 1 for standstill.
-        slip: f64,
-    },
-}
-
-const TORQUE: usize = 0;
-const I_RMS: usize = 1;
-const SLIP: usize = 2;
-const SLIP_RATED: usize = 3;
-const POWER: usize = 4;
-const PU_TORQUE: usize = 5;
-const PU_VELOCITY: usize = 6;
-const PU_V: usize = 7;
-const PU_I: usize = 9;
 
 impl AsynchronousMachine {
-    /// Base values and constants.
-    pub fn base(&self) -> &PerUnit {
-        self.per_unit.get_or_init(|| PerUnit::of(self))
+    fn base(&self) -> Base {
+        Base::of(self.rated_power, self.rated_voltage, self.rated_frequency, self.pole_pairs)
     }
 
-    /// Winding voltage in per unit in the frame of the supply.
-    #[inline]
-    fn voltage(&self, c: &Law) -> [f64; 2] {
-        c.supply.voltage.map(|v| self.base().voltage * v)
-    }
-
-    /// Fluxes at the start, in per unit.
-    fn start_fluxes(&self) -> [f64; 4] {
-        match self.start {
-            Start::Zero => [0.0; 4],
-            Start::Magnetised { voltage, frequency, slip } => {
-                let phase = voltage * (2.0_f64 / 3.0).sqrt();
-                let base = self.base();
-                base.steady_state(base.voltage * phase, frequency / self.rated_frequency, slip)
+    /// The equivalent circuit in per unit.
+    ///
+    /// # Errors
+    /// A reactance that is missing, a unit where none is expected, a curve without meaning.
+    pub fn circuit(&self) -> Result<Circuit, ParamError> {
+        let base = self.base();
+        let scaled = |name: &str, value: Impedance| value.per_unit(name, self.impedances, base.z);
+        let l_ls = scaled("x_ls", self.x_ls)?;
+        let (current, voltage) = (base.i / SQRT_2, self.rated_voltage);
+        let magnetisation = match (self.saturation.curve(current, voltage, l_ls)?, self.x_m) {
+            (Some(curve), _) => curve,
+            (None, Some(x_m)) => {
+                let l_m = scaled("x_m", x_m)?;
+                positive("x_m", l_m)?;
+                Magnetisation::linear(l_m)
             }
+            (None, None) => {
+                return Err(ParamError::new("x_m", "`x_m` is missing")
+                    .help("give the magnetising reactance, or a `saturation: Table(..)`"));
+            }
+        };
+        let (r, l) = (scaled("r_r", self.r_r)?, scaled("x_lr", self.x_lr)?);
+        let cages = match self.cage {
+            Cage::Single => Cages::Single { r, l },
+            Cage::Double { r_r2, x_lr2, x_lr12 } => Cages::Double {
+                r: [r, scaled("cage.r_r2", r_r2)?],
+                l: [l, scaled("cage.x_lr2", x_lr2)?],
+                common: scaled("cage.x_lr12", x_lr12)?,
+            },
+        };
+        let x_0 = self.x_0.map(|x_0| scaled("x_0", x_0)).transpose()?;
+        if let Some(x_0) = x_0 {
+            not_negative("x_0", x_0)?;
         }
+        let flows =
+            self.zero_sequence == ZeroSequence::Include && has_zero_sequence(self.connection, &self.start);
+        if flows && x_0.is_none() {
+            return Err(ParamError::new(
+                "x_0",
+                "`x_0` is missing, but a current of the zero sequence can flow",
+            )
+            .help("give the reactance, about that of the leakage, or write `zero_sequence: Exclude`"));
+        }
+        Ok(Circuit { r_s: scaled("r_s", self.r_s)?, l_ls, magnetisation, cages, l_0: x_0.filter(|_| flows) })
     }
-}
 
-impl Block for AsynchronousMachine {
-    fn check(&self) -> Result<(), ParamError> {
+    fn motor(&self) -> Result<Motor, ParamError> {
         positive("rated_power", self.rated_power)?;
         positive("rated_voltage", self.rated_voltage)?;
         positive("rated_frequency", self.rated_frequency)?;
@@ -152,125 +169,17 @@ impl Block for AsynchronousMachine {
             return Err(ParamError::new("pole_pairs", "`pole_pairs` is 0, but a machine has poles")
                 .help("rated frequency times 60 over the synchronous speed in rpm"));
         }
-        not_negative("r_s", self.r_s)?;
-        not_negative("x_ls", self.x_ls)?;
-        not_negative("r_r", self.r_r)?;
-        not_negative("x_lr", self.x_lr)?;
-        positive("x_m", self.x_m)?;
-        not_negative("x_0", self.x_0)?;
-        if self.x_ls + self.x_lr == 0.0 {
-            return Err(ParamError::new(
-                "x_ls",
-                "`x_ls` and `x_lr` are both 0, so nothing limits the currents",
-            )
-            .help("give stator or rotor its leakage reactance"));
-        }
-        if let Start::Magnetised { voltage, frequency, slip } = self.start {
-            not_negative("start", voltage)?;
-            finite("start", frequency)?;
-            finite("start", slip)?;
-            if !self.start_fluxes().iter().all(|psi| psi.is_finite()) {
-                return Err(ParamError::new(
-                    "start",
-                    "this supply and slip have no steady state: the current is not limited",
-                )
-                .help("give the windings their resistances, or write `start: Zero`"));
-            }
-        }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+        Motor::new((self.base(), self.rated_power), self.circuit()?, self.connection, &self.start)
     }
 }
 
-impl Component for AsynchronousMachine {
-    fn part(&self, _given: &Given) -> Part {
-        let psi = self.start_fluxes();
-        let mut part = Part::new()
-            .port("ac", Domain::ThreePhase, "the lines")
-            .port("r", Domain::Rotational, "rotor")
-            .port("c", Domain::Rotational, "housing")
-            .element(Element::Machine { ac: 0, ends: None })
-            .element(Element::Branch { r: 1, c: 2 })
-            .measures("torque", "N*m", Needs::State, "torque on the rotor")
-            .measures("i_rms", "A", Needs::State, "RMS current of a winding")
-            .measures("slip", "1", Needs::Electrics, "slip against the frequency of the supply")
-            .measures("slip_rated", "1", Needs::State, "slip against the rated frequency")
-            .measures("power", "W", Needs::Electrics, "power drawn from the lines")
-            .measures("pu_torque", "1", Needs::State, "torque in per unit")
-            .measures("pu_velocity", "1", Needs::State, "speed of the rotor in per unit")
-            .measures("pu_vds", "1", Needs::Electrics, "stator voltage, direct axis, in per unit")
-            .measures("pu_vqs", "1", Needs::Electrics, "stator voltage, quadrature axis, in per unit")
-            .measures("pu_ids", "1", Needs::Electrics, "stator current, direct axis, in per unit")
-            .measures("pu_iqs", "1", Needs::Electrics, "stator current, quadrature axis, in per unit");
-        for (name, value) in ["psi_ds", "psi_qs", "psi_dr", "psi_qr"].into_iter().zip(psi) {
-            part = part.state(name, value);
-        }
-        part
+impl Block for AsynchronousMachine {
+    fn check(&self) -> Result<(), ParamError> {
+        self.motor().map(drop)
     }
 
-    fn line_current(&self, c: &Law) -> [f64; 3] {
-        let base = self.base();
-        let [d, q] = base.stator_current(c.x).map(|i| base.line * i);
-        [d, q, 0.0]
-    }
-
-    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
-        let base = self.base();
-        let w = TAU * c.supply.frequency / base.w_base;
-        let (inner, per_flux) = base.reluctance(c.x, w, base.speed * c.speed[0]);
-        internal.copy_from_slice(&[inner[0] / base.voltage, inner[1] / base.voltage, 0.0]);
-        let of_lines = base.line * base.w_base * per_flux * base.voltage;
-        inverse.copy_from_slice(&[of_lines, 0.0, 0.0, 0.0, of_lines, 0.0, 0.0, 0.0, 0.0]);
-    }
-
-    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
-        let base = self.base();
-        x[0] += base.w_base * base.voltage * volt_seconds[0];
-        x[1] += base.w_base * base.voltage * volt_seconds[1];
-    }
-
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
-        let base = self.base();
-        tau[0] = Torque { value: -base.t_base * base.torque(c.x), slope: 0.0 };
-    }
-
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
-        let base = self.base();
-        let w = TAU * c.supply.frequency / base.w_base;
-        base.derivatives(c.x, self.voltage(c), w, base.speed * c.speed[0], dx);
-    }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        let base = self.base();
-        let velocity = base.speed * c.speed[0];
-        let i = base.stator_current(c.x);
-        match needs {
-            Needs::State => {
-                y[PU_TORQUE] = base.torque(c.x);
-                y[TORQUE] = base.t_base * y[PU_TORQUE];
-                y[I_RMS] = base.i_base / SQRT_2 * i[0].hypot(i[1]);
-                y[PU_VELOCITY] = velocity;
-                y[SLIP_RATED] = 1.0 - velocity;
-            }
-            Needs::Electrics => {
-                let v = self.voltage(c);
-                let w = TAU * c.supply.frequency / base.w_base;
-                y[SLIP] = if w == 0.0 { 0.0 } else { 1.0 - velocity / w };
-                y[POWER] = self.rated_power * (v[0] * i[0] + v[1] * i[1]);
-                // The voltage of a winding in delta leads that of the phase by 30 degrees.
-                let lead = match self.connection {
-                    Connection::Delta => FRAC_PI_6,
-                    Connection::Wye => 0.0,
-                };
-                let angle = c.supply.angle + lead - base.w_base * c.t;
-                y[PU_V..PU_V + 2].copy_from_slice(&turned(v, angle));
-                y[PU_I..PU_I + 2].copy_from_slice(&turned(i, angle));
-            }
-            Needs::Motion => {}
-        }
+    fn component(&self) -> Option<&dyn Component> {
+        self.motor.get_or_init(|| self.motor().ok()).as_ref().map(|motor| motor as &dyn Component)
     }
 }
 

@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use blocksim_block::physical::{Domain, Element, Supply};
 use blocksim_block::prelude::*;
 
-use super::machine_per_unit::turned;
+use super::space_vector::turned;
 use super::three_phase_source::delivered;
 use crate::drives::modulation::Modulation;
 

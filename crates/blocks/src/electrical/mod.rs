@@ -1,6 +1,10 @@
 //! Blocks: electrical.
 
 mod asynchronous_machine;
+mod asynchronous_machine_by_name_plate;
+mod asynchronous_machine_component;
+mod asynchronous_machine_outputs;
+mod asynchronous_machine_parameters;
 mod averaged_inverter;
 mod capacitor;
 mod controlled_current_source;
@@ -13,9 +17,9 @@ mod dc_motor_line;
 mod electrical_reference;
 pub mod induction;
 mod inductor;
-mod machine_per_unit;
 mod permanent_magnet_machine;
 mod resistor;
+mod space_vector;
 mod three_phase_source;
 mod universal_motor;
 mod vector_inverter;
@@ -24,7 +28,11 @@ mod voltage_source;
 mod volts_per_hertz;
 mod wound_field_dc_motor;
 
-pub use asynchronous_machine::{AsynchronousMachine, Connection, Start};
+pub use asynchronous_machine::AsynchronousMachine;
+pub use asynchronous_machine_by_name_plate::{AsynchronousMachineByNamePlate, LockedRotor};
+pub use asynchronous_machine_parameters::{
+    Cage, Connection, Impedance, Impedances, Saturation, Start, ZeroSequence,
+};
 pub use averaged_inverter::AveragedInverter;
 pub use capacitor::Capacitor;
 pub use controlled_current_source::ControlledCurrentSource;
@@ -36,7 +44,6 @@ pub use dc_motor_by_stall::DcMotorByStall;
 pub use dc_motor_line::TorqueLine;
 pub use electrical_reference::ElectricalReference;
 pub use inductor::Inductor;
-pub use machine_per_unit::PerUnit;
 pub use permanent_magnet_machine::PermanentMagnetMachine;
 pub use resistor::Resistor;
 pub use three_phase_source::ThreePhaseSource;

@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Domain, Element};
 use blocksim_block::prelude::*;
 
-use super::machine_per_unit::{Vector, turned};
+use super::space_vector::{Vector, turned};
 use std::f64::consts::TAU;
 
 /// Three-phase synchronous machine with permanent magnets (PMSM): fundamental wave, no saturation, no damper

@@ -39,9 +39,10 @@ impl<'a> Resolver<'a> {
             };
             if rest.is_empty() {
                 over.used.set(true);
-                let text = ["f64", "String", "usize", "u32", "ParamValue"]
-                    .iter()
-                    .any(|t| parameter.rust_type.contains(t));
+                let text = !parameter.unit.is_empty()
+                    || ["f64", "String", "usize", "u32", "ParamValue"]
+                        .iter()
+                        .any(|t| parameter.rust_type.contains(t));
                 put(&mut parameters, first, value_node(over, text), &block.span);
             }
         }

@@ -14,10 +14,28 @@ fn read<B: Block + DeserializeOwned + 'static>(text: &str) -> Arc<dyn Block> {
     Arc::new(options.from_str::<B>(text).unwrap_or_else(|error| panic!("{text}: {error}")))
 }
 
+/// Wraps the numbers that may have a unit or none as a diagram does: `r_s: 0.25` to `r_s: Number(0.25, [])`.
+fn with_measures(text: &str) -> String {
+    let names = ["r_s", "x_ls", "r_r", "x_lr", "x_m", "x_0", "voltage", "frequency", "slip"];
+    let mut wrapped = String::new();
+    for part in text.split_inclusive([',', '(', ')']) {
+        let (value, end) = part.split_at(part.len() - usize::from(part.ends_with([',', '(', ')'])));
+        let number = value
+            .split_once(": ")
+            .filter(|(name, value)| names.contains(&name.trim()) && value.trim().parse::<f64>().is_ok());
+        match number {
+            Some((name, value)) => wrapped += &format!("{name}: Number({value}, []){end}"),
+            None => wrapped += part,
+        }
+    }
+    wrapped
+}
+
 /// A block from text such as `Inertia(j: 1.0)`; all numbers are SI.
 fn block(text: &str) -> Arc<dyn Block> {
     let kind = text.split('(').next().unwrap_or_default();
     let text = if text.contains('(') { text.to_owned() } else { format!("{text}()") };
+    let text = if kind.starts_with("AsynchronousMachine") { with_measures(&text) } else { text };
     macro_rules! one_of {
         ($($kind:ident)*) => {
             match kind {

@@ -212,6 +212,14 @@ impl Machine {
         }
     }
 
+    /// Speed at which the flux of the (first) cage turns, in per unit, at the rotor speed `w_r`: `w_r` and what the voltage
+    /// over its resistance adds. `w_r` where there is no flux.
+    pub fn rotor_flux_speed(&self, psi: &[f64], w_r: f64) -> f64 {
+        let flux = Self::flux(psi, 1);
+        let square = flux.square();
+        if square == 0.0 { w_r } else { w_r - self.r[1] * flux.cross(self.currents(psi)[1]) / square }
+    }
+
     /// How the current of circuit `k` changes with the flux of circuit `l`: the inverse of the incremental inductances,
     /// which saturation makes smaller along the main flux than across it.
     pub(super) fn incremental(&self, psi: &[f64]) -> impl Fn(usize, usize) -> Stretch + '_ {

@@ -1,5 +1,6 @@
 //! Machines for tests.
 
+pub(crate) use super::complex::complex;
 use super::{Base, Cages, Circuit, Machine, Magnetisation};
 
 /// 15 kVA, 220 V, 60 Hz, one pair of poles; 0.25, 0.9, 0.14, 0.41 and 17 ohm.
