@@ -124,6 +124,14 @@ pub enum Element {
         /// Case.
         c: usize,
     },
+    /// Dry friction between two mechanical ports of one domain, that sticks: [`Component::grips`] gives what it can hold and its
+    /// torque while it slides; the network chooses between forward, backward and stuck ([`Law::mode`]).
+    Friction {
+        /// Rod.
+        r: usize,
+        /// Case.
+        c: usize,
+    },
     /// Two mechanical ports of one domain rigidly coupled; the torque through it is measured.
     Rigid {
         /// Rod.
@@ -430,6 +438,26 @@ pub struct Torque {
     pub slope: f64,
 }
 
+/// What dry friction does at a speed. The first of each pair belongs to forward motion (`w_r > w_c`), the second to
+/// backward motion; all are amounts, none negative.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Grip {
+    /// Torque up to which it stays stuck, N*m. Infinite where it never slides in this direction, as a freewheel;
+    /// zero in both directions where nothing holds (an open clutch).
+    pub hold: [f64; 2],
+    /// Torque against the motion if it slides at the present speed in this direction; the slope is that over the
+    /// speed in this direction. A step of the solver that steps over standstill asks for the direction that it came
+    /// from: go on smoothly there.
+    pub slide: [Torque; 2],
+}
+
+impl Grip {
+    /// The same in both directions: what it holds, and its torque over the amount of the speed.
+    pub fn symmetric(hold: f64, speed: f64, slide: impl Fn(f64) -> Torque) -> Self {
+        Self { hold: [hold; 2], slide: [slide(speed), slide(-speed)] }
+    }
+}
+
 /// What an output of a component needs before it can be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Needs {
@@ -501,7 +529,8 @@ pub struct JointMotion {
 }
 
 /// What a component sees. Lists are numbered by the elements of one kind in the order of [`Part::elements`]:
-/// `speed`, `acceleration` and `torque` count branches, rigid couplings, speed sources and speed probes together;
+/// `speed`, `acceleration` and `torque` count branches, frictions, rigid couplings, speed sources and speed probes
+/// together;
 /// `voltage` and `current` count all two-pins (sources, capacitances, windings, resistances, valves, both probes)
 /// together; an ideal transformer counts as two, primary and secondary.
 #[derive(Debug, Clone, Copy)]
@@ -524,6 +553,8 @@ pub struct Law<'a> {
     pub torque: &'a [f64],
     /// Torque into the base of each gear of the component, N*m; in `measure` with [`Needs::Motion`] only.
     pub mesh: &'a [f64],
+    /// Mode of each dry friction: 1 slides forward, -1 slides backward, 0 is stuck.
+    pub mode: &'a [f64],
     /// Voltages, V; not in `voltages`.
     pub voltage: &'a [f64],
     /// Currents, A; not in `voltages` and `currents`.
@@ -553,6 +584,7 @@ impl<'a> Law<'a> {
             acceleration: &[],
             torque: &[],
             mesh: &[],
+            mode: &[],
             voltage: &[],
             current: &[],
             supply: Supply::default(),
@@ -618,6 +650,9 @@ pub trait Component: Debug + Send + Sync {
 
     /// Torque of each branch.
     fn torques(&self, _c: &Law, _tau: &mut [Torque]) {}
+
+    /// What each dry friction does.
+    fn grips(&self, _c: &Law, _grips: &mut [Grip]) {}
 
     /// Torque that the component itself applies to each speed of its joint (springs, stops, the torque input).
     fn joint_torques(&self, _c: &Law, _tau: &mut [Torque]) {}

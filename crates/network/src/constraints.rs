@@ -56,7 +56,6 @@ impl Rows {
     }
 
     /// Adds a row of zeros, to be filled in.
-    #[cfg_attr(not(test), allow(dead_code))] // Until the first kind of constraint asks for it.
     pub(crate) fn push(&mut self, b: f64, weight: f64) -> &mut [f64] {
         let start = self.d.len();
         self.d.resize(start + self.width, 0.0);
@@ -250,13 +249,14 @@ impl Schur {
 impl Network {
     /// The largest number of constraints that ever hold at once.
     pub(crate) fn most_constraints(&self) -> usize {
-        0
+        self.stiction.len()
     }
 
     /// Takes the accelerations, so far those of `M dv = f`, onto the constraints, and leaves the multipliers in
     /// `w.lambda`: constraint `i` acts as `lambda_i D_i'` on the independent speeds.
-    pub(crate) fn constrain(&self, _c: &Context, w: &mut Work) {
+    pub(crate) fn constrain(&self, c: &Context, w: &mut Work) {
         w.rows.clear();
+        self.stuck_rows(c, w);
         if w.rows.is_empty() {
             return;
         }
@@ -264,6 +264,7 @@ impl Network {
         w.schur.impose(&w.rows, &mut w.dv, |i| w.rows.b[i]);
         let m = w.rows.len();
         w.lambda[..m].copy_from_slice(&w.schur.lambda[..m]);
+        self.holding_torques(w);
     }
 }
 

@@ -50,6 +50,7 @@ impl Network {
         if !w.rows.is_empty() {
             // The Jacobian leaves `D v` alone, so the solution has that of `r`.
             w.implicit_schur.impose(&w.rows, &mut w.product, |i| w.rows.of(i, v));
+            w.lock.settle_like(&mut w.product, v);
         }
         v.copy_from_slice(&w.product);
         for (to, joint) in w.joint_product.iter_mut().zip(&self.rotation.joints) {

@@ -13,6 +13,7 @@ use crate::problem::NetworkProblem;
 use crate::rotation::Rotation;
 use crate::seat::{Active, ELECTRICS, Held, Role, STATE, Seat};
 use crate::separate::Separate;
+use crate::stiction::Stiction;
 
 /// Counters of everything that members have a share of.
 #[derive(Default)]
@@ -25,6 +26,7 @@ struct Next {
     pins: usize,
     gears: usize,
     branches: usize,
+    frictions: usize,
     speed_sources: usize,
 }
 
@@ -72,6 +74,7 @@ impl Network {
             let part = &member.part;
             let count = |which: &dyn Fn(&Element) -> bool| part.elements.iter().filter(|e| which(e)).count();
             let branches = count(&|e| matches!(e, Element::Branch { .. }));
+            let frictions = count(&|e| matches!(e, Element::Friction { .. }));
             let speed_sources = count(&|e| matches!(e, Element::SpeedSource { .. }));
             let looks = count(&|e| matches!(e, Element::Rigid { .. } | Element::SpeedProbe { .. }));
             let gears = count(&|e| matches!(e, Element::Gear { .. }));
@@ -119,9 +122,10 @@ impl Network {
                 inputs,
                 y: take(&mut next.y, outputs),
                 g: take(&mut next.g, if held_by.is_some() { 0 } else { part.guards.len() }),
-                pins: take(&mut next.pins, branches + speed_sources + looks),
+                pins: take(&mut next.pins, branches + frictions + speed_sources + looks),
                 gears: take(&mut next.gears, gears),
                 branches: take(&mut next.branches, branches),
+                frictions: take(&mut next.frictions, frictions),
                 speed_sources: take(&mut next.speed_sources, speed_sources),
                 two_pins: places.two_pins.clone(),
                 sources: places.sources.clone(),
@@ -140,6 +144,7 @@ impl Network {
             });
         }
         interface.groups = vec![Some(reads[STATE].clone()), Some(reads[ELECTRICS].clone()), None];
+        let stiction = Stiction::new(&seats, &rotation, &mut interface);
         let first_latch = interface.discrete.len();
         let first_natural = interface.guards.len();
         let natural = electrics.natural();
@@ -160,6 +165,7 @@ impl Network {
             meshes: rotation.gears.iter().map(|gear| gear.loss).collect(),
             seats,
             rotation,
+            stiction,
             electrics,
             frames,
             supplies,

@@ -23,6 +23,7 @@ mod frames;
 mod implicit;
 mod joints;
 mod layout;
+mod lock;
 mod members;
 mod mesh;
 mod motion;
@@ -34,6 +35,7 @@ mod rotation;
 mod seat;
 mod separate;
 mod speeds;
+mod stiction;
 mod words;
 mod work;
 

@@ -61,6 +61,7 @@ impl Network {
             }
         }
         w.torque = torque;
+        self.sliding_torques(c, w);
         self.joint_torques(c, w);
         self.outside_forces(c, w);
 
@@ -95,7 +96,9 @@ impl Network {
         self.constrain(c, w);
         if !self.meshes.is_empty() {
             self.meshes(c, w);
+            self.holding_torques(w);
         }
+        w.lock.settle(&mut w.dv, &w.ds);
     }
 
     /// Losses of gear meshes, and what they change about the accelerations.

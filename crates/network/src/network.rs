@@ -11,6 +11,7 @@ use crate::problem::NetworkProblem;
 use crate::rotation::Rotation;
 use crate::seat::{Active, ELECTRICS, STATE, Seat};
 use crate::separate::Separate;
+use crate::stiction::Stiction;
 use crate::work::Work;
 
 /// A physical network as one block.
@@ -21,6 +22,7 @@ use crate::work::Work;
 pub struct Network {
     pub(crate) seats: Vec<Seat>,
     pub(crate) rotation: Rotation,
+    pub(crate) stiction: Stiction,
     pub(crate) electrics: Electrics,
     pub(crate) frames: Frames,
     pub(crate) meshes: Vec<MeshLoss>,
@@ -113,6 +115,7 @@ impl Network {
             acceleration: &[],
             torque: &[],
             mesh: &[],
+            mode: self.modes_of(c, seat),
             voltage: if electrical { &w.voltage[seat.two_pins.clone()] } else { &[] },
             current: if electrical { &w.current[seat.two_pins.clone()] } else { &[] },
             supply: seat.supply.map_or(NO_SUPPLY, |i| w.supply[i]),
@@ -147,6 +150,10 @@ impl Block for Network {
 
     fn scratch(&self) -> Scratch {
         Scratch::new(Work::new(self))
+    }
+
+    fn initialize(&self, _c: &Context, x: &mut [f64], d: &mut [f64]) {
+        self.follow_speeds(x, &[], d);
     }
 
     fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
@@ -190,6 +197,7 @@ impl Block for Network {
                 component.guards(&self.whole_law(c, seat, w), &mut g[seat.g.clone()]);
             }
         }
+        self.stiction_guards(c, w, g);
         if !self.natural.is_empty() {
             self.valve_guards(c, w, &mut g[self.first_natural..]);
         }
@@ -210,6 +218,12 @@ impl Block for Network {
                 let (x, d) = (&mut x[seat.x.clone()], &mut d[seat.d.clone()]);
                 jumped |= component.jump(&self.whole_law(&here, seat, w), x, d);
             }
+        }
+        if jumped {
+            // What has been struck slides.
+            self.follow_speeds(x, &w.s, d);
+        } else {
+            jumped = self.choose_modes(&here, w, x, d);
         }
         (w.before, w.modes) = (before, modes);
         let here = Context { x: &[], d: &[], ..*c };

@@ -60,8 +60,10 @@ pub(crate) struct Rotation {
     /// `T'JT` over the independent speeds, row-major.
     pub reflected: Vec<f64>,
     pub pins: Vec<Pin>,
-    /// Index of the pin of each branch.
+    /// Index of the pin of each branch; those of dry friction come last.
     pub branches: Vec<usize>,
+    /// Number of branches that are not dry friction.
+    pub smooth: usize,
     /// Nodes `r` and `c` of each branch.
     pub branch_nodes: Vec<(usize, usize)>,
     pub gears: Vec<LossyGear>,
@@ -124,6 +126,7 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
     let mut drive_rows: Vec<Option<usize>> = vec![None; joints];
     let mut starts: Vec<(usize, f64)> = Vec::new();
     let mut source = 0;
+    let mut frictions = Vec::new();
     for (member, element) in m.elements() {
         let node = |port: usize| m.node(member, port);
         match *element {
@@ -136,6 +139,10 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
             Element::Branch { r, c } => {
                 rotation.branches.push(pins.len());
                 rotation.branch_nodes.push((node(r), node(c)));
+                pins.push((node(r), node(c), None));
+            }
+            Element::Friction { r, c } => {
+                frictions.push((pins.len(), (node(r), node(c))));
                 pins.push((node(r), node(c), None));
             }
             Element::SpeedProbe { r, c } => pins.push((node(r), node(c), None)),
@@ -185,6 +192,12 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
             }
             _ => {}
         }
+    }
+
+    rotation.smooth = rotation.branches.len();
+    for (pin, nodes) in frictions {
+        rotation.branches.push(pin);
+        rotation.branch_nodes.push(nodes);
     }
 
     let eliminated = relations.eliminate(|unknown| u32::from(unknown >= nodes));
@@ -329,6 +342,7 @@ fn free_cases(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem> {
     for (member, element) in m.elements() {
         match *element {
             Element::Branch { r, c }
+            | Element::Friction { r, c }
             | Element::Rigid { r, c }
             | Element::SpeedSource { r, c }
             | Element::SpeedProbe { r, c } => {

@@ -31,6 +31,7 @@ pub(crate) struct Seat {
     pub two_pins: Range<usize>,
     pub gears: Range<usize>,
     pub branches: Range<usize>,
+    pub frictions: Range<usize>,
     pub sources: Range<usize>,
     pub windings: Range<usize>,
     pub valves: Range<usize>,
@@ -105,6 +106,7 @@ pub(crate) struct Active {
     pub branches: Vec<usize>,
     pub joints: Vec<usize>,
     pub frames: Vec<usize>,
+    pub frictions: Vec<usize>,
     pub states: Vec<usize>,
     pub jumps: Vec<usize>,
     /// Circuits with valves.
@@ -129,6 +131,7 @@ impl Active {
             branches: which(&|seat| !seat.branches.is_empty()),
             joints: which(&|seat| !seat.joint.is_empty()),
             frames: which(&|seat| !seat.frames.is_empty()),
+            frictions: which(&|seat| !seat.frictions.is_empty()),
             states: which(&|seat| seat.held.is_none() && !seat.x.is_empty()),
             jumps: which(&|seat| seat.held.is_none() && seat.member.part.jumps),
             valves: Vec::new(),

@@ -32,6 +32,7 @@ impl Network {
         for (to, pin) in w.pin_speed.iter_mut().zip(&r.pins) {
             *to = pin.speed.of(v) + pin.prescribed.of(&w.s);
         }
+        self.still_pins(c, w);
         if self.has_early {
             self.early_readings(c, w);
         }

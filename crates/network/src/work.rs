@@ -1,14 +1,16 @@
 //! Values of one evaluation: scratch space, made once.
 
-use blocksim_block::physical::{FrameMotion, JointMotion, Supply, Torque, Wrench};
+use blocksim_block::physical::{FrameMotion, Grip, JointMotion, Supply, Torque, Wrench};
 use blocksim_multibody::{Data, Model};
 
 use crate::circuits::Circuits;
 use crate::constraints::{Rows, Schur};
 use crate::float::FloatRoom;
+use crate::lock::Lock;
 use crate::mesh::MeshScratch;
 use crate::network::Network;
 use crate::separate::Room;
+use crate::stiction::Rest;
 
 const AT_REST: FrameMotion = FrameMotion {
     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -71,6 +73,15 @@ pub(crate) struct Work {
     /// Multipliers of the constraints, and what a loss of one in each mesh takes from them.
     pub lambda: Vec<f64>,
     pub mesh_lambda: Vec<f64>,
+    /// What dry friction does; which are stuck, and their first constraint.
+    pub grip: Vec<Grip>,
+    pub stuck: Vec<usize>,
+    pub first_stuck: usize,
+    pub lock: Lock,
+    /// For the choice of modes.
+    pub rests: Vec<Rest>,
+    pub trial_x: Vec<f64>,
+    pub trial_d: Vec<f64>,
     pub residual: Vec<f64>,
     pub mesh: MeshScratch,
     pub mesh_speed: Vec<f64>,
@@ -95,7 +106,7 @@ impl Work {
     pub(crate) fn new(network: &Network) -> Self {
         let r = &network.rotation;
         let (n, j, g) = (r.free, network.joints, network.meshes.len());
-        let rows = network.most_constraints();
+        let (rows, frictions) = (network.most_constraints(), network.stiction.len());
         let mut given = vec![0.0; network.electrics.given()];
         // The last of the given values is the number 1.
         given.iter_mut().last().into_iter().for_each(|one| *one = 1.0);
@@ -146,6 +157,13 @@ impl Work {
             implicit_schur: Schur::new(n, rows),
             lambda: vec![0.0; rows],
             mesh_lambda: vec![0.0; g * rows],
+            grip: vec![Grip::default(); frictions],
+            stuck: Vec::with_capacity(frictions),
+            first_stuck: 0,
+            lock: Lock::new(n, r.sources, frictions),
+            rests: vec![Rest::Free; frictions],
+            trial_x: vec![0.0; network.interface.states.len()],
+            trial_d: vec![0.0; network.interface.discrete.len()],
             residual: vec![0.0; r.nodes.len() + j],
             mesh: MeshScratch::new(g),
             mesh_speed: vec![0.0; g],

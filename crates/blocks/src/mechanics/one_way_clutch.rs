@@ -1,24 +1,33 @@
-use blocksim_block::physical::Element;
+use blocksim_block::physical::Grip;
 use blocksim_block::prelude::*;
+
+use super::friction_model::FrictionModel;
 
 /// Freewheel: drives `c` when `r` is faster, and lets `c` overrun.
 ///
-/// $$ \tau = \begin{cases} d \dfrac{w^2}{w + w_t} & w > 0 \\ 0 & w \le 0 \end{cases}, \qquad w = w_r - w_c $$
+/// $$ w = w_r - w_c \le 0, \qquad \tau \ge 0, \qquad w\,\tau = 0 $$
 ///
-/// Far above the transition speed $w_t$ the locked clutch slips like a damper, with $w \approx \tau / d + w_t$:
-/// choose $d$ so large that the slip under the largest torque does not matter. The torque is smooth and never
-/// delivers power. With a large $d$ a solver that uses slopes (`RosW3`, `Rodas4`) takes far fewer steps.
+/// When `r` has come up to `c` the clutch locks and both turn as one, exactly, until `r` would have to pull backwards.
+/// Where `r` is faster from the start, or is struck, an impact makes both equally fast, as soft bodies collide.
+///
+/// `Smooth` has no events: $\tau = d\, w^2 / (w + w_t)$ for $w > 0$. Far above the transition speed $w_t$ it slips like a
+/// damper, with $w \approx \tau / d + w_t$: choose $d$ so large that the slip under the largest torque does not matter.
+/// The torque never delivers power. With a large $d$ a solver that uses slopes (`RosW3`, `Rodas4`) takes far
+/// fewer steps.
 ///
 /// ```ron
-/// OneWayClutch(d: "1000 N*m*s/rad", transition: "0.001 rad/s")
+/// OneWayClutch()
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Mechanics")]
 pub struct OneWayClutch {
-    /// Torque over slip while it drives.
-    #[block(unit = "N*m*s/rad")]
+    /// `Stiction` (true locking) or `Smooth`.
+    #[block(default = FrictionModel::Stiction)]
+    pub model: FrictionModel,
+    /// Torque over slip while it drives; for `Smooth`.
+    #[block(unit = "N*m*s/rad", default = 1000.0)]
     pub d: f64,
-    /// Slip $w_t$ over which it sets in.
+    /// Slip $w_t$ over which it sets in; for `Smooth`.
     #[block(unit = "rad/s", default = 1e-3)]
     pub transition: f64,
 }
@@ -36,10 +45,17 @@ impl Block for OneWayClutch {
 
 impl Component for OneWayClutch {
     fn part(&self, _given: &Given) -> Part {
-        Part::new().rod_and_case().element(Element::Branch { r: 0, c: 1 })
+        Part::new().rod_and_case().element(self.model.element())
+    }
+
+    fn grips(&self, _c: &Law, grips: &mut [Grip]) {
+        grips[0] = Grip { hold: [f64::INFINITY, 0.0], ..Grip::default() };
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
+        if self.model.sticks() {
+            return;
+        }
         let w = c.speed[0];
         tau[0] = Torque::default();
         if w > 0.0 {
@@ -57,7 +73,7 @@ mod tests {
     use super::*;
     use crate::mechanics::testing::law;
 
-    const CLUTCH: OneWayClutch = OneWayClutch { d: 100.0, transition: 0.01 };
+    const CLUTCH: OneWayClutch = OneWayClutch { model: FrictionModel::Smooth, d: 100.0, transition: 0.01 };
 
     fn torque(w: f64) -> Torque {
         let mut tau = [Torque::default()];

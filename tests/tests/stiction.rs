@@ -1,0 +1,262 @@
+//! Dry friction that sticks: times of events against closed forms, nothing creeps.
+
+use std::f64::consts::PI;
+
+use blocksim_tests::{Run, compile_text, run};
+
+/// Runs a diagram of `blocks` and `connections`.
+fn simulate(stop: &str, solver: &str, blocks: &str, connections: &str) -> Run {
+    let text = format!(
+        "Diagram(simulation: (stop_time: \"{stop}\", solver: {solver}), \
+         blocks: {{ {blocks} }}, connections: [ {connections} ])"
+    );
+    let (compiled, problems) = compile_text(&text);
+    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+    assert!(run.error.is_none(), "{:?}", run.error);
+    run
+}
+
+#[track_caller]
+fn close(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance, "{found} != {expected} (tolerance {tolerance})");
+}
+
+/// Times at which modes end.
+fn modes(run: &Run, guard: &str) -> Vec<f64> {
+    run.events.iter().filter(|(_, _, what)| what == guard).map(|(t, ..)| *t).collect()
+}
+
+const SOLVERS: [&str; 3] =
+    ["Ode45(rtol: 1e-9, atol: 1e-12)", "RosW3(rtol: 1e-9, atol: 1e-12)", "Rodas4(rtol: 1e-8)"];
+
+#[test]
+fn a_coasting_flywheel_stops_after_j_w_over_t_and_stays() {
+    for solver in SOLVERS {
+        let run = simulate(
+            "10 s",
+            solver,
+            r#""disc": Inertia(j: 0.5, w0: 40.0),
+               "bearing": RotationalFriction(breakaway: 12.0, breakaway_velocity: 0.0, coulomb: 10.0, model: Stiction),
+               "sensor": MotionSensor, "frame": RotationalReference, "scope": Scope(inputs: ["w", "phi"])"#,
+            r#""disc.r <-> bearing.r <-> sensor.r", "bearing.c <-> sensor.c <-> frame.r",
+               "sensor.w -> scope.w", "sensor.phi -> scope.phi""#,
+        );
+        let stops = modes(&run, "bearing.mode");
+        assert_eq!(stops.len(), 1, "{solver}: {:?}", run.events);
+        close(stops[0], 2.0, 1e-9);
+        assert_eq!(run.last("scope.w"), 0.0, "{solver}");
+        close(run.last("scope.phi"), 40.0, 1e-8);
+        let rest: Vec<f64> = run
+            .time
+            .iter()
+            .zip(run.column("scope.w"))
+            .filter(|(t, _)| **t > 2.0 + 1e-8)
+            .map(|(_, w)| *w)
+            .collect();
+        assert!(rest.iter().all(|w| *w == 0.0), "{solver}");
+    }
+}
+
+/// A disc is pulled by a spring whose other end turns evenly: it sticks until the spring bears the breakaway torque,
+/// slips while the spring swings back, and sticks again. In the frame of the spring's end this is a mass on a belt.
+#[test]
+fn a_disc_that_a_spring_pulls_sticks_and_slips_at_the_times_of_the_closed_form() {
+    let (j, k, v, held, sliding) = (0.02, 50.0, 0.4, 3.0, 1.8);
+    let omega = f64::sqrt(k / j);
+    let a = (held - sliding) / k;
+    // Stretch of the spring while it slips: sliding/k + a cos(omega t) + v/omega sin(omega t), until its rate is v again.
+    let slip = 2.0 * (PI - f64::atan(a * omega / v)) / omega;
+    // By symmetry it stops at sliding/k - a, and the stretch has to come up by 2 a.
+    let stick = 2.0 * a / v;
+    let mut expected = vec![held / k / v];
+    while expected.len() < 12 {
+        let last = *expected.last().unwrap();
+        expected.push(last + if expected.len() % 2 == 1 { slip } else { stick });
+    }
+    for solver in SOLVERS {
+        let run = simulate(
+            "1.2 s",
+            solver,
+            r#""pull": Constant(value: "0.4 rad/s"), "drive": IdealSpeedSource, "spring": RotationalSpring(k: 50.0),
+               "disc": Inertia(j: 0.02),
+               "rail": RotationalFriction(breakaway: 3.0, breakaway_velocity: 0.0, coulomb: 1.8, model: Stiction),
+               "sensor": MotionSensor, "frame": RotationalReference, "scope": Scope(inputs: ["w"])"#,
+            r#""pull.y -> drive.w", "drive.r <-> spring.r", "spring.c <-> disc.r <-> rail.r <-> sensor.r",
+               "drive.c <-> rail.c <-> sensor.c <-> frame.r", "sensor.w -> scope.w""#,
+        );
+        let found = modes(&run, "rail.mode");
+        let due = expected.iter().filter(|t| **t < 1.2).count();
+        assert_eq!(found.len(), due, "{solver}: more or fewer events than there are: {found:?}");
+        let tolerance = if solver.starts_with("Rodas4") { 1e-6 } else { 1e-7 };
+        for (i, expected) in expected.iter().take_while(|t| **t < 1.2).enumerate() {
+            let nearest = found.iter().map(|t| (t - expected).abs()).fold(f64::INFINITY, f64::min);
+            assert!(
+                nearest < tolerance,
+                "{solver}, event {i} at {expected} is off by {nearest:e}: {found:?}"
+            );
+        }
+    }
+}
+
+/// Half a minute under gravity, lossy gear between brake and joint; then it is let go and caught again.
+#[test]
+fn a_brake_holds_a_joint_under_gravity_without_creeping() {
+    for solver in ["Ode45(rtol: 1e-6)", "RosW3(rtol: 1e-6)", "Ode4(step: 1e-3)"] {
+        let run = simulate(
+            "32 s",
+            solver,
+            r#""apply": Pulse(period: "100 s", width: 0.01, delay: "30 s", amplitude: -1.0), "one": Constant(value: 1.0), "sum": Sum(signs: "++"),
+               "rotor": Inertia(j: 1e-4), "brake": Brake(torque: 0.9),
+               "gear": CycloidalDrive(disc_teeth: 50, ring_teeth: 51, direction: Same, efficiency_forward: 0.75, efficiency_backward: 0.7),
+               "world": World, "joint": RevoluteJoint(axis: (0.0, 1.0, 0.0), position: 1.0),
+               "arm": Body(mass: 5.0, com: (0.3, 0.0, 0.4), moi: (0.1, 0.1, 0.1)),
+               "housing": RotationalReference, "scope": Scope(inputs: ["q", "w", "locked"])"#,
+            r#""apply.y -> sum.u1", "one.y -> sum.u2", "sum.y -> brake.engaged",
+               "rotor.r <-> brake.r <-> gear.base", "gear.follower <-> joint.r", "joint.c <-> brake.c <-> housing.r",
+               "world.frame <-> joint.base", "joint.follower <-> arm.frame",
+               "joint.q -> scope.q", "joint.w -> scope.w", "brake.locked -> scope.locked""#,
+        );
+        let (q, w) = (run.column("scope.q"), run.column("scope.w"));
+        for ((t, q), w) in run.time.iter().zip(q).zip(w) {
+            assert!(
+                *t >= 30.0 || (*q == 1.0 && *w == 0.0),
+                "{solver}: at {t} s it creeps: {q} rad, {w} rad/s"
+            );
+        }
+        assert!(w.iter().any(|w| w.abs() > 1.0), "{solver}: it is let go");
+        assert_eq!((run.last("scope.w"), run.last("scope.locked")), (0.0, 1.0), "{solver}");
+    }
+}
+
+/// Two clutches in a row bring three discs to one speed; each locks for itself.
+#[test]
+fn locked_clutches_turn_as_one_in_every_bit() {
+    for solver in SOLVERS {
+        let run = simulate(
+            "3 s",
+            solver,
+            r#""press": Constant(value: 1.0), "a": Inertia(j: 0.2, w0: 100.0), "b": Inertia(j: 0.3), "c": Inertia(j: 0.5),
+               "first": Clutch(torque: 30.0), "second": Clutch(torque: 12.0),
+               "wa": MotionSensor, "wb": MotionSensor, "wc": MotionSensor, "frame": RotationalReference,
+               "scope": Scope(inputs: ["a", "b", "c"])"#,
+            r#""press.y -> first.normal, second.normal", "a.r <-> first.r <-> wa.r", "first.c <-> b.r <-> second.r <-> wb.r",
+               "second.c <-> c.r <-> wc.r", "wa.c <-> wb.c <-> wc.c <-> frame.r",
+               "wa.w -> scope.a", "wb.w -> scope.b", "wc.w -> scope.c""#,
+        );
+        // a: -150, b: +60, c: +24 rad/s^2: the first locks at 100/210 s at 200/7 rad/s; then both lose 24 rad/s^2.
+        let first = 100.0 / 210.0;
+        let second = first + (100.0 - 150.0 * first - 24.0 * first) / 48.0;
+        close(modes(&run, "first.mode")[0], first, 1e-9);
+        close(modes(&run, "second.mode")[0], second, 1e-9);
+        assert_eq!((run.last("scope.a"), run.last("scope.a")), (run.last("scope.b"), run.last("scope.c")));
+        close(run.last("scope.a"), 20.0, 1e-9);
+        assert_eq!(run.counts.events, 2, "{solver}: {:?}", run.events);
+    }
+}
+
+/// Two brakes hold in proportion to what they can; one cannot hold what both can.
+#[test]
+fn brakes_on_one_shaft_share_the_load_and_give_way_together() {
+    let run = simulate(
+        "4 s",
+        "Ode45(rtol: 1e-8)",
+        r#""ramp": Ramp(slope: "5 N*m/s"), "push": IdealTorqueSource, "disc": Inertia(j: 0.5), "full": Constant(value: 1.0),
+           "large": Brake(torque: 10.0), "small": Brake(torque: 5.0), "sensor": MotionSensor,
+           "frame": RotationalReference, "scope": Scope(inputs: ["large", "small", "w"])"#,
+        r#""ramp.y -> push.tau", "push.r <-> disc.r <-> large.r <-> small.r <-> sensor.r",
+           "full.y -> large.engaged, small.engaged",
+           "push.c <-> large.c <-> small.c <-> sensor.c <-> frame.r",
+           "large.tau -> scope.large", "small.tau -> scope.small", "sensor.w -> scope.w""#,
+    );
+    for t in [0.5, 1.0, 2.9] {
+        close(run.at("scope.large", t), 5.0 * t * 2.0 / 3.0, 1e-9);
+        close(run.at("scope.small", t), 5.0 * t / 3.0, 1e-9);
+        assert_eq!(run.at("scope.w", t), 0.0);
+    }
+    // 15 N*m are reached after 3 s; then the ramp accelerates: w = 5 (t - 3)^2 / 2 / j.
+    close(modes(&run, "large.mode")[0], 3.0, 1e-9);
+    close(run.last("scope.w"), 5.0, 1e-7);
+}
+
+/// A pedal drives a wheel, lets it overrun, and catches it up; at the start both collide.
+#[test]
+fn a_freewheel_locks_drives_and_overruns() {
+    let run = simulate(
+        "3 s",
+        "Ode45(rtol: 1e-8)",
+        r#""tau": Step(time: "1 s", before: "4 N*m", after: "-8 N*m"), "foot": IdealTorqueSource,
+           "pedal": Inertia(j: 1.0, w0: 10.0), "wheel": Inertia(j: 1.0), "hub": OneWayClutch(),
+           "front": MotionSensor, "back": MotionSensor, "frame": RotationalReference, "scope": Scope(inputs: ["front", "back"])"#,
+        r#""tau.y -> foot.tau", "pedal.r <-> hub.r <-> foot.r <-> front.r", "wheel.r <-> hub.c <-> back.r",
+           "foot.c <-> front.c <-> back.c <-> frame.r", "front.w -> scope.front", "back.w -> scope.back""#,
+    );
+    // They collide at t = 0 without rebound.
+    close(run.at("scope.front", 1e-3), 5.002, 1e-9);
+    let locked: Vec<usize> =
+        (0..run.time.len()).filter(|i| run.time[*i] > 0.0 && run.time[*i] < 1.0).collect();
+    assert!(!locked.is_empty());
+    for i in locked {
+        assert_eq!(run.column("scope.front")[i], run.column("scope.back")[i]);
+    }
+    close(run.last("scope.back"), 7.0, 1e-9);
+    close(run.last("scope.front"), 7.0 - 16.0, 1e-9);
+}
+
+/// Friction of joints and of motors, lossy gears, gravity, a torque that swings: nothing chatters, no energy is made,
+/// and explicit, implicit and fixed-step methods agree.
+#[test]
+fn an_arm_with_stiction_everywhere_runs_alike_with_all_methods() {
+    let gear = "CycloidalDrive(disc_teeth: 50, ring_teeth: 51, direction: Same, efficiency_forward: 0.75, efficiency_backward: 0.7)";
+    let friction = |breakaway: f64, coulomb: f64| {
+        format!(
+            "RotationalFriction(breakaway: {breakaway:?}, breakaway_velocity: 0.05, coulomb: {coulomb:?}, viscous: 0.001, model: Stiction)"
+        )
+    };
+    let axis = |name: &str| {
+        format!(
+            r#""{name}_push": IdealTorqueSource, "{name}_rotor": Inertia(j: 1e-4), "{name}_seal": {},
+               "{name}_gear": {gear}, "{name}_bearing": {},"#,
+            friction(0.03, 0.02),
+            friction(0.5, 0.4)
+        )
+    };
+    let wires = |name: &str| {
+        format!(
+            r#""{name}_push.r <-> {name}_rotor.r <-> {name}_seal.r <-> {name}_gear.base",
+               "{name}_gear.follower <-> {name}.r <-> {name}_bearing.r",
+               "{name}_push.c <-> {name}_seal.c <-> {name}_bearing.c <-> {name}.c","#
+        )
+    };
+    let blocks = format!(
+        r#"{} {} "world": World, "shoulder": RevoluteJoint(axis: (0.0, 1.0, 0.0), position: 2.5),
+           "upper": Body(mass: 3.0, com: (0.0, 0.0, 0.2), moi: (0.02, 0.02, 0.005)),
+           "link": Transform(translation: (0.0, 0.0, 0.4)),
+           "elbow": RevoluteJoint(axis: (0.0, 1.0, 0.0), position: 0.3),
+           "fore": Body(mass: 2.0, com: (0.0, 0.0, 0.15), moi: (0.01, 0.01, 0.003)),
+           "swing": Sine(amplitude: "0.35 N*m", frequency: "0.8 Hz"), "slow": Sine(amplitude: "0.12 N*m", frequency: "0.3 Hz"),
+           "housing": RotationalReference, "scope": Scope(inputs: ["q1", "q2"])"#,
+        axis("shoulder"),
+        axis("elbow")
+    );
+    let connections = format!(
+        r#"{} {} "shoulder.c <-> elbow.c <-> housing.r", "swing.y -> shoulder_push.tau", "slow.y -> elbow_push.tau",
+           "world.frame <-> shoulder.base", "shoulder.follower <-> upper.frame <-> link.base",
+           "link.follower <-> elbow.base", "elbow.follower <-> fore.frame",
+           "shoulder.q -> scope.q1", "elbow.q -> scope.q2""#,
+        wires("shoulder"),
+        wires("elbow")
+    );
+    let run = |solver: &str| simulate("4 s", solver, &blocks, &connections);
+    let reference = run("Ode45(rtol: 1e-10, atol: 1e-12)");
+    assert!(reference.counts.events > 10 && reference.counts.events < 100, "{}", reference.counts.events);
+    for (solver, tolerance) in [
+        ("RosW3(rtol: 1e-8, atol: 1e-10)", 1e-5),
+        ("Rodas4(rtol: 1e-8, atol: 1e-10)", 1e-5),
+        ("Ode4(step: 2e-4)", 2e-3),
+    ] {
+        let other = run(solver);
+        for column in ["scope.q1", "scope.q2"] {
+            close(other.last(column), reference.last(column), tolerance);
+        }
+    }
+}
