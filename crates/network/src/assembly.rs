@@ -8,7 +8,7 @@ use blocksim_block::physical::Part;
 use crate::members::Members;
 use crate::network::Network;
 use crate::problem::NetworkProblem;
-use crate::{electrics, frames, rotation};
+use crate::{closing, electrics, frames, rotation};
 
 /// A block of a network.
 #[derive(Debug, Clone)]
@@ -40,7 +40,7 @@ pub struct Terminal {
 ///
 /// # Errors
 /// Everything that is wrong with the network: no reference, parts without inertia, sources that fight, couplings
-/// that are rigid twice over, loops of joints, a mass matrix that is not positive definite.
+/// that are rigid twice over, loops of joints that do not close, a mass matrix that is not positive definite.
 pub fn assemble(members: Vec<Member>, joined: &[Vec<Terminal>]) -> Result<Network, Vec<NetworkProblem>> {
     let view = Members::new(&members, joined);
     let mut problems = view.unconnected();
@@ -51,6 +51,10 @@ pub fn assemble(members: Vec<Member>, joined: &[Vec<Terminal>]) -> Result<Networ
     let rotation = frames
         .as_ref()
         .and_then(|frames| rotation::build(&view, frames).map_err(|more| problems.extend(more)).ok());
+    let rotation = frames.as_ref().zip(rotation).map(|(frames, mut rotation)| {
+        closing::fit_speeds(frames, &mut rotation);
+        rotation
+    });
     // An unconnected pin says more than what follows from it.
     let unconnected: Vec<usize> = problems
         .iter()

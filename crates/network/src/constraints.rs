@@ -249,13 +249,16 @@ impl Schur {
 impl Network {
     /// The largest number of constraints that ever hold at once.
     pub(crate) fn most_constraints(&self) -> usize {
-        self.stiction.len()
+        6 * self.frames.loops.len() + self.stiction.len()
     }
 
     /// Takes the accelerations, so far those of `M dv = f`, onto the constraints, and leaves the multipliers in
-    /// `w.lambda`: constraint `i` acts as `lambda_i D_i'` on the independent speeds.
+    /// `w.lambda`, those of closed loops first: constraint `i` acts as `lambda_i D_i'` on the independent speeds.
     pub(crate) fn constrain(&self, c: &Context, w: &mut Work) {
         w.rows.clear();
+        for (row, b) in w.loops.rows.chunks_exact(self.rotation.free.max(1)).zip(&w.loops.b) {
+            w.rows.push(*b, 1.0).copy_from_slice(row);
+        }
         self.stuck_rows(c, w);
         if w.rows.is_empty() {
             return;

@@ -3,10 +3,11 @@
 use std::collections::VecDeque;
 
 use blocksim_block::physical::{Axis, Element, Freedom};
-use blocksim_multibody::{Data, Inertia, Joint, Model, ModelBuilder, Placement};
+use blocksim_multibody::{BodyId, Data, Inertia, Joint, Model, ModelBuilder, Placement};
 
 use nalgebra::Matrix3;
 
+use crate::closing;
 use crate::members::Members;
 use crate::place::Place;
 use crate::problem::NetworkProblem;
@@ -28,8 +29,9 @@ pub(crate) struct Frames {
     pub probes: Vec<Probe>,
     /// Bodies that come and go.
     pub payloads: Vec<Payload>,
+    /// Member of the joint of each body, in the order of the model.
+    pub body_members: Vec<usize>,
     /// Frames that must coincide.
-    #[allow(dead_code)] // Until loops are closed.
     pub loops: Vec<Loop>,
 }
 
@@ -47,7 +49,6 @@ pub(crate) struct JointSpeed {
     /// Speed at the start, in the terms of the tree.
     pub start: Option<f64>,
     /// The position at the start is given.
-    #[allow(dead_code)] // Until loops are closed.
     pub given: bool,
 }
 
@@ -79,14 +80,13 @@ pub(crate) struct Probe {
 pub(crate) struct Payload {
     pub member: usize,
     /// `None` is the world: it then changes nothing.
-    pub body: Option<blocksim_multibody::BodyId>,
+    pub body: Option<BodyId>,
     /// In the frame of the body.
     pub inertia: Inertia,
 }
 
 /// Two frames that must coincide, because a member closes a loop.
 #[derive(Debug, Clone)]
-#[allow(dead_code)] // Until loops are closed.
 pub(crate) struct Loop {
     pub member: usize,
     pub a: Place,
@@ -101,6 +101,21 @@ impl Frames {
     /// Index of the first speed of a freedom of a joint.
     pub(crate) fn speed_of(&self, member: usize, freedom: usize) -> Option<usize> {
         self.speeds.iter().position(|speed| speed.member == member && speed.freedom == freedom)
+    }
+
+    /// Members of the joints of a loop, without those that lead to both its ends.
+    pub(crate) fn joints_between(&self, closing: &Loop) -> Vec<usize> {
+        let way = |place: &Place| {
+            let parent = |body: &BodyId| self.model.as_ref()?.parent(*body);
+            std::iter::successors(place.body, parent).collect::<Vec<BodyId>>()
+        };
+        let (a, b) = (way(&closing.a), way(&closing.b));
+        let one_way =
+            a.iter().filter(|body| !b.contains(body)).chain(b.iter().filter(|body| !a.contains(body)));
+        let mut members: Vec<usize> = one_way.map(|body| self.body_members[body.index()]).collect();
+        members.sort_unstable();
+        members.dedup();
+        members
     }
 
     /// Frames that a member looks at.
@@ -141,7 +156,6 @@ pub(crate) fn build(m: &Members) -> Result<Frames, Vec<NetworkProblem>> {
     let mut frames = Frames::default();
     let mut places: Vec<Option<Place>> = vec![None; m.frame_nodes];
     let mut used = vec![false; m.list.len()];
-    let mut came: Vec<Option<usize>> = vec![None; m.frame_nodes];
     places[root] = Some(Place { body: None, placement: Placement::identity() });
     let mut queue = VecDeque::from([root]);
     while let Some(node) = queue.pop_front() {
@@ -159,10 +173,9 @@ pub(crate) fn build(m: &Members) -> Result<Frames, Vec<NetworkProblem>> {
             };
             match places[edge.to] {
                 // The frame is reached a second time: from both ways it must be the same.
-                Some(_) => return Err(vec![closed_loop(edge.member, came[edge.to])]),
+                Some(there) => frames.loops.push(Loop { member: edge.member, a: next, b: there }),
                 None => {
                     places[edge.to] = Some(next);
-                    came[edge.to] = Some(edge.member);
                     queue.push_back(edge.to);
                 }
             }
@@ -173,6 +186,7 @@ pub(crate) fn build(m: &Members) -> Result<Frames, Vec<NetworkProblem>> {
         return Err(problems);
     }
     frames.model = Some(builder.build());
+    closing::assemble(m, &mut frames)?;
     Ok(frames)
 }
 
@@ -244,6 +258,7 @@ fn add_joint(
         let body = builder
             .add_body(here.body, joint, here.placement, Inertia::zero())
             .map_err(|reason| refused(member, &reason))?;
+        frames.body_members.push(member);
         here = Place { body: Some(body), placement: Placement::identity() };
         match &freedoms[k] {
             Freedom::Turn(axis) | Freedom::Slide(axis) => {
@@ -404,18 +419,5 @@ fn no_world(m: &Members) -> NetworkProblem {
     match first {
         Some((member, _)) => problem.with(member, "belongs to it"),
         None => problem,
-    }
-}
-
-fn closed_loop(member: usize, other: Option<usize>) -> NetworkProblem {
-    let problem = NetworkProblem::new(
-        "closed_loop",
-        "joints and transforms close a loop: only trees of bodies can be simulated",
-        "remove one connection of the loop",
-    )
-    .with(member, "closes the loop");
-    match other {
-        Some(other) if other != member => problem.with(other, "leads to the same frame"),
-        _ => problem,
     }
 }

@@ -159,7 +159,7 @@ impl Network {
         if let Some(step) = separate.iter().map(|s| s.step).reduce(f64::min) {
             interface = interface.sampled(step);
         }
-        let network = Self {
+        let mut network = Self {
             active: Active { valves: with_valves(&electrics), ..Active::new(&seats) },
             has_early: seats.iter().any(|seat| seat.is_early),
             meshes: rotation.gears.iter().map(|gear| gear.loss).collect(),
@@ -177,6 +177,7 @@ impl Network {
             first_natural,
             separate,
         };
+        network.interface.jumps |= network.loops_meet_sources();
         network.mass_matrix_is_definite()?;
         network.currents_fit()?;
         Ok(network)

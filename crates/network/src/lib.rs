@@ -13,6 +13,7 @@
 
 mod assembly;
 mod circuits;
+mod closing;
 mod commutation;
 mod constraints;
 mod currents;
@@ -24,6 +25,7 @@ mod implicit;
 mod joints;
 mod layout;
 mod lock;
+mod loops;
 mod members;
 mod mesh;
 mod motion;

@@ -85,6 +85,9 @@ impl Network {
                 r.nodes[node].add_to(-inertia * r.nodes_prescribed[node].of(&w.ds), &mut w.force);
             }
         }
+        if !self.frames.loops.is_empty() {
+            self.close_loops(self.positions(c), w);
+        }
         w.factor.copy_from_slice(&w.mass);
         if cholesky_factor(&mut w.factor, n).is_err() {
             c.fail("the mass matrix lost its positive definiteness: check masses and inertias");
@@ -175,6 +178,12 @@ impl Network {
             let inertial: f64 = row.iter().zip(&w.joint_acceleration).map(|(mass, a)| mass * a).sum();
             w.residual[self.rotation.nodes.len() + joint] =
                 inertial + w.bias[joint] - w.joint_torque[joint].value - w.joint_outside[joint];
+        }
+        // What closed loops bear.
+        for (row, lambda) in w.loops.joint_rows.chunks_exact(j.max(1)).zip(&w.lambda) {
+            for (joint, d) in row.iter().enumerate() {
+                w.residual[self.rotation.nodes.len() + joint] -= lambda * d;
+            }
         }
     }
 

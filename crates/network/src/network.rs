@@ -58,6 +58,9 @@ impl Network {
         let mut work = Work::new(self);
         let n = self.rotation.free;
         self.mass(&self.frames.position, &mut work);
+        if !self.frames.loops.is_empty() {
+            self.close_loops(&self.frames.position, &mut work);
+        }
         work.factor.copy_from_slice(&work.mass);
         if cholesky_factor(&mut work.factor, n).is_ok() {
             return Ok(());
@@ -76,6 +79,11 @@ impl Network {
         Err(vec![
             joint.into_iter().fold(problem, |problem, joint| problem.with(joint.member, "moves too little")),
         ])
+    }
+
+    /// Prescribed speeds may jump, and loops pass that on.
+    pub(crate) fn loops_meet_sources(&self) -> bool {
+        self.rotation.sources > 0 && !self.frames.loops.is_empty()
     }
 
     /// Currents that are states must obey Kirchhoff's law from the start. Where valves may open a path, the first
@@ -212,7 +220,7 @@ impl Block for Network {
         let here = Context { x: &before, d: &modes, ..*c };
         self.motion_phase(&here, w);
         self.inner_torques(w);
-        let mut jumped = false;
+        let mut jumped = self.loops_meet_sources() && self.meet_loops(&here, w, x);
         for seat in self.active.jumps.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.member.block.component() {
                 let (x, d) = (&mut x[seat.x.clone()], &mut d[seat.d.clone()]);

@@ -33,7 +33,6 @@ impl Place {
     }
 
     /// Angular acceleration and acceleration of the origin in world axes.
-    #[allow(dead_code)] // Until loops are closed.
     pub(crate) fn acceleration(&self, data: &Data) -> Motion {
         self.body
             .map_or_else(Motion::default, |body| data.world_acceleration(body, &self.placement.translation))
@@ -56,7 +55,6 @@ fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
 }
 
 /// The vector along which a rotation turns, as long as its angle (rad, at most pi).
-#[allow(dead_code)] // Until loops are closed.
 pub(crate) fn rotation_vector(r: &Matrix3<f64>) -> Vector3<f64> {
     let sine = Vector3::new(r.m32 - r.m23, r.m13 - r.m31, r.m21 - r.m12) * 0.5;
     let (length, cosine) = (sine.norm(), 0.5 * (r.trace() - 1.0));

@@ -306,7 +306,7 @@ impl Network {
         let (first, stuck, s) = (w.first_stuck, &w.stuck, &w.s);
         w.schur.impose(&w.rows, v, |row| match row.checked_sub(first) {
             Some(k) => -self.friction_pin(stuck[k]).prescribed.of(s),
-            None => 0.0,
+            None => w.loops.target[row],
         });
         w.lock.settle(v, &w.s);
     }

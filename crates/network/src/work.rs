@@ -7,6 +7,7 @@ use crate::circuits::Circuits;
 use crate::constraints::{Rows, Schur};
 use crate::float::FloatRoom;
 use crate::lock::Lock;
+use crate::loops::LoopWork;
 use crate::mesh::MeshScratch;
 use crate::network::Network;
 use crate::separate::Room;
@@ -89,6 +90,7 @@ pub(crate) struct Work {
     pub through: Vec<f64>,
     pub columns: Vec<f64>,
     pub all_mesh: Vec<f64>,
+    pub loops: LoopWork,
     /// For the implicit solve.
     pub damping: Vec<f64>,
     pub implicit: Vec<f64>,
@@ -171,6 +173,7 @@ impl Work {
             through: vec![0.0; g],
             columns: vec![0.0; g * n],
             all_mesh: vec![0.0; r.all_gears.len()],
+            loops: LoopWork::new(network.frames.loops.len(), j, n),
             damping: vec![0.0; n * n],
             implicit: vec![0.0; n * n],
             product: vec![0.0; n],

@@ -7,6 +7,7 @@ mod errors;
 mod friction;
 mod gears;
 mod joints;
+mod loops;
 mod machines;
 mod mechanisms;
 mod permanent_magnets;

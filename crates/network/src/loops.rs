@@ -1,0 +1,158 @@
+//! Closed loops of bodies: constraints between the speeds of a tree.
+//!
+//! Where a joint or a transform leads to a frame that the tree has reached already, the joint joins the tree with a
+//! body of no mass at its end, and that end has to coincide with the frame: six rows `D v = 0`, the difference of two
+//! Jacobians. In a plane three of them say nothing and others say the same twice; the solution finds that out
+//! (see `constraints`).
+//!
+//! Bodies without mass make the mass matrix singular. With `M + D'WD` and `f + D'Wb` instead of `M` and `f` the
+//! solution is the same, because `D dv = b` holds for it, and the matrix is positive definite wherever the mechanism
+//! has inertia in all directions that its loops leave. The weights `W` make both parts equally large.
+//!
+//! Accelerations alone would let the loops drift apart with the error of the integrator. Baumgarte's stabilisation
+//! pulls the gap `e` together, `e'' + 2 e'/T + e/T^2 = 0` with `T` = 50 ms: slow against steps that resolve a
+//! mechanism, so that it never decides the step, and quick enough to hold the gap at the error of a few steps. It needs
+//! no event and no jump, so that it works with every method and in every minor step.
+
+use blocksim_block::Context;
+use blocksim_multibody::{add_jacobian, bias_accelerations};
+use nalgebra::Vector3;
+
+use crate::network::Network;
+use crate::place::rotation_vector;
+use crate::work::Work;
+
+/// Time constant in which a gap closes, s.
+const SETTLE: f64 = 0.05;
+
+/// A row whose entries are all below this part of the others of its kind (angles, lengths) is rounding: axes that are
+/// parallel but for their last digits constrain nothing.
+const ROUNDING: f64 = 1e-6;
+
+/// A jump of a prescribed speed beyond this part of the speeds is passed on by impulses.
+const MISFIT: f64 = 1e-3;
+
+/// Rows of the loops.
+#[derive(Debug, Default)]
+pub(crate) struct LoopWork {
+    /// Rows over the speeds of the joints and over the independent speeds.
+    pub joint_rows: Vec<f64>,
+    pub rows: Vec<f64>,
+    /// What `D dv` and `D v` have to be.
+    pub b: Vec<f64>,
+    pub target: Vec<f64>,
+    /// How fast the ends move apart.
+    pub rate: Vec<f64>,
+}
+
+impl LoopWork {
+    pub(crate) fn new(loops: usize, joints: usize, free: usize) -> Self {
+        let m = 6 * loops;
+        LoopWork {
+            joint_rows: vec![0.0; m * joints],
+            rows: vec![0.0; m * free],
+            b: vec![0.0; m],
+            target: vec![0.0; m],
+            rate: vec![0.0; m],
+        }
+    }
+}
+
+impl Network {
+    /// Writes the rows of all loops at the positions `q` and the current speeds, and lets the mass matrix and the
+    /// forces know of them.
+    pub(crate) fn close_loops(&self, q: &[f64], w: &mut Work) {
+        let (Some(model), Some(data)) = (&self.frames.model, &mut w.data) else { return };
+        let (j, n) = (self.joints, self.rotation.free);
+        bias_accelerations(model, data, q, &w.joint_speed);
+        w.loops.joint_rows.fill(0.0);
+        for (k, closing) in self.frames.loops.iter().enumerate() {
+            let rows = &mut w.loops.joint_rows[6 * k * j..6 * (k + 1) * j];
+            for (place, sign) in [(&closing.b, 1.0), (&closing.a, -1.0)] {
+                if let Some(body) = place.body {
+                    add_jacobian(model, data, body, &place.placement.translation, sign, rows);
+                }
+            }
+            drop_rounding(rows, j);
+            let (a, b) = (closing.a.in_world(data), closing.b.in_world(data));
+            let gap =
+                [rotation_vector(&(b.rotation * a.rotation.transpose())), b.translation - a.translation];
+            let (va, vb) = (closing.a.velocity(data), closing.b.velocity(data));
+            let rate = [vb.angular - va.angular, vb.linear - va.linear];
+            let (aa, ab) = (closing.a.acceleration(data), closing.b.acceleration(data));
+            let bias = [ab.angular - aa.angular, ab.linear - aa.linear];
+            for part in 0..2 {
+                let target: Vector3<f64> =
+                    -bias[part] - rate[part] * (2.0 / SETTLE) - gap[part] / (SETTLE * SETTLE);
+                for axis in 0..3 {
+                    w.loops.b[6 * k + 3 * part + axis] = target[axis];
+                    w.loops.rate[6 * k + 3 * part + axis] = rate[part][axis];
+                }
+            }
+        }
+        // D over the independent speeds; what prescribed speeds bring goes to the other side.
+        let r = &self.rotation;
+        w.loops.rows.fill(0.0);
+        w.loops.target.fill(0.0);
+        for (i, row) in w.loops.joint_rows.chunks_exact(j).enumerate() {
+            let to = &mut w.loops.rows[i * n..(i + 1) * n];
+            for (joint, value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+                r.joints[joint].add_to(*value, to);
+                w.loops.b[i] -= value * r.joints_prescribed[joint].of(&w.ds);
+                w.loops.target[i] -= value * r.joints_prescribed[joint].of(&w.s);
+            }
+        }
+        self.add_loops(w);
+    }
+
+    /// `M + D'WD`, `f + D'Wb`.
+    fn add_loops(&self, w: &mut Work) {
+        let n = self.rotation.free;
+        let trace: f64 = (0..n).map(|i| w.mass[i * n + i]).sum();
+        for k in 0..2 * self.frames.loops.len() {
+            let rows = &w.loops.rows[3 * k * n..3 * (k + 1) * n];
+            let square: f64 = rows.iter().map(|d| d * d).sum();
+            if square == 0.0 {
+                continue;
+            }
+            let weight = trace / square;
+            for (row, b) in rows.chunks_exact(n).zip(&w.loops.b[3 * k..]) {
+                for (i, d) in row.iter().enumerate().filter(|(_, d)| **d != 0.0) {
+                    let factor = weight * d;
+                    w.force[i] += factor * b;
+                    w.mass[i * n..(i + 1) * n].iter_mut().zip(row).for_each(|(m, d)| *m += factor * d);
+                }
+            }
+        }
+    }
+
+    /// Where prescribed speeds have jumped, or do not fit at the start, impulses pass it on through the loops: of all
+    /// speeds that fit, those nearest in kinetic energy. The working space holds the evaluation before.
+    pub(crate) fn meet_loops(&self, c: &Context, w: &mut Work, x: &mut [f64]) -> bool {
+        let speeds = w.joint_speed.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
+        let size = w.loops.joint_rows.iter().fold(0.0_f64, |max, d| max.max(d.abs()));
+        let worst = w.loops.rate.iter().fold(0.0_f64, |max, rate| max.max(rate.abs()));
+        if worst <= MISFIT * speeds * size {
+            return false;
+        }
+        let before = self.speeds(c);
+        let after = &mut x[self.positions..self.positions + self.rotation.free];
+        // What is stuck stays so.
+        let target = &w.loops.target;
+        w.schur.impose(&w.rows, after, |i| target.get(i).copied().unwrap_or_else(|| w.rows.of(i, before)));
+        true
+    }
+}
+
+/// Rows of rounding become zero; the first three rows are angles, the others lengths.
+fn drop_rounding(rows: &mut [f64], joints: usize) {
+    let largest = |row: &[f64]| row.iter().fold(0.0_f64, |max, d| max.max(d.abs()));
+    for kind in rows.chunks_exact_mut((3 * joints).max(1)) {
+        let allowed = ROUNDING * largest(kind);
+        for row in kind.chunks_exact_mut(joints.max(1)) {
+            if largest(row) < allowed {
+                row.fill(0.0);
+            }
+        }
+    }
+}
