@@ -10,6 +10,7 @@ mod joints;
 mod loops;
 mod machines;
 mod mechanisms;
+mod open_windings;
 mod permanent_magnets;
 mod plant;
 mod shafts;

@@ -9,6 +9,8 @@ use blocksim_blocks::mechanics::*;
 use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
 use serde::de::DeserializeOwned;
 
+use crate::open_windings::{Cyclic, StarPoint};
+
 fn read<B: Block + DeserializeOwned + 'static>(text: &str) -> Arc<dyn Block> {
     let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
     Arc::new(options.from_str::<B>(text).unwrap_or_else(|error| panic!("{text}: {error}")))
@@ -46,11 +48,12 @@ fn block(text: &str) -> Arc<dyn Block> {
     }
     one_of!(
         AsynchronousMachine AveragedInverter Body Brake Clutch ConstantTorque ControlledVoltageSource
-        CurrentSensor CycloidalDrive CylindricalJoint DcMotor DcMotorByRating DcMotorByStall Differential
+        CurrentSensor Cyclic CycloidalDrive CylindricalJoint DcMotor DcMotorByRating DcMotorByStall Differential
         ElectricalReference FreeJoint HarmonicDrive IdealSpeedSource IdealTorqueSource Inertia LuGreFriction
         MotionSensor OneWayClutch PermanentMagnetMachine PlanarJoint PlanetaryGear PrismaticJoint QuadraticLoad RevoluteJoint
         RotationalDamper RotationalFriction RotationalHardStop RotationalReference RotationalSpring
-        RotationalSpringDamper SimpleGear SphericalJoint ThreePhaseSource TorqueSensor Transform UniversalJoint UniversalMotor
+        RotationalSpringDamper SimpleGear SphericalJoint StarPoint ThreePhaseSource TorqueSensor
+        Transform UniversalJoint UniversalMotor
         VectorInverter VoltageSensor VoltageSource WeldJoint World WoundFieldDcMotor
     )
 }
