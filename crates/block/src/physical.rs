@@ -706,6 +706,8 @@ pub struct Part {
     pub jumps: bool,
     /// Has [`Component::next_event`].
     pub time_events: bool,
+    /// Voltages and prescribed currents stay as they are until inputs or discrete states change.
+    pub holds: bool,
     /// What the component contributes.
     pub elements: Vec<Element>,
     /// The electrical circuit that the component belongs to is integrated by the network itself, between the edges of
@@ -761,6 +763,12 @@ impl Part {
     /// Adds a discrete state. The component changes it in [`Component::jump`].
     pub fn discrete(mut self, name: &str, initial: f64) -> Self {
         self.discrete.push(Discrete { name: name.to_owned(), initial });
+        self
+    }
+
+    /// Promises that voltages and prescribed currents stay as they are until inputs or discrete states change.
+    pub fn holds(mut self) -> Self {
+        self.holds = true;
         self
     }
 

@@ -55,4 +55,9 @@ impl Circuits {
     pub(crate) fn now(&self) -> &Solved {
         &self.solved[self.current]
     }
+
+    /// Whether no voltage follows from a current of a winding now.
+    pub(crate) fn is_stiff(&self) -> bool {
+        self.now().stiff
+    }
 }

@@ -185,6 +185,7 @@ impl Network {
             let here = Context { t, d: &room.d, ..*c };
             self.circuit(separate.island, &here, w)?;
         }
+        let mut changed = false;
         for seat in separate.members.iter().map(|i| &self.seats[*i]).filter(|s| s.member.part.jumps) {
             let Some(component) = seat.member.block.component() else { continue };
             let mut x = std::mem::take(&mut room.start);
@@ -192,12 +193,15 @@ impl Network {
             copy(&mut x, &room.d[seat.x.clone()]);
             copy(&mut memory, &room.d[seat.d.clone()]);
             let here = Context { t, d: &room.d, ..*c };
-            component.jump(&self.law(&here, seat, w), &mut x, &mut memory);
+            changed |= component.jump(&self.law(&here, seat, w), &mut x, &mut memory);
             room.d[seat.x.clone()].copy_from_slice(&x);
             room.d[seat.d.clone()].copy_from_slice(&memory);
             (room.start, room.slope) = (x, memory);
         }
         let here = Context { t, d: &room.d, ..*c };
+        if changed {
+            self.circuit(separate.island, &here, w)?;
+        }
         let seats = separate.members.iter().map(|i| &self.seats[*i]).filter(|s| s.member.part.time_events);
         let times =
             seats.filter_map(|s| Some(s.member.block.component()?.next_event(&self.law(&here, s, w))));
@@ -268,7 +272,10 @@ impl Network {
         room: &mut Room,
     ) -> Result<(), Faulty> {
         let here = Context { t, d: &room.d, ..*c };
-        self.circuit(separate.island, &here, w)?;
+        // Between two edges of ideal legs the voltages of the windings stay.
+        if !(self.electrics.islands[separate.island].holds && w.circuits[separate.island].is_stiff()) {
+            self.circuit(separate.island, &here, w)?;
+        }
         let mut i = 0;
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             let Some(component) = seat.member.block.component() else { continue };

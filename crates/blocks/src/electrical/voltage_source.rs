@@ -26,7 +26,7 @@ impl Block for VoltageSource {
 
 impl Component for VoltageSource {
     fn part(&self, _given: &Given) -> Part {
-        Part::new().pins().element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Port(1) })
+        Part::new().pins().holds().element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Port(1) })
     }
 
     fn voltages(&self, _c: &Law, v: &mut [f64]) {

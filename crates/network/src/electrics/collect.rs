@@ -121,6 +121,18 @@ fn islands(m: &Members, electrics: &mut Electrics, pieces: &[Piece]) {
             island.members.push(piece.member);
             electrics.places[piece.member].island = Some(number);
             let wanted = m.list[piece.member].part.separate;
+            let part = &m.list[piece.member].part;
+            let gives = |e: &Element| {
+                matches!(
+                    e,
+                    Element::VoltageSource { .. }
+                        | Element::Capacitance { .. }
+                        | Element::CurrentSource { .. }
+                        | Element::Supply { .. }
+                )
+            };
+            island.holds = (island.holds || island.members.len() == 1)
+                && (part.holds || !part.elements.iter().any(gives));
             island.separate = [island.separate, wanted].into_iter().flatten().reduce(f64::min);
         }
         let mut node = |pin: Pin| {

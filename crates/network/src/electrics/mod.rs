@@ -116,6 +116,8 @@ pub(crate) struct Island {
     pub nodes: Vec<usize>,
     /// Index of each valve of the island among all valves.
     pub valves: Vec<usize>,
+    /// All given values but currents of windings stay as they are until inputs or discrete states change.
+    pub holds: bool,
     /// Some current follows from a voltage at the same instant.
     pub waits: bool,
     /// Some current is a state.

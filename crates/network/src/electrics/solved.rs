@@ -25,6 +25,8 @@ pub(crate) struct Solved {
     pub voltages: Vec<Form>,
     pub currents: Vec<Form>,
     pub floating: Option<Floating>,
+    /// No voltage follows from a current that components give.
+    pub stiff: bool,
 }
 
 /// Why there is no solution.
@@ -138,7 +140,7 @@ pub(crate) fn solve(
     };
 
     let potential = |node: Option<usize>, k: usize| node.map_or(0.0, |node| solution[(node, k)]);
-    let mut solved = Solved { voltages: Vec::new(), currents: Vec::new(), floating };
+    let mut solved = Solved { voltages: Vec::new(), currents: Vec::new(), floating, stiff: false };
     for (i, (pin, branch)) in island.two_pins.iter().zip(&branches).enumerate() {
         let voltage: Vec<f64> = (0..given).map(|k| potential(pin.p, k) - potential(pin.n, k)).collect();
         let current: Vec<f64> = match (*branch, row_of[i]) {
@@ -160,6 +162,10 @@ pub(crate) fn solve(
         solved.voltages.push(form(&voltage));
         solved.currents.push(form(&current));
     }
+    let of_sources = |form: &Form| {
+        form.terms().iter().all(|(i, _)| (*i as usize) < electrics.sources || *i as usize == given - 1)
+    };
+    solved.stiff = solved.floating.is_none() && solved.voltages.iter().all(of_sources);
     Ok(solved)
 }
 
