@@ -77,6 +77,35 @@ pub enum LossModel {
         /// Power above which the full loss acts, W.
         threshold: f64,
     },
+    /// The full loss at any speed, and truly stuck at rest; [`Component::mesh_losses`] gives it, the efficiencies
+    /// beside are not looked at. The network chooses between forward, backward and stuck ([`Law::mode`]).
+    Stiction,
+}
+
+/// What a mesh loses while it slides; at rest it holds up to the same torque. With `T` the torque into the base that
+/// passes on to the follower, the loss at the base is the larger one of `share[0] T + bearing[0]` and
+/// `-share[1] T + bearing[1]` while the base turns forward, and against that, with `-T`, while it turns backward.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DryMesh {
+    /// Loss over torque while the base drives (`1/eta - 1`) and while the follower drives (`1 - eta`, above 1 for a mesh
+    /// that locks itself).
+    pub share: [f64; 2],
+    /// Torque of the bearings at the base while the base drives and while the follower drives, N*m; not negative.
+    pub bearing: [Torque; 2],
+}
+
+impl DryMesh {
+    /// Loss at the base, N*m, and its derivatives by the torque that passes and by the speed of the base, while the
+    /// base turns in the direction of `sense` (1 or -1).
+    pub fn loss(&self, torque: f64, sense: f64) -> (f64, f64, f64) {
+        let driving = self.share[0] * sense * torque + self.bearing[0].value;
+        let driven = -self.share[1] * sense * torque + self.bearing[1].value;
+        if driving >= driven {
+            (sense * driving, self.share[0], self.bearing[0].slope)
+        } else {
+            (sense * driven, -self.share[1], self.bearing[1].slope)
+        }
+    }
 }
 
 /// Where an electrical element ends.
@@ -553,7 +582,8 @@ pub struct Law<'a> {
     pub torque: &'a [f64],
     /// Torque into the base of each gear of the component, N*m; in `measure` with [`Needs::Motion`] only.
     pub mesh: &'a [f64],
-    /// Mode of each dry friction: 1 slides forward, -1 slides backward, 0 is stuck.
+    /// Mode of each dry friction, or of each mesh with stiction if there is no friction: 1 slides forward, -1 slides
+    /// backward, 0 is stuck.
     pub mode: &'a [f64],
     /// Voltages, V; not in `voltages`.
     pub voltage: &'a [f64],
@@ -653,6 +683,9 @@ pub trait Component: Debug + Send + Sync {
 
     /// What each dry friction does.
     fn grips(&self, _c: &Law, _grips: &mut [Grip]) {}
+
+    /// What each mesh of [`LossModel::Stiction`] loses, at these speeds of their bases in the direction they slide in.
+    fn mesh_losses(&self, _c: &Law, _speed: &[f64], _losses: &mut [DryMesh]) {}
 
     /// Torque that the component itself applies to each speed of its joint (springs, stops, the torque input).
     fn joint_torques(&self, _c: &Law, _tau: &mut [Torque]) {}

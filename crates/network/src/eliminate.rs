@@ -117,6 +117,11 @@ impl Form {
         self.terms.is_empty()
     }
 
+    /// One coefficient.
+    pub(crate) fn at(&self, index: usize) -> f64 {
+        self.terms.iter().find(|(i, _)| *i as usize == index).map_or(0.0, |(_, factor)| *factor)
+    }
+
     #[inline]
     pub(crate) fn of(&self, values: &[f64]) -> f64 {
         self.terms.iter().map(|(i, factor)| factor * values[*i as usize]).sum()

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use blocksim_block::physical::{Element, Needs};
+use blocksim_block::physical::{Element, LossModel, Needs};
 use blocksim_block::{Input, Interface, Output};
 
 use crate::assembly::Member;
@@ -27,6 +27,7 @@ struct Next {
     gears: usize,
     branches: usize,
     frictions: usize,
+    dry: usize,
     speed_sources: usize,
 }
 
@@ -75,6 +76,9 @@ impl Network {
             let count = |which: &dyn Fn(&Element) -> bool| part.elements.iter().filter(|e| which(e)).count();
             let branches = count(&|e| matches!(e, Element::Branch { .. }));
             let frictions = count(&|e| matches!(e, Element::Friction { .. }));
+            let dry = count(
+                &|e| matches!(e, Element::Gear { loss: Some(loss), .. } if loss.model == LossModel::Stiction),
+            );
             let speed_sources = count(&|e| matches!(e, Element::SpeedSource { .. }));
             let looks = count(&|e| matches!(e, Element::Rigid { .. } | Element::SpeedProbe { .. }));
             let gears = count(&|e| matches!(e, Element::Gear { .. }));
@@ -126,6 +130,7 @@ impl Network {
                 gears: take(&mut next.gears, gears),
                 branches: take(&mut next.branches, branches),
                 frictions: take(&mut next.frictions, frictions),
+                dry: take(&mut next.dry, dry),
                 speed_sources: take(&mut next.speed_sources, speed_sources),
                 two_pins: places.two_pins.clone(),
                 sources: places.sources.clone(),

@@ -4,8 +4,11 @@
 //! and what passes through depends on the accelerations, which depend on the loss: the one relation of a network
 //! that is solved by iteration. It starts from the lossless torque, never from an earlier result, so a result
 //! does not depend on rejected steps.
+//!
+//! A mesh with stiction has its loss from the torque `T` that passes, which holds for meshes that lock themselves, too.
+//! While it is stuck the loss is the multiplier of a constraint and none of the business of this iteration.
 
-use blocksim_block::physical::{LossModel, MeshLoss};
+use blocksim_block::physical::{DryMesh, LossModel, MeshLoss};
 use blocksim_solve::linear::{lu_factor, lu_solve};
 
 /// Loss torque and its derivatives with respect to the torque into the base and the speed of the base.
@@ -30,18 +33,21 @@ pub(crate) fn loss(mesh: &MeshLoss, torque: f64, speed: f64) -> (f64, f64, f64) 
             let by_torque = 0.5 * (sum * onset + difference) + 0.5 * torque * sum * d_onset * speed;
             (value, by_torque, 0.5 * torque * sum * d_onset * torque)
         }
+        LossModel::Stiction => (0.0, 0.0, 0.0),
     }
 }
 
 /// Work space of [`solve`].
 #[derive(Debug, Clone, Default)]
 pub(crate) struct MeshScratch {
-    /// Torque into the base of each mesh, N*m.
+    /// Torque into the base of each mesh, N*m; of meshes with stiction, that which passes on to the follower.
     pub torque: Vec<f64>,
     /// Loss of each mesh, N*m.
     pub loss: Vec<f64>,
     /// Derivative of each loss with respect to the speed of its base.
     pub by_speed: Vec<f64>,
+    /// Of meshes with stiction: what they lose, and in which direction they slide; 0 when they are stuck.
+    pub dry: Vec<(DryMesh, f64)>,
     by_torque: Vec<f64>,
     residual: Vec<f64>,
     trial: Vec<f64>,
@@ -56,6 +62,7 @@ impl MeshScratch {
             torque: vec![0.0; n],
             loss: vec![0.0; n],
             by_speed: vec![0.0; n],
+            dry: vec![(DryMesh::default(), 0.0); n],
             by_torque: vec![0.0; n],
             residual: vec![0.0; n],
             trial: vec![0.0; n],
@@ -65,21 +72,30 @@ impl MeshScratch {
         }
     }
 
-    /// `F(z) = z - phi(z) + K phi(z) - c`; leaves losses and their derivatives behind. Returns its largest element.
+    /// `F(z) = z - phi(z) + K phi(z) - c`, with stiction `F(z) = z + K phi(z) - c`; leaves losses and their derivatives behind. Returns its largest element.
     fn residual(&mut self, meshes: &[MeshLoss], speed: &[f64], k: &[f64], c: &[f64], at_trial: bool) -> f64 {
         let n = meshes.len();
         let z = if at_trial { &self.trial } else { &self.torque };
         for (i, mesh) in meshes.iter().enumerate() {
-            (self.loss[i], self.by_torque[i], self.by_speed[i]) = loss(mesh, z[i], speed[i]);
+            (self.loss[i], self.by_torque[i], self.by_speed[i]) = match (mesh.model, &self.dry[i]) {
+                (LossModel::Stiction, (_, 0.0)) => (0.0, 0.0, 0.0),
+                (LossModel::Stiction, (law, sense)) => law.loss(z[i], *sense),
+                _ => loss(mesh, z[i], speed[i]),
+            };
         }
         let mut largest = 0.0_f64;
         for i in 0..n {
             let coupled: f64 = k[i * n..(i + 1) * n].iter().zip(&self.loss).map(|(k, loss)| k * loss).sum();
-            self.residual[i] = z[i] - self.loss[i] + coupled - c[i];
+            self.residual[i] = z[i] - own(&meshes[i]) * self.loss[i] + coupled - c[i];
             largest = largest.max(self.residual[i].abs());
         }
         largest
     }
+}
+
+/// Whether the loss follows from the torque into the base, its own part included (1), or from the rest (0).
+fn own(mesh: &MeshLoss) -> f64 {
+    if mesh.model == LossModel::Stiction { 0.0 } else { 1.0 }
 }
 
 /// More iterations than any law with efficiencies above 0.3 ever needed.
@@ -99,8 +115,8 @@ pub(crate) fn solve(s: &mut MeshScratch, meshes: &[MeshLoss], speed: &[f64], k: 
         }
         for i in 0..n {
             for j in 0..n {
-                let own = if i == j { 1.0 } else { 0.0 };
-                s.jacobian[i * n + j] = own + (k[i * n + j] - own) * s.by_torque[j];
+                let (one, own) = if i == j { (1.0, own(&meshes[i])) } else { (0.0, 0.0) };
+                s.jacobian[i * n + j] = one + (k[i * n + j] - own) * s.by_torque[j];
             }
         }
         s.direction.copy_from_slice(&s.residual);
@@ -184,6 +200,21 @@ mod tests {
                 assert!((by_torque - dt).abs() < 1e-4 * (1.0 + dt.abs()), "{by_torque} != {dt}");
                 assert!((by_speed - dw).abs() < 1e-4 * (1.0 + dw.abs()), "{by_speed} != {dw}");
             }
+        }
+    }
+
+    #[test]
+    fn losses_from_the_torque_that_passes_are_those_of_the_efficiencies() {
+        let smooth =
+            [MeshLoss { forward: 0.8, backward: 0.7, model: LossModel::Dissipative { threshold: 1e-9 } }];
+        let stiff = [MeshLoss { model: LossModel::Stiction, ..smooth[0] }];
+        let law = DryMesh { share: [1.0 / 0.8 - 1.0, 1.0 - 0.7], ..DryMesh::default() };
+        for (c, sense, k) in [(4.0, 1.0, 0.0), (4.0, -1.0, 0.3), (-2.0, 1.0, 0.9), (-2.0, -1.0, 0.5)] {
+            let (mut a, mut b) = (MeshScratch::new(1), MeshScratch::new(1));
+            assert!(solve(&mut a, &smooth, &[sense], &[k], &[c]));
+            b.dry[0] = (law, sense);
+            assert!(solve(&mut b, &stiff, &[sense], &[k], &[c]));
+            assert!((a.loss[0] - b.loss[0]).abs() < 1e-12, "{c}, {sense}: {} != {}", a.loss[0], b.loss[0]);
         }
     }
 

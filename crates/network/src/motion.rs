@@ -98,8 +98,10 @@ impl Network {
         cholesky_solve(&w.factor, &mut w.dv);
         self.constrain(c, w);
         if !self.meshes.is_empty() {
+            self.dry_meshes(c, w);
             self.meshes(c, w);
             self.holding_torques(w);
+            self.mesh_grips(w);
         }
         w.lock.settle(&mut w.dv, &w.ds);
     }
@@ -107,13 +109,14 @@ impl Network {
     /// Losses of gear meshes, and what they change about the accelerations.
     pub(crate) fn meshes(&self, c: &Context, w: &mut Work) {
         let r = &self.rotation;
-        let (n, g) = (r.free, self.meshes.len());
+        let (n, g, m) = (r.free, self.meshes.len(), w.rows.len());
         let v = self.speeds(c);
         for (i, gear) in r.gears.iter().enumerate() {
             w.mesh_speed[i] = gear.base.of(v) + gear.base_prescribed.of(&w.s);
             let torques: f64 =
                 gear.by_torque.terms().iter().map(|(b, f)| f * w.torque[*b as usize].value).sum();
-            w.through[i] = gear.by_acceleration.of(&w.dv) + gear.by_prescribed.of(&w.ds) + torques;
+            let stuck: f64 = self.stuck_meshes(w).map(|(row, h)| -gear.by_loss[h] * w.lambda[row]).sum();
+            w.through[i] = gear.by_acceleration.of(&w.dv) + gear.by_prescribed.of(&w.ds) + torques + stuck;
         }
         // Columns M^-1 t' of all meshes. A loss takes its column from the accelerations, and acts at its base.
         w.columns.fill(0.0);
@@ -123,19 +126,22 @@ impl Network {
             cholesky_solve(&w.factor, column);
             if !w.rows.is_empty() {
                 w.schur.impose(&w.rows, column, |_| 0.0);
-                let m = w.rows.len();
                 w.mesh_lambda[h * m..(h + 1) * m].copy_from_slice(&w.schur.lambda[..m]);
             }
         }
         for (i, gear) in r.gears.iter().enumerate() {
             for h in 0..g {
                 let column = &w.columns[h * n..(h + 1) * n];
-                w.coupling[i * g + h] = gear.by_acceleration.of(column) - gear.by_loss[h];
+                // What is stuck gives way to the loss: its share of the torques changes as well.
+                let held: f64 =
+                    self.stuck_shares(i, w).map(|(row, by)| by * w.mesh_lambda[h * m + row]).sum();
+                w.coupling[i * g + h] = gear.by_acceleration.of(column) - gear.by_loss[h] - held;
             }
         }
+        self.find_jams(w);
         if !mesh::solve(&mut w.mesh, &self.meshes, &w.mesh_speed, &w.coupling, &w.through) {
             c.fail(
-                "the losses of the gears have no solution: is a gear self-locking (efficiencies below 0.3)?",
+                "the losses of the gears have no solution: with efficiencies below 0.3 write `loss: Stiction`",
             );
             return;
         }
@@ -143,7 +149,6 @@ impl Network {
             for i in 0..n {
                 w.dv[i] -= loss * w.columns[h * n + i];
             }
-            let m = w.rows.len();
             for (lambda, share) in w.lambda.iter_mut().zip(&w.mesh_lambda[h * m..(h + 1) * m]) {
                 *lambda -= loss * share;
             }

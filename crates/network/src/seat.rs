@@ -32,6 +32,8 @@ pub(crate) struct Seat {
     pub gears: Range<usize>,
     pub branches: Range<usize>,
     pub frictions: Range<usize>,
+    /// Meshes with stiction.
+    pub dry: Range<usize>,
     pub sources: Range<usize>,
     pub windings: Range<usize>,
     pub valves: Range<usize>,
@@ -107,6 +109,7 @@ pub(crate) struct Active {
     pub joints: Vec<usize>,
     pub frames: Vec<usize>,
     pub frictions: Vec<usize>,
+    pub dry: Vec<usize>,
     pub states: Vec<usize>,
     pub jumps: Vec<usize>,
     /// Circuits with valves.
@@ -132,6 +135,7 @@ impl Active {
             joints: which(&|seat| !seat.joint.is_empty()),
             frames: which(&|seat| !seat.frames.is_empty()),
             frictions: which(&|seat| !seat.frictions.is_empty()),
+            dry: which(&|seat| !seat.dry.is_empty()),
             states: which(&|seat| seat.held.is_none() && !seat.x.is_empty()),
             jumps: which(&|seat| seat.held.is_none() && seat.member.part.jumps),
             valves: Vec::new(),

@@ -13,12 +13,13 @@
 
 use std::ops::Range;
 
-use blocksim_block::physical::{Element, Torque};
+use blocksim_block::physical::{Grip, LossModel, Torque};
 use blocksim_block::{Context, Interface};
 use blocksim_solve::linear::cholesky_solve;
 
+use crate::eliminate::Form;
 use crate::network::Network;
-use crate::rotation::{Pin, Rotation};
+use crate::rotation::Rotation;
 use crate::seat::Seat;
 use crate::work::Work;
 
@@ -31,44 +32,74 @@ const DRIFT: f64 = 1e-9;
 /// Accelerations against the direction of sliding that are rounding, relative to what the friction itself causes.
 const ROUNDING: f64 = 1e-12;
 
+/// Largest product of the share of a loss and its effect on the torque that passes; at 1 there would be no solution.
+const STEEPEST: f64 = 0.99;
+
 /// A distance from breakaway that is as good as infinite, N*m.
 const FAR: f64 = 1e9;
 
-/// The frictions of a network.
+/// What sticks in a network: frictions and meshes of gears.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Stiction {
     /// Where their modes lie among the discrete states.
     modes: Range<usize>,
     /// Where their guards lie.
     guards: Range<usize>,
-    /// Index of the pin of each.
-    pins: Vec<usize>,
-    /// Index of the first among the branches.
+    /// Frictions, then meshes.
+    parts: Vec<Place>,
+    /// Number of frictions.
+    frictions: usize,
+    /// Index of the first friction among the branches.
     first: usize,
+}
+
+/// Where something that sticks is.
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    /// Index of the pin of a friction.
+    Pin(usize),
+    /// Index of a gear with losses.
+    Gear(usize),
 }
 
 impl Stiction {
     /// Adds modes and guards to the interface, behind those of the members.
     pub(crate) fn new(seats: &[Seat], rotation: &Rotation, interface: &mut Interface) -> Self {
         let (d, g) = (interface.discrete.len(), interface.guards.len());
-        let pins: Vec<usize> = rotation.branches[rotation.smooth..].to_vec();
-        for seat in seats {
-            let count =
-                seat.member.part.elements.iter().filter(|e| matches!(e, Element::Friction { .. })).count();
-            for i in 0..count {
-                let number = if count > 1 { (i + 1).to_string() } else { String::new() };
-                let name = format!("{}.mode{number}", seat.member.path);
-                interface.discrete.push(blocksim_block::Discrete { name: name.clone(), initial: 0.0 });
-                interface.guards.push(name);
+        let mut parts: Vec<Place> =
+            rotation.branches[rotation.smooth..].iter().map(|pin| Place::Pin(*pin)).collect();
+        let frictions = parts.len();
+        let gears = rotation.gears.iter().enumerate();
+        let dry = gears.filter(|(_, gear)| gear.loss.model == LossModel::Stiction);
+        parts.extend(dry.map(|(i, _)| Place::Gear(i)));
+        for of in [|seat: &Seat| seat.frictions.len(), |seat: &Seat| seat.dry.len()] {
+            for seat in seats {
+                for i in 0..of(seat) {
+                    let number = if of(seat) > 1 { (i + 1).to_string() } else { String::new() };
+                    let name = format!("{}.mode{number}", seat.member.path);
+                    interface.discrete.push(blocksim_block::Discrete { name: name.clone(), initial: 0.0 });
+                    interface.guards.push(name);
+                }
             }
         }
-        interface.jumps |= !pins.is_empty();
-        Self { modes: d..d + pins.len(), guards: g..g + pins.len(), pins, first: rotation.smooth }
+        interface.jumps |= !parts.is_empty();
+        Self {
+            modes: d..d + parts.len(),
+            guards: g..g + parts.len(),
+            parts,
+            frictions,
+            first: rotation.smooth,
+        }
     }
 
-    /// Number of frictions.
+    /// Number of parts that stick.
     pub(crate) fn len(&self) -> usize {
-        self.pins.len()
+        self.parts.len()
+    }
+
+    /// Number of meshes that stick.
+    pub(crate) fn meshes(&self) -> usize {
+        self.parts.len() - self.frictions
     }
 
     /// The modes among discrete states.
@@ -78,25 +109,40 @@ impl Stiction {
 }
 
 impl Network {
-    /// Modes of the frictions of a member.
+    /// Modes of the frictions or meshes of a member.
     #[inline]
     pub(crate) fn modes_of<'a>(&self, c: &Context<'a>, seat: &Seat) -> &'a [f64] {
-        self.stiction.of(c.d).get(seat.frictions.clone()).unwrap_or(&[])
+        let first = if seat.frictions.is_empty() { self.stiction.frictions } else { 0 };
+        let range = if seat.frictions.is_empty() { &seat.dry } else { &seat.frictions };
+        self.stiction.of(c.d).get(first + range.start..first + range.end).unwrap_or(&[])
     }
 
-    fn friction_pin(&self, i: usize) -> &Pin {
-        &self.rotation.pins[self.stiction.pins[i]]
+    /// Speed of what sticks over the independent and over the prescribed speeds.
+    fn sticky(&self, i: usize) -> (&Form, &Form) {
+        match self.stiction.parts[i] {
+            Place::Pin(pin) => (&self.rotation.pins[pin].speed, &self.rotation.pins[pin].prescribed),
+            Place::Gear(gear) => {
+                (&self.rotation.gears[gear].base, &self.rotation.gears[gear].base_prescribed)
+            }
+        }
+    }
+
+    /// Torque against forward motion.
+    fn resistance(&self, i: usize, w: &Work) -> f64 {
+        match self.stiction.parts[i] {
+            Place::Pin(_) => w.torque[self.stiction.first + i].value,
+            Place::Gear(gear) => w.mesh.loss[gear],
+        }
     }
 
     /// Speed of a friction, and the amount below which it is zero.
     fn slip(&self, i: usize, x: &[f64], s: &[f64]) -> (f64, f64) {
-        let pin = self.friction_pin(i);
+        let (form, prescribed) = self.sticky(i);
         let v = &x[self.positions..self.positions + self.rotation.free];
         let mut speed = 0.0;
         let mut scale = 0.0;
-        let own = pin.speed.terms().iter().map(|(k, factor)| factor * v[*k as usize]);
-        let given =
-            pin.prescribed.terms().iter().filter_map(|(k, factor)| Some(factor * s.get(*k as usize)?));
+        let own = form.terms().iter().map(|(k, factor)| factor * v[*k as usize]);
+        let given = prescribed.terms().iter().filter_map(|(k, factor)| Some(factor * s.get(*k as usize)?));
         for term in own.chain(given) {
             speed += term;
             scale += f64::abs(term);
@@ -116,8 +162,8 @@ impl Network {
 
     /// The speed of what is stuck is zero, not nearly zero.
     pub(crate) fn still_pins(&self, c: &Context, w: &mut Work) {
-        for (pin, mode) in self.stiction.pins.iter().zip(self.stiction.of(c.d)) {
-            if *mode == 0.0 {
+        for (place, mode) in self.stiction.parts.iter().zip(self.stiction.of(c.d)) {
+            if let (Place::Pin(pin), 0.0) = (place, mode) {
                 w.pin_speed[*pin] = 0.0;
             }
         }
@@ -125,7 +171,7 @@ impl Network {
 
     /// Torques of what slides.
     pub(crate) fn sliding_torques(&self, c: &Context, w: &mut Work) {
-        if self.stiction.pins.is_empty() {
+        if self.stiction.frictions == 0 {
             return;
         }
         let mut grip = std::mem::take(&mut w.grip);
@@ -151,23 +197,113 @@ impl Network {
         w.stuck.clear();
         for (i, mode) in self.stiction.of(c.d).iter().enumerate() {
             if *mode == 0.0 {
-                let pin = self.friction_pin(i);
-                let hold = w.grip[i].hold[0].max(w.grip[i].hold[1]);
-                let row = w.rows.push(-pin.prescribed.of(&w.ds), hold.clamp(1e-12, 1e12));
-                pin.speed.add_to(1.0, row);
+                let (form, prescribed) = self.sticky(i);
+                // What a mesh can hold is not known yet: brakes beside it come first.
+                let weight = match self.stiction.parts[i] {
+                    Place::Pin(_) => w.grip[i].hold[0].max(w.grip[i].hold[1]).clamp(1e-12, 1e12),
+                    Place::Gear(_) => 1e-9,
+                };
+                form.add_to(1.0, w.rows.push(-prescribed.of(&w.ds), weight));
                 w.stuck.push(i);
             }
         }
-        w.lock.prepare(&w.stuck, |i| {
-            let pin = self.friction_pin(i);
-            (&pin.speed, &pin.prescribed)
-        });
+        w.lock.prepare(&w.stuck, |i| self.sticky(i));
     }
 
     /// Torques of what is stuck, from the multipliers of its constraints.
     pub(crate) fn holding_torques(&self, w: &mut Work) {
         for (i, lambda) in w.stuck.iter().zip(&w.lambda[w.first_stuck..]) {
-            w.torque[self.stiction.first + i].value = -lambda;
+            match self.stiction.parts[*i] {
+                Place::Pin(_) => w.torque[self.stiction.first + i].value = -lambda,
+                Place::Gear(gear) => w.mesh.loss[gear] = -lambda,
+            }
+        }
+    }
+
+    /// Laws and directions of the meshes that stick.
+    pub(crate) fn dry_meshes(&self, c: &Context, w: &mut Work) {
+        if self.stiction.meshes() == 0 {
+            return;
+        }
+        let first = self.stiction.frictions;
+        let (mut dry, mut speed) = (std::mem::take(&mut w.dry), std::mem::take(&mut w.dry_speed));
+        let modes = &self.stiction.of(c.d)[first..];
+        for (k, (speed, mode)) in speed.iter_mut().zip(modes).enumerate() {
+            *speed = mode * self.slip(first + k, c.x, &w.s).0;
+        }
+        for seat in self.active.dry.iter().map(|i| &self.seats[*i]) {
+            if let Some(component) = seat.member.block.component() {
+                let range = seat.dry.clone();
+                component.mesh_losses(&self.law(c, seat, w), &speed[range.clone()], &mut dry[range]);
+            }
+        }
+        for ((place, law), mode) in self.stiction.parts[first..].iter().zip(&dry).zip(modes) {
+            if let Place::Gear(gear) = place {
+                w.mesh.dry[*gear] = (*law, *mode);
+            }
+        }
+        (w.dry, w.dry_speed) = (dry, speed);
+    }
+
+    /// Constraint and index of each mesh that is stuck.
+    pub(crate) fn stuck_meshes<'a>(&'a self, w: &'a Work) -> impl Iterator<Item = (usize, usize)> + 'a {
+        let rows = w.stuck.iter().enumerate();
+        rows.filter_map(move |(k, i)| match self.stiction.parts[*i] {
+            Place::Gear(gear) => Some((w.first_stuck + k, gear)),
+            Place::Pin(_) => None,
+        })
+    }
+
+    /// What is stuck, by its constraint, and what its torque adds to that through a gear.
+    pub(crate) fn stuck_shares<'a>(
+        &'a self,
+        gear: usize,
+        w: &'a Work,
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let gear = &self.rotation.gears[gear];
+        w.stuck.iter().enumerate().map(move |(k, i)| {
+            let by = match self.stiction.parts[*i] {
+                Place::Pin(_) => gear.by_torque.at(self.stiction.first + i),
+                Place::Gear(other) => gear.by_loss[other],
+            };
+            (w.first_stuck + k, by)
+        })
+    }
+
+    /// Finds the meshes that would lock themselves while they slide. Where the share of the loss is so large that no
+    /// torque fits once the load overruns the base, the loss goes on from that while the base drives, up to the event
+    /// at which the mesh jams.
+    pub(crate) fn find_jams(&self, w: &mut Work) {
+        let g = self.meshes.len();
+        for (i, (law, sense)) in w.mesh.dry.iter_mut().enumerate() {
+            w.may_jam[i] = *sense != 0.0 && w.coupling[i * g + i] * law.share[1] > STEEPEST;
+            if w.may_jam[i] {
+                law.share[1] = -law.share[0];
+                law.bearing[1] = law.bearing[0];
+            }
+        }
+    }
+
+    /// How far a mesh that slides is from jamming: the torque that passes, N*m.
+    fn jam(&self, i: usize, mode: f64, w: &Work) -> f64 {
+        match self.stiction.parts[i] {
+            Place::Gear(gear) if w.may_jam[gear] => mode * w.mesh.torque[gear],
+            _ => FAR,
+        }
+    }
+
+    /// What the meshes hold, which depends on the torque that passes.
+    pub(crate) fn mesh_grips(&self, w: &mut Work) {
+        let first = self.stiction.frictions;
+        for (k, (place, law)) in self.stiction.parts[first..].iter().zip(&w.dry).enumerate() {
+            if let Place::Gear(gear) = place {
+                let torque = w.mesh.torque[*gear];
+                let [forward, backward] = [1.0, -1.0].map(|sense| law.loss(torque, sense).0.abs());
+                w.grip[first + k] = Grip {
+                    hold: [forward, backward],
+                    slide: [forward, backward].map(|value| Torque { value, slope: 0.0 }),
+                };
+            }
         }
     }
 
@@ -176,11 +312,11 @@ impl Network {
         let g = &mut g[self.stiction.guards.clone()];
         for (i, (g, mode)) in g.iter_mut().zip(self.stiction.of(c.d)).enumerate() {
             *g = if *mode == 0.0 {
-                let (torque, hold) = (w.torque[self.stiction.first + i].value, w.grip[i].hold);
+                let (torque, hold) = (self.resistance(i, w), w.grip[i].hold);
                 (hold[0] - torque).min(hold[1] + torque).min(FAR)
             } else {
                 let (speed, zero) = self.slip(i, c.x, &w.s);
-                mode * speed + zero
+                (mode * speed + zero).min(self.jam(i, *mode, w))
             };
         }
     }
@@ -189,7 +325,7 @@ impl Network {
     /// by an impulse, which is of the size of the rounding if the crossing was located. Returns whether anything
     /// changed.
     pub(crate) fn choose_modes(&self, c: &Context, w: &mut Work, x: &mut [f64], d: &mut [f64]) -> bool {
-        if self.stiction.pins.is_empty() || !self.must_choose(c, w) {
+        if self.stiction.parts.is_empty() || !self.must_choose(c, w) {
             return false;
         }
         let (mut at, mut modes) = (std::mem::take(&mut w.trial_x), std::mem::take(&mut w.trial_d));
@@ -230,7 +366,9 @@ impl Network {
         let mut wrong = false;
         for (i, mode) in self.stiction.of(c.d).iter().copied().enumerate() {
             let (speed, zero) = self.slip(i, c.x, &w.s);
-            let never = speed != 0.0 && w.grip[i].hold[usize::from(speed < 0.0)] == f64::INFINITY;
+            // A freewheel that is struck, a mesh that jams: they stop at once.
+            let never = speed != 0.0 && w.grip[i].hold[usize::from(speed < 0.0)] == f64::INFINITY
+                || self.jam(i, mode, w) < 0.0;
             let threshold = if mode == 0.0 { zero * (DRIFT / STANDS) } else { zero };
             let moves = speed.abs() > threshold && (mode == 0.0 || mode * speed > 0.0);
             w.rests[i] = if moves && !never {
@@ -246,7 +384,12 @@ impl Network {
 
     /// Nothing holds it, or nothing would move if it were held.
     fn is_free(&self, i: usize, w: &Work) -> bool {
-        w.grip[i].hold == [0.0; 2] || self.friction_pin(i).speed.is_empty()
+        let nothing_holds = match self.stiction.parts[i] {
+            Place::Pin(_) => w.grip[i].hold == [0.0; 2],
+            // Without a load it holds nothing, but the load may come.
+            Place::Gear(_) => false,
+        };
+        nothing_holds || self.sticky(i).0.is_empty()
     }
 
     /// The mode that is to be tried instead of a wrong one, at rest; `None` if it is right. With `soft`, no more is
@@ -261,8 +404,7 @@ impl Network {
         }
         let is_free = self.is_free(i, w);
         if mode == 0.0 {
-            let torque = w.torque[self.stiction.first + i].value;
-            return match torque {
+            return match self.resistance(i, w) {
                 _ if is_free => Some(1.0),
                 t if t > hold[0] => Some(1.0),
                 t if t < -hold[1] => Some(-1.0),
@@ -270,20 +412,20 @@ impl Network {
             };
         }
         let side = usize::from(mode < 0.0);
-        if grip.hold[side] == f64::INFINITY {
+        if grip.hold[side] == f64::INFINITY || self.jam(i, mode, w) < 0.0 {
             return Some(0.0);
         }
-        let pin = self.friction_pin(i);
-        let acceleration = mode * (pin.speed.of(&w.dv) + pin.prescribed.of(&w.ds));
+        let (form, prescribed) = self.sticky(i);
+        let acceleration = mode * (form.of(&w.dv) + prescribed.of(&w.ds));
         if acceleration >= 0.0 {
             return None;
         }
         // D M^-1 D': what a torque of one does.
         w.product.fill(0.0);
-        pin.speed.add_to(1.0, &mut w.product);
+        form.add_to(1.0, &mut w.product);
         cholesky_solve(&w.factor, &mut w.product);
         let largest = [hold[0], hold[1], grip.slide[side].value].into_iter().filter(|t| t.is_finite());
-        let rounding = ROUNDING * pin.speed.of(&w.product) * largest.fold(0.0, f64::max);
+        let rounding = ROUNDING * form.of(&w.product) * largest.fold(0.0, f64::max);
         match acceleration < -rounding {
             true if is_free => Some(-mode),
             true => Some(0.0),
@@ -305,7 +447,7 @@ impl Network {
         }
         let (first, stuck, s) = (w.first_stuck, &w.stuck, &w.s);
         w.schur.impose(&w.rows, v, |row| match row.checked_sub(first) {
-            Some(k) => -self.friction_pin(stuck[k]).prescribed.of(s),
+            Some(k) => -self.sticky(stuck[k]).1.of(s),
             None => w.loops.target[row],
         });
         w.lock.settle(v, &w.s);

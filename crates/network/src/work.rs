@@ -1,6 +1,6 @@
 //! Values of one evaluation: scratch space, made once.
 
-use blocksim_block::physical::{FrameMotion, Grip, JointMotion, Supply, Torque, Wrench};
+use blocksim_block::physical::{DryMesh, FrameMotion, Grip, JointMotion, Supply, Torque, Wrench};
 use blocksim_multibody::{Data, Model};
 
 use crate::circuits::Circuits;
@@ -77,6 +77,9 @@ pub(crate) struct Work {
     /// What dry friction does; which are stuck, and their first constraint.
     pub grip: Vec<Grip>,
     pub stuck: Vec<usize>,
+    pub dry: Vec<DryMesh>,
+    pub dry_speed: Vec<f64>,
+    pub may_jam: Vec<bool>,
     pub first_stuck: usize,
     pub lock: Lock,
     /// For the choice of modes.
@@ -161,6 +164,9 @@ impl Work {
             mesh_lambda: vec![0.0; g * rows],
             grip: vec![Grip::default(); frictions],
             stuck: Vec::with_capacity(frictions),
+            dry: vec![DryMesh::default(); network.stiction.meshes()],
+            may_jam: vec![false; g],
+            dry_speed: vec![0.0; network.stiction.meshes()],
             first_stuck: 0,
             lock: Lock::new(n, r.sources, frictions),
             rests: vec![Rest::Free; frictions],

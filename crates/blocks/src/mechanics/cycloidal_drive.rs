@@ -1,4 +1,4 @@
-use blocksim_block::physical::{Domain, Element};
+use blocksim_block::physical::{Domain, DryMesh, Element};
 use blocksim_block::prelude::*;
 
 use super::mesh::{Direction, Loss, Mesh};
@@ -19,7 +19,8 @@ use super::mesh::{Direction, Loss, Mesh};
 ///    T_f = \frac{T_B}{2}\Bigl((FL + BL)\tanh\frac{4 T_B w_B}{p_{th}} + FL - BL\Bigr)
 ///    \quad\text{(Published)} $$
 ///
-/// with $FL = 1 - \eta_{BF}$ and $BL = 1/\eta_{FB} - 1$. The gear has no inertia: add an `Inertia` at the
+/// with $FL = 1 - \eta_{BF}$ and $BL = 1/\eta_{FB} - 1$. With `Stiction` the full loss acts at any speed, and at rest the
+/// gear is truly stuck while the torques on both sides are within the losses. The gear has no inertia: add an `Inertia` at the
 /// base. Its housing stands still (an implied ground).
 ///
 /// ```ron
@@ -44,7 +45,7 @@ pub struct CycloidalDrive {
     /// Efficiency when the follower drives the base, above 0 and at most 1.
     #[block(default = 1.0)]
     pub efficiency_backward: f64,
-    /// `Dissipative` or `Published`: how the loss sets in around standstill.
+    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
     #[block(default = Loss::Dissipative)]
     pub loss: Loss,
     /// Speed of the base above which the full loss acts; for `Dissipative`.
@@ -107,6 +108,10 @@ impl Component for CycloidalDrive {
             .port("follower", Domain::Rotational, "output side")
             .measures("tau", "N*m", Needs::Motion, "torque into the base")
             .element(Element::Gear { base: 0, follower: 1, ratio: self.ratio(), loss: self.mesh().element() })
+    }
+
+    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+        losses.fill(self.mesh().dry());
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {

@@ -1,4 +1,4 @@
-use blocksim_block::physical::{Domain, Element};
+use blocksim_block::physical::{Domain, DryMesh, Element};
 use blocksim_block::prelude::*;
 
 use super::mesh::{Direction, Loss, Mesh};
@@ -35,7 +35,7 @@ pub struct HarmonicDrive {
     /// Efficiency when the follower drives the base, above 0 and at most 1.
     #[block(default = 1.0)]
     pub efficiency_backward: f64,
-    /// `Dissipative` or `Published`: how the loss sets in around standstill.
+    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
     #[block(default = Loss::Dissipative)]
     pub loss: Loss,
     /// Speed of the base above which the full loss acts; for `Dissipative`.
@@ -97,6 +97,10 @@ impl Component for HarmonicDrive {
             .port("follower", Domain::Rotational, "output side")
             .measures("tau", "N*m", Needs::Motion, "torque into the base")
             .element(Element::Gear { base: 0, follower: 1, ratio: self.ratio(), loss: self.mesh().element() })
+    }
+
+    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+        losses.fill(self.mesh().dry());
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {

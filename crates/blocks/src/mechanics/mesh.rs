@@ -1,6 +1,6 @@
 //! Losses of gear meshes: what all gears have in common.
 
-use blocksim_block::physical::{LossModel, MeshLoss};
+use blocksim_block::physical::{DryMesh, LossModel, MeshLoss};
 use blocksim_block::prelude::*;
 
 /// Which way the output of a gear turns.
@@ -32,6 +32,8 @@ pub enum Loss {
     /// Over the power through the mesh, as in widespread libraries of driveline parts. At standstill it is
     /// not zero when the efficiencies differ or are below one.
     Published,
+    /// Fully at any speed, and stuck at rest while the torques on both sides are within the losses; with events.
+    Stiction,
 }
 
 /// Efficiencies of a mesh and how its loss sets in.
@@ -80,6 +82,11 @@ impl Mesh {
         Ok(())
     }
 
+    /// What a mesh with stiction loses.
+    pub(crate) fn dry(&self) -> DryMesh {
+        DryMesh { share: [1.0 / self.forward.1 - 1.0, 1.0 - self.backward.1], ..DryMesh::default() }
+    }
+
     /// The loss for the network; `None` when nothing is lost.
     pub(crate) fn element(&self) -> Option<MeshLoss> {
         if self.forward.1 == 1.0 && self.backward.1 == 1.0 {
@@ -88,6 +95,7 @@ impl Mesh {
         let model = match self.loss {
             Loss::Dissipative => LossModel::Dissipative { threshold: self.threshold },
             Loss::Published => LossModel::Published { threshold: self.power_threshold },
+            Loss::Stiction => LossModel::Stiction,
         };
         Some(MeshLoss { forward: self.forward.1, backward: self.backward.1, model })
     }

@@ -1,4 +1,4 @@
-use blocksim_block::physical::{Domain, Element};
+use blocksim_block::physical::{Domain, DryMesh, Element};
 use blocksim_block::prelude::*;
 
 use super::mesh::{Direction, Loss, Mesh};
@@ -22,7 +22,7 @@ pub struct SimpleGear {
     /// Efficiency, above 0 and at most 1.
     #[block(default = 1.0)]
     pub efficiency: f64,
-    /// `Dissipative` or `Published`: how the loss sets in around standstill.
+    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
     #[block(default = Loss::Dissipative)]
     pub loss: Loss,
     /// Speed of the base above which the full loss acts; for `Dissipative`.
@@ -70,6 +70,10 @@ impl Component for SimpleGear {
                 ratio: self.direction.ratio(1.0 / self.ratio),
                 loss: self.mesh().element(),
             })
+    }
+
+    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+        losses.fill(self.mesh().dry());
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {

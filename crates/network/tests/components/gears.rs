@@ -179,7 +179,7 @@ fn gear_and_friction_never_deliver_energy() {
 
 #[test]
 fn equal_efficiencies_make_a_cycloidal_drive_a_simple_gear() {
-    for loss in ["Dissipative", "Published"] {
+    for loss in ["Dissipative", "Published", "Stiction"] {
         let cycloidal = format!(
             "CycloidalDrive(disc_teeth: 50, ring_teeth: 51, efficiency_forward: 0.8, \
              efficiency_backward: 0.8, loss: {loss}, power_threshold: 1.0)"

@@ -49,12 +49,12 @@ fn block(text: &str) -> Arc<dyn Block> {
     one_of!(
         AsynchronousMachine AveragedInverter Body Brake Clutch ConstantTorque ControlledVoltageSource
         CurrentSensor Cyclic CycloidalDrive CylindricalJoint DcMotor DcMotorByRating DcMotorByStall Differential
-        ElectricalReference FreeJoint HarmonicDrive IdealSpeedSource IdealTorqueSource Inertia LuGreFriction
+        ElectricalReference FreeJoint HarmonicDrive IdealSpeedSource IdealTorqueSource Inertia LossyGear LuGreFriction
         MotionSensor OneWayClutch PermanentMagnetMachine PlanarJoint PlanetaryGear PrismaticJoint QuadraticLoad RevoluteJoint
         RotationalDamper RotationalFriction RotationalHardStop RotationalReference RotationalSpring
         RotationalSpringDamper SimpleGear SphericalJoint StarPoint ThreePhaseSource TorqueSensor
         Transform UniversalJoint UniversalMotor
-        VectorInverter VoltageSensor VoltageSource WeldJoint World WoundFieldDcMotor
+        VectorInverter VoltageSensor VoltageSource WeldJoint World WormGear WoundFieldDcMotor
     )
 }
 
