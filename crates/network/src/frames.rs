@@ -343,7 +343,10 @@ fn add_bodies(
         else {
             continue;
         };
-        let Some(place) = places[m.node(member, *frame)] else {
+        // A probe that is not connected looks from the world.
+        let world = matches!(element, Element::FrameProbe { .. }) && m.alone(member, *frame);
+        let at_world = world.then_some(Place { body: None, placement: Placement::identity() });
+        let Some(place) = places[m.node(member, *frame)].or(at_world) else {
             problems.push(floats(m, member));
             continue;
         };

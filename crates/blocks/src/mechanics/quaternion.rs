@@ -20,6 +20,27 @@ pub(crate) fn rotation_vector([w, x, y, z]: [f64; 4]) -> [f64; 3] {
     [x, y, z].map(|e| sign * scale * e)
 }
 
+/// The unit quaternion with w >= 0 of a rotation matrix, row by row, from its largest element (S. W. Shepperd,
+/// Quaternion from rotation matrix, J. Guidance and Control 1 (1978)).
+pub(crate) fn from_matrix(r: &[[f64; 3]; 3]) -> [f64; 4] {
+    let trace = r[0][0] + r[1][1] + r[2][2];
+    let diagonal = [trace, r[0][0], r[1][1], r[2][2]];
+    let k = (1..4).fold(0, |best, i| if diagonal[i] > diagonal[best] { i } else { best });
+    // 4 p_k p, of which the element k is a sum of squares
+    let own = 1.0 + 2.0 * diagonal[k] - trace;
+    let (a, b, c) = (r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]);
+    let (xy, yz, zx) = (r[0][1] + r[1][0], r[1][2] + r[2][1], r[2][0] + r[0][2]);
+    let p = match k {
+        0 => [own, a, b, c],
+        1 => [a, own, xy, zx],
+        2 => [b, xy, own, yz],
+        _ => [c, zx, yz, own],
+    };
+    let length = p.iter().map(|e| e * e).sum::<f64>().sqrt();
+    let sign = if p[0] < 0.0 { -1.0 } else { 1.0 };
+    p.map(|e| sign * e / length)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -32,5 +53,21 @@ mod tests {
         }
         let [w, x, y, z] = from_rpy([0.3, -0.4, 1.2]);
         assert!((w * w + x * x + y * y + z * z - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_rotation_matrix_has_the_quaternion_of_its_angles() {
+        for rpy in [[0.3, -0.4, 1.2], [3.0, 0.1, 0.2], [0.1, 3.0, 0.2], [0.1, 0.2, -3.1], [0.0; 3]] {
+            let p = from_rpy(rpy);
+            let [w, x, y, z] = p;
+            let matrix = [
+                [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+                [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+                [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+            ];
+            let sign = if w < 0.0 { -1.0 } else { 1.0 };
+            let found = from_matrix(&matrix);
+            (0..4).for_each(|k| assert!((found[k] - sign * p[k]).abs() < 1e-14, "{rpy:?}: {found:?}"));
+        }
     }
 }

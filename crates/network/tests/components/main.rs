@@ -4,6 +4,7 @@ mod contacts;
 mod couplings;
 mod dc_motors;
 mod errors;
+mod forces;
 mod friction;
 mod gears;
 mod joints;

@@ -49,7 +49,8 @@ fn block(text: &str) -> Arc<dyn Block> {
     one_of!(
         AsynchronousMachine AveragedInverter Body Brake Clutch ConstantTorque ControlledVoltageSource
         CurrentSensor Cyclic CycloidalDrive CylindricalJoint DcMotor DcMotorByRating DcMotorByStall Differential
-        ElectricalReference FreeJoint HarmonicDrive IdealSpeedSource IdealTorqueSource Inertia LossyGear LuGreFriction
+        ElectricalReference ExternalForce FrameSpringDamper Payload PointPlaneContact TransformSensor
+        FreeJoint HarmonicDrive IdealSpeedSource IdealTorqueSource Inertia LossyGear LuGreFriction
         MotionSensor OneWayClutch PermanentMagnetMachine PlanarJoint PlanetaryGear PrismaticJoint QuadraticLoad RevoluteJoint
         RotationalDamper RotationalFriction RotationalHardStop RotationalReference RotationalSpring
         RotationalSpringDamper SimpleGear SphericalJoint StarPoint ThreePhaseSource TorqueSensor
