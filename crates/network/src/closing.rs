@@ -22,6 +22,8 @@ const TRIES: usize = 12;
 const CLOSED: f64 = 1e-13;
 const ROUNDED: f64 = 1e-10;
 const ACCEPTED: f64 = 1e-6;
+/// Speeds that miss by this part of the largest fit.
+const FITTING: f64 = 1e-13;
 
 /// Moves the joints to the nearest positions in which all loops close; those without start values first.
 ///
@@ -160,6 +162,10 @@ pub(crate) fn fit_speeds(frames: &Frames, rotation: &mut Rotation) {
     for yields in [0.0, 1.0] {
         let mobility: Vec<f64> = asked.iter().map(|asked| if *asked { yields } else { 1.0 }).collect();
         let misfit = &d * DVector::from_column_slice(&rotation.start);
+        let fastest = rotation.start.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
+        if misfit.amax() <= FITTING * d.amax() * fastest {
+            return;
+        }
         let scaled = DMatrix::from_fn(d.nrows(), n, |i, k| d[(i, k)] * mobility[k]);
         let Some(change) = smallest(scaled, &misfit) else { return };
         for (k, speed) in rotation.start.iter_mut().enumerate() {
