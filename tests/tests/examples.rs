@@ -267,9 +267,16 @@ fn every_diagram_compiles_without_any_problem_under_every_choice() {
         }
         seen.insert(shown);
     }
-    for file in
-        ["servo", "dc_motor_start", "asm_direct_on_line", "pendulum", "bouncing_mass", "irb2600/irb2600"]
-    {
+    for file in [
+        "servo",
+        "dc_motor_start",
+        "asm_direct_on_line",
+        "pendulum",
+        "double_pendulum",
+        "four_bar",
+        "bouncing_mass",
+        "irb2600/irb2600",
+    ] {
         assert!(seen.contains(&format!("diagrams/{file}.ron")), "{file} was not looked at: {seen:?}");
     }
     assert!(combined >= seen.len() + 2, "the choices were not tried: {combined} of {seen:?}");
@@ -320,4 +327,139 @@ fn a_cascade_of_current_and_speed_control_holds_the_speed_of_a_motor() {
     assert!((actual - set).abs() < 1e-3 * set, "{actual} rad/s instead of {set}");
     let peak = run.column("currents.set").iter().fold(0.0_f64, |peak, i| peak.max(*i));
     assert!((peak - 15.0).abs() < 1e-6, "the speed controller asks for {peak} A at most");
+}
+
+/// Two rods on hinges: Lagrange's equations in absolute angles, `a t1'' + c cos(d) t2'' = ...` with `d = t1 - t2`.
+struct TwoRods {
+    a: f64,
+    b: f64,
+    c: f64,
+    weight: [f64; 2],
+}
+
+impl TwoRods {
+    fn new([l1, l2]: [f64; 2], [m1, m2]: [f64; 2]) -> Self {
+        Self {
+            a: (m1 / 3.0 + m2) * l1 * l1,
+            b: m2 * l2 * l2 / 3.0,
+            c: m2 * l1 * l2 / 2.0,
+            weight: [GRAVITY * (m1 / 2.0 + m2) * l1, GRAVITY * m2 * l2 / 2.0],
+        }
+    }
+
+    /// Derivatives of both angles and both speeds.
+    fn slope(&self, [t1, t2, w1, w2]: [f64; 4]) -> [f64; 4] {
+        let (sin, cos) = (t1 - t2).sin_cos();
+        let f1 = -self.c * sin * w2 * w2 - self.weight[0] * t1.sin();
+        let f2 = self.c * sin * w1 * w1 - self.weight[1] * t2.sin();
+        let k = self.c * cos;
+        let det = self.a * self.b - k * k;
+        [w1, w2, (self.b * f1 - k * f2) / det, (self.a * f2 - k * f1) / det]
+    }
+
+    fn energy(&self, [t1, t2, w1, w2]: [f64; 4]) -> f64 {
+        0.5 * (self.a * w1 * w1 + self.b * w2 * w2) + self.c * w1 * w2 * (t1 - t2).cos()
+            - self.weight[0] * t1.cos()
+            - self.weight[1] * t2.cos()
+    }
+}
+
+#[test]
+fn the_double_pendulum_swings_as_its_equations_say_and_keeps_its_energy() {
+    let rods = TwoRods::new([0.5, 0.3], [2.0, 1.0]);
+    let run = run_file("diagrams/double_pendulum.ron", &[]);
+    // Absolute angles from the joints, whose second is counted against the first.
+    let state = |i: usize| {
+        let [q1, q2, w1, w2] =
+            ["angle.upper", "angle.lower", "speed.upper", "speed.lower"].map(|name| run.column(name)[i]);
+        [q1, q1 + q2, w1, w1 + w2]
+    };
+    let (mut x, h) = (state(0), 1e-4);
+    let ahead = |x: [f64; 4], k: [f64; 4], h: f64| [0, 1, 2, 3].map(|i| x[i] + h * k[i]);
+    for step in 1..=20_000 {
+        let k1 = rods.slope(x);
+        let k2 = rods.slope(ahead(x, k1, h / 2.0));
+        let k3 = rods.slope(ahead(x, k2, h / 2.0));
+        let k4 = rods.slope(ahead(x, k3, h));
+        x = [0, 1, 2, 3].map(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+        if step % 5000 == 0 {
+            // The tolerance of 1e-10 a step, some hundred steps, and what the motion multiplies it by within 2 s.
+            let found = state(step / 100);
+            (0..4).for_each(|i| close(found[i], x[i], 1e-6, &format!("part {i} after {step} steps")));
+        }
+    }
+    // Against the depth of the fall of both rods.
+    let (start, depth) = (rods.energy(state(0)), rods.weight[0] + rods.weight[1]);
+    let worst =
+        (0..run.time.len()).map(|i| (rods.energy(state(i)) - start).abs() / depth).fold(0.0, f64::max);
+    assert!(worst < 1e-8, "the energy drifts by {worst}");
+    let [x, z] = ["path.x[0]", "path.x[2]"].map(|name| run.column(name)[100]);
+    let [t1, t2, ..] = state(100);
+    close(x, -0.5 * t1.sin() - 0.3 * t2.sin(), 1e-12, "x of the tip");
+    close(z, -0.5 * t1.cos() - 0.3 * t2.cos(), 1e-12, "z of the tip");
+}
+
+/// A four-bar linkage of uniform bars: what follows from the angle of the crank.
+struct FourBar {
+    /// Crank, coupler, rocker, ground, m.
+    bars: [f64; 4],
+    /// kg/m
+    density: f64,
+    /// Side of the knee: 1 or -1.
+    side: f64,
+}
+
+impl FourBar {
+    /// Angles of coupler and rocker, by the triangle of elbow, knee and pivot.
+    fn angles(&self, crank: f64) -> [f64; 2] {
+        let [a, b, c, d] = self.bars;
+        let (x, z) = (d - a * crank.cos(), -a * crank.sin());
+        let length = x.hypot(z);
+        let corner = ((b * b + length * length - c * c) / (2.0 * b * length)).acos();
+        let coupler = z.atan2(x) + self.side * corner;
+        [coupler, (b * coupler.sin() - z).atan2(b * coupler.cos() - x)]
+    }
+
+    /// Speed of the rocker over that of the crank; moment of inertia at the crank; potential energy.
+    fn reduced(&self, crank: f64) -> (f64, f64, f64) {
+        let [a, b, c, _] = self.bars;
+        let [coupler, rocker] = self.angles(crank);
+        let k3 = a * (crank - rocker).sin() / (b * (rocker - coupler).sin());
+        let k4 = a * (crank - coupler).sin() / (c * (rocker - coupler).sin());
+        let [m1, m2, m3] = [a, b, c].map(|length| self.density * length);
+        let x = -a * crank.sin() - 0.5 * b * k3 * coupler.sin();
+        let z = a * crank.cos() + 0.5 * b * k3 * coupler.cos();
+        let inertia =
+            m1 * a * a / 3.0 + m2 * (x * x + z * z + b * b * k3 * k3 / 12.0) + m3 * c * c * k4 * k4 / 3.0;
+        let height = m1 * 0.5 * a * crank.sin()
+            + m2 * (a * crank.sin() + 0.5 * b * coupler.sin())
+            + m3 * 0.5 * c * rocker.sin();
+        (k4, inertia, GRAVITY * height)
+    }
+}
+
+#[test]
+fn the_four_bar_linkage_turns_as_its_energy_says() {
+    let run = run_file("diagrams/four_bar.ron", &[]);
+    let [crank, rocker] = ["angle.crank", "angle.rocker"].map(|name| run.column(name));
+    let [speed, follows] = ["speed.crank", "speed.rocker"].map(|name| run.column(name));
+    assert_eq!((crank[0], speed[0]), (60.0_f64.to_radians(), 15.0), "the start values that are given");
+    let turned = |angle: f64| angle - 2.0 * PI * (angle / (2.0 * PI)).round();
+    let bars = |side| FourBar { bars: [0.2, 0.45, 0.4, 0.5], density: 4.0, side };
+    // It may be mounted either way.
+    let side =
+        [1.0, -1.0].into_iter().find(|s| turned(bars(*s).angles(crank[0])[1] - rocker[0]).abs() < 1e-9);
+    let linkage = bars(side.expect("a linkage that closes"));
+    let (_, inertia, potential) = linkage.reduced(crank[0]);
+    let energy = 0.5 * inertia * 15.0 * 15.0 + potential;
+    for i in 0..run.time.len() {
+        let (k4, inertia, potential) = linkage.reduced(crank[i]);
+        // The gap of the loop stays at the error of a few steps (1e-9 each), and so does what follows from it.
+        close(turned(rocker[i] - linkage.angles(crank[i])[1]), 0.0, 1e-7, "angle of the rocker");
+        close(follows[i], k4 * speed[i], 1e-6, "speed of the rocker");
+        close(speed[i], (2.0 * (energy - potential) / inertia).sqrt(), 1e-5, "speed of the crank");
+        let drift = (0.5 * inertia * speed[i] * speed[i] + potential - energy) / energy;
+        assert!(drift.abs() < 1e-6, "after {} s the energy has drifted by {drift}", run.time[i]);
+    }
+    assert!(crank[run.time.len() - 1] > 20.0, "the crank turns fully");
 }
