@@ -35,6 +35,9 @@ const FITTING: f64 = 1e-13;
 pub(crate) fn assemble(m: &Members, frames: &mut Frames) -> Result<(), Vec<NetworkProblem>> {
     let Some(model) = frames.model.as_ref().filter(|_| !frames.loops.is_empty()) else { return Ok(()) };
     let mut data = model.data();
+    if model.dof() == 0 {
+        return rigid(m, frames, &data);
+    }
     let mut best: Option<(f64, Vec<f64>)> = None;
     let mut offer = |left: f64, q: Vec<f64>| {
         if best.as_ref().is_none_or(|(least, _)| left < *least) {
@@ -69,8 +72,19 @@ pub(crate) fn assemble(m: &Members, frames: &mut Frames) -> Result<(), Vec<Netwo
         return Ok(());
     }
     forward_kinematics(model, &mut data, &q);
-    let open = frames.loops.iter().filter(|closing| size(&gap(closing, &data)) > ACCEPTED);
-    Err(open.map(|closing| inconsistent(m, frames, closing, &data)).collect())
+    Err(open(m, frames, &data))
+}
+
+/// Loops of transforms alone close or do not.
+fn rigid(m: &Members, frames: &Frames, data: &Data) -> Result<(), Vec<NetworkProblem>> {
+    let problems = open(m, frames, data);
+    if problems.is_empty() { Ok(()) } else { Err(problems) }
+}
+
+/// The loops that are open at the current placements.
+fn open(m: &Members, frames: &Frames, data: &Data) -> Vec<NetworkProblem> {
+    let open = frames.loops.iter().filter(|closing| size(&gap(closing, data)) > ACCEPTED);
+    open.map(|closing| inconsistent(m, frames, closing, data)).collect()
 }
 
 /// A displacement of the joints that are free to move, another one for each attempt (Weyl's sequence).
@@ -147,6 +161,9 @@ pub(crate) fn fit_speeds(frames: &Frames, rotation: &mut Rotation) {
     let mut data = model.data();
     forward_kinematics(model, &mut data, &frames.position);
     let n = rotation.free;
+    if n == 0 {
+        return;
+    }
     let over_joints = rows(model, &data, &frames.loops);
     let mut d = DMatrix::zeros(over_joints.nrows(), n);
     for (i, row) in over_joints.row_iter().enumerate() {

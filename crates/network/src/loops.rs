@@ -94,7 +94,7 @@ impl Network {
         let r = &self.rotation;
         w.loops.rows.fill(0.0);
         w.loops.target.fill(0.0);
-        for (i, row) in w.loops.joint_rows.chunks_exact(j).enumerate() {
+        for (i, row) in w.loops.joint_rows.chunks_exact(j.max(1)).enumerate() {
             let to = &mut w.loops.rows[i * n..(i + 1) * n];
             for (joint, value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
                 r.joints[joint].add_to(*value, to);
@@ -132,7 +132,8 @@ impl Network {
         let speeds = w.joint_speed.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
         let size = w.loops.joint_rows.iter().fold(0.0_f64, |max, d| max.max(d.abs()));
         let worst = w.loops.rate.iter().fold(0.0_f64, |max, rate| max.max(rate.abs()));
-        if worst <= MISFIT * speeds * size {
+        let allowed = MISFIT * speeds * size;
+        if worst <= allowed {
             return false;
         }
         let before = self.speeds(c);
@@ -140,6 +141,15 @@ impl Network {
         // What is stuck stays so.
         let target = &w.loops.target;
         w.schur.impose(&w.rows, after, |i| target.get(i).copied().unwrap_or_else(|| w.rows.of(i, before)));
+        let n = self.rotation.free;
+        let left = target.iter().enumerate().map(|(i, target)| {
+            let row = &w.loops.rows[i * n..(i + 1) * n];
+            (row.iter().zip(after.iter()).map(|(d, v)| d * v).sum::<f64>() - target).abs()
+        });
+        if left.fold(0.0, f64::max) > allowed {
+            c.fail("the prescribed speeds do not fit each other: a closed loop of bodies couples them");
+            return false;
+        }
         true
     }
 }

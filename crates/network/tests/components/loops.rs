@@ -460,3 +460,59 @@ fn bars_that_are_too_short_are_told_with_the_gap() {
     assert_eq!(members[0], "closes the loop");
     assert!(members[1..].iter().all(|role| *role == "belongs to the loop") && members.len() >= 3);
 }
+
+#[test]
+fn transforms_that_meet_again_need_only_agree() {
+    let meet = |second: &str| {
+        assembled(
+            &[
+                ("world", "World"),
+                ("first", "Transform(translation: (1.0, 0.0, 0.0), rpy: (0.0, 0.0, 0.5))"),
+                ("second", second),
+                ("body", "Body(mass: 1.0)"),
+            ],
+            &[
+                "world.frame <-> first.base <-> second.base",
+                "first.follower <-> second.follower <-> body.frame",
+            ],
+        )
+        .map(|_| ())
+        .map_err(|problems| problems[0].message.clone())
+    };
+    assert_eq!(meet("Transform(translation: (1.0, 0.0, 0.0), rpy: (0.0, 0.0, 0.5))"), Ok(()));
+    let gap = meet("Transform(translation: (1.0, 0.002, 0.0), rpy: (0.0, 0.0, 0.4))").expect_err("a gap");
+    assert!(gap.contains("2.000 mm and 5.730 deg"), "{gap}");
+}
+
+#[test]
+fn a_brake_holds_a_whole_linkage_until_the_weight_breaks_it_away() {
+    let held = |torque: f64| {
+        let brake = format!("Brake(torque: {torque:?})");
+        let more = [("brake", brake.as_str()), ("case", "RotationalReference")];
+        let mut plant =
+            above(1.0, 0.0, PLAIN, &more, &["brake.r <-> rocker.r", "brake.c <-> rocker.c <-> case.r"]);
+        plant.set("brake.engaged", 1.0);
+        plant.bench.major();
+        plant
+    };
+    // What the weight needs at the rocker, by virtual work.
+    let weight = acceleration(1.0, 0.0) * reduced(1.0).0 / ratios(1.0)[1];
+    let mut plant = held(1.05 * weight.abs());
+    close(plant.get("brake.tau").abs(), weight.abs(), 1e-7);
+    plant.run_to(1.0, 1e-2);
+    close(plant.get("crank.q"), 1.0, 1e-9);
+    let mut plant = held(0.5 * weight.abs());
+    close(plant.get("crank.a"), 0.5 * acceleration(1.0, 0.0), 1e-8);
+}
+
+#[test]
+#[should_panic(expected = "the prescribed speeds do not fit each other")]
+fn two_speeds_that_fight_through_a_loop_stop_the_simulation() {
+    let more = [("one", "IdealSpeedSource"), ("two", "IdealSpeedSource"), ("case", "RotationalReference")];
+    let lines =
+        ["one.r <-> crank.r", "two.r <-> rocker.r", "one.c <-> crank.c <-> two.c <-> rocker.c <-> case.r"];
+    let mut plant = above(1.0, 0.0, PLAIN, &more, &lines);
+    plant.set("one.w", 3.0).set("two.w", 3.0);
+    plant.bench.major();
+    plant.bench.minor();
+}
