@@ -463,3 +463,84 @@ fn the_four_bar_linkage_turns_as_its_energy_says() {
     }
     assert!(crank[run.time.len() - 1] > 20.0, "the crank turns fully");
 }
+
+/// Times at which a guard crossed.
+fn crossings(run: &Run, guard: &str) -> Vec<f64> {
+    run.events.iter().filter(|(_, _, what)| what == guard).map(|(t, ..)| *t).collect()
+}
+
+/// Slipping, the stretch of the spring is `sliding/k + a cos(wt) + v/w sin(wt)` until its rate is that of the pull again;
+/// sticking, it grows evenly.
+#[test]
+fn a_disc_sticks_and_slips_at_the_times_of_its_closed_form() {
+    let run = run_file("diagrams/stick_slip.ron", &[]);
+    let (j, k, v, held, sliding) = (0.02, 50.0, 0.4, 3.0, 1.8);
+    let (omega, a) = (f64::sqrt(k / j), (held - sliding) / k);
+    let slip = 2.0 * (PI - f64::atan(a * omega / v)) / omega;
+    let stick = 2.0 * a / v;
+    let found = crossings(&run, "bearing.mode");
+    let expected =
+        (0..).map(|i| held / k / v + f64::from(i / 2) * (slip + stick) + if i % 2 == 1 { slip } else { 0.0 });
+    let expected: Vec<f64> = expected.take_while(|t| *t < 1.2).collect();
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (found, expected) in found.iter().zip(&expected) {
+        close(*found, *expected, 1e-7, "time of a change of mode");
+    }
+    let speed = run.column("speed.w");
+    let still = run.time.iter().zip(speed).filter(|(t, _)| **t < expected[0] - 1e-6);
+    assert!(still.into_iter().all(|(_, w)| *w == 0.0), "it creeps before it breaks away");
+    // The fastest point of the swing.
+    let fastest = v + f64::hypot(a * omega, v);
+    close(largest(speed), fastest, 2e-3 * fastest, "largest speed, at the points recorded");
+}
+
+/// Between the events all torques are constant.
+#[test]
+fn coupled_clutches_lock_and_part_as_their_torques_say() {
+    let run = run_file("diagrams/coupled_clutches.ron", &[]);
+    let speeds = |t: f64| ["front", "between", "back"].map(|name| run.at(&format!("speeds.{name}"), t));
+    let check = |t: f64, expected: [f64; 3]| {
+        for (found, expected) in speeds(t).into_iter().zip(expected) {
+            close(found, expected, 1e-6, &format!("speed at {t} s"));
+        }
+    };
+    // Slipping: -100 and +100 rad/s^2.
+    check(0.3, [70.0, 30.0, 0.0]);
+    // Locked at 0.5 s at 50 rad/s; 10 N*m on 0.5 kg*m^2.
+    close(crossings(&run, "first.mode")[0], 0.5, 1e-9, "the first locks");
+    check(0.9, [58.0, 58.0, 0.0]);
+    // At 1 s at 60 rad/s the second closes: -20 and +40 rad/s^2; the first bears 10 + 0.2 * 20 = 14 N*m.
+    check(1.5, [50.0, 50.0, 20.0]);
+    close(run.at("transmitted.first", 1.5), 14.0, 1e-9, "the first bears");
+    // They meet at 2 s at 40 rad/s; all three gain 10 rad/s^2. At 2.5 s the first opens: the motor gains 50 rad/s^2.
+    close(crossings(&run, "second.mode")[0], 2.0, 1e-9, "the second locks");
+    check(2.4, [44.0; 3]);
+    check(2.8, [60.0, 45.0, 45.0]);
+    let locked = (0..run.time.len()).filter(|i| run.time[*i] > 0.6 && run.time[*i] < 1.9);
+    for i in locked {
+        assert_eq!(run.column("speeds.front")[i], run.column("speeds.between")[i], "a locked clutch slips");
+    }
+}
+
+/// Driven, `(J1 + J2 / eta) w' = tau - load / eta - bearing`; driving, `(J1 + eta J2) w' = tau - eta load + bearing`; all at
+/// the motor.
+#[test]
+fn a_hoist_lifts_holds_and_lets_down_as_its_efficiencies_say() {
+    let run = run_file("diagrams/lossy_gear.ron", &[]);
+    let (up, down, j1, j2) = (0.4 / 0.75 + 0.02, 0.4 * 0.6 - 0.02, 2e-3, 5.0 / 2500.0);
+    let (driven, driving) = (j1 + j2 / 0.75, j1 + 0.6 * j2);
+    let lifted = (0.8 - up) / driven * 2.0;
+    let rest = 3.0 + lifted * driven / (up - 0.4);
+    let lowered = (0.1 - down) / driving * 2.0;
+    let end = 9.0 - lowered * driving / (0.4 - down);
+    let stops = crossings(&run, "gear.mode");
+    assert_eq!(stops.len(), 2, "{stops:?}");
+    close(stops[0], rest, 1e-9, "it comes to rest above");
+    close(stops[1], end, 1e-9, "it comes to rest below");
+    close(run.at("speed.w", 3.0), lifted, 1e-6, "speed after lifting");
+    close(run.at("speed.w", 9.0), lowered, 1e-6, "speed after letting down");
+    for (t, w) in run.time.iter().zip(run.column("speed.w")) {
+        let still = *t < 1.0 || *t > rest + 1e-6 && *t < 7.0 || *t > end + 1e-6;
+        assert!(!still || *w == 0.0, "it creeps at {t} s");
+    }
+}
