@@ -15,3 +15,4 @@ pub mod motion;
 pub mod routing;
 pub mod sinks;
 pub mod sources;
+pub mod translational;

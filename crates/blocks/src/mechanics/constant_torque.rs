@@ -1,5 +1,6 @@
-use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
+
+use super::quantities::{ROTATION, undamped};
 
 /// Constant torque between two turning parts, whatever their speed: positive `tau` drives `r` against `c`.
 ///
@@ -28,11 +29,11 @@ impl Block for ConstantTorque {
 
 impl Component for ConstantTorque {
     fn part(&self, _given: &Given) -> Part {
-        Part::new().rod_and_case().element(Element::Branch { r: 0, c: 1 })
+        ROTATION.branch()
     }
 
     fn torques(&self, _c: &Law, tau: &mut [Torque]) {
-        tau[0] = Torque { value: -self.tau, slope: 0.0 };
+        tau[0] = undamped(-self.tau);
     }
 }
 

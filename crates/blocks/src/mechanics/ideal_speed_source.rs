@@ -1,5 +1,6 @@
-use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
+
+use super::quantities::ROTATION;
 
 /// Prescribes the speed between two turning parts, whatever torque that takes: $w_r - w_c = w$.
 ///
@@ -21,12 +22,7 @@ impl Block for IdealSpeedSource {
 
 impl Component for IdealSpeedSource {
     fn part(&self, _given: &Given) -> Part {
-        Part::new()
-            .rod_and_case()
-            .input(Input::real("w").scalar().unit("rad/s").doc("speed of r against c"))
-            .input(Input::real("dw").scalar().unit("rad/s^2").default(0.0).doc("derivative of w"))
-            .measures("tau", "N*m", Needs::Motion, "torque that the source applies to r")
-            .element(Element::SpeedSource { r: 0, c: 1 })
+        ROTATION.speed_source()
     }
 
     fn speeds(&self, c: &Law, w: &mut [f64], dw: &mut [f64]) {

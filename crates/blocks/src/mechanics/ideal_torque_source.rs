@@ -1,5 +1,6 @@
-use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
+
+use super::quantities::{ROTATION, undamped};
 
 /// Applies a given torque between two turning parts, whatever their speed: positive `tau` drives `r` against
 /// `c`.
@@ -19,14 +20,11 @@ impl Block for IdealTorqueSource {
 
 impl Component for IdealTorqueSource {
     fn part(&self, _given: &Given) -> Part {
-        Part::new()
-            .rod_and_case()
-            .input(Input::real("tau").scalar().unit("N*m").doc("torque on r"))
-            .element(Element::Branch { r: 0, c: 1 })
+        ROTATION.effort_source()
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
-        tau[0] = Torque { value: -c.scalar(0), slope: 0.0 };
+        tau[0] = undamped(-c.scalar(0));
     }
 }
 

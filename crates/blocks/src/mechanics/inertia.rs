@@ -1,5 +1,6 @@
-use blocksim_block::physical::{Domain, Element};
 use blocksim_block::prelude::*;
+
+use super::quantities::ROTATION;
 
 /// A rotating mass: $\tau = J \dot w$, against an implied ground.
 ///
@@ -33,10 +34,6 @@ impl Block for Inertia {
 
 impl Component for Inertia {
     fn part(&self, _given: &Given) -> Part {
-        Part::new().port("r", Domain::Rotational, "the rotating part").element(Element::Inertia {
-            port: 0,
-            inertia: self.j,
-            speed: self.w0,
-        })
+        ROTATION.inertia("the rotating part", self.j, self.w0)
     }
 }

@@ -1,6 +1,6 @@
 //! Losses of gear meshes: what all gears have in common.
 
-use blocksim_block::physical::{DryMesh, LossModel, MeshLoss};
+use blocksim_block::physical::{Domain, DryMesh, Element, LossModel, MeshLoss};
 use blocksim_block::prelude::*;
 
 /// Which way the output of a gear turns.
@@ -55,6 +55,15 @@ pub(crate) struct Mesh {
 const STEEPEST: f64 = 0.59984;
 
 impl Mesh {
+    /// What two sides without losses have in common.
+    pub(crate) const LOSSLESS: Mesh = Mesh {
+        forward: ("efficiency", 1.0),
+        backward: ("efficiency", 1.0),
+        loss: Loss::Dissipative,
+        threshold: 1.0,
+        power_threshold: 1e-3,
+    };
+
     pub(crate) fn check(&self) -> Result<(), ParamError> {
         for (name, efficiency) in [self.forward, self.backward] {
             if !(efficiency > 0.0 && efficiency <= 1.0) {
@@ -87,8 +96,17 @@ impl Mesh {
         DryMesh { share: [1.0 / self.forward.1 - 1.0, 1.0 - self.backward.1], ..DryMesh::default() }
     }
 
+    /// Ports, output and element of a gear whose base turns; the follower turns or slides.
+    pub(crate) fn part(&self, follower: Domain, ratio: f64) -> Part {
+        Part::new()
+            .port("base", Domain::Rotational, "input side")
+            .port("follower", follower, "output side")
+            .measures("tau", "N*m", Needs::Motion, "torque into the base")
+            .element(Element::Gear { base: 0, follower: 1, ratio, loss: self.element() })
+    }
+
     /// The loss for the network; `None` when nothing is lost.
-    pub(crate) fn element(&self) -> Option<MeshLoss> {
+    fn element(&self) -> Option<MeshLoss> {
         if self.forward.1 == 1.0 && self.backward.1 == 1.0 {
             return None;
         }

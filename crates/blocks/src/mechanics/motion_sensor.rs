@@ -1,5 +1,6 @@
-use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
+
+use super::quantities::{ROTATION, show_motion};
 
 /// Measures angle, speed and acceleration between two turning parts without loading them.
 ///
@@ -28,13 +29,7 @@ impl Block for MotionSensor {
 
 impl Component for MotionSensor {
     fn part(&self, _given: &Given) -> Part {
-        Part::new()
-            .rod_and_case()
-            .measures("phi", "rad", Needs::State, "angle of r against c")
-            .measures("w", "rad/s", Needs::State, "speed of r against c")
-            .measures("a", "rad/s^2", Needs::Motion, "acceleration of r against c")
-            .state("phi", self.phi0)
-            .element(Element::SpeedProbe { r: 0, c: 1 })
+        ROTATION.motion_sensor(self.phi0)
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
@@ -42,11 +37,7 @@ impl Component for MotionSensor {
     }
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => y[..2].copy_from_slice(&[c.x[0], c.speed[0]]),
-            Needs::Electrics => {}
-            Needs::Motion => y[2] = c.acceleration[0],
-        }
+        show_motion(c, needs, y);
     }
 }
 

@@ -1,5 +1,6 @@
-use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
+
+use super::quantities::ROTATION;
 
 /// Viscous friction between two turning parts: $\tau = d\,(w_r - w_c)$.
 ///
@@ -26,7 +27,7 @@ impl Block for RotationalDamper {
 
 impl Component for RotationalDamper {
     fn part(&self, _given: &Given) -> Part {
-        Part::new().rod_and_case().element(Element::Branch { r: 0, c: 1 })
+        ROTATION.branch()
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {

@@ -1,5 +1,6 @@
-use blocksim_block::physical::{Domain, Element};
 use blocksim_block::prelude::*;
+
+use super::quantities::ROTATION;
 
 /// A part that does not turn: the frame that housings are fixed to, $w_r = 0$.
 ///
@@ -18,8 +19,6 @@ impl Block for RotationalReference {
 
 impl Component for RotationalReference {
     fn part(&self, _given: &Given) -> Part {
-        Part::new()
-            .port("r", Domain::Rotational, "the part that stands still")
-            .element(Element::MechanicalReference { port: 0 })
+        ROTATION.reference()
     }
 }

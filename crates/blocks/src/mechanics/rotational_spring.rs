@@ -1,5 +1,6 @@
-use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
+
+use super::quantities::{ROTATION, undamped};
 
 /// Torsion spring between two turning parts.
 ///
@@ -35,11 +36,11 @@ impl Block for RotationalSpring {
 
 impl Component for RotationalSpring {
     fn part(&self, _given: &Given) -> Part {
-        Part::new().rod_and_case().state("phi", self.phi0).element(Element::Branch { r: 0, c: 1 })
+        ROTATION.spring(self.phi0)
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
-        tau[0] = Torque { value: self.k * c.x[0], slope: 0.0 };
+        tau[0] = undamped(self.k * c.x[0]);
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {

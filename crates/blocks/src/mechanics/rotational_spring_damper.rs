@@ -1,7 +1,7 @@
-use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
 
-use super::joint_limit::JointLimit;
+use super::contact::SpringDamper;
+use super::quantities::{ROTATION, show_deflection};
 
 /// Elastic shaft: a torsion spring and a damper side by side, with backlash if there is any.
 ///
@@ -40,33 +40,15 @@ pub struct RotationalSpringDamper {
 }
 
 impl RotationalSpringDamper {
-    /// Torque at a deflection, rad, and a speed, rad/s.
-    fn torque(&self, phi: f64, w: f64) -> Torque {
-        if self.backlash == 0.0 {
-            return Torque { value: self.k * phi + self.d * w, slope: self.d };
-        }
-        let flank = JointLimit { stiffness: self.k, damping: self.d, transition: self.transition };
-        let side = phi.signum();
-        let push = flank.push(phi.abs() - 0.5 * self.backlash, side * w);
-        Torque { value: side * push.value, slope: push.slope }
+    fn law(&self) -> SpringDamper {
+        SpringDamper { k: self.k, d: self.d, backlash: self.backlash, transition: self.transition }
     }
 }
 
 impl Block for RotationalSpringDamper {
     fn check(&self) -> Result<(), ParamError> {
-        not_negative("k", self.k)?;
-        not_negative("d", self.d)?;
-        not_negative("backlash", self.backlash)?;
-        not_negative("transition", self.transition)?;
-        finite("phi0", self.phi0)?;
-        if self.backlash == 0.0 && self.transition > 0.0 {
-            return Err(ParamError::new(
-                "transition",
-                "`transition` tells how flanks meet, but without `backlash` there are none",
-            )
-            .help("give a `backlash`, or leave `transition` out"));
-        }
-        Ok(())
+        self.law().check()?;
+        finite("phi0", self.phi0)
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -76,16 +58,11 @@ impl Block for RotationalSpringDamper {
 
 impl Component for RotationalSpringDamper {
     fn part(&self, _given: &Given) -> Part {
-        Part::new()
-            .rod_and_case()
-            .measures("phi", "rad", Needs::State, "deflection")
-            .measures("tau", "N*m", Needs::Motion, "torque from r to c")
-            .state("phi", self.phi0)
-            .element(Element::Branch { r: 0, c: 1 })
+        ROTATION.elastic(self.phi0)
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
-        tau[0] = self.torque(c.x[0], c.speed[0]);
+        tau[0] = self.law().load(c.x[0], c.speed[0]);
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
@@ -93,57 +70,6 @@ impl Component for RotationalSpringDamper {
     }
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => y[0] = c.x[0],
-            Needs::Electrics => {}
-            Needs::Motion => y[1] = c.torque[0],
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const SHAFT: RotationalSpringDamper =
-        RotationalSpringDamper { k: 100.0, d: 2.0, backlash: 0.0, transition: 0.0, phi0: 0.0 };
-    const LOOSE: RotationalSpringDamper = RotationalSpringDamper { backlash: 0.5, ..SHAFT };
-
-    #[test]
-    fn without_backlash_it_is_a_spring_and_a_damper_in_both_directions() {
-        assert_eq!(SHAFT.torque(0.25, -30.0), Torque { value: -35.0, slope: 2.0 });
-        assert_eq!(SHAFT.torque(-0.25, 1.0), Torque { value: -23.0, slope: 2.0 });
-    }
-
-    #[test]
-    fn within_the_play_nothing_is_transmitted_and_flanks_never_pull() {
-        for phi in [-0.25, -0.1, 0.0, 0.2, 0.25] {
-            assert_eq!(LOOSE.torque(phi, 40.0).value, 0.0);
-            assert_eq!(LOOSE.torque(phi, 40.0).slope, 0.0);
-        }
-        assert_eq!(LOOSE.torque(0.5, 3.0), Torque { value: 31.0, slope: 2.0 });
-        assert_eq!(LOOSE.torque(-0.5, -3.0), Torque { value: -31.0, slope: 2.0 });
-        assert_eq!(LOOSE.torque(0.5, -13.0).value, 0.0, "the flanks part");
-        assert_eq!(LOOSE.torque(-0.5, 13.0).slope, 0.0, "the flanks part");
-    }
-
-    #[test]
-    fn the_slope_is_the_derivative_over_the_speed() {
-        let soft = RotationalSpringDamper { transition: 0.2, ..LOOSE };
-        for (phi, w) in [(0.3, 1.0), (0.35, -2.0), (-0.4, -0.5), (0.9, 4.0)] {
-            let h = 1e-5;
-            let difference = (soft.torque(phi, w + h).value - soft.torque(phi, w - h).value) / (2.0 * h);
-            assert!((soft.torque(phi, w).slope - difference).abs() < 1e-8, "{phi}, {w}");
-        }
-    }
-
-    #[test]
-    fn negative_parameters_and_a_transition_without_play_are_refused() {
-        assert_eq!(RotationalSpringDamper { k: -1.0, ..SHAFT }.check().unwrap_err().param, "k");
-        assert_eq!(RotationalSpringDamper { backlash: -0.1, ..SHAFT }.check().unwrap_err().param, "backlash");
-        let error = RotationalSpringDamper { transition: 0.1, ..SHAFT }.check().unwrap_err();
-        assert_eq!(error.param, "transition");
-        assert!(error.help.is_some());
-        assert_eq!(LOOSE.check(), Ok(()));
+        show_deflection(c, needs, y);
     }
 }

@@ -1,4 +1,4 @@
-use blocksim_block::physical::{Domain, DryMesh, Element};
+use blocksim_block::physical::{Domain, DryMesh};
 use blocksim_block::prelude::*;
 
 use super::mesh::{Direction, Loss, Mesh};
@@ -60,16 +60,7 @@ impl Block for SimpleGear {
 
 impl Component for SimpleGear {
     fn part(&self, _given: &Given) -> Part {
-        Part::new()
-            .port("base", Domain::Rotational, "input side")
-            .port("follower", Domain::Rotational, "output side")
-            .measures("tau", "N*m", Needs::Motion, "torque into the base")
-            .element(Element::Gear {
-                base: 0,
-                follower: 1,
-                ratio: self.direction.ratio(1.0 / self.ratio),
-                loss: self.mesh().element(),
-            })
+        self.mesh().part(Domain::Rotational, self.direction.ratio(1.0 / self.ratio))
     }
 
     fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {

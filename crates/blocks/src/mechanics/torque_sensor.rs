@@ -1,5 +1,6 @@
-use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
+
+use super::quantities::ROTATION;
 
 /// Couples two turning parts rigidly and measures the torque that passes from `r` to `c`.
 ///
@@ -18,10 +19,7 @@ impl Block for TorqueSensor {
 
 impl Component for TorqueSensor {
     fn part(&self, _given: &Given) -> Part {
-        Part::new()
-            .rod_and_case()
-            .measures("tau", "N*m", Needs::Motion, "torque from r to c")
-            .element(Element::Rigid { r: 0, c: 1 })
+        ROTATION.load_sensor()
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {

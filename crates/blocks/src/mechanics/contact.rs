@@ -1,0 +1,168 @@
+//! Elastic contacts between two parts that turn or slide: spring and damper with play, ends of travel.
+
+use blocksim_block::prelude::*;
+
+use super::joint_limit::JointLimit;
+
+/// Spring and damper side by side, with play between the flanks if there is any. Units are those of rotation; in
+/// translation N/m, N*s/m and m.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SpringDamper {
+    /// Stiffness, N*m/rad.
+    pub k: f64,
+    /// Damping, N*m*s/rad.
+    pub d: f64,
+    /// Play from one contact to the other, rad.
+    pub backlash: f64,
+    /// Width over which a contact sets in, rad; with backlash only.
+    pub transition: f64,
+}
+
+impl SpringDamper {
+    /// What it transmits at a deflection and a speed.
+    pub(crate) fn load(&self, deflection: f64, speed: f64) -> Torque {
+        if self.backlash == 0.0 {
+            return Torque { value: self.k * deflection + self.d * speed, slope: self.d };
+        }
+        let flank = JointLimit { stiffness: self.k, damping: self.d, transition: self.transition };
+        let side = deflection.signum();
+        let push = flank.push(deflection.abs() - 0.5 * self.backlash, side * speed);
+        Torque { value: side * push.value, slope: push.slope }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ParamError> {
+        not_negative("k", self.k)?;
+        not_negative("d", self.d)?;
+        not_negative("backlash", self.backlash)?;
+        not_negative("transition", self.transition)?;
+        if self.backlash == 0.0 && self.transition > 0.0 {
+            return Err(ParamError::new(
+                "transition",
+                "`transition` tells how flanks meet, but without `backlash` there are none",
+            )
+            .help("give a `backlash`, or leave `transition` out"));
+        }
+        Ok(())
+    }
+}
+
+/// Free between two positions, a spring and a damper beyond them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Travel {
+    pub lower: f64,
+    pub upper: f64,
+    /// Law of both ends.
+    pub end: JointLimit,
+}
+
+impl Travel {
+    /// What the ends transmit at a position and a speed.
+    pub(crate) fn load(&self, position: f64, speed: f64) -> Torque {
+        let above = self.end.push(position - self.upper, speed);
+        let below = self.end.push(self.lower - position, -speed);
+        Torque { value: above.value - below.value, slope: above.slope + below.slope }
+    }
+
+    /// Whether the numbers make sense, under the names `lower`, `upper`, `stiffness`, `damping` and `transition`; the
+    /// start, a parameter with its name, lies within the travel.
+    pub(crate) fn check(&self, (name, start): (&str, f64), unit: &str) -> Result<(), ParamError> {
+        finite("lower", self.lower)?;
+        finite("upper", self.upper)?;
+        ordered("lower", self.lower, "upper", self.upper)?;
+        not_negative("stiffness", self.end.stiffness)?;
+        not_negative("damping", self.end.damping)?;
+        not_negative("transition", self.end.transition)?;
+        finite(name, start)?;
+        if start < self.lower || start > self.upper {
+            return Err(ParamError::new(
+                name,
+                format!(
+                    "the parts start at {start} {unit}, outside the free travel from {} to {} {unit}",
+                    self.lower, self.upper
+                ),
+            )
+            .help("start within the travel, or move `lower` and `upper`"));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHAFT: SpringDamper = SpringDamper { k: 100.0, d: 2.0, backlash: 0.0, transition: 0.0 };
+    const LOOSE: SpringDamper = SpringDamper { backlash: 0.5, ..SHAFT };
+    const STOP: Travel = Travel {
+        lower: -0.5,
+        upper: 1.0,
+        end: JointLimit { stiffness: 1000.0, damping: 20.0, transition: 0.1 },
+    };
+
+    #[test]
+    fn without_backlash_it_is_a_spring_and_a_damper_in_both_directions() {
+        assert_eq!(SHAFT.load(0.25, -30.0), Torque { value: -35.0, slope: 2.0 });
+        assert_eq!(SHAFT.load(-0.25, 1.0), Torque { value: -23.0, slope: 2.0 });
+    }
+
+    #[test]
+    fn within_the_play_nothing_is_transmitted_and_flanks_never_pull() {
+        for phi in [-0.25, -0.1, 0.0, 0.2, 0.25] {
+            assert_eq!(LOOSE.load(phi, 40.0).value, 0.0);
+            assert_eq!(LOOSE.load(phi, 40.0).slope, 0.0);
+        }
+        assert_eq!(LOOSE.load(0.5, 3.0), Torque { value: 31.0, slope: 2.0 });
+        assert_eq!(LOOSE.load(-0.5, -3.0), Torque { value: -31.0, slope: 2.0 });
+        assert_eq!(LOOSE.load(0.5, -13.0).value, 0.0, "the flanks part");
+        assert_eq!(LOOSE.load(-0.5, 13.0).slope, 0.0, "the flanks part");
+    }
+
+    #[test]
+    fn the_slope_is_the_derivative_over_the_speed() {
+        let soft = SpringDamper { transition: 0.2, ..LOOSE };
+        for (phi, w) in [(0.3, 1.0), (0.35, -2.0), (-0.4, -0.5), (0.9, 4.0)] {
+            let h = 1e-5;
+            let difference = (soft.load(phi, w + h).value - soft.load(phi, w - h).value) / (2.0 * h);
+            assert!((soft.load(phi, w).slope - difference).abs() < 1e-8, "{phi}, {w}");
+        }
+    }
+
+    #[test]
+    fn negative_parameters_and_a_transition_without_play_are_refused() {
+        assert_eq!(SpringDamper { k: -1.0, ..SHAFT }.check().unwrap_err().param, "k");
+        assert_eq!(SpringDamper { backlash: -0.1, ..SHAFT }.check().unwrap_err().param, "backlash");
+        let error = SpringDamper { transition: 0.1, ..SHAFT }.check().unwrap_err();
+        assert_eq!(error.param, "transition");
+        assert!(error.help.is_some());
+        assert_eq!(LOOSE.check(), Ok(()));
+    }
+
+    #[test]
+    fn the_penetration_gives_the_torque_of_the_smoothed_law_at_both_ends() {
+        // Penetration, rad, and the smooth step over a width of 0.1 rad.
+        for (depth, onset) in [(0.0, 0.0), (0.025, 0.15625), (0.05, 0.5), (0.075, 0.84375), (0.1, 1.0)] {
+            let torque = onset * 1000.0 * depth;
+            assert!((STOP.load(1.0 + depth, 0.0).value - torque).abs() < 1e-11, "{depth}");
+            assert!((STOP.load(-0.5 - depth, 0.0).value + torque).abs() < 1e-11, "{depth}");
+        }
+    }
+
+    #[test]
+    fn between_the_ends_it_is_free_and_beyond_them_it_never_pulls() {
+        assert_eq!(STOP.load(0.9, 100.0), Torque::default());
+        assert_eq!(STOP.load(1.2, -11.0), Torque::default(), "moving out fast");
+        assert_eq!(STOP.load(1.25, 1.0), Torque { value: 270.0, slope: 20.0 });
+        assert_eq!(STOP.load(-0.75, -1.0), Torque { value: -270.0, slope: 20.0 });
+    }
+
+    #[test]
+    fn a_travel_out_of_order_and_a_start_in_the_stop_are_refused() {
+        let wrong = Travel { upper: -1.0, ..STOP };
+        assert_eq!(wrong.check(("phi0", 0.0), "rad").unwrap_err().param, "upper");
+        let error = STOP.check(("phi0", 1.5), "rad").unwrap_err();
+        assert_eq!(error.param, "phi0");
+        assert_eq!(error.message, "the parts start at 1.5 rad, outside the free travel from -0.5 to 1 rad");
+        assert!(error.help.is_some());
+        assert_eq!(STOP.check(("x0", 0.0), "m"), Ok(()));
+    }
+}

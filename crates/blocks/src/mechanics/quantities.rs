@@ -1,0 +1,136 @@
+//! Rotation and translation: the same parts under different names and units.
+
+use blocksim_block::physical::{Domain, Element};
+use blocksim_block::prelude::*;
+
+/// Name, unit and meaning of a signal.
+type Signal = (&'static str, &'static str, &'static str);
+
+/// What a kind of motion calls its quantities.
+#[derive(Debug)]
+pub(crate) struct Quantities {
+    pub domain: Domain,
+    pub position: Signal,
+    pub speed: Signal,
+    pub acceleration: Signal,
+    /// Derivative of the speed, as an input.
+    pub rate: Signal,
+    /// Torque or force that passes from `r` to `c`.
+    pub load: Signal,
+    /// Torque or force of a source on `r`.
+    pub drive: Signal,
+}
+
+pub(crate) const ROTATION: Quantities = Quantities {
+    domain: Domain::Rotational,
+    position: ("phi", "rad", "angle of r against c"),
+    speed: ("w", "rad/s", "speed of r against c"),
+    acceleration: ("a", "rad/s^2", "acceleration of r against c"),
+    rate: ("dw", "rad/s^2", "derivative of w"),
+    load: ("tau", "N*m", "torque from r to c"),
+    drive: ("tau", "N*m", "torque on r"),
+};
+
+pub(crate) const TRANSLATION: Quantities = Quantities {
+    domain: Domain::Translational,
+    position: ("x", "m", "position of r against c"),
+    speed: ("v", "m/s", "velocity of r against c"),
+    acceleration: ("a", "m/s^2", "acceleration of r against c"),
+    rate: ("dv", "m/s^2", "derivative of v"),
+    load: ("f", "N", "force from r to c"),
+    drive: ("f", "N", "force on r"),
+};
+
+fn input((name, unit, doc): Signal) -> Input {
+    Input::real(name).scalar().unit(unit).doc(doc)
+}
+
+fn output((name, unit, doc): Signal) -> Output {
+    Output::real(name).unit(unit).doc(doc)
+}
+
+impl Quantities {
+    /// The ports `r` and `c` and one element between them.
+    pub(crate) fn between(&self, element: Element) -> Part {
+        Part::new().port("r", self.domain, "rod").port("c", self.domain, "case").element(element)
+    }
+
+    /// A torque or force between `r` and `c`.
+    pub(crate) fn branch(&self) -> Part {
+        self.between(Element::Branch { r: 0, c: 1 })
+    }
+
+    /// The same with the deflection as a state, without outputs.
+    pub(crate) fn spring(&self, start: f64) -> Part {
+        self.branch().state(self.position.0, start)
+    }
+
+    /// The same with outputs: deflection and load, as [`show_deflection`] fills them.
+    pub(crate) fn elastic(&self, start: f64) -> Part {
+        self.spring(start)
+            .output(output(self.position), Needs::State)
+            .output(output(self.load), Needs::Motion)
+    }
+
+    /// A source of torque or force with an input.
+    pub(crate) fn effort_source(&self) -> Part {
+        self.branch().input(input(self.drive))
+    }
+
+    /// A source of speed: inputs for speed and derivative, the drive as output.
+    pub(crate) fn speed_source(&self) -> Part {
+        self.between(Element::SpeedSource { r: 0, c: 1 })
+            .input(input(self.speed))
+            .input(input(self.rate).default(0.0))
+            .output(output(self.drive), Needs::Motion)
+    }
+
+    /// A rigid coupling that measures what passes through it.
+    pub(crate) fn load_sensor(&self) -> Part {
+        self.between(Element::Rigid { r: 0, c: 1 }).output(output(self.load), Needs::Motion)
+    }
+
+    /// Position, speed and acceleration, as [`show_motion`] fills them; the position is a state.
+    pub(crate) fn motion_sensor(&self, start: f64) -> Part {
+        self.between(Element::SpeedProbe { r: 0, c: 1 })
+            .output(output(self.position), Needs::State)
+            .output(output(self.speed), Needs::State)
+            .output(output(self.acceleration), Needs::Motion)
+            .state(self.position.0, start)
+    }
+
+    /// A part with inertia or mass.
+    pub(crate) fn inertia(&self, doc: &'static str, inertia: f64, speed: f64) -> Part {
+        Part::new().port("r", self.domain, doc).element(Element::Inertia { port: 0, inertia, speed })
+    }
+
+    /// A part that stands still.
+    pub(crate) fn reference(&self) -> Part {
+        Part::new()
+            .port("r", self.domain, "the part that stands still")
+            .element(Element::MechanicalReference { port: 0 })
+    }
+}
+
+/// A torque or force that damps not at all.
+pub(crate) fn undamped(value: f64) -> Torque {
+    Torque { value, slope: 0.0 }
+}
+
+/// Outputs of [`Quantities::elastic`].
+pub(crate) fn show_deflection(c: &Law, needs: Needs, y: &mut [f64]) {
+    match needs {
+        Needs::State => y[0] = c.x[0],
+        Needs::Electrics => {}
+        Needs::Motion => y[1] = c.torque[0],
+    }
+}
+
+/// Outputs of [`Quantities::motion_sensor`].
+pub(crate) fn show_motion(c: &Law, needs: Needs, y: &mut [f64]) {
+    match needs {
+        Needs::State => y[..2].copy_from_slice(&[c.x[0], c.speed[0]]),
+        Needs::Electrics => {}
+        Needs::Motion => y[2] = c.acceleration[0],
+    }
+}

@@ -1,0 +1,48 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::{TRANSLATION, undamped};
+
+/// Constant force between two sliding parts, whatever their velocity: positive `f` drives `r` against `c`.
+///
+/// The weight of a mass that hangs, for instance; for a force that changes use an `IdealForceSource`.
+///
+/// ```ron
+/// ConstantForce(f: "-20 kg * 9.80665 m/s^2")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct ConstantForce {
+    /// Force on `r`.
+    #[block(unit = "N")]
+    pub f: f64,
+}
+
+impl Block for ConstantForce {
+    fn check(&self) -> Result<(), ParamError> {
+        finite("f", self.f)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for ConstantForce {
+    fn part(&self, _given: &Given) -> Part {
+        TRANSLATION.branch()
+    }
+
+    fn torques(&self, _c: &Law, f: &mut [Torque]) {
+        f[0] = undamped(-self.f);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_infinite_force_is_refused() {
+        assert_eq!(ConstantForce { f: f64::INFINITY }.check().unwrap_err().param, "f");
+    }
+}

@@ -1,0 +1,27 @@
+//! Checks of what leads from rotation to translation.
+
+use blocksim_block::prelude::*;
+
+/// Length that gives the ratio; its sign is told by `direction`.
+fn length(name: &'static str, value: f64) -> Result<(), ParamError> {
+    positive(name, value).map_err(|error| {
+        error.help("which way the follower moves is told by `direction: Same` or `Reversed`")
+    })
+}
+
+pub(crate) fn radius(value: f64) -> Result<(), ParamError> {
+    length("radius", value)
+}
+
+pub(crate) fn lead(value: f64) -> Result<(), ParamError> {
+    length("lead", value)
+}
+
+/// The nut cannot drive the screw.
+pub(crate) fn self_locking(param: &'static str, fact: String) -> ParamError {
+    ParamError::new(
+        param,
+        format!("{fact}: the screw locks itself, and a curve of losses over the speed cannot hold the load"),
+    )
+    .help("write `loss: Stiction`, which holds it exactly")
+}

@@ -1,0 +1,28 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::TRANSLATION;
+
+/// Couples two sliding parts rigidly and measures the force that passes from `r` to `c`.
+///
+/// ```ron
+/// ForceSensor
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct ForceSensor;
+
+impl Block for ForceSensor {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for ForceSensor {
+    fn part(&self, _given: &Given) -> Part {
+        TRANSLATION.load_sensor()
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.torque[0];
+    }
+}

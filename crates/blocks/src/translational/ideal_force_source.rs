@@ -1,0 +1,28 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::{TRANSLATION, undamped};
+
+/// Applies a given force between two sliding parts, whatever their velocity: positive `f` drives `r` against `c`.
+///
+/// ```ron
+/// IdealForceSource
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct IdealForceSource;
+
+impl Block for IdealForceSource {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for IdealForceSource {
+    fn part(&self, _given: &Given) -> Part {
+        TRANSLATION.effort_source()
+    }
+
+    fn torques(&self, c: &Law, f: &mut [Torque]) {
+        f[0] = undamped(-c.scalar(0));
+    }
+}

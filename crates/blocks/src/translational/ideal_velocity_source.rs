@@ -1,0 +1,35 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::TRANSLATION;
+
+/// Prescribes the velocity between two sliding parts, whatever force that takes: $v_r - v_c = v$.
+///
+/// Parts with mass that are coupled to it need its derivative as well to be exact: connect `dv` unless the velocity is
+/// constant.
+///
+/// ```ron
+/// IdealVelocitySource
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct IdealVelocitySource;
+
+impl Block for IdealVelocitySource {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for IdealVelocitySource {
+    fn part(&self, _given: &Given) -> Part {
+        TRANSLATION.speed_source()
+    }
+
+    fn speeds(&self, c: &Law, v: &mut [f64], dv: &mut [f64]) {
+        (v[0], dv[0]) = (c.scalar(0), c.scalar(1));
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = -c.torque[0];
+    }
+}

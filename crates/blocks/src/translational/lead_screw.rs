@@ -1,0 +1,133 @@
+use std::f64::consts::TAU;
+
+use blocksim_block::physical::{Domain, DryMesh};
+use blocksim_block::prelude::*;
+
+use crate::mechanics::mesh::{Direction, Loss, Mesh};
+
+use super::converter::{lead, self_locking};
+
+/// Screw (`base`, turns) and nut (`follower`, slides): $v_F = \pm \frac{l}{2\pi} w_B$ with the lead $l$.
+///
+/// Ball screws and trapezoidal screws. Without losses the force $F$ on the nut is the torque $F l / 2\pi$ at the screw,
+/// and a mass on the nut counts as the moment of inertia $m (l/2\pi)^2$. Far above the thresholds the side that is
+/// driven gets the share `efficiency_forward` (the screw drives) or `efficiency_backward` (the nut drives), as in a
+/// `CycloidalDrive`. Both follow from friction in a `LeadScrewByFriction`. Screw and nut have neither inertia nor mass;
+/// the bearing of the screw stands still (an implied ground).
+///
+/// A screw that locks itself lets no nut drive it: its `efficiency_backward` is zero or less, $\tau / (F l / 2\pi)$ with the
+/// torque $\tau$ at the screw that lowers the load, counted negative. A curve of losses over the speed cannot hold the
+/// load then; `Stiction` does, exactly.
+///
+/// ```ron
+/// LeadScrew(lead: "10 mm", efficiency_forward: 0.92, efficiency_backward: 0.9)
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct LeadScrew {
+    /// Way $l$ of the nut in one turn of the screw.
+    #[block(unit = "m")]
+    pub lead: f64,
+    /// `Same`: the nut moves forward while the base turns in the positive sense; or `Reversed`.
+    #[block(default = Direction::Same)]
+    pub direction: Direction,
+    /// Efficiency when the screw drives the nut, above 0 and at most 1.
+    #[block(default = 1.0)]
+    pub efficiency_forward: f64,
+    /// Efficiency when the nut drives the screw, at most 1; zero or less, for a screw that locks itself, with `Stiction`.
+    #[block(default = 1.0)]
+    pub efficiency_backward: f64,
+    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
+    #[block(default = Loss::Dissipative)]
+    pub loss: Loss,
+    /// Speed of the screw above which the full loss acts; for `Dissipative`.
+    #[block(unit = "rad/s", default = 1.0)]
+    pub threshold: f64,
+    /// Power above which the full loss acts; for `Published`.
+    #[block(unit = "W", default = 1e-3)]
+    pub power_threshold: f64,
+}
+
+impl LeadScrew {
+    fn mesh(&self) -> Mesh {
+        Mesh {
+            forward: ("efficiency_forward", self.efficiency_forward),
+            backward: ("efficiency_backward", self.efficiency_backward),
+            loss: self.loss,
+            threshold: self.threshold,
+            power_threshold: self.power_threshold,
+        }
+    }
+}
+
+impl Block for LeadScrew {
+    fn check(&self) -> Result<(), ParamError> {
+        lead(self.lead)?;
+        let locks = self.efficiency_backward <= 0.0 && self.efficiency_backward.is_finite();
+        if !locks {
+            return self.mesh().check();
+        }
+        if self.loss != Loss::Stiction {
+            return Err(self_locking(
+                "efficiency_backward",
+                format!("`efficiency_backward` is {}", self.efficiency_backward),
+            ));
+        }
+        Mesh { backward: ("efficiency_backward", 1.0), ..self.mesh() }.check()
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for LeadScrew {
+    fn part(&self, _given: &Given) -> Part {
+        self.mesh().part(Domain::Translational, self.direction.ratio(self.lead / TAU))
+    }
+
+    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+        losses.fill(self.mesh().dry());
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.mesh[0];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCREW: LeadScrew = LeadScrew {
+        lead: 0.01,
+        direction: Direction::Same,
+        efficiency_forward: 0.9,
+        efficiency_backward: 0.8,
+        loss: Loss::Dissipative,
+        threshold: 1.0,
+        power_threshold: 1e-3,
+    };
+
+    #[test]
+    fn a_screw_that_locks_itself_is_refused_with_a_way_out() {
+        for efficiency_backward in [0.0, -0.3] {
+            let error = LeadScrew { efficiency_backward, ..SCREW }.check().unwrap_err();
+            assert_eq!(error.param, "efficiency_backward");
+            assert!(error.message.contains("locks itself"), "{}", error.message);
+            assert!(error.help.is_some());
+        }
+        assert_eq!(SCREW.check(), Ok(()));
+        let locks = LeadScrew { efficiency_backward: -0.3, loss: Loss::Stiction, ..SCREW };
+        assert_eq!(locks.check(), Ok(()));
+        let endless = LeadScrew { efficiency_backward: f64::NEG_INFINITY, ..locks };
+        assert_eq!(endless.check().unwrap_err().param, "efficiency_backward");
+    }
+
+    #[test]
+    fn a_lead_against_the_direction_is_refused() {
+        let error = LeadScrew { lead: -0.01, ..SCREW }.check().unwrap_err();
+        assert_eq!(error.param, "lead");
+        assert!(error.help.is_some_and(|help| help.contains("direction")));
+    }
+}

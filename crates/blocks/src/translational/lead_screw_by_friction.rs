@@ -1,0 +1,178 @@
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::OnceLock;
+
+use blocksim_block::prelude::*;
+
+use crate::mechanics::{Direction, Loss};
+
+use super::converter::{lead, self_locking};
+use super::lead_screw::LeadScrew;
+
+/// A `LeadScrew` described by its thread and friction instead of efficiencies.
+///
+/// With the pitch diameter $d$, the coefficient of friction $\mu$ and the angle $\alpha$ between a flank and the normal
+/// of the axis, the lead angle is $\lambda$ and the friction angle $\rho$:
+///
+/// $$ \tan\lambda = \frac{l}{\pi d}, \qquad \tan\rho = \frac{\mu}{\cos\alpha}, \qquad
+///    \eta_{forward} = \frac{\tan\lambda}{\tan(\lambda + \rho)}, \qquad
+///    \eta_{backward} = \frac{\tan(\lambda - \rho)}{\tan\lambda} $$
+///
+/// With $\rho \ge \lambda$ the screw locks itself: the nut cannot drive it. Only `loss: Stiction` describes that.
+///
+/// ```ron
+/// LeadScrewByFriction(lead: "10 mm", diameter: "18 mm", friction: 0.08, flank_angle: "15 deg")
+/// ```
+///
+/// Source: the torque on a power screw of the textbooks of machine elements, for lead angles that are small against
+/// 90 degrees.
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct LeadScrewByFriction {
+    /// Way $l$ of the nut in one turn of the screw.
+    #[block(unit = "m")]
+    pub lead: f64,
+    /// Pitch diameter $d$ of the thread.
+    #[block(unit = "m")]
+    pub diameter: f64,
+    /// Coefficient of friction $\mu$ between the flanks.
+    pub friction: f64,
+    /// Angle $\alpha$ of the flanks: half the angle of the thread, 15 degrees for a trapezoidal one, zero for a square one.
+    #[block(unit = "rad", default = 0.0)]
+    pub flank_angle: f64,
+    /// `Same`: the nut moves forward while the base turns in the positive sense; or `Reversed`.
+    #[block(default = Direction::Same)]
+    pub direction: Direction,
+    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
+    #[block(default = Loss::Dissipative)]
+    pub loss: Loss,
+    /// Speed of the screw above which the full loss acts; for `Dissipative`.
+    #[block(unit = "rad/s", default = 1.0)]
+    pub threshold: f64,
+    /// Power above which the full loss acts; for `Published`.
+    #[block(unit = "W", default = 1e-3)]
+    pub power_threshold: f64,
+    /// The screw that follows, worked out when it is first used.
+    #[block(skip)]
+    pub screw: OnceLock<LeadScrew>,
+}
+
+impl LeadScrewByFriction {
+    /// Lead angle and friction angle, rad.
+    fn angles(&self) -> (f64, f64) {
+        let lambda = (self.lead / (PI * self.diameter)).atan();
+        (lambda, (self.friction / self.flank_angle.cos()).atan())
+    }
+
+    /// Forward and backward; exactly one without friction.
+    fn efficiencies(&self) -> (f64, f64) {
+        let (lambda, rho) = self.angles();
+        ((lambda.tan() / (lambda + rho).tan()).min(1.0), ((lambda - rho).tan() / lambda.tan()).min(1.0))
+    }
+
+    /// The screw that follows.
+    pub fn screw(&self) -> &LeadScrew {
+        self.screw.get_or_init(|| {
+            let Self { lead, direction, loss, threshold, power_threshold, .. } = *self;
+            let (efficiency_forward, efficiency_backward) = self.efficiencies();
+            LeadScrew {
+                lead,
+                direction,
+                efficiency_forward,
+                efficiency_backward,
+                loss,
+                threshold,
+                power_threshold,
+            }
+        })
+    }
+}
+
+impl Block for LeadScrewByFriction {
+    fn check(&self) -> Result<(), ParamError> {
+        lead(self.lead)?;
+        positive("diameter", self.diameter)?;
+        not_negative("friction", self.friction)?;
+        if !(self.flank_angle >= 0.0 && self.flank_angle < FRAC_PI_2) {
+            return Err(ParamError::new(
+                "flank_angle",
+                format!("`flank_angle` is {} rad, but flanks lie between 0 and 90 degrees", self.flank_angle),
+            )
+            .help(
+                "write half the angle of the thread: 15 deg for a trapezoidal one, 30 deg for a metric one",
+            ));
+        }
+        let (lambda, rho) = self.angles();
+        if rho >= lambda && self.loss != Loss::Stiction {
+            return Err(self_locking(
+                "friction",
+                format!(
+                    "the friction angle ({:.2} deg) is not below the lead angle ({:.2} deg)",
+                    rho.to_degrees(),
+                    lambda.to_degrees()
+                ),
+            ));
+        }
+        if lambda + rho >= FRAC_PI_2 {
+            return Err(ParamError::new(
+                "friction",
+                format!(
+                    "lead angle and friction angle make {:.2} deg together, so no torque at the screw moves the nut",
+                    (lambda + rho).to_degrees()
+                ),
+            )
+            .help("take a shorter `lead` or less `friction`"));
+        }
+        self.screw().check().map_err(|error| ParamError { param: "friction".to_owned(), ..error })
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self.screw())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn screw(lead: f64, friction: f64, flank_angle: f64) -> LeadScrewByFriction {
+        LeadScrewByFriction {
+            lead,
+            diameter: 0.018,
+            friction,
+            flank_angle,
+            direction: Direction::Same,
+            loss: Loss::Dissipative,
+            threshold: 1.0,
+            power_threshold: 1e-3,
+            screw: OnceLock::new(),
+        }
+    }
+
+    #[test]
+    fn efficiencies_are_those_of_a_block_on_an_inclined_plane() {
+        // Work out over work in while the block climbs by the lead, with the forces along the plane resolved by hand.
+        let slope = 0.01 / (std::f64::consts::PI * 0.018);
+        let up = slope * (1.0 - 0.08 * slope) / (slope + 0.08);
+        let down = (slope - 0.08) / (1.0 + 0.08 * slope) / slope;
+        let (forward, backward) = screw(0.01, 0.08, 0.0).efficiencies();
+        assert!((forward - up).abs() < 1e-15 && (backward - down).abs() < 1e-14, "{forward}, {backward}");
+        let ideal = screw(0.01, 0.0, 0.0);
+        assert!((ideal.efficiencies().0 - 1.0).abs() < 1e-15 && ideal.check() == Ok(()));
+        let pointed = screw(0.01, 0.08, 0.5);
+        assert!(pointed.efficiencies().0 < forward, "steeper flanks are pressed harder");
+    }
+
+    #[test]
+    fn screws_that_nothing_moves_or_no_load_drives_are_refused() {
+        let locks = screw(0.004, 0.08, 0.0).check().unwrap_err();
+        assert_eq!(locks.param, "friction");
+        assert!(locks.message.contains("locks itself") && locks.help.is_some(), "{}", locks.message);
+        let holds = LeadScrewByFriction { loss: Loss::Stiction, ..screw(0.004, 0.08, 0.0) };
+        assert_eq!(holds.check(), Ok(()));
+        let steep = screw(0.2, 0.5, 0.0).check().unwrap_err();
+        assert!(steep.message.contains("no torque"), "{}", steep.message);
+        let flat = screw(0.01, 0.08, 2.0).check().unwrap_err();
+        assert_eq!(flat.param, "flank_angle");
+        assert_eq!(screw(0.01, 0.08, 0.26).check(), Ok(()));
+    }
+}

@@ -1,0 +1,51 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::TRANSLATION;
+
+/// A mass that slides: $F = m \dot v$, against an implied ground.
+///
+/// Masses that are coupled rigidly are one state. Behind a rack and a pinion of radius $r$ a mass counts as the moment
+/// of inertia $m r^2$, behind a screw of the lead $l$ as $m (l / 2\pi)^2$. Its weight is a `ConstantForce` where the
+/// way is not level.
+///
+/// ```ron
+/// Mass(m: "12 kg")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct Mass {
+    /// Mass; zero is allowed where something else gives the part its mass.
+    #[block(unit = "kg")]
+    pub m: f64,
+    /// Velocity at the start.
+    #[block(unit = "m/s", default = 0.0)]
+    pub v0: f64,
+}
+
+impl Block for Mass {
+    fn check(&self) -> Result<(), ParamError> {
+        not_negative("m", self.m)?;
+        finite("v0", self.v0)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for Mass {
+    fn part(&self, _given: &Given) -> Part {
+        TRANSLATION.inertia("the sliding part", self.m, self.v0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_negative_mass_is_refused() {
+        assert_eq!(Mass { m: -1.0, v0: 0.0 }.check().unwrap_err().param, "m");
+        assert_eq!(Mass { m: 0.0, v0: 0.0 }.check(), Ok(()));
+    }
+}

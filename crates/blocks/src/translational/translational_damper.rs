@@ -1,0 +1,46 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::TRANSLATION;
+
+/// Viscous friction between two sliding parts: $F = d\,(v_r - v_c)$.
+///
+/// ```ron
+/// TranslationalDamper(d: "40 N*s/m")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct TranslationalDamper {
+    /// Damping coefficient; zero is allowed.
+    #[block(unit = "N*s/m")]
+    pub d: f64,
+}
+
+impl Block for TranslationalDamper {
+    fn check(&self) -> Result<(), ParamError> {
+        not_negative("d", self.d)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for TranslationalDamper {
+    fn part(&self, _given: &Given) -> Part {
+        TRANSLATION.branch()
+    }
+
+    fn torques(&self, c: &Law, f: &mut [Torque]) {
+        f[0] = Torque { value: self.d * c.speed[0], slope: self.d };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_negative_coefficient_is_refused() {
+        assert_eq!(TranslationalDamper { d: -1.0 }.check().unwrap_err().param, "d");
+    }
+}

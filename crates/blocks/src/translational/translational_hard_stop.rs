@@ -1,0 +1,74 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::contact::Travel;
+use crate::mechanics::joint_limit::JointLimit;
+use crate::mechanics::quantities::{TRANSLATION, show_deflection};
+
+/// End of travel between two sliding parts: free between two positions, a spring and a damper beyond them.
+///
+/// $$ F = s\,(k\,\delta + d\,\dot\delta), \qquad s = 3 x^2 - 2 x^3, \quad x = \min(\delta / b, 1) $$
+///
+/// with the penetration $\delta$ beyond the upper end, or the mirrored law at the lower end. Both parts set in smoothly
+/// over the transition width $b$; the stop pushes back and never pulls, so it never delivers more than its spring has
+/// stored. The position of `r` against `c` is a state.
+///
+/// ```ron
+/// TranslationalHardStop(lower: "0 mm", upper: "400 mm", stiffness: "2e6 N/m", damping: "4e3 N*s/m")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct TranslationalHardStop {
+    /// Least position without contact.
+    #[block(unit = "m", default = -0.1)]
+    pub lower: f64,
+    /// Largest position without contact.
+    #[block(unit = "m", default = 0.1)]
+    pub upper: f64,
+    /// Stiffness $k$ of both ends.
+    #[block(unit = "N/m", default = 1e6)]
+    pub stiffness: f64,
+    /// Damping $d$ of both ends.
+    #[block(unit = "N*s/m", default = 1e3)]
+    pub damping: f64,
+    /// Width $b$ over which an end sets in; zero sets in at once.
+    #[block(unit = "m", default = 1e-4)]
+    pub transition: f64,
+    /// Position at the start.
+    #[block(unit = "m", default = 0.0)]
+    pub x0: f64,
+}
+
+impl TranslationalHardStop {
+    fn travel(&self) -> Travel {
+        let Self { lower, upper, stiffness, damping, transition, .. } = *self;
+        Travel { lower, upper, end: JointLimit { stiffness, damping, transition } }
+    }
+}
+
+impl Block for TranslationalHardStop {
+    fn check(&self) -> Result<(), ParamError> {
+        self.travel().check(("x0", self.x0), "m")
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for TranslationalHardStop {
+    fn part(&self, _given: &Given) -> Part {
+        TRANSLATION.elastic(self.x0)
+    }
+
+    fn torques(&self, c: &Law, f: &mut [Torque]) {
+        f[0] = self.travel().load(c.x[0], c.speed[0]);
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = c.speed[0];
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        show_deflection(c, needs, y);
+    }
+}

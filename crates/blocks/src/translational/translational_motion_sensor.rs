@@ -1,0 +1,42 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::{TRANSLATION, show_motion};
+
+/// Measures position, velocity and acceleration between two sliding parts without loading them.
+///
+/// $$ v = v_r - v_c, \qquad \dot x = v, \qquad a = \dot v $$
+///
+/// ```ron
+/// TranslationalMotionSensor(x0: "120 mm")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct TranslationalMotionSensor {
+    /// Position at the start.
+    #[block(unit = "m", default = 0.0)]
+    pub x0: f64,
+}
+
+impl Block for TranslationalMotionSensor {
+    fn check(&self) -> Result<(), ParamError> {
+        finite("x0", self.x0)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for TranslationalMotionSensor {
+    fn part(&self, _given: &Given) -> Part {
+        TRANSLATION.motion_sensor(self.x0)
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = c.speed[0];
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        show_motion(c, needs, y);
+    }
+}

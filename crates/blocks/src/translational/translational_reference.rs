@@ -1,0 +1,24 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::TRANSLATION;
+
+/// A part that does not slide: the bed that housings and guides are fixed to, $v_r = 0$.
+///
+/// ```ron
+/// TranslationalReference
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct TranslationalReference;
+
+impl Block for TranslationalReference {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for TranslationalReference {
+    fn part(&self, _given: &Given) -> Part {
+        TRANSLATION.reference()
+    }
+}

@@ -1,0 +1,60 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::{TRANSLATION, undamped};
+
+/// Spring between two sliding parts.
+///
+/// $$ F = k x, \qquad \dot x = v_r - v_c $$
+///
+/// The deflection is a state; a positive one is a spring pulled long. With a very stiff spring two parts move almost as
+/// one; where that is all it is for, connect them rigidly instead: that costs nothing and is exact.
+///
+/// ```ron
+/// TranslationalSpring(k: "2 N/mm")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct TranslationalSpring {
+    /// Stiffness; zero is allowed.
+    #[block(unit = "N/m")]
+    pub k: f64,
+    /// Deflection at the start.
+    #[block(unit = "m", default = 0.0)]
+    pub x0: f64,
+}
+
+impl Block for TranslationalSpring {
+    fn check(&self) -> Result<(), ParamError> {
+        not_negative("k", self.k)?;
+        finite("x0", self.x0)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for TranslationalSpring {
+    fn part(&self, _given: &Given) -> Part {
+        TRANSLATION.spring(self.x0)
+    }
+
+    fn torques(&self, c: &Law, f: &mut [Torque]) {
+        f[0] = undamped(self.k * c.x[0]);
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = c.speed[0];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_negative_stiffness_and_an_endless_deflection_are_refused() {
+        assert_eq!(TranslationalSpring { k: -1.0, x0: 0.0 }.check().unwrap_err().param, "k");
+        assert_eq!(TranslationalSpring { k: 1.0, x0: f64::NAN }.check().unwrap_err().param, "x0");
+    }
+}

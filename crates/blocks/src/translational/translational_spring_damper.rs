@@ -1,0 +1,74 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::contact::SpringDamper;
+use crate::mechanics::quantities::{TRANSLATION, show_deflection};
+
+/// Elastic link: a spring and a damper side by side, with play if there is any.
+///
+/// $$ F = k x + d v, \qquad \dot x = v = v_r - v_c $$
+///
+/// With a backlash $b$, the whole play from flank to flank, nothing is transmitted while $|x| < b/2$. Beyond it the
+/// flanks are pressed together by $\delta = |x| - b/2$ and
+///
+/// $$ F = \operatorname{sgn}(x)\, \max\bigl(0,\; s\,(k \delta + d \dot\delta)\bigr) $$
+///
+/// as in a `RotationalSpringDamper`: flanks push and never pull, and the contact sets in at once ($s = 1$) or over the
+/// width `transition`.
+///
+/// ```ron
+/// TranslationalSpringDamper(k: "1e7 N/m", d: "2e3 N*s/m", backlash: "0.02 mm")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct TranslationalSpringDamper {
+    /// Stiffness; zero is allowed.
+    #[block(unit = "N/m")]
+    pub k: f64,
+    /// Damping coefficient; zero is allowed.
+    #[block(unit = "N*s/m")]
+    pub d: f64,
+    /// Play between the flanks, from one contact to the other.
+    #[block(unit = "m", default = 0.0)]
+    pub backlash: f64,
+    /// Width over which the contact sets in; with backlash only.
+    #[block(unit = "m", default = 0.0)]
+    pub transition: f64,
+    /// Deflection at the start; zero is the middle of the play.
+    #[block(unit = "m", default = 0.0)]
+    pub x0: f64,
+}
+
+impl TranslationalSpringDamper {
+    fn law(&self) -> SpringDamper {
+        SpringDamper { k: self.k, d: self.d, backlash: self.backlash, transition: self.transition }
+    }
+}
+
+impl Block for TranslationalSpringDamper {
+    fn check(&self) -> Result<(), ParamError> {
+        self.law().check()?;
+        finite("x0", self.x0)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for TranslationalSpringDamper {
+    fn part(&self, _given: &Given) -> Part {
+        TRANSLATION.elastic(self.x0)
+    }
+
+    fn torques(&self, c: &Law, f: &mut [Torque]) {
+        f[0] = self.law().load(c.x[0], c.speed[0]);
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = c.speed[0];
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        show_deflection(c, needs, y);
+    }
+}

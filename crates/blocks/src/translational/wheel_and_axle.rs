@@ -1,0 +1,45 @@
+use blocksim_block::physical::Domain;
+use blocksim_block::prelude::*;
+
+use crate::mechanics::mesh::{Direction, Mesh};
+
+use super::converter::radius;
+
+/// Wheel (`base`, turns) and what rolls off it without slip or losses (`follower`, slides): $v_F = \pm r\, w_B$.
+///
+/// A driven wheel on the road, a belt on its pulley, a rope on a drum. The rope of a drum is taken as always tight: it
+/// pulls and pushes. For losses use a `RackAndPinion`.
+///
+/// ```ron
+/// WheelAndAxle(radius: "0.31 m")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct WheelAndAxle {
+    /// Radius $r$ of the wheel.
+    #[block(unit = "m")]
+    pub radius: f64,
+    /// `Same`: the follower moves forward while the base turns in the positive sense; or `Reversed`.
+    #[block(default = Direction::Same)]
+    pub direction: Direction,
+}
+
+impl Block for WheelAndAxle {
+    fn check(&self) -> Result<(), ParamError> {
+        radius(self.radius)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for WheelAndAxle {
+    fn part(&self, _given: &Given) -> Part {
+        Mesh::LOSSLESS.part(Domain::Translational, self.direction.ratio(self.radius))
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.mesh[0];
+    }
+}
