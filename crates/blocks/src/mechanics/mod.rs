@@ -40,6 +40,7 @@ mod rotational_spring;
 mod rotational_spring_damper;
 mod simple_gear;
 mod spherical_joint;
+pub(crate) mod stribeck;
 #[cfg(test)]
 pub(crate) mod testing;
 mod torque_sensor;

@@ -1,0 +1,76 @@
+use blocksim_block::physical::Grip;
+use blocksim_block::prelude::*;
+
+use crate::mechanics::FrictionModel;
+use crate::mechanics::quantities::TRANSLATION;
+use crate::mechanics::stribeck::Stribeck;
+
+/// Friction of a guide: breakaway (Stribeck), Coulomb and viscous parts over the velocity $v = v_r - v_c$.
+///
+/// $$ F = \sqrt{2e}\,(F_b - F_C)\, \frac{v}{v_S} e^{-(v/v_S)^2} + F_C \tanh\frac{v}{v_C} + f v,
+///    \qquad v_S = \sqrt 2\, v_b, \qquad v_C = \frac{v_b}{10} $$
+///
+/// This is the `Smooth` model: one curve without events, under which a part that is held creeps slower than $v_C$.
+/// `Stiction` sticks truly: at rest the force is whatever keeps the part there, up to $F_b$; beyond, it slides with
+///
+/// $$ F = \pm\bigl(F_C + (F_b - F_C)\, e^{-(v/v_S)^2}\bigr) + f v $$
+///
+/// until the velocity comes to zero again. The laws are those of a `RotationalFriction`. All forces may be zero.
+///
+/// ```ron
+/// TranslationalFriction(
+///     breakaway: "60 N", breakaway_velocity: "5 mm/s", coulomb: "45 N", viscous: "80 N*s/m", model: Stiction,
+/// )
+/// ```
+///
+/// Source: as `RotationalFriction`.
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational")]
+pub struct TranslationalFriction {
+    /// Breakaway force $F_b$, at least the Coulomb force.
+    #[block(unit = "N")]
+    pub breakaway: f64,
+    /// Breakaway velocity $v_b$: velocity of the largest friction of the smooth curve.
+    #[block(unit = "m/s")]
+    pub breakaway_velocity: f64,
+    /// Coulomb force $F_C$.
+    #[block(unit = "N")]
+    pub coulomb: f64,
+    /// Viscous coefficient $f$.
+    #[block(unit = "N*s/m", default = 0.0)]
+    pub viscous: f64,
+    /// `Smooth` or `Stiction`.
+    #[block(default = FrictionModel::Smooth)]
+    pub model: FrictionModel,
+}
+
+impl TranslationalFriction {
+    fn law(&self) -> Stribeck {
+        let Self { breakaway, breakaway_velocity, coulomb, viscous, model } = *self;
+        Stribeck { breakaway, breakaway_velocity, coulomb, viscous, model }
+    }
+}
+
+impl Block for TranslationalFriction {
+    fn check(&self) -> Result<(), ParamError> {
+        self.law().check()
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for TranslationalFriction {
+    fn part(&self, _given: &Given) -> Part {
+        self.law().part(&TRANSLATION)
+    }
+
+    fn grips(&self, c: &Law, grips: &mut [Grip]) {
+        grips[0] = self.law().grip(c.speed[0]);
+    }
+
+    fn torques(&self, c: &Law, f: &mut [Torque]) {
+        self.law().loads(c, f);
+    }
+}
