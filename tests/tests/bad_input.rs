@@ -219,6 +219,36 @@ fn wrong_directions_and_mixed_kinds_of_ports() {
 }
 
 #[test]
+fn rotation_and_translation_are_not_joined_and_do_not_mix_their_units() {
+    check(
+        r#""m": Mass(m: "2 kg"), "j": Inertia(j: 1),"#,
+        r#""m.r <-> j.r""#,
+        &expect![[r#"
+        error[domain_mismatch]: a rotational port cannot be joined to a translational port
+          model.ron:5:26 `j.r` rotational
+          model.ron:5:18 `m.r` translational
+          help: a WheelAndAxle, a RackAndPinion or a LeadScrew leads from one to the other
+    "#]],
+    );
+    check(
+        r#""t": Constant(value: "3 N*m"), "f": IdealForceSource, "m": Mass(m: "2 N"), "s": LeadScrew(lead: "5 mm/s"), "b": TranslationalReference,"#,
+        r#""t.y -> f.f", "f.r <-> m.r", "f.c <-> b.r""#,
+        &expect![[r#"
+            error[unit_mismatch]: `m` is in kg, but `2 N` is in N
+              model.ron:3:72 `"2 N"` should be in kg
+              help: write a value in kg or a unit of the same kind
+            error[unit_mismatch]: `lead` is in m, but `0.005 m/s` is in m/s
+              model.ron:3:101 `"5 mm/s"` should be in m
+              help: write a value in m or a unit of the same kind
+            error[unit_mismatch]: `f.f` is in N, but `t.y` is in N*m
+              model.ron:5:18 `t.y` is in N*m
+              model.ron:5:25 `f.f` takes N
+              help: mend the unit where the signal arises, or scale it: Gain(k: "1 V") makes a voltage of a plain number
+        "#]],
+    );
+}
+
+#[test]
 fn a_vector_into_a_scalar_port() {
     check(
         r#""v": Constant(value: [1.0, 2.0]), "s": ControlledVoltageSource, "g": ElectricalReference, "k": Gain(k: "1 V"),"#,

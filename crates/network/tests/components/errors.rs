@@ -327,3 +327,73 @@ fn start_speeds_that_contradict_each_other() {
         ]
     );
 }
+
+#[test]
+fn parts_that_slide_are_told_of_mass_and_their_own_reference() {
+    let (push, damper) = (("push", "IdealForceSource"), ("damper", "TranslationalDamper(d: 1.0)"));
+    let text = told(
+        &[push, damper, ("bed", "TranslationalReference")],
+        &["push.r <-> damper.r", "push.c <-> damper.c <-> bed.r"],
+    );
+    assert_eq!(
+        text,
+        [
+            "no_inertia: nothing at `push.r` has mass or a given speed, so its acceleration is unknown",
+            "  push: `r` is connected to it",
+            "  damper: `r` is connected to it",
+            "  help: add a Mass there, or couple the node to something that has one",
+        ]
+    );
+    // The housing of a pinion is no bed.
+    let text = told(
+        &[
+            push,
+            ("rotor", "Inertia(j: 1.0)"),
+            ("rack", "RackAndPinion(radius: 0.1)"),
+            ("housing", "RotationalReference"),
+            ("damper", "RotationalDamper(d: 1.0)"),
+        ],
+        &["rotor.r <-> rack.base <-> damper.r", "damper.c <-> housing.r", "push.r <-> rack.follower"],
+    );
+    assert_eq!(
+        text,
+        [
+            "unconnected_port: the translational port `push.c` is not connected",
+            "  push: has this port",
+            "  help: connect it; a case goes to a TranslationalReference",
+        ]
+    );
+    let text = told(
+        &[
+            push,
+            damper,
+            ("mass", "Mass(m: 1.0)"),
+            ("rack", "RackAndPinion(radius: 0.1)"),
+            ("housing", "RotationalReference"),
+            ("oil", "RotationalDamper(d: 1.0)"),
+        ],
+        &[
+            "rack.base <-> oil.r",
+            "oil.c <-> housing.r",
+            "push.r <-> mass.r <-> damper.r <-> rack.follower",
+            "push.c <-> damper.c",
+        ],
+    );
+    assert_eq!(
+        text[..1],
+        ["missing_reference: nothing at `push.c` has mass or a given speed, so its acceleration is unknown"]
+    );
+    assert!(text.last().is_some_and(|help| help.contains("no TranslationalReference")), "{text:?}");
+    let text = told(
+        &[
+            ("axle", "Inertia(j: 1.0, w0: 10.0)"),
+            ("rack", "RackAndPinion(radius: 0.5)"),
+            ("mass", "Mass(m: 1.0, v0: 3.0)"),
+        ],
+        &["axle.r <-> rack.base", "mass.r <-> rack.follower"],
+    );
+    assert_eq!(
+        text[0],
+        "start_conflict: the speed of 3 m/s at the start does not fit the parts it is coupled to"
+    );
+}

@@ -15,4 +15,5 @@ mod open_windings;
 mod permanent_magnets;
 mod plant;
 mod shafts;
+mod translation;
 mod wound_fields;

@@ -6,6 +6,7 @@ use blocksim_block::testing::Bench;
 use blocksim_block::{Block, Given, Input, Output};
 use blocksim_blocks::electrical::*;
 use blocksim_blocks::mechanics::*;
+use blocksim_blocks::translational::*;
 use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
 use serde::de::DeserializeOwned;
 
@@ -56,6 +57,10 @@ fn block(text: &str) -> Arc<dyn Block> {
         RotationalSpringDamper SimpleGear SphericalJoint StarPoint ThreePhaseSource TorqueSensor
         Transform UniversalJoint UniversalMotor
         VectorInverter VoltageSensor VoltageSource WeldJoint World WormGear WoundFieldDcMotor
+        ConstantForce ForceSensor IdealForceSource IdealVelocitySource LeadScrew LeadScrewByFriction Mass
+        RackAndPinion TranslationalDamper TranslationalFriction TranslationalHardStop
+        TranslationalMotionSensor TranslationalReference TranslationalSpring TranslationalSpringDamper
+        WheelAndAxle
     )
 }
 
