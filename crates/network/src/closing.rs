@@ -58,16 +58,14 @@ pub(crate) fn assemble(m: &Members, frames: &mut Frames) -> Result<(), Vec<Netwo
             }
         }
     }
-    let Some((mut left, mut q)) = best else { return Ok(()) };
+    let Some((left, mut q)) = best else { return Ok(()) };
     if left <= ACCEPTED {
         if left > ROUNDED {
             let mut exact = q.clone();
-            let rest = close(model, &mut data, &frames.loops, &vec![1.0; model.dof()], &mut exact);
-            if rest < left {
-                (left, q) = (rest, exact);
+            if close(model, &mut data, &frames.loops, &vec![1.0; model.dof()], &mut exact) < left {
+                q = exact;
             }
         }
-        debug_assert!(left <= ACCEPTED);
         frames.position = q;
         return Ok(());
     }

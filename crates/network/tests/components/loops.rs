@@ -378,16 +378,25 @@ fn a_rod_with_a_ball_at_each_end_keeps_its_length_and_the_energy() {
             ("right", "RevoluteJoint(axis: (0.0, 1.0, 0.0))"),
             ("bob2", "Body(mass: 2.0, com: (0.0, 0.0, -0.25), moi: (0.02, 0.02, 0.002))"),
             ("tip2", "Transform(translation: (0.0, 0.0, -0.5))"),
+            ("middle1", "Transform(translation: (0.0, 0.0, -0.2))"),
+            ("middle", "Transform(translation: (0.3, 0.0, 0.0))"),
+            ("middle2", "Transform(translation: (0.0, 0.0, -0.25))"),
+            ("s1", "TransformSensor"),
+            ("s", "TransformSensor"),
+            ("s2", "TransformSensor"),
         ],
         &[
             "world.frame <-> left.base <-> place.base",
-            "left.follower <-> bob1.frame <-> tip1.base",
+            "left.follower <-> bob1.frame <-> tip1.base <-> middle1.base",
             "tip1.follower <-> ball1.base",
-            "ball1.follower <-> rod.frame <-> far.base",
+            "ball1.follower <-> rod.frame <-> far.base <-> middle.base",
             "far.follower <-> ball2.base",
             "place.follower <-> right.base",
-            "right.follower <-> bob2.frame <-> tip2.base",
+            "right.follower <-> bob2.frame <-> tip2.base <-> middle2.base",
             "ball2.follower <-> tip2.follower",
+            "middle1.follower <-> s1.follower",
+            "middle.follower <-> s.follower",
+            "middle2.follower <-> s2.follower",
         ],
     );
     // Tips of the pendulums: those of a rotation about y by q of (0, 0, -l), the second placed askew.
@@ -402,12 +411,33 @@ fn a_rod_with_a_ball_at_each_end_keeps_its_length_and_the_energy() {
             [0.5 + cz * turned[0] - sz * turned[1], 0.2 + sz * turned[0] + cz * turned[1], 0.1 + turned[2]];
         (0..3).map(|k| (first[k] - second[k]).powi(2)).sum::<f64>().sqrt()
     };
+    // Moments of inertia across and along the axis (x of the rod, z of the pendulums, which do not turn about it).
+    let energy = |plant: &mut Plant| {
+        let mut sum = 0.0;
+        for (name, mass, across, along) in
+            [("s1", 1.0, 0.01, 0.01), ("s", 0.5, 0.015, 0.001), ("s2", 2.0, 0.02, 0.02)]
+        {
+            let [x, v, w, p] = ["x", "v", "w", "p"].map(|output| plant.get_all(&format!("{name}.{output}")));
+            let square = |a: &[f64]| a.iter().map(|a| a * a).sum::<f64>();
+            let axis = [
+                1.0 - 2.0 * (p[2] * p[2] + p[3] * p[3]),
+                2.0 * (p[1] * p[2] + p[0] * p[3]),
+                2.0 * (p[1] * p[3] - p[0] * p[2]),
+            ];
+            let about: f64 = axis.iter().zip(&w).map(|(a, w)| a * w).sum();
+            sum += mass * (0.5 * square(&v) + G * x[2]);
+            sum += 0.5 * across * (square(&w) - about * about) + 0.5 * along * about * about;
+        }
+        sum
+    };
+    let before = energy(&mut plant);
     close(plant.get("left.q"), 0.4, 0.0);
     for t in [0.0, 0.5, 1.0, 2.0] {
         if t > 0.0 {
             plant.run_to(t, 1e-3);
         }
         close(tips(&mut plant), 0.6, 1e-9);
+        close(energy(&mut plant), before, 1e-8);
     }
 }
 
