@@ -51,6 +51,8 @@ pub struct PhysicalPort {
     pub domain: Domain,
     /// One sentence for the manual.
     pub doc: &'static str,
+    /// A node inside of a component; see [`Part::inner`].
+    pub inner: bool,
 }
 
 /// How torque is lost in a mesh; see [`Element::Gear`].
@@ -756,7 +758,14 @@ impl Part {
 
     /// Adds a conserving port; they are numbered in this order.
     pub fn port(mut self, name: &str, domain: Domain, doc: &'static str) -> Self {
-        self.ports.push(PhysicalPort { name: name.to_owned(), domain, doc });
+        self.ports.push(PhysicalPort { name: name.to_owned(), domain, doc, inner: false });
+        self
+    }
+
+    /// Adds a node inside the component: numbered like the ports, but nothing can be connected to it. Inner nodes come
+    /// after the ports.
+    pub fn inner(mut self, name: &str, domain: Domain) -> Self {
+        self.ports.push(PhysicalPort { name: name.to_owned(), domain, doc: "", inner: true });
         self
     }
 
@@ -843,6 +852,7 @@ impl Part {
         let mut interface = Interface::new();
         interface.inputs = self.inputs;
         interface.ports = self.ports;
+        interface.ports.retain(|port| !port.inner);
         interface.states = self.states;
         interface.discrete = self.discrete;
         interface.guards = self.guards;

@@ -106,7 +106,7 @@ impl Mesh {
     }
 
     /// The loss for the network; `None` when nothing is lost.
-    fn element(&self) -> Option<MeshLoss> {
+    pub(crate) fn element(&self) -> Option<MeshLoss> {
         if self.forward.1 == 1.0 && self.backward.1 == 1.0 {
             return None;
         }

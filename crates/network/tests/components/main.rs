@@ -17,3 +17,4 @@ mod plant;
 mod shafts;
 mod translation;
 mod wound_fields;
+mod wrists;

@@ -48,10 +48,10 @@ fn block(text: &str) -> Arc<dyn Block> {
         };
     }
     one_of!(
-        AsynchronousMachine AveragedInverter Body Brake Clutch ConstantTorque ControlledVoltageSource
+        ElasticGear AsynchronousMachine AveragedInverter Body Brake Clutch ConstantTorque ControlledVoltageSource
         CurrentSensor Cyclic CycloidalDrive CylindricalJoint DcMotor DcMotorByRating DcMotorByStall Differential
         ElectricalReference ExternalForce FrameSpringDamper Payload PointPlaneContact TransformSensor
-        FreeJoint HarmonicDrive IdealSpeedSource IdealTorqueSource Inertia LossyGear LuGreFriction
+        FreeJoint HarmonicDrive IdealAngleSource IdealSpeedSource IdealTorqueSource Inertia LossyGear LuGreFriction
         MotionSensor OneWayClutch PermanentMagnetMachine PlanarJoint PlanetaryGear PrismaticJoint QuadraticLoad RevoluteJoint
         RotationalDamper RotationalFriction RotationalHardStop RotationalReference RotationalSpring
         RotationalSpringDamper SimpleGear SphericalJoint StarPoint ThreePhaseSource TorqueSensor
