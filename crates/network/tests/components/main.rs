@@ -11,6 +11,7 @@ mod joints;
 mod loops;
 mod machines;
 mod mechanisms;
+mod modes;
 mod open_windings;
 mod permanent_magnets;
 mod plant;
