@@ -703,6 +703,12 @@ pub trait Component: Debug + Send + Sync {
     /// Derivatives of the states; voltages, currents and speeds are known.
     fn derivatives(&self, _c: &Law, _dx: &mut [f64]) {}
 
+    /// How the states and the torque of the only branch change, for linearly implicit methods: `a` is the derivative of
+    /// the derivatives of the states over the states, by rows; `b` that over the speed of the branch; `c` that of the
+    /// torque over the states. Only when the part says [`Part::linear`]. They need not be exact: they keep what is
+    /// stiff cheap to integrate, and never change the result.
+    fn linearize(&self, _law: &Law, _a: &mut [f64], _b: &mut [f64], _c: &mut [f64]) {}
+
     /// Jumps of states at a major step: changes `x` and `d`, while the law shows everything as it was before; see
     /// [`Block::jump`](crate::Block::jump). Only when the part says [`Part::jumps`].
     fn jump(&self, _c: &Law, _x: &mut [f64], _d: &mut [f64]) -> bool {
@@ -741,6 +747,8 @@ pub struct Part {
     pub jumps: bool,
     /// Has [`Component::next_event`].
     pub time_events: bool,
+    /// Has [`Component::linearize`].
+    pub linear: bool,
     /// Voltages and prescribed currents stay as they are until inputs or discrete states change.
     pub holds: bool,
     /// What the component contributes.
@@ -805,6 +813,12 @@ impl Part {
     /// Adds a discrete state. The component changes it in [`Component::jump`].
     pub fn discrete(mut self, name: &str, initial: f64) -> Self {
         self.discrete.push(Discrete { name: name.to_owned(), initial });
+        self
+    }
+
+    /// Has [`Component::linearize`]; the component has one branch.
+    pub fn linear(mut self) -> Self {
+        self.linear = true;
         self
     }
 

@@ -8,7 +8,8 @@ use crate::work::Work;
 
 impl Network {
     /// `J` holds the slopes of torques over speeds and the positions as integrals of speeds: for speeds
-    /// `(M + hg C) dv = M r + D' lambda` with `D dv = D r` where constraints `D` hold, for positions `r + hg T dv`.
+    /// `(M + hg C) dv = M r + D' lambda` with `D dv = D r` where constraints `D` hold, for positions `r + hg T dv`. What
+    /// components know of their own states is eliminated, see [`linear`](crate::linear).
     pub(crate) fn prepare_implicit(&self, c: &Context, hg: f64, w: &mut Work) {
         self.motion_phase(c, w);
         let r = &self.rotation;
@@ -28,6 +29,7 @@ impl Network {
             *to = mass + hg * damping;
         }
         w.hg = hg;
+        self.prepare_linear(c, hg, w);
         w.position.copy_from_slice(self.positions(c));
         if cholesky_factor(&mut w.implicit, n).is_err() {
             c.fail("the mass matrix lost its positive definiteness: check masses and inertias");
@@ -42,10 +44,11 @@ impl Network {
     pub(crate) fn solve_implicit(&self, w: &mut Work, r: &mut [f64]) {
         let n = self.rotation.free;
         let (q, rest) = r.split_at_mut(self.positions);
-        let v = &mut rest[..n];
+        let (v, x) = rest.split_at_mut(n);
         for (row, to) in w.product.iter_mut().enumerate() {
             *to = w.mass[row * n..(row + 1) * n].iter().zip(v.iter()).map(|(m, v)| m * v).sum();
         }
+        self.eliminate_states(w, x);
         cholesky_solve(&w.implicit, &mut w.product);
         if !w.rows.is_empty() {
             // The Jacobian leaves `D v` alone, so the solution has that of `r`.
@@ -53,6 +56,7 @@ impl Network {
             w.lock.settle_like(&mut w.product, v);
         }
         v.copy_from_slice(&w.product);
+        self.return_states(w, v, x);
         for (to, joint) in w.joint_product.iter_mut().zip(&self.rotation.joints) {
             *to = w.hg * joint.of(v);
         }

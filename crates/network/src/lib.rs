@@ -24,6 +24,7 @@ mod frames;
 mod implicit;
 mod joints;
 mod layout;
+mod linear;
 mod lock;
 mod loops;
 mod members;

@@ -6,6 +6,7 @@ use blocksim_multibody::{Data, Model};
 use crate::circuits::Circuits;
 use crate::constraints::{Rows, Schur};
 use crate::float::FloatRoom;
+use crate::linear::Linear;
 use crate::lock::Lock;
 use crate::loops::LoopWork;
 use crate::mesh::MeshScratch;
@@ -105,6 +106,7 @@ pub(crate) struct Work {
     pub before: Vec<f64>,
     pub modes: Vec<f64>,
     pub hg: f64,
+    pub linear: Vec<Linear>,
 }
 
 impl Work {
@@ -189,6 +191,7 @@ impl Work {
             before: vec![0.0; network.interface.states.len()],
             modes: vec![0.0; network.interface.discrete.len()],
             hg: 0.0,
+            linear: Linear::rooms(network),
         }
     }
 }

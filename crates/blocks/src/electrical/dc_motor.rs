@@ -82,7 +82,7 @@ impl Component for DcMotor {
             .element(Element::Branch { r: 2, c: 3 })
             .element(Element::Inertia { port: 2, inertia: self.j, speed: 0.0 });
         if self.l > 0.0 {
-            part.state("i", self.i0).measures("i", "A", Needs::State, "current from p to n")
+            part.linear().state("i", self.i0).measures("i", "A", Needs::State, "current from p to n")
         } else {
             part.measures("i", "A", Needs::Electrics, "current from p to n")
         }
@@ -114,6 +114,10 @@ impl Component for DcMotor {
         if self.l > 0.0 {
             dx[0] = (c.voltage[0] - self.r * c.x[0] - self.k * c.speed[0]) / self.l;
         }
+    }
+
+    fn linearize(&self, _law: &Law, a: &mut [f64], b: &mut [f64], c: &mut [f64]) {
+        (a[0], b[0], c[0]) = (-self.r / self.l, -self.k / self.l, -self.k);
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
