@@ -48,6 +48,25 @@ fn ideal_torque_drives_follow_the_demo_move() {
     tracks(&run_file(MODEL, &["drive=torque"]), [0.3; 6]);
 }
 
+/// With every edge of six inverters at 8 kHz: the arm must not notice, but for the ripple.
+#[test]
+fn switching_inverters_move_the_robot_as_averaged_ones_do() {
+    let (switched, averaged) = (run_file(MODEL, &["drive=asm_switched"]), run_file(MODEL, &["drive=asm"]));
+    tracks(&switched, [0.3; 6]);
+    for axis in 1..=6 {
+        let set = if axis <= 3 { "principal" } else { "minor" };
+        let name = format!("measurements/torques/{set}.axis{axis}");
+        let peak = averaged.column(&name).iter().fold(0.0_f64, |peak, torque| peak.max(torque.abs()));
+        let mut worst: f64 = 0.0;
+        // In the first instants the fluxes take up the ripple.
+        for (t, torque) in switched.time.iter().zip(switched.column(&name)).filter(|(t, _)| **t > 2e-3) {
+            worst = worst.max((torque - averaged.at(&name, *t)).abs());
+        }
+        assert!(worst < 5e-3 * peak, "axis {axis}: {worst} N*m of {peak} N*m");
+        assert!(worst > 0.0, "axis {axis}: nothing is switched");
+    }
+}
+
 #[test]
 fn one_joint_takes_another_motor() {
     let run = run_file(MODEL, &["arm/link3.drive=dc"]);
@@ -83,7 +102,7 @@ fn the_shipped_tolerance_is_far_below_what_can_be_seen() {
                 .zip(shipped.column(&name))
                 .map(|(t, q)| degrees((q - reference.at(&name, *t)).abs()))
                 .fold(0.0, f64::max);
-            assert!(difference < 2e-4, "{drive}, axis {axis}: {difference} degrees");
+            assert!(difference < 4e-4, "{drive}, axis {axis}: {difference} degrees");
         }
     }
 }
@@ -110,7 +129,7 @@ fn standstill_costs_no_more_than_motion() {
 fn the_work_of_the_shipped_settings_is_known() {
     let evaluations =
         ["drive=dc", "drive=asm", "drive=torque"].map(|drive| run_file(MODEL, &[drive]).counts.evaluations);
-    expect_test::expect!["[18289, 10625, 9077]"].assert_eq(&format!("{evaluations:?}"));
+    expect_test::expect!["[11449, 8917, 8925]"].assert_eq(&format!("{evaluations:?}"));
 }
 
 #[test]

@@ -82,3 +82,49 @@ fn separate_integration_gives_what_the_solver_gives_that_stops_at_every_edge() {
         assert!((a - b).abs() < 1e-5, "{a} != {b} at {t}");
     }
 }
+
+/// The reference machine that runs up an inertia from rest behind an inverter of 8 kHz.
+fn run_up(integration: &str) -> Run {
+    run_text(&format!(
+        r#"Diagram(
+    simulation: (stop_time: "32 ms", solver: Ode45(rtol: 1e-9, atol: 1e-9), output: Every("1 ms")),
+    blocks: {{
+        "v": Constant(value: "60 V"), "f": Constant(value: "20 Hz"),
+        "inverter": SwitchedInverter(
+            vdc: "400 V", switching_frequency: "8 kHz", modulation: SpaceVector, integration: {integration},
+        ),
+        "machine": AsynchronousMachine(
+            rated_power: "15 kW", rated_voltage: "220 V", rated_frequency: "60 Hz", pole_pairs: 1,
+            r_s: "0.25 ohm", x_ls: "0.9 ohm", r_r: "0.14 ohm", x_lr: "0.41 ohm", x_m: "17 ohm",
+        ),
+        "rotor": Inertia(j: "0.01 kg*m^2"), "encoder": MotionSensor, "frame": RotationalReference,
+        "s": Scope(inputs: ["w"]),
+    }},
+    connections: [
+        "v.y -> inverter.v", "f.y -> inverter.f", "inverter.ac <-> machine.ac",
+        "machine.r <-> rotor.r <-> encoder.r", "machine.c <-> encoder.c <-> frame.r", "encoder.w -> s.w",
+    ],
+)"#
+    ))
+}
+
+#[test]
+fn the_coupling_of_a_separate_circuit_is_of_order_two() {
+    let speed = |run: &Run, ms: f64| {
+        let row = run.time.iter().rposition(|t| (t - 1e-3 * ms).abs() < 1e-9).expect("a row");
+        run.column("s.w")[row]
+    };
+    let exact = run_up("Together");
+    // Largest error at instants that belong to all coupling steps: 1 ms, 0.5 ms, 0.25 ms.
+    let errors = [8, 4, 2].map(|periods| {
+        let run = run_up(&format!("Separate(periods: {periods})"));
+        (1..=32)
+            .map(|ms| (speed(&run, f64::from(ms)) - speed(&exact, f64::from(ms))).abs())
+            .fold(0.0, f64::max)
+    });
+    for pair in errors.windows(2) {
+        let ratio = pair[0] / pair[1];
+        assert!((3.2..5.5).contains(&ratio), "{errors:?}");
+    }
+    assert!(errors[2] < 1e-3 * speed(&exact, 32.0).abs(), "{errors:?}");
+}

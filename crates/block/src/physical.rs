@@ -605,6 +605,7 @@ pub struct Law<'a> {
 
 impl<'a> Law<'a> {
     /// Time zero, everything at rest, nothing connected.
+    #[inline]
     pub fn nothing() -> Self {
         Law {
             t: 0.0,

@@ -1,6 +1,6 @@
 //! A network as a block: its values, laid out.
 
-use blocksim_block::physical::{Law, MeshLoss, Supply};
+use blocksim_block::physical::{Law, MeshLoss};
 use blocksim_block::{Block, Context, Fault, Given, Interface, InterfaceError, Scratch};
 use blocksim_solve::linear::cholesky_factor;
 
@@ -9,7 +9,7 @@ use crate::electrics::Electrics;
 use crate::frames::Frames;
 use crate::problem::NetworkProblem;
 use crate::rotation::Rotation;
-use crate::seat::{Active, ELECTRICS, STATE, Seat};
+use crate::seat::{Active, ELECTRICS, MOTION, STATE, Seat};
 use crate::separate::Separate;
 use crate::stiction::Stiction;
 use crate::work::Work;
@@ -44,8 +44,6 @@ pub struct Network {
     /// Circuits that the network integrates by itself.
     pub(crate) separate: Vec<Separate>,
 }
-
-const NO_SUPPLY: Supply = Supply { voltage: [0.0; 2], zero: 0.0, frequency: 0.0, angle: 0.0 };
 
 impl Network {
     /// The members, in the order of their inputs and outputs.
@@ -109,29 +107,34 @@ impl Network {
     }
 
     /// What a member sees before accelerations are known.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
-        let electrical = !seat.two_pins.is_empty();
+        // Most members have a share of few of these lists, and this is called some hundred times in an evaluation.
         let (x, d) = seat.states(c);
-        Law {
-            t: c.t,
-            x,
-            d,
-            u: &c.u[seat.u.clone()],
-            inputs: &seat.inputs,
-            speed: &w.pin_speed[seat.pins.clone()],
-            acceleration: &[],
-            torque: &[],
-            mesh: &[],
-            mode: self.modes_of(c, seat),
-            voltage: if electrical { &w.voltage[seat.two_pins.clone()] } else { &[] },
-            current: if electrical { &w.current[seat.two_pins.clone()] } else { &[] },
-            supply: seat.supply.map_or(NO_SUPPLY, |i| w.supply[i]),
-            line_current: seat.supply.map_or([0.0; 3], |i| w.line_current[i]),
-            joint: &w.joint_motion[seat.joint.clone()],
-            orientation: seat.ball.map_or([1.0, 0.0, 0.0, 0.0], |i| w.orientation[i]),
-            frames: &w.frame_motion[seat.frames.clone()],
+        let mut law = Law { t: c.t, x, d, inputs: &seat.inputs, ..Law::nothing() };
+        if !seat.u.is_empty() {
+            law.u = &c.u[seat.u.clone()];
         }
+        if !seat.pins.is_empty() {
+            law.speed = &w.pin_speed[seat.pins.clone()];
+        }
+        if !(seat.frictions.is_empty() && seat.dry.is_empty()) {
+            law.mode = self.modes_of(c, seat);
+        }
+        if !seat.two_pins.is_empty() {
+            law.voltage = &w.voltage[seat.two_pins.clone()];
+            law.current = &w.current[seat.two_pins.clone()];
+        }
+        if let Some(i) = seat.supply {
+            law.supply = w.supply[i];
+            law.line_current = w.line_current[i];
+        }
+        if seat.is_spatial() {
+            law.joint = &w.joint_motion[seat.joint.clone()];
+            law.orientation = seat.ball.map_or([1.0, 0.0, 0.0, 0.0], |i| w.orientation[i]);
+            law.frames = &w.frame_motion[seat.frames.clone()];
+        }
+        law
     }
 
     /// What a member sees when nothing but time, inputs and states is known.
@@ -179,7 +182,8 @@ impl Block for Network {
         }
         for seat in self.active.measures[group].iter().map(|i| &self.seats[*i]) {
             if let (Some(needs), Some(component)) = (seat.measures[group], seat.member.block.component()) {
-                component.measure(&self.whole_law(c, seat, w), needs, &mut y[seat.y.clone()]);
+                let law = if group == MOTION { self.whole_law(c, seat, w) } else { self.law(c, seat, w) };
+                component.measure(&law, needs, &mut y[seat.y.clone()]);
             }
         }
     }

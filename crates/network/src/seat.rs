@@ -70,6 +70,12 @@ pub(crate) struct Held {
 }
 
 impl Seat {
+    /// It sees a joint or a frame.
+    #[inline]
+    pub(crate) fn is_spatial(&self) -> bool {
+        !self.joint.is_empty() || self.ball.is_some() || !self.frames.is_empty()
+    }
+
     /// States and discrete states of the member.
     #[inline]
     pub(crate) fn states<'a>(&self, c: &Context<'a>) -> (&'a [f64], &'a [f64]) {

@@ -11,8 +11,9 @@ use crate::drives::modulation::{Carrier, Modulation, Modulator, Sampling};
 /// $$ \dot\theta = 2\pi f, \qquad v^*_a = v \cos\theta, \qquad v_{aN} = s_a V_{dc}, \quad s_a \in \{0, 1\} $$
 ///
 /// The legs are ideal: no dead time, no voltage across a switch. The references are compared with a triangular
-/// carrier, once or twice in each of its periods (`sampling`); the edges follow from the duties and are hit exactly. It
-/// takes the same inputs as `AveragedInverter`, which gives the mean of these voltages.
+/// carrier, once or twice in each of its periods (`sampling`), at the angle of the middle of the time that the sample
+/// holds for; the edges follow from the duties and are hit exactly. It takes the same inputs as `AveragedInverter`, which
+/// gives the mean of these voltages.
 ///
 /// `integration: Together` leaves the circuit to the solver of the diagram, which stops at every edge. `Separate`
 /// integrates the circuit by itself, from edge to edge, and couples it to the mechanics every so many periods of the
@@ -71,7 +72,10 @@ impl SwitchedInverter {
     /// Reference voltages of the phases, V.
     fn references(&self, c: &Law) -> [f64; LEGS] {
         let amplitude = c.scalar(V).clamp(0.0, self.modulation.limit(self.vdc));
-        let [a, b, c_] = Supply { voltage: turned([amplitude, 0.0], c.x[0]), ..Supply::default() }.phases();
+        // Duties hold from one sample to the next: their references are those of the middle.
+        let samples = if self.sampling == Sampling::Asymmetric { 2.0 } else { 1.0 };
+        let middle = c.x[0] + 0.5 * TAU * c.scalar(F) / (samples * self.switching_frequency);
+        let [a, b, c_] = Supply { voltage: turned([amplitude, 0.0], middle), ..Supply::default() }.phases();
         if c.scalar(REVERSE) == 0.0 { [a, b, c_] } else { [a, c_, b] }
     }
 
