@@ -750,6 +750,8 @@ pub struct Part {
     pub time_events: bool,
     /// Has [`Component::linearize`].
     pub linear: bool,
+    /// Longest step of the solver while valves wait for a zero of the voltage, s: they must not sleep through one.
+    pub max_step: Option<f64>,
     /// Voltages and prescribed currents stay as they are until inputs or discrete states change.
     pub holds: bool,
     /// What the component contributes.
@@ -814,6 +816,12 @@ impl Part {
     /// Adds a discrete state. The component changes it in [`Component::jump`].
     pub fn discrete(mut self, name: &str, initial: f64) -> Self {
         self.discrete.push(Discrete { name: name.to_owned(), initial });
+        self
+    }
+
+    /// Steps may not be longer than this, s, where valves conduct by themselves.
+    pub fn max_step(mut self, step: f64) -> Self {
+        self.max_step = Some(step);
         self
     }
 

@@ -9,7 +9,7 @@
 use blocksim_block::Context;
 use blocksim_block::physical::ValveKind;
 
-use crate::electrics::Conducting;
+use crate::electrics::{Conducting, Unsolvable};
 use crate::network::Network;
 use crate::problem::NetworkProblem;
 use crate::work::Work;
@@ -20,11 +20,14 @@ const ROUNDING: f64 = 1e-9;
 /// Currents below this, relative to the largest of the circuit, are what the location of an event leaves over.
 const REMAINDER: f64 = 1e-6;
 
+/// Time in which an event cannot be told from another, s, relative to the time of the simulation if that is larger than 1 s.
+const INSTANT: f64 = 1e-9;
+
 /// What is wrong with the set of conducting valves.
 enum Wrong {
     Nothing,
-    /// This valve of the island must change, for a contradiction of this size.
-    Valve(usize),
+    /// This valve of the island must change; the current against it that it had while it conducted.
+    Valve(usize, f64),
     /// Currents of inductances have no path, and no valve can take them over.
     Arc,
     /// A small current has no path any more: an event was a little late.
@@ -47,16 +50,19 @@ impl Network {
         }
         let mut changed: Conducting = 0;
         let mut struck = false;
+        // Currents at which valves have been let go of because they were negative.
+        let mut late = 0.0;
         let most = 8 * circuit.valves.len() + 8;
         for round in 0..most {
             let here = Context { x: &*x, d: &*d, ..*c };
-            let wrong = match self.contradiction(island, &here, w, changed, round > most / 2) {
+            let wrong = match self.contradiction(island, &here, w, changed, late, round > most / 2) {
                 Ok(wrong) => wrong,
                 Err(_) => return false,
             };
             match wrong {
                 Wrong::Nothing => return changed != 0 || struck,
-                Wrong::Valve(bit) => {
+                Wrong::Valve(bit, against) => {
+                    late += against;
                     let latch = &mut d[self.first_latch + circuit.valves[bit]];
                     *latch = 1.0 - *latch;
                     changed |= 1 << bit;
@@ -93,26 +99,44 @@ impl Network {
         c: &Context,
         w: &mut Work,
         changed: Conducting,
+        late: f64,
         any: bool,
     ) -> Result<Wrong, crate::currents::Faulty> {
+        let conducting = self.conducting(island, c, w);
+        if let Err(Unsolvable::Loop(two_pins)) = self.choose(island, conducting, w) {
+            // A loop of ideal voltages: the first of those that conduct by themselves lets go.
+            let two_pins: Vec<usize> =
+                two_pins.iter().map(|i| self.electrics.islands[island].two_pins[*i].index).collect();
+            let natural = conducting & self.natural_of(island);
+            let in_loop = |bit: &usize| {
+                let valve = self.electrics.islands[island].valves[*bit];
+                natural >> bit & 1 == 1 && two_pins.contains(&self.electrics.valves[valve].two_pin)
+            };
+            let bits = 0..self.electrics.islands[island].valves.len();
+            if let Some(bit) = bits.clone().find(in_loop) {
+                return Ok(Wrong::Valve(bit, 0.0));
+            }
+        }
         self.circuit(island, c, w)?;
         let circuit = &self.electrics.islands[island];
-        let conducting = self.conducting(island, c, w);
         let largest =
             |values: &[f64]| circuit.two_pins.iter().fold(0.0, |m: f64, p| m.max(values[p.index].abs()));
         let (most_v, most_i) = (largest(&w.voltage), largest(&w.current));
         let lost = self.lost(island, w);
-        if lost > 0.0 && lost <= REMAINDER * most_i {
-            return Ok(if lost <= 1e-14 * most_i {
-                self.worst(island, w, conducting, changed, any, most_v, most_i)
-            } else {
-                Wrong::Remainder
-            });
+        if lost <= 1e-14 * most_i {
+            return Ok(self.worst(island, w, conducting, changed, any, most_v, most_i));
         }
-        if lost > 0.0 {
-            return Ok(self.takes_over(island, c, w, conducting));
+        let arc = self.takes_over(island, c, w, conducting);
+        // Volt-seconds that the voltages of the circuit have in a time that an event cannot be located in.
+        let most_arc = circuit.two_pins.iter().fold(0.0, |m: f64, p| m.max(w.voltage[p.index].abs()));
+        if most_arc <= most_v * INSTANT * c.t.abs().max(1.0) || lost <= REMAINDER * most_i {
+            return Ok(Wrong::Remainder);
         }
-        Ok(self.worst(island, w, conducting, changed, any, most_v, most_i))
+        Ok(match arc {
+            // Where steps end behind the zero of a current, what is left of it ends with them.
+            Wrong::Arc if lost <= late * (1.0 + 1e-6) => Wrong::Remainder,
+            arc => arc,
+        })
     }
 
     /// The valve whose voltage or current contradicts most what it does.
@@ -127,7 +151,7 @@ impl Network {
         most_v: f64,
         most_i: f64,
     ) -> Wrong {
-        let mut worst = (0.0, None);
+        let mut worst = (0.0, Wrong::Nothing);
         for (bit, index) in self.electrics.islands[island].valves.iter().enumerate() {
             let valve = &self.electrics.valves[*index];
             let on = conducting >> bit & 1 == 1;
@@ -145,15 +169,16 @@ impl Network {
             let least = if changed >> bit & 1 == 1 { ROUNDING * scale } else { 0.0 };
             if against > least {
                 let size = against / scale.max(f64::MIN_POSITIVE);
+                let found = Wrong::Valve(bit, if on { against } else { 0.0 });
                 if any {
-                    return Wrong::Valve(bit);
+                    return found;
                 }
                 if size > worst.0 {
-                    worst = (size, Some(bit));
+                    worst = (size, found);
                 }
             }
         }
-        worst.1.map_or(Wrong::Nothing, Wrong::Valve)
+        worst.1
     }
 
     /// Largest current that enters a floating part and does not leave it, A.
@@ -218,7 +243,7 @@ impl Network {
                 best = (w.voltage[valve.two_pin], Some(bit));
             }
         }
-        best.1.map_or(Wrong::Arc, Wrong::Valve)
+        best.1.map_or(Wrong::Arc, |bit| Wrong::Valve(bit, 0.0))
     }
 
     /// Ends the currents that have no path.

@@ -124,7 +124,15 @@ impl Network {
         self.given_currents(c, w, &mut given, members, |by| by != GivenBy::Voltage);
         w.given = given;
         let conducting = self.conducting(island, c, w);
-        self.choose(island, conducting, c, w)?;
+        if let Err(why) = self.choose(island, conducting, w) {
+            // What conducts by itself lets go when a gate closes a loop; which of it does is settled in the jump that follows.
+            let natural = self.natural_of(island);
+            let loose = matches!(why, Unsolvable::Loop(_)) && conducting & natural != 0;
+            if !loose || self.choose(island, conducting & !natural, w).is_err() {
+                c.fail(self.unsolvable(island, conducting, &why));
+                return Err(Faulty);
+            }
+        }
         self.voltages(island, w);
         self.float(island, c, w);
         if self.electrics.islands[island].waits {
@@ -202,22 +210,20 @@ impl Network {
         &self,
         island: usize,
         conducting: Conducting,
-        c: &Context,
         w: &mut Work,
-    ) -> Result<(), Faulty> {
-        if w.circuits[island].choose(conducting) {
-            return Ok(());
+    ) -> Result<(), Unsolvable> {
+        if !w.circuits[island].choose(conducting) {
+            let solved = solve(&self.electrics, &self.electrics.islands[island], conducting)?;
+            w.circuits[island].add(conducting, solved);
         }
-        match solve(&self.electrics, &self.electrics.islands[island], conducting) {
-            Ok(solved) => {
-                w.circuits[island].add(conducting, solved);
-                Ok(())
-            }
-            Err(why) => {
-                c.fail(self.unsolvable(island, conducting, &why));
-                Err(Faulty)
-            }
-        }
+        Ok(())
+    }
+
+    /// The valves of an island that conduct by themselves.
+    pub(crate) fn natural_of(&self, island: usize) -> Conducting {
+        let valves = self.electrics.islands[island].valves.iter().enumerate();
+        let natural = valves.filter(|(_, valve)| self.electrics.valves[**valve].kind != ValveKind::Switch);
+        natural.fold(0, |bits, (bit, _)| bits | 1 << bit)
     }
 
     /// What valves have done to a circuit that cannot be.

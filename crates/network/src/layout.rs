@@ -160,6 +160,10 @@ impl Network {
             let path = &seats[electrics.valves[*valve].member].member.path;
             interface = interface.guard(format!("{path}.conducts"));
         }
+        if !natural.is_empty() {
+            let steps = seats.iter().filter_map(|seat| seat.member.part.max_step);
+            interface.max_step = steps.reduce(f64::min);
+        }
         interface.jumps |= !with_valves(&electrics).is_empty();
         if let Some(step) = separate.iter().map(|s| s.step).reduce(f64::min) {
             interface = interface.sampled(step);

@@ -17,7 +17,7 @@ use crate::work::Work;
 /// A physical network as one block.
 ///
 /// States: positions of joints, independent speeds, then the states of the members. Output group 0 (of the three that
-/// [`Needs`] names) depends on states alone, group 1 on the inputs of electrical sources, group 2 on everything.
+/// [`Needs`](blocksim_block::physical::Needs) names) depends on states alone, group 1 on the inputs of electrical sources, group 2 on everything.
 #[derive(Debug)]
 pub struct Network {
     pub(crate) seats: Vec<Seat>,

@@ -40,7 +40,7 @@ impl Simulation {
         if let Some(before) = self.rows.jumped_from() {
             observer.row(self.t, before);
         }
-        let jumped = self.jump(observer)?;
+        let jumped = self.jump(first, observer)?;
         if self.rows.are_due(self.t) || why.event || why.end || jumped {
             observer.row(self.t, &self.rows.values);
         }
@@ -73,7 +73,7 @@ impl Simulation {
     }
 
     /// Repeats the instant while something jumps; the row before the first jump is recorded. Returns whether any did.
-    fn jump(&mut self, observer: &mut dyn Observer) -> Result<bool, SimError> {
+    fn jump(&mut self, first: bool, observer: &mut dyn Observer) -> Result<bool, SimError> {
         if self.diagram.plan.jumping.is_empty() {
             return Ok(false);
         }
@@ -97,7 +97,8 @@ impl Simulation {
                             "it has jumped {JUMPS} times at one instant; a jump must end its own cause"
                         )));
                 }
-                Some(_) if round == 0 => observer.row(t, &self.rows.values),
+                // At the start there is no before.
+                Some(_) if round == 0 && !first => observer.row(t, &self.rows.values),
                 Some(_) => {}
             }
             self.pass(false)?;

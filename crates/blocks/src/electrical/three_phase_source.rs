@@ -46,6 +46,7 @@ impl Component for ThreePhaseSource {
             .port("ac", Domain::ThreePhase, "phases a, b, c")
             .measures("power", "W", Needs::Electrics, "power that the source delivers")
             .element(Element::Supply { ac: 0 })
+            .max_step(longest_step(self.frequency))
     }
 
     fn supply(&self, c: &Law) -> Supply {
@@ -60,6 +61,11 @@ impl Component for ThreePhaseSource {
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
         y[0] = delivered(&c.supply, c.line_current);
     }
+}
+
+/// Step in which no valve sleeps through a half-wave of this frequency, s; the harmonics of a bridge are six times faster.
+pub(super) fn longest_step(frequency: f64) -> f64 {
+    1.0 / (24.0 * frequency.abs())
 }
 
 /// Power that a supply delivers, W: `3/2 (v_d i_d + v_q i_q) + 3 v_0 i_0`.

@@ -17,7 +17,7 @@ use super::mesh::{Direction, Loss, Mesh};
 ///
 /// ```ron
 /// ElasticGear(
-///     ratio: 100.0, direction: Same, k: "2e4 N*m/rad", d: "20 N*m*s/rad", backlash: "1 arcmin", efficiency_forward: 0.8,
+///     ratio: 100.0, direction: Same, k: "2e4 N*m/rad", d: "20 N*m*s/rad", backlash: "0.02 deg", efficiency_forward: 0.8,
 /// )
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
