@@ -118,7 +118,7 @@ fn jumping_without_end_is_chatter() {
         expect![[r#"
             error[chatter] at t = 0 s: `restless` jumps without end
             help: it has jumped 1000 times at one instant; a jump must end its own cause
-            block: restless, rows: 1
+            block: restless, rows: 0
         "#]],
     );
 }
