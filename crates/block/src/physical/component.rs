@@ -1,0 +1,93 @@
+//! The law of a component.
+
+use std::fmt::Debug;
+
+use super::{DryMesh, Grip, Law, Needs, Part, Supply, Torque, Wrench};
+use crate::Given;
+
+/// The law of a block that belongs to a physical network. All functions are pure.
+pub trait Component: Debug + Send + Sync {
+    /// Ports, signals, states and elements.
+    fn part(&self, given: &Given) -> Part;
+
+    /// Voltage of each voltage source and capacitance, V.
+    fn voltages(&self, _c: &Law, _v: &mut [f64]) {}
+
+    /// The three-phase supply.
+    fn supply(&self, _c: &Law) -> Supply {
+        Supply::default()
+    }
+
+    /// Prescribed speed and its derivative of each speed source.
+    fn speeds(&self, _c: &Law, _w: &mut [f64], _dw: &mut [f64]) {}
+
+    /// Current of each winding and current source, A.
+    fn currents(&self, _c: &Law, _i: &mut [f64]) {}
+
+    /// Current that a machine draws from its supply, as a space vector in the frame of the supply and zero sequence, A;
+    /// from states alone.
+    fn line_current(&self, _c: &Law) -> [f64; 3] {
+        [0.0; 3]
+    }
+
+    /// Whether the gate of each valve is on; from inputs and discrete states.
+    fn gates(&self, _c: &Law, _on: &mut [bool]) {}
+
+    /// How the currents of windings that are states change with voltages: `di/dt = inverse * (v - internal)`.
+    ///
+    /// Where nothing but such currents meets at a node they depend on each other, and this tells the potential
+    /// there. `internal` has one entry for each such winding, three for a machine: a space vector in the frame of its
+    /// supply and zero sequence. `inverse`, 1/H, is symmetric and stored by rows. Speeds are known.
+    fn reluctance(&self, _c: &Law, _internal: &mut [f64], _inverse: &mut [f64]) {}
+
+    /// Adds volt-seconds, as numbered in [`reluctance`](Self::reluctance), to the fluxes: what a voltage without end
+    /// does in no time when a contact opens.
+    fn strike(&self, _c: &Law, _volt_seconds: &[f64], _x: &mut [f64]) {}
+
+    /// Torque of each branch.
+    fn torques(&self, _c: &Law, _tau: &mut [Torque]) {}
+
+    /// What each dry friction does.
+    fn grips(&self, _c: &Law, _grips: &mut [Grip]) {}
+
+    /// What each mesh of [`LossModel::Stiction`](super::LossModel::Stiction) loses, at these speeds of their bases in the direction they slide in.
+    fn mesh_losses(&self, _c: &Law, _speed: &[f64], _losses: &mut [DryMesh]) {}
+
+    /// Torque that the component itself applies to each speed of its joint (springs, stops, the torque input).
+    fn joint_torques(&self, _c: &Law, _tau: &mut [Torque]) {}
+
+    /// Force and torque on each frame that the component acts on, in the order of [`Element::FrameForce`](super::Element::FrameForce).
+    fn wrenches(&self, _c: &Law, _f: &mut [Wrench]) {}
+
+    /// Share of its payload that is attached: 0 or 1.
+    fn load(&self, _c: &Law) -> f64 {
+        0.0
+    }
+
+    /// Derivatives of the states; voltages, currents and speeds are known.
+    fn derivatives(&self, _c: &Law, _dx: &mut [f64]) {}
+
+    /// How the states and the torque of the only branch change, for linearly implicit methods: `a` is the derivative of
+    /// the derivatives of the states over the states, by rows; `b` that over the speed of the branch; `c` that of the
+    /// torque over the states. Only when the part says [`Part::linear`]. They need not be exact: they keep what is
+    /// stiff cheap to integrate, and never change the result.
+    fn linearize(&self, _law: &Law, _a: &mut [f64], _b: &mut [f64], _c: &mut [f64]) {}
+
+    /// Jumps of states at a major step: changes `x` and `d`, while the law shows everything as it was before; see
+    /// [`Block::jump`](crate::Block::jump). Only when the part says [`Part::jumps`].
+    fn jump(&self, _c: &Law, _x: &mut [f64], _d: &mut [f64]) -> bool {
+        false
+    }
+
+    /// Functions whose sign changes are events; as many as [`Part::guards`].
+    fn guards(&self, _c: &Law, _g: &mut [f64]) {}
+
+    /// The next time after `c.t` at which the component changes by itself; of the law, only time, inputs and
+    /// states are known. Only when the part says [`Part::time_events`].
+    fn next_event(&self, _c: &Law) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Writes all outputs of one need. `y` holds all outputs of the component, port after port.
+    fn measure(&self, _c: &Law, _needs: Needs, _y: &mut [f64]) {}
+}

@@ -1,0 +1,258 @@
+//! What a component contributes to a network.
+
+use super::{Freedom, MeshLoss, Pin};
+
+/// What makes a valve conduct.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ValveKind {
+    /// While the gate is on, in both directions: contact, MOSFET.
+    Switch,
+    /// While it is forward biased: diode.
+    Diode,
+    /// While the gate is on and it is forward biased: IGBT.
+    GatedDiode,
+    /// From a moment when the gate is on and it is forward biased until its current ends: thyristor.
+    Thyristor,
+}
+
+/// What a component contributes to a network. Ports are numbered as in [`Part::ports`](super::Part::ports).
+#[derive(Debug, Clone, PartialEq)]
+pub enum Element {
+    /// Moment of inertia or mass at a mechanical port, against an implied ground.
+    Inertia {
+        /// Mechanical port.
+        port: usize,
+        /// Moment of inertia, kg*m^2; mass, kg.
+        inertia: f64,
+        /// Speed at the start, rad/s or m/s.
+        speed: f64,
+    },
+    /// A torque between two mechanical ports of one domain that [`Component::torques`](super::Component::torques) gives.
+    Branch {
+        /// Rod.
+        r: usize,
+        /// Case.
+        c: usize,
+    },
+    /// Dry friction between two mechanical ports of one domain, that sticks: [`Component::grips`](super::Component::grips) gives what it can hold and its
+    /// torque while it slides; the network chooses between forward, backward and stuck ([`Law::mode`](super::Law::mode)).
+    Friction {
+        /// Rod.
+        r: usize,
+        /// Case.
+        c: usize,
+    },
+    /// Two mechanical ports of one domain rigidly coupled; the torque through it is measured.
+    Rigid {
+        /// Rod.
+        r: usize,
+        /// Case.
+        c: usize,
+    },
+    /// A speed between two mechanical ports of one domain that [`Component::speeds`](super::Component::speeds) prescribes.
+    SpeedSource {
+        /// Rod.
+        r: usize,
+        /// Case.
+        c: usize,
+    },
+    /// Only looks at the speed between two mechanical ports of one domain.
+    SpeedProbe {
+        /// Rod.
+        r: usize,
+        /// Case.
+        c: usize,
+    },
+    /// `w_follower = ratio * w_base`, both against an implied ground; may lead from one domain to the other.
+    Gear {
+        /// Input side.
+        base: usize,
+        /// Output side.
+        follower: usize,
+        /// Speed of the follower over speed of the base; negative when it reverses. In m from rotation to translation.
+        ratio: f64,
+        /// Losses of the mesh; `None` when there are none.
+        loss: Option<MeshLoss>,
+    },
+    /// `sum of factor * w_port = 0`, all against an implied ground: the linear relation between the speeds of a
+    /// planetary gear or a differential. Without losses; the torques into the ports have the proportions of the
+    /// factors.
+    Coupling {
+        /// Mechanical ports with their factors; none of them zero.
+        terms: Vec<(usize, f64)>,
+    },
+    /// A mechanical port that stands still.
+    MechanicalReference {
+        /// Mechanical port.
+        port: usize,
+    },
+    /// Two pins that are one node: a connection inside a component.
+    Junction {
+        /// One pin.
+        p: Pin,
+        /// The other.
+        n: Pin,
+    },
+    /// Potential zero.
+    ElectricalReference {
+        /// Electrical port.
+        port: usize,
+    },
+    /// A voltage that [`Component::voltages`](super::Component::voltages) gives.
+    VoltageSource {
+        /// Positive pin.
+        p: Pin,
+        /// Negative pin.
+        n: Pin,
+    },
+    /// A current that [`Component::currents`](super::Component::currents) gives.
+    Winding {
+        /// Positive pin.
+        p: Pin,
+        /// Negative pin.
+        n: Pin,
+        /// The current follows from states alone (there is inductance), not from the voltage at the same instant.
+        from_state: bool,
+    },
+    /// A current that [`Component::currents`](super::Component::currents) gives from its inputs, whatever the voltage.
+    CurrentSource {
+        /// Pin that the current enters by.
+        p: Pin,
+        /// Pin that it leaves by.
+        n: Pin,
+    },
+    /// A voltage that is a state: [`Component::voltages`](super::Component::voltages) gives it, the current changes it.
+    Capacitance {
+        /// Positive pin.
+        p: Pin,
+        /// Negative pin.
+        n: Pin,
+    },
+    /// `v = resistance * i`.
+    Resistance {
+        /// Positive pin.
+        p: Pin,
+        /// Negative pin.
+        n: Pin,
+        /// Resistance, Ohm; positive.
+        resistance: f64,
+    },
+    /// Conducts or not, by a gate, by itself or both.
+    Valve {
+        /// Pin that the current enters by when the valve conducts forward.
+        p: Pin,
+        /// Pin that it leaves by.
+        n: Pin,
+        /// What makes it conduct.
+        kind: ValveKind,
+        /// Resistance while it conducts, ohm; zero is an ideal contact.
+        on_resistance: f64,
+        /// Voltage that remains while it conducts, V.
+        forward_voltage: f64,
+        /// Conductance while it does not, S; zero cuts the branch.
+        off_conductance: f64,
+    },
+    /// `v_primary = ratio * v_secondary`, `i_secondary = -ratio * i_primary`, at all frequencies.
+    IdealTransformer {
+        /// Positive and negative pin.
+        primary: (Pin, Pin),
+        /// Positive and negative pin.
+        secondary: (Pin, Pin),
+        /// Turns of the primary over turns of the secondary.
+        ratio: f64,
+    },
+    /// Only looks at a voltage.
+    VoltageProbe {
+        /// Positive pin.
+        p: Pin,
+        /// Negative pin.
+        n: Pin,
+    },
+    /// A wire whose current is measured.
+    CurrentProbe {
+        /// Positive pin.
+        p: Pin,
+        /// Negative pin.
+        n: Pin,
+    },
+    /// A symmetric three-phase source that [`Component::supply`](super::Component::supply) gives.
+    Supply {
+        /// Three-phase port.
+        ac: usize,
+    },
+    /// A three-phase winding that is symmetric and has inductance; it sees [`Law::supply`](super::Law::supply) and gives
+    /// [`Component::line_current`](super::Component::line_current).
+    ///
+    /// With `ends` it is three separate windings from the phases of `ac` to those of `ends`; voltages and currents are
+    /// those of the windings. Without, the windings are joined inside, in delta or in a star whose point floats:
+    /// voltages are those of the phases against their mean, currents those of the lines.
+    Machine {
+        /// Three-phase port.
+        ac: usize,
+        /// Three-phase port of the other ends.
+        ends: Option<usize>,
+    },
+    /// The inertial frame.
+    World {
+        /// Frame port.
+        frame: usize,
+        /// Gravitational acceleration in the world frame, m/s^2.
+        gravity: [f64; 3],
+    },
+    /// A rigid body fixed to a frame.
+    Body {
+        /// Frame port.
+        frame: usize,
+        /// Mass, kg.
+        mass: f64,
+        /// Centre of mass in the frame, m.
+        com: [f64; 3],
+        /// Inertia about the centre of mass, axes of the frame: Ixx, Iyy, Izz, kg*m^2.
+        moi: [f64; 3],
+        /// Tensor elements Iyz, Izx, Ixy, kg*m^2.
+        poi: [f64; 3],
+    },
+    /// A fixed displacement between two frames.
+    Transform {
+        /// Frame it starts from.
+        base: usize,
+        /// Frame it leads to.
+        follower: usize,
+        /// Rotation matrix, row by row: coordinates in `follower` to coordinates in `base`.
+        rotation: [[f64; 3]; 3],
+        /// Origin of `follower` in `base`, m.
+        translation: [f64; 3],
+    },
+    /// A joint: `follower` moves against `base` by one freedom after another, in this order from `base`.
+    Joint {
+        /// Frame port.
+        base: usize,
+        /// Frame port.
+        follower: usize,
+        /// At least one; at most one of them is [`Freedom::Ball`].
+        freedoms: Vec<Freedom>,
+    },
+    /// Looks at the motion of a frame: [`Law::frames`](super::Law::frames).
+    FrameProbe {
+        /// Frame port.
+        frame: usize,
+    },
+    /// Looks at the motion of a frame and acts on it with the wrench that [`Component::wrenches`](super::Component::wrenches) gives.
+    FrameForce {
+        /// Frame port.
+        frame: usize,
+    },
+    /// A rigid body fixed to a frame with the share, 0 or 1, that [`Component::load`](super::Component::load) gives: what a gripper holds.
+    Payload {
+        /// Frame port.
+        frame: usize,
+        /// Mass, kg.
+        mass: f64,
+        /// Centre of mass in the frame, m.
+        com: [f64; 3],
+        /// Inertia about the centre of mass, axes of the frame: Ixx, Iyy, Izz, kg*m^2.
+        moi: [f64; 3],
+        /// Tensor elements Iyz, Izx, Ixy, kg*m^2.
+        poi: [f64; 3],
+    },
+}

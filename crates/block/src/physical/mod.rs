@@ -1,0 +1,32 @@
+//! Parts of physical networks: what a component connects, contains and obeys.
+//!
+//! A component names its conserving ports, contributes [`Element`]s between them and states the laws of those
+//! elements as functions. Kirchhoff's laws, the balance of torques and the elimination of rigid connections
+//! appear in no component: the assembly of a network does them in one place.
+//!
+//! Rotation and translation share their elements: where this page says speed, torque and inertia, translational ports
+//! have velocity (m/s), force (N) and mass (kg), and angles (rad) are positions (m).
+//!
+//! Signs. A branch between `r` and `c` has the speed `w_r - w_c`; its torque is counted positive when it absorbs
+//! power at positive speed: it acts as `-tau` on `r` and `+tau` on `c`. A two-pin between `p` and `n` has the
+//! voltage `v_p - v_n`; its current is counted positive from `p` through the element to `n`.
+
+mod component;
+mod effort;
+mod element;
+mod freedom;
+mod law;
+mod loss;
+mod part;
+mod port;
+mod supply;
+
+pub use component::Component;
+pub use effort::{Grip, Torque, Wrench};
+pub use element::{Element, ValveKind};
+pub use freedom::{Axis, Freedom};
+pub use law::{FrameMotion, JointMotion, Law};
+pub use loss::{DryMesh, LossModel, MeshLoss};
+pub use part::{Needs, Part};
+pub use port::{Domain, PhysicalPort, Pin};
+pub use supply::{Supply, from_space_vector, space_vector};

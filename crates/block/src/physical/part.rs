@@ -1,0 +1,177 @@
+//! What a component declares before a network is assembled.
+
+use super::{Domain, Element, PhysicalPort};
+use crate::{Discrete, Input, Interface, Output, State};
+
+/// What an output of a component needs before it can be computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Needs {
+    /// States, positions and speeds: no input at the same instant.
+    State,
+    /// Voltages and currents as well.
+    Electrics,
+    /// Torques and accelerations as well.
+    Motion,
+}
+
+/// Ports, signals, states and elements of a component.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Part {
+    /// Conserving ports.
+    pub ports: Vec<PhysicalPort>,
+    /// Signal inputs.
+    pub inputs: Vec<Input>,
+    /// Signal outputs and what they need.
+    pub outputs: Vec<(Output, Needs)>,
+    /// Continuous states.
+    pub states: Vec<State>,
+    /// Discrete states; [`Component::jump`](super::Component::jump) changes them.
+    pub discrete: Vec<Discrete>,
+    /// Names of the guards.
+    pub guards: Vec<String>,
+    /// Has [`Component::jump`](super::Component::jump).
+    pub jumps: bool,
+    /// Has [`Component::next_event`](super::Component::next_event).
+    pub time_events: bool,
+    /// Has [`Component::linearize`](super::Component::linearize).
+    pub linear: bool,
+    /// Longest step of the solver while valves wait for a zero of the voltage, s: they must not sleep through one.
+    pub max_step: Option<f64>,
+    /// Voltages and prescribed currents stay as they are until inputs or discrete states change.
+    pub holds: bool,
+    /// What the component contributes.
+    pub elements: Vec<Element>,
+    /// The electrical circuit that the component belongs to is integrated by the network itself, between the edges of
+    /// its valves, and coupled to the mechanics in steps of this length, s; see [`Part::separate`].
+    pub separate: Option<f64>,
+}
+
+impl Part {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a conserving port; they are numbered in this order.
+    pub fn port(mut self, name: &str, domain: Domain, doc: &'static str) -> Self {
+        self.ports.push(PhysicalPort { name: name.to_owned(), domain, doc, inner: false });
+        self
+    }
+
+    /// Adds a node inside the component: numbered like the ports, but nothing can be connected to it. Inner nodes come
+    /// after the ports.
+    pub fn inner(mut self, name: &str, domain: Domain) -> Self {
+        self.ports.push(PhysicalPort { name: name.to_owned(), domain, doc: "", inner: true });
+        self
+    }
+
+    /// Adds the ports `r` (rod) and `c` (case).
+    pub fn rod_and_case(self) -> Self {
+        self.port("r", Domain::Rotational, "rod").port("c", Domain::Rotational, "case")
+    }
+
+    /// Adds the ports `p` and `n`.
+    pub fn pins(self) -> Self {
+        self.port("p", Domain::Electrical, "positive pin").port("n", Domain::Electrical, "negative pin")
+    }
+
+    /// Adds an input.
+    pub fn input(mut self, input: Input) -> Self {
+        self.inputs.push(input);
+        self
+    }
+
+    /// Adds an output.
+    pub fn output(mut self, output: Output, needs: Needs) -> Self {
+        self.outputs.push((output, needs));
+        self
+    }
+
+    /// Adds a scalar output in a unit.
+    pub fn measures(self, name: &str, unit: &str, needs: Needs, doc: &'static str) -> Self {
+        self.output(Output::real(name).unit(unit).doc(doc), needs)
+    }
+
+    /// Adds a state.
+    pub fn state(mut self, name: &str, initial: f64) -> Self {
+        self.states.push(State { name: name.to_owned(), initial });
+        self
+    }
+
+    /// Adds a discrete state. The component changes it in [`Component::jump`](super::Component::jump).
+    pub fn discrete(mut self, name: &str, initial: f64) -> Self {
+        self.discrete.push(Discrete { name: name.to_owned(), initial });
+        self
+    }
+
+    /// Steps may not be longer than this, s, where valves conduct by themselves.
+    pub fn max_step(mut self, step: f64) -> Self {
+        self.max_step = Some(step);
+        self
+    }
+
+    /// Has [`Component::linearize`](super::Component::linearize); the component has one branch.
+    pub fn linear(mut self) -> Self {
+        self.linear = true;
+        self
+    }
+
+    /// Promises that voltages and prescribed currents stay as they are until inputs or discrete states change.
+    pub fn holds(mut self) -> Self {
+        self.holds = true;
+        self
+    }
+
+    /// Lets the network integrate the circuit that this component belongs to by itself: from one instant where a
+    /// component of it changes by itself ([`Component::next_event`](super::Component::next_event)) to the next, at the speeds that are expected for
+    /// the coupling step; the mechanics gets the mean of the torques. For circuits that switch much faster than the
+    /// mechanics moves.
+    pub fn separate(mut self, step: f64) -> Self {
+        self.separate = Some(step);
+        self
+    }
+
+    /// Adds a guard.
+    pub fn guard(mut self, name: &str) -> Self {
+        self.guards.push(name.to_owned());
+        self
+    }
+
+    /// Has [`Component::jump`](super::Component::jump).
+    pub fn jumps(mut self) -> Self {
+        self.jumps = true;
+        self
+    }
+
+    /// Has [`Component::next_event`](super::Component::next_event).
+    pub fn time_events(mut self) -> Self {
+        self.time_events = true;
+        self
+    }
+
+    /// Adds an element.
+    pub fn element(mut self, element: Element) -> Self {
+        self.elements.push(element);
+        self
+    }
+
+    /// What the compiler needs to know of the component as a block, before its network is assembled.
+    pub fn interface(self) -> Interface {
+        let mut interface = Interface::new();
+        interface.inputs = self.inputs;
+        interface.ports = self.ports;
+        interface.ports.retain(|port| !port.inner);
+        interface.states = self.states;
+        interface.discrete = self.discrete;
+        interface.guards = self.guards;
+        interface.jumps = self.jumps;
+        interface.time_events = self.time_events;
+        for (output, needs) in self.outputs {
+            interface = match needs {
+                Needs::State => interface.output_from_state(output),
+                Needs::Electrics | Needs::Motion => interface.output(output),
+            };
+        }
+        interface
+    }
+}

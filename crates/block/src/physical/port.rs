@@ -1,0 +1,54 @@
+//! What the parts of a network are connected by: ports, and the pins of electrical elements.
+
+/// What a conserving port carries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Domain {
+    /// Angular velocity (rad/s) and torque (N*m).
+    Rotational,
+    /// Velocity (m/s) and force (N).
+    Translational,
+    /// Potential (V) and current (A).
+    Electrical,
+    /// Three potentials and currents, phases a, b, c.
+    ThreePhase,
+    /// A frame of a rigid body: pose and wrench.
+    Frame,
+}
+
+impl std::fmt::Display for Domain {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            Domain::Rotational => "rotational",
+            Domain::Translational => "translational",
+            Domain::Electrical => "electrical",
+            Domain::ThreePhase => "three-phase",
+            Domain::Frame => "frame",
+        })
+    }
+}
+
+/// A conserving port.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PhysicalPort {
+    /// Name in the diagram.
+    pub name: String,
+    /// What it carries.
+    pub domain: Domain,
+    /// One sentence for the manual.
+    pub doc: &'static str,
+    /// A node inside of a component; see [`Part::inner`](super::Part::inner).
+    pub inner: bool,
+}
+
+/// Where an electrical element ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Pin {
+    /// An electrical port.
+    Port(usize),
+    /// Phase 0, 1 or 2 of a three-phase port.
+    Phase(usize, usize),
+    /// A node of the component's own, numbered from 0.
+    Inner(usize),
+    /// Potential zero.
+    Ground,
+}

@@ -1,0 +1,47 @@
+//! Three-phase supplies and space vectors.
+
+/// Three-phase voltages as a space vector (amplitude invariant) in a frame of its own.
+///
+/// An ideal source gives its frame, which turns with it, to the machines that it feeds directly; elsewhere the frame
+/// stands still with its real axis on phase a.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Supply {
+    /// Components on the real (d) and imaginary (q) axis of the frame, V; their length is the peak phase voltage.
+    pub voltage: [f64; 2],
+    /// Zero sequence: the mean of the three voltages, V.
+    pub zero: f64,
+    /// Speed of the frame, Hz; negative for the sequence a, c, b.
+    pub frequency: f64,
+    /// Angle of the frame against the axis of phase a, rad.
+    pub angle: f64,
+}
+
+impl Supply {
+    /// Peak phase voltage, V.
+    pub fn amplitude(&self) -> f64 {
+        self.voltage[0].hypot(self.voltage[1])
+    }
+
+    /// Voltages of the phases, V.
+    pub fn phases(&self) -> [f64; 3] {
+        let (sin, cos) = self.angle.sin_cos();
+        let [d, q] = self.voltage;
+        from_space_vector([cos * d - sin * q, sin * d + cos * q, self.zero])
+    }
+}
+
+/// Half the square root of three.
+const HALF_SQRT_3: f64 = 0.866_025_403_784_438_6;
+
+/// Phase values of a space vector with zero sequence in the frame of phase a.
+#[inline]
+pub fn from_space_vector([alpha, beta, zero]: [f64; 3]) -> [f64; 3] {
+    let (half, lift) = (-0.5 * alpha, HALF_SQRT_3 * beta);
+    [alpha + zero, half + lift + zero, half - lift + zero]
+}
+
+/// Space vector and zero sequence of phase values, in the frame of phase a.
+#[inline]
+pub fn space_vector([a, b, c]: [f64; 3]) -> [f64; 3] {
+    [(2.0 * a - b - c) / 3.0, (b - c) / (2.0 * HALF_SQRT_3), (a + b + c) / 3.0]
+}
