@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use blocksim_tests::{Run, run_text};
+use blocksim_tests::{Run, run_file, run_text};
 
 /// A circuit with these blocks and connections beside a reference `g`, recorded by the scope `s`.
 fn circuit(stop: &str, blocks: &str, connections: &str, shown: &str) -> String {
@@ -266,4 +266,32 @@ fn a_star_draws_what_its_delta_draws() {
             }
         }
     }
+}
+
+#[test]
+fn a_rectifier_bridge_gives_its_mean_voltage_less_what_commutation_costs() {
+    let run = run_file("diagrams/rectifier_bridge.ron", &[]);
+    // The mean over the last ten periods, 0.2 s; what the coil takes in them is nothing.
+    let (t, i) = (&run.time, run.column("dc.i"));
+    let (mut charge, mut least, mut most) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+    for k in (1..t.len()).filter(|k| t[*k - 1] >= 0.3 - 1e-12) {
+        charge += 0.5 * (i[k] + i[k - 1]) * (t[k] - t[k - 1]);
+        (least, most) = (least.min(i[k]), most.max(i[k]));
+    }
+    let (mean, peak, reactance) = (charge / 0.2, 400.0 * 2.0_f64.sqrt(), TAU * 50.0 * 1e-3);
+    // Two diodes of 1 mOhm are in the path of the current, one and a half of them while two conduct together.
+    let expected = (3.0 * peak / PI) / (10.0 + 3.0 * reactance / PI + 2e-3);
+    close(mean, expected, 1e-4 * expected, "mean current");
+    assert!(most - least < 0.3, "the current is not smooth: {least} to {most} A");
+
+    // Angle of overlap: 1 - cos(mu) = 2 X I / peak. A diode begins where its phase voltage meets that of the one before.
+    let events = |t: f64| run.events.iter().filter(move |(at, ..)| *at > t).map(|(at, ..)| *at);
+    let period = 0.02;
+    // Two phases meet at every sixth of a period, the highest at the odd ones.
+    let natural = 0.48 + period / 6.0;
+    let start = events(natural - 1e-5).next().unwrap_or(f64::NAN);
+    let end = events(start + 1e-6).next().unwrap_or(f64::NAN);
+    close(start, natural, 2e-6, "begin of commutation");
+    let overlap = (1.0 - 2.0 * reactance * mean / peak).acos();
+    close((end - start) * TAU / period, overlap, 2e-3 * overlap, "overlap");
 }

@@ -48,30 +48,35 @@ impl Network {
         if !circuit.valves.iter().any(|valve| self.is_natural(*valve)) && !circuit.has_windings {
             return false;
         }
-        let mut changed: Conducting = 0;
-        let mut struck = false;
+        let mut changed = false;
+        // A jump repeats its instant until nothing changes: what rounding says of valves that have changed at this
+        // instant must not change them back.
+        if w.commutated[island].0 != c.t {
+            w.commutated[island] = (c.t, 0);
+        }
         // Currents at which valves have been let go of because they were negative.
         let mut late = 0.0;
         let most = 8 * circuit.valves.len() + 8;
         for round in 0..most {
             let here = Context { x: &*x, d: &*d, ..*c };
-            let wrong = match self.contradiction(island, &here, w, changed, late, round > most / 2) {
+            let wrong = match self.contradiction(island, &here, w, late, round > most / 2) {
                 Ok(wrong) => wrong,
                 Err(_) => return false,
             };
             match wrong {
-                Wrong::Nothing => return changed != 0 || struck,
+                Wrong::Nothing => return changed,
                 Wrong::Valve(bit, against) => {
                     late += against;
                     let latch = &mut d[self.first_latch + circuit.valves[bit]];
                     *latch = 1.0 - *latch;
-                    changed |= 1 << bit;
+                    w.commutated[island].1 |= 1 << bit;
+                    changed = true;
                 }
                 Wrong::Remainder => {
                     let before = x.to_vec();
                     let here = Context { x: &before, d: &*d, ..*c };
                     self.strike(island, &here, w, x);
-                    struck = true;
+                    changed = true;
                 }
                 Wrong::Arc => {
                     c.fail(self.arc(island, &here, w));
@@ -90,15 +95,13 @@ impl Network {
         self.electrics.valves[valve].kind != ValveKind::Switch
     }
 
-    /// Evaluates an island and finds what is wrong with its valves. `changed` are those that have changed at this
-    /// instant, which rounding alone must not change back; `any` takes the first contradiction instead of the
-    /// greatest, so that no cycle can arise.
+    /// Evaluates an island and finds what is wrong with its valves. `any` takes the first contradiction instead of
+    /// the greatest, so that no cycle can arise.
     fn contradiction(
         &self,
         island: usize,
         c: &Context,
         w: &mut Work,
-        changed: Conducting,
         late: f64,
         any: bool,
     ) -> Result<Wrong, crate::currents::Faulty> {
@@ -124,7 +127,7 @@ impl Network {
         let (most_v, most_i) = (largest(&w.voltage), largest(&w.current));
         let lost = self.lost(island, w);
         if lost <= 1e-14 * most_i {
-            return Ok(self.worst(island, w, conducting, changed, any, most_v, most_i));
+            return Ok(self.worst(island, w, conducting, any, most_v, most_i));
         }
         let arc = self.takes_over(island, c, w, conducting);
         // Volt-seconds that the voltages of the circuit have in a time that an event cannot be located in.
@@ -140,17 +143,16 @@ impl Network {
     }
 
     /// The valve whose voltage or current contradicts most what it does.
-    #[allow(clippy::too_many_arguments)] // One caller.
     fn worst(
         &self,
         island: usize,
         w: &Work,
         conducting: Conducting,
-        changed: Conducting,
         any: bool,
         most_v: f64,
         most_i: f64,
     ) -> Wrong {
+        let changed = w.commutated[island].1;
         let mut worst = (0.0, Wrong::Nothing);
         for (bit, index) in self.electrics.islands[island].valves.iter().enumerate() {
             let valve = &self.electrics.valves[*index];

@@ -5,6 +5,7 @@ use blocksim_multibody::{Data, Model};
 
 use crate::circuits::Circuits;
 use crate::constraints::{Rows, Schur};
+use crate::electrics::Conducting;
 use crate::float::FloatRoom;
 use crate::linear::Linear;
 use crate::lock::Lock;
@@ -52,6 +53,8 @@ pub(crate) struct Work {
     pub circuits: Vec<Circuits>,
     /// Whether the gate of each valve is on.
     pub gates: Vec<bool>,
+    /// Per island: an instant, and the valves that have changed at it.
+    pub commutated: Vec<(f64, Conducting)>,
     pub float: FloatRoom,
     pub room: Room,
     /// Evaluation in which circuits that the network integrates by itself were looked at.
@@ -146,6 +149,7 @@ impl Work {
                 .map(|i| Circuits::new(&network.electrics, i))
                 .collect(),
             gates: vec![false; network.electrics.valves.len()],
+            commutated: vec![(f64::NAN, 0); network.electrics.islands.len()],
             float: FloatRoom::new(&network.electrics),
             room: Room::new(network),
             held_evaluation: u64::MAX,
