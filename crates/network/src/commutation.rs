@@ -126,8 +126,11 @@ impl Network {
             |values: &[f64]| circuit.two_pins.iter().fold(0.0, |m: f64, p| m.max(values[p.index].abs()));
         let (most_v, most_i) = (largest(&w.voltage), largest(&w.current));
         let lost = self.lost(island, w);
-        if lost <= 1e-14 * most_i {
-            return Ok(self.worst(island, w, conducting, any, most_v, most_i));
+        // Where all currents have ended, the largest so far tells what rounding has left of them.
+        let so_far = w.most_current[island].max(most_i);
+        w.most_current[island] = so_far;
+        if lost <= 1e-14 * so_far {
+            return Ok(self.worst(island, w, conducting, any, most_v, so_far));
         }
         let arc = self.takes_over(island, c, w, conducting);
         // Volt-seconds that the voltages of the circuit have in a time that an event cannot be located in.

@@ -55,6 +55,8 @@ pub(crate) struct Work {
     pub gates: Vec<bool>,
     /// Per island: an instant, and the valves that have changed at it.
     pub commutated: Vec<(f64, Conducting)>,
+    /// Per island: the largest current so far, A.
+    pub most_current: Vec<f64>,
     pub float: FloatRoom,
     pub room: Room,
     /// Evaluation in which circuits that the network integrates by itself were looked at.
@@ -150,6 +152,7 @@ impl Work {
                 .collect(),
             gates: vec![false; network.electrics.valves.len()],
             commutated: vec![(f64::NAN, 0); network.electrics.islands.len()],
+            most_current: vec![0.0; network.electrics.islands.len()],
             float: FloatRoom::new(&network.electrics),
             room: Room::new(network),
             held_evaluation: u64::MAX,
