@@ -35,7 +35,7 @@ pub mod private {
 
 /// What a block file needs.
 pub mod prelude {
-    pub use crate::physical::{Component, Law, Needs, Part, Torque};
+    pub use crate::physical::{Component, Energy, Law, Needs, Part, Torque};
     pub use crate::{
         Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Discrete, Files, Given, Input, Interface,
         InterfaceError, LoadError, Output, ParamError, ParamValue, PortType, Scratch, State, at_least,

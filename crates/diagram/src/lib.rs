@@ -35,7 +35,7 @@ use blocksim_block::schedule::Schedule;
 
 pub use ast::{Ast, BlockAst, ConnectionAst, Reference};
 pub use emit::{Stage, Stages};
-pub use example::example_interface;
+pub use example::{example_block, example_interface};
 pub use flatten::{Declared, Flat, FlatBlock, Source};
 pub use infer::Typed;
 pub use model::{Content, Model, ModelBlock, PortKind, VariantChoice};

@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use super::{DryMesh, Grip, Law, Needs, Part, Supply, Torque, Wrench};
+use super::{DryMesh, Energy, Grip, Law, Needs, Part, Supply, Torque, Wrench};
 use crate::Given;
 
 /// The law of a block that belongs to a physical network. All functions are pure.
@@ -62,6 +62,16 @@ pub trait Component: Debug + Send + Sync {
     /// Share of its payload that is attached: 0 or 1.
     fn load(&self, _c: &Law) -> f64 {
         0.0
+    }
+
+    /// What an account of energies books for the component: for its branches, windings, capacitances, machines, joint
+    /// torques and wrenches, of which only it knows what becomes of the power. Each of the three numbers follows from
+    /// the law on its own, none from the balance, so that the balance is a check of the law.
+    ///
+    /// All else the network books by itself: inertias and bodies, dry friction, meshes, resistances, valves, and what
+    /// sources of speed, voltage and current, supplies and payloads bring.
+    fn energy(&self, _c: &Law) -> Energy {
+        Energy::default()
     }
 
     /// Derivatives of the states; voltages, currents and speeds are known.

@@ -14,6 +14,7 @@
 mod component;
 mod effort;
 mod element;
+mod energy;
 mod freedom;
 mod law;
 mod loss;
@@ -24,6 +25,7 @@ mod supply;
 pub use component::Component;
 pub use effort::{Grip, Torque, Wrench};
 pub use element::{Element, ValveKind};
+pub use energy::Energy;
 pub use freedom::{Axis, Freedom};
 pub use law::{FrameMotion, JointMotion, Law};
 pub use loss::{DryMesh, LossModel, MeshLoss};

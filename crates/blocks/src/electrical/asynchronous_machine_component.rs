@@ -181,6 +181,15 @@ impl Component for Motor {
         self.machine.derivatives(c.x, v, v_0, w, w_r, dx);
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        let (field, heat) = self.machine.energy(c.x);
+        Energy {
+            stored: self.power / self.base.w * field,
+            dissipated: self.power * heat,
+            ..Energy::default()
+        }
+    }
+
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         let base = &self.base;
         let i = self.machine.currents(c.x)[0];

@@ -48,6 +48,10 @@ impl Component for Capacitor {
         dx[0] = c.current[0] / self.c;
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        Energy::stored(0.5 * self.c * c.x[0] * c.x[0])
+    }
+
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
         y[0] = c.x[0];
     }

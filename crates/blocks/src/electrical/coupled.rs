@@ -50,6 +50,16 @@ impl Coupled {
         [self.r[0] * i[0], self.r[1] * i[1]]
     }
 
+    /// Energy of the fields, and heat of the resistances.
+    pub(super) fn energy(&self, i: &[f64]) -> Energy {
+        let ([a, b], [r1, r2]) = (self.own, self.r);
+        Energy {
+            stored: 0.5 * (a * i[0] * i[0] + b * i[1] * i[1]) + self.mutual * i[0] * i[1],
+            dissipated: r1 * i[0] * i[0] + r2 * i[1] * i[1],
+            ..Energy::default()
+        }
+    }
+
     /// Slopes of the currents, A/s.
     pub(super) fn slopes(&self, c: &Law) -> [f64; 2] {
         let drop = self.drop(c.x);

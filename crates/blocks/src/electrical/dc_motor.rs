@@ -120,6 +120,15 @@ impl Component for DcMotor {
         (a[0], b[0], c[0]) = (-self.r / self.l, -self.k / self.l, -self.k);
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        let (i, w) = (self.current(c), c.speed[0]);
+        Energy {
+            stored: 0.5 * self.l * i * i,
+            dissipated: self.r * i * i + self.damping * w * w,
+            ..Energy::default()
+        }
+    }
+
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
         y[0] = self.current(c);
     }

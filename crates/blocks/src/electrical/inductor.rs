@@ -58,6 +58,10 @@ impl Component for Inductor {
         dx[0] = c.voltage[0] / self.l;
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        Energy::stored(0.5 * self.l * c.x[0] * c.x[0])
+    }
+
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
         y[0] = c.x[0];
     }

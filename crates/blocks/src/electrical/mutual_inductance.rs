@@ -81,6 +81,10 @@ impl Component for MutualInductance {
         dx.copy_from_slice(&self.coils().slopes(c));
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        self.coils().energy(c.x)
+    }
+
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
         y.copy_from_slice(c.x);
     }

@@ -174,6 +174,16 @@ impl Component for PermanentMagnetMachine {
         dx[THETA] = w_e;
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        // The magnets bring a constant, which is left out.
+        let (i_d, i_q) = (c.x[I_D], c.x[I_Q]);
+        Energy {
+            stored: 0.75 * (self.l_d * i_d * i_d + self.l_q * i_q * i_q),
+            dissipated: 1.5 * self.r_s * (i_d * i_d + i_q * i_q),
+            ..Energy::default()
+        }
+    }
+
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         match needs {
             Needs::State => y[..4].copy_from_slice(&[self.torque(c), c.x[I_D], c.x[I_Q], c.x[THETA]]),

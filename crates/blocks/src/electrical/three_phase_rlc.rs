@@ -152,6 +152,12 @@ impl Component for ThreePhaseRlc {
         }
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        let (currents, voltages) = c.x.split_at(self.first_voltage());
+        let square = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
+        Energy::stored(0.5 * (self.l * square(currents) + self.c.unwrap_or(0.0) * square(voltages)))
+    }
+
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
         let count = self.count();
         for (k, y) in y.iter_mut().enumerate() {

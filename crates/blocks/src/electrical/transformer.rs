@@ -95,6 +95,10 @@ impl Component for Transformer {
         dx.copy_from_slice(&self.windings().slopes(c));
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        self.windings().energy(c.x)
+    }
+
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
         y.copy_from_slice(c.x);
     }

@@ -101,6 +101,15 @@ impl Component for UniversalMotor {
         dx[0] = (c.voltage[0] - self.r * c.x[0] - self.l_af * c.x[0] * c.speed[0]) / self.l;
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        let (i, w) = (c.x[0], c.speed[0]);
+        Energy {
+            stored: 0.5 * self.l * i * i,
+            dissipated: self.r * i * i + self.damping * w * w,
+            ..Energy::default()
+        }
+    }
+
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         if needs == Needs::State {
             y.copy_from_slice(&[c.x[0], self.l_af * c.x[0] * c.x[0]]);

@@ -131,6 +131,15 @@ impl Component for WoundFieldDcMotor {
         dx[FIELD] = (c.voltage[FIELD] - self.r_f * i_f) / self.l_f;
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        let (i, i_f, w) = (c.x[ARMATURE], c.x[FIELD], c.speed[0]);
+        Energy {
+            stored: 0.5 * (self.l * i * i + self.l_f * i_f * i_f),
+            dissipated: self.r * i * i + self.r_f * i_f * i_f + self.damping * w * w,
+            ..Energy::default()
+        }
+    }
+
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         if needs == Needs::State {
             y.copy_from_slice(&[c.x[ARMATURE], c.x[FIELD], self.k(c) * c.x[ARMATURE]]);

@@ -55,6 +55,14 @@ impl Inside {
         torque
     }
 
+    /// What spring, damper and both ends of travel store and turn into heat.
+    pub(crate) fn energy(&self, q: f64, w: f64) -> Energy {
+        let above = self.upper.map(|upper| self.limit.energy(q - upper, w));
+        let below = self.lower.map(|lower| self.limit.energy(lower - q, -w));
+        let inside = spring_energy(self.stiffness, self.damping, q - self.equilibrium, w);
+        inside + above.unwrap_or_default() + below.unwrap_or_default()
+    }
+
     /// Whether the numbers make sense, under the names `equilibrium`, `stiffness`, `damping`, `lower`, `upper`,
     /// `limit_stiffness`, `limit_damping` and `limit_transition`; the start at `position` lies within the limits.
     pub(crate) fn check(&self, position: Option<f64>, unit: &str) -> Result<(), ParamError> {
@@ -92,6 +100,11 @@ pub(crate) fn vector_output(name: &str, length: usize, unit: &str, doc: &'static
 /// A vector input that is zero where nothing is connected.
 pub(crate) fn vector_input(name: &str, length: usize, unit: &str, doc: &'static str) -> Input {
     Input::real(name).shape(Shape::Vector(length)).unit(unit).default(0.0).doc(doc)
+}
+
+/// What [`spring`] stores and turns into heat.
+pub(crate) fn spring_energy(stiffness: f64, damping: f64, q: f64, w: f64) -> Energy {
+    Energy { stored: 0.5 * stiffness * q * q, dissipated: damping * w * w, ..Energy::default() }
 }
 
 /// A spring about zero and a damper.

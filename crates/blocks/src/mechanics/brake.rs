@@ -68,6 +68,10 @@ impl Component for Brake {
         grips[0] = self.pressed().grip(c.scalar(0));
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        self.pressed().energy(c)
+    }
+
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         if needs == Needs::Motion {
             self.pressed().measure(c, y);

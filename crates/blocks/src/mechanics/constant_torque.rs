@@ -35,6 +35,10 @@ impl Component for ConstantTorque {
     fn torques(&self, _c: &Law, tau: &mut [Torque]) {
         tau[0] = undamped(-self.tau);
     }
+
+    fn energy(&self, c: &Law) -> Energy {
+        Energy::supplied(self.tau * c.speed[0])
+    }
 }
 
 #[cfg(test)]

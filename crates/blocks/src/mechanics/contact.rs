@@ -2,6 +2,7 @@
 
 use blocksim_block::prelude::*;
 
+use super::axis::spring_energy;
 use super::joint_limit::JointLimit;
 
 /// Spring and damper side by side, with play between the flanks if there is any. Units are those of rotation; in
@@ -24,10 +25,22 @@ impl SpringDamper {
         if self.backlash == 0.0 {
             return Torque { value: self.k * deflection + self.d * speed, slope: self.d };
         }
-        let flank = JointLimit { stiffness: self.k, damping: self.d, transition: self.transition };
         let side = deflection.signum();
-        let push = flank.push(deflection.abs() - 0.5 * self.backlash, side * speed);
+        let push = self.flank().push(deflection.abs() - 0.5 * self.backlash, side * speed);
         Torque { value: side * push.value, slope: push.slope }
+    }
+
+    /// Energy of the spring, and heat of the damper.
+    pub(crate) fn energy(&self, deflection: f64, speed: f64) -> Energy {
+        if self.backlash == 0.0 {
+            return spring_energy(self.k, self.d, deflection, speed);
+        }
+        let side = deflection.signum();
+        self.flank().energy(deflection.abs() - 0.5 * self.backlash, side * speed)
+    }
+
+    fn flank(&self) -> JointLimit {
+        JointLimit { stiffness: self.k, damping: self.d, transition: self.transition }
     }
 
     pub(crate) fn check(&self) -> Result<(), ParamError> {
@@ -61,6 +74,11 @@ impl Travel {
         let above = self.end.push(position - self.upper, speed);
         let below = self.end.push(self.lower - position, -speed);
         Torque { value: above.value - below.value, slope: above.slope + below.slope }
+    }
+
+    /// Energy and heat of both ends.
+    pub(crate) fn energy(&self, position: f64, speed: f64) -> Energy {
+        self.end.energy(position - self.upper, speed) + self.end.energy(self.lower - position, -speed)
     }
 
     /// Whether the numbers make sense, under the names `lower`, `upper`, `stiffness`, `damping` and `transition`; the

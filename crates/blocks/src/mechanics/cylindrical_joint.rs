@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
 
-use super::axis::{direction, finite_start, spring, unit};
+use super::axis::{direction, finite_start, spring, spring_energy, unit};
 
 /// A joint that slides `follower` along an axis of `base` and turns it about the same axis, independently.
 ///
@@ -96,6 +96,13 @@ impl Component for CylindricalJoint {
         tau[0].value += c.scalar(0);
         tau[1] = spring(self.turn_stiffness, self.turn_damping, turn.q, turn.w);
         tau[1].value += c.scalar(1);
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let [slide, turn] = [c.joint[0], c.joint[1]];
+        spring_energy(self.slide_stiffness, self.slide_damping, slide.q, slide.w)
+            + spring_energy(self.turn_stiffness, self.turn_damping, turn.q, turn.w)
+            + Energy::supplied(c.scalar(0) * slide.w + c.scalar(1) * turn.w)
     }
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {

@@ -121,6 +121,10 @@ impl Component for ElasticGear {
         dx[0] = c.speed[0];
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        self.shaft().energy(c.x[0], c.speed[0])
+    }
+
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         match needs {
             Needs::State => y[0] = c.x[0],

@@ -2,7 +2,7 @@ use blocksim_block::physical::{Domain, Element, Wrench};
 use blocksim_block::prelude::*;
 
 use super::axis::vector_input;
-use super::vector::to_world;
+use super::vector::{dot, to_world};
 
 /// The axes in which a force is given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -53,5 +53,12 @@ impl Component for ExternalForce {
                 Wrench { force: to_world(&c.frames[0], force), torque: to_world(&c.frames[0], torque) }
             }
         };
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let mut f = [Wrench::default()];
+        self.wrenches(c, &mut f);
+        let frame = &c.frames[0];
+        Energy::supplied(dot(f[0].force, frame.velocity) + dot(f[0].torque, frame.angular))
     }
 }

@@ -73,6 +73,16 @@ impl Component for FrameSpringDamper {
         f.copy_from_slice(&between(&c.frames[0], &c.frames[1], scale(-pull, direction)));
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        let [distance, rate, _] = self.pull(c.frames).1;
+        let stretch = distance - self.length;
+        Energy {
+            stored: 0.5 * self.stiffness * stretch * stretch,
+            dissipated: self.damping * rate * rate,
+            ..Energy::default()
+        }
+    }
+
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         if needs == Needs::State {
             y[..3].copy_from_slice(&self.pull(c.frames).1);

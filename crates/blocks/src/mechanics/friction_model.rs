@@ -86,6 +86,14 @@ impl Pressed {
         Torque { value: capacity * onset, slope: capacity * (1.0 - onset * onset) / self.threshold }
     }
 
+    /// Heat of a smooth branch with the share as its input; that of friction that sticks is booked by the network.
+    pub(crate) fn energy(&self, c: &Law) -> Energy {
+        match self.model.sticks() {
+            true => Energy::default(),
+            false => Energy::dissipated(self.smooth(c.scalar(0), c.speed[0]).value * c.speed[0]),
+        }
+    }
+
     /// What it holds and transmits under a share of the load; a share outside 0..1 counts as the nearer end, and none
     /// (NaN) as it is.
     pub(crate) fn grip(&self, share: f64) -> Grip {

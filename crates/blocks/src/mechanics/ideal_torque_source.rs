@@ -26,6 +26,10 @@ impl Component for IdealTorqueSource {
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
         tau[0] = undamped(-c.scalar(0));
     }
+
+    fn energy(&self, c: &Law) -> Energy {
+        Energy::supplied(c.scalar(0) * c.speed[0])
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The end of travel of a joint: a spring and damper that set in smoothly.
 
-use blocksim_block::physical::Torque;
+use blocksim_block::physical::{Energy, Torque};
 
 /// Law of both ends of travel.
 #[derive(Debug, Clone, Copy)]
@@ -34,6 +34,22 @@ impl JointLimit {
             return Torque::default();
         }
         Torque { value, slope: onset * self.damping }
+    }
+
+    /// Energy of the spring, and heat of the damper. Where the damper would pull, the parts let go of each other, and
+    /// what the spring still holds becomes heat while it relaxes by itself.
+    pub(crate) fn energy(&self, depth: f64, rate: f64) -> Energy {
+        if depth <= 0.0 {
+            return Energy::default();
+        }
+        // The integral of k s (3 (s/b)^2 - 2 (s/b)^3) up to the end of the transition b, then that of k s.
+        let (b, x) = (self.transition, depth.min(self.transition));
+        let soft = if x > 0.0 { x * x * (x / b).powi(2) * (0.75 - 0.4 * x / b) } else { 0.0 };
+        let stored = self.stiffness * (soft + 0.5 * (depth * depth - x * x));
+        let onset = self.onset(depth);
+        let touches = self.push(depth, rate).value > 0.0;
+        let heat = if touches { self.damping * rate * rate } else { -self.stiffness * depth * rate };
+        Energy { stored, dissipated: onset * heat, ..Energy::default() }
     }
 }
 

@@ -139,6 +139,17 @@ impl Component for LuGreFriction {
         dx[0] = self.bristles(c.x[0], c.speed[0]).rate;
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        // The bristles yield: what bends them beyond their own rate becomes heat, as does what damps them.
+        let (z, w) = (c.x[0], c.speed[0]);
+        let b = self.bristles(z, w);
+        Energy {
+            stored: 0.5 * self.sigma0 * z * z,
+            dissipated: self.sigma0 * z * (w - b.rate) + b.damping * b.rate * w + self.viscous * w * w,
+            ..Energy::default()
+        }
+    }
+
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         match needs {
             Needs::State => y[0] = c.x[0],

@@ -66,6 +66,14 @@ impl Component for OneWayClutch {
             };
         }
     }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let w = c.speed[0].max(0.0);
+        match self.model.sticks() || w == 0.0 {
+            true => Energy::default(),
+            false => Energy::dissipated(self.d * w * w * w / (w + self.transition)),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
 
-use super::axis::{finite_start, spring, vector_input, vector_output};
+use super::axis::{finite_start, spring, spring_energy, vector_input, vector_output};
 
 /// A joint that lets `follower` slide in the x-y plane of `base` and turn about its z axis.
 ///
@@ -38,6 +38,16 @@ pub struct PlanarJoint {
     /// Coefficient of a damper about z.
     #[block(unit = "N*m*s/rad", default = 0.0)]
     pub turn_damping: f64,
+}
+
+impl PlanarJoint {
+    /// Stiffness and damping of a freedom.
+    fn spring(&self, freedom: usize) -> (f64, f64) {
+        match freedom {
+            2 => (self.turn_stiffness, self.turn_damping),
+            _ => (self.slide_stiffness, self.slide_damping),
+        }
+    }
 }
 
 impl Block for PlanarJoint {
@@ -86,14 +96,18 @@ impl Component for PlanarJoint {
 
     fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
         for (k, (to, joint)) in tau.iter_mut().zip(c.joint).enumerate() {
-            let (stiffness, damping) = match k {
-                2 => (self.turn_stiffness, self.turn_damping),
-                _ => (self.slide_stiffness, self.slide_damping),
-            };
+            let (stiffness, damping) = self.spring(k);
             *to = spring(stiffness, damping, joint.q, joint.w);
             // the inputs lie one behind the other: force x, force y, torque
             to.value += c.u[k];
         }
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        (0..3).fold(Energy::default(), |sum, k| {
+            let ((stiffness, damping), joint) = (self.spring(k), c.joint[k]);
+            sum + spring_energy(stiffness, damping, joint.q, joint.w) + Energy::supplied(c.u[k] * joint.w)
+        })
     }
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {

@@ -45,6 +45,8 @@ struct Touch {
     depth: f64,
     /// Normal force, N.
     normal: f64,
+    /// Speed out of the plane, m/s.
+    rise: f64,
     /// Speed of sliding, m/s.
     slip: f64,
     /// Force on the point in world axes, N.
@@ -60,12 +62,18 @@ impl PointPlaneContact {
         let rise = dot(velocity, out);
         let along = sub(velocity, scale(rise, out));
         let slip = dot(along, along).sqrt();
-        let law =
-            JointLimit { stiffness: self.stiffness, damping: self.damping, transition: self.transition };
-        let normal = law.push(depth, -rise).value;
-        let grip =
-            if slip > 0.0 { -self.friction * normal * (slip / self.threshold).tanh() / slip } else { 0.0 };
-        Touch { depth, normal, slip, force: add(scale(normal, out), scale(grip, along)) }
+        let normal = self.ground().push(depth, -rise).value;
+        let grip = if slip > 0.0 { -self.grip(normal, slip) / slip } else { 0.0 };
+        Touch { depth, normal, rise, slip, force: add(scale(normal, out), scale(grip, along)) }
+    }
+
+    fn ground(&self) -> JointLimit {
+        JointLimit { stiffness: self.stiffness, damping: self.damping, transition: self.transition }
+    }
+
+    /// Friction along the plane, N.
+    fn grip(&self, normal: f64, slip: f64) -> f64 {
+        self.friction * normal * (slip / self.threshold).tanh()
     }
 }
 
@@ -97,6 +105,12 @@ impl Component for PointPlaneContact {
 
     fn wrenches(&self, c: &Law, f: &mut [Wrench]) {
         f.copy_from_slice(&between(&c.frames[0], &c.frames[1], self.touch(c.frames).force));
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let touch = self.touch(c.frames);
+        let grip = self.grip(touch.normal, touch.slip);
+        self.ground().energy(touch.depth, -touch.rise) + Energy::dissipated(grip * touch.slip)
     }
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {

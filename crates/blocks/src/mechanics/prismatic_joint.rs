@@ -107,6 +107,11 @@ impl Component for PrismaticJoint {
         tau[0] = Torque { value: inside.value + c.scalar(0), slope: inside.slope };
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        let joint = c.joint[0];
+        self.inside().energy(joint.q, joint.w) + Energy::supplied(c.scalar(0) * joint.w)
+    }
+
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         match needs {
             Needs::State => y[..2].copy_from_slice(&[c.joint[0].q, c.joint[0].w]),

@@ -42,6 +42,11 @@ impl Component for QuadraticLoad {
         let k = self.torque / (self.speed * self.speed);
         tau[0] = Torque { value: k * w * w.abs(), slope: 2.0 * k * w.abs() };
     }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let w = c.speed[0].abs();
+        Energy::dissipated(self.torque / (self.speed * self.speed) * w * w * w)
+    }
 }
 
 #[cfg(test)]

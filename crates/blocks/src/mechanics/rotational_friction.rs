@@ -84,4 +84,8 @@ impl Component for RotationalFriction {
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
         self.law().loads(c, tau);
     }
+
+    fn energy(&self, c: &Law) -> Energy {
+        self.law().energy(c)
+    }
 }

@@ -68,6 +68,10 @@ impl Component for RotationalHardStop {
         dx[0] = c.speed[0];
     }
 
+    fn energy(&self, c: &Law) -> Energy {
+        self.travel().energy(c.x[0], c.speed[0])
+    }
+
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         show_deflection(c, needs, y);
     }

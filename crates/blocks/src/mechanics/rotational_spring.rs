@@ -46,6 +46,10 @@ impl Component for RotationalSpring {
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
         dx[0] = c.speed[0];
     }
+
+    fn energy(&self, c: &Law) -> Energy {
+        Energy::stored(0.5 * self.k * c.x[0] * c.x[0])
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Domain, Element, Freedom};
 use blocksim_block::prelude::*;
 
-use super::axis::{vector_input, vector_output};
+use super::axis::{spring_energy, vector_input, vector_output};
 use super::quaternion;
 
 /// A ball joint: `follower` turns freely about the common origin.
@@ -76,6 +76,15 @@ impl Component for SphericalJoint {
             let value = c.input(0)[k] - self.stiffness * turn[k] - self.damping * joint.w;
             *to = Torque { value, slope: self.damping };
         }
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let turn = quaternion::rotation_vector(c.orientation);
+        (0..3).fold(Energy::default(), |sum, k| {
+            let w = c.joint[k].w;
+            sum + spring_energy(self.stiffness, self.damping, turn[k], w)
+                + Energy::supplied(c.input(0)[k] * w)
+        })
     }
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {

@@ -66,6 +66,14 @@ impl Stribeck {
         load[0] = Torque { value, slope: slope.max(0.0) };
     }
 
+    /// Heat of a smooth branch; that of friction that sticks is booked by the network.
+    pub(crate) fn energy(&self, c: &Law) -> Energy {
+        match self.model.sticks() {
+            true => Energy::default(),
+            false => Energy::dissipated(self.smooth(c.speed[0]).0 * c.speed[0]),
+        }
+    }
+
     /// What it holds, and its friction while it slides at a speed.
     pub(crate) fn grip(&self, w: f64) -> Grip {
         Grip::symmetric(self.breakaway, w, |w| self.sliding(w))

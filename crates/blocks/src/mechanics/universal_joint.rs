@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
 
-use super::axis::{direction, spring, unit, vector_input, vector_output};
+use super::axis::{direction, spring, spring_energy, unit, vector_input, vector_output};
 
 /// A universal (Cardan) joint: `follower` turns about an axis of `base`, then about a second axis that turns with
 /// the first.
@@ -75,6 +75,14 @@ impl Component for UniversalJoint {
             *to = spring(self.stiffness, self.damping, joint.q, joint.w);
             to.value += input;
         }
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let axes = c.joint.iter().zip(c.input(0));
+        axes.fold(Energy::default(), |sum, (joint, torque)| {
+            sum + spring_energy(self.stiffness, self.damping, joint.q, joint.w)
+                + Energy::supplied(torque * joint.w)
+        })
     }
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {

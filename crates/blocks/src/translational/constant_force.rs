@@ -35,6 +35,10 @@ impl Component for ConstantForce {
     fn torques(&self, _c: &Law, f: &mut [Torque]) {
         f[0] = undamped(-self.f);
     }
+
+    fn energy(&self, c: &Law) -> Energy {
+        Energy::supplied(self.f * c.speed[0])
+    }
 }
 
 #[cfg(test)]

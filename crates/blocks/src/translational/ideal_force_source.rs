@@ -25,4 +25,8 @@ impl Component for IdealForceSource {
     fn torques(&self, c: &Law, f: &mut [Torque]) {
         f[0] = undamped(-c.scalar(0));
     }
+
+    fn energy(&self, c: &Law) -> Energy {
+        Energy::supplied(c.scalar(0) * c.speed[0])
+    }
 }

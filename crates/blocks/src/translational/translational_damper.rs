@@ -33,6 +33,10 @@ impl Component for TranslationalDamper {
     fn torques(&self, c: &Law, f: &mut [Torque]) {
         f[0] = Torque { value: self.d * c.speed[0], slope: self.d };
     }
+
+    fn energy(&self, c: &Law) -> Energy {
+        Energy::dissipated(self.d * c.speed[0] * c.speed[0])
+    }
 }
 
 #[cfg(test)]

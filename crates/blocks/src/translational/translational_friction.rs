@@ -73,4 +73,8 @@ impl Component for TranslationalFriction {
     fn torques(&self, c: &Law, f: &mut [Torque]) {
         self.law().loads(c, f);
     }
+
+    fn energy(&self, c: &Law) -> Energy {
+        self.law().energy(c)
+    }
 }

@@ -212,6 +212,25 @@ impl Machine {
         }
     }
 
+    /// Energy of the fields over that of one radian of the base frequency at the base power, and heat, both per unit.
+    pub fn energy(&self, psi: &[f64]) -> (f64, f64) {
+        let (i, i_0) = (self.currents(psi), self.zero_current(psi));
+        let flux = |k: usize| Self::flux(psi, k);
+        let mut field = 0.0;
+        let mut heat = 2.0 * self.r[0] * i_0 * i_0;
+        for (k, i) in i.iter().enumerate().take(self.n) {
+            field += (0..self.n).map(|l| 0.5 * self.constant[k][l] * flux(k).dot(flux(l))).sum::<f64>();
+            heat += self.r[k] * i.square();
+        }
+        if let Some(saturable) = &self.saturable {
+            field += saturable.sign * saturable.response.integral(self.excitation(saturable, psi).abs());
+        }
+        if let Some(l_0) = self.circuit.l_0 {
+            field += l_0 * i_0 * i_0;
+        }
+        (field, heat)
+    }
+
     /// Speed at which the flux of the (first) cage turns, in per unit, at the rotor speed `w_r`: `w_r` and what the voltage
     /// over its resistance adds. `w_r` where there is no flux.
     pub fn rotor_flux_speed(&self, psi: &[f64], w_r: f64) -> f64 {

@@ -98,6 +98,16 @@ impl Rising {
         let ratio = if line == 0 { slope } else { (value + slope * (z - self.starts[line])) / z };
         (ratio, slope)
     }
+
+    /// The integral from 0 to an argument that is not negative.
+    pub(super) fn integral(&self, z: f64) -> f64 {
+        let ends = self.starts.iter().skip(1).copied().chain([f64::INFINITY]);
+        let pieces = self.starts.iter().zip(ends).zip(&self.lines).take_while(|((start, _), _)| **start < z);
+        pieces.fold(0.0, |sum, ((start, end), (value, slope))| {
+            let width = z.min(end) - start;
+            sum + width * (value + 0.5 * slope * width)
+        })
+    }
 }
 
 #[cfg(test)]
