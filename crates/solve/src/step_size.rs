@@ -35,10 +35,12 @@ pub(crate) struct StepSize {
     /// Proportional and integral exponents: h_new = h * SAFETY * err^-exponent * err_before^beta.
     exponent: f64,
     beta: f64,
+    /// Exponent where nothing is known of the error before: h_new = h * SAFETY * err^-elementary.
+    elementary: f64,
     /// What the next step would like to be; unknown before the first.
     wanted: Option<f64>,
-    /// Logarithm of the error of the last step.
-    logarithm_before: f64,
+    /// Logarithm of the error of the last step, if that belongs to the same smooth piece of the solution.
+    logarithm_before: Option<f64>,
     rejected: bool,
 }
 
@@ -50,8 +52,9 @@ impl StepSize {
             limits,
             exponent: 1.0 / k - 0.75 * beta,
             beta,
+            elementary: 1.0 / k,
             wanted: limits.first,
-            logarithm_before: SMALLEST_REMEMBERED,
+            logarithm_before: None,
             rejected: false,
         }
     }
@@ -67,7 +70,7 @@ impl StepSize {
 
     /// Forgets the error of the past but not the size.
     pub fn restart(&mut self) {
-        self.logarithm_before = SMALLEST_REMEMBERED;
+        self.logarithm_before = None;
         self.rejected = false;
     }
 
@@ -91,7 +94,11 @@ impl StepSize {
     pub fn accept(&mut self, trial: Trial, err: f64) {
         // The powers by their logarithms, of which that of the error before is known.
         let logarithm = err.ln();
-        let factor = SAFETY * (self.beta * self.logarithm_before - self.exponent * logarithm).exp();
+        let power = match self.logarithm_before {
+            Some(before) => self.beta * before - self.exponent * logarithm,
+            None => -self.elementary * logarithm,
+        };
+        let factor = SAFETY * power.exp();
         let growth = factor.clamp(SHRINK, if self.rejected { 1.0 } else { GROW });
         let next = trial.h * growth;
         if trial.cut && factor > growth && !self.rejected {
@@ -101,7 +108,7 @@ impl StepSize {
             self.wanted = Some(next);
         }
         if !trial.cut {
-            self.logarithm_before = logarithm.max(SMALLEST_REMEMBERED);
+            self.logarithm_before = Some(logarithm.max(SMALLEST_REMEMBERED));
         }
         self.rejected = false;
     }
@@ -236,6 +243,17 @@ mod tests {
         let half = control.propose(0.0, 0.05);
         control.accept(half, 0.9);
         assert!(control.propose(0.05, 1.0).h < 0.05);
+    }
+
+    #[test]
+    fn where_nothing_is_known_of_the_error_before_the_last_one_alone_decides() {
+        let mut control = control(0.1, f64::INFINITY);
+        control.accept(control.propose(0.0, 9.0), 0.05);
+        control.restart();
+        let trial = control.propose(0.0, 9.0);
+        control.accept(trial, 0.05);
+        let grown = control.propose(0.0, 9.0).h / trial.h;
+        assert!((grown - SAFETY * 0.05_f64.powf(-1.0 / 5.0)).abs() < 1e-14, "{grown}");
     }
 
     #[test]
