@@ -331,3 +331,73 @@ fn at_its_limit_the_current_rises_as_the_voltage_lets_it_and_goes_on_without_win
     let error = 0.05 * 0.05 / (2e-4 * ki);
     close(run.last("current.actual"), 25.0 / (1.0 + error), 1e-6, "current while it gathers speed");
 }
+
+/// A controller with `Clamping`, between limits of the same size.
+struct Clamped {
+    kp: f64,
+    ki: f64,
+    limit: f64,
+    /// Whether the integral part waits.
+    waits: bool,
+}
+
+impl Clamped {
+    fn asks(&self, e: f64, x: f64) -> f64 {
+        self.kp * e + x
+    }
+
+    fn gives(&self, e: f64, x: f64) -> f64 {
+        self.asks(e, x).clamp(-self.limit, self.limit)
+    }
+
+    fn slope(&self, e: f64) -> f64 {
+        if self.waits { 0.0 } else { self.ki * e }
+    }
+
+    fn choose(&mut self, e: f64, x: f64) {
+        let asks = self.asks(e, x);
+        let outward = asks * e > 0.0;
+        let inside = if self.waits { 0.998 * self.limit } else { self.limit };
+        self.waits = outward && asks.abs() > inside;
+    }
+}
+
+#[test]
+fn a_cascade_controls_the_speed_as_its_equations_integrated_by_hand() {
+    let run = run_with("diagrams/dc_motor_speed_control.ron", &[], 1e-9, 0.7, 1e-3);
+    let rpm = PI / 30.0;
+    let (l, j, voltage, bandwidth) = (1.2e-3, 6e-4, 48.0, 100.0);
+    let k = voltage / (3400.0 * rpm);
+    let r = k * (voltage - k * 3000.0 * rpm) / (200.0 / (3000.0 * rpm));
+    let gain = bandwidth * j / k;
+    let mut outer = Clamped { kp: gain, ki: gain * bandwidth / 4.0, limit: 15.0, waits: false };
+    let mut inner = Clamped { kp: l / 1e-3, ki: r / 1e-3, limit: voltage, waits: false };
+    // Smoothed set value, integral parts, current, speed.
+    let mut x = [0.0; 5];
+    let h = 1e-6;
+    let (mut waited, mut worst) = ([0, 0], [0.0_f64; 2]);
+    for n in 0..700_000_u32 {
+        let set = if n >= 20_000 { 2000.0 * rpm } else { 0.0 };
+        let load = if n >= 400_000 { 0.6 } else { 0.0 };
+        outer.choose(x[0] - x[4], x[1]);
+        inner.choose(outer.gives(x[0] - x[4], x[1]) - x[3], x[2]);
+        waited[0] += u32::from(outer.waits);
+        waited[1] += u32::from(inner.waits);
+        x = step(x, h, |[smooth, xs, xc, i, w]| {
+            let error = outer.gives(smooth - w, xs) - i;
+            let v = inner.gives(error, xc);
+            let winding = (v - r * i - k * w) / l;
+            [(set - smooth) / 20e-3, outer.slope(smooth - w), inner.slope(error), winding, (k * i - load) / j]
+        });
+        if n % 1_000 == 999 {
+            let t = f64::from(n + 1) * h;
+            worst[0] = worst[0].max((run.at("speeds.actual", t) - x[4]).abs());
+            worst[1] = worst[1].max((run.at("currents.actual", t) - x[3]).abs());
+        }
+    }
+    // Here the integral parts stop and go on at whole steps of 1 us, up to 1 us late: 3e-5 of what they grow by.
+    assert!(worst[0] < 1e-4 && worst[1] < 1e-3, "speed and current are off by {worst:?}");
+    assert!(waited[0] > 10_000, "{waited:?}");
+    // In the end the integral part bears the load.
+    close(run.last("currents.actual"), 0.6 / k, 1e-3, "current under load");
+}
