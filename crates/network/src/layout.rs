@@ -164,6 +164,7 @@ impl Network {
             let steps = seats.iter().filter_map(|seat| seat.member.part.max_step);
             interface.max_step = steps.reduce(f64::min);
         }
+        interface.uses_time = seats.iter().any(|seat| seat.member.part.uses_time);
         interface.jumps |= !with_valves(&electrics).is_empty();
         if let Some(step) = separate.iter().map(|s| s.step).reduce(f64::min) {
             interface = interface.sampled(step);

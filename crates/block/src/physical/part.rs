@@ -37,6 +37,8 @@ pub struct Part {
     pub linear: bool,
     /// Longest step of the solver while valves wait for a zero of the voltage, s: they must not sleep through one.
     pub max_step: Option<f64>,
+    /// Voltages depend on time.
+    pub uses_time: bool,
     /// Voltages and prescribed currents stay as they are until inputs or discrete states change.
     pub holds: bool,
     /// What the component contributes.
@@ -107,6 +109,12 @@ impl Part {
     /// Steps may not be longer than this, s, where valves conduct by themselves.
     pub fn max_step(mut self, step: f64) -> Self {
         self.max_step = Some(step);
+        self
+    }
+
+    /// What the component gives depends on time: it changes although no state and no input does.
+    pub fn uses_time(mut self) -> Self {
+        self.uses_time = true;
         self
     }
 

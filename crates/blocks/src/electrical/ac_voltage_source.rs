@@ -59,6 +59,7 @@ impl Component for AcVoltageSource {
     fn part(&self, _given: &Given) -> Part {
         Part::new()
             .pins()
+            .uses_time()
             .max_step(longest_step(self.frequency))
             .element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Port(1) })
     }

@@ -46,6 +46,7 @@ impl Component for ThreePhaseSource {
             .port("ac", Domain::ThreePhase, "phases a, b, c")
             .measures("power", "W", Needs::Electrics, "power that the source delivers")
             .element(Element::Supply { ac: 0 })
+            .uses_time()
             .max_step(longest_step(self.frequency))
     }
 
