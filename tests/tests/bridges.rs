@@ -1,0 +1,224 @@
+//! Bridges of transistors and thyristors and the brake chopper in whole circuits, against piecewise closed forms.
+
+use std::f64::consts::{PI, TAU};
+
+use blocksim_tests::{Run, run_text};
+
+/// A circuit with these blocks and connections, recorded by the scope `s`.
+fn circuit(stop: &str, blocks: &str, connections: &str, shown: &str) -> Run {
+    run_text(&format!(
+        r#"Diagram(
+    simulation: (stop_time: "{stop}", solver: Ode45(rtol: 1e-9, atol: 1e-9), output: Every("50 us")),
+    blocks: {{ {blocks}, "s": Scope(inputs: [{shown}]) }},
+    connections: [{connections}],
+)"#
+    ))
+}
+
+fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected}");
+}
+
+/// Mean over the last part of a run, by the rule of trapezoids between rows, which lie on both sides of every jump.
+fn mean(run: &Run, name: &str, length: f64) -> f64 {
+    let (t, y) = (&run.time, run.column(name));
+    let first = t.iter().rposition(|at| *at <= t[t.len() - 1] - length + 1e-12).expect("rows");
+    let area: f64 = (first + 1..t.len()).map(|n| 0.5 * (y[n] + y[n - 1]) * (t[n] - t[n - 1])).sum();
+    area / (t[t.len() - 1] - t[first])
+}
+
+#[test]
+fn a_coil_between_two_legs_gets_the_pulses_of_its_modulation() {
+    for scheme in ["Bipolar", "Unipolar"] {
+        let m = -0.4;
+        let run = circuit(
+            "4 ms",
+            &format!(
+                r#""g": ElectricalReference, "u": VoltageSource(v: "48 V"), "m": Constant(value: {m}),
+                   "pwm": HBridgePwm(switching_frequency: "10 kHz", scheme: {scheme}),
+                   "bridge": HBridge(device: Mosfet, r_on: "5 mOhm"), "l": Inductor(l: "2 mH"), "r": Resistor(r: "1 Ohm")"#
+            ),
+            r#""m.y -> pwm.m", "pwm.gates -> bridge.gates", "u.p <-> bridge.p", "u.n <-> bridge.n <-> g.p",
+               "bridge.a <-> l.p", "l.n <-> r.p", "r.n <-> bridge.b", "l.i -> s.i""#,
+            r#""i""#,
+        );
+        // Two transistors are always in the circuit.
+        let (whole, l, period) = (1.0 + 2.0 * 5e-3, 2e-3, 1e-4);
+        let duty = 0.5 * (1.0 + m);
+        let high = |duty: f64, share: f64| f64::from((share - 0.5).abs() < 0.5 * duty);
+        // Leg a is high in the middle of the period; leg b likewise with its own duty, or against leg a.
+        let legs = |share: f64| match scheme {
+            "Bipolar" => 2.0 * high(duty, share) - 1.0,
+            _ => high(duty, share) - high(1.0 - duty, share),
+        };
+        let mut edges = vec![0.5 * (1.0 - duty), 0.5 * (1.0 + duty), 1.0];
+        if scheme == "Unipolar" {
+            edges.extend([0.5 * duty, 1.0 - 0.5 * duty]);
+        }
+        edges.sort_by(f64::total_cmp);
+        for (row, t) in run.time.iter().enumerate() {
+            let (mut at, mut i, mut k) = (0.0, 0.0, 0);
+            while at < *t {
+                let (period_start, n) =
+                    (f64::from(k / edges.len() as i32) * period, k as usize % edges.len());
+                let end = (period_start + edges[n] * period).min(*t);
+                let from = if n == 0 { 0.0 } else { edges[n - 1] };
+                let most = 48.0 * legs(0.5 * (from + edges[n])) / whole;
+                i = most + (i - most) * (-(end - at).max(0.0) * whole / l).exp();
+                (at, k) = (end, k + 1);
+            }
+            close(run.column("s.i")[row], i, 1e-7, &format!("{scheme}, current at {t}"));
+        }
+        assert!(run.time.len() > 80 + 2 * 40);
+    }
+}
+
+/// Phase a against phases b and c for 2 ms; then all transistors off.
+#[test]
+fn the_diodes_of_a_six_pulse_inverter_take_over_and_let_go_at_the_instant_of_the_closed_form() {
+    let run = circuit(
+        "6 ms",
+        r#""g": ElectricalReference, "u": VoltageSource(v: "560 V"), "on": Pulse(period: "1 s", width: 0.002), "k": Mux(inputs: 6), "off": Constant(value: 0),
+           "gates": Compare(operator: Greater, constant: 0.5), "six": SixPulseInverter(device: Igbt, v_f: "1.5 V", r_on: "20 mOhm"),
+           "z": ThreePhaseRlc(r: "2 Ohm", l: "8 mH"), "n": FloatingNeutral, "x": CurrentSensor, "a": ThreePhaseCurrentSensor"#,
+        r#""on.y -> k.u1, k.u4, k.u6", "off.y -> k.u2, k.u3, k.u5", "k.y -> gates.u", "gates.y -> six.gates", "u.p <-> x.p", "x.n <-> six.p", "u.n <-> six.n <-> g.p",
+           "six.ac <-> a.ac1", "a.ac2 <-> z.ac1", "z.ac2 <-> n.ac", "a.i -> s.i", "x.i -> s.dc""#,
+        r#""i", "dc""#,
+    );
+    // Phase a in series with b and c in parallel, each with its valve.
+    let (r, l): (f64, f64) = (1.5 * 2.02, 1.5 * 8e-3);
+    let (rise, fall) = ((560.0 - 3.0) / r, (560.0 + 3.0) / r);
+    let most = rise * (1.0 - (-2e-3 * r / l).exp());
+    let lasts = l / r * (1.0 + most / fall).ln();
+    assert!(lasts < 3.9e-3);
+    for (row, t) in run.time.iter().enumerate() {
+        let i = match t - 2e-3 {
+            s if s <= 0.0 => rise * (1.0 - (-t * r / l).exp()),
+            s if s < lasts => (most + fall) * (-s * r / l).exp() - fall,
+            _ => 0.0,
+        };
+        for (k, share) in [1.0, -0.5, -0.5].into_iter().enumerate() {
+            close(run.column(&format!("s.i[{k}]"))[row], share * i, 1e-7, &format!("phase {k} at {t}"));
+        }
+        // Driven by the link while on, fed back into it by the diodes.
+        if (*t - 2e-3).abs() > 1e-9 {
+            let dc = if *t < 2e-3 { i } else { -i };
+            close(run.column("s.dc")[row], dc, 1e-7, &format!("link at {t}"));
+        }
+    }
+    let end = 2e-3 + lasts;
+    assert!(run.events.iter().any(|(t, ..)| (t - end).abs() < 1e-9), "{end} is not among {:?}", run.events);
+}
+
+#[test]
+fn a_brake_chopper_holds_the_link_of_a_braking_machine_between_its_points() {
+    let run = circuit(
+        "20 ms",
+        r#""g": ElectricalReference, "i": Constant(value: "-10 A"), "u": ControlledCurrentSource, "c": DcLink(c: "200 uF", v0: "650 V"),
+           "b": BrakeChopper(r: "33 Ohm", r_on: "0.5 Ohm"), "k": ChopperControl(on_at: "700 V", off_at: "680 V")"#,
+        r#""i.y -> u.i", "u.p <-> c.p <-> b.p", "u.n <-> c.n <-> b.n <-> g.p", "c.v -> k.vdc, s.v", "k.gate -> b.gate",
+           "b.power -> s.p""#,
+        r#""v", "p""#,
+    );
+    let (i, r, c): (f64, f64, f64) = (10.0, 33.5, 200e-6);
+    let charge = |v: f64| v * c / i;
+    let discharge = r * c * ((700.0 - i * r) / (680.0 - i * r)).ln();
+    let found: Vec<f64> = run.events.iter().filter(|(_, path, _)| path == "k").map(|(t, ..)| *t).collect();
+    let mut expected = vec![charge(50.0)];
+    while *expected.last().expect("a first one") < 20e-3 {
+        let last = expected[expected.len() - 1];
+        expected.push(last + if expected.len() % 2 == 1 { discharge } else { charge(20.0) });
+    }
+    expected.pop();
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (found, expected) in found.iter().zip(&expected) {
+        close(*found, *expected, 1e-9, "switching of the chopper");
+    }
+    for (row, t) in run.time.iter().enumerate() {
+        let n = expected.iter().filter(|at| **at < *t - 1e-9).count();
+        if expected.iter().any(|at| (at - t).abs() < 2e-9) {
+            continue;
+        }
+        let since = t - if n == 0 { 0.0 } else { expected[n - 1] };
+        let v = match n {
+            0 => 650.0 + i * since / c,
+            n if n % 2 == 1 => i * r + (700.0 - i * r) * (-since / (r * c)).exp(),
+            _ => 680.0 + i * since / c,
+        };
+        // A tolerance of 1e-9 a step, of 700 V.
+        close(run.column("s.v")[row], v, 5e-6, &format!("link at {t}"));
+        let heat = if n % 2 == 1 { 33.0 * (v / r).powi(2) } else { 0.0 };
+        close(run.column("s.p")[row], heat, 1e-4, &format!("heat at {t}"));
+    }
+}
+
+/// Gate of a thyristor, on for a share of each period from an angle in degrees on.
+fn fired(name: &str, angle: f64, width: f64) -> (String, String) {
+    let delay = angle.rem_euclid(360.0) / 360.0 * 20e-3;
+    (
+        format!(
+            r#""{name}": Thyristor(v_f: 0, r_on: "1 mOhm"), "{name}_p": Pulse(period: "20 ms", width: {width}, delay: "{delay} s"),
+               "{name}_g": Compare(operator: Greater, constant: 0.5)"#
+        ),
+        format!(r#""{name}_p.y -> {name}_g.u", "{name}_g.y -> {name}.gate""#),
+    )
+}
+
+#[test]
+fn a_thyristor_bridge_gives_the_cosine_of_its_firing_angle() {
+    for angle in [0.0_f64, 30.0, 60.0] {
+        let (mut blocks, mut wires) = (Vec::new(), Vec::new());
+        for (k, phase) in ["a", "b", "c"].into_iter().enumerate() {
+            // A phase is the highest from 60 degrees before its peak on, and the lowest half a turn later.
+            let from = 120.0 * k as f64 - 60.0 + angle;
+            let ((upper, up), (lower, low)) = (
+                fired(&format!("{phase}1"), from, 1.0 / 3.0),
+                fired(&format!("{phase}2"), from + 180.0, 1.0 / 3.0),
+            );
+            blocks.extend([upper, lower]);
+            wires.extend([up, low, format!(r#""x.{phase} <-> {phase}1.p <-> {phase}2.n""#)]);
+        }
+        let run = circuit(
+            "1.5 s",
+            &format!(
+                r#""u": ThreePhaseSource(voltage: "400 V", frequency: "50 Hz"), "x": PhaseSplitter, {},
+                   "l": Inductor(l: "0.5 H"), "r": Resistor(r: "10 Ohm"), "m": VoltageSensor"#,
+                blocks.join(", ")
+            ),
+            &format!(
+                r#""u.ac <-> x.ac", {}, "a1.n <-> b1.n <-> c1.n <-> l.p <-> m.p", "l.n <-> r.p",
+                   "a2.p <-> b2.p <-> c2.p <-> r.n <-> m.n", "m.v -> s.v", "l.i -> s.i""#,
+                wires.join(", ")
+            ),
+            r#""v", "i""#,
+        );
+        let ideal = 3.0 * 2.0_f64.sqrt() / PI * 400.0 * angle.to_radians().cos();
+        let current = ideal / 10.002;
+        // The current is in its steady state after 30 time constants; two thyristors of 1 mOhm are in its way.
+        close(mean(&run, "s.i", 20e-3), current, 1e-5 * current, &format!("current at {angle} deg"));
+        // The rule of trapezoids cuts off (w h)^2 / 12 of a sine.
+        close(
+            mean(&run, "s.v", 20e-3),
+            ideal - 2e-3 * current,
+            5e-5 * ideal,
+            &format!("voltage at {angle} deg"),
+        );
+    }
+}
+
+#[test]
+fn a_thyristor_that_fires_late_cuts_off_the_beginning_of_each_half_wave() {
+    for angle in [30.0_f64, 90.0, 135.0] {
+        let (blocks, wires) = fired("d", angle, 0.01);
+        let run = circuit(
+            "60 ms",
+            &format!(
+                r#""g": ElectricalReference, "u": AcVoltageSource(amplitude: Peak("325 V"), frequency: "50 Hz"), {blocks}, "r": Resistor(r: "10 Ohm")"#
+            ),
+            &format!(r#"{wires}, "u.p <-> d.p", "d.n <-> r.p", "r.n <-> u.n <-> g.p", "d.i -> s.i""#),
+            r#""i""#,
+        );
+        let expected = 325.0 / 10.001 / TAU * (1.0 + angle.to_radians().cos());
+        close(mean(&run, "s.i", 20e-3), expected, 5e-5 * expected, &format!("mean current at {angle} deg"));
+    }
+}
