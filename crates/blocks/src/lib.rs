@@ -12,6 +12,7 @@ pub mod lookup;
 pub mod math;
 pub mod mechanics;
 pub mod motion;
+pub mod networks;
 pub mod routing;
 pub mod sinks;
 pub mod sources;

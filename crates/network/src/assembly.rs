@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use blocksim_block::Block;
-use blocksim_block::physical::Part;
+use blocksim_block::physical::{Element, Part};
 
 use crate::members::Members;
 use crate::network::Network;
@@ -21,6 +21,13 @@ pub struct Member {
     pub part: Part,
     /// Number of elements of each input port.
     pub input_lengths: Vec<usize>,
+}
+
+impl Member {
+    /// It keeps an account of the network, and is connected to it at no matter what node.
+    pub(crate) fn is_account(&self) -> bool {
+        self.part.elements.iter().any(|element| matches!(element, Element::EnergyAccount { .. }))
+    }
 }
 
 /// A conserving port of a member.
@@ -42,6 +49,10 @@ pub struct Terminal {
 /// Everything that is wrong with the network: no reference, parts without inertia, sources that fight, couplings
 /// that are rigid twice over, loops of joints that do not close, a mass matrix that is not positive definite.
 pub fn assemble(members: Vec<Member>, joined: &[Vec<Terminal>]) -> Result<Network, Vec<NetworkProblem>> {
+    let lone = lone_accounts(&members, joined);
+    if !lone.is_empty() {
+        return Err(lone);
+    }
     let view = Members::new(&members, joined);
     let mut problems = view.unconnected();
     let fed_by = view.fed_by();
@@ -73,4 +84,22 @@ pub fn assemble(members: Vec<Member>, joined: &[Vec<Terminal>]) -> Result<Networ
         return Err(problems);
     };
     Network::new(members, rotation, electrics, frames, &fed_by)
+}
+
+/// Accounts that are connected to nothing.
+fn lone_accounts(members: &[Member], joined: &[Vec<Terminal>]) -> Vec<NetworkProblem> {
+    let others = |set: &Vec<Terminal>| set.iter().any(|t| !members[t.member].is_account());
+    let accounts = members.iter().enumerate().filter(|(_, member)| member.is_account());
+    let lone = accounts
+        .filter(|(index, _)| !joined.iter().any(|set| others(set) && set.iter().any(|t| t.member == *index)));
+    lone.map(|(index, member)| {
+        let port = &member.part.ports[0];
+        NetworkProblem::new(
+            "unconnected_port",
+            format!("the {} port `{}.{}` is not connected", port.domain, member.path, port.name),
+            "connect it with `<->` to any node of the network",
+        )
+        .with(index, "has this port")
+    })
+    .collect()
 }

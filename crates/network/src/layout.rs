@@ -7,6 +7,7 @@ use blocksim_block::{Input, Interface, Output};
 
 use crate::assembly::Member;
 use crate::electrics::Electrics;
+use crate::energy::Accounts;
 use crate::frames::Frames;
 use crate::network::Network;
 use crate::problem::NetworkProblem;
@@ -169,6 +170,7 @@ impl Network {
         if let Some(step) = separate.iter().map(|s| s.step).reduce(f64::min) {
             interface = interface.sampled(step);
         }
+        let accounts = Accounts::new(&seats, frames.payloads.len(), &mut interface);
         let mut network = Self {
             active: Active { valves: with_valves(&electrics), ..Active::new(&seats) },
             has_early: seats.iter().any(|seat| seat.is_early),
@@ -186,6 +188,7 @@ impl Network {
             natural,
             first_natural,
             separate,
+            accounts,
         };
         network.interface.jumps |= network.loops_meet_sources();
         network.mass_matrix_is_definite()?;

@@ -19,6 +19,7 @@ mod constraints;
 mod currents;
 mod electrics;
 mod eliminate;
+mod energy;
 mod float;
 mod frames;
 mod implicit;

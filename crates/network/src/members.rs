@@ -70,15 +70,19 @@ impl<'a> Members<'a> {
             list.iter().map(|member| vec![unset; member.part.ports.len()]).collect();
         let mut terminals: [Vec<Vec<Terminal>>; 4] = Default::default();
         let domain = |t: &Terminal| list[t.member].part.ports[t.port].domain;
+        // Accounts look at the network without being part of it.
+        let joined = joined.iter().map(|set| {
+            set.iter().copied().filter(|t| !list[t.member].is_account()).collect::<Vec<Terminal>>()
+        });
         for set in joined {
             let Some(first) = set.first() else { continue };
             let nodes = &mut terminals[index_of(domain(first))];
-            for t in set {
+            for t in &set {
                 node_of[t.member][t.port] = nodes.len();
             }
-            nodes.push(set.clone());
+            nodes.push(set);
         }
-        for (member, ports) in node_of.iter_mut().enumerate() {
+        for (member, ports) in node_of.iter_mut().enumerate().filter(|(i, _)| !list[*i].is_account()) {
             for (port, node) in ports.iter_mut().enumerate().filter(|(_, node)| **node == unset) {
                 let t = Terminal { member, port };
                 let nodes = &mut terminals[index_of(domain(&t))];

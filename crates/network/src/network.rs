@@ -6,6 +6,7 @@ use blocksim_solve::linear::cholesky_factor;
 
 use crate::assembly::Member;
 use crate::electrics::Electrics;
+use crate::energy::Accounts;
 use crate::frames::Frames;
 use crate::problem::NetworkProblem;
 use crate::rotation::Rotation;
@@ -43,6 +44,7 @@ pub struct Network {
     pub(crate) active: Active,
     /// Circuits that the network integrates by itself.
     pub(crate) separate: Vec<Separate>,
+    pub(crate) accounts: Accounts,
 }
 
 impl Network {
@@ -186,6 +188,9 @@ impl Block for Network {
                 component.measure(&law, needs, &mut y[seat.y.clone()]);
             }
         }
+        if group == MOTION {
+            self.account_outputs(c, w, y);
+        }
     }
 
     fn derivatives(&self, c: &Context, w: &mut Scratch, dx: &mut [f64]) {
@@ -198,6 +203,7 @@ impl Block for Network {
                 component.derivatives(&self.law(c, seat, w), &mut dx[seat.x.clone()]);
             }
         }
+        self.account_rates(c, w, dx);
     }
 
     fn guards(&self, c: &Context, w: &mut Scratch, g: &mut [f64]) {
@@ -224,6 +230,7 @@ impl Block for Network {
         let here = Context { x: &before, d: &modes, ..*c };
         self.motion_phase(&here, w);
         self.inner_torques(w);
+        let booked = self.before_jump(&here, w, x, d);
         let mut jumped = self.loops_meet_sources() && self.meet_loops(&here, w, x);
         for seat in self.active.jumps.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.member.block.component() {
@@ -242,6 +249,8 @@ impl Block for Network {
         for island in &self.active.valves {
             jumped |= self.commutate(*island, &here, w, x, d);
         }
+        self.after_jump(&here, jumped, w, x, d);
+        jumped |= booked;
         if jumped {
             // What is in the working space belongs to the states before.
             w.evaluation = [u64::MAX; 3];

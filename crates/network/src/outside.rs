@@ -48,6 +48,11 @@ impl Network {
                 w.load[k] = component.load(&self.law(c, seat, w));
             }
         }
+        self.weigh(w);
+    }
+
+    /// The same for the shares that the working space has.
+    pub(crate) fn weigh(&self, w: &mut Work) {
         let (Some(model), Some(loaded)) = (&self.frames.model, &mut w.loaded) else { return };
         loaded.copy_inertias(model);
         for (payload, share) in self.frames.payloads.iter().zip(&w.load) {

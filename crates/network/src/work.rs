@@ -6,6 +6,7 @@ use blocksim_multibody::{Data, Model};
 use crate::circuits::Circuits;
 use crate::constraints::{Rows, Schur};
 use crate::electrics::Conducting;
+use crate::energy::Energies;
 use crate::float::FloatRoom;
 use crate::linear::Linear;
 use crate::lock::Lock;
@@ -112,6 +113,7 @@ pub(crate) struct Work {
     pub modes: Vec<f64>,
     pub hg: f64,
     pub linear: Vec<Linear>,
+    pub energies: Energies,
 }
 
 impl Work {
@@ -199,6 +201,7 @@ impl Work {
             modes: vec![0.0; network.interface.discrete.len()],
             hg: 0.0,
             linear: Linear::rooms(network),
+            energies: Energies::new(network),
         }
     }
 }

@@ -255,4 +255,14 @@ pub enum Element {
         /// Tensor elements Iyz, Izx, Ixy, kg*m^2.
         poi: [f64; 3],
     },
+    /// An account of the energy of the whole network, wherever it is connected; its port joins nothing. The component
+    /// has two states, the supplied and the dissipated energy, J, and the outputs stored energy, J, supplied and
+    /// dissipated power, W, supplied and dissipated energy, J, error of the balance, J, the largest energy turned over so
+    /// far, J, and the error over it; all of [`Needs::Motion`](super::Needs::Motion). The network fills them.
+    EnergyAccount {
+        /// Relative error at which the simulation ends; `None` never ends it.
+        tolerance: Option<f64>,
+        /// Energy that counts as turned over at least, J.
+        floor: f64,
+    },
 }
