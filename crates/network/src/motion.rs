@@ -3,7 +3,7 @@
 use blocksim_block::Context;
 use blocksim_block::physical::Torque;
 use blocksim_multibody::mass_and_bias;
-use blocksim_solve::linear::{cholesky_factor, cholesky_solve};
+use blocksim_solve::linear::{cholesky_factor, cholesky_solve, cholesky_solve_matrix};
 
 use crate::mesh;
 use crate::network::Network;
@@ -118,24 +118,37 @@ impl Network {
             let stuck: f64 = self.stuck_meshes(w).map(|(row, h)| -gear.by_loss[h] * w.lambda[row]).sum();
             w.through[i] = gear.by_acceleration.of(&w.dv) + gear.by_prescribed.of(&w.ds) + torques + stuck;
         }
-        // Columns M^-1 t' of all meshes. A loss takes its column from the accelerations, and acts at its base.
+        // Columns M^-1 t' of all meshes, beside each other. A loss takes its column from the accelerations, and acts at
+        // its base.
         w.columns.fill(0.0);
         for (h, gear) in r.gears.iter().enumerate() {
-            let column = &mut w.columns[h * n..(h + 1) * n];
-            gear.base.add_to(1.0, column);
-            cholesky_solve(&w.factor, column);
-            if !w.rows.is_empty() {
-                w.schur.impose(&w.rows, column, |_| 0.0);
+            gear.base.terms().iter().for_each(|(i, factor)| w.columns[*i as usize * g + h] += factor);
+        }
+        cholesky_solve_matrix(&w.factor, n, &mut w.columns);
+        if !w.rows.is_empty() {
+            for h in 0..g {
+                for (i, to) in w.product.iter_mut().enumerate() {
+                    *to = w.columns[i * g + h];
+                }
+                w.schur.impose(&w.rows, &mut w.product, |_| 0.0);
+                w.product.iter().enumerate().for_each(|(i, value)| w.columns[i * g + h] = *value);
                 w.mesh_lambda[h * m..(h + 1) * m].copy_from_slice(&w.schur.lambda[..m]);
             }
         }
         for (i, gear) in r.gears.iter().enumerate() {
-            for h in 0..g {
-                let column = &w.columns[h * n..(h + 1) * n];
-                // What is stuck gives way to the loss: its share of the torques changes as well.
-                let held: f64 =
-                    self.stuck_shares(i, w).map(|(row, by)| by * w.mesh_lambda[h * m + row]).sum();
-                w.coupling[i * g + h] = gear.by_acceleration.of(column) - gear.by_loss[h] - held;
+            let row = &mut w.coupling[i * g..(i + 1) * g];
+            row.iter_mut().zip(&gear.by_loss).for_each(|(to, by_loss)| *to = -by_loss);
+            for (speed, factor) in gear.by_acceleration.terms() {
+                let from = &w.columns[*speed as usize * g..(*speed as usize + 1) * g];
+                row.iter_mut().zip(from).for_each(|(to, value)| *to += factor * value);
+            }
+            if !w.rows.is_empty() {
+                for h in 0..g {
+                    // What is stuck gives way to the loss: its share of the torques changes as well.
+                    let held: f64 =
+                        self.stuck_shares(i, w).map(|(row, by)| by * w.mesh_lambda[h * m + row]).sum();
+                    w.coupling[i * g + h] -= held;
+                }
             }
         }
         self.find_jams(w);
@@ -147,7 +160,7 @@ impl Network {
         }
         for (h, loss) in w.mesh.loss.iter().enumerate() {
             for i in 0..n {
-                w.dv[i] -= loss * w.columns[h * n + i];
+                w.dv[i] -= loss * w.columns[i * g + h];
             }
             for (lambda, share) in w.lambda.iter_mut().zip(&w.mesh_lambda[h * m..(h + 1) * m]) {
                 *lambda -= loss * share;
