@@ -229,10 +229,10 @@ impl Point {
             mode: &self.mode,
             voltage: &self.voltage,
             current: &self.current,
-            supply: self.supply,
-            line_current: self.line_current,
+            supply: &self.supply,
+            line_current: &self.line_current,
             joint: &self.joint,
-            orientation: self.orientation,
+            orientation: &self.orientation,
             frames: &self.frames,
             ..Law::nothing()
         }

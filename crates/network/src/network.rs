@@ -128,13 +128,29 @@ impl Network {
             law.current = &w.current[seat.two_pins.clone()];
         }
         if let Some(i) = seat.supply {
-            law.supply = w.supply[i];
-            law.line_current = w.line_current[i];
+            law.supply = &w.supply[i];
+            law.line_current = &w.line_current[i];
         }
         if seat.is_spatial() {
             law.joint = &w.joint_motion[seat.joint.clone()];
-            law.orientation = seat.ball.map_or([1.0, 0.0, 0.0, 0.0], |i| w.orientation[i]);
             law.frames = &w.frame_motion[seat.frames.clone()];
+            if let Some(i) = seat.ball {
+                law.orientation = &w.orientation[i];
+            }
+        }
+        law
+    }
+
+    /// What a member sees in the end.
+    #[inline(always)]
+    pub(crate) fn whole_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
+        let mut law = self.law(c, seat, w);
+        if !seat.pins.is_empty() {
+            law.acceleration = &w.pin_acceleration[seat.pins.clone()];
+            law.torque = &w.pin_torque[seat.pins.clone()];
+        }
+        if !seat.gears.is_empty() {
+            law.mesh = &w.all_mesh[seat.gears.clone()];
         }
         law
     }
@@ -143,16 +159,6 @@ impl Network {
     fn still<'a>(&'a self, c: &Context<'a>, seat: &'a Seat) -> Law<'a> {
         let (x, d) = seat.states(c);
         Law { t: c.t, x, d, u: &c.u[seat.u.clone()], inputs: &seat.inputs, ..Law::nothing() }
-    }
-
-    /// What a member sees in the end.
-    pub(crate) fn whole_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
-        Law {
-            acceleration: &w.pin_acceleration[seat.pins.clone()],
-            torque: &w.pin_torque[seat.pins.clone()],
-            mesh: &w.all_mesh[seat.gears.clone()],
-            ..self.law(c, seat, w)
-        }
     }
 }
 

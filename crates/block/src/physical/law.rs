@@ -61,13 +61,13 @@ pub struct Law<'a> {
     /// Currents, A; not in `voltages` and `currents`.
     pub current: &'a [f64],
     /// The three-phase supply that the component is connected to (or is).
-    pub supply: Supply,
+    pub supply: &'a Supply,
     /// Current drawn from the supply as a space vector in its frame and zero sequence, A; for the supply in `measure`.
-    pub line_current: [f64; 3],
+    pub line_current: &'a [f64; 3],
     /// Motion of the component's joint, speed by speed in the order of its freedoms.
     pub joint: &'a [JointMotion],
     /// Orientation of `follower` in `base` of a joint with a ball: unit quaternion (w, x, y, z).
-    pub orientation: [f64; 4],
+    pub orientation: &'a [f64; 4],
     /// Motion of the frames that the component looks at: probes and forces in the order of the elements.
     pub frames: &'a [FrameMotion],
 }
@@ -89,10 +89,10 @@ impl<'a> Law<'a> {
             mode: &[],
             voltage: &[],
             current: &[],
-            supply: Supply::default(),
-            line_current: [0.0; 3],
+            supply: &Supply::NONE,
+            line_current: &[0.0; 3],
             joint: &[],
-            orientation: [1.0, 0.0, 0.0, 0.0],
+            orientation: &[1.0, 0.0, 0.0, 0.0],
             frames: &[],
         }
     }

@@ -17,6 +17,9 @@ pub struct Supply {
 }
 
 impl Supply {
+    /// No voltage, in a frame that stands still.
+    pub const NONE: Self = Self { voltage: [0.0; 2], zero: 0.0, frequency: 0.0, angle: 0.0 };
+
     /// Peak phase voltage, V.
     pub fn amplitude(&self) -> f64 {
         self.voltage[0].hypot(self.voltage[1])

@@ -193,7 +193,7 @@ mod tests {
             let x: Vec<f64> = part.states.iter().map(|state| state.initial).collect();
             let amplitude = 400.0 * (2.0_f64 / 3.0).sqrt();
             let supply = Supply { voltage: [amplitude, 0.0], frequency: 50.0, ..Supply::default() };
-            let c = Law { x: &x, speed: &[machine.speed], supply, ..law() };
+            let c = Law { x: &x, speed: &[machine.speed], supply: &supply, ..law() };
             let mut y = [0.0; out::COUNT];
             component.measure(&c, Needs::State, &mut y);
             component.measure(&c, Needs::Electrics, &mut y);

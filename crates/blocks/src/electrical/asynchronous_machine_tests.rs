@@ -79,7 +79,7 @@ fn a_magnetised_start_is_the_steady_state_of_the_equivalent_circuit() {
     for (slip, torque, phase, line, factor) in table {
         let machine = AsynchronousMachine { start: magnetised(slip), ..machine() };
         let psi = start_of(&machine);
-        let c = Law { x: &psi, speed: &[(1.0 - slip) * TAU * 60.0], supply: mains(), ..law() };
+        let c = Law { x: &psi, speed: &[(1.0 - slip) * TAU * 60.0], supply: &mains(), ..law() };
         let change = changes(&machine, &c);
         assert!(change.iter().all(|change| change.abs() < 1e-10), "slip {slip}: {change:?}");
 
@@ -103,7 +103,7 @@ fn measured_quantities_fit_together() {
     let psi = start_of(&machine);
     let base = samples::base();
     let supply = Supply { angle: TAU * 60.0 * 0.013, ..mains() };
-    let c = Law { t: 0.013, x: &psi, speed: &[0.98 * TAU * 60.0], supply, ..law() };
+    let c = Law { t: 0.013, x: &psi, speed: &[0.98 * TAU * 60.0], supply: &supply, ..law() };
     let y = measured(&machine, &c);
     let squares = [(out::POWER, out::PU_POWER), (out::REACTIVE_POWER, out::PU_REACTIVE_POWER)];
     for (si, pu) in squares.into_iter().chain([(out::APPARENT_POWER, out::PU_APPARENT_POWER)]) {
@@ -133,10 +133,10 @@ fn in_a_frame_that_stands_still_the_slip_is_that_against_the_flux() {
     let machine = AsynchronousMachine { start: magnetised(0.03), ..machine() };
     let psi = start_of(&machine);
     let supply = Supply { frequency: 0.0, ..mains() };
-    let c = Law { x: &psi, speed: &[0.97 * TAU * 60.0], supply, ..law() };
+    let c = Law { x: &psi, speed: &[0.97 * TAU * 60.0], supply: &supply, ..law() };
     assert!((measured(&machine, &c)[out::SLIP] - 0.03).abs() < 1e-12);
     let nothing = [0.0; 4];
-    let c = Law { x: &nothing, speed: &[0.0], supply, ..law() };
+    let c = Law { x: &nothing, speed: &[0.0], supply: &supply, ..law() };
     assert_eq!(measured(&machine, &c)[out::SLIP], 0.0);
 }
 
@@ -158,7 +158,7 @@ fn open_windings_in_delta_are_three_single_phase_windings() {
     let fluxes = [0.3, -0.7, 0.5, 0.4];
     let inside = machine();
     let supply = Supply { voltage: [lines[0], lines[1]], ..Supply::default() };
-    let c = Law { x: &fluxes, speed: &[120.0], supply, ..law() };
+    let c = Law { x: &fluxes, speed: &[120.0], supply: &supply, ..law() };
     let expected = changes(&inside, &c);
     let inside_lines = inside.component().expect("a component").line_current(&c);
 
@@ -175,7 +175,7 @@ fn open_windings_in_delta_are_three_single_phase_windings() {
     let x: Vec<f64> =
         [turn(fluxes[0], fluxes[1]), turn(fluxes[2], fluxes[3]), [0.0, 0.0]].concat()[..5].to_vec();
     let supply = Supply { voltage: [windings[0], windings[1]], zero: windings[2], ..Supply::default() };
-    let law_open = Law { x: &x, speed: &[120.0], supply, ..law() };
+    let law_open = Law { x: &x, speed: &[120.0], supply: &supply, ..law() };
     let found = changes(&open, &law_open);
     for k in 0..2 {
         let [d, q] = turn(expected[2 * k], expected[2 * k + 1]);
@@ -201,7 +201,7 @@ fn the_answer_of_the_lines_is_that_of_their_currents() {
         let component = machine.component().expect("a component");
         let x: Vec<f64> = [0.5, -0.9, 0.3, -0.7, 0.2][..start_of(&machine).len()].to_vec();
         let supply = Supply { voltage: [150.0, -60.0], zero: 30.0, frequency: 20.0, angle: 0.4 };
-        let c = Law { x: &x, speed: &[150.0], supply, ..law() };
+        let c = Law { x: &x, speed: &[150.0], supply: &supply, ..law() };
         let (mut internal, mut inverse) = ([0.0; 3], [0.0; 9]);
         component.reluctance(&c, &mut internal, &mut inverse);
         let drop = [150.0 - internal[0], -60.0 - internal[1], 30.0 - internal[2]];
@@ -244,7 +244,7 @@ fn without_zero_sequence_open_windings_draw_none() {
     let x = start_of(&machine);
     assert_eq!(x.len(), 4);
     let supply = Supply { zero: 50.0, ..mains() };
-    let c = Law { x: &x, speed: &[0.0], supply, ..law() };
+    let c = Law { x: &x, speed: &[0.0], supply: &supply, ..law() };
     let component = machine.component().expect("a component");
     assert_eq!(component.line_current(&c)[2], 0.0);
     let (mut internal, mut inverse) = ([f64::NAN; 3], [f64::NAN; 9]);
@@ -258,7 +258,7 @@ fn a_circulating_current_of_a_delta_decays_by_itself() {
     let machine = AsynchronousMachine { start, ..machine() };
     let psi = start_of(&machine);
     assert_eq!(psi, [0.5, 0.0, 0.4, 0.1, 0.1]);
-    let c = Law { x: &psi, speed: &[0.0], supply: mains(), ..law() };
+    let c = Law { x: &psi, speed: &[0.0], supply: &mains(), ..law() };
     let rate = 0.25 / 0.9 * TAU * 60.0;
     assert!((changes(&machine, &c)[4] + 0.1 * rate).abs() < 1e-12);
     assert_eq!(machine.component().expect("a component").line_current(&c)[2], 0.0);
@@ -270,7 +270,7 @@ fn a_machine_can_be_magnetised_by_direct_current() {
     let machine = AsynchronousMachine { start, ..machine() };
     let supply = Supply { voltage: [4.4 * (2.0_f64 / 3.0).sqrt(), 0.0], ..Supply::default() };
     let psi = start_of(&machine);
-    let c = Law { x: &psi, speed: &[0.0], supply, ..law() };
+    let c = Law { x: &psi, speed: &[0.0], supply: &supply, ..law() };
     assert!(changes(&machine, &c).iter().all(|change| change.abs() < 1e-12));
     assert!(psi[0] > 0.0 && measured(&machine, &c)[out::TORQUE] == 0.0);
 }

@@ -99,7 +99,7 @@ impl Component for AveragedInverter {
             Needs::State => y[0] = c.x[THETA],
             Needs::Electrics => {
                 y[1] = c.supply.amplitude();
-                y[2] = delivered(&c.supply, c.line_current);
+                y[2] = delivered(c.supply, *c.line_current);
             }
             Needs::Motion => {}
         }

@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn the_voltage_in_the_frame_of_the_rotor_is_that_of_the_phases() {
         let supply = Supply { voltage: turned([100.0, 0.0], 0.4), zero: 0.0, frequency: 50.0, angle: 1.1 };
-        let c = Law { x: &[0.0, 0.0, 2.3], supply, ..law() };
+        let c = Law { x: &[0.0, 0.0, 2.3], supply: &supply, ..law() };
         let v = MACHINE.voltage(&c);
         // Phases b and c are a third of a turn behind.
         for lag in [0.0, 1.0, 2.0].map(|third| third * std::f64::consts::TAU / 3.0) {
@@ -235,7 +235,7 @@ mod tests {
     fn the_frame_of_the_supply_does_not_matter() {
         let see = |offset: f64, angle: f64| {
             let supply = Supply { voltage: turned([100.0, 0.0], offset), zero: 0.0, frequency: 50.0, angle };
-            let c = Law { x: &[3.0, 7.0, 2.3], speed: &[20.0], supply, ..law() };
+            let c = Law { x: &[3.0, 7.0, 2.3], speed: &[20.0], supply: &supply, ..law() };
             let mut dx = [0.0; 3];
             Component::derivatives(&MACHINE, &c, &mut dx);
             let [d, q, _] = MACHINE.line_current(&c);
@@ -249,7 +249,7 @@ mod tests {
     #[test]
     fn the_lines_give_the_power_that_the_windings_take() {
         let supply = Supply { voltage: turned([80.0, 0.0], -0.2), zero: 0.0, frequency: 30.0, angle: 5.0 };
-        let c = Law { x: &[-2.0, 6.0, 4.1], speed: &[20.0], supply, ..law() };
+        let c = Law { x: &[-2.0, 6.0, 4.1], speed: &[20.0], supply: &supply, ..law() };
         let mut y = [0.0; 5];
         MACHINE.measure(&c, Needs::Electrics, &mut y);
         let delivered = super::super::three_phase_source::delivered(&supply, MACHINE.line_current(&c));

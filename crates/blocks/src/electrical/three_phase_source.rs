@@ -60,7 +60,7 @@ impl Component for ThreePhaseSource {
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = delivered(&c.supply, c.line_current);
+        y[0] = delivered(c.supply, *c.line_current);
     }
 }
 

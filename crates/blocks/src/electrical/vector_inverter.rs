@@ -94,7 +94,7 @@ impl Component for VectorInverter {
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         if needs == Needs::Electrics {
-            y.copy_from_slice(&[c.supply.amplitude(), delivered(&c.supply, c.line_current)]);
+            y.copy_from_slice(&[c.supply.amplitude(), delivered(c.supply, *c.line_current)]);
         }
     }
 }

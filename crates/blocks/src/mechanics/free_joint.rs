@@ -77,7 +77,7 @@ impl Component for FreeJoint {
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         match needs {
             Needs::State => {
-                y[3..7].copy_from_slice(&c.orientation);
+                y[3..7].copy_from_slice(c.orientation);
                 for k in 0..3 {
                     y[k] = c.joint[k].q;
                     y[7 + k] = c.joint[k].w;

@@ -70,7 +70,7 @@ impl Component for SphericalJoint {
     fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
         let turn = match self.stiffness == 0.0 {
             true => [0.0; 3],
-            false => quaternion::rotation_vector(c.orientation),
+            false => quaternion::rotation_vector(*c.orientation),
         };
         for (k, (to, joint)) in tau.iter_mut().zip(c.joint).enumerate() {
             let value = c.input(0)[k] - self.stiffness * turn[k] - self.damping * joint.w;
@@ -79,7 +79,7 @@ impl Component for SphericalJoint {
     }
 
     fn energy(&self, c: &Law) -> Energy {
-        let turn = quaternion::rotation_vector(c.orientation);
+        let turn = quaternion::rotation_vector(*c.orientation);
         (0..3).fold(Energy::default(), |sum, k| {
             let w = c.joint[k].w;
             sum + spring_energy(self.stiffness, self.damping, turn[k], w)
@@ -90,7 +90,7 @@ impl Component for SphericalJoint {
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         match needs {
             Needs::State => {
-                y[..4].copy_from_slice(&c.orientation);
+                y[..4].copy_from_slice(c.orientation);
                 (0..3).for_each(|k| y[4 + k] = c.joint[k].w);
             }
             Needs::Electrics => {}
