@@ -103,8 +103,8 @@ fn a_gear_with_stiction_rolls_like_a_smooth_one_with_the_same_efficiencies() {
     let lossy = roll("LossyGear(ratio: 50.0, direction: Same, losses: [(0.0, 0.8, 0.65, 0.0, 0.0)])");
     assert!(smooth.column("scope.w").iter().all(|w| *w > 5.0), "it must roll");
     for column in ["scope.phi", "scope.w"] {
-        // Of values up to a thousand; the steps differ where the direction of power does.
-        close(stiff.last(column), smooth.last(column), 1e-5);
+        // Of values up to a thousand; where the direction of power changes, the smooth law has a kink inside of a step.
+        close(stiff.last(column), smooth.last(column), 1e-4);
         close(lossy.last(column), stiff.last(column), 1e-9);
     }
 }
