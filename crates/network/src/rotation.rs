@@ -9,6 +9,9 @@ use crate::members::Members;
 use crate::problem::NetworkProblem;
 use crate::words::Words;
 
+/// Relations of which less than this part (of the square) does not follow from others are dependent.
+const DEPENDENT: f64 = 1e-10;
+
 /// A place where a speed is seen: branch, rigid coupling, speed source or probe.
 #[derive(Debug, Clone)]
 pub(crate) struct Pin {
@@ -250,7 +253,12 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
     // nodes are enough unless a speed is prescribed to a joint: then the joint's own balance is needed as well.
     let inverse_over = |columns: usize| {
         let a = DMatrix::from_fn(relations.len(), columns, |row, column| relations.row(row)[column]);
-        (&a * a.transpose()).cholesky().map(|gram| gram.solve(&a))
+        let gram = &a * a.transpose();
+        let factor = gram.clone().cholesky()?;
+        // What is left of a row that follows from those before it is rounding, of either sign.
+        let l = factor.l_dirty();
+        let independent = (0..gram.nrows()).all(|i| l[(i, i)].powi(2) > DEPENDENT * gram[(i, i)]);
+        independent.then(|| factor.solve(&a))
     };
     let lossless = gears.iter().all(|(_, _, _, loss, _)| loss.is_none());
     let over_nodes = inverse_over(nodes);

@@ -277,3 +277,28 @@ fn a_drive_turns_one_axis_of_a_joint_of_several() {
     close(plant.get("joint.alpha").abs(), 5.0 / (0.7 + 0.3), 1e-12);
     close(plant.get("joint.a"), -G, 1e-12);
 }
+
+#[test]
+fn a_source_that_prescribes_a_joint_shows_the_torque_that_the_body_needs() {
+    // Three relations that only the balance of the joint tells apart: source, joint and the wall at both cases.
+    let mut plant = Plant::new(
+        &[
+            ("world", "World"),
+            ("joint", "RevoluteJoint(axis: (0.0, 1.0, 0.0))"),
+            ("rod", "Body(mass: 2.0, com: (0.5, 0.0, 0.0), moi: (0.0, 0.1, 0.1))"),
+            ("turn", "IdealSpeedSource"),
+            ("wall", "RotationalReference"),
+        ],
+        &[
+            "world.frame <-> joint.base",
+            "joint.follower <-> rod.frame",
+            "joint.r <-> turn.r",
+            "joint.c <-> turn.c <-> wall.r",
+        ],
+    );
+    plant.set("turn.w", 0.4).set("turn.dw", 3.0).run_to(0.5, 1e-2);
+    let q = plant.get("joint.q");
+    let expected = (0.1 + 2.0 * 0.25) * 3.0 - 2.0 * G * 0.5 * q.cos();
+    close(plant.get("turn.tau"), expected, 1e-12);
+    close(plant.get("joint.tau"), expected, 1e-12);
+}
