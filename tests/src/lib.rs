@@ -1,5 +1,7 @@
 //! Whole diagrams: compiled from text, run, compared.
 
+pub mod accounts;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

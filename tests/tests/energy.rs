@@ -3,95 +3,14 @@
 
 use std::path::{Path, PathBuf};
 
-use blocksim_block::schedule::{Schedule, Solver, VariableMethod};
-use blocksim_block::{Block, Given};
-use blocksim_tests::{Desk, Run, compile_text, compile_with, root, run, run_text};
+use blocksim_block::schedule::{Schedule, VariableMethod};
+use blocksim_tests::accounts::{imbalance, solved_by, with_accounts};
+use blocksim_tests::{compile_text, root, run, run_text};
 
-const PORTS: [&str; 5] = ["Rotational", "Translational", "Electrical", "ThreePhase", "Frame"];
-
-/// Paths of the physical networks of a schedule, each with whether it has an account.
-fn networks(schedule: &Schedule) -> Vec<(String, bool)> {
-    let networks = schedule.blocks.iter().filter(|block| block.path.starts_with("network("));
-    let with_account = |block: &dyn Block| {
-        let interface = block.interface(&Given::nothing()).expect("an interface");
-        interface.states.iter().any(|state| state.name.contains("account_"))
-    };
-    networks.map(|block| (block.path.clone(), with_account(&*block.block))).collect()
-}
-
-/// The text of a diagram with an account at each of these ports.
-fn text_with(text: &str, accounts: &[(String, &str)]) -> String {
-    let (mut blocks, mut connections) = (String::new(), String::new());
-    for (i, (port, kind)) in accounts.iter().enumerate() {
-        blocks += &format!(
-            r#""account_{i}": EnergyAccount(at: {kind}, tolerance: None),
-               "energy_{i}": Scope(inputs: ["error", "turned_over"]), "#
-        );
-        connections += &format!(
-            r#""{port} <-> account_{i}.node", "account_{i}.error -> energy_{i}.error",
-               "account_{i}.turned_over -> energy_{i}.turned_over", "#
-        );
-    }
-    let text = text.replacen("blocks: {", &format!("blocks: {{ {blocks}"), 1);
-    text.replacen("connections: [", &format!("connections: [ {connections}"), 1)
-}
-
-/// Conserving ports that a diagram names, one for each connection.
-fn ports(text: &str) -> Vec<String> {
-    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
-    let joined = lines.filter_map(|line| line.split_once("<->"));
-    joined.filter_map(|(first, _)| Some(first.rsplit_once('"')?.1.trim().to_owned())).collect()
-}
-
-/// Compiles a diagram with an account in each of its networks; `inside` is the file of it that names the ports.
-/// `None` when it has no network.
-fn with_accounts(path: &Path, inside: &Path, overrides: &[&str]) -> Option<Schedule> {
+/// A diagram with an account in each of its networks; `inside` names their ports.
+fn diagram(path: &Path, inside: &Path, overrides: &[&str]) -> Option<Schedule> {
     let text = std::fs::read_to_string(inside).expect("a diagram");
-    let mut accounts: Vec<(String, &str)> = Vec::new();
-    let attempt = |accounts: &[(String, &str)]| {
-        let desk = Desk::new().with(inside.to_str().expect("a path"), &text_with(&text, accounts));
-        compile_with(&desk, path, overrides)
-    };
-    let covered = |schedule: &Schedule| networks(schedule).iter().filter(|(_, has)| *has).count();
-    let (plain, problems) = attempt(&[]);
-    let mut best = plain.schedule.unwrap_or_else(|| panic!("{}: {problems}", path.display()));
-    let all = networks(&best).len();
-    for port in ports(&text) {
-        for kind in PORTS {
-            if covered(&best) == all {
-                break;
-            }
-            accounts.push((port.clone(), kind));
-            match attempt(&accounts).0.schedule.filter(|schedule| covered(schedule) > covered(&best)) {
-                Some(schedule) => best = schedule,
-                None => _ = accounts.pop(),
-            }
-        }
-    }
-    assert_eq!(covered(&best), all, "{}: no account in some of {:?}", path.display(), networks(&best));
-    (all > 0).then_some(best)
-}
-
-/// Largest error of all accounts over the largest energy that each has seen turned over.
-fn worst(run: &Run) -> f64 {
-    assert!(run.error.is_none(), "{:?}", run.error);
-    let errors = run.recorded.iter().filter_map(|recorded| recorded.path.strip_suffix(".error"));
-    let of = |path: &str| {
-        let largest = |name: &str| {
-            let column = run.column(&format!("{path}.{name}")).iter();
-            column.fold(0.0, |max: f64, value| if value.is_nan() { f64::NAN } else { max.max(value.abs()) })
-        };
-        largest("error") / largest("turned_over")
-    };
-    let worst = errors.filter(|path| path.contains("energy_")).map(of).fold(0.0, f64::max);
-    assert!(worst.is_finite());
-    worst
-}
-
-fn tight(mut schedule: Schedule, method: VariableMethod, tolerance: f64) -> Schedule {
-    schedule.settings.solver =
-        Solver::Variable { method, rtol: tolerance, atol: tolerance, max_step: f64::INFINITY };
-    schedule
+    with_accounts(path, inside, &text, overrides)
 }
 
 fn diagrams() -> Vec<PathBuf> {
@@ -110,11 +29,11 @@ fn the_energy_of_every_diagram_balances() {
     let (mut found, mut physical) = (Vec::new(), 0);
     for path in diagrams() {
         let name = path.file_name().expect("a name").to_string_lossy().into_owned();
-        let Some(shipped) = with_accounts(&path, &path, &[]) else { continue };
+        let Some(shipped) = diagram(&path, &path, &[]) else { continue };
         physical += 1;
-        let tight = worst(&run(tight(shipped.clone(), VariableMethod::Ode45, 1e-9)));
+        let tight = imbalance(&run(solved_by(shipped.clone(), VariableMethod::Ode45, 1e-9)));
         // As the diagrams are, the tolerances of their solvers tell: from 1e-5 to 1e-10.
-        let shipped = worst(&run(shipped));
+        let shipped = imbalance(&run(shipped));
         if tight > 1e-6 || shipped > 2e-5 {
             found.push(format!("{name}: {tight:e}, as shipped {shipped:e}"));
         }
@@ -130,11 +49,11 @@ fn the_energy_of_the_robot_balances_with_all_its_drives() {
     let mut found = Vec::new();
     for drive in ["asm", "asm_switched", "dc", "torque"] {
         let set = format!("drive={drive}");
-        let accounts = with_accounts(&folder.join("irb2600.ron"), &folder.join("robot.ron"), &[&set]);
+        let accounts = diagram(&folder.join("irb2600.ron"), &folder.join("robot.ron"), &[&set]);
         let mut schedule = accounts.expect("a network");
         schedule.settings.stop_time = 1.0;
-        let shipped = worst(&run(schedule.clone()));
-        let tight = worst(&run(tight(schedule, VariableMethod::RosW3, 1e-7)));
+        let shipped = imbalance(&run(schedule.clone()));
+        let tight = imbalance(&run(solved_by(schedule, VariableMethod::RosW3, 1e-7)));
         if tight > 1e-6 || shipped > 1e-4 {
             found.push(format!("{drive}: {tight:e}, as shipped {shipped:e}"));
         }
