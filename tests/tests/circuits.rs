@@ -142,7 +142,7 @@ fn circuits_without_a_solution_are_named() {
         .1
     };
     expect![[r#"
-        error[voltage_conflict]: two ideal sources prescribe the same voltage
+        error[voltage_conflict]: two parts prescribe the same voltage
           model.ron:3:41 `"u"` `u` prescribes the voltage
           model.ron:3:71 `"c"` `c` prescribes the voltage
           help: remove one of them, or connect them through a resistance
@@ -164,6 +164,7 @@ fn circuits_without_a_solution_are_named() {
         error[parameter]: `r` is -5, but must be positive
           model.ron:3:88 `"-5 Ohm"` 
           note: in block `r` (Resistor)
+          help: write a number above 0
     "#]]
     .assert_eq(&problems(
         r#""u": VoltageSource(v: "1 V"), "r": Resistor(r: "-5 Ohm")"#,

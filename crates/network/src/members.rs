@@ -200,10 +200,6 @@ impl<'a> Members<'a> {
         }
     }
 
-    pub(crate) fn any_member_at(&self, node: usize) -> usize {
-        self.terminals[0][node][0].member
-    }
-
     pub(crate) fn any_electrical_member_at(&self, node: usize) -> usize {
         let ports = self.terminals[1].len();
         if node < ports {

@@ -153,9 +153,9 @@ impl Network {
         }
         self.find_jams(w);
         if !mesh::solve(&mut w.mesh, &self.meshes, &w.mesh_speed, &w.coupling, &w.through) {
-            c.fail(
-                "the losses of the gears have no solution: with efficiencies below 0.3 write `loss: Stiction`",
-            );
+            c.fail(self.self_locking(w).unwrap_or_else(|| {
+                "the losses of the gears have no solution: with efficiencies below 0.3 write `loss: Stiction`".into()
+            }));
             return;
         }
         for (h, loss) in w.mesh.loss.iter().enumerate() {

@@ -127,7 +127,7 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
     let mut pins: Vec<(usize, usize, Option<usize>)> = Vec::new(); // r, c, row of the reaction
     let mut gears: Vec<(usize, usize, f64, Option<MeshLoss>, usize)> = Vec::new();
     let mut drive_rows: Vec<Option<usize>> = vec![None; joints];
-    let mut starts: Vec<(usize, f64)> = Vec::new();
+    let mut starts: Vec<Start> = Vec::new();
     let mut source = 0;
     let mut frictions = Vec::new();
     for (member, element) in m.elements() {
@@ -136,7 +136,7 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
             Element::Inertia { port, inertia, speed } => {
                 rotation.inertia[node(port)] += inertia;
                 if speed != 0.0 {
-                    starts.push((node(port), speed));
+                    starts.push(Start { node: node(port), speed, member });
                 }
             }
             Element::Branch { r, c } => {
@@ -400,7 +400,7 @@ fn start(
     m: &Members,
     rotation: &Rotation,
     frames: &Frames,
-    starts: &[(usize, f64)],
+    starts: &[Start],
 ) -> Result<Vec<f64>, Vec<NetworkProblem>> {
     let mut asked = Relations::new(rotation.free, 1);
     let mut ask = |form: &Form, speed: f64| {
@@ -413,24 +413,35 @@ fn start(
             ask(form, speed);
         }
     }
-    starts.iter().for_each(|(node, speed)| ask(&rotation.nodes[*node], *speed));
+    starts.iter().for_each(|start| ask(&rotation.nodes[start.node], start.speed));
     let v: Vec<f64> = asked.eliminate(|_| 0).over_given.iter().map(|row| row[0]).collect();
-    for (node, speed) in starts {
-        if (rotation.nodes[*node].of(&v) - speed).abs() > 1e-9 * (1.0 + speed.abs()) {
-            return Err(vec![
-                NetworkProblem::new(
-                    "start_conflict",
-                    format!(
-                        "the speed of {speed} {} at the start does not fit the parts it is coupled to",
-                        Words::of(m.node_domain(*node)).unit
-                    ),
-                    "give one part of a rigidly coupled train its start speed, or start values that fit the ratios",
-                )
-                .with(m.any_member_at(*node), "asks for it"),
-            ]);
-        }
-    }
-    Ok(v)
+    let fits = |start: &&Start| {
+        (rotation.nodes[start.node].of(&v) - start.speed).abs() <= 1e-9 * (1.0 + start.speed.abs())
+    };
+    let Some(wrong) = starts.iter().find(|start| !fits(start)) else { return Ok(v) };
+    let problem = NetworkProblem::new(
+        "start_conflict",
+        format!(
+            "the speed of {} {} at the start does not fit the parts it is coupled to",
+            wrong.speed,
+            Words::of(m.node_domain(wrong.node)).unit
+        ),
+        "give one part of a rigidly coupled train its start speed, or start values that fit the ratios",
+    );
+    let form = &rotation.nodes[wrong.node];
+    let coupled =
+        |other: &&Start| rotation.nodes[other.node].terms().iter().any(|(k, _)| form.at(*k as usize) != 0.0);
+    let others = starts.iter().filter(|other| other.member != wrong.member).filter(coupled);
+    Err(vec![others.fold(problem.with(wrong.member, "asks for it"), |problem, other| {
+        problem.with(other.member, "has a speed at the start, too")
+    })])
+}
+
+/// A speed at the start that an inertia or a mass asks for.
+struct Start {
+    node: usize,
+    speed: f64,
+    member: usize,
 }
 
 /// The axes among freedoms, with their index.

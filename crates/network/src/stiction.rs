@@ -284,6 +284,26 @@ impl Network {
         }
     }
 
+    /// What is to be said where no torques fit the laws and gears lock themselves: what drives them backward is the most
+    /// likely cause.
+    pub(crate) fn self_locking(&self, w: &Work) -> Option<String> {
+        let locks = |gear: &usize| w.may_jam[*gear] || w.mesh.dry[*gear].0.share[1] >= 1.0;
+        let path_of = |gear: usize| self.seats.iter().find(|seat| seat.gears.contains(&gear));
+        let mut paths: Vec<String> = (0..self.meshes.len())
+            .filter(locks)
+            .filter_map(path_of)
+            .map(|seat| format!("`{}`", seat.member.path))
+            .collect();
+        paths.dedup();
+        (!paths.is_empty()).then(|| {
+            format!(
+                "a speed or a load behind {} drives it backward, but it locks itself and no torque turns it: drive it \
+                 from its base, or let it give way by a softer coupling or an efficiency backward above 0",
+                paths.join(" and ")
+            )
+        })
+    }
+
     /// How far a mesh that slides is from jamming: the torque that passes, N*m.
     fn jam(&self, i: usize, mode: f64, w: &Work) -> f64 {
         match self.stiction.parts[i] {
@@ -471,7 +491,11 @@ impl Network {
                 }
             }
         }
-        c.fail("the dry frictions find no modes that agree: make one of them smooth");
+        c.fail(
+            self.self_locking(w).unwrap_or_else(|| {
+                "the dry frictions find no modes that agree: make one of them smooth".into()
+            }),
+        );
     }
 }
 

@@ -88,7 +88,7 @@ fn conflict(
     } else if fights {
         NetworkProblem::new(
             "voltage_conflict",
-            "two ideal sources prescribe the same voltage",
+            "two parts prescribe the same voltage",
             "remove one of them, or connect them through a resistance",
         )
     } else {

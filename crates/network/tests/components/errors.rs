@@ -85,7 +85,7 @@ fn two_voltage_sources_in_parallel() {
     assert_eq!(
         text,
         [
-            "voltage_conflict: two ideal sources prescribe the same voltage",
+            "voltage_conflict: two parts prescribe the same voltage",
             "  b: prescribes the voltage",
             "  a: prescribes the voltage",
             "  help: remove one of them, or connect them through a resistance",
@@ -153,7 +153,7 @@ fn two_mains_in_parallel() {
     assert_eq!(
         text,
         [
-            "voltage_conflict: two ideal sources prescribe the same voltage",
+            "voltage_conflict: two parts prescribe the same voltage",
             "  b: prescribes the voltage",
             "  a: prescribes the voltage",
             "  help: remove one of them, or connect them through a resistance",
@@ -323,6 +323,7 @@ fn start_speeds_that_contradict_each_other() {
         [
             "start_conflict: the speed of 10 rad/s at the start does not fit the parts it is coupled to",
             "  motor: asks for it",
+            "  load: has a speed at the start, too",
             "  help: give one part of a rigidly coupled train its start speed, or start values that fit the ratios",
         ]
     );
