@@ -46,7 +46,8 @@ pub fn positive(param: &str, value: f64) -> Result<(), ParamError> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
-    Err(ParamError::new(param, format!("`{param}` is {value}, but must be positive")))
+    Err(ParamError::new(param, format!("`{param}` is {value}, but must be positive"))
+        .help("write a number above 0"))
 }
 
 /// `value` must be finite and at least zero.
@@ -57,7 +58,8 @@ pub fn not_negative(param: &str, value: f64) -> Result<(), ParamError> {
     if value.is_finite() && value >= 0.0 {
         return Ok(());
     }
-    Err(ParamError::new(param, format!("`{param}` is {value}, but must not be negative")))
+    Err(ParamError::new(param, format!("`{param}` is {value}, but must not be negative"))
+        .help("write 0 or more; signs and directions come from connections and signals"))
 }
 
 /// `value` must be at least `least`.

@@ -22,7 +22,10 @@ pub struct Capacitor {
 
 impl Block for Capacitor {
     fn check(&self) -> Result<(), ParamError> {
-        positive("c", self.c)?;
+        positive("c", self.c).map_err(|error| match self.c {
+            0.0 => error.help("without capacitance it connects nothing: leave it out"),
+            _ => error,
+        })?;
         finite("v0", self.v0)
     }
 

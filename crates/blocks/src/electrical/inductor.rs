@@ -22,7 +22,10 @@ pub struct Inductor {
 
 impl Block for Inductor {
     fn check(&self) -> Result<(), ParamError> {
-        positive("l", self.l)?;
+        positive("l", self.l).map_err(|error| match self.l {
+            0.0 => error.help("without inductance it is a wire: join the two nodes instead"),
+            _ => error,
+        })?;
         finite("i0", self.i0)
     }
 

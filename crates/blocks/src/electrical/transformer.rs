@@ -49,7 +49,9 @@ impl Block for Transformer {
     fn check(&self) -> Result<(), ParamError> {
         finite("ratio", self.ratio)?;
         if self.ratio == 0.0 {
-            return Err(ParamError::new("ratio", "`ratio` is 0, but the first winding has turns"));
+            return Err(ParamError::new("ratio", "`ratio` is 0, but the first winding has turns").help(
+                "write the turns of the first winding over those of the second, negative for the other sense",
+            ));
         }
         positive("l_m", self.l_m)?;
         not_negative("l1", self.l1)?;
