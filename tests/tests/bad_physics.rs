@@ -1,0 +1,325 @@
+//! What physics has no answer to is refused with place, reason and remedy; exact zeros are taken wherever it has one.
+
+use blocksim_tests::{compile_text, run};
+use expect_test::{Expect, expect};
+
+/// What is said of a diagram with these blocks and connections, before it runs or while it does.
+fn said(blocks: &str, connections: &str) -> String {
+    let text = format!(
+        "Diagram(\n  simulation: (stop_time: \"1 s\"),\n  blocks: {{\n    {blocks}\n  }},\n  connections: [{connections}],\n)"
+    );
+    let (compiled, problems) = compile_text(&text);
+    let Some(schedule) = compiled.schedule else { return problems };
+    match run(schedule).error {
+        Some(error) => {
+            let at = error.path.as_deref().unwrap_or("nowhere");
+            format!("error[{}] at {at}: {}\n", error.code, error.message)
+        }
+        None => problems,
+    }
+}
+
+fn check(blocks: &str, connections: &str, expected: &Expect) {
+    expected.assert_eq(&said(blocks, connections));
+}
+
+#[test]
+fn parameters_that_no_part_has() {
+    check(
+        r#""r": Resistor(r: "-1 Ohm"), "s": Resistor(r: 0), "l": Inductor(l: 0), "k": Inductor(l: -1), "c": Capacitor(c: 0), "j": Inertia(j: "-1 kg*m^2"), "m": Mass(m: -1), "d": RotationalDamper(d: -1), "b": Body(mass: -1, com: [0.0, 0.0, 1.0], moi: [0.1, 0.1, 0.1], poi: [0.0, 0.0, 0.0]),"#,
+        "",
+        &expect![[r#"
+            error[parameter]: `r` is -1, but must be positive
+              model.ron:4:22 `"-1 Ohm"` 
+              note: in block `r` (Resistor)
+              help: write a number above 0
+            error[parameter]: `r` is 0, but must be positive
+              model.ron:4:50 `0` 
+              note: in block `s` (Resistor)
+              help: a resistance of zero is a wire: join the two nodes instead
+            error[parameter]: `l` is 0, but must be positive
+              model.ron:4:71 `0` 
+              note: in block `l` (Inductor)
+              help: without inductance it is a wire: join the two nodes instead
+            error[parameter]: `l` is -1, but must be positive
+              model.ron:4:92 `-1` 
+              note: in block `k` (Inductor)
+              help: write a number above 0
+            error[parameter]: `c` is 0, but must be positive
+              model.ron:4:115 `0` 
+              note: in block `c` (Capacitor)
+              help: without capacitance it connects nothing: leave it out
+            error[parameter]: `j` is -1, but must not be negative
+              model.ron:4:135 `"-1 kg*m^2"` 
+              note: in block `j` (Inertia)
+              help: write 0 or more; signs and directions come from connections and signals
+            error[parameter]: `m` is -1, but must not be negative
+              model.ron:4:162 `-1` 
+              note: in block `m` (Mass)
+              help: write 0 or more; signs and directions come from connections and signals
+            error[parameter]: `d` is -1, but must not be negative
+              model.ron:4:192 `-1` 
+              note: in block `d` (RotationalDamper)
+              help: write 0 or more; signs and directions come from connections and signals
+            error[parameter]: `mass` is -1, but must not be negative
+              model.ron:4:213 `-1` 
+              note: in block `b` (Body)
+              help: write 0 or more; signs and directions come from connections and signals
+        "#]],
+    );
+    check(
+        r#""m": DcMotor(r: 0, l: 0, k: 0.1, j: 0), "q": AsynchronousMachine(rated_power: 1, rated_voltage: 1, rated_frequency: 0, pole_pairs: 1, r_s: 1, x_ls: 1, r_r: 1, x_lr: 1, x_m: 1), "t": Transformer(ratio: 0, l_m: 1, l1: 1, l2: 1), "x": Transformer(ratio: 1, l_m: 1, l1: 0, l2: 0), "c": MutualInductance(l1: 1, l2: 1, k: 1), "v": IdealSwitch(r_on: 10, g_off: 1),"#,
+        "",
+        &expect![[r#"
+            error[parameter]: `r` and `l` are both 0, so nothing limits the current
+              model.ron:4:21 `0` 
+              note: in block `m` (DcMotor)
+              help: give the winding its resistance
+            error[parameter]: `rated_frequency` is 0, but must be positive
+              model.ron:4:121 `0` 
+              note: in block `q` (AsynchronousMachine)
+              help: write a number above 0
+            error[parameter]: `ratio` is 0, but the first winding has turns
+              model.ron:4:206 `0` 
+              note: in block `t` (Transformer)
+              help: write the turns of the first winding over those of the second, negative for the other sense
+            error[parameter]: `l1` and `l2` are zero against `l_m`: the two currents are no states of their own
+              model.ron:4:271 `0` 
+              note: in block `x` (Transformer)
+              help: give one winding a leakage of some percent, or use an IdealTransformer beside an Inductor
+            error[parameter]: `k` is 1, but must be less than 1
+              model.ron:4:321 `1` 
+              note: in block `c` (MutualInductance)
+              help: coils without leakage are an IdealTransformer beside an Inductor
+            error[parameter]: `g_off` (1 S) lets as much through as `r_on` (10 ohm): on and off are the same
+              model.ron:4:359 `1` 
+              note: in block `v` (IdealSwitch)
+              help: a conductance is one over a resistance: 1e-6 S is 1 Mohm
+        "#]],
+    );
+}
+
+#[test]
+fn efficiencies_and_teeth_that_no_gear_has() {
+    check(
+        r#""a": SimpleGear(ratio: 5, efficiency: 1.2), "b": SimpleGear(ratio: 5, efficiency: 0), "c": SimpleGear(ratio: 0), "d": CycloidalDrive(disc_teeth: 10, ring_teeth: 10, efficiency_forward: 0.9, efficiency_backward: 0.9), "e": CycloidalDrive(disc_teeth: 10, ring_teeth: 11, efficiency_forward: 0.9, efficiency_backward: -0.1), "f": PlanetaryGear(ring_teeth: 20, sun_teeth: 20), "w": WormGear(ratio: 40, lead_angle: "0 deg", friction: 0.1),"#,
+        "",
+        &expect![[r#"
+            error[parameter]: `efficiency` is 1.2, but an efficiency lies above 0 and is at most 1
+              model.ron:4:43 `1.2` 
+              note: in block `a` (SimpleGear)
+              help: 1 means no losses
+            error[parameter]: `efficiency` is 0, but an efficiency lies above 0 and is at most 1
+              model.ron:4:87 `0` 
+              note: in block `b` (SimpleGear)
+              help: 1 means no losses
+            error[parameter]: `ratio` is 0, but must be positive
+              model.ron:4:114 `0` 
+              note: in block `c` (SimpleGear)
+              help: the sign of the ratio is given by `direction: Reversed` or `Same`
+            error[parameter]: `ring_teeth` (10) must be greater than `disc_teeth` (10)
+              model.ron:4:166 `10` 
+              note: in block `d` (CycloidalDrive)
+              help: for a reduction of 10 write `ring_teeth: 11`
+            error[parameter]: `efficiency_backward` is -0.1, but an efficiency lies above 0 and is at most 1
+              model.ron:4:320 `-0.1` 
+              note: in block `e` (CycloidalDrive)
+              help: 1 means no losses
+            error[parameter]: `ring_teeth` (20) must be greater than `sun_teeth` (20)
+              model.ron:4:358 `20` 
+              note: in block `f` (PlanetaryGear)
+              help: the planets run between the sun and the ring around it: are the two exchanged?
+            error[parameter]: `lead_angle` is 0 rad, but it lies between 0 and 90 deg
+              model.ron:4:415 `"0 deg"` 
+              note: in block `w` (WormGear)
+              help: write it with its unit: "5 deg"
+        "#]],
+    );
+}
+
+#[test]
+fn nothing_there_that_has_inertia() {
+    check(
+        r#""t": Constant(value: "1 N*m"), "s": IdealTorqueSource, "j": Inertia(j: 0), "h": RotationalReference,"#,
+        r#""t.y -> s.tau", "s.r <-> j.r", "s.c <-> h.r""#,
+        &expect![[r#"
+            error[no_inertia]: nothing at `j.r` has inertia or a given speed, so its acceleration is unknown
+              model.ron:4:60 `"j"` `j` `r` is connected to it
+              model.ron:4:36 `"s"` `s` `r` is connected to it
+              help: add an Inertia there, or couple the node to something that has one
+        "#]],
+    );
+    check(
+        r#""t": Constant(value: "1 N"), "s": IdealForceSource, "m": Mass(m: 0), "h": TranslationalReference,"#,
+        r#""t.y -> s.f", "s.r <-> m.r", "s.c <-> h.r""#,
+        &expect![[r#"
+            error[no_inertia]: nothing at `m.r` has mass or a given speed, so its acceleration is unknown
+              model.ron:4:57 `"m"` `m` `r` is connected to it
+              model.ron:4:34 `"s"` `s` `r` is connected to it
+              help: add a Mass there, or couple the node to something that has one
+        "#]],
+    );
+    check(
+        r#""u": VoltageSource(v: 5), "m": DcMotor(r: 1, l: 0, k: 0.1, j: 0), "d": RotationalDamper(d: 1), "g": ElectricalReference, "h": RotationalReference,"#,
+        r#""u.p <-> m.p", "u.n <-> m.n <-> g.p", "m.r <-> d.r", "m.c <-> d.c <-> h.r""#,
+        &expect![[r#"
+            error[no_inertia]: nothing at `d.r` has inertia or a given speed, so its acceleration is unknown
+              model.ron:4:71 `"d"` `d` `r` is connected to it
+              model.ron:4:31 `"m"` `m` `r` is connected to it
+              help: add an Inertia there, or couple the node to something that has one
+        "#]],
+    );
+}
+
+#[test]
+fn ideal_voltages_in_parallel() {
+    check(
+        r#""a": VoltageSource(v: 5), "b": VoltageSource(v: 6), "r": Resistor(r: 1), "g": ElectricalReference,"#,
+        r#""a.p <-> b.p <-> r.p", "a.n <-> b.n <-> r.n <-> g.p""#,
+        &expect![[r#"
+            error[voltage_conflict]: two parts prescribe the same voltage
+              model.ron:4:31 `"b"` `b` prescribes the voltage
+              model.ron:4:5 `"a"` `a` prescribes the voltage
+              help: remove one of them, or connect them through a resistance
+        "#]],
+    );
+    check(
+        r#""a": VoltageSource(v: 5), "c": Capacitor(c: "1 uF"), "g": ElectricalReference,"#,
+        r#""a.p <-> c.p", "a.n <-> c.n <-> g.p""#,
+        &expect![[r#"
+            error[voltage_conflict]: two parts prescribe the same voltage
+              model.ron:4:31 `"c"` `c` prescribes the voltage
+              model.ron:4:5 `"a"` `a` prescribes the voltage
+              help: remove one of them, or connect them through a resistance
+        "#]],
+    );
+    check(
+        r#""a": Capacitor(c: "1 uF", v0: "5 V"), "b": Capacitor(c: "1 uF"), "r": Resistor(r: 1), "g": ElectricalReference,"#,
+        r#""a.p <-> b.p <-> r.p", "a.n <-> b.n <-> r.n <-> g.p""#,
+        &expect![[r#"
+            error[voltage_conflict]: two parts prescribe the same voltage
+              model.ron:4:43 `"b"` `b` prescribes the voltage
+              model.ron:4:5 `"a"` `a` prescribes the voltage
+              help: remove one of them, or connect them through a resistance
+        "#]],
+    );
+}
+
+#[test]
+fn currents_without_a_path() {
+    check(
+        r#""i": Constant(value: "1 A"), "a": ControlledCurrentSource, "l": Inductor(l: "1 mH"), "g": ElectricalReference,"#,
+        r#""i.y -> a.i", "a.p <-> l.p", "a.n <-> l.n <-> g.p""#,
+        &expect![[r#"
+            error[no_current_path]: a prescribed current has no path at `a.p`: only prescribed currents and inductances meet there
+              model.ron:4:34 `"a"` `a` prescribes the current
+              help: connect a resistance or a capacitance there, in parallel to the source
+        "#]],
+    );
+    check(
+        r#""i": Constant(value: "1 A"), "a": ControlledCurrentSource, "b": ControlledCurrentSource, "r": Resistor(r: 1), "g": ElectricalReference,"#,
+        r#""i.y -> a.i, b.i", "a.p <-> b.n", "a.n <-> r.p", "b.p <-> r.n <-> g.p""#,
+        &expect![[r#"
+            error[no_current_path]: a prescribed current has no path at `a.p`: only prescribed currents and inductances meet there
+              model.ron:4:34 `"a"` `a` prescribes the current
+              model.ron:4:64 `"b"` `b` prescribes the current
+              help: connect a resistance or a capacitance there, in parallel to the source
+        "#]],
+    );
+    check(
+        r#""u": VoltageSource(v: 5), "a": Inductor(l: "1 mH", i0: "1 A"), "b": VoltageSensor, "g": ElectricalReference,"#,
+        r#""u.p <-> a.p", "a.n <-> b.p", "b.n <-> u.n <-> g.p""#,
+        &expect![[r#"
+            error[start_conflict]: the currents at the start do not obey Kirchhoff's law: 1 A have no path
+              model.ron:4:31 `"a"` `a` has a current at the start
+              help: make the start currents of these inductances add up to zero at every node
+        "#]],
+    );
+    check(
+        r#""u": VoltageSource(v: 5), "k": IdealSwitch(r_on: 0), "a": Inductor(l: "1 mH"), "t": Step(time: "1 ms", before: 1, after: 0), "on": Compare(operator: Greater, constant: 0.5), "g": ElectricalReference,"#,
+        r#""t.y -> on.u", "on.y -> k.gate", "u.p <-> k.p", "k.n <-> a.p", "a.n <-> u.n <-> g.p""#,
+        &expect![[r#"
+            error[block_failed] at network(a): `network(a)` cannot go on: at 0.001 s the valves (`k`) interrupt the current of an inductance (`a`): connect a freewheeling diode or a resistance in parallel, or give the valve an off-state conductance
+        "#]],
+    );
+}
+
+#[test]
+fn start_values_that_contradict_each_other() {
+    check(
+        r#""a": Inductor(l: "1 mH", i0: "1 A"), "b": Inductor(l: "1 mH", i0: "2 A"), "u": VoltageSource(v: 5), "g": ElectricalReference,"#,
+        r#""u.p <-> a.p", "a.n <-> b.p", "b.n <-> u.n <-> g.p""#,
+        &expect![[r#"
+            error[start_conflict]: the currents at the start do not obey Kirchhoff's law: 1 A have no path
+              model.ron:4:5 `"a"` `a` has a current at the start
+              model.ron:4:42 `"b"` `b` has a current at the start
+              help: make the start currents of these inductances add up to zero at every node
+        "#]],
+    );
+    check(
+        r#""a": Inertia(j: 1, w0: "1 rad/s"), "b": Inertia(j: 1, w0: "2 rad/s"),"#,
+        r#""a.r <-> b.r""#,
+        &expect![[r#"
+            error[start_conflict]: the speed of 2 rad/s at the start does not fit the parts it is coupled to
+              model.ron:4:40 `"b"` `b` asks for it
+              model.ron:4:5 `"a"` `a` has a speed at the start, too
+              help: give one part of a rigidly coupled train its start speed, or start values that fit the ratios
+        "#]],
+    );
+    check(
+        r#""a": Inertia(j: 1, w0: "1 rad/s"), "g": SimpleGear(ratio: 3), "b": Inertia(j: 1, w0: "2 rad/s"), "c": Inertia(j: 1, w0: "7 rad/s"),"#,
+        r#""a.r <-> g.base", "g.follower <-> b.r""#,
+        &expect![[r#"
+            error[start_conflict]: the speed of 2 rad/s at the start does not fit the parts it is coupled to
+              model.ron:4:67 `"b"` `b` asks for it
+              model.ron:4:5 `"a"` `a` has a speed at the start, too
+              help: give one part of a rigidly coupled train its start speed, or start values that fit the ratios
+        "#]],
+    );
+    check(
+        r#""a": Inertia(j: 1, w0: "1 rad/s"), "h": RotationalReference,"#,
+        r#""a.r <-> h.r""#,
+        &expect![[r#"
+            error[start_conflict]: the speed of 1 rad/s at the start does not fit the parts it is coupled to
+              model.ron:4:5 `"a"` `a` asks for it
+              help: give one part of a rigidly coupled train its start speed, or start values that fit the ratios
+        "#]],
+    );
+}
+
+#[test]
+fn a_worm_that_locks_itself_is_not_driven_backward() {
+    // With the wheel told to turn, the worm would have to overcome its bearings, or a damper.
+    let [bearings, damped] = [("0.1 N*m", "0"), ("0 N*m", "1")].map(|(bearing, damper)| {
+        said(
+            &format!(
+                r#""w": WormGear(ratio: 40, lead_angle: "3 deg", friction: 0.1, bearing: "{bearing}"), "j": Inertia(j: 1), "d": RotationalDamper(d: {damper}), "a": Constant(value: "1 rad/s"), "t": IdealSpeedSource, "h": RotationalReference,"#
+            ),
+            r#""j.r <-> w.base <-> d.r", "w.follower <-> t.r", "a.y -> t.w", "t.c <-> d.c <-> h.r""#,
+        )
+    });
+    assert_eq!(bearings, damped);
+    expect![[r#"
+        error[block_failed] at network(d): `network(d)` cannot go on: a speed or a load behind `w` drives it backward, but it locks itself and no torque turns it: drive it from its base, or let it give way by a softer coupling or an efficiency backward above 0
+    "#]]
+    .assert_eq(&bearings);
+}
+
+#[test]
+fn exact_zeros_are_taken_where_physics_takes_them() {
+    let rotating = said(
+        r#""j": Inertia(j: 1), "k": Inertia(j: 0), "f": RotationalDamper(d: 0), "x": RotationalFriction(breakaway: 0, coulomb: 0, viscous: 0, breakaway_velocity: 0.1), "g": SimpleGear(ratio: 2), "l": Inertia(j: 0), "w": WormGear(ratio: 40, lead_angle: "10 deg", friction: 0, bearing: 0), "o": Inertia(j: 0), "h": RotationalReference,"#,
+        r#""j.r <-> f.r <-> x.r <-> k.r <-> g.base <-> w.base", "f.c <-> x.c <-> h.r", "g.follower <-> l.r", "w.follower <-> o.r""#,
+    );
+    assert_eq!(rotating, "");
+    let sliding = said(
+        r#""m": Mass(m: 1), "n": Mass(m: 0), "d": TranslationalDamper(d: 0), "h": TranslationalReference,"#,
+        r#""m.r <-> n.r <-> d.r", "d.c <-> h.r""#,
+    );
+    assert_eq!(sliding, "");
+    let electrical = said(
+        r#""u": VoltageSource(v: 0), "m": DcMotor(r: 1, l: 0, k: 0, j: 0, damping: 0), "n": DcMotor(r: 0, l: 1, k: 0.1, j: 0), "k": IdealSwitch(r_on: 0, g_off: 0), "d": Diode(v_f: 0, r_on: 0, g_off: 0), "t": Transformer(ratio: 1, l_m: 1, l1: 0, l2: 0.1, r1: 0, r2: 0), "c": MutualInductance(l1: 1, l2: 1, k: 0), "on": Constant(value: 1), "b": Compare(operator: Greater, constant: 0.5), "q": Resistor(r: 1), "y": Resistor(r: 1), "z": Resistor(r: 1), "j": Inertia(j: 1), "g": ElectricalReference, "p": ElectricalReference, "h": RotationalReference,"#,
+        r#""on.y -> b.u", "b.y -> k.gate", "u.p <-> k.p", "k.n <-> m.p <-> n.p <-> d.p <-> t.p1 <-> c.p1", "d.n <-> q.p", "u.n <-> m.n <-> n.n <-> q.n <-> t.n1 <-> c.n1 <-> g.p", "t.p2 <-> y.p", "c.p2 <-> z.p", "t.n2 <-> c.n2 <-> y.n <-> z.n <-> p.p", "m.r <-> n.r <-> j.r", "m.c <-> n.c <-> h.r""#,
+    );
+    assert_eq!(electrical, "");
+}
