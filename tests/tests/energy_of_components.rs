@@ -12,12 +12,14 @@ use blocksim_blocks as _;
 use blocksim_diagram::example_block;
 
 /// Texts beside the examples: parameters that open another branch of a law.
-const MORE: [&str; 35] = [
+const MORE: [&str; 37] = [
     r#"DcMotor(r: 1.5, l: 0.0, k: 0.22, j: 5e-5, damping: 1e-4)"#,
     r#"DcMotor(r: 1.5, l: 2.5e-3, k: 0.22, j: 5e-5, damping: 1e-4)"#,
     r#"UniversalMotor(r: 4.0, l: 0.04, l_af: 0.15, j: 1e-3, damping: 1e-3)"#,
     r#"WoundFieldDcMotor(r: 0.6, l: 0.012, r_f: 240.0, l_f: 120.0, l_af: 1.8, j: 1.0, damping: 0.01)"#,
     r#"PermanentMagnetMachine(pole_pairs: 4, r_s: 0.5, l_d: 2e-3, l_q: 5e-3, flux: 0.1)"#,
+    r#"StepperMotor(teeth: 3, r: 1.2, l: 0.024, k: 0.7, j: 1e-3, detent: 0.1, damping: 0.02, g_m: 0.3)"#,
+    r#"StepperMotor(teeth: 3, r: 1.2, l: 0.0, k: 0.7, j: 1e-3, detent: 0.1, damping: 0.02, g_m: 0.3)"#,
     r#"MutualInductance(l1: 0.01, l2: 0.04, k: 0.9)"#,
     r#"ThreePhaseRlc(r: 1.0, l: 0.01, c: 1e-3)"#,
     r#"ThreePhaseRlc(c: 1e-3)"#,

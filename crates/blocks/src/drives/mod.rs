@@ -12,6 +12,7 @@ mod phase_reference;
 mod phase_swap;
 mod pwm_generator;
 mod slip_controlled_vf;
+mod stepper_driver;
 mod switching;
 mod transforms;
 
@@ -26,3 +27,4 @@ pub use phase_reference::PhaseReference;
 pub use phase_swap::PhaseSwap;
 pub use pwm_generator::PwmGenerator;
 pub use slip_controlled_vf::SlipControlledVf;
+pub use stepper_driver::{Command, Drive, StepperDriver};
