@@ -31,6 +31,8 @@ const ROUNDING: f64 = 1e-6;
 
 /// A jump of a prescribed speed beyond this part of the speeds is passed on by impulses.
 const MISFIT: f64 = 1e-3;
+/// Rates of the gaps, rad/s and m/s, that the stabilisation of rounded positions brings while everything stands.
+const AT_REST: f64 = 1e-9;
 
 /// Rows of the loops.
 #[derive(Debug, Default)]
@@ -132,7 +134,7 @@ impl Network {
         let speeds = w.joint_speed.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
         let size = w.loops.joint_rows.iter().fold(0.0_f64, |max, d| max.max(d.abs()));
         let worst = w.loops.rate.iter().fold(0.0_f64, |max, rate| max.max(rate.abs()));
-        let allowed = MISFIT * speeds * size;
+        let allowed = (MISFIT * speeds * size).max(AT_REST);
         if worst <= allowed {
             return false;
         }
