@@ -191,3 +191,50 @@ fn machines_behind_inverters() {
         );
     }
 }
+
+/// A crank and a slider: a closed loop of joints.
+const SLIDER_CRANK: &str = r#""world": World, "crank": RevoluteJoint(axis: [0.0, -1.0, 0.0], position: "0.5 rad"),
+    "wheel": Body(mass: "1 kg", com: [0.02, 0.0, 0.0], moi: [0.1, 0.2, 0.1]), "throw": Transform(translation: [0.1, 0.0, 0.0]),
+    "pin": RevoluteJoint(axis: [0.0, -1.0, 0.0]), "rod": Body(mass: "0.5 kg", com: [0.15, 0.0, 0.0], moi: [0.0, 0.004, 0.004]),
+    "far": Transform(translation: [0.3, 0.0, 0.0]), "wrist": RevoluteJoint(axis: [0.0, -1.0, 0.0]),
+    "slide": PrismaticJoint(axis: [1.0, 0.0, 0.0], position: "0.35 m", stiffness: 20.0), "piston": Body(mass: "0.4 kg"),
+    "wall": RotationalReference, "bed": TranslationalReference"#;
+
+const CLOSED: &str = r#""world.frame <-> crank.base <-> slide.base", "crank.follower <-> wheel.frame <-> throw.base",
+    "throw.follower <-> pin.base", "pin.follower <-> rod.frame <-> far.base", "far.follower <-> wrist.base",
+    "wrist.follower <-> slide.follower <-> piston.frame""#;
+
+#[test]
+fn closed_loops_that_are_driven_braked_or_prescribed() {
+    let motor = r#""sine": Sine(amplitude: "20 N*m", frequency: "0.7 Hz"), "push": IdealTorqueSource,
+        "gear": SimpleGear(ratio: 5, efficiency: 0.8), "rotor": Inertia(j: "0.01 kg*m^2"),
+        "guide": TranslationalFriction(breakaway: 12.0, breakaway_velocity: 0.01, coulomb: 10.0)"#;
+    let wires = r#""sine.y -> push.tau", "push.r <-> rotor.r <-> gear.base", "gear.follower <-> crank.r",
+        "push.c <-> crank.c <-> wall.r", "slide.r <-> guide.r", "slide.c <-> guide.c <-> bed.r""#;
+    balances("2 s", &format!("{SLIDER_CRANK}, {motor}"), &format!("{CLOSED}, {wires}"));
+
+    let prescribed =
+        r#""phi": Ramp(slope: "6 rad/s", start: "0.2 s"), "source": IdealAngleSource(f: "5 Hz")"#;
+    let wires = r#""phi.y -> source.phi", "source.r <-> crank.r", "source.c <-> crank.c <-> wall.r",
+        "slide.c <-> bed.r""#;
+    balances("2 s", &format!("{SLIDER_CRANK}, {prescribed}"), &format!("{CLOSED}, {wires}"));
+}
+
+/// Two motors, one of them prescribed, that move two joints together through differentials.
+#[test]
+fn a_wrist_with_coupled_joints() {
+    balances(
+        "2 s",
+        r#""sine": Sine(amplitude: "2 N*m", frequency: "1 Hz"), "push": IdealTorqueSource, "phi": Sine(amplitude: "0.5 rad", frequency: "0.6 Hz"),
+           "turn": IdealAngleSource(f: "10 Hz"), "motor_a": Inertia(j: 0.02), "motor_b": Inertia(j: 0.02), "sum": Differential,
+           "difference": Differential, "reverse": SimpleGear(ratio: 1.0), "world": World,
+           "pitch": RevoluteJoint(axis: [0.0, 1.0, 0.0], position: "0.8 rad"), "roll": RevoluteJoint(axis: [1.0, 0.0, 0.0], position: "0.3 rad"),
+           "palm": Body(mass: "0.5 kg", com: [0.1, 0.0, 0.0], moi: [2e-3, 2e-3, 2e-3]),
+           "hand": Body(mass: "1 kg", com: [0.2, 0.05, 0.0], moi: [4e-3, 3e-3, 3e-3]), "frame": RotationalReference"#,
+        r#""sine.y -> push.tau", "phi.y -> turn.phi", "sum.drive <-> pitch.r", "reverse.follower <-> difference.right",
+           "difference.drive <-> roll.r", "world.frame <-> pitch.base", "pitch.follower <-> palm.frame <-> roll.base",
+           "roll.follower <-> hand.frame", "push.r <-> motor_a.r <-> sum.left <-> difference.left",
+           "turn.r <-> motor_b.r <-> sum.right <-> reverse.base",
+           "push.c <-> turn.c <-> pitch.c <-> roll.c <-> frame.r""#,
+    );
+}
