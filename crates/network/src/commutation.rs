@@ -261,7 +261,7 @@ impl Network {
         if let Some(floating) = &circuits[island].now().floating {
             for crossing in &floating.crossing {
                 let seat = &self.seats[crossing.member];
-                let Some(component) = seat.member.block.component() else { continue };
+                let Some(component) = seat.component() else { continue };
                 let mut flux = std::mem::take(&mut w.flux);
                 self.winding_voltages(crossing.member, w, &mut flux);
                 component.strike(&self.law(c, seat, w), &flux, &mut x[seat.x.clone()]);

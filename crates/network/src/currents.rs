@@ -16,7 +16,7 @@ impl Network {
     pub(crate) fn early_readings(&self, c: &Context, w: &mut Work) {
         let mut given = std::mem::take(&mut w.given);
         for seat in self.active.circuit.iter().map(|i| &self.seats[*i]) {
-            let Some(component) = seat.member.block.component() else { continue };
+            let Some(component) = seat.component() else { continue };
             if seat.is_capacitance {
                 component.voltages(&self.law(c, seat, w), &mut given[seat.sources.clone()]);
             }
@@ -47,7 +47,7 @@ impl Network {
             if !seat.windings.clone().any(|i| which(self.electrics.windings[i])) {
                 continue;
             }
-            let Some(component) = seat.member.block.component() else { continue };
+            let Some(component) = seat.component() else { continue };
             let law = self.law(c, seat, w);
             let own = &mut given[first + seat.windings.start..first + seat.windings.end];
             match seat.role {
@@ -91,13 +91,13 @@ impl Network {
     /// Ideal sources and the machines that they feed directly.
     fn fed(&self, c: &Context, w: &mut Work) {
         for seat in self.active.sources.iter().map(|i| &self.seats[*i]) {
-            if let (Some(component), Some(slot)) = (seat.member.block.component(), seat.supply) {
+            if let (Some(component), Some(slot)) = (seat.component(), seat.supply) {
                 w.supply[slot] = component.supply(&self.law(c, seat, w));
                 w.line_current[slot] = [0.0; 3];
             }
         }
         for seat in self.active.fed.iter().map(|i| &self.seats[*i]) {
-            if let (Some(component), Some(slot)) = (seat.member.block.component(), seat.supply) {
+            if let (Some(component), Some(slot)) = (seat.component(), seat.supply) {
                 let current = component.line_current(&self.law(c, seat, w));
                 w.line_current[slot].iter_mut().zip(current).for_each(|(sum, i)| *sum += i);
             }
@@ -109,7 +109,7 @@ impl Network {
         let members = &self.electrics.islands[island].members;
         let mut given = std::mem::take(&mut w.given);
         for seat in members.iter().map(|i| &self.seats[*i]).filter(|seat| !seat.sources.is_empty()) {
-            let Some(component) = seat.member.block.component() else { continue };
+            let Some(component) = seat.component() else { continue };
             let law = self.law(c, seat, w);
             let own = &mut given[seat.sources.clone()];
             match (seat.role, seat.supply) {
@@ -187,7 +187,7 @@ impl Network {
         }
         let mut gates = std::mem::take(&mut w.gates);
         for seat in island.members.iter().map(|i| &self.seats[*i]).filter(|seat| !seat.valves.is_empty()) {
-            if let Some(component) = seat.member.block.component() {
+            if let Some(component) = seat.component() {
                 component.gates(&self.law(c, seat, w), &mut gates[seat.valves.clone()]);
             }
         }

@@ -141,7 +141,7 @@ impl Account {
 impl Network {
     fn books(&self) -> impl Iterator<Item = (&Seat, &dyn Component)> {
         let seats = self.seats.iter().filter(|seat| seat.held.is_none());
-        seats.filter_map(|seat| Some((seat, seat.member.block.component()?)))
+        seats.filter_map(|seat| Some((seat, seat.component()?)))
     }
 
     /// Energy of motion and of gravity, with the payloads that the working space has.
@@ -163,7 +163,7 @@ impl Network {
         let mut parts = std::mem::take(&mut w.energies.parts);
         [parts[MOTION], parts[GRAVITY]] = self.moving(c, w);
         for (to, seat) in parts[OWN..].iter_mut().zip(&self.seats) {
-            *to = match (&seat.held, seat.member.block.component()) {
+            *to = match (&seat.held, seat.component()) {
                 (None, Some(component)) => component.energy(&self.law(c, seat, w)).stored,
                 _ => 0.0,
             };

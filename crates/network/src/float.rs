@@ -63,7 +63,7 @@ impl Network {
         room.phi.resize(k, 0.0);
         for crossing in &floating.crossing {
             let seat = &self.seats[crossing.member];
-            let Some(component) = seat.member.block.component() else { continue };
+            let Some(component) = seat.component() else { continue };
             let m = crossing.weights.len();
             room.internal.clear();
             room.internal.resize(m, 0.0);

@@ -60,7 +60,7 @@ impl Network {
     pub(crate) fn joint_torques(&self, c: &Context, w: &mut Work) {
         let mut torque = std::mem::take(&mut w.user_torque);
         for seat in self.active.joints.iter().map(|i| &self.seats[*i]) {
-            if let Some(component) = seat.member.block.component() {
+            if let Some(component) = seat.component() {
                 torque[seat.joint.clone()].fill(Torque::default());
                 component.joint_torques(&self.law(c, seat, w), &mut torque[seat.joint.clone()]);
             }

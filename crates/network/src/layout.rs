@@ -1,5 +1,7 @@
 //! Where the values of all members lie: states, discrete states, inputs, outputs, guards.
 
+use std::sync::Arc;
+
 use std::ops::Range;
 
 use blocksim_block::physical::{Element, LossModel, Needs};
@@ -146,7 +148,8 @@ impl Network {
                 is_capacitance: has(&|e| matches!(e, Element::Capacitance { .. })),
                 is_early: early,
                 measures,
-                member,
+                block: Arc::clone(&member.block),
+                member: Box::new(member),
             });
         }
         interface.groups = vec![Some(reads[STATE].clone()), Some(reads[ELECTRICS].clone()), None];

@@ -57,7 +57,7 @@ impl Network {
         let mut members = std::mem::take(&mut w.linear);
         for linear in &mut members {
             let seat = &self.seats[linear.seat];
-            let Some(component) = seat.member.block.component() else { continue };
+            let Some(component) = seat.component() else { continue };
             component.linearize(&self.law(c, seat, w), &mut linear.a, &mut linear.sb, &mut linear.c);
             let n = linear.c.len();
             linear.a.iter_mut().for_each(|a| *a *= -hg);

@@ -56,7 +56,7 @@ impl Network {
                 for (to, mean) in torque[seat.branches.clone()].iter_mut().zip(held.torque.clone()) {
                     *to = Torque { value: c.d[mean], slope: 0.0 };
                 }
-            } else if let Some(component) = seat.member.block.component() {
+            } else if let Some(component) = seat.component() {
                 component.torques(&self.law(c, seat, w), &mut torque[seat.branches.clone()]);
             }
         }

@@ -50,7 +50,7 @@ pub struct Network {
 impl Network {
     /// The members, in the order of their inputs and outputs.
     pub fn members(&self) -> impl Iterator<Item = &Member> {
-        self.seats.iter().map(|seat| &seat.member)
+        self.seats.iter().map(|seat| &*seat.member)
     }
 
     /// At the start pose every independent speed must move something.
@@ -189,7 +189,7 @@ impl Block for Network {
             self.held_circuits(c, w);
         }
         for seat in self.active.measures[group].iter().map(|i| &self.seats[*i]) {
-            if let (Some(needs), Some(component)) = (seat.measures[group], seat.member.block.component()) {
+            if let (Some(needs), Some(component)) = (seat.measures[group], seat.component()) {
                 let law = if group == MOTION { self.whole_law(c, seat, w) } else { self.law(c, seat, w) };
                 component.measure(&law, needs, &mut y[seat.y.clone()]);
             }
@@ -205,7 +205,7 @@ impl Block for Network {
         self.position_rates(self.positions(c), &w.joint_speed, &mut dx[..self.positions]);
         dx[self.positions..self.positions + self.rotation.free].copy_from_slice(&w.dv);
         for seat in self.active.states.iter().map(|i| &self.seats[*i]) {
-            if let Some(component) = seat.member.block.component() {
+            if let Some(component) = seat.component() {
                 component.derivatives(&self.law(c, seat, w), &mut dx[seat.x.clone()]);
             }
         }
@@ -217,7 +217,7 @@ impl Block for Network {
         self.motion_phase(c, w);
         self.inner_torques(w);
         for seat in self.active.guards.iter().map(|i| &self.seats[*i]) {
-            if let Some(component) = seat.member.block.component() {
+            if let Some(component) = seat.component() {
                 component.guards(&self.whole_law(c, seat, w), &mut g[seat.g.clone()]);
             }
         }
@@ -239,7 +239,7 @@ impl Block for Network {
         let booked = self.before_jump(&here, w, x, d);
         let mut jumped = self.loops_meet_sources() && self.meet_loops(&here, w, x);
         for seat in self.active.jumps.iter().map(|i| &self.seats[*i]) {
-            if let Some(component) = seat.member.block.component() {
+            if let Some(component) = seat.component() {
                 let (x, d) = (&mut x[seat.x.clone()], &mut d[seat.d.clone()]);
                 jumped |= component.jump(&self.whole_law(&here, seat, w), x, d);
             }
@@ -272,8 +272,7 @@ impl Block for Network {
 
     fn next_event(&self, c: &Context) -> f64 {
         let seats = self.active.time_events.iter().map(|i| &self.seats[*i]);
-        let times =
-            seats.filter_map(|seat| Some(seat.member.block.component()?.next_event(&self.still(c, seat))));
+        let times = seats.filter_map(|seat| Some(seat.component()?.next_event(&self.still(c, seat))));
         times.fold(f64::INFINITY, f64::min)
     }
 

@@ -24,7 +24,7 @@ impl Network {
         }
         let mut wrench = std::mem::take(&mut w.wrench);
         for seat in self.active.frames.iter().map(|i| &self.seats[*i]) {
-            if let Some(component) = seat.member.block.component() {
+            if let Some(component) = seat.component() {
                 wrench[seat.frames.clone()].fill(Wrench::default());
                 component.wrenches(&self.law(c, seat, w), &mut wrench[seat.frames.clone()]);
             }
@@ -44,7 +44,7 @@ impl Network {
     fn payloads(&self, c: &Context, w: &mut Work) {
         for (k, payload) in self.frames.payloads.iter().enumerate() {
             let seat = &self.seats[payload.member];
-            if let Some(component) = seat.member.block.component() {
+            if let Some(component) = seat.component() {
                 w.load[k] = component.load(&self.law(c, seat, w));
             }
         }

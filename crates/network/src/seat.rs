@@ -1,9 +1,10 @@
 //! Members of a network and where their values lie.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use blocksim_block::Context;
-use blocksim_block::physical::Needs;
+use blocksim_block::physical::{Component, Needs};
+use blocksim_block::{Block, Context};
 
 use crate::assembly::Member;
 use crate::electrics::Joined;
@@ -15,10 +16,12 @@ pub(crate) const ELECTRICS: usize = 1;
 /// Output group of what depends on torques and accelerations.
 pub(crate) const MOTION: usize = 2;
 
-/// A member and where its values lie.
+/// A member and where its values lie. An evaluation reads all seats some times over: they should be small.
 #[derive(Debug)]
 pub(crate) struct Seat {
-    pub member: Member,
+    pub member: Box<Member>,
+    /// That of the member.
+    pub block: Arc<dyn Block>,
     pub x: Range<usize>,
     pub d: Range<usize>,
     pub g: Range<usize>,
@@ -70,6 +73,12 @@ pub(crate) struct Held {
 }
 
 impl Seat {
+    /// The laws of the member.
+    #[inline(always)]
+    pub(crate) fn component(&self) -> Option<&dyn Component> {
+        self.block.component()
+    }
+
     /// It sees a joint or a frame.
     #[inline]
     pub(crate) fn is_spatial(&self) -> bool {

@@ -187,7 +187,7 @@ impl Network {
         }
         let mut changed = false;
         for seat in separate.members.iter().map(|i| &self.seats[*i]).filter(|s| s.member.part.jumps) {
-            let Some(component) = seat.member.block.component() else { continue };
+            let Some(component) = seat.component() else { continue };
             let mut x = std::mem::take(&mut room.start);
             let mut memory = std::mem::take(&mut room.slope);
             copy(&mut x, &room.d[seat.x.clone()]);
@@ -203,8 +203,7 @@ impl Network {
             self.circuit(separate.island, &here, w)?;
         }
         let seats = separate.members.iter().map(|i| &self.seats[*i]).filter(|s| s.member.part.time_events);
-        let times =
-            seats.filter_map(|s| Some(s.member.block.component()?.next_event(&self.law(&here, s, w))));
+        let times = seats.filter_map(|s| Some(s.component()?.next_event(&self.law(&here, s, w))));
         Ok(times.fold(f64::INFINITY, f64::min))
     }
 
@@ -278,7 +277,7 @@ impl Network {
         }
         let mut i = 0;
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
-            let Some(component) = seat.member.block.component() else { continue };
+            let Some(component) = seat.component() else { continue };
             let law = self.law(&here, seat, w);
             if !seat.x.is_empty() {
                 component.derivatives(&law, &mut room.slope[i..i + seat.x.len()]);

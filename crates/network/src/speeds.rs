@@ -17,7 +17,7 @@ impl Network {
         if !w.s.is_empty() {
             let (mut s, mut ds) = (std::mem::take(&mut w.s), std::mem::take(&mut w.ds));
             for seat in self.active.speed_sources.iter().map(|i| &self.seats[*i]) {
-                if let Some(component) = seat.member.block.component() {
+                if let Some(component) = seat.component() {
                     let range = seat.speed_sources.clone();
                     component.speeds(&self.law(c, seat, w), &mut s[range.clone()], &mut ds[range]);
                 }

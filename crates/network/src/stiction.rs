@@ -176,7 +176,7 @@ impl Network {
         }
         let mut grip = std::mem::take(&mut w.grip);
         for seat in self.active.frictions.iter().map(|i| &self.seats[*i]) {
-            if let Some(component) = seat.member.block.component() {
+            if let Some(component) = seat.component() {
                 component.grips(&self.law(c, seat, w), &mut grip[seat.frictions.clone()]);
             }
         }
@@ -232,7 +232,7 @@ impl Network {
             *speed = mode * self.slip(first + k, c.x, &w.s).0;
         }
         for seat in self.active.dry.iter().map(|i| &self.seats[*i]) {
-            if let Some(component) = seat.member.block.component() {
+            if let Some(component) = seat.component() {
                 let range = seat.dry.clone();
                 component.mesh_losses(&self.law(c, seat, w), &speed[range.clone()], &mut dry[range]);
             }
