@@ -9,9 +9,9 @@ impl Diagram {
     /// Values at the start: those of the interfaces, then what the blocks make of them.
     pub fn initialize(&mut self, x: &mut [f64]) -> Result<(), Failed> {
         for block in 0..self.plan.units.len() {
-            let Self { plan, now, d, .. } = self;
+            let Self { plan, now, signals, d, .. } = self;
             let unit = &plan.units[block];
-            let c = Context { x: &[], ..now.context(unit, &[]) };
+            let c = Context { x: &[], ..now.context(unit, signals, &[]) };
             unit.block.initialize(&c, &mut x[unit.x.range()], &mut d[unit.d.range()]);
             self.checked(block)?;
         }
@@ -25,8 +25,7 @@ impl Diagram {
             let block = self.plan.with_states[i];
             let Self { plan, now, signals, d, scratch, .. } = self;
             let unit = &plan.units[block];
-            now.gather(&unit.copies, signals);
-            let c = now.context(unit, &d[unit.d.range()]);
+            let c = now.context(unit, signals, &d[unit.d.range()]);
             unit.block.derivatives(&c, &mut scratch[block], &mut dx[unit.x.range()]);
             self.checked(block)?;
         }
@@ -40,8 +39,7 @@ impl Diagram {
             let block = self.plan.guarded[i];
             let Self { plan, now, signals, d, scratch, .. } = self;
             let unit = &plan.units[block];
-            now.gather(&unit.copies, signals);
-            let c = now.context(unit, &d[unit.d.range()]);
+            let c = now.context(unit, signals, &d[unit.d.range()]);
             unit.block.guards(&c, &mut scratch[block], &mut g[unit.g.range()]);
             self.checked(block)?;
         }
@@ -54,8 +52,7 @@ impl Diagram {
             let block = self.plan.timed[i];
             let Self { plan, now, signals, d, .. } = self;
             let unit = &plan.units[block];
-            now.gather(&unit.copies, signals);
-            *time = unit.block.next_event(&now.context(unit, &d[unit.d.range()]));
+            *time = unit.block.next_event(&now.context(unit, signals, &d[unit.d.range()]));
             self.checked(block)?;
         }
         Ok(())
@@ -96,8 +93,7 @@ impl Diagram {
     ) -> Result<(), Failed> {
         let Self { plan, now, signals, d, scratch, .. } = self;
         let unit = &plan.units[block];
-        now.gather(&unit.copies, signals);
-        act(&*unit.block, &now.context(unit, &[]), &mut scratch[block], &mut d[unit.d.range()]);
+        act(&*unit.block, &now.context(unit, signals, &[]), &mut scratch[block], &mut d[unit.d.range()]);
         self.checked(block)
     }
 
@@ -107,8 +103,7 @@ impl Diagram {
             let block = self.plan.jumping[i];
             let Self { plan, now, signals, d, scratch, .. } = self;
             let unit = &plan.units[block];
-            now.gather(&unit.copies, signals);
-            let c = Context { x: &[], ..now.context(unit, &[]) };
+            let c = Context { x: &[], ..now.context(unit, signals, &[]) };
             if unit.block.jump(&c, &mut scratch[block], &mut x[unit.x.range()], &mut d[unit.d.range()]) {
                 jumped(block);
                 self.forget();

@@ -63,13 +63,23 @@ pub(crate) struct Failure {
 }
 
 impl Now {
+    /// What a block sees. Its inputs are brought together if they do not lie so already.
     #[inline]
-    pub fn context<'a>(&'a self, unit: &'a Unit, d: &'a [f64]) -> Context<'a> {
+    pub fn context<'a>(&'a mut self, unit: &'a Unit, signals: &'a [f64], d: &'a [f64]) -> Context<'a> {
+        let width = unit.width as usize;
+        let u = match unit.source {
+            Source::Below(from) => &signals[from as usize..][..width],
+            Source::Above(from) => &signals[(unit.y.end + from) as usize..][..width],
+            Source::Scattered => {
+                self.gather(&unit.copies, signals);
+                &self.u[..width]
+            }
+        };
         Context {
             t: self.t,
             x: &self.x[unit.x.range()],
             d,
-            u: &self.u[..unit.width as usize],
+            u,
             inputs: &unit.inputs,
             outputs: &unit.outputs,
             evaluation: self.evaluation,
@@ -79,7 +89,7 @@ impl Now {
 
     /// Brings the inputs of a block together.
     #[inline]
-    pub fn gather(&mut self, copies: &[(u32, u32)], signals: &[f64]) {
+    fn gather(&mut self, copies: &[(u32, u32)], signals: &[f64]) {
         let mut at = 0;
         for &(from, len) in copies {
             let (from, len) = (from as usize, len as usize);
@@ -261,11 +271,10 @@ fn outputs(call: &Call, now: &mut Now, signals: &mut [f64], d: &[f64], scratch: 
 impl Settling {
     /// Lets a block choose its branch.
     fn run(&mut self, block: usize, unit: &Unit, now: &mut Now, signals: &[f64], d: &mut [f64]) {
-        now.gather(&unit.copies, signals);
         let d = &mut d[unit.d.range()];
         let before = &mut self.before[..d.len()];
         before.copy_from_slice(d);
-        unit.block.settle(&now.context(unit, &[]), d);
+        unit.block.settle(&now.context(unit, signals, &[]), d);
         self.changed |= *before != *d;
         self.last[block] = now.evaluation;
     }

@@ -27,8 +27,7 @@ impl System for Diagram {
             let block = self.plan.implicit[i];
             let Self { plan, now, signals, d, scratch, .. } = self;
             let unit = &plan.units[block];
-            now.gather(&unit.copies, signals);
-            let c = now.context(unit, &d[unit.d.range()]);
+            let c = now.context(unit, signals, &d[unit.d.range()]);
             unit.block.prepare(&c, hg, &mut scratch[block]);
             self.checked(block)?;
         }
