@@ -64,6 +64,8 @@ pub struct Instance {
     pub g: usize,
     /// Index in `Clock::rates` of a sampled block.
     pub rate: Option<usize>,
+    /// Whether its guards can cross zero between major steps.
+    pub watched: bool,
 }
 
 /// Evaluation of one output group of one block.
@@ -75,7 +77,7 @@ pub struct Step {
     pub group: u32,
     /// When it must be evaluated.
     pub when: When,
-    /// Whether derivatives or guards depend on it: only then it is evaluated in minor steps.
+    /// Whether derivatives or watched guards depend on it: only then it is evaluated in minor steps.
     pub minor: bool,
 }
 

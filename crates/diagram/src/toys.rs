@@ -15,7 +15,7 @@ use crate::problems::Problems;
 use crate::source::Reader;
 use crate::tree::{Shape, read};
 
-/// `Gain`, `Sum`, `Constant(n: 3)`, `State` or `Sampled(period: 0.001, offset: 0)`.
+/// `Gain`, `Limit` (with a guard), `Sum`, `Constant(n: 3)`, `State` or `Sampled(period: 0.001, offset: 0)`.
 #[derive(Debug)]
 struct Toy {
     kind: String,
@@ -33,6 +33,7 @@ impl Block for Toy {
                 .input(Input::any("u"))
                 .output_from_state(Output::like("y", u))
                 .state("x", 0.0),
+            "Limit" => Interface::new().input(Input::any("u")).output(Output::like("y", u)).guard("limit"),
             "Sampled" => {
                 let mut interface =
                     Interface::new().input(Input::any("u")).output_from_state(Output::like("y", u));

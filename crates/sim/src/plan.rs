@@ -100,6 +100,7 @@ pub(crate) struct Plan {
     pub settling: Vec<(usize, Option<usize>)>,
     pub with_states: Vec<usize>,
     pub implicit: Vec<usize>,
+    /// Blocks whose guards can cross zero between major steps.
     pub guarded: Vec<usize>,
     pub jumping: Vec<usize>,
     pub accepting: Vec<usize>,
@@ -149,7 +150,7 @@ impl Plan {
                 .collect(),
             with_states: chosen(&|b| !b.interface.states.is_empty()),
             implicit: chosen(&|b| b.interface.implicit),
-            guarded: chosen(&|b| !b.interface.guards.is_empty()),
+            guarded: chosen(&|b| b.watched),
             jumping: chosen(&|b| b.interface.jumps),
             accepting: chosen(&|b| b.interface.accepts),
             timed: chosen(&|b| b.interface.time_events),

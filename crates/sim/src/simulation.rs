@@ -85,13 +85,14 @@ impl Simulation {
         diagram.initialize(&mut x).map_err(|_| diagnose::failed(&schedule, &mut diagram))?;
         let is_fixed = matches!(schedule.settings.solver, Solver::Fixed { .. });
         let plan = &diagram.plan;
+        let guards = if is_fixed || plan.guarded.is_empty() { 0 } else { schedule.guards };
         let moves = schedule.states > 0 || !plan.continuous.is_empty() || is_fixed && plan.stepwise;
         let grid = methods::grid(&schedule).filter(|_| moves).map(Grid::new);
         Ok(Self {
             stepper: methods::stepper(&schedule),
             t: 0.0,
             hits: Hits::new(&schedule.clock),
-            guards: Guards::new(if is_fixed { 0 } else { schedule.guards }, schedule.states),
+            guards: Guards::new(guards, schedule.states),
             rows: Rows::new(&schedule),
             grid,
             event_times: vec![f64::INFINITY; diagram.plan.timed.len()],

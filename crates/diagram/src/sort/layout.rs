@@ -6,7 +6,7 @@ use blocksim_block::schedule::{Clock, Instance, Recorded, Schedule, Settings, Si
 
 use super::clock::rate_of;
 use super::order::Order;
-use super::when::{needed_in_minor_steps, when};
+use super::when::{needed_in_minor_steps, watched, when};
 
 pub(super) fn lay_out(
     title: String,
@@ -23,7 +23,8 @@ pub(super) fn lay_out(
         .filter_map(|(block, interface)| rate_of(interface, &clock).map(|rate| (block, rate)))
         .collect();
     let when = when(flat, typed, sorted, &rates);
-    let needed = needed_in_minor_steps(order);
+    let watched = watched(order, &when, &rates);
+    let needed = needed_in_minor_steps(order, &when, &watched);
 
     let mut signals = Vec::new();
     let mut first_signal = Vec::new();
@@ -92,6 +93,7 @@ pub(super) fn lay_out(
             d,
             g,
             rate: rates.get(&index).copied(),
+            watched: watched[index],
         });
         x += interface.states.len();
         d += interface.discrete.len();

@@ -82,6 +82,23 @@ mod tests {
     }
 
     #[test]
+    fn between_major_steps_nothing_is_looked_at_for_what_is_held() {
+        let blocks = "\"s\": Sampled(period: 1, offset: 0), \"held\": Limit, \"x\": State, \"g\": Gain, \"moving\": Limit";
+        let wires = "\"x.y -> g.u\", \"g.y -> s.u, moving.u\", \"s.y -> held.u\", \"held.y -> x.u\"";
+        let (schedule, _) = scheduled(flat(blocks, wires));
+        let schedule = schedule.expect("a schedule");
+        let watched: Vec<&str> =
+            schedule.blocks.iter().filter(|block| block.watched).map(|block| block.path.as_str()).collect();
+        assert_eq!(watched, ["moving"], "what a sampled block gives crosses nothing");
+        // Without its guard nobody would need the gain: the sampled block hides it.
+        let (schedule, _) = scheduled(flat(&blocks.replace("\"moving\": Limit", "\"moving\": Gain"), wires));
+        let schedule = schedule.expect("a schedule");
+        let steps = schedule.steps.iter().filter(|step| step.minor && step.when == When::Continuous);
+        let minor: Vec<&str> = steps.map(|step| schedule.blocks[step.block as usize].path.as_str()).collect();
+        assert_eq!(minor, Vec::<&str>::new());
+    }
+
+    #[test]
     fn what_depends_on_constants_alone_is_evaluated_once() {
         let (schedule, _) = scheduled(flat("\"c\": Constant(n: 1), \"g\": Gain", "\"c.y -> g.u\""));
         assert!(schedule.expect("a schedule").steps.iter().all(|step| step.when == When::Constant));

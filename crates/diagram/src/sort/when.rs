@@ -52,20 +52,46 @@ pub(super) fn when(
     when
 }
 
-/// Groups that derivatives, guards or memories depend on.
-pub(super) fn needed_in_minor_steps(order: &Order) -> HashSet<(usize, usize)> {
+/// Blocks whose guards can cross zero between major steps: they have states, look at time, or at something that changes.
+pub(super) fn watched(
+    order: &Order,
+    when: &HashMap<(usize, usize), When>,
+    rates: &HashMap<usize, usize>,
+) -> Vec<bool> {
+    let interfaces = order.typed.interfaces.iter().enumerate();
+    interfaces
+        .map(|(block, interface)| {
+            let changes = |(from, group): (usize, usize)| when.get(&(from, group)) == Some(&When::Continuous);
+            !interface.guards.is_empty()
+                && (!interface.states.is_empty()
+                    || !rates.contains_key(&block)
+                        && (interface.uses_time || sources(order, block).any(changes)))
+        })
+        .collect()
+}
+
+/// Groups that the inputs of a block come from.
+fn sources<'a>(order: &'a Order, block: usize) -> impl Iterator<Item = (usize, usize)> + 'a {
+    let connected = order.flat.blocks[block].inputs.iter().flatten();
+    connected.map(|source| (source.block, order.typed.interfaces[source.block].group_of[source.output]))
+}
+
+/// Groups that change between major steps and that derivatives, guards or memories depend on.
+pub(super) fn needed_in_minor_steps(
+    order: &Order,
+    when: &HashMap<(usize, usize), When>,
+    watched: &[bool],
+) -> HashSet<(usize, usize)> {
     let mut needed: HashSet<(usize, usize)> = HashSet::new();
     let mut stack: Vec<(usize, usize)> = Vec::new();
     for (block, interface) in order.typed.interfaces.iter().enumerate() {
-        if interface.states.is_empty() && interface.guards.is_empty() && !interface.accepts {
-            continue;
-        }
-        for source in order.flat.blocks[block].inputs.iter().flatten() {
-            stack.push((source.block, order.typed.interfaces[source.block].group_of[source.output]));
+        if !interface.states.is_empty() || watched[block] || interface.accepts {
+            stack.extend(sources(order, block));
         }
     }
     while let Some(next) = stack.pop() {
-        if needed.insert(next) {
+        // What is held between major steps hides what it was made of.
+        if when.get(&next) == Some(&When::Continuous) && needed.insert(next) {
             stack.extend(order.reads(next.0, next.1).into_iter().map(|(from, _)| from));
         }
     }

@@ -157,6 +157,7 @@ impl Toy {
                 d,
                 g,
                 rate: rate_of(interface),
+                watched: !interface.guards.is_empty(),
             });
             x += interface.states.len();
             d += interface.discrete.len();
