@@ -120,7 +120,7 @@ fn two_pins(element: &Element) -> usize {
         | Element::Valve { .. }
         | Element::VoltageProbe { .. }
         | Element::CurrentProbe { .. } => 1,
-        Element::IdealTransformer { .. } => 2,
+        Element::IdealTransformer { .. } | Element::VariableTransformer { .. } => 2,
         _ => 0,
     }
 }

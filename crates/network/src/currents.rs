@@ -133,12 +133,14 @@ impl Network {
                 return Err(Faulty);
             }
         }
+        self.convert(island, c, w)?;
         self.voltages(island, w);
         self.float(island, c, w);
         if self.electrics.islands[island].waits {
             let mut given = std::mem::take(&mut w.given);
             self.given_currents(c, w, &mut given, members, |by| by == GivenBy::Voltage);
             w.given = given;
+            self.convert(island, c, w)?;
             self.voltages(island, w);
         }
         let Work { circuits, given, current, .. } = w;

@@ -206,7 +206,11 @@ impl Network {
                         }
                     }
                     Branch::Conductance(_) | Branch::Valve { .. } => sum.dissipated += power,
-                    Branch::Wire | Branch::Probe | Branch::Primary(_) | Branch::Secondary => {}
+                    Branch::Wire
+                    | Branch::Probe
+                    | Branch::Primary(_)
+                    | Branch::Secondary
+                    | Branch::Variable(_) => {}
                 }
             }
         }

@@ -95,6 +95,7 @@ impl Network {
                         | Element::CurrentSource { .. }
                         | Element::Supply { .. }
                         | Element::Valve { .. }
+                        | Element::VariableTransformer { .. }
                 )
             });
             let mut inputs = Vec::new();

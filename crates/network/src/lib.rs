@@ -16,6 +16,7 @@ mod circuits;
 mod closing;
 mod commutation;
 mod constraints;
+mod convert;
 mod currents;
 mod electrics;
 mod eliminate;

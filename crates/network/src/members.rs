@@ -56,7 +56,8 @@ fn pins(element: &Element) -> Vec<Pin> {
         | Element::Junction { p, n }
         | Element::VoltageProbe { p, n }
         | Element::CurrentProbe { p, n } => vec![p, n],
-        Element::IdealTransformer { primary, secondary, .. } => {
+        Element::IdealTransformer { primary, secondary, .. }
+        | Element::VariableTransformer { primary, secondary } => {
             vec![primary.0, primary.1, secondary.0, secondary.1]
         }
         _ => Vec::new(),

@@ -5,6 +5,7 @@ use blocksim_multibody::{Data, Model};
 
 use crate::circuits::Circuits;
 use crate::constraints::{Rows, Schur};
+use crate::convert::Convert;
 use crate::electrics::Conducting;
 use crate::energy::Energies;
 use crate::float::FloatRoom;
@@ -59,6 +60,7 @@ pub(crate) struct Work {
     /// Per island: the largest current so far, A.
     pub most_current: Vec<f64>,
     pub float: FloatRoom,
+    pub convert: Convert,
     pub room: Room,
     /// Evaluation in which circuits that the network integrates by itself were looked at.
     pub held_evaluation: u64,
@@ -156,6 +158,7 @@ impl Work {
             commutated: vec![(f64::NAN, 0); network.electrics.islands.len()],
             most_current: vec![0.0; network.electrics.islands.len()],
             float: FloatRoom::new(&network.electrics),
+            convert: Convert::new(&network.electrics),
             room: Room::new(network),
             held_evaluation: u64::MAX,
             flux: Vec::with_capacity(network.electrics.two_pins),

@@ -24,6 +24,9 @@ pub trait Component: Debug + Send + Sync {
     /// Current of each winding and current source, A.
     fn currents(&self, _c: &Law, _i: &mut [f64]) {}
 
+    /// Ratio of each variable transformer; from time, inputs and states.
+    fn ratios(&self, _c: &Law, _ratio: &mut [f64]) {}
+
     /// Current that a machine draws from its supply, as a space vector in the frame of the supply and zero sequence, A;
     /// from states alone.
     fn line_current(&self, _c: &Law) -> [f64; 3] {

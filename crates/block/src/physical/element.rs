@@ -161,6 +161,14 @@ pub enum Element {
         /// Turns of the primary over turns of the secondary.
         ratio: f64,
     },
+    /// As [`IdealTransformer`](Self::IdealTransformer), with a ratio that [`Component::ratios`](super::Component::ratios)
+    /// gives at every instant; any number, also zero.
+    VariableTransformer {
+        /// Positive and negative pin.
+        primary: (Pin, Pin),
+        /// Positive and negative pin.
+        secondary: (Pin, Pin),
+    },
     /// Only looks at a voltage.
     VoltageProbe {
         /// Positive pin.

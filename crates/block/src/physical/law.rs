@@ -32,7 +32,7 @@ pub struct JointMotion {
 /// `speed`, `acceleration` and `torque` count branches, frictions, rigid couplings, speed sources and speed probes
 /// together;
 /// `voltage` and `current` count all two-pins (sources, capacitances, windings, resistances, valves, both probes)
-/// together; an ideal transformer counts as two, primary and secondary.
+/// together; a transformer, ideal or variable, counts as two, primary and secondary.
 #[derive(Debug, Clone, Copy)]
 pub struct Law<'a> {
     /// Time, s.

@@ -3,6 +3,7 @@
 mod chopper_control;
 mod clarke;
 mod direction_reverser;
+mod duty_cycles;
 mod h_bridge_pwm;
 mod inverse_clarke;
 mod inverse_park;
@@ -19,6 +20,7 @@ mod transforms;
 pub use chopper_control::ChopperControl;
 pub use clarke::Clarke;
 pub use direction_reverser::DirectionReverser;
+pub use duty_cycles::DutyCycles;
 pub use h_bridge_pwm::{HBridgePwm, Scheme};
 pub use inverse_clarke::InverseClarke;
 pub use inverse_park::InversePark;

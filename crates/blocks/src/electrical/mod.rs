@@ -6,6 +6,7 @@ mod asynchronous_machine_by_name_plate;
 mod asynchronous_machine_component;
 mod asynchronous_machine_outputs;
 mod asynchronous_machine_parameters;
+mod average_value_converter;
 mod averaged_inverter;
 mod brake_chopper;
 mod capacitor;
@@ -52,6 +53,7 @@ mod thyristor;
 mod transformer;
 mod universal_motor;
 mod valve;
+mod variable_transformer;
 mod vector_inverter;
 mod voltage_sensor;
 mod voltage_source;
@@ -64,6 +66,7 @@ pub use asynchronous_machine_by_name_plate::{AsynchronousMachineByNamePlate, Loc
 pub use asynchronous_machine_parameters::{
     Cage, Connection, Impedance, Impedances, Saturation, Start, ZeroSequence,
 };
+pub use average_value_converter::AverageValueConverter;
 pub use averaged_inverter::AveragedInverter;
 pub use brake_chopper::BrakeChopper;
 pub use capacitor::Capacitor;
@@ -107,6 +110,7 @@ pub use thyristor::Thyristor;
 pub use transformer::Transformer;
 pub use universal_motor::UniversalMotor;
 pub use valve::Device;
+pub use variable_transformer::VariableTransformer;
 pub use vector_inverter::VectorInverter;
 pub use voltage_sensor::VoltageSensor;
 pub use voltage_source::VoltageSource;

@@ -3,7 +3,7 @@
 use blocksim_block::physical::{Element, Pin};
 use petgraph::unionfind::UnionFind;
 
-use super::{Branch, Electrics, GivenBy, Island, Joined, Places, TwoPin, Valve};
+use super::{Branch, Electrics, GivenBy, Island, Joined, Places, TwoPin, Valve, Variable};
 use crate::members::Members;
 
 /// What an element contributes, before islands are known.
@@ -20,6 +20,7 @@ pub(super) fn collect(m: &Members, fed: &[bool]) -> Electrics {
     for (member, of_member) in m.list.iter().enumerate() {
         let (two_pins, sources) = (pieces.len(), electrics.sources);
         let (windings, valves) = (electrics.windings.len(), electrics.valves.len());
+        let transformers = electrics.transformers.len();
         for element in &of_member.part.elements {
             add(member, element, fed[member], &mut electrics, &mut pieces);
         }
@@ -28,12 +29,26 @@ pub(super) fn collect(m: &Members, fed: &[bool]) -> Electrics {
         places.sources = sources..electrics.sources;
         places.windings = windings..electrics.windings.len();
         places.valves = valves..electrics.valves.len();
+        places.transformers = transformers..electrics.transformers.len();
+    }
+    // What no component gives comes behind what components give.
+    for transformer in &mut electrics.transformers {
+        transformer.voltage = electrics.sources;
+        electrics.sources += 1;
+        electrics.windings.push(GivenBy::Ratio);
+        pieces[transformer.two_pin].branch = Branch::Variable(transformer.voltage);
+        pieces[transformer.two_pin + 1].branch = Branch::Given(electrics.windings.len() - 1);
     }
     electrics.two_pins = pieces.len();
     // Currents come behind the voltages, whose number is known only now.
     for piece in &mut pieces {
         if let Branch::Given(index) = &mut piece.branch {
             *index += electrics.sources;
+        }
+    }
+    for transformer in &mut electrics.transformers {
+        if let Branch::Given(index) = pieces[transformer.two_pin + 1].branch {
+            transformer.current = index;
         }
     }
     islands(m, &mut electrics, &pieces);
@@ -66,6 +81,13 @@ fn add(member: usize, element: &Element, fed: bool, electrics: &mut Electrics, p
         Element::IdealTransformer { primary, secondary, ratio } => {
             piece(primary.0, primary.1, Branch::Primary(ratio));
             piece(secondary.0, secondary.1, Branch::Secondary);
+        }
+        Element::VariableTransformer { primary, secondary } => {
+            // Their given values are numbered when all others are known.
+            electrics.transformers.push(Variable { two_pin: pieces.len(), voltage: 0, current: 0 });
+            for (p, n) in [primary, secondary] {
+                pieces.push(Piece { member, p, n, branch: Branch::Variable(0) });
+            }
         }
         Element::Valve { p, n, kind, on_resistance, forward_voltage, off_conductance } => {
             // Numbered within its island later.
@@ -129,6 +151,7 @@ fn islands(m: &Members, electrics: &mut Electrics, pieces: &[Piece]) {
                         | Element::Capacitance { .. }
                         | Element::CurrentSource { .. }
                         | Element::Supply { .. }
+                        | Element::VariableTransformer { .. }
                 )
             };
             island.holds = (island.holds || island.members.len() == 1)
@@ -154,6 +177,11 @@ fn islands(m: &Members, electrics: &mut Electrics, pieces: &[Piece]) {
                 island.valves.push(index);
                 let index = island.valves.len() - 1;
                 Branch::Valve { index, on_resistance, forward_voltage, off_conductance }
+            }
+            Branch::Variable(voltage) => {
+                let number = electrics.transformers.iter().position(|t| t.voltage == voltage);
+                island.transformers.extend(number.map(|number| (island.two_pins.len(), number)));
+                Branch::Variable(voltage)
             }
             branch => branch,
         };

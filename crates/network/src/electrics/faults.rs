@@ -24,7 +24,7 @@ pub(super) fn faults(m: &Members, electrics: &Electrics, island: &Island) -> Vec
 
 /// Voltages that are prescribed twice.
 fn conflicts(island: &Island) -> Vec<NetworkProblem> {
-    let sources = |branch: &Branch| matches!(branch, Branch::Source(_));
+    let sources = |branch: &Branch| matches!(branch, Branch::Source(_) | Branch::Variable(_));
     let count = island.two_pins.iter().filter(|pin| sources(&pin.branch)).count();
     let mut relations = Relations::new(island.nodes.len(), count);
     // Two-pin of each row.
@@ -36,7 +36,7 @@ fn conflicts(island: &Island) -> Vec<NetworkProblem> {
             ends.into_iter().filter_map(|(node, sign)| Some((node?, sign))).collect()
         };
         let (row, given) = match pin.branch {
-            Branch::Source(_) => {
+            Branch::Source(_) | Branch::Variable(_) => {
                 source += 1;
                 (across(pin, 1.0), vec![(source - 1, 1.0)])
             }
@@ -73,7 +73,7 @@ fn conflict(
         let pin = &island.two_pins[owners[row]];
         let what = match pin.branch {
             Branch::Source(_) => "prescribes the voltage",
-            Branch::Primary(_) => "couples two voltages",
+            Branch::Primary(_) | Branch::Variable(_) => "couples two voltages",
             _ => "is a wire",
         };
         (pin.member, what)
@@ -151,16 +151,20 @@ fn too_many(island: &Island) -> Vec<NetworkProblem> {
     ]
 }
 
-/// A current that follows from a voltage must not change that voltage: there is no inductance to separate them.
+/// A current that follows from a voltage must not change that voltage: there is no inductance to separate them. Nor may it
+/// do so by way of a variable transformer, whose currents are found together with it.
 fn currents_in_a_loop(electrics: &Electrics, island: &Island, solved: &super::Solved) -> Vec<NetworkProblem> {
     let waits = |given: usize| {
         given
             .checked_sub(electrics.sources)
             .is_some_and(|i| electrics.windings.get(i) == Some(&super::GivenBy::Voltage))
     };
+    let follows = |given: usize| {
+        waits(given) || island.waits && electrics.transformers.iter().any(|t| t.current == given)
+    };
     let pins = island.two_pins.iter().zip(&solved.voltages);
-    pins.filter(|(pin, _)| matches!(pin.branch, Branch::Given(index) if waits(index)))
-        .filter(|(_, voltage)| voltage.terms().iter().any(|(i, _)| waits(*i as usize)))
+    pins.filter(|(pin, _)| matches!(pin.branch, Branch::Given(index) if follows(index)))
+        .filter(|(_, voltage)| voltage.terms().iter().any(|(i, _)| follows(*i as usize)))
         .map(|(pin, _)| {
             NetworkProblem::new(
                 "indeterminate_current",
@@ -174,7 +178,8 @@ fn currents_in_a_loop(electrics: &Electrics, island: &Island, solved: &super::So
 
 fn undetermined(m: &Members, island: &Island, node: Option<usize>) -> NetworkProblem {
     let node = island.nodes[node.unwrap_or(0)];
-    let source = island.two_pins.iter().find(|pin| matches!(pin.branch, Branch::Source(_)));
+    let source =
+        island.two_pins.iter().find(|pin| matches!(pin.branch, Branch::Source(_) | Branch::Variable(_)));
     if source.is_none() && m.is_phase(node) {
         let problem = NetworkProblem::new(
             "missing_supply",

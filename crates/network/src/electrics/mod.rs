@@ -39,6 +39,8 @@ pub(crate) enum GivenBy {
     Input,
     /// The voltage at the same instant.
     Voltage,
+    /// The ratio of a variable transformer: it is the current of its secondary.
+    Ratio,
 }
 
 /// Where the electrical values of a member lie.
@@ -50,6 +52,8 @@ pub(crate) struct Places {
     /// Among the given currents.
     pub windings: Range<usize>,
     pub valves: Range<usize>,
+    /// Variable transformers.
+    pub transformers: Range<usize>,
     /// The island, if it has electrical elements.
     pub island: Option<usize>,
     /// How the three phases of a machine are connected, unless a source feeds it directly.
@@ -74,6 +78,18 @@ pub(crate) struct Valve {
     pub two_pin: usize,
 }
 
+/// A transformer whose ratio changes while the network runs: the voltage of its primary and the current of its secondary
+/// are given values that the network finds itself.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Variable {
+    /// Two-pin of the primary; the next one is the secondary.
+    pub two_pin: usize,
+    /// Index of the voltage of the primary among the given values.
+    pub voltage: usize,
+    /// Index of the current of the secondary among the given values.
+    pub current: usize,
+}
+
 /// Where the current of a two-pin comes from.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Branch {
@@ -93,6 +109,8 @@ pub(crate) enum Branch {
     Primary(f64),
     /// Secondary of an ideal transformer.
     Secondary,
+    /// Primary of a variable transformer: index of its voltage among the given values.
+    Variable(usize),
 }
 
 /// A two-pin of an island. Nodes are those of the island, `None` is ground.
@@ -116,6 +134,8 @@ pub(crate) struct Island {
     pub nodes: Vec<usize>,
     /// Index of each valve of the island among all valves.
     pub valves: Vec<usize>,
+    /// Variable transformers: position of the primary among the two-pins of the island, and index among all of them.
+    pub transformers: Vec<(usize, usize)>,
     /// All given values but currents of windings stay as they are until inputs or discrete states change.
     pub holds: bool,
     /// Some current follows from a voltage at the same instant.
@@ -139,6 +159,7 @@ pub(crate) struct Electrics {
     /// Number of two-pins.
     pub two_pins: usize,
     pub valves: Vec<Valve>,
+    pub transformers: Vec<Variable>,
     pub islands: Vec<Island>,
     /// Voltage or current of each two-pin that is a sensor whose reading follows from states alone.
     pub early: Vec<Option<Early>>,

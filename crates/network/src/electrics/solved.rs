@@ -58,7 +58,7 @@ enum Now {
 
 fn now(branch: Branch, conducting: Conducting, one: usize) -> Now {
     match branch {
-        Branch::Source(index) => Now::Row(Some((index, 1.0))),
+        Branch::Source(index) | Branch::Variable(index) => Now::Row(Some((index, 1.0))),
         Branch::Wire => Now::Row(None),
         Branch::Given(index) => Now::Given(index),
         Branch::Conductance(g) => Now::Conductance(g, None),

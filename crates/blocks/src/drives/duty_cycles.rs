@@ -1,0 +1,66 @@
+use blocksim_block::prelude::*;
+
+use super::modulation::{Modulation, duty};
+
+/// Duties of a three-phase bridge for phase voltages, for a converter without its switching.
+///
+/// $$ m_x = \frac{v_x + v_0}{V_{dc}/2}, \qquad d_x = \min(\max((1 + m_x)/2, 0), 1) $$
+///
+/// The laws of modulation, which differ in $v_0$, are those of `PwmGenerator`; here nothing is sampled. An
+/// `AverageValueConverter` makes phase voltages of the duties whose differences are those of $v$, as long as no duty is
+/// at its limit. Without a DC link the duties are 1/2.
+///
+/// ```ron
+/// DutyCycles(modulation: SpaceVector)
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Drives")]
+pub struct DutyCycles {
+    /// `Sine`, `SpaceVector`, or any other law of `PwmGenerator`.
+    #[block(default = Modulation::SpaceVector)]
+    pub modulation: Modulation,
+}
+
+const V: usize = 0;
+const VDC: usize = 1;
+
+impl Block for DutyCycles {
+    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+        let three = PortType::vector(3);
+        let wanted =
+            Input::real("v").shape(Shape::Vector(3)).unit("V").doc("phase voltages a, b, c that are wanted");
+        Ok(Interface::new()
+            .input(wanted)
+            .input(Input::real("vdc").scalar().unit("V").doc("voltage of the DC link"))
+            .output(Output::like("duty", three).doc("share of the time during which each leg is high"))
+            .output(Output::like("modulation", three).doc("of each leg, -1 (always low) to 1 (always high)")))
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        let v = c.input(V);
+        let duties = self.modulation.references([v[0], v[1], v[2]], c.scalar(VDC)).map(duty);
+        y[c.output(0)].copy_from_slice(&duties);
+        y[c.output(1)].copy_from_slice(&duties.map(|d| 2.0 * d - 1.0));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use blocksim_block::testing::Bench;
+
+    #[test]
+    fn differences_of_the_duties_are_the_voltages_between_the_phases() {
+        let inputs = vec![("v".to_owned(), PortType::vector(3)), ("vdc".to_owned(), PortType::scalar())];
+        for modulation in [Modulation::Sine, Modulation::SpaceVector, Modulation::Discontinuous60] {
+            let mut bench = Bench::with_inputs(DutyCycles { modulation }, inputs.clone());
+            let y = bench.set(V, &[200.0, -40.0, -160.0]).set(VDC, &[560.0]).major();
+            assert!((560.0 * (y[0] - y[1]) - 240.0).abs() < 1e-12, "{y:?}");
+            assert!((560.0 * (y[1] - y[2]) - 120.0).abs() < 1e-12, "{y:?}");
+            assert_eq!(y[3], 2.0 * y[0] - 1.0);
+        }
+        let mut bench = Bench::with_inputs(DutyCycles { modulation: Modulation::Sine }, inputs);
+        assert_eq!(bench.set(V, &[600.0, -600.0, 0.0]).set(VDC, &[560.0]).major()[..3], [1.0, 0.0, 0.5]);
+        assert_eq!(bench.set(VDC, &[0.0]).major()[..3], [0.5; 3]);
+    }
+}
