@@ -14,7 +14,7 @@ use crate::frames::Frames;
 use crate::network::Network;
 use crate::problem::NetworkProblem;
 use crate::rotation::Rotation;
-use crate::seat::{Active, ELECTRICS, Held, Role, STATE, Seat};
+use crate::seat::{Active, CHARGE, ELECTRICS, Held, MOTION, Role, STATE, Seat};
 use crate::separate::Separate;
 use crate::stiction::Stiction;
 
@@ -119,7 +119,7 @@ impl Network {
             let early = held.is_none()
                 && !places.two_pins.is_empty()
                 && places.two_pins.clone().all(|i| electrics.early[i].is_some());
-            let measures = measures(&mut interface, &member, early);
+            let measures = measures(&mut interface, &member, !places.two_pins.is_empty(), early);
             let outputs = part.outputs.iter().map(|(o, _)| o.port_type.shape.len()).sum();
             let winding_pins = electrics.winding_pins(index);
             seats.push(Seat {
@@ -153,7 +153,12 @@ impl Network {
                 member: Box::new(member),
             });
         }
-        interface.groups = vec![Some(reads[STATE].clone()), Some(reads[ELECTRICS].clone()), None];
+        interface.groups = vec![
+            Some(reads[STATE].clone()),
+            Some(reads[ELECTRICS].clone()),
+            None,
+            Some(reads[STATE].clone()),
+        ];
         let stiction = Stiction::new(&seats, &rotation, &mut interface);
         let first_latch = interface.discrete.len();
         let first_natural = interface.guards.len();
@@ -290,14 +295,21 @@ fn hold(
 
 /// Declares the outputs of a member; returns, for each group, the need that its component knows them by. A sensor that
 /// reads states alone closes no algebraic loop: `early`.
-fn measures(interface: &mut Interface, member: &Member, early: bool) -> [Option<Needs>; 3] {
-    let group = |declared: Needs| if early && declared == Needs::Electrics { Needs::State } else { declared };
+fn measures(interface: &mut Interface, member: &Member, electrical: bool, early: bool) -> [Option<Needs>; 4] {
+    let group = |declared: Needs| match declared {
+        Needs::State if electrical => CHARGE,
+        Needs::Electrics if early => CHARGE,
+        Needs::State => STATE,
+        Needs::Electrics => ELECTRICS,
+        Needs::Motion => MOTION,
+    };
     for (output, declared) in &member.part.outputs {
         let name = format!("{}.{}", member.path, output.name);
         interface.outputs.push(Output { name, ..output.clone() });
-        interface.group_of.push(group(*declared) as usize);
+        interface.group_of.push(group(*declared));
     }
-    [Needs::State, Needs::Electrics, Needs::Motion].map(|needs| {
-        member.part.outputs.iter().map(|(_, declared)| *declared).find(|declared| group(*declared) == needs)
+    [STATE, ELECTRICS, MOTION, CHARGE].map(|wanted| {
+        let declared = member.part.outputs.iter().map(|(_, declared)| *declared);
+        declared.into_iter().find(|declared| group(*declared) == wanted)
     })
 }

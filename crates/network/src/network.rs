@@ -10,15 +10,16 @@ use crate::energy::Accounts;
 use crate::frames::Frames;
 use crate::problem::NetworkProblem;
 use crate::rotation::Rotation;
-use crate::seat::{Active, ELECTRICS, MOTION, STATE, Seat};
+use crate::seat::{Active, CHARGE, ELECTRICS, MOTION, STATE, Seat};
 use crate::separate::Separate;
 use crate::stiction::Stiction;
 use crate::work::Work;
 
 /// A physical network as one block.
 ///
-/// States: positions of joints, independent speeds, then the states of the members. Output group 0 (of the three that
-/// [`Needs`](blocksim_block::physical::Needs) names) depends on states alone, group 1 on the inputs of electrical sources, group 2 on everything.
+/// States: positions of joints, independent speeds, then the states of the members. Output groups 0
+/// and 3 depend on states alone, group 1 on the inputs of electrical sources, group 2 on everything, as
+/// [`Needs`](blocksim_block::physical::Needs) says.
 #[derive(Debug)]
 pub struct Network {
     pub(crate) seats: Vec<Seat>,
@@ -178,14 +179,14 @@ impl Block for Network {
     fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
         let Some(w) = w.get::<Work>() else { return };
         match group {
-            STATE => self.state_phase(c, w),
+            STATE | CHARGE => self.state_phase(c, w),
             ELECTRICS => self.electrics_phase(c, w),
             _ => {
                 self.motion_phase(c, w);
                 self.inner_torques(w);
             }
         }
-        if group != STATE {
+        if matches!(group, ELECTRICS | MOTION) {
             self.held_circuits(c, w);
         }
         for seat in self.active.measures[group].iter().map(|i| &self.seats[*i]) {

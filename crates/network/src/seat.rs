@@ -15,6 +15,9 @@ pub(crate) const STATE: usize = 0;
 pub(crate) const ELECTRICS: usize = 1;
 /// Output group of what depends on torques and accelerations.
 pub(crate) const MOTION: usize = 2;
+/// Output group of the electrical readings that depend on states alone. Apart from the other readings of states, because
+/// drives ask for them in every minor step and for the rest only controllers and scopes do.
+pub(crate) const CHARGE: usize = 3;
 
 /// A member and where its values lie. An evaluation reads all seats some times over: they should be small.
 #[derive(Debug)]
@@ -57,7 +60,7 @@ pub(crate) struct Seat {
     /// Its readings follow from states alone.
     pub is_early: bool,
     /// Which outputs it has, by group, under the need that the component knows them by.
-    pub measures: [Option<Needs>; 3],
+    pub measures: [Option<Needs>; 4],
 }
 
 /// Where a member that the network integrates by itself has its values at the end of a coupling step, all among the
@@ -131,7 +134,7 @@ pub(crate) struct Active {
     pub valves: Vec<usize>,
     pub guards: Vec<usize>,
     pub time_events: Vec<usize>,
-    pub measures: [Vec<usize>; 3],
+    pub measures: [Vec<usize>; 4],
 }
 
 impl Active {
@@ -156,7 +159,8 @@ impl Active {
             valves: Vec::new(),
             guards: which(&|seat| !seat.g.is_empty()),
             time_events: which(&|seat| seat.held.is_none() && seat.member.part.time_events),
-            measures: [STATE, ELECTRICS, MOTION].map(|group| which(&|seat| seat.measures[group].is_some())),
+            measures: [STATE, ELECTRICS, MOTION, CHARGE]
+                .map(|group| which(&|seat| seat.measures[group].is_some())),
         }
     }
 }

@@ -17,13 +17,36 @@ impl std::fmt::Display for Singular {
 
 impl std::error::Error for Singular {}
 
+/// Runs a kernel whose last argument is a size. Small sizes are told to the compiler, which unrolls their loops and drops
+/// their checks: that halves the time of the systems that robots have.
+macro_rules! sized {
+    ($kernel:ident($($argument:expr),*; $n:expr)) => {
+        match $n {
+            1 => $kernel($($argument,)* 1),
+            2 => $kernel($($argument,)* 2),
+            3 => $kernel($($argument,)* 3),
+            4 => $kernel($($argument,)* 4),
+            5 => $kernel($($argument,)* 5),
+            6 => $kernel($($argument,)* 6),
+            7 => $kernel($($argument,)* 7),
+            8 => $kernel($($argument,)* 8),
+            n => $kernel($($argument,)* n),
+        }
+    };
+}
+
 /// Overwrites `a` with L and U such that P a = L U (L has ones on its diagonal) by Gaussian elimination with partial
 /// pivoting; row i was exchanged with row `pivots[i]`. n is the length of `pivots`.
 ///
 /// # Errors
 /// [`Singular`] when all candidates for a pivot are zero or one is not finite; `a` is then half done.
 pub fn lu_factor(a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singular> {
-    let n = pivots.len();
+    sized!(eliminate(a, pivots; pivots.len()))
+}
+
+#[inline(always)]
+fn eliminate(a: &mut [f64], pivots: &mut [usize], n: usize) -> Result<(), Singular> {
+    let (a, pivots) = (&mut a[..n * n], &mut pivots[..n]);
     for k in 0..n {
         let mut p = k;
         for i in k + 1..n {
@@ -59,7 +82,12 @@ pub fn lu_factor(a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singular> {
 
 /// Overwrites `b` with the solution x of a x = b, from the factors of [`lu_factor`].
 pub fn lu_solve(lu: &[f64], pivots: &[usize], b: &mut [f64]) {
-    let n = pivots.len();
+    sized!(substitute(lu, pivots, b; pivots.len()));
+}
+
+#[inline(always)]
+fn substitute(lu: &[f64], pivots: &[usize], b: &mut [f64], n: usize) {
+    let (lu, pivots, b) = (&lu[..n * n], &pivots[..n], &mut b[..n]);
     for (i, &p) in pivots.iter().enumerate() {
         b.swap(i, p);
     }
@@ -69,24 +97,6 @@ pub fn lu_solve(lu: &[f64], pivots: &[usize], b: &mut [f64]) {
     for i in (0..n).rev() {
         b[i] = (b[i] - dot(&lu[i * n + i + 1..(i + 1) * n], &b[i + 1..n])) / lu[i * n + i];
     }
-}
-
-/// Runs a kernel whose last argument is a size. Small sizes are told to the compiler, which unrolls their loops and drops
-/// their checks: that halves the time of the systems that robots have.
-macro_rules! sized {
-    ($kernel:ident($($argument:expr),*; $n:expr)) => {
-        match $n {
-            1 => $kernel($($argument,)* 1),
-            2 => $kernel($($argument,)* 2),
-            3 => $kernel($($argument,)* 3),
-            4 => $kernel($($argument,)* 4),
-            5 => $kernel($($argument,)* 5),
-            6 => $kernel($($argument,)* 6),
-            7 => $kernel($($argument,)* 7),
-            8 => $kernel($($argument,)* 8),
-            n => $kernel($($argument,)* n),
-        }
-    };
 }
 
 /// Overwrites the lower triangle of the symmetric positive definite n by n matrix `a` with L such that a = L L^T; on its
