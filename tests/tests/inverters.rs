@@ -47,9 +47,12 @@ const SPEED: f64 = 0.98 * 120.0 * std::f64::consts::PI;
 
 #[test]
 fn a_switching_inverter_gives_the_torque_of_its_mean() {
-    for (modulation, sampling) in
-        [("Sine", "Symmetric"), ("Sine", "Asymmetric"), ("SpaceVector", "Symmetric")]
-    {
+    for (modulation, sampling) in [
+        ("Sine", "Symmetric"),
+        ("Sine", "Asymmetric"),
+        ("SpaceVector", "Symmetric"),
+        ("SpaceVector", "Natural"),
+    ] {
         let inverter = |integration: &str| {
             format!(
                 "SwitchedInverter(vdc: \"400 V\", switching_frequency: \"5 kHz\", modulation: {modulation}, \
@@ -66,9 +69,13 @@ fn a_switching_inverter_gives_the_torque_of_its_mean() {
 
 #[test]
 fn separate_integration_gives_what_the_solver_gives_that_stops_at_every_edge() {
+    ["Symmetric", "Natural"].map(separate_is_as_together);
+}
+
+fn separate_is_as_together(sampling: &str) {
     let inverter = |integration: &str| {
         format!(
-            "SwitchedInverter(vdc: \"400 V\", switching_frequency: \"5 kHz\", integration: {integration})"
+            "SwitchedInverter(vdc: \"400 V\", switching_frequency: \"5 kHz\", sampling: {sampling}, integration: {integration})"
         )
     };
     let together = run_text(&at_fixed_speed(&inverter("Together"), SPEED, "40 ms"));

@@ -18,6 +18,9 @@ pub struct Carrier {
 /// Numbers of halves above this are no longer exact.
 const MOST_HALVES: f64 = 9e15;
 
+/// Distance from the carrier below which a reference is on it: what rounding of times leaves.
+const ON_CARRIER: f64 = 1e-9;
+
 impl Carrier {
     /// When a half begins, s. Period `k` begins with half `2 k`.
     #[inline]
@@ -99,6 +102,20 @@ impl Carrier {
                 right = middle;
             }
         }
+    }
+
+    /// The duty that, held over a half, switches where a duty that changes within it crosses the carrier: what natural
+    /// sampling comes to once the course of the reference is known beforehand. `reference` as in
+    /// [`crossing`](Self::crossing).
+    pub fn natural_duty(&self, half: f64, reference: impl Fn(f64) -> f64) -> f64 {
+        let Some(t) = self.crossing(half, &reference) else {
+            // What is no number stays so.
+            let middle = reference(self.start(half + 0.5)) - self.level(self.start(half + 0.5), half);
+            return if middle.is_nan() { f64::NAN } else { f64::from(middle > 0.0) };
+        };
+        let (wanted, level) = (reference(t), self.level(t, half));
+        // A duty that rests at the peak of the carrier does not switch there; one that jumps across it does.
+        if (wanted - level).abs() < ON_CARRIER { wanted } else { level }
     }
 }
 
@@ -199,6 +216,25 @@ mod tests {
         }
         assert_eq!(CARRIER.crossing(3.0, |_| 1.5), None);
         assert_eq!(CARRIER.crossing(4.0, |_| -0.5), None);
+    }
+
+    #[test]
+    fn a_natural_duty_switches_at_the_crossing_and_full_ones_do_not_switch() {
+        let reference = |t: f64| 0.5 + 0.45 * (TAU * 400.0 * t + 0.3).sin();
+        for half in (0..400).map(f64::from) {
+            let t = CARRIER.crossing(half, reference).expect("a crossing in each half");
+            let edge = CARRIER.edge(half, CARRIER.natural_duty(half, reference));
+            assert!((edge - t).abs() < 1e-14, "half {half}: {edge} != {t}");
+        }
+        for half in [4.0, 5.0] {
+            let constant = |duty: f64| CARRIER.natural_duty(half, move |_| duty);
+            assert_eq!([0.0, 0.25, 1.0, -0.5, 1.5].map(constant), [0.0, 0.25, 1.0, 0.0, 1.0], "half {half}");
+            assert!(constant(f64::NAN).is_nan());
+        }
+        // Across the carrier in one jump, a quarter of the half after its start.
+        let at = CARRIER.start(6.25);
+        let jumps = CARRIER.natural_duty(6.0, |t| f64::from(t >= at));
+        assert!((CARRIER.edge(6.0, jumps) - at).abs() < 1e-14);
     }
 
     /// A pole that switches at the crossings has no harmonics of the reference, and its fundamental is the reference itself:

@@ -98,6 +98,12 @@ impl Modulator {
         changed
     }
 
+    /// Whether the duties of the instant `t`, s, are those that [`settle`](Self::settle) would sample.
+    pub fn samples(&self, t: f64, memory: &[f64]) -> bool {
+        let last = memory[HALF];
+        last < 0.0 || memory[SAMPLED] == t || self.samples_between(last, self.carrier.half(t))
+    }
+
     /// Whether a leg is to be high; none if that cannot be told.
     fn command(&self, t: f64, half: f64, duty: f64, sampled: f64) -> Option<bool> {
         if self.sampling != Sampling::Natural {
