@@ -160,3 +160,105 @@ fn the_order_of_a_file_changes_no_bit() {
         assert_eq!(a.column(&recorded.path), b.column(&recorded.path), "{}", recorded.path);
     }
 }
+
+/// Largest distance between two runs in the torque of a joint, over the peak of the first.
+fn apart(a: &Run, b: &Run, axis: usize) -> f64 {
+    let set = if axis <= 3 { "principal" } else { "minor" };
+    let name = format!("measurements/torques/{set}.axis{axis}");
+    let peak = a.column(&name).iter().fold(0.0_f64, |peak, torque| peak.max(torque.abs()));
+    let differences = b.time.iter().zip(b.column(&name)).map(|(t, torque)| (torque - a.at(&name, *t)).abs());
+    differences.fold(0.0, f64::max) / peak
+}
+
+/// Every edge of the inverters lies at the same instant, and ideal contacts exchange what the references exchange.
+#[test]
+fn contacts_behind_a_switching_inverter_are_exchanged_references() {
+    let run = |reverser: &str| run_file(MODEL, &["drive=asm_switched", reverser]);
+    let (signal, power) = (run("reverser=signal"), run("reverser=power"));
+    tracks(&signal, [0.3; 6]);
+    tracks(&power, [0.3; 6]);
+    for axis in 1..=6 {
+        let apart = apart(&signal, &power, axis);
+        assert!(apart < 1e-12, "axis {axis}: {apart}");
+    }
+}
+
+/// With the averaged inverter the contacts put the machine into a circuit, where its currents alternate: the same up to the
+/// tolerance of the solver, which reversals at slightly other instants magnify.
+#[test]
+fn contacts_behind_an_averaged_inverter_are_exchanged_references() {
+    use blocksim_block::schedule::{Solver, VariableMethod};
+    tracks(&run_file(MODEL, &["reverser=signal"]), [0.3; 6]);
+    let exact = |reverser: &str| {
+        let (compiled, problems) = compile_file(MODEL, &[reverser]);
+        let mut schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+        let (method, tolerance) = (VariableMethod::Ode45, 1e-8);
+        schedule.settings.solver =
+            Solver::Variable { method, rtol: tolerance, atol: tolerance, max_step: f64::INFINITY };
+        blocksim_tests::run(schedule)
+    };
+    let (signal, power) = (exact("reverser=signal"), exact("reverser=power"));
+    tracks(&power, [0.3; 6]);
+    for axis in 1..=6 {
+        let apart = apart(&signal, &power, axis);
+        assert!(apart < 1e-3, "axis {axis}: {apart}");
+    }
+}
+
+/// In the demo move the frequencies of joints 3 and 4 never change their sign, that of joint 1 does.
+#[test]
+fn how_a_joint_is_reversed_matters_where_it_reverses() {
+    let signed = run_file(MODEL, &[]);
+    for link in ["link2", "link3"] {
+        let run = run_file(MODEL, &[&format!("arm/{link}.reverser=signal")]);
+        for axis in 1..=6 {
+            let apart = apart(&signed, &run, axis);
+            assert!(apart < 1e-12, "{link}, axis {axis}: {apart}");
+        }
+    }
+    let run = run_file(MODEL, &["arm/base.reverser=signal"]);
+    tracks(&run, [0.3; 6]);
+    assert!(apart(&signed, &run, 1) > 0.1, "joint 1 behaves as before");
+    assert!(apart(&signed, &run, 2) < 0.02, "joint 2 does not");
+}
+
+/// A motor of the robot that runs backwards from rest: the field stands still at the angle zero, whose mirror image it is.
+#[test]
+fn a_motor_that_starts_backwards_does_not_care_how_it_is_reversed() {
+    use blocksim_tests::{Desk, compile_with};
+    let path = root().join("diagrams/irb2600/bench.ron");
+    let run = |reverser: &str| {
+        let text = format!(
+            r#"Diagram(
+    parameters: {{
+        "robot": File("../../params/irb2600.ron"), "axis": "robot.axis1",
+        "reverser": Choice(default: "{reverser}", of: ["signed", "signal", "power"]),
+    }},
+    simulation: (stop_time: "0.4 s", solver: Ode45(rtol: 1e-9, atol: 1e-9), output: Every("1 ms")),
+    blocks: {{
+        "u": Step(time: "0.05 s", after: -0.2), "smooth": LowPass(tau: "50 ms"),
+        "motor": Subsystem(file: "motor_asm.ron"), "load": RotationalDamper(d: "5e-3 N*m*s/rad"),
+        "housing": RotationalReference, "s": Scope(inputs: ["torque", "speed"]),
+    }},
+    connections: [
+        "u.y -> smooth.u", "smooth.y -> motor.u", "motor.r <-> load.r", "motor.c <-> load.c <-> housing.r",
+        "motor.measure.Torque -> s.torque", "motor.measure.Speed -> s.speed",
+    ],
+)"#
+        );
+        let desk = Desk::new().with(&path.display().to_string(), &text);
+        let (compiled, problems) = compile_with(&desk, &path, &[]);
+        blocksim_tests::run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")))
+    };
+    let signed = run("signed");
+    let most = signed.column("s.torque").iter().fold(0.0_f64, |most, torque| most.max(torque.abs()));
+    assert!(signed.last("s.speed") < -10.0 && most > 0.1, "it does not run: {most} N*m");
+    for reverser in ["signal", "power"] {
+        let other = run(reverser);
+        for t in (0..400).map(|ms| 1e-3 * f64::from(ms)) {
+            // Up to the hysteresis of 1e-3 the magnitude stays zero: for 0.25 ms the field waits.
+            let difference = (other.at("s.torque", t) - signed.at("s.torque", t)).abs();
+            assert!(difference < 2e-3 * most, "{reverser}, at {t} s: {difference} of {most} N*m");
+        }
+    }
+}
