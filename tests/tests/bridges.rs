@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use blocksim_tests::{Run, run_text};
+use blocksim_block::schedule::OutputTimes;
+use blocksim_tests::{Run, compile_file, run, run_text};
 
 /// A circuit with these blocks and connections, recorded by the scope `s`.
 fn circuit(stop: &str, blocks: &str, connections: &str, shown: &str) -> Run {
@@ -220,5 +221,82 @@ fn a_thyristor_that_fires_late_cuts_off_the_beginning_of_each_half_wave() {
         );
         let expected = 325.0 / 10.001 / TAU * (1.0 + angle.to_radians().cos());
         close(mean(&run, "s.i", 20e-3), expected, 5e-5 * expected, &format!("mean current at {angle} deg"));
+    }
+}
+
+/// Mean over the periods of the carrier from `start` to `end`, largest and smallest value; rows lie on both sides of every
+/// edge and at least every 5 us, within which a current of L/R = 1 ms is a straight line but for 1e-5 of its ripple.
+fn between(run: &Run, name: &str, start: f64, end: f64) -> [f64; 3] {
+    let (t, y) = (&run.time, run.column(name));
+    let row = |at: f64| t.iter().rposition(|t| *t <= at + 1e-12).expect("rows");
+    let (first, last) = (row(start), row(end));
+    let area: f64 = (first + 1..=last).map(|n| 0.5 * (y[n] + y[n - 1]) * (t[n] - t[n - 1])).sum();
+    let values = &y[first..=last];
+    let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
+    [area / (t[last] - t[first]), largest, smallest]
+}
+
+/// The diagram of the H bridge with rows that lie as close as `between` wants them.
+fn on_the_h_bridge(set: &[&str]) -> Run {
+    let (compiled, problems) = compile_file("diagrams/h_bridge_dc_motor.ron", set);
+    let mut schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+    schedule.settings.output = OutputTimes::Every(5e-6);
+    run(schedule)
+}
+
+/// In the steady state a coil between two voltages `high` and `low` apart, `share` of the period `period` at the upper one,
+/// swings by this, A.
+fn ripple(apart: f64, r: f64, l: f64, share: f64, period: f64) -> f64 {
+    let left = |time: f64| 1.0 - (-time * r / l).exp();
+    apart / r * left(share * period) * left((1.0 - share) * period) / left(period)
+}
+
+#[test]
+fn a_motor_on_an_h_bridge_runs_in_both_directions_with_the_mean_and_the_ripple_of_the_closed_form() {
+    let (v, r, l, k, d, period): (f64, f64, f64, f64, f64, f64) = (48.0, 1.02, 1e-3, 0.1, 2e-3, 1e-4);
+    for (scheme, share, apart, pulses) in [("Unipolar", 0.5, v, 2.0), ("Bipolar", 0.75, 2.0 * v, 1.0)] {
+        let run = on_the_h_bridge(&[&format!("pwm.scheme={scheme}")]);
+        // At rest of all means: m v = R i + k w, k i = d w.
+        let i = 0.5 * v * d / (r * d + k * k);
+        for (end, sign) in [(0.1, 1.0), (0.25, -1.0)] {
+            let [mean, largest, smallest] = between(&run, "current.motor", end - 10.0 * period, end);
+            // Time constants of 8.5 ms: less than e^-11 of the change is left.
+            close(mean, sign * i, 1e-3 * i, &format!("{scheme}: mean of the current"));
+            let expected = ripple(apart, r, l, share, period / pulses);
+            close(largest - smallest, expected, 2e-3 * expected, &format!("{scheme}: ripple"));
+            let [w, ..] = between(&run, "speed.w", end - 10.0 * period, end);
+            close(w, sign * k * i / d, 1e-3 * k * i / d, &format!("{scheme}: speed"));
+            // The supply gives what the motor takes and the transistors turn into heat.
+            let [from_supply, ..] = between(&run, "current.supply", end - 10.0 * period, end);
+            let ripple_heat = r * expected * expected / 12.0;
+            let power = 0.5 * v * i + ripple_heat;
+            close(v * from_supply, power, 3e-3 * power, &format!("{scheme}: power of the supply"));
+        }
+        // On the way the motor brakes, into the supply.
+        let [back, ..] = between(&run, "current.supply", 0.11, 0.115);
+        assert!(back < -0.5, "{scheme}: {back} A");
+    }
+}
+
+/// Without induced voltage a motor is a coil: `(2 d - 1) V / R` with the duty of the leg a, for all duties.
+#[test]
+fn a_coil_on_an_h_bridge_carries_the_mean_of_its_duty() {
+    for (scheme, m) in
+        [("Unipolar", 0.8), ("Unipolar", -0.3), ("Bipolar", 0.2), ("Bipolar", -0.9), ("Bipolar", 0.0)]
+    {
+        let set = [format!("pwm.scheme={scheme}"), format!("m={m}"), "motor.k=\"0 N*m/A\"".to_owned()];
+        let run = on_the_h_bridge(&set.each_ref().map(String::as_str));
+        let (v, r, l, period) = (48.0, 1.02, 1e-3, 1e-4);
+        for (end, m) in [(0.1, m), (0.25, -m)] {
+            let [mean, largest, smallest] = between(&run, "current.motor", end - 10.0 * period, end);
+            let d = 0.5 * (1.0 + m);
+            close(mean, (2.0 * d - 1.0) * v / r, 1e-4 * v / r, &format!("{scheme}, {m}: mean"));
+            let expected = match scheme {
+                "Bipolar" => ripple(2.0 * v, r, l, d, period),
+                _ => ripple(v, r, l, f64::abs(m), 0.5 * period),
+            };
+            close(largest - smallest, expected, 1e-5 * expected, &format!("{scheme}, {m}: ripple"));
+        }
     }
 }
