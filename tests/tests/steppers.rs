@@ -177,3 +177,56 @@ fn the_stepper_of_the_diagram_ends_where_its_count_says_less_the_pull_of_the_loa
     let lost = run_file("diagrams/stepper.ron", &["speed=\"15 rad/s\""]);
     assert!(lost.at("angles.wanted", 1.09) - lost.at("angles.actual", 1.09) > 10.0, "it follows");
 }
+
+/// A phase in series with another inductance: their common node floats, and its potential follows from both.
+#[test]
+fn a_phase_in_series_with_a_coil_is_one_inductance() {
+    let run = run_text(
+        r#"Diagram(
+    simulation: (stop_time: "20 ms", solver: Ode45(rtol: 1e-10, atol: 1e-10), output: Every("1 ms")),
+    blocks: {
+        "u": VoltageSource(v: "12 V"), "coil": Inductor(l: "5 mH"), "g": ElectricalReference,
+        "motor": StepperMotor(r: "1.2 Ohm", l: "2.4 mH", k: "0.22 N*m/A", j: "3e-5 kg*m^2", theta0: "0.01 rad"),
+        "held": Inertia(j: "1e9 kg*m^2"), "frame": RotationalReference, "s": Scope(inputs: ["a", "b"]),
+    },
+    connections: [
+        "u.p <-> coil.p", "coil.n <-> motor.a_p", "motor.a_n <-> u.n <-> motor.b_p <-> motor.b_n <-> g.p",
+        "motor.r <-> held.r", "motor.c <-> frame.r", "motor.i_a -> s.a", "motor.i_b -> s.b",
+    ],
+)"#,
+    );
+    for (row, t) in run.time.iter().enumerate() {
+        let expected = 10.0 * (1.0 - (-t * 1.2 / 7.4e-3).exp());
+        close(run.column("s.a")[row], expected, 1e-7, "current of phase A");
+        close(run.column("s.b")[row], 0.0, 1e-7, "current of phase B");
+    }
+}
+
+/// A share of 0.2 of 12 V, by pulses, is 2.4 V; the rotor does not notice the ripple.
+#[test]
+fn two_h_bridges_hold_the_rotor_where_their_mean_voltages_do() {
+    let run = run_text(
+        r#"Diagram(
+    simulation: (stop_time: "0.329 s", solver: Ode45(rtol: 1e-8, atol: 1e-8), output: Every("1 ms")),
+    blocks: {
+        "clock": Pulse(period: "40 ms", width: 0.5, delay: "10 ms"), "is": Compare(operator: Greater, constant: 0.5),
+        "driver": StepperDriver(amplitude: 0.2, drive: Micro(3)),
+        "pwm_a": HBridgePwm(switching_frequency: "10 kHz"), "pwm_b": HBridgePwm(switching_frequency: "10 kHz"),
+        "u": VoltageSource(v: "12 V"), "g": ElectricalReference,
+        "bridge_a": HBridge(r_on: "0 Ohm"), "bridge_b": HBridge(r_on: "0 Ohm"),
+        "motor": StepperMotor(r: "1.2 Ohm", l: "2.4 mH", k: "0.22 N*m/A", j: "3e-5 kg*m^2", damping: "4e-3 N*m*s/rad"),
+        "frame": RotationalReference, "s": Scope(inputs: ["theta", "n"]),
+    },
+    connections: [
+        "clock.y -> is.u", "is.y -> driver.step", "driver.a -> pwm_a.m", "driver.b -> pwm_b.m",
+        "pwm_a.gates -> bridge_a.gates", "pwm_b.gates -> bridge_b.gates",
+        "u.p <-> bridge_a.p <-> bridge_b.p", "u.n <-> bridge_a.n <-> bridge_b.n <-> g.p",
+        "bridge_a.a <-> motor.a_p", "bridge_a.b <-> motor.a_n", "bridge_b.a <-> motor.b_p", "bridge_b.b <-> motor.b_n",
+        "motor.c <-> frame.r", "motor.theta -> s.theta", "driver.position -> s.n",
+    ],
+)"#,
+    );
+    assert_eq!(run.last("s.n"), 8.0);
+    // A microstep is 0.0105 rad.
+    close(run.last("s.theta"), 8.0 * TAU / 600.0, 1e-5, "angle after eight microsteps");
+}

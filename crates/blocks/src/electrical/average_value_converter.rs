@@ -8,8 +8,8 @@ use blocksim_block::prelude::*;
 /// $d_x$, 0 to 1 and limited to that, is the share of the period during which a leg is high, as `DutyCycles` and
 /// `PwmGenerator` give it; $v_{xn}$ lies between the phase and `n`, and $i_x$ flows out of the phase. Power balances at each
 /// instant, in both directions: what a braking machine feeds back charges the capacitor of the link. The voltage of
-/// the link is the limit of that of the phases. It is the mean of a `SixPulseInverter`, and runs as fast as a circuit
-/// without switches does; `AveragedInverter` does without the link.
+/// the link is the limit of that of the phases. It is the mean of a `SixPulseInverter` without forward voltages and
+/// dead times, and runs as fast as a circuit without switches does; `AveragedInverter` does without the link.
 ///
 /// `r_on` is the resistance of the one switch of each leg that conducts at a time. The DC side needs something that tells its
 /// voltage: a source, or the capacitor of a link.
