@@ -222,6 +222,42 @@ fn how_a_joint_is_reversed_matters_where_it_reverses() {
     assert!(apart(&signed, &run, 2) < 0.02, "joint 2 does not");
 }
 
+/// The machine does not feel how the link sags under it, because the duty cycles follow its voltage.
+#[test]
+fn machines_on_a_dc_link_move_as_those_on_a_stiff_one() {
+    let run = |drive: &str| {
+        let (compiled, problems) = compile_file(MODEL, &[drive]);
+        let mut schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+        schedule.settings.stop_time = 0.4;
+        blocksim_tests::run(schedule)
+    };
+    let (stiff, link) = (run("drive=asm"), run("drive=asm_link"));
+    for axis in 1..=6 {
+        let name =
+            format!("measurements/torques/{}.axis{axis}", if axis <= 3 { "principal" } else { "minor" });
+        let torque = |t: f64| (stiff.at(&name, t), link.at(&name, t));
+        let sum = |of: &dyn Fn((f64, f64)) -> f64| -> f64 {
+            (1..400).map(|ms| of(torque(1e-3 * f64::from(ms)))).sum()
+        };
+        let apart = sum(&|(a, b)| (a - b).abs()) / sum(&|(a, _)| a.abs());
+        assert!(apart < 1e-2, "axis {axis}: {apart}");
+    }
+    let v = link.column("arm/link1/drive_system/motor/driver/driver/dc.v");
+    let least = v.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((295.0..315.0).contains(&least), "the link of joint 2 sags from 330 V to {least} V");
+}
+
+#[test]
+fn slip_control_halves_the_errors_of_the_open_loop() {
+    let (open, slip) = (run_file(MODEL, &[]), run_file(MODEL, &["speed_control=slip"]));
+    tracks(&slip, [0.1; 6]);
+    for axis in 1..=3 {
+        let [before, after] = [&open, &slip].map(|run| errors(run, axis).0);
+        assert!(after < 0.5 * before, "axis {axis}: {after} degrees instead of {before}");
+    }
+    tracks(&run_file(MODEL, &["speed_control=slip", "drive=asm_switched"]), [0.3; 6]);
+}
+
 /// A motor of the robot that runs backwards from rest: the field stands still at the angle zero, whose mirror image it is.
 #[test]
 fn a_motor_that_starts_backwards_does_not_care_how_it_is_reversed() {
@@ -233,6 +269,7 @@ fn a_motor_that_starts_backwards_does_not_care_how_it_is_reversed() {
     parameters: {{
         "robot": File("../../params/irb2600.ron"), "axis": "robot.axis1",
         "reverser": Choice(default: "{reverser}", of: ["signed", "signal", "power"]),
+        "speed_control": Choice(default: "open", of: ["open", "slip"]),
     }},
     simulation: (stop_time: "0.4 s", solver: Ode45(rtol: 1e-9, atol: 1e-9), output: Every("1 ms")),
     blocks: {{
