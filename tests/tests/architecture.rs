@@ -160,6 +160,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("abi", &["*"]),
         ("controller", &["host", "block", "diagram"]),
         ("host", &["diagram", "blocks", "sim"]),
+        ("import", &["block", "blocks", "diagram", "ron"]),
         ("results", &["block", "blocks", "diagram", "sim"]),
     ];
     for (name, absent) in nothing_of {

@@ -43,6 +43,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Print what a step of the compiler makes of a model.
     Emit(EmitArgs),
+    /// Make a diagram of a robot description, or bring its numbers up to date.
+    Import(ImportArgs),
     /// Tell which kinds of block there are, or all about one kind.
     Blocks(BlocksArgs),
     /// Explain a problem by the word that stands in its brackets: `error[unknown_port]`.
@@ -153,6 +155,33 @@ impl From<StageName> for Stage {
             StageName::Schedule => Stage::Schedule,
         }
     }
+}
+
+/// `blocksim import`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Writes a diagram and a file of its numbers. Where the diagram exists it is left alone, and only \
+                        the numbers are brought up to date.\n\nExample:\n  blocksim import arm.urdf --out arm"
+)]
+pub struct ImportArgs {
+    /// The file.
+    pub file: PathBuf,
+    /// What it is; without this the file tells.
+    #[arg(long = "as", value_enum, value_name = "KIND")]
+    pub kind: Option<Kind>,
+    /// Folder for the diagram and its parameters.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Overwrite a parameter file even if it was changed by hand.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Kinds of file that can be imported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// Robot description.
+    Urdf,
 }
 
 /// `blocksim blocks`.

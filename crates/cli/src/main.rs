@@ -25,6 +25,7 @@ mod prose;
 mod recorder;
 mod render;
 mod report;
+mod seal;
 mod shown;
 mod solver;
 mod summary;
@@ -46,6 +47,7 @@ blocksim simulates block diagrams written as text.
   blocksim run MODEL.ron                    simulate, show and keep the results
   blocksim run MODEL.ron --set drive=dc     with another value of a parameter
   blocksim check MODEL.ron                  tell all problems without running
+  blocksim import ROBOT.urdf --out DIR      make a model of a robot description
   blocksim blocks                           which kinds of block there are
   blocksim blocks Gain                      all about one of them
 
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
         Some(Command::Run(args)) => commands::run(args, console),
         Some(Command::Check(args)) => commands::check(args, console),
         Some(Command::Emit(args)) => commands::emit(args, console),
+        Some(Command::Import(args)) => commands::import(args, console),
         Some(Command::Blocks(args)) => commands::blocks(args, console),
         Some(Command::Explain(args)) => commands::explain(args, console),
     };

@@ -27,7 +27,7 @@ pub use csv::{ReadLimits, read_csv, read_csv_file, read_events};
 pub use csv_write::{write_events, write_signals};
 pub use error::{CsvError, RecordingError, ResultsError};
 pub use manifest::{Choice, Counts, Ended, FileUsed, Manifest, Override, Program, SolverUsed};
-pub use place::probe;
+pub use place::{probe, write_whole};
 pub use recording::{EventRow, Kind, Recording, Signal};
 pub use run_folder::RunFolder;
 pub use sparkline::sparkline;

@@ -25,8 +25,12 @@ pub fn probe(parent: &Path) -> Result<(), ResultsError> {
     tried.and(removed).map_err(|error| ResultsError::io("write into", parent, error))
 }
 
-/// Writes `folder/name` by way of a temporary sibling that is renamed at the end.
-pub(crate) fn write_whole(
+/// Writes `folder/name` by way of a temporary sibling that is renamed at the end: whole or not at all.
+///
+/// # Errors
+///
+/// [`ResultsError`] where the system refuses; an older file of this name is then as it was.
+pub fn write_whole(
     folder: &Path,
     name: &str,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,

@@ -4,12 +4,14 @@ mod blocks;
 mod check;
 mod emit;
 mod explain;
+mod import;
 mod run;
 
 pub use blocks::blocks;
 pub use check::check;
 pub use emit::emit;
 pub use explain::explain;
+pub use import::import;
 pub use run::run;
 
 use blocksim_block::problem::Problem;

@@ -1,0 +1,155 @@
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use blocksim_import::{
+    Differences, Mechanism, Provenance, diagram, differences, file_name, named_in, parameters, urdf,
+};
+use blocksim_results::{clock::iso, hash::fingerprint, write_whole};
+
+use crate::args::{ImportArgs, Kind};
+use crate::console::Console;
+use crate::exit::Exit;
+use crate::seal::{Seal, seal, sealed};
+
+/// Makes a diagram and a parameter file of a file of another program; where both exist, only the numbers are
+/// brought up to date.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn import(args: &ImportArgs, console: Console) -> io::Result<Exit> {
+    let bytes = match fs::read(&args.file) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            console.say(&format!("error: cannot read `{}`: {error}", args.file.display()));
+            return Ok(Exit::Files);
+        }
+    };
+    let read = match args.kind.unwrap_or_else(|| guessed(&args.file, &bytes)) {
+        Kind::Urdf => urdf::read(&args.file, &bytes),
+    };
+    let mechanism = match read {
+        Ok(mechanism) => mechanism,
+        Err(faults) => {
+            faults.iter().for_each(|fault| console.say(&format!("error: {fault}\n")));
+            return Ok(Exit::Model);
+        }
+    };
+    mechanism.notes.iter().for_each(|note| console.say(&format!("note: {note}")));
+    match write(args, &mechanism, &bytes) {
+        Ok(told) => {
+            console.data(&told)?;
+            Ok(Exit::Done)
+        }
+        Err(refusal) => {
+            console.say(&format!("error: {refusal}"));
+            Ok(Exit::Files)
+        }
+    }
+}
+
+/// What a file is by its ending and its first element.
+fn guessed(_file: &Path, _bytes: &[u8]) -> Kind {
+    Kind::Urdf
+}
+
+/// Writes both files; what is told about it, or why not.
+fn write(args: &ImportArgs, mechanism: &Mechanism, bytes: &[u8]) -> Result<String, String> {
+    let source = args.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let stem = file_name(&args.file.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default());
+    let (numbers, model) = (format!("{stem}_parameters.ron"), format!("{stem}.ron"));
+    let provenance = Provenance {
+        source: source.clone(),
+        fingerprint: fingerprint(bytes),
+        date: iso(SystemTime::now())[..10].to_owned(),
+    };
+    let fresh = seal(&parameters(mechanism, &provenance));
+    fs::create_dir_all(&args.out)
+        .map_err(|error| format!("cannot create `{}`: {error}", args.out.display()))?;
+    let before = old(&args.out.join(&numbers), args.force)?;
+    let wired = existing(&args.out.join(&model))?;
+    let mut told = String::new();
+    told.push_str(&match &before {
+        None => format!("wrote {}\n", put(&args.out, &numbers, &fresh)?),
+        Some(before) => {
+            let found = differences(before, &fresh);
+            let path = put(&args.out, &numbers, &fresh)?;
+            format!(
+                "updated {path}: {}\n{}",
+                counts(&found),
+                listed(&found, before, &fresh, wired.as_deref())
+            )
+        }
+    });
+    match wired {
+        None => {
+            let text = diagram(mechanism, &numbers, &source);
+            told.push_str(&format!("wrote {}\n", put(&args.out, &model, &text)?));
+        }
+        Some(_) => told.push_str(&format!("left {} as it is\n", args.out.join(&model).display())),
+    }
+    Ok(told)
+}
+
+fn put(folder: &Path, name: &str, text: &str) -> Result<String, String> {
+    let written = write_whole(folder, name, |out| out.write_all(text.as_bytes()));
+    written.map(|path| path.display().to_string()).map_err(|error| error.to_string())
+}
+
+/// The text of a file; `None` if there is none.
+fn existing(path: &PathBuf) -> Result<Option<String>, String> {
+    match fs::read_to_string(path) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(format!("cannot read `{}`: {error}", path.display())),
+    }
+}
+
+/// The parameter file of the last import, unless somebody has changed it since.
+fn old(path: &PathBuf, force: bool) -> Result<Option<String>, String> {
+    let Some(text) = existing(path)? else { return Ok(None) };
+    let why = match sealed(&text) {
+        Seal::Whole => return Ok(Some(text)),
+        Seal::Broken => "was changed since the last import",
+        Seal::Missing => "was not written by an import",
+    };
+    if force {
+        return Ok(Some(text));
+    }
+    let help =
+        "keep own numbers in another file, or overwrite this one with --force; nothing has been written";
+    Err(format!("`{}` {why}\n  = help: {help}", path.display()))
+}
+
+fn counts(found: &Differences) -> String {
+    let Differences { added, removed, changed } = found;
+    match (added.len(), removed.len(), changed.len()) {
+        (0, 0, 0) => "no number differs".to_owned(),
+        (a, r, c) => format!("{c} changed, {a} new, {r} gone"),
+    }
+}
+
+/// What came and what went, with the lines of the diagram that need a hand.
+fn listed(found: &Differences, before: &str, fresh: &str, wired: Option<&str>) -> String {
+    let mut told = String::new();
+    for path in Differences::groups(&found.added, before) {
+        told.push_str(&format!("  new: {path}; the diagram does not know it\n"));
+    }
+    for path in Differences::groups(&found.removed, fresh) {
+        let lines: Vec<String> = wired
+            .map(|text| named_in(text, &path))
+            .unwrap_or_default()
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        match lines.is_empty() {
+            true => told.push_str(&format!("  gone: {path}\n")),
+            false => told.push_str(&format!(
+                "  gone: {path}; the diagram still names it, line {}\n",
+                lines.join(", ")
+            )),
+        }
+    }
+    told
+}

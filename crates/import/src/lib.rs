@@ -1,0 +1,24 @@
+//! Mechanisms from files of other programs: robot descriptions (URDF).
+//!
+//! Three steps, from plain data to plain data: a reader makes a [`Mechanism`] of the bytes of a file ([`urdf::read`]),
+//! [`diagram`] and [`parameters`] make text of it. Nothing here opens or writes a file, and nothing knows blocks: the
+//! diagram is text.
+//!
+//! Faults have a file, a line, a reason and a remedy ([`Fault`]); all of a file are told at once.
+
+mod fault;
+mod mechanism;
+mod model;
+mod names;
+mod numbers;
+mod update;
+pub mod urdf;
+mod write;
+mod xml;
+
+pub use fault::Fault;
+pub use mechanism::{Body, Form, Joint, Mechanism, Motion, Role, Shape, Start};
+pub use model::{Tree, model};
+pub use names::file_name;
+pub use update::{Differences, differences, named_in};
+pub use write::{Provenance, diagram, parameters};

@@ -1,0 +1,109 @@
+//! What a new import changes: numbers that came, went or have another value.
+
+use std::collections::BTreeMap;
+
+/// Numbers of two parameter files by their paths, `bodies.link_1.mass`.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Differences {
+    /// Paths that only the new file has.
+    pub added: Vec<String>,
+    /// Paths that only the old file had.
+    pub removed: Vec<String>,
+    /// Paths with another value.
+    pub changed: Vec<String>,
+}
+
+impl Differences {
+    /// The groups, such as `bodies.link_7`, of which all numbers are among `paths`, and the other paths.
+    pub fn groups(paths: &[String], others: &str) -> Vec<String> {
+        let kept = values(others);
+        let mut groups: Vec<String> = Vec::new();
+        for path in paths {
+            let group: Vec<&str> = path.splitn(3, '.').take(2).collect();
+            let group = group.join(".");
+            let whole = !kept.keys().any(|key| key.starts_with(&format!("{group}.")));
+            let told = if whole { group } else { path.clone() };
+            if groups.last() != Some(&told) && !groups.contains(&told) {
+                groups.push(told);
+            }
+        }
+        groups
+    }
+}
+
+/// Compares two parameter files as [`parameters`](crate::parameters) writes them.
+pub fn differences(old: &str, new: &str) -> Differences {
+    let (old, new) = (values(old), values(new));
+    let only = |a: &BTreeMap<String, String>, b: &BTreeMap<String, String>| -> Vec<String> {
+        a.keys().filter(|key| !b.contains_key(*key)).cloned().collect()
+    };
+    let changed = new.iter().filter(|(key, value)| old.get(*key).is_some_and(|before| before != *value));
+    Differences {
+        added: only(&new, &old),
+        removed: only(&old, &new),
+        changed: changed.map(|(key, _)| key.clone()).collect(),
+    }
+}
+
+/// Values of a parameter file: a line `name: (` opens a group, `),` closes it, any other line with a colon is a value.
+fn values(text: &str) -> BTreeMap<String, String> {
+    let mut values: BTreeMap<String, String> = BTreeMap::new();
+    let mut path: Vec<&str> = Vec::new();
+    let mut list: Option<String> = None;
+    for line in text.lines().map(str::trim).filter(|line| !line.starts_with("//")) {
+        if let Some(key) = &list {
+            match line {
+                "]," => list = None,
+                _ => values.entry(key.clone()).or_default().push_str(line),
+            }
+        } else if matches!(line, ")," | ")") {
+            path.pop();
+        } else if let Some((name, value)) = line.split_once(": ") {
+            let key = || path.iter().copied().chain([name]).collect::<Vec<_>>().join(".");
+            match value {
+                "(" => path.push(name),
+                "[" => list = Some(key()),
+                _ => {
+                    values.insert(key(), value.trim_end_matches(',').to_owned());
+                }
+            }
+        }
+    }
+    values
+}
+
+/// Lines of a diagram that name a number by its path (or one in a group), from 1.
+pub fn named_in(diagram: &str, path: &str) -> Vec<usize> {
+    let wanted = format!("model.{path}");
+    let ends = |rest: &str| !rest.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_');
+    let names = |line: &str| line.match_indices(&wanted).any(|(at, _)| ends(&line[at + wanted.len()..]));
+    diagram.lines().enumerate().filter(|(_, line)| names(line)).map(|(i, _)| i + 1).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OLD: &str = "// x: y\n(\n    bodies: (\n        a: (\n            mass: \"1 kg\",\n            com: [\"0 m\"],\n        ),\n        b: (\n            mass: \"2 kg\",\n        ),\n    ),\n)\n";
+
+    #[test]
+    fn what_came_went_and_changed_is_told_by_path() {
+        let new = OLD
+            .replace("\"1 kg\"", "\"3 kg\"")
+            .replace("        b: (", "        c: (")
+            .replace("com: [", "moi: [");
+        let found = differences(OLD, &new);
+        assert_eq!(found.added, ["bodies.a.moi", "bodies.c.mass"]);
+        assert_eq!(found.removed, ["bodies.a.com", "bodies.b.mass"]);
+        assert_eq!(found.changed, ["bodies.a.mass"]);
+        assert_eq!(Differences::groups(&found.removed, &new), ["bodies.a.com", "bodies.b"]);
+        assert_eq!(differences(OLD, OLD), Differences::default());
+    }
+
+    #[test]
+    fn lines_that_name_a_number_are_found_by_whole_names() {
+        let diagram = "x\n\"model.bodies.b.mass\"\n\"model.bodies.b2.mass\"\n\"2 * model.bodies.b\"";
+        assert_eq!(named_in(diagram, "bodies.b"), [2, 4]);
+        assert_eq!(named_in(diagram, "bodies.b.mass"), [2]);
+    }
+}

@@ -1,0 +1,117 @@
+//! Numbers with units.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// `"1.5 kg"`.
+pub(super) fn with_unit(value: f64, unit: &str) -> String {
+    format!("\"{} {unit}\"", short(value))
+}
+
+/// `["1 m", "0 m", "2 m"]`.
+pub(super) fn vector(values: &[f64], unit: &str) -> String {
+    let items: Vec<String> = values.iter().map(|value| with_unit(*value, unit)).collect();
+    format!("[{}]", items.join(", "))
+}
+
+/// `[0, 0, 1]`.
+pub(super) fn plain(values: &[f64]) -> String {
+    let items: Vec<String> = values.iter().map(|value| short(*value)).collect();
+    format!("[{}]", items.join(", "))
+}
+
+/// An angle: in degrees where that is a short number, in radians otherwise.
+pub(super) fn angle(radians: f64) -> String {
+    match round_degrees(radians) {
+        Some(degrees) => with_unit(degrees, "deg"),
+        None => with_unit(radians, "rad"),
+    }
+}
+
+/// `["0 deg", "90 deg", "0.3 rad"]`.
+pub(super) fn angles(radians: [f64; 3]) -> String {
+    format!("[{}]", radians.map(angle).join(", "))
+}
+
+/// Degrees with at most three decimals, if the angle is that but for the rounding of printed digits.
+fn round_degrees(radians: f64) -> Option<f64> {
+    let degrees = radians.to_degrees();
+    let round = (degrees * 1e3).round() / 1e3;
+    // 1e-10 deg are 2e-12 rad.
+    ((degrees - round).abs() < 1e-10).then_some(round)
+}
+
+/// The shortest digits that give back the same number, with a power of ten where that is shorter.
+pub(super) fn short(value: f64) -> String {
+    // Neither -0 nor -0.0.
+    let value = if value == 0.0 { 0.0 } else { value };
+    let (plain, power) = (format!("{value}"), format!("{value:e}"));
+    match value.abs() {
+        x if x == 0.0 || (1e-3..1e6).contains(&x) => plain,
+        _ if power.len() < plain.len() => power,
+        _ => plain,
+    }
+}
+
+/// Roll, pitch and yaw of a rotation, `R = Rz(yaw) Ry(pitch) Rx(roll)`, exact also where the pitch is a right angle:
+/// the roll is taken from what is left when yaw and pitch are undone.
+pub(super) fn rpy(r: &Matrix3<f64>) -> [f64; 3] {
+    let yaw = match r[(0, 0)].hypot(r[(1, 0)]) {
+        // Only yaw plus or minus roll is defined here.
+        x if x < 1e-12 => 0.0,
+        _ => r[(1, 0)].atan2(r[(0, 0)]),
+    };
+    let (sin, cos) = yaw.sin_cos();
+    let pitch = (-r[(2, 0)]).atan2(cos * r[(0, 0)] + sin * r[(1, 0)]);
+    // y and z axes of the frame that the yaw is undone of
+    let y = Vector3::new(-sin, cos, 0.0);
+    let roll = (-y.dot(&r.column(2))).atan2(y.dot(&r.column(1)));
+    [roll, pitch, yaw].map(|angle| {
+        // What was written with a few digits comes back so.
+        let round = (angle * 1e12).round() / 1e12;
+        if (angle - round).abs() < 2e-15 { round } else { angle }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use blocksim_multibody::Placement;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    #[test]
+    fn numbers_are_short_and_exact() {
+        for (value, text) in [
+            (0.445, "0.445"),
+            (5.8863e-5, "5.8863e-5"),
+            (-0.0, "0"),
+            (1000.0, "1000"),
+            (1e12, "1e12"),
+            (-0.0003098, "-3.098e-4"),
+            (0.1 + 0.2, "0.30000000000000004"),
+        ] {
+            assert_eq!(short(value), text);
+            assert_eq!(short(value).parse::<f64>(), Ok(value));
+        }
+    }
+
+    #[test]
+    fn angles_of_data_sheets_are_degrees_again() {
+        assert_eq!(angle(-1.65806278939), "\"-95 deg\"");
+        assert_eq!(angle(FRAC_PI_2), "\"90 deg\"");
+        assert_eq!(angle(2.70526034059), "\"155 deg\"");
+        assert_eq!(angle(0.3), "\"0.3 rad\"");
+        assert_eq!(angles([0.0, FRAC_PI_2, 0.3]), "[\"0 deg\", \"90 deg\", \"0.3 rad\"]");
+    }
+
+    #[test]
+    fn angles_of_a_rotation_give_it_back_also_beside_the_right_angle() {
+        let pitches = [0.0, 0.3, FRAC_PI_2, -FRAC_PI_2, FRAC_PI_2 - 1e-7, 1.0 - FRAC_PI_2, FRAC_PI_2 - 1e-13];
+        for pitch in pitches {
+            for (roll, yaw) in [(0.0, 0.0), (0.4, -2.1), (PI, 0.5), (-1.2, PI), (3.0, 3.0)] {
+                let r = Placement::from_rpy([0.0; 3], [roll, pitch, yaw]).rotation;
+                let back = Placement::from_rpy([0.0; 3], rpy(&r)).rotation;
+                assert!((r - back).abs().max() < 4e-12, "{roll} {pitch} {yaw}: {}", (r - back).abs().max());
+            }
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! Imported mechanisms: their diagrams compile, and move as the same bodies do without a diagram.
+
+use std::path::Path;
+
+use blocksim_import::{Mechanism, Provenance, diagram, model, parameters, urdf};
+use blocksim_multibody::{Inertia, Joint, Model, ModelBuilder, Placement, bias, crba, rnea};
+use blocksim_tests::{Desk, compile_with, root, run};
+
+fn read(name: &str) -> Mechanism {
+    let file = root().join("tests/data").join(name);
+    let bytes = std::fs::read(&file).expect("a file of the tests");
+    urdf::read(&file, &bytes).unwrap_or_else(|faults| panic!("{}", faults[0]))
+}
+
+/// Numbers between -1 and 1, the same in every run.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    fn list(&mut self, n: usize) -> Vec<f64> {
+        (0..n).map(|_| self.next()).collect()
+    }
+}
+
+/// Accelerations at the start: `change` brings the text of the diagram into the wanted state.
+fn accelerations(mechanism: &Mechanism, change: impl Fn(String) -> String, signals: &[&str]) -> Vec<f64> {
+    let provenance =
+        Provenance { source: "a.urdf".into(), fingerprint: "0".into(), date: "2026-11-21".into() };
+    let text = diagram(mechanism, "p.ron", "a.urdf");
+    let (compiled, problems) = compile_with(&Desk::new().with("a.ron", &text), Path::new("a.ron"), &[]);
+    assert!(compiled.schedule.is_none() && problems.contains("missing_file"), "{problems}");
+    let text = change(text)
+        .replace("stop_time: \"1 s\"", "stop_time: \"1 us\"")
+        .replace("    blocks: {\n", "    record: [\"*.*\"],\n    blocks: {\n");
+    let desk = Desk::new().with("a.ron", &text).with("p.ron", &parameters(mechanism, &provenance));
+    let (compiled, problems) = compile_with(&desk, Path::new("a.ron"), &[]);
+    let schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}{text}"));
+    assert_eq!(problems, "");
+    let run = run(schedule);
+    signals.iter().map(|signal| run.column(signal)[0]).collect()
+}
+
+/// The arm as a table, typed for this test: origin, axis, mass, centre of mass, moments, products of each link.
+fn irb2600() -> Model {
+    type Row = ([f64; 3], [f64; 3], f64, [f64; 3], [f64; 3], [f64; 3]);
+    const X: [f64; 3] = [1.0, 0.0, 0.0];
+    const Y: [f64; 3] = [0.0, 1.0, 0.0];
+    const Z: [f64; 3] = [0.0, 0.0, 1.0];
+    #[rustfmt::skip]
+    let rows: [Row; 6] = [
+        ([0.0, 0.0, 0.445], Z, 69.88, [0.04062, 0.00784, -0.0671], [1.2154, 1.7702, 1.6481], [-0.007373, -0.1382, -0.03357]),
+        ([0.15, 0.0, 0.0], Y, 43.28, [6e-5, -0.17255, 0.41736], [3.062, 3.1148, 0.13203], [0.01814, 0.0007109, 0.0]),
+        ([0.0, 0.0, 0.9], Y, 65.11, [0.04366, 0.01391, 0.07441], [0.80886, 1.1076, 0.94861], [0.02654, -0.04758, 0.02141]),
+        ([0.0, 0.0, 0.115], X, 16.62, [0.60555, 0.00114, 0.00039], [0.040422, 0.48489, 0.49437], [3.74e-5, -0.0003098, -0.003736]),
+        ([0.795, 0.0, 0.0], Y, 0.99, [-0.00035, 6e-5, 0.00114], [0.00081187, 0.0014203, 0.0009074], [0.0; 3]),
+        ([0.085, 0.0, 0.0], X, 0.24, [-0.04109, 0.0, -0.0001], [5.8863e-5, 0.00035632, 0.00035691], [0.0; 3]),
+    ];
+    let mut builder = ModelBuilder::new();
+    let mut parent = None;
+    for (origin, axis, mass, com, moi, poi) in rows {
+        let inertia = Inertia::from_moments(mass, com, moi, poi).expect("a body");
+        let place = Placement::from_translation(origin);
+        parent = Some(builder.add_body(parent, Joint::revolute(axis), place, inertia).expect("a link"));
+    }
+    builder.build()
+}
+
+#[test]
+fn the_imported_robot_has_the_mass_matrix_and_bias_of_the_table() {
+    let imported = model(&read("irb2600.urdf")).expect("possible masses").expect("a tree").model;
+    let table = irb2600();
+    let mut random = Random(7);
+    for _ in 0..50 {
+        let (q, v) = (random.list(6), random.list(6));
+        let of = |model: &Model| {
+            let (mut m, mut h, mut data) = (vec![0.0; 36], vec![0.0; 6], model.data());
+            crba(model, &mut data, &q, &mut m);
+            bias(model, &mut data, &q, &v, &mut h);
+            m.into_iter().chain(h).collect::<Vec<f64>>()
+        };
+        for (a, b) in of(&imported).iter().zip(of(&table)) {
+            assert!((a - b).abs() <= 1e-10 * b.abs().max(1.0), "{a} is not {b}");
+        }
+    }
+}
+
+#[test]
+fn the_diagram_of_the_robot_accelerates_as_inverse_dynamics_of_the_table_demand() {
+    let mechanism = read("irb2600.urdf");
+    let table = irb2600();
+    let mut random = Random(11);
+    for _ in 0..5 {
+        let (q, v, tau) = (random.list(6), random.list(6), random.list(6));
+        let change = |mut text: String| {
+            for i in 0..6 {
+                let joint = format!("joint_{}", i + 1);
+                text = text
+                    .replace(
+                        &format!("position: \"model.joints.{joint}.position\""),
+                        &format!("position: \"{} rad\", velocity: \"{} rad/s\"", q[i], v[i]),
+                    )
+                    .replace(
+                        "    blocks: {\n",
+                        &format!(
+                            "    blocks: {{\n        \"t{i}\": Constant(value: \"{} N*m\"),\n",
+                            100.0 * tau[i]
+                        ),
+                    )
+                    .replace(
+                        "    connections: [\n",
+                        &format!("    connections: [\n        \"t{i}.y -> {joint}.torque\",\n"),
+                    );
+            }
+            text
+        };
+        let signals = ["joint_1.a", "joint_2.a", "joint_3.a", "joint_4.a", "joint_5.a", "joint_6.a"];
+        let a = accelerations(&mechanism, change, &signals);
+        // Torques of the wrist are small beside its accelerations times the rest of the arm.
+        let (mut needed, mut data) = (vec![0.0; 6], table.data());
+        rnea(&table, &mut data, &q, &v, &a, &mut needed);
+        for (needed, tau) in needed.iter().zip(&tau) {
+            let scale = a.iter().fold(1.0_f64, |most, a| most.max(a.abs()));
+            assert!(
+                (needed - 100.0 * tau).abs() < 1e-10 * scale.max(1000.0),
+                "{needed} is not {}",
+                100.0 * tau
+            );
+        }
+    }
+}
+
+#[test]
+fn joints_of_every_kind_accelerate_as_the_same_bodies_without_a_diagram() {
+    let mechanism = read("kinds.urdf");
+    let bodies = model(&mechanism).expect("possible masses").expect("a tree").model;
+    assert_eq!((bodies.nq(), bodies.dof()), (13, 12));
+    let mut random = Random(3);
+    for _ in 0..5 {
+        // shoulder, feed, wrist; table x, y, angle; flight x, y, z and a quaternion from roll, pitch and yaw
+        let (q, v, rpy) = (random.list(9), random.list(12), random.list(3));
+        let list = |values: &[f64], unit: &str| {
+            let items: Vec<String> = values.iter().map(|x| format!("\"{x} {unit}\"")).collect();
+            format!("[{}]", items.join(", "))
+        };
+        let change = |text: String| {
+            text.replace(
+                "\"model.joints.shoulder.position\"",
+                &format!("\"{} rad\", velocity: \"{} rad/s\"", q[0], v[0]),
+            )
+            .replace(
+                "\"model.joints.feed.position\"",
+                &format!("\"{} m\", velocity: \"{} m/s\"", 0.1 + 0.1 * q[1], v[1]),
+            )
+            .replace(
+                "\"model.joints.wrist.position\"",
+                &format!("\"{} rad\", velocity: \"{} rad/s\"", q[2], v[2]),
+            )
+            .replace(
+                "PlanarJoint",
+                &format!(
+                    "PlanarJoint(position: {}, velocity: {}, angle: \"{} rad\", speed: \"{} rad/s\")",
+                    list(&q[3..5], "m"),
+                    list(&v[3..5], "m/s"),
+                    q[5],
+                    v[5]
+                ),
+            )
+            .replace(
+                "FreeJoint",
+                &format!(
+                    "FreeJoint(position: {}, velocity: {}, rpy: {}, spin: {})",
+                    list(&q[6..9], "m"),
+                    list(&v[6..9], "m/s"),
+                    list(&rpy, "rad"),
+                    list(&v[9..12], "rad/s")
+                ),
+            )
+        };
+        let signals = [
+            "shoulder.a",
+            "feed.a",
+            "wrist.a",
+            "table.a[0]",
+            "table.a[1]",
+            "table.alpha",
+            "flight.a[0]",
+            "flight.a[1]",
+            "flight.a[2]",
+            "flight.alpha[0]",
+            "flight.alpha[1]",
+            "flight.alpha[2]",
+        ];
+        let a = accelerations(&mechanism, change, &signals);
+        let turn = nalgebra::UnitQuaternion::from_euler_angles(rpy[0], rpy[1], rpy[2]);
+        let mut positions = q.clone();
+        positions[1] = 0.1 + 0.1 * q[1];
+        positions.extend([turn.w, turn.i, turn.j, turn.k]);
+        let (mut needed, mut data) = (vec![0.0; 12], bodies.data());
+        rnea(&bodies, &mut data, &positions, &v, &a, &mut needed);
+        let mut expected = [0.0; 12];
+        expected[0] = -0.4 * v[0];
+        for (i, (needed, expected)) in needed.iter().zip(expected).enumerate() {
+            assert!((needed - expected).abs() < 1e-10, "{}: {needed} is not {expected}", signals[i]);
+        }
+    }
+}
