@@ -19,25 +19,25 @@ pub(super) fn plain(values: &[f64]) -> String {
     format!("[{}]", items.join(", "))
 }
 
-/// An angle: in degrees where that is a short number, in radians otherwise.
+/// A position or a limit: in degrees where that is a short number, in radians otherwise.
 pub(super) fn angle(radians: f64) -> String {
-    match round_degrees(radians) {
-        Some(degrees) => with_unit(degrees, "deg"),
-        None => with_unit(radians, "rad"),
-    }
+    // Data sheets round to eleven digits, 2e-11 rad.
+    in_degrees(radians, 1e-9)
 }
 
-/// `["0 deg", "90 deg", "0.3 rad"]`.
+/// Roll, pitch and yaw, `["0 deg", "90 deg", "0.3 rad"]`: exact but for the last digits, for masses hang on them.
 pub(super) fn angles(radians: [f64; 3]) -> String {
-    format!("[{}]", radians.map(angle).join(", "))
+    format!("[{}]", radians.map(|angle| in_degrees(angle, 1e-12)).join(", "))
 }
 
-/// Degrees with at most three decimals, if the angle is that but for the rounding of printed digits.
-fn round_degrees(radians: f64) -> Option<f64> {
+/// In degrees if those have at most three decimals and are off by no more than `off`.
+fn in_degrees(radians: f64, off: f64) -> String {
     let degrees = radians.to_degrees();
     let round = (degrees * 1e3).round() / 1e3;
-    // 1e-10 deg are 2e-12 rad.
-    ((degrees - round).abs() < 1e-10).then_some(round)
+    match (degrees - round).abs() < off {
+        true => with_unit(round, "deg"),
+        false => with_unit(radians, "rad"),
+    }
 }
 
 /// The shortest digits that give back the same number, with a power of ten where that is shorter.
