@@ -21,6 +21,7 @@
 //! ```
 
 mod error;
+mod jerk_limited;
 mod joint_move;
 mod limits;
 mod profile;
@@ -28,6 +29,7 @@ mod request;
 mod times;
 
 pub use error::{Endpoint, MoveError};
+pub use jerk_limited::{JerkLimited, ProfileLimits};
 pub use joint_move::JointMove;
 pub use limits::{AxisLimits, Margin, Quantity, Violation};
 pub use profile::Profile;
