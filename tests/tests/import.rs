@@ -9,7 +9,7 @@ use blocksim_tests::{Desk, compile_with, root, run};
 fn read(name: &str) -> Mechanism {
     let file = root().join("tests/data").join(name);
     let bytes = std::fs::read(&file).expect("a file of the tests");
-    urdf::read(&file, &bytes).unwrap_or_else(|faults| panic!("{}", faults[0]))
+    urdf::read(&file, &bytes, false).unwrap_or_else(|faults| panic!("{}", faults[0]))
 }
 
 /// Numbers between -1 and 1, the same in every run.

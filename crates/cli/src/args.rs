@@ -172,6 +172,12 @@ pub struct ImportArgs {
     /// Folder for the diagram and its parameters.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Density for links without mass, which then is that of their mesh, such as `2700` or `"7850 kg/m^3"`.
+    #[arg(long, value_name = "DENSITY", value_parser = density)]
+    pub density: Option<f64>,
+    /// Leave meshes where they are, unread.
+    #[arg(long, conflicts_with = "density")]
+    pub no_meshes: bool,
     /// Overwrite a parameter file even if it was changed by hand.
     #[arg(long)]
     pub force: bool,
@@ -211,6 +217,18 @@ impl Scope for NoNames {
 
     fn names(&self) -> Vec<String> {
         Vec::new()
+    }
+}
+
+/// A density above zero, kg/m³.
+fn density(text: &str) -> Result<f64, String> {
+    let value = evaluate(text, &NoNames).map_err(|error| error.message)?;
+    let quantity = value.as_number().ok_or("a density is a number, such as 2700 or \"2700 kg/m^3\"")?;
+    let fits = Unit::parse("kg/m^3").is_ok_and(|unit| quantity.dimension == unit.dimension);
+    match quantity.value {
+        _ if !fits && !quantity.dimension.is_none() => Err("a density has a unit such as kg/m^3".to_owned()),
+        x if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("a density is above zero".to_owned()),
     }
 }
 
@@ -263,6 +281,15 @@ mod tests {
         assert_eq!(time("2*1.5 s"), Ok(3.0));
         for wrong in ["3 m", "0", "-1 s", "1/0", "soon", "[1, 2]", ""] {
             assert!(time(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn densities_have_units_or_are_kilograms_per_cubic_metre() {
+        assert_eq!(density("2700"), Ok(2700.0));
+        assert_eq!(density("7850 kg/m^3"), Ok(7850.0));
+        for wrong in ["0", "-1", "3 kg", "steel"] {
+            assert!(density(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -365,3 +365,67 @@ fn ctrl_c_keeps_what_was_recorded() {
     assert!(answer.out.contains("interrupted before its end"), "{answer:?}");
     assert!(desk.read("kept/manifest.json").contains("\"how\": \"interrupted\""));
 }
+
+const PENDULUM: &str = r#"<robot name="pendulum">
+  <link name="stand"/>
+  <joint name="hinge" type="continuous">
+    <parent link="stand"/><child link="rod"/><axis xyz="0 1 0"/>
+  </joint>
+  <link name="rod">
+    <inertial>
+      <origin xyz="0 0 -0.5"/><mass value="2"/>
+      <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.01"/>
+    </inertial>
+  </link>
+</robot>
+"#;
+
+#[test]
+fn importing_again_brings_numbers_up_to_date_and_leaves_the_diagram_alone() {
+    let desk = Desk::with(&[("pendulum.urdf", PENDULUM)]);
+    let first = desk.call(&["import", "pendulum.urdf", "--out", "p"]);
+    assert_eq!(
+        (first.code, names(&desk.0.join("p"))),
+        (Some(0), vec!["pendulum.ron".into(), "pendulum_parameters.ron".into()]),
+        "{}",
+        first.err
+    );
+    assert_eq!(desk.call(&["check", "p/pendulum.ron"]).code, Some(0));
+    let mine = desk.read("p/pendulum.ron").replace("// ", "// mine: ");
+    fs::write(desk.0.join("p/pendulum.ron"), &mine).unwrap();
+
+    let changed = PENDULUM.replace("value=\"2\"", "value=\"3\"").replace("name=\"hinge\"", "name=\"pin\"");
+    fs::write(desk.0.join("pendulum.urdf"), changed).unwrap();
+    let again = desk.call(&["import", "pendulum.urdf", "--out", "p"]);
+    assert_eq!(again.code, Some(0), "{}", again.err);
+    assert!(again.out.contains("1 changed"), "{}", again.out);
+    assert!(again.out.contains("new: joints.pin"), "{}", again.out);
+    assert!(again.out.contains("gone: joints.hinge; the diagram still names it, line "), "{}", again.out);
+    assert_eq!(desk.read("p/pendulum.ron"), mine);
+    assert!(desk.read("p/pendulum_parameters.ron").contains("mass: \"3 kg\""));
+}
+
+#[test]
+fn an_import_never_overwrites_what_somebody_has_changed() {
+    let desk = Desk::with(&[("pendulum.urdf", PENDULUM)]);
+    desk.call(&["import", "pendulum.urdf", "--out", "p"]);
+    let mine = desk.read("p/pendulum_parameters.ron").replace("2 kg", "5 kg");
+    fs::write(desk.0.join("p/pendulum_parameters.ron"), &mine).unwrap();
+    let refused = desk.call(&["import", "pendulum.urdf", "--out", "p"]);
+    assert_eq!(refused.code, Some(4));
+    assert!(refused.err.contains("--force"), "{}", refused.err);
+    assert_eq!(desk.read("p/pendulum_parameters.ron"), mine);
+    assert_eq!(desk.call(&["import", "pendulum.urdf", "--out", "p", "--force"]).code, Some(0));
+    assert!(desk.read("p/pendulum_parameters.ron").contains("2 kg"));
+}
+
+#[test]
+fn an_import_of_a_faulty_file_writes_nothing_and_tells_all_faults() {
+    let faulty = PENDULUM.replace("value=\"2\"", "value=\"-2\"").replace("link=\"stand\"", "link=\"stnad\"");
+    let desk = Desk::with(&[("pendulum.urdf", faulty.as_str())]);
+    let refused = desk.call(&["import", "pendulum.urdf", "--out", "p"]);
+    assert_eq!(refused.code, Some(3));
+    assert!(refused.err.contains("pendulum.urdf:4: <parent> names the link `stnad`"), "{}", refused.err);
+    assert!(refused.err.contains("pendulum.urdf:8: the mass of `rod` is -2 kg"), "{}", refused.err);
+    assert!(!desk.0.join("p").exists());
+}

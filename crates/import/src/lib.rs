@@ -8,17 +8,22 @@
 
 mod fault;
 mod mechanism;
+mod meshes;
 mod model;
 mod names;
 mod numbers;
+pub mod stl;
 mod update;
 pub mod urdf;
+mod volume;
 mod write;
 mod xml;
 
 pub use fault::Fault;
 pub use mechanism::{Body, Form, Joint, Mechanism, Motion, Role, Shape, Start};
+pub use meshes::{MeshFile, meshes};
 pub use model::{Tree, model};
 pub use names::file_name;
 pub use update::{Differences, differences, named_in};
+pub use volume::{Solid, solid};
 pub use write::{Provenance, diagram, parameters};

@@ -143,6 +143,8 @@ pub enum Form {
         file: String,
         /// Factors along x, y and z that make metres of its numbers.
         scale: [f64; 3],
+        /// Line that names it, from 1.
+        line: u32,
     },
 }
 

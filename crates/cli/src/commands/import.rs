@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use blocksim_import::{
-    Differences, Mechanism, Provenance, diagram, differences, file_name, named_in, parameters, urdf,
+    Differences, Mechanism, MeshFile, Provenance, diagram, differences, file_name, meshes, named_in,
+    parameters, urdf,
 };
 use blocksim_results::{clock::iso, hash::fingerprint, write_whole};
 
@@ -27,17 +28,24 @@ pub fn import(args: &ImportArgs, console: Console) -> io::Result<Exit> {
         }
     };
     let read = match args.kind.unwrap_or_else(|| guessed(&args.file, &bytes)) {
-        Kind::Urdf => urdf::read(&args.file, &bytes),
+        Kind::Urdf => urdf::read(&args.file, &bytes, args.density.is_some()),
     };
-    let mechanism = match read {
-        Ok(mechanism) => mechanism,
+    let with_meshes = read.and_then(|mut mechanism| match args.no_meshes {
+        true => Ok((mechanism, Vec::new())),
+        false => {
+            let files = meshes(&mut mechanism, &args.file, args.density, &mesh)?;
+            Ok((mechanism, files))
+        }
+    });
+    let (mechanism, files) = match with_meshes {
+        Ok(read) => read,
         Err(faults) => {
             faults.iter().for_each(|fault| console.say(&format!("error: {fault}\n")));
             return Ok(Exit::Model);
         }
     };
     mechanism.notes.iter().for_each(|note| console.say(&format!("note: {note}")));
-    match write(args, &mechanism, &bytes) {
+    match write(args, &mechanism, &files, &bytes) {
         Ok(told) => {
             console.data(&told)?;
             Ok(Exit::Done)
@@ -49,13 +57,27 @@ pub fn import(args: &ImportArgs, console: Console) -> io::Result<Exit> {
     }
 }
 
+/// Reads a mesh, within bounds.
+fn mesh(path: &Path) -> io::Result<Vec<u8>> {
+    const LARGEST: u64 = 256 << 20;
+    match fs::metadata(path)?.len() {
+        size if size > LARGEST => Err(io::Error::other(format!("it has more than {} MiB", LARGEST >> 20))),
+        _ => fs::read(path),
+    }
+}
+
 /// What a file is by its ending and its first element.
 fn guessed(_file: &Path, _bytes: &[u8]) -> Kind {
     Kind::Urdf
 }
 
 /// Writes both files; what is told about it, or why not.
-fn write(args: &ImportArgs, mechanism: &Mechanism, bytes: &[u8]) -> Result<String, String> {
+fn write(
+    args: &ImportArgs,
+    mechanism: &Mechanism,
+    files: &[MeshFile],
+    bytes: &[u8],
+) -> Result<String, String> {
     let source = args.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let stem = file_name(&args.file.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default());
     let (numbers, model) = (format!("{stem}_parameters.ron"), format!("{stem}.ron"));
@@ -70,6 +92,20 @@ fn write(args: &ImportArgs, mechanism: &Mechanism, bytes: &[u8]) -> Result<Strin
     let before = old(&args.out.join(&numbers), args.force)?;
     let wired = existing(&args.out.join(&model))?;
     let mut told = String::new();
+    for file in files {
+        let (folder, name) = file.name.split_once('/').unwrap_or(("", &file.name));
+        let folder = args.out.join(folder);
+        fs::create_dir_all(&folder)
+            .map_err(|error| format!("cannot create `{}`: {error}", folder.display()))?;
+        // What is there already need not be written.
+        if !fs::read(folder.join(name)).is_ok_and(|there| there == file.bytes) {
+            write_whole(&folder, name, |out| out.write_all(&file.bytes))
+                .map_err(|error| error.to_string())?;
+        }
+    }
+    if !files.is_empty() {
+        told.push_str(&format!("wrote {} meshes\n", files.len()));
+    }
     told.push_str(&match &before {
         None => format!("wrote {}\n", put(&args.out, &numbers, &fresh)?),
         Some(before) => {

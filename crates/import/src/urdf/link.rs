@@ -119,7 +119,9 @@ fn shape(element: Element, role: Role, colours: &BTreeMap<&str, [f64; 4]>) -> Re
         }
         "cylinder" => Form::Cylinder { radius: length(kind, "radius")?, length: length(kind, "length")? },
         "sphere" => Form::Sphere { radius: length(kind, "radius")? },
-        "mesh" => Form::Mesh { file: kind.text_of("filename")?.to_owned(), scale: scale(kind)? },
+        "mesh" => {
+            Form::Mesh { file: kind.text_of("filename")?.to_owned(), scale: scale(kind)?, line: kind.line() }
+        }
         other => {
             let remedy = "shapes are <box>, <cylinder>, <sphere> and <mesh>";
             return Err(kind.fault(format!("<{other}> is no shape of URDF"), remedy));

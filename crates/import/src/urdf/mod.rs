@@ -21,12 +21,12 @@ pub(crate) const TAKEN: [&str; 4] = ["world", "angles", "positions", "in"];
 /// Most links of a robot.
 const MOST: usize = 10_000;
 
-/// Reads a URDF file.
+/// Reads a URDF file. `filled`: links without mass get theirs later, from their meshes.
 ///
 /// # Errors
 /// All faults of the file: what is no XML or no robot, numbers that are none, impossible masses, joints whose
 /// links do not exist, links that are not one tree.
-pub fn read(file: &Path, bytes: &[u8]) -> Result<Mechanism, Vec<Fault>> {
+pub fn read(file: &Path, bytes: &[u8], filled: bool) -> Result<Mechanism, Vec<Fault>> {
     let one = |fault| vec![fault];
     let text = xml::text(file, bytes).map_err(one)?;
     let document = xml::parse(file, text).map_err(one)?;
@@ -42,7 +42,7 @@ pub fn read(file: &Path, bytes: &[u8]) -> Result<Mechanism, Vec<Fault>> {
     let links = links(robot, &mut names, &mut notes, &mut faults);
     let joints = joints(robot, &links, &mut names, &mut notes, &mut faults);
     if faults.is_empty() {
-        tree::check(robot, &links, &joints, &mut faults);
+        tree::check(robot, &links, &joints, filled, &mut faults);
     }
     if !faults.is_empty() {
         return Err(faults);

@@ -2,11 +2,17 @@
 
 use super::Links;
 use crate::fault::{Fault, keep};
-use crate::mechanism::{Joint, Motion};
+use crate::mechanism::{Body, Joint, Motion};
 use crate::xml::Element;
 
 /// Gathers what is wrong with the tree.
-pub(super) fn check(robot: Element, links: &Links, joints: &[(Element, Joint)], faults: &mut Vec<Fault>) {
+pub(super) fn check(
+    robot: Element,
+    links: &Links,
+    joints: &[(Element, Joint)],
+    filled: bool,
+    faults: &mut Vec<Fault>,
+) {
     let bodies = &links.bodies;
     let mut above: Vec<Option<usize>> = vec![None; bodies.len()];
     for (i, (element, joint)) in joints.iter().enumerate() {
@@ -42,7 +48,9 @@ pub(super) fn check(robot: Element, links: &Links, joints: &[(Element, Joint)], 
         return;
     };
     // Masses that hang on each link, from the tips inwards.
-    let mut mass: Vec<f64> = bodies.iter().map(|(_, body)| body.inertia.map_or(0.0, |i| i.mass)).collect();
+    let filling = |body: &Body| filled && !body.shapes.is_empty();
+    let stated = |body: &Body| body.inertia.map_or(if filling(body) { 1.0 } else { 0.0 }, |i| i.mass);
+    let mut mass: Vec<f64> = bodies.iter().map(|(_, body)| stated(body)).collect();
     for joint in order.iter().rev() {
         let (element, joint) = &joints[*joint];
         let moved = mass[joint.follower];

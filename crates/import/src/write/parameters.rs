@@ -98,7 +98,7 @@ fn shape_set(shape: &Shape) -> String {
             with_unit(*length, "m")
         ),
         Form::Sphere { radius } => format!("kind: Text(\"sphere\"), radius: {}", with_unit(*radius, "m")),
-        Form::Mesh { file, scale } => {
+        Form::Mesh { file, scale, .. } => {
             format!("kind: Text(\"mesh\"), file: Text({}), scale: {}", quoted(file), plain(scale))
         }
     });

@@ -1,0 +1,268 @@
+//! The meshes that a mechanism names: found, checked, and measured against the stated masses.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use nalgebra::Vector3;
+
+use crate::fault::{Fault, keep};
+use crate::mechanism::{Body, Form, Mechanism, Role};
+use crate::names::file_name;
+use crate::stl;
+use crate::volume::{Solid, solid};
+
+/// A mesh as it goes beside the diagram.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MeshFile {
+    /// Path below the folder of the diagram, `meshes/link_1.stl`.
+    pub name: String,
+    /// The file.
+    pub bytes: Vec<u8>,
+}
+
+/// Most bytes of all meshes together.
+const LARGEST: usize = 512 << 20;
+
+/// Reads all meshes, renames them in the mechanism to where they go, and gives bodies without mass that of their
+/// mesh at `density` (kg/m³). STL files are checked; those of other kinds are only passed on.
+///
+/// `read` gets a path and returns the bytes; `file` is the file that names the meshes.
+///
+/// # Errors
+/// Meshes that do not exist or are damaged, bodies that a mesh does not enclose.
+pub fn meshes(
+    mechanism: &mut Mechanism,
+    file: &Path,
+    density: Option<f64>,
+    read: &dyn Fn(&Path) -> io::Result<Vec<u8>>,
+) -> Result<Vec<MeshFile>, Vec<Fault>> {
+    let mut faults = Vec::new();
+    let mut found: BTreeMap<String, (String, PathBuf, Vec<u8>)> = BTreeMap::new();
+    let mut names = std::collections::BTreeSet::new();
+    let mut total = 0;
+    let mut notes = Vec::new();
+    for body in &mut mechanism.bodies {
+        let mut measured: Vec<(Role, Solid)> = Vec::new();
+        for shape in &mut body.shapes {
+            let Form::Mesh { file: named, scale, line } = &mut shape.form else { continue };
+            if !found.contains_key(named) {
+                let fault = |fault: Fault| fault.at(*line);
+                let Some((path, bytes)) = keep(open(file, named, read).map_err(fault), &mut faults) else {
+                    continue;
+                };
+                total += bytes.len();
+                if total > LARGEST {
+                    let reason = format!("the meshes have more than {} MiB together", LARGEST >> 20);
+                    faults.push(Fault::new(
+                        file,
+                        reason,
+                        "export them coarser, or leave them out with --no-meshes",
+                    ));
+                    return Err(faults);
+                }
+                let name = place(&path, &mut names);
+                found.insert(named.clone(), (name, path, bytes));
+            }
+            let Some((name, path, bytes)) = found.get(named) else { continue };
+            if is_stl(path) {
+                let Some(triangles) = keep(stl::read(path, bytes), &mut faults) else { continue };
+                let mut measure = solid(&triangles, *scale);
+                if measure.bounds.iter().any(|corner| corner.norm() > 100.0) {
+                    notes.push(format!(
+                        "`{named}` reaches beyond 100 m: is it in millimetres? then its scale is 0.001"
+                    ));
+                }
+                turn(&mut measure, &shape.place);
+                measured.push((shape.role, measure));
+            }
+            *named = name.clone();
+        }
+        compare(body, &measured, density, file, &mut notes, &mut faults);
+    }
+    mechanism.notes.append(&mut notes);
+    match faults.is_empty() {
+        true => Ok(found.into_values().map(|(name, _, bytes)| MeshFile { name, bytes }).collect()),
+        false => Err(faults),
+    }
+}
+
+fn is_stl(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("stl"))
+}
+
+/// A name of its own for each mesh.
+fn place(path: &Path, names: &mut std::collections::BTreeSet<String>) -> String {
+    let stem = file_name(&path.file_stem().unwrap_or_default().to_string_lossy());
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let numbered = (2_u32..).map(|n| format!("meshes/{stem}_{n}.{ending}"));
+    let first = std::iter::once(format!("meshes/{stem}.{ending}"));
+    first.chain(numbered).find(|name| names.insert(name.clone())).unwrap_or_default()
+}
+
+/// Finds a mesh and reads it.
+fn open(
+    file: &Path,
+    named: &str,
+    read: &dyn Fn(&Path) -> io::Result<Vec<u8>>,
+) -> Result<(PathBuf, Vec<u8>), Fault> {
+    const KNOWN: [&str; 6] = ["stl", "dae", "obj", "step", "stp", "ply"];
+    let ending = Path::new(named).extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    if !ending.is_some_and(|ending| KNOWN.contains(&ending.as_str())) {
+        let remedy = "meshes are .stl; .dae, .obj, .ply and .step are passed on unread";
+        return Err(Fault::new(file, format!("`{named}` is no mesh that is known"), remedy));
+    }
+    let places = places(file, named);
+    for path in &places {
+        match read(path) {
+            Ok(bytes) => return Ok((path.clone(), bytes)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => {
+                let reason = format!("the mesh `{}` cannot be read: {error}", path.display());
+                return Err(Fault::new(file, reason, "check the file, or leave meshes out with --no-meshes"));
+            }
+        }
+    }
+    let first = places.first().map(|path| path.display().to_string()).unwrap_or_default();
+    let remedy = format!("put it there ({first}), or leave meshes out with --no-meshes");
+    Err(Fault::new(file, format!("there is no mesh `{named}`"), remedy))
+}
+
+/// Where a mesh may be: beside the file; one of a ROS package below a folder around the file.
+fn places(file: &Path, named: &str) -> Vec<PathBuf> {
+    const LEVELS: usize = 5;
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let Some(inside) = named.strip_prefix("package://") else {
+        let plain = named.strip_prefix("file://").unwrap_or(named).replace('\\', "/");
+        return vec![folder.join(plain)];
+    };
+    let rest = inside.split_once('/').map_or(inside, |(_, rest)| rest);
+    let around: Vec<PathBuf> = (0..LEVELS).map(|n| folder.join("../".repeat(n))).collect();
+    around.iter().flat_map(|folder| [folder.join(inside), folder.join(rest)]).collect()
+}
+
+/// From the frame of the shape into that of the body.
+fn turn(solid: &mut Solid, place: &blocksim_multibody::Placement) {
+    let r = place.rotation;
+    solid.centre = place.point(&solid.centre);
+    solid.about_centre = r * solid.about_centre * r.transpose();
+    let [low, high] = solid.bounds;
+    let corners = (0..8).map(|i| {
+        let pick = |k: usize| if i >> k & 1 == 1 { high[k] } else { low[k] };
+        place.point(&Vector3::new(pick(0), pick(1), pick(2)))
+    });
+    let empty = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
+    solid.bounds = corners.fold(empty, |[low, high], corner| [low.inf(&corner), high.sup(&corner)]);
+}
+
+/// Holds the stated mass against what the mesh encloses, or takes it from there.
+fn compare(
+    body: &mut Body,
+    measured: &[(Role, Solid)],
+    density: Option<f64>,
+    file: &Path,
+    notes: &mut Vec<String>,
+    faults: &mut Vec<Fault>,
+) {
+    let Some((_, solid)) = measured.iter().find(|(role, _)| *role == Role::Visual).or(measured.first())
+    else {
+        return;
+    };
+    let name = &body.original;
+    match (body.inertia, density) {
+        (None, None) => {}
+        (None, Some(density)) => match solid.inertia(density).filter(|inertia| inertia.check().is_ok()) {
+            Some(inertia) => {
+                notes.push(format!("`{name}` has no stated mass: {} kg from its mesh", inertia.mass));
+                body.inertia = Some(inertia);
+            }
+            None => {
+                let reason = format!("the mesh of `{name}` has holes: it encloses no volume");
+                let _ = keep::<()>(
+                    Err(Fault::new(file, reason, "repair the mesh, or state mass and inertia")),
+                    faults,
+                );
+            }
+        },
+        (Some(inertia), _) => {
+            let [low, high] = solid.bounds;
+            let margin = (high - low) * 0.1;
+            let inside = (0..3).all(|k| (low[k] - margin[k]..=high[k] + margin[k]).contains(&inertia.com[k]));
+            if !inside {
+                notes.push(format!(
+                    "the centre of mass of `{name}` lies outside of its mesh: check units and scale"
+                ));
+            }
+            let density = inertia.mass / solid.volume.abs();
+            // Foam to gold.
+            if solid.closed && !(10.0..=20_000.0).contains(&density) {
+                notes.push(format!(
+                    "`{name}` would have a density of {density:.3e} kg/m^3: check units and scale"
+                ));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stl::tests::{as_binary, cuboid};
+
+    const ROBOT: &str = r#"<robot name="r">
+  <link name="base"/>
+  <joint name="j" type="continuous"><parent link="base"/><child link="arm"/></joint>
+  <link name="arm">
+    <visual>
+      <origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/>
+      <geometry><mesh filename="package://robot/meshes/arm.STL" scale="0.001 0.001 0.001"/></geometry>
+    </visual>
+  </link>
+</robot>"#;
+
+    fn disk(path: &Path) -> io::Result<Vec<u8>> {
+        match path.to_string_lossy().replace("../", "").as_str() {
+            "urdf/meshes/arm.STL" => Ok(as_binary(&cuboid([0.0; 3], [300.0, 100.0, 50.0]))),
+            _ => Err(io::ErrorKind::NotFound.into()),
+        }
+    }
+
+    #[test]
+    fn a_link_without_mass_gets_that_of_its_mesh_where_it_sits() {
+        let file = Path::new("urdf/r.urdf");
+        let mut robot = crate::urdf::read(file, ROBOT.as_bytes(), true).unwrap();
+        let files = meshes(&mut robot, file, Some(2700.0), &disk).unwrap();
+        assert_eq!(files[0].name, "meshes/arm.stl");
+        let inertia = robot.bodies[1].inertia.unwrap();
+        assert!((inertia.mass - 2700.0 * 0.0015).abs() < 1e-12);
+        assert!((inertia.com - Vector3::new(-0.05, 0.15, 1.025)).norm() < 1e-12);
+        // long along y now
+        let expected = inertia.mass / 12.0 * (0.3_f64.powi(2) + 0.05_f64.powi(2));
+        assert!((inertia.about_com[(0, 0)] - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_mesh_that_does_not_exist_is_told_with_its_line() {
+        let file = Path::new("elsewhere/r.urdf");
+        let mut robot = crate::urdf::read(file, ROBOT.as_bytes(), true).unwrap();
+        let faults = meshes(&mut robot, file, None, &disk).unwrap_err();
+        assert_eq!(faults[0].line, Some(7));
+        assert!(faults[0].remedy.contains("--no-meshes"));
+    }
+
+    #[test]
+    fn numbers_that_do_not_fit_the_mesh_are_noted() {
+        let text = ROBOT.replace(
+            "<visual>",
+            "<inertial><origin xyz='500 0 0'/><mass value='4'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial><visual>",
+        );
+        let text = text.replace(" scale=\"0.001 0.001 0.001\"", "");
+        let file = Path::new("urdf/r.urdf");
+        let mut robot = crate::urdf::read(file, text.as_bytes(), false).unwrap();
+        meshes(&mut robot, file, None, &disk).unwrap();
+        let notes = robot.notes.join("\n");
+        for word in ["millimetres", "outside of its mesh", "density"] {
+            assert!(notes.contains(word), "{notes}");
+        }
+    }
+}
