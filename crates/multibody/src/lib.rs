@@ -11,6 +11,9 @@
 //! | both, for a caller that solves | [`mass_and_bias`] | one forward and one backward sweep |
 //! | accelerations for torques | [`aba`] | articulated bodies, table 7.1 |
 //! | where everything is | [`forward_kinematics`], [`jacobian`] | |
+//! | the same of frames on bodies: flange, tool | [`Frame`], [`frame_jacobian`], [`relative_jacobian`] | |
+//! | Euler angles and quaternions | [`EulerZyx`], [`quaternion_of_rotation`] | |
+//! | Denavit-Hartenberg parameters | [`denavit_hartenberg`] | |
 //! | what forces from outside do | [`add_force`] | `τ += Jᵀ f` |
 //! | positions from speeds | [`positions_derivative`], [`move_positions`] | |
 //!
@@ -30,13 +33,16 @@ mod aba;
 mod body;
 mod crba;
 mod data;
+mod denavit_hartenberg;
 mod energy;
 mod error;
+mod frame;
 mod inertia;
 mod joint;
 mod kinematics;
 mod mass_and_bias;
 mod model;
+mod orientation;
 mod placement;
 mod positions;
 mod quaternion;
@@ -48,8 +54,10 @@ pub use aba::aba;
 pub use body::BodyId;
 pub use crba::crba;
 pub use data::Data;
+pub use denavit_hartenberg::{DhError, DhRow, DhTable, denavit_hartenberg};
 pub use energy::{Momentum, center_of_mass, kinetic_energy, momentum, potential_energy};
 pub use error::{InertiaError, ModelError};
+pub use frame::{Frame, frame_jacobian, relative_jacobian};
 pub use inertia::Inertia;
 pub use joint::Joint;
 pub use kinematics::{
@@ -58,6 +66,9 @@ pub use kinematics::{
 };
 pub use mass_and_bias::mass_and_bias;
 pub use model::{Model, ModelBuilder, STANDARD_GRAVITY};
+pub use orientation::{
+    EulerZyx, OrientationError, quaternion_of_rotation, rotation_of_quaternion, rotation_vector,
+};
 pub use placement::Placement;
 pub use positions::{home_positions, move_positions, positions_derivative};
 pub use rnea::{bias, rnea};

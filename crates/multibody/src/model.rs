@@ -61,6 +61,13 @@ impl Model {
         (parent != 0).then_some(BodyId(parent))
     }
 
+    /// The bodies on the way from the ground to a body, which is the last of them.
+    pub fn chain(&self, body: BodyId) -> Vec<BodyId> {
+        let mut chain: Vec<_> = std::iter::successors(Some(body), |body| self.parent(*body)).collect();
+        chain.reverse();
+        chain
+    }
+
     /// Joint that moves a body, with an axis of length one.
     pub fn joint(&self, body: BodyId) -> &Joint {
         self.bodies[body.0].joint()

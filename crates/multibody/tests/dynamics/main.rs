@@ -4,6 +4,7 @@ mod agreement;
 mod arm;
 mod closed_forms;
 mod conservation;
+mod frames;
 mod irb2600;
 mod motion;
 mod pinocchio;
