@@ -10,38 +10,23 @@
 //! matrix. Electrics: potentials follow from the sources, currents of windings from states or from voltages, the
 //! currents of sources from Kirchhoff's law; torques follow, then accelerations. Rotation and translation are one
 //! system: what the code calls speed, torque and inertia are velocity, force and mass at translational ports.
+//!
+//! | module | idea |
+//! |---|---|
+//! | `assembly` | from members to a network, once |
+//! | `mechanics`, `electrics` | the two sides: what is known beforehand, and what each evaluation does |
+//! | `implicit` | what linearly implicit methods are told |
+//! | `energy` | the account |
+//! | `network`, `seat`, `work` | the block, its members, its working space |
 
 mod assembly;
-mod circuits;
-mod closing;
-mod commutation;
-mod constraints;
-mod convert;
-mod currents;
 mod electrics;
-mod eliminate;
 mod energy;
-mod float;
-mod frames;
 mod implicit;
-mod joints;
-mod layout;
-mod linear;
-mod lock;
-mod loops;
-mod members;
-mod mesh;
-mod motion;
+mod mechanics;
 mod network;
-mod outside;
-mod place;
 mod problem;
-mod rotation;
 mod seat;
-mod separate;
-mod speeds;
-mod stiction;
-mod words;
 mod work;
 
 pub use assembly::{Member, Terminal, assemble};

@@ -6,13 +6,13 @@ use blocksim_solve::linear::cholesky_factor;
 
 use crate::assembly::Member;
 use crate::electrics::Electrics;
+use crate::electrics::separate::Separate;
 use crate::energy::Accounts;
-use crate::frames::Frames;
+use crate::mechanics::frames::Frames;
+use crate::mechanics::rotation::Rotation;
+use crate::mechanics::stiction::Stiction;
 use crate::problem::NetworkProblem;
-use crate::rotation::Rotation;
 use crate::seat::{Active, CHARGE, ELECTRICS, MOTION, STATE, Seat};
-use crate::separate::Separate;
-use crate::stiction::Stiction;
 use crate::work::Work;
 
 /// A physical network as one block.

@@ -3,19 +3,19 @@
 use blocksim_block::physical::{DryMesh, FrameMotion, Grip, JointMotion, Supply, Torque, Wrench};
 use blocksim_multibody::{Data, Model};
 
-use crate::circuits::Circuits;
-use crate::constraints::{Rows, Schur};
-use crate::convert::Convert;
 use crate::electrics::Conducting;
+use crate::electrics::circuits::Circuits;
+use crate::electrics::convert::Convert;
+use crate::electrics::float::FloatRoom;
+use crate::electrics::separate::Room;
 use crate::energy::Energies;
-use crate::float::FloatRoom;
-use crate::linear::Linear;
-use crate::lock::Lock;
-use crate::loops::LoopWork;
-use crate::mesh::MeshScratch;
+use crate::implicit::linear::Linear;
+use crate::mechanics::constraints::{Rows, Schur};
+use crate::mechanics::lock::Lock;
+use crate::mechanics::loops::LoopWork;
+use crate::mechanics::mesh::MeshScratch;
+use crate::mechanics::stiction::Rest;
 use crate::network::Network;
-use crate::separate::Room;
-use crate::stiction::Rest;
 
 const AT_REST: FrameMotion = FrameMotion {
     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],

@@ -4,7 +4,7 @@ use blocksim_block::physical::{Element, Pin};
 use petgraph::unionfind::UnionFind;
 
 use super::{Branch, Electrics, GivenBy, Island, Joined, Places, TwoPin, Valve, Variable};
-use crate::members::Members;
+use crate::assembly::members::Members;
 
 /// What an element contributes, before islands are known.
 struct Piece {

@@ -2,7 +2,7 @@
 
 use super::solved::{form, solve};
 use super::{Branch, Early, Electrics, GivenBy, Island};
-use crate::eliminate::{Form, Relations};
+use crate::assembly::eliminate::{Form, Relations};
 
 /// The reading of each two-pin, if it is a sensor and its reading follows from states.
 pub(super) fn readings(electrics: &Electrics) -> Vec<Option<Early>> {

@@ -2,8 +2,8 @@
 
 use super::solved::{Unsolvable, solve};
 use super::{Branch, Electrics, Island};
-use crate::eliminate::Relations;
-use crate::members::Members;
+use crate::assembly::eliminate::Relations;
+use crate::assembly::members::Members;
 use crate::problem::NetworkProblem;
 
 /// Everything that is wrong with an island whatever its valves do.

@@ -12,6 +12,24 @@
 //! | `floating` | potentials of nodes where only inductances meet |
 //! | `faults` | what is wrong with a circuit, in words |
 //! | `early` | readings that follow from states alone |
+//!
+//! An evaluation then goes through these:
+//!
+//! | file | idea |
+//! |---|---|
+//! | `currents` | supplies, voltages and currents |
+//! | `circuits` | the solutions that are kept, one for each set of conducting valves |
+//! | `float` | potentials of the parts that float |
+//! | `convert` | transformers whose ratio varies |
+//! | `commutation` | which valves conduct, chosen at events |
+//! | `separate` | circuits that the network integrates by itself |
+
+pub(crate) mod circuits;
+pub(crate) mod commutation;
+pub(crate) mod convert;
+pub(crate) mod currents;
+pub(crate) mod float;
+pub(crate) mod separate;
 
 mod collect;
 mod early;
@@ -23,8 +41,8 @@ use std::ops::Range;
 
 use blocksim_block::physical::ValveKind;
 
-use crate::eliminate::Form;
-use crate::members::Members;
+use crate::assembly::eliminate::Form;
+use crate::assembly::members::Members;
 use crate::problem::NetworkProblem;
 
 pub(crate) use floating::{Floating, coordinates};

@@ -17,7 +17,7 @@ use petgraph::unionfind::UnionFind;
 
 use super::floating::Floating;
 use super::{Branch, Electrics, Island, TwoPin};
-use crate::eliminate::Form;
+use crate::assembly::eliminate::Form;
 
 /// Voltages and currents of the two-pins of an island, in their order.
 #[derive(Debug, Clone)]

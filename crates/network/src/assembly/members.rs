@@ -4,9 +4,9 @@ use blocksim_block::physical::{Domain, Element, Pin};
 
 use petgraph::unionfind::UnionFind;
 
+use crate::assembly::words::Words;
 use crate::assembly::{Member, Terminal};
 use crate::problem::NetworkProblem;
-use crate::words::Words;
 
 /// Members with their ports numbered as nodes, domain by domain.
 pub(crate) struct Members<'a> {

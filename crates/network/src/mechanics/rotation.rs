@@ -3,11 +3,11 @@
 use blocksim_block::physical::{Axis, Element, Freedom, MeshLoss};
 use nalgebra::DMatrix;
 
-use crate::eliminate::{Form, Relations};
-use crate::frames::Frames;
-use crate::members::Members;
+use crate::assembly::eliminate::{Form, Relations};
+use crate::assembly::members::Members;
+use crate::assembly::words::Words;
+use crate::mechanics::frames::Frames;
 use crate::problem::NetworkProblem;
-use crate::words::Words;
 
 /// Relations of which less than this part (of the square) does not follow from others are dependent.
 const DEPENDENT: f64 = 1e-10;

@@ -18,8 +18,8 @@ use blocksim_block::Context;
 use blocksim_multibody::{add_jacobian, bias_accelerations};
 use nalgebra::Vector3;
 
+use crate::mechanics::place::rotation_vector;
 use crate::network::Network;
-use crate::place::rotation_vector;
 use crate::work::Work;
 
 /// Time constant in which a gap closes, s.

@@ -1,14 +1,22 @@
-//! From members and joined ports to a network.
+//! From members and joined ports to a network: `members` numbers the nodes, `eliminate` solves linear relations exactly,
+//! `closing` finds start values that close loops, `layout` gives every value its place, `words` names things for messages.
+
+pub(crate) mod closing;
+pub(crate) mod eliminate;
+pub(crate) mod layout;
+pub(crate) mod members;
+pub(crate) mod words;
 
 use std::sync::Arc;
 
 use blocksim_block::Block;
 use blocksim_block::physical::{Element, Part};
 
-use crate::members::Members;
+use crate::assembly::members::Members;
+use crate::electrics;
+use crate::mechanics::{frames, rotation};
 use crate::network::Network;
 use crate::problem::NetworkProblem;
-use crate::{closing, electrics, frames, rotation};
 
 /// A block of a network.
 #[derive(Debug, Clone)]

@@ -17,9 +17,9 @@ use blocksim_block::physical::{Grip, LossModel, Torque};
 use blocksim_block::{Context, Interface};
 use blocksim_solve::linear::cholesky_solve;
 
-use crate::eliminate::Form;
+use crate::assembly::eliminate::Form;
+use crate::mechanics::rotation::Rotation;
 use crate::network::Network;
-use crate::rotation::Rotation;
 use crate::seat::Seat;
 use crate::work::Work;
 

@@ -7,9 +7,9 @@ use blocksim_multibody::{BodyId, Data, Inertia, Joint, Model, ModelBuilder, Plac
 
 use nalgebra::Matrix3;
 
-use crate::closing;
-use crate::members::Members;
-use crate::place::Place;
+use crate::assembly::closing;
+use crate::assembly::members::Members;
+use crate::mechanics::place::Place;
 use crate::problem::NetworkProblem;
 
 /// The multibody side of a network.
@@ -305,7 +305,7 @@ fn add_ball(
     let mut p = orientation.unwrap_or([1.0, 0.0, 0.0, 0.0]);
     let mut speeds = velocity.map(nalgebra::Vector3::from);
     if ball.flipped {
-        speeds = speeds.map(|speeds| -(crate::joints::rotation(p) * speeds));
+        speeds = speeds.map(|speeds| -(crate::mechanics::joints::rotation(p) * speeds));
         p = [p[0], -p[1], -p[2], -p[3]];
     }
     for k in 0..3 {

@@ -3,11 +3,11 @@
 use blocksim_multibody::{Data, Model, add_jacobian, forward_kinematics, move_positions};
 use nalgebra::{DMatrix, DVector};
 
-use crate::frames::{Frames, Loop};
-use crate::members::Members;
-use crate::place::rotation_vector;
+use crate::assembly::members::Members;
+use crate::mechanics::frames::{Frames, Loop};
+use crate::mechanics::place::rotation_vector;
+use crate::mechanics::rotation::Rotation;
 use crate::problem::NetworkProblem;
-use crate::rotation::Rotation;
 
 /// How much a start value that is given yields, against one that is not, where it has to.
 const GIVEN: f64 = 1e-2;

@@ -14,8 +14,8 @@
 use blocksim_block::Context;
 use blocksim_block::physical::Torque;
 
-use crate::currents::Faulty;
 use crate::electrics::Electrics;
+use crate::electrics::currents::Faulty;
 use crate::network::Network;
 use crate::work::Work;
 

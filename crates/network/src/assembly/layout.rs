@@ -9,14 +9,14 @@ use blocksim_block::{Input, Interface, Output};
 
 use crate::assembly::Member;
 use crate::electrics::Electrics;
+use crate::electrics::separate::Separate;
 use crate::energy::Accounts;
-use crate::frames::Frames;
+use crate::mechanics::frames::Frames;
+use crate::mechanics::rotation::Rotation;
+use crate::mechanics::stiction::Stiction;
 use crate::network::Network;
 use crate::problem::NetworkProblem;
-use crate::rotation::Rotation;
 use crate::seat::{Active, CHARGE, ELECTRICS, Held, MOTION, Role, STATE, Seat};
-use crate::separate::Separate;
-use crate::stiction::Stiction;
 
 /// Counters of everything that members have a share of.
 #[derive(Default)]

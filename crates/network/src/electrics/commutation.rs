@@ -104,7 +104,7 @@ impl Network {
         w: &mut Work,
         late: f64,
         any: bool,
-    ) -> Result<Wrong, crate::currents::Faulty> {
+    ) -> Result<Wrong, crate::electrics::currents::Faulty> {
         let conducting = self.conducting(island, c, w);
         if let Err(Unsolvable::Loop(two_pins)) = self.choose(island, conducting, w) {
             // A loop of ideal voltages: the first of those that conduct by themselves lets go.

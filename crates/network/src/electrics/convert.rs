@@ -12,8 +12,8 @@
 
 use blocksim_block::Context;
 
-use crate::currents::Faulty;
 use crate::electrics::Electrics;
+use crate::electrics::currents::Faulty;
 use crate::network::Network;
 use crate::work::Work;
 

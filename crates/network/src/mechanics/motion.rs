@@ -5,7 +5,7 @@ use blocksim_block::physical::Torque;
 use blocksim_multibody::mass_and_bias;
 use blocksim_solve::linear::{cholesky_factor, cholesky_solve, cholesky_solve_matrix};
 
-use crate::mesh;
+use crate::mechanics::mesh;
 use crate::network::Network;
 use crate::seat::MOTION;
 use crate::work::Work;

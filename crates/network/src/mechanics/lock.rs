@@ -4,7 +4,7 @@
 //! that obey up to rounding are made to obey in every bit where the coefficients are ones and zeros: what is stuck does
 //! not creep.
 
-use crate::eliminate::Form;
+use crate::assembly::eliminate::Form;
 
 /// Coefficients below this, relative to the largest of their row, count as zero.
 const ZERO: f64 = 1e-11;

@@ -1,5 +1,7 @@
 //! What a network knows of its stiffness, for linearly implicit methods.
 
+pub(crate) mod linear;
+
 use blocksim_block::Context;
 use blocksim_solve::linear::{cholesky_factor, cholesky_solve};
 
@@ -9,7 +11,7 @@ use crate::work::Work;
 impl Network {
     /// `J` holds the slopes of torques over speeds and the positions as integrals of speeds: for speeds
     /// `(M + hg C) dv = M r + D' lambda` with `D dv = D r` where constraints `D` hold, for positions `r + hg T dv`. What
-    /// components know of their own states is eliminated, see [`linear`](crate::linear).
+    /// components know of their own states is eliminated, see [`linear`](crate::implicit::linear).
     pub(crate) fn prepare_implicit(&self, c: &Context, hg: f64, w: &mut Work) {
         self.motion_phase(c, w);
         let r = &self.rotation;
