@@ -206,12 +206,21 @@ const CLOSED: &str = r#""world.frame <-> crank.base <-> slide.base", "crank.foll
 
 #[test]
 fn closed_loops_that_are_driven_braked_or_prescribed() {
-    let motor = r#""sine": Sine(amplitude: "20 N*m", frequency: "0.7 Hz"), "push": IdealTorqueSource,
-        "gear": SimpleGear(ratio: 5, efficiency: 0.8), "rotor": Inertia(j: "0.01 kg*m^2"),
-        "guide": TranslationalFriction(breakaway: 12.0, breakaway_velocity: 0.01, coulomb: 10.0)"#;
     let wires = r#""sine.y -> push.tau", "push.r <-> rotor.r <-> gear.base", "gear.follower <-> crank.r",
         "push.c <-> crank.c <-> wall.r", "slide.r <-> guide.r", "slide.c <-> guide.c <-> bed.r""#;
-    balances("2 s", &format!("{SLIDER_CRANK}, {motor}"), &format!("{CLOSED}, {wires}"));
+    for (mesh, friction) in [
+        ("", ""),
+        ("", ", model: Stiction"),
+        (", loss: Stiction", ""),
+        (", loss: Stiction", ", model: Stiction"),
+    ] {
+        let motor = format!(
+            r#""sine": Sine(amplitude: "20 N*m", frequency: "0.7 Hz"), "push": IdealTorqueSource,
+                "gear": SimpleGear(ratio: 5, efficiency: 0.8{mesh}), "rotor": Inertia(j: "0.01 kg*m^2"),
+                "guide": TranslationalFriction(breakaway: 12.0, breakaway_velocity: 0.01, coulomb: 10.0{friction})"#
+        );
+        balances("2 s", &format!("{SLIDER_CRANK}, {motor}"), &format!("{CLOSED}, {wires}"));
+    }
 
     let prescribed =
         r#""phi": Ramp(slope: "6 rad/s", start: "0.2 s"), "source": IdealAngleSource(f: "5 Hz")"#;

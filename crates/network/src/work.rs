@@ -90,6 +90,8 @@ pub(crate) struct Work {
     pub dry_speed: Vec<f64>,
     pub may_jam: Vec<bool>,
     pub first_stuck: usize,
+    /// What the torques and the constraints pull at the network: a torque `Q` at an inertia `J` counts as `Q / sqrt(J)`.
+    pub pull: f64,
     pub lock: Lock,
     /// For the choice of modes.
     pub rests: Vec<Rest>,
@@ -182,6 +184,7 @@ impl Work {
             may_jam: vec![false; g],
             dry_speed: vec![0.0; network.stiction.meshes()],
             first_stuck: 0,
+            pull: 0.0,
             lock: Lock::new(n, r.sources, frictions),
             rests: vec![Rest::Free; frictions],
             trial_x: vec![0.0; network.interface.states.len()],

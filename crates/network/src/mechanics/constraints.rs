@@ -8,6 +8,10 @@
 //! is below [`DEPENDENT`] add nothing. The accelerations are unique all the same. Of the multipliers, those are taken
 //! for which `sum sqrt(S_ii) lambda_i^2 / weight_i` is smallest: of parallel rows, whatever their sizes, each bears the
 //! same part of its weight.
+//!
+//! Rows that contradict each other are obeyed in this order: closed loops, stuck frictions, stuck meshes. A mesh bears
+//! nothing of what loops and frictions hold already: what it holds is a part of the torque that passes, which may be
+//! none.
 
 use blocksim_block::Context;
 use blocksim_solve::linear::{cholesky_factor, cholesky_solve};
@@ -17,7 +21,7 @@ use crate::work::Work;
 
 /// A row counts as dependent when less than this is left of its square (in the metric of `M^-1`) after the part that
 /// the others explain: an angle of 3e-6 rad. Rounding leaves about 1e-15.
-const DEPENDENT: f64 = 1e-11;
+pub(crate) const DEPENDENT: f64 = 1e-11;
 
 /// The rows of `D dv = b`.
 #[derive(Debug, Clone, Default)]
@@ -28,6 +32,9 @@ pub(crate) struct Rows {
     pub b: Vec<f64>,
     /// Weight of each multiplier in the share among dependent rows; above zero.
     pub weight: Vec<f64>,
+    /// Where the rows begin that give way to those before, and those that bear only what none of those can.
+    pub yielding: usize,
+    pub last: usize,
 }
 
 impl Rows {
@@ -38,6 +45,8 @@ impl Rows {
             d: Vec::with_capacity(width * capacity),
             b: Vec::with_capacity(capacity),
             weight: Vec::with_capacity(capacity),
+            yielding: usize::MAX,
+            last: usize::MAX,
         }
     }
 
@@ -45,6 +54,7 @@ impl Rows {
         self.d.clear();
         self.b.clear();
         self.weight.clear();
+        (self.yielding, self.last) = (usize::MAX, usize::MAX);
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -87,6 +97,9 @@ pub(crate) struct Schur {
     order: Vec<usize>,
     rest: Vec<f64>,
     rank: usize,
+    /// Rows that others explain, and those of them that bear nothing.
+    dependent: Vec<bool>,
+    idle: Vec<bool>,
     /// `H = W E G` and the factor of `H'H`, with `E` the scale and `W^2 = weight / scale`; for dependent rows only.
     h: Vec<f64>,
     gram: Vec<f64>,
@@ -109,6 +122,8 @@ impl Schur {
             order: vec![0; capacity],
             rest: line(),
             rank: 0,
+            dependent: vec![false; capacity],
+            idle: vec![false; capacity],
             h: square(),
             gram: square(),
             shared: false,
@@ -121,6 +136,21 @@ impl Schur {
     #[cfg(test)]
     pub(crate) fn rank(&self) -> usize {
         self.rank
+    }
+
+    /// Whether a row follows from others, so that no force of its own could make it hold.
+    pub(crate) fn is_dependent(&self, row: usize) -> bool {
+        self.dependent[row]
+    }
+
+    /// `sqrt(D M^-1 D')` of a row.
+    pub(crate) fn scale(&self, row: usize) -> f64 {
+        self.scale[row]
+    }
+
+    /// The sum of what all rows change about the accelerations, in the metric of `M`.
+    pub(crate) fn pulled(&self, lambda: &[f64]) -> f64 {
+        lambda.iter().zip(&self.scale).map(|(lambda, scale)| (lambda * scale).abs()).sum()
     }
 
     /// Factors `D M^-1 D'`; `l` is the Cholesky factor of `M`.
@@ -139,20 +169,30 @@ impl Schur {
             // A row of zeros constrains nothing.
             self.rest[i] = if self.scale[i] > 0.0 { 1.0 } else { 0.0 };
         }
-        self.pivot(m);
+        self.rank = 0;
+        self.idle.fill(false);
+        for end in [rows.yielding.min(m), rows.last.min(m), m] {
+            self.pivot(m, end);
+            if end == rows.last {
+                let explained = self.rest[end..m].iter().map(|rest| *rest <= DEPENDENT);
+                self.idle[end..m].iter_mut().zip(explained).for_each(|(idle, explained)| *idle = explained);
+            }
+        }
+        self.dependent[..m].fill(true);
+        self.order[..self.rank].iter().for_each(|p| self.dependent[*p] = false);
         self.shared = false;
         if self.rank < m {
             self.share(rows);
         }
     }
 
-    /// Cholesky factorisation of the scaled `S` with complete pivoting; of equals, the first.
-    fn pivot(&mut self, m: usize) {
-        self.rank = 0;
-        while self.rank < m {
+    /// Goes on with the Cholesky factorisation of the scaled `S`, with complete pivoting among the rows before `end`; of
+    /// equals, the first.
+    fn pivot(&mut self, m: usize, end: usize) {
+        while self.rank < end {
             let k = self.rank;
             let mut p = 0;
-            for i in 1..m {
+            for i in 1..end {
                 if self.rest[i] > self.rest[p] {
                     p = i;
                 }
@@ -186,7 +226,8 @@ impl Schur {
         let (m, r) = (rows.len(), self.rank);
         for i in 0..m {
             for k in 0..r {
-                self.h[i * r + k] = (rows.weight[i] * self.scale[i]).sqrt() * self.g[i * m + k];
+                let weight = if self.idle[i] { 0.0 } else { rows.weight[i] };
+                self.h[i * r + k] = (weight * self.scale[i]).sqrt() * self.g[i * m + k];
             }
         }
         for a in 0..r {
@@ -237,7 +278,7 @@ impl Schur {
         // G' E lambda = y, with lambda = W mu: H' mu = y, of smallest norm for mu = H (H'H)^-1 y.
         cholesky_solve(&self.gram[..r * r], &mut self.y[..r]);
         for i in 0..m {
-            self.lambda[i] = if self.scale[i] > 0.0 {
+            self.lambda[i] = if self.scale[i] > 0.0 && !self.idle[i] {
                 (rows.weight[i] / self.scale[i]).sqrt() * dot(&self.h[i * r..(i + 1) * r], &self.y[..r])
             } else {
                 0.0
@@ -256,6 +297,7 @@ impl Network {
     /// `w.lambda`, those of closed loops first: constraint `i` acts as `lambda_i D_i'` on the independent speeds.
     pub(crate) fn constrain(&self, c: &Context, w: &mut Work) {
         w.rows.clear();
+        w.pull = dot(&w.force, &w.dv).max(0.0).sqrt();
         for (row, b) in w.loops.rows.chunks_exact(self.rotation.free.max(1)).zip(&w.loops.b) {
             w.rows.push(*b, 1.0).copy_from_slice(row);
         }
@@ -267,6 +309,7 @@ impl Network {
         w.schur.impose(&w.rows, &mut w.dv, |i| w.rows.b[i]);
         let m = w.rows.len();
         w.lambda[..m].copy_from_slice(&w.schur.lambda[..m]);
+        w.pull += w.schur.pulled(&w.lambda[..m]);
         self.holding_torques(w);
     }
 }
@@ -368,6 +411,31 @@ mod tests {
         let three = solve(&rows(4, &[(a, 0.0, 1.0), (b, 0.0, 1.0), (&sum, 0.0, 1.0)]), &m, &l, &f);
         assert_eq!(three.2, 2);
         three.0.iter().zip(&two).for_each(|(a, b)| assert!((a - b).abs() < 1e-11, "{a} != {b}"));
+    }
+
+    #[test]
+    fn of_rows_that_contradict_each_other_the_later_ones_give_way() {
+        let (m, l) = mass(3);
+        let f = [4.0, 1.0, -2.0];
+        let (loose, firm): (&[f64], &[f64]) = (&[0.0, 1.0, 0.0], &[0.0, 50.0, 0.0]);
+        for list in [[(loose, 0.0, 1.0), (firm, 9.0, 1.0)], [(firm, 9.0, 1.0), (loose, 0.0, 1.0)]] {
+            let mut rows = rows(3, &list);
+            rows.yielding = 1;
+            let (dv, ..) = solve(&rows, &m, &l, &f);
+            assert!((rows.of(0, &dv) - list[0].1).abs() < 1e-12, "{dv:?}");
+        }
+    }
+
+    #[test]
+    fn the_last_rows_bear_nothing_of_what_others_hold_and_all_of_what_none_does() {
+        let (m, l) = mass(3);
+        let f = [4.0, 1.0, -2.0];
+        let (held, other): (&[f64], &[f64]) = (&[0.0, 1.0, 0.0], &[1.0, 1.0, 0.0]);
+        let mut rows = rows(3, &[(held, 0.0, 12.0), (held, 0.0, 1e-9), (other, 0.0, 1e-9)]);
+        (rows.yielding, rows.last) = (0, 1);
+        let (dv, lambda, rank) = solve(&rows, &m, &l, &f);
+        assert_eq!((rank, lambda[1]), (2, 0.0));
+        assert!(lambda[2].abs() > 0.1 && rows.of(2, &dv).abs() < 1e-12, "{lambda:?}");
     }
 
     #[test]

@@ -32,7 +32,7 @@ const ROUNDING: f64 = 1e-6;
 /// A jump of a prescribed speed beyond this part of the speeds is passed on by impulses.
 const MISFIT: f64 = 1e-3;
 /// Rates of the gaps, rad/s and m/s, that the stabilisation of rounded positions brings while everything stands.
-const AT_REST: f64 = 1e-9;
+pub(crate) const AT_REST: f64 = 1e-9;
 
 /// Rows of the loops.
 #[derive(Debug, Default)]
@@ -43,6 +43,8 @@ pub(crate) struct LoopWork {
     /// What `D dv` and `D v` have to be.
     pub b: Vec<f64>,
     pub target: Vec<f64>,
+    /// Whether gaps close by `b`; otherwise they stay as they are.
+    pub drifts: bool,
     /// How fast the ends move apart.
     pub rate: Vec<f64>,
 }
@@ -55,6 +57,7 @@ impl LoopWork {
             rows: vec![0.0; m * free],
             b: vec![0.0; m],
             target: vec![0.0; m],
+            drifts: true,
             rate: vec![0.0; m],
         }
     }
@@ -84,8 +87,10 @@ impl Network {
             let (aa, ab) = (closing.a.acceleration(data), closing.b.acceleration(data));
             let bias = [ab.angular - aa.angular, ab.linear - aa.linear];
             for part in 0..2 {
-                let target: Vector3<f64> =
-                    -bias[part] - rate[part] * (2.0 / SETTLE) - gap[part] / (SETTLE * SETTLE);
+                let mut target: Vector3<f64> = -bias[part];
+                if w.loops.drifts {
+                    target -= rate[part] * (2.0 / SETTLE) + gap[part] / (SETTLE * SETTLE);
+                }
                 for axis in 0..3 {
                     w.loops.b[6 * k + 3 * part + axis] = target[axis];
                     w.loops.rate[6 * k + 3 * part + axis] = rate[part][axis];

@@ -18,6 +18,8 @@ use blocksim_block::{Context, Interface};
 use blocksim_solve::linear::cholesky_solve;
 
 use crate::assembly::eliminate::Form;
+use crate::mechanics::constraints::DEPENDENT;
+use crate::mechanics::loops::AT_REST;
 use crate::mechanics::rotation::Rotation;
 use crate::network::Network;
 use crate::seat::Seat;
@@ -29,7 +31,8 @@ const STANDS: f64 = 1e-12;
 /// What is stuck may have drifted by this part before it counts as struck.
 const DRIFT: f64 = 1e-9;
 
-/// Accelerations against the direction of sliding that are rounding, relative to what the friction itself causes.
+/// Accelerations and torques that are rounding, relative to all that pulls at the network and to what the friction itself
+/// causes.
 const ROUNDING: f64 = 1e-12;
 
 /// Largest product of the share of a loss and its effect on the torque that passes; at 1 there would be no solution.
@@ -135,8 +138,8 @@ impl Network {
         }
     }
 
-    /// Speed of a friction, and the amount below which it is zero.
-    fn slip(&self, i: usize, x: &[f64], s: &[f64]) -> (f64, f64) {
+    /// Speed of what sticks, and the amounts below which it is zero: while it slides, and while it is stuck.
+    fn slip(&self, i: usize, x: &[f64], s: &[f64]) -> (f64, f64, f64) {
         let (form, prescribed) = self.sticky(i);
         let v = &x[self.positions..self.positions + self.rotation.free];
         let mut speed = 0.0;
@@ -147,13 +150,15 @@ impl Network {
             speed += term;
             scale += f64::abs(term);
         }
-        (speed, STANDS * scale)
+        // The stabilisation of closed loops moves what stands by as much as it has drifted.
+        let drift = if self.frames.loops.is_empty() { 0.0 } else { AT_REST };
+        (speed, STANDS * scale + drift, DRIFT * scale + drift)
     }
 
     /// Modes that the speeds alone tell: at the start, and after impacts.
     pub(crate) fn follow_speeds(&self, x: &[f64], s: &[f64], d: &mut [f64]) {
         for i in 0..self.stiction.len() {
-            let (speed, zero) = self.slip(i, x, s);
+            let (speed, zero, _) = self.slip(i, x, s);
             if speed.abs() > zero {
                 d[self.stiction.modes.start + i] = speed.signum();
             }
@@ -194,6 +199,7 @@ impl Network {
     /// Constraints of what is stuck, behind those that are there.
     pub(crate) fn stuck_rows(&self, c: &Context, w: &mut Work) {
         w.first_stuck = w.rows.len();
+        w.rows.yielding = w.first_stuck;
         w.stuck.clear();
         for (i, mode) in self.stiction.of(c.d).iter().enumerate() {
             if *mode == 0.0 {
@@ -206,6 +212,12 @@ impl Network {
                 form.add_to(1.0, w.rows.push(-prescribed.of(&w.ds), weight));
                 w.stuck.push(i);
             }
+            if i + 1 == self.stiction.frictions {
+                w.rows.last = w.rows.len();
+            }
+        }
+        if self.stiction.frictions == 0 {
+            w.rows.last = w.first_stuck;
         }
         w.lock.prepare(&w.stuck, |i| self.sticky(i));
     }
@@ -327,15 +339,69 @@ impl Network {
         }
     }
 
+    /// The constraint of a part that is stuck.
+    fn row_of(&self, i: usize, w: &Work) -> Option<usize> {
+        w.stuck.iter().position(|stuck| *stuck == i).map(|k| w.first_stuck + k)
+    }
+
+    /// What rounding makes of the torque of a part that is stuck, N*m: a part of what pulls at the network, as it reaches
+    /// this part.
+    fn noise(&self, i: usize, w: &Work) -> f64 {
+        let scale = self.row_of(i, w).map_or(0.0, |row| w.schur.scale(row));
+        if scale > 0.0 { ROUNDING * w.pull / scale } else { 0.0 }
+    }
+
+    /// What a part that is stuck could still bear in either direction, N*m: the guard and the verdict are the same number.
+    fn reserve(&self, i: usize, hold: [f64; 2], w: &Work) -> [f64; 2] {
+        let (torque, noise) = (self.resistance(i, w), self.noise(i, w));
+        [(hold[0] - torque) + noise, (hold[1] + torque) + noise]
+    }
+
+    /// Acceleration of a part that counts as stuck but which nothing holds, because the loops move it: a slider at its dead
+    /// centre. `None` where it can be held.
+    fn escapes(&self, i: usize, hold: [f64; 2], w: &mut Work) -> Option<f64> {
+        let row = self.row_of(i, w).filter(|row| w.schur.is_dependent(*row))?;
+        w.product.copy_from_slice(&w.force);
+        cholesky_solve(&w.factor, &mut w.product);
+        let rows = &w.rows;
+        w.schur.impose(rows, &mut w.product, |k| rows.b[k]);
+        let acceleration = rows.of(row, &w.product) - rows.b[row];
+        // So little moves a row that counts as dependent.
+        let scale = w.schur.scale(row);
+        let hold = hold[usize::from(acceleration < 0.0)];
+        let held = DEPENDENT * scale * scale * hold + ROUNDING * scale * w.pull;
+        (acceleration.abs() > held).then_some(acceleration)
+    }
+
+    /// Evaluates as if the loops had not drifted, and lets `then` read it: what closes the gaps that steps have left is no
+    /// load on a friction. Without loops, `w` holds the evaluation at `c` already.
+    fn without_drift<T>(&self, c: &Context, w: &mut Work, then: impl FnOnce(&mut Work) -> T) -> T {
+        if self.frames.loops.is_empty() {
+            return then(w);
+        }
+        w.loops.drifts = false;
+        self.again(c, w);
+        let result = then(w);
+        w.loops.drifts = true;
+        w.evaluation = [u64::MAX; 3];
+        result
+    }
+
     /// Distance from the end of each mode.
-    pub(crate) fn stiction_guards(&self, c: &Context, w: &Work, g: &mut [f64]) {
+    pub(crate) fn stiction_guards(&self, c: &Context, w: &mut Work, g: &mut [f64]) {
+        if !self.stiction.parts.is_empty() {
+            self.without_drift(c, w, |w| self.distances(c, w, g));
+        }
+    }
+
+    fn distances(&self, c: &Context, w: &Work, g: &mut [f64]) {
         let g = &mut g[self.stiction.guards.clone()];
         for (i, (g, mode)) in g.iter_mut().zip(self.stiction.of(c.d)).enumerate() {
             *g = if *mode == 0.0 {
-                let (torque, hold) = (self.resistance(i, w), w.grip[i].hold);
-                (hold[0] - torque).min(hold[1] + torque).min(FAR)
+                let [forward, backward] = self.reserve(i, w.grip[i].hold, w);
+                forward.min(backward).min(FAR)
             } else {
-                let (speed, zero) = self.slip(i, c.x, &w.s);
+                let (speed, zero, _) = self.slip(i, c.x, &w.s);
                 (mode * speed + zero).min(self.jam(i, *mode, w))
             };
         }
@@ -345,9 +411,14 @@ impl Network {
     /// by an impulse, which is of the size of the rounding if the crossing was located. Returns whether anything
     /// changed.
     pub(crate) fn choose_modes(&self, c: &Context, w: &mut Work, x: &mut [f64], d: &mut [f64]) -> bool {
-        if self.stiction.parts.is_empty() || !self.must_choose(c, w) {
+        if self.stiction.parts.is_empty() {
             return false;
         }
+        self.without_drift(c, w, |w| self.must_choose(c, w) && self.change_modes(c, w, x, d))
+    }
+
+    /// Chooses all modes, when `w` holds the evaluation at `c` and what is to be decided.
+    fn change_modes(&self, c: &Context, w: &mut Work, x: &mut [f64], d: &mut [f64]) -> bool {
         let (mut at, mut modes) = (std::mem::take(&mut w.trial_x), std::mem::take(&mut w.trial_d));
         at.copy_from_slice(c.x);
         modes.copy_from_slice(c.d);
@@ -385,11 +456,11 @@ impl Network {
     fn must_choose(&self, c: &Context, w: &mut Work) -> bool {
         let mut wrong = false;
         for (i, mode) in self.stiction.of(c.d).iter().copied().enumerate() {
-            let (speed, zero) = self.slip(i, c.x, &w.s);
+            let (speed, zero, drifted) = self.slip(i, c.x, &w.s);
             // A freewheel that is struck, a mesh that jams: they stop at once.
             let never = speed != 0.0 && w.grip[i].hold[usize::from(speed < 0.0)] == f64::INFINITY
                 || self.jam(i, mode, w) < 0.0;
-            let threshold = if mode == 0.0 { zero * (DRIFT / STANDS) } else { zero };
+            let threshold = if mode == 0.0 { drifted } else { zero };
             let moves = speed.abs() > threshold && (mode == 0.0 || mode * speed > 0.0);
             w.rests[i] = if moves && !never {
                 wrong |= mode == 0.0;
@@ -424,10 +495,15 @@ impl Network {
         }
         let is_free = self.is_free(i, w);
         if mode == 0.0 {
-            return match self.resistance(i, w) {
-                _ if is_free => Some(1.0),
-                t if t > hold[0] => Some(1.0),
-                t if t < -hold[1] => Some(-1.0),
+            if is_free {
+                return Some(1.0);
+            }
+            if let Some(acceleration) = self.escapes(i, hold, w) {
+                return Some(acceleration.signum());
+            }
+            return match self.reserve(i, hold, w) {
+                [forward, _] if forward < 0.0 => Some(1.0),
+                [_, backward] if backward < 0.0 => Some(-1.0),
                 _ => None,
             };
         }
@@ -445,7 +521,8 @@ impl Network {
         form.add_to(1.0, &mut w.product);
         cholesky_solve(&w.factor, &mut w.product);
         let largest = [hold[0], hold[1], grip.slide[side].value].into_iter().filter(|t| t.is_finite());
-        let rounding = ROUNDING * form.of(&w.product) * largest.fold(0.0, f64::max);
+        let square = form.of(&w.product);
+        let rounding = ROUNDING * (square * largest.fold(0.0, f64::max) + square.max(0.0).sqrt() * w.pull);
         match acceleration < -rounding {
             true if is_free => Some(-mode),
             true => Some(0.0),

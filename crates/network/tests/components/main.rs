@@ -16,6 +16,7 @@ mod open_windings;
 mod permanent_magnets;
 mod plant;
 mod shafts;
+mod sliders;
 mod translation;
 mod wound_fields;
 mod wrists;
