@@ -151,6 +151,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("signal", &["*"][..]),
         ("solve", &["block", "blocks", "ron", "serde"]),
         ("multibody", &["block", "blocks", "diagram"]),
+        ("kinematics", &["block", "blocks", "ron", "serde"]),
         ("motion", &["block", "blocks", "ron", "serde"]),
         ("block", &["blocks", "diagram", "ron"]),
         ("blocks", &["diagram", "network", "sim", "ron"]),

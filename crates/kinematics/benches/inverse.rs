@@ -1,0 +1,41 @@
+//! What inverse kinematics of a six-axis arm cost.
+//!
+//! `cargo bench -p blocksim-kinematics`; read the column "fastest". Goal of the closed form: 2 us for all solutions.
+
+#[allow(dead_code, reason = "the tests use more of the arms")]
+#[path = "../tests/inverse/arms.rs"]
+mod arms;
+
+use blocksim_kinematics::ClosedForm;
+use blocksim_multibody::Placement;
+use divan::{AllocProfiler, Bencher, black_box};
+
+/// Adds rows of allocation counts to the table where there are any.
+#[global_allocator]
+static ALLOCATIONS: AllocProfiler = AllocProfiler::system();
+
+fn main() {
+    divan::main();
+}
+
+fn closed_form() -> (ClosedForm, Vec<Placement>) {
+    let (model, last) = arms::irb2600().expect("the arm is sound");
+    let arm = ClosedForm::of(&model, &arms::flange(last).at(arms::torch())).expect("the arm is of the class");
+    let (mut random, ranges) = (arms::Random(1), arms::ranges());
+    let targets = (0..1000).map(|_| arm.forward(&random.pose(&ranges))).collect();
+    (arm, targets)
+}
+
+#[divan::bench]
+fn all_solutions(bencher: Bencher) {
+    let (arm, targets) = closed_form();
+    let mut next = targets.iter().cycle();
+    bencher.bench_local(|| arm.inverse(black_box(next.next().expect("targets")), &[0.0; 6]));
+}
+
+#[divan::bench]
+fn nearest_solution(bencher: Bencher) {
+    let (arm, targets) = closed_form();
+    let (mut next, ranges) = (targets.iter().cycle(), arms::ranges());
+    bencher.bench_local(|| arm.nearest(black_box(next.next().expect("targets")), &[0.0; 6], &ranges));
+}

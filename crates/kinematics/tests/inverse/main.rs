@@ -1,0 +1,8 @@
+//! Inverse kinematics against forward kinematics, and what is said where there is no solution.
+
+mod arms;
+mod class;
+mod closed_form;
+mod singular;
+
+type Outcome = Result<(), Box<dyn std::error::Error>>;
