@@ -208,3 +208,76 @@ fn joints_of_every_kind_accelerate_as_the_same_bodies_without_a_diagram() {
         }
     }
 }
+
+/// The crane typed as a chain of bodies in the frames of the joints, in m and kg.
+fn crane() -> Model {
+    use nalgebra::{Matrix3, Vector3};
+    let mut builder = ModelBuilder::new();
+    // Tensor elements Ixx, Iyy, Izz, Iyz, Izx, Ixy in g mm², com in mm.
+    let body = |grams: f64, com: [f64; 3], i: [f64; 6]| {
+        let i = i.map(|x| x * 1e-9);
+        let com = com.map(|x| 1e-3 * x);
+        Inertia::from_moments(1e-3 * grams, com, [i[0], i[1], i[2]], [i[3], i[4], i[5]]).expect("a body")
+    };
+    let boom = Placement {
+        rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0),
+        translation: Vector3::new(0.0, 0.05, 0.21),
+    };
+    let boom_mass = body(4000.0, [300.0, 10.0, -5.0], [3e6, 1.3e8, 1.305e8, 2e5, -3e5, 4e5]);
+    let hinge = builder.add_body(None, Joint::revolute([0.0, 0.0, 1.0]), boom, boom_mass).expect("the boom");
+    let trolley_mass = body(900.0, [0.0, 5.0, -20.0], [5e5, 6e5, 7e5, 1e4, 2e4, -3e4]);
+    // The trolley stands parallel to the world.
+    let at = Placement::from_translation([0.4, 0.05, 0.15]);
+    let trolley = builder
+        .add_body(Some(hinge), Joint::prismatic([1.0, 0.0, 0.0]), boom.inverse() * at, trolley_mass)
+        .expect("the trolley");
+    let hook_mass = body(500.0, [3.0, 0.0, -60.0], [6e5, 6e5, 1e5, 0.0, 1e4, 0.0]);
+    // The pin lies along x of the trolley: the third column of its frame.
+    let pin = Placement::from_translation([0.0, 0.0, -0.05]);
+    builder.add_body(Some(trolley), Joint::revolute([1.0, 0.0, 0.0]), pin, hook_mass).expect("the hook");
+    builder.build()
+}
+
+#[test]
+fn constraints_of_an_assembly_become_the_joints_that_they_leave() {
+    use blocksim_import::{Motion, simscape};
+    let file = root().join("tests/data/crane.xml");
+    let bytes = std::fs::read(&file).expect("a file of the tests");
+    let mechanism = simscape::read(&file, &bytes).unwrap_or_else(|faults| panic!("{}", faults[0]));
+    let kinds: Vec<(&str, bool)> =
+        mechanism.joints.iter().map(|joint| (joint.name.as_str(), joint.motion == Motion::Weld)).collect();
+    let expected = [
+        ("base_1_weld", true),
+        ("cover_1_weld", true),
+        ("world_to_boom_1", false),
+        ("boom_1_to_trolley_1", false),
+        ("hook_pin", false),
+    ];
+    assert_eq!(kinds, expected);
+    assert_eq!(mechanism.notes, [""; 0]);
+    let typed = crane();
+    let mut random = Random(5);
+    for _ in 0..5 {
+        let (q, v) = (random.list(3), random.list(3));
+        let names = ["world_to_boom_1", "boom_1_to_trolley_1", "hook_pin"];
+        let change = |mut text: String| {
+            for (i, (name, unit)) in names.iter().zip(["rad", "m", "rad"]).enumerate() {
+                text = text.replace(
+                    &format!("position: \"model.joints.{name}.position\""),
+                    &format!("position: \"{} {unit}\", velocity: \"{} {unit}/s\"", q[i], v[i]),
+                );
+            }
+            text
+        };
+        let a = accelerations(
+            &mechanism,
+            change,
+            &names.map(|name| format!("{name}.a")).each_ref().map(String::as_str),
+        );
+        let (mut needed, mut data) = (vec![0.0; 3], typed.data());
+        rnea(&typed, &mut data, &q, &v, &a, &mut needed);
+        for (name, needed) in names.iter().zip(&needed) {
+            assert!(needed.abs() < 1e-10, "{name}: {needed}");
+        }
+    }
+}

@@ -43,7 +43,7 @@ pub enum Command {
     Check(CheckArgs),
     /// Print what a step of the compiler makes of a model.
     Emit(EmitArgs),
-    /// Make a diagram of a robot description, or bring its numbers up to date.
+    /// Make a diagram of a robot description or a CAD assembly, or bring its numbers up to date.
     Import(ImportArgs),
     /// Tell which kinds of block there are, or all about one kind.
     Blocks(BlocksArgs),
@@ -188,6 +188,10 @@ pub struct ImportArgs {
 pub enum Kind {
     /// Robot description.
     Urdf,
+    /// Assembly, exported for Simscape Multibody as import XML 2.0.
+    Simscape,
+    /// Numbers of such an assembly, a script that fills `smiData`: parameters only.
+    Smidata,
 }
 
 /// `blocksim blocks`.

@@ -429,3 +429,15 @@ fn an_import_of_a_faulty_file_writes_nothing_and_tells_all_faults() {
     assert!(refused.err.contains("pendulum.urdf:8: the mass of `rod` is -2 kg"), "{}", refused.err);
     assert!(!desk.0.join("p").exists());
 }
+
+#[test]
+fn a_data_file_gives_parameters_alone_and_refuses_units_that_are_not_known() {
+    let data = "smiData.Solid(1).mass = 5;  % kg\nsmiData.Solid(1).CoM = [1 2 3];  % mm\nsmiData.Solid(1).MoI = [9 8 7];  % kg*mm^2\nsmiData.Solid(1).PoI = [0 0 0];  % kg*mm^2\nsmiData.Solid(1).ID = 'tool';\n";
+    let desk = Desk::with(&[("robot.m", data), ("wrong.m", &data.replace("% kg\n", "% stone\n"))]);
+    assert_eq!(desk.call(&["import", "robot.m", "--out", "p"]).code, Some(0));
+    assert_eq!(names(&desk.0.join("p")), ["robot.ron"]);
+    assert!(desk.read("p/robot.ron").contains("com: [\"0.001 m\", \"0.002 m\", \"0.003 m\"]"));
+    let refused = desk.call(&["import", "wrong.m", "--out", "q"]);
+    assert_eq!(refused.code, Some(3));
+    assert!(refused.err.starts_with("error: wrong.m:1: `mass` has the unit `stone`"), "{}", refused.err);
+}

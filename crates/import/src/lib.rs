@@ -1,6 +1,7 @@
-//! Mechanisms from files of other programs: robot descriptions (URDF).
+//! Mechanisms from files of other programs: robot descriptions (URDF), assemblies of CAD programs (import XML of Simscape
+//! Multibody) and their data files.
 //!
-//! Three steps, from plain data to plain data: a reader makes a [`Mechanism`] of the bytes of a file ([`urdf::read`]),
+//! Three steps, from plain data to plain data: a reader makes a [`Mechanism`] of the bytes of a file ([`urdf::read`], [`simscape::read`]),
 //! [`diagram`] and [`parameters`] make text of it. Nothing here opens or writes a file, and nothing knows blocks: the
 //! diagram is text.
 //!
@@ -12,6 +13,8 @@ mod meshes;
 mod model;
 mod names;
 mod numbers;
+pub mod simscape;
+pub mod smidata;
 pub mod stl;
 mod update;
 pub mod urdf;

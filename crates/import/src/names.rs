@@ -18,6 +18,11 @@ impl Names {
         self.give_with(original, &[])
     }
 
+    /// Takes names that others have given.
+    pub fn take(&mut self, names: impl Iterator<Item = String>) {
+        self.0.extend(names);
+    }
+
     /// The same for a joint, whose transforms are called after it.
     pub fn give_joint(&mut self, original: &str) -> String {
         self.give_with(original, &["_seat", "_end"])

@@ -219,6 +219,15 @@ impl<'a, 'd> Element<'a, 'd> {
         Ok(self.numbers::<1>(name)?.map_or(0.0, |[x]| x))
     }
 
+    /// Numbers between the tags.
+    ///
+    /// # Errors
+    /// If there are not exactly `N` finite numbers.
+    pub fn content<const N: usize>(&self) -> Result<[f64; N], Fault> {
+        let text = self.node.text().unwrap_or_default();
+        numbers(text).map_err(|(reason, remedy)| self.fault(format!("<{}>: {reason}", self.name()), remedy))
+    }
+
     /// The name of something in a file: `name`, not too long.
     ///
     /// # Errors

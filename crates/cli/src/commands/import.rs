@@ -5,7 +5,7 @@ use std::time::SystemTime;
 
 use blocksim_import::{
     Differences, Mechanism, MeshFile, Provenance, diagram, differences, file_name, meshes, named_in,
-    parameters, urdf,
+    parameters, simscape, smidata, urdf,
 };
 use blocksim_results::{clock::iso, hash::fingerprint, write_whole};
 
@@ -29,6 +29,8 @@ pub fn import(args: &ImportArgs, console: Console) -> io::Result<Exit> {
     };
     let read = match args.kind.unwrap_or_else(|| guessed(&args.file, &bytes)) {
         Kind::Urdf => urdf::read(&args.file, &bytes, args.density.is_some()),
+        Kind::Simscape => simscape::read(&args.file, &bytes),
+        Kind::Smidata => return numbers_only(args, &bytes, console),
     };
     let with_meshes = read.and_then(|mut mechanism| match args.no_meshes {
         true => Ok((mechanism, Vec::new())),
@@ -67,8 +69,61 @@ fn mesh(path: &Path) -> io::Result<Vec<u8>> {
 }
 
 /// What a file is by its ending and its first element.
-fn guessed(_file: &Path, _bytes: &[u8]) -> Kind {
-    Kind::Urdf
+fn guessed(file: &Path, bytes: &[u8]) -> Kind {
+    const BEGINNING: usize = 2000;
+    let beginning = String::from_utf8_lossy(&bytes[..bytes.len().min(BEGINNING)]);
+    match file.extension() {
+        Some(ending) if ending.eq_ignore_ascii_case("m") => Kind::Smidata,
+        _ if beginning.contains("<SimscapeMultibodyImportXML") => Kind::Simscape,
+        _ => Kind::Urdf,
+    }
+}
+
+/// Imports a data file: its numbers without a diagram.
+fn numbers_only(args: &ImportArgs, bytes: &[u8], console: Console) -> io::Result<Exit> {
+    let data = match smidata::read(&args.file, bytes) {
+        Ok(data) => data,
+        Err(faults) => {
+            faults.iter().for_each(|fault| console.say(&format!("error: {fault}\n")));
+            return Ok(Exit::Model);
+        }
+    };
+    data.notes.iter().for_each(|note| console.say(&format!("note: {note}")));
+    let (provenance, stem) = about(args, bytes);
+    match bring(&args.out, &format!("{stem}.ron"), &smidata::parameters(&data, &provenance), None, args.force)
+    {
+        Ok(told) => {
+            console.data(&told)?;
+            Ok(Exit::Done)
+        }
+        Err(refusal) => {
+            console.say(&format!("error: {refusal}"));
+            Ok(Exit::Files)
+        }
+    }
+}
+
+/// Where the numbers come from, and what files of them are called.
+fn about(args: &ImportArgs, bytes: &[u8]) -> (Provenance, String) {
+    let source = args.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let stem = file_name(&args.file.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default());
+    let date = iso(SystemTime::now())[..10].to_owned();
+    (Provenance { source, fingerprint: fingerprint(bytes), date }, stem)
+}
+
+/// Writes a parameter file, or a newer one in its place; what is told about it.
+fn bring(folder: &Path, name: &str, text: &str, wired: Option<&str>, force: bool) -> Result<String, String> {
+    fs::create_dir_all(folder).map_err(|error| format!("cannot create `{}`: {error}", folder.display()))?;
+    let before = old(&folder.join(name), force)?;
+    let fresh = seal(text);
+    let path = put(folder, name, &fresh)?;
+    Ok(match before {
+        None => format!("wrote {path}\n"),
+        Some(before) => {
+            let found = differences(&before, &fresh);
+            format!("updated {path}: {}\n{}", counts(&found), listed(&found, &before, &fresh, wired))
+        }
+    })
 }
 
 /// Writes both files; what is told about it, or why not.
@@ -78,18 +133,10 @@ fn write(
     files: &[MeshFile],
     bytes: &[u8],
 ) -> Result<String, String> {
-    let source = args.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let stem = file_name(&args.file.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default());
+    let (provenance, stem) = about(args, bytes);
     let (numbers, model) = (format!("{stem}_parameters.ron"), format!("{stem}.ron"));
-    let provenance = Provenance {
-        source: source.clone(),
-        fingerprint: fingerprint(bytes),
-        date: iso(SystemTime::now())[..10].to_owned(),
-    };
-    let fresh = seal(&parameters(mechanism, &provenance));
-    fs::create_dir_all(&args.out)
-        .map_err(|error| format!("cannot create `{}`: {error}", args.out.display()))?;
-    let before = old(&args.out.join(&numbers), args.force)?;
+    // Refused before anything is written.
+    old(&args.out.join(&numbers), args.force)?;
     let wired = existing(&args.out.join(&model))?;
     let mut told = String::new();
     for file in files {
@@ -106,21 +153,11 @@ fn write(
     if !files.is_empty() {
         told.push_str(&format!("wrote {} meshes\n", files.len()));
     }
-    told.push_str(&match &before {
-        None => format!("wrote {}\n", put(&args.out, &numbers, &fresh)?),
-        Some(before) => {
-            let found = differences(before, &fresh);
-            let path = put(&args.out, &numbers, &fresh)?;
-            format!(
-                "updated {path}: {}\n{}",
-                counts(&found),
-                listed(&found, before, &fresh, wired.as_deref())
-            )
-        }
-    });
+    let text = parameters(mechanism, &provenance);
+    told.push_str(&bring(&args.out, &numbers, &text, wired.as_deref(), args.force)?);
     match wired {
         None => {
-            let text = diagram(mechanism, &numbers, &source);
+            let text = diagram(mechanism, &numbers, &provenance.source);
             told.push_str(&format!("wrote {}\n", put(&args.out, &model, &text)?));
         }
         Some(_) => told.push_str(&format!("left {} as it is\n", args.out.join(&model).display())),

@@ -28,6 +28,9 @@ pub fn diagram(mechanism: &Mechanism, parameters: &str, source: &str) -> String 
         frames[joint.follower].push(last);
     }
     let looped = mechanism.has_loop();
+    for joint in mechanism.joints.iter().filter(|joint| joint.base.is_none()) {
+        joint_blocks(joint, looped, &mut blocks, &mut wires);
+    }
     for (i, body) in mechanism.bodies.iter().enumerate() {
         if body.inertia.is_some() {
             blocks.push((body.name.clone(), body_block(body)));
@@ -38,9 +41,6 @@ pub fn diagram(mechanism: &Mechanism, parameters: &str, source: &str) -> String 
         if !moved[i] {
             world.append(&mut frames[i]);
         }
-    }
-    for joint in mechanism.joints.iter().filter(|joint| joint.base.is_none()) {
-        joint_blocks(joint, looped, &mut blocks, &mut wires);
     }
     let mut connections: Vec<String> = Vec::new();
     connections.extend(meeting(&world));
@@ -73,7 +73,7 @@ fn text(
 }
 
 /// A text for a comment: one line.
-pub(super) fn line(text: &str) -> String {
+pub(crate) fn line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 

@@ -5,7 +5,9 @@ mod number;
 mod parameters;
 
 pub use diagram::diagram;
+pub(crate) use diagram::line;
 pub use parameters::{Provenance, parameters};
+pub(crate) use parameters::{mass as mass_entries, place as place_entries};
 
 /// Columns of a line.
 const WIDTH: usize = 118;

@@ -1,0 +1,293 @@
+//! Groups of welded instances, and the joints between them.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use blocksim_multibody::Placement;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use super::Ties;
+use super::freedom::{Left, Row, left};
+use super::instances::Instances;
+use super::joints::Stated;
+use crate::mechanism::{Joint, Mechanism, Motion, Start, find};
+use crate::names::Names;
+use crate::urdf::TAKEN;
+
+/// A joint between two groups, in the world.
+struct Link {
+    name: String,
+    motion: Motion,
+    between: [usize; 2],
+    frames: [Placement; 2],
+}
+
+/// Adds welds and joints to the bodies.
+pub(super) fn assemble(
+    mechanism: &mut Mechanism,
+    instances: &Instances,
+    body_of: &[Option<usize>],
+    ties: Ties,
+) {
+    let mut group: Vec<usize> = (0..instances.nodes.len()).collect();
+    rigid(&mut group, instances, &ties.flexible);
+    for stated in ties.stated.iter().filter(|stated| stated.motion == Motion::Weld) {
+        join(&mut group, stated.between);
+    }
+    let pairs = merge(&mut group, &ties);
+    // The body that speaks for a group: none for the world's.
+    let mut speaker: BTreeMap<usize, usize> = BTreeMap::new();
+    for (node, body) in body_of.iter().enumerate() {
+        if body.is_some() {
+            speaker.entry(find(&group, node)).or_insert(node);
+        }
+    }
+    let mut links = Vec::new();
+    for ([a, b], (names, left)) in &pairs {
+        links.extend(link(*a, *b, names, *left, &mut mechanism.notes));
+    }
+    links.extend(
+        ties.stated.into_iter().filter(|s| s.motion != Motion::Weld).map(|s| stated_link(s, instances)),
+    );
+    let mut writer =
+        Writer { mechanism, instances, body_of, group: &group, speaker: &speaker, names: taken() };
+    writer.names.take(writer.mechanism.bodies.iter().map(|body| body.name.clone()));
+    writer.welds();
+    writer.joints(links);
+}
+
+fn taken() -> Names {
+    Names::new(&TAKEN)
+}
+
+fn join(group: &mut [usize], [a, b]: [usize; 2]) {
+    let [a, b] = [find(group, a), find(group, b)];
+    // The smaller one speaks, so that the world does.
+    group[a.max(b)] = a.min(b);
+}
+
+/// Welds what is grounded, and all of an assembly that says nothing about its parts.
+fn rigid(group: &mut [usize], instances: &Instances, flexible: &[usize]) {
+    let nodes = &instances.nodes;
+    let mut held = vec![false; nodes.len()];
+    for (at, node) in nodes.iter().enumerate().skip(1) {
+        if node.grounded || !flexible.contains(&node.around) {
+            join(group, [at, node.around]);
+            held[node.around] = true;
+        }
+    }
+    // A flexible assembly within another one hangs on its first part if none is grounded.
+    for (at, node) in nodes.iter().enumerate().skip(1) {
+        if node.around != 0 && !held[node.around] {
+            join(group, [at, node.around]);
+            held[node.around] = true;
+        }
+    }
+}
+
+type Pairs = BTreeMap<[usize; 2], (Vec<String>, Left)>;
+
+/// Welds groups between which constraints leave nothing, until none is found; what is left between the others.
+fn merge(group: &mut [usize], ties: &Ties) -> Pairs {
+    loop {
+        let mut rows: BTreeMap<[usize; 2], (Vec<String>, Vec<Row>)> = BTreeMap::new();
+        for constraint in &ties.constraints {
+            let [a, b] = constraint.between.map(|node| find(group, node));
+            if a != b {
+                let (names, all) = rows.entry([a.min(b), a.max(b)]).or_default();
+                names.push(constraint.name.clone());
+                all.extend(&constraint.rows);
+            }
+        }
+        let found: Pairs =
+            rows.into_iter().map(|(pair, (names, rows))| (pair, (names, left(&rows)))).collect();
+        let welds: Vec<[usize; 2]> =
+            found.iter().filter(|(_, (_, left))| *left == Left::Weld).map(|(pair, _)| *pair).collect();
+        if welds.is_empty() {
+            return found;
+        }
+        welds.into_iter().for_each(|pair| join(group, pair));
+    }
+}
+
+fn link(a: usize, b: usize, names: &[String], left: Left, notes: &mut Vec<String>) -> Option<Link> {
+    const Z: [f64; 3] = [0.0, 0.0, 1.0];
+    let at = |point: Vector3<f64>, axis: Vector3<f64>| Placement { rotation: z_to(axis), translation: point };
+    let (motion, frame) = match left {
+        Left::Revolute { point, axis } => (Motion::Revolute { axis: Z }, at(point, axis)),
+        Left::Prismatic { axis } => (Motion::Prismatic { axis: Z }, at(Vector3::zeros(), axis)),
+        Left::Cylindrical { point, axis } => (Motion::Cylindrical, at(point, axis)),
+        Left::Planar { axis } => (Motion::Planar, at(Vector3::zeros(), axis)),
+        Left::Spherical { point } => (Motion::Spherical, at(point, Vector3::z())),
+        Left::Weld => return None,
+        Left::Other(n) => {
+            notes.push(format!(
+                "the constraints {} leave {n} freedoms that no joint has, and are left out",
+                names.join(", ")
+            ));
+            return None;
+        }
+    };
+    Some(Link { name: String::new(), motion, between: [a, b], frames: [frame, frame] })
+}
+
+fn stated_link(stated: Stated, instances: &Instances) -> Link {
+    let frames = [0, 1].map(|side| instances.nodes[stated.between[side]].place * stated.frames[side]);
+    Link { name: stated.name, motion: stated.motion, between: stated.between, frames }
+}
+
+/// A rotation that takes z to an axis; the axis may point either way, that with the larger positive part is taken.
+fn z_to(axis: Vector3<f64>) -> Matrix3<f64> {
+    let largest = axis[axis.iamax()];
+    let axis = (axis * largest.signum()).map(|x| if x.abs() < 1e-9 { 0.0 } else { x }).normalize();
+    let turn = Rotation3::rotation_between(&Vector3::z(), &axis).map(Rotation3::into_inner);
+    turn.unwrap_or_else(Matrix3::identity).map(|x| if (x - x.round()).abs() < 1e-12 { x.round() } else { x })
+}
+
+struct Writer<'w, 'a> {
+    mechanism: &'w mut Mechanism,
+    instances: &'w Instances<'a>,
+    body_of: &'w [Option<usize>],
+    group: &'w [usize],
+    /// The instance that speaks for a group.
+    speaker: &'w BTreeMap<usize, usize>,
+    names: Names,
+}
+
+impl Writer<'_, '_> {
+    /// The body of a group with its place; the world for its own group, `None` for groups without bodies.
+    fn seat(&self, node: usize) -> Option<(Option<usize>, Placement)> {
+        match find(self.group, node) {
+            0 => Some((None, Placement::identity())),
+            group => {
+                let speaker = *self.speaker.get(&group)?;
+                Some((self.body_of[speaker], self.instances.nodes[speaker].place))
+            }
+        }
+    }
+
+    /// Welds all bodies of a group to the one that speaks for it, or to the world.
+    fn welds(&mut self) {
+        for node in 1..self.instances.nodes.len() {
+            let (Some(body), Some((base, place))) = (self.body_of[node], self.seat(node)) else { continue };
+            if base == Some(body) {
+                continue;
+            }
+            let name = self.names.give_joint(&format!("{}_weld", self.mechanism.bodies[body].name));
+            let in_base = clean(place.inverse() * self.instances.nodes[node].place);
+            self.push(name.clone(), name, Motion::Weld, (base, body), in_base, None, Start::Open);
+        }
+    }
+
+    /// Joints outwards from the world; groups that hang on nothing fly.
+    fn joints(&mut self, links: Vec<Link>) {
+        let mut near: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (i, link) in links.iter().enumerate() {
+            link.between.iter().for_each(|node| near.entry(find(self.group, *node)).or_default().push(i));
+        }
+        let (mut seen, mut done) = (vec![false; self.instances.nodes.len()], vec![false; links.len()]);
+        let groups: Vec<usize> = std::iter::once(0).chain(self.speaker.keys().copied()).collect();
+        for first in groups {
+            if seen[first] {
+                continue;
+            }
+            if first != 0 {
+                self.fly(first);
+            }
+            seen[first] = true;
+            let mut open = VecDeque::from([first]);
+            while let Some(here) = open.pop_front() {
+                for i in near.get(&here).into_iter().flatten() {
+                    if std::mem::replace(&mut done[*i], true) {
+                        continue;
+                    }
+                    let there = self.joint(&links[*i], here);
+                    if !std::mem::replace(&mut seen[there], true) {
+                        open.push_back(there);
+                    }
+                }
+            }
+        }
+        if self.mechanism.has_loop() {
+            self.mechanism
+                .notes
+                .push("joints close a loop; the positions at the start are found when the model runs".into());
+        }
+    }
+
+    /// A group that nothing ties to the world.
+    fn fly(&mut self, group: usize) {
+        let Some((Some(body), place)) = self.seat(group) else { return };
+        let original = self.mechanism.bodies[body].original.clone();
+        self.mechanism.notes.push(format!("nothing ties `{original}` to the world: it flies (FreeJoint)"));
+        let name = self.names.give_joint(&format!("{}_flight", self.mechanism.bodies[body].name));
+        let start = Start::Placement(clean(place));
+        self.push(name.clone(), name, Motion::Free, (None, body), Placement::identity(), None, start);
+    }
+
+    /// Adds a joint, its base towards `here`; returns the group on the other side.
+    fn joint(&mut self, link: &Link, here: usize) -> usize {
+        let forward = find(self.group, link.between[0]) == here;
+        let there = find(self.group, link.between[usize::from(forward)]);
+        // A joint that is stated has a direction of its own, unless it would carry the world.
+        let stated = !link.name.is_empty() && find(self.group, link.between[1]) != 0;
+        let [a, b] = if forward || stated { [0, 1] } else { [1, 0] };
+        let (Some((base, base_place)), Some((Some(follower), follower_place))) =
+            (self.seat(link.between[a]), self.seat(link.between[b]))
+        else {
+            return there;
+        };
+        let base_name = base.map_or("world", |base| &self.mechanism.bodies[base].name);
+        let own = format!("{base_name}_to_{}", self.mechanism.bodies[follower].name);
+        let original = if link.name.is_empty() { own } else { link.name.clone() };
+        let name = self.names.give_joint(&original);
+        let in_base = clean(base_place.inverse() * link.frames[a]);
+        let in_follower = clean(follower_place.inverse() * link.frames[b]);
+        let now = link.frames[a].inverse() * link.frames[b];
+        let start = match link.motion {
+            _ if link.frames[0] == link.frames[1] && !one_axis(link.motion) => Start::Open,
+            Motion::Revolute { .. } => Start::Position(now.rotation[(1, 0)].atan2(now.rotation[(0, 0)])),
+            Motion::Prismatic { .. } => Start::Position(now.translation.z),
+            _ => Start::Placement(now),
+        };
+        self.push(name, original, link.motion, (base, follower), in_base, Some(in_follower), start);
+        there
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn push(
+        &mut self,
+        name: String,
+        original: String,
+        motion: Motion,
+        (base, follower): (Option<usize>, usize),
+        in_base: Placement,
+        in_follower: Option<Placement>,
+        start: Start,
+    ) {
+        self.mechanism.joints.push(Joint {
+            name,
+            original,
+            motion,
+            base,
+            follower,
+            in_base,
+            in_follower,
+            start,
+            range: None,
+            speed: None,
+            effort: None,
+            damping: 0.0,
+        });
+    }
+}
+
+fn one_axis(motion: Motion) -> bool {
+    matches!(motion, Motion::Revolute { .. } | Motion::Prismatic { .. })
+}
+
+/// Without the last digits of rounding: lengths to 1e-13 m, rotations where they are zeros and ones.
+fn clean(place: Placement) -> Placement {
+    let length = |x: f64| if x.abs() < 1e-13 { 0.0 } else { x };
+    let turn = |x: f64| if (x - x.round()).abs() < 1e-12 { x.round() } else { x };
+    Placement { rotation: place.rotation.map(turn), translation: place.translation.map(length) }
+}
