@@ -16,6 +16,7 @@ mod slip_controlled_vf;
 mod stepper_driver;
 mod switching;
 mod transforms;
+mod volts_per_hertz;
 
 pub use chopper_control::ChopperControl;
 pub use clarke::Clarke;
@@ -30,3 +31,4 @@ pub use phase_swap::PhaseSwap;
 pub use pwm_generator::PwmGenerator;
 pub use slip_controlled_vf::SlipControlledVf;
 pub use stepper_driver::{Command, Drive, StepperDriver};
+pub use volts_per_hertz::VoltsPerHertz;

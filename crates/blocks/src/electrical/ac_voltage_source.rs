@@ -4,7 +4,7 @@ use blocksim_block::in_unit;
 use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
-use super::three_phase_source::longest_step;
+use crate::three_phase::three_phase_source::longest_step;
 
 /// Ideal source of a sinusoidal voltage: $v_p - v_n = \hat v \sin(2\pi f t + \varphi)$, whatever current that takes.
 ///

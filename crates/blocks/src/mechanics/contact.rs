@@ -2,8 +2,8 @@
 
 use blocksim_block::prelude::*;
 
-use super::axis::spring_energy;
-use super::joint_limit::JointLimit;
+use crate::multibody::axis::spring_energy;
+use crate::multibody::joint_limit::JointLimit;
 
 /// Spring and damper side by side, with play between the flanks if there is any. Units are those of rotation; in
 /// translation N/m, N*s/m and m.

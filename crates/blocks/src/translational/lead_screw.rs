@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use blocksim_block::physical::{Domain, DryMesh};
 use blocksim_block::prelude::*;
 
-use crate::mechanics::mesh::{Direction, Loss, Mesh};
+use crate::gears::mesh::{Direction, Loss, Mesh};
 
 use super::converter::{lead, self_locking};
 

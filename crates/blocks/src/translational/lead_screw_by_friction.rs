@@ -3,7 +3,7 @@ use std::sync::OnceLock;
 
 use blocksim_block::prelude::*;
 
-use crate::mechanics::{Direction, Loss};
+use crate::gears::{Direction, Loss};
 
 use super::converter::{lead, self_locking};
 use super::lead_screw::LeadScrew;

@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Domain, DryMesh};
 use blocksim_block::prelude::*;
 
-use crate::mechanics::mesh::{Direction, Loss, Mesh};
+use crate::gears::mesh::{Direction, Loss, Mesh};
 
 use super::converter::radius;
 

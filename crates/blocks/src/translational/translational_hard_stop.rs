@@ -1,8 +1,8 @@
 use blocksim_block::prelude::*;
 
 use crate::mechanics::contact::Travel;
-use crate::mechanics::joint_limit::JointLimit;
 use crate::mechanics::quantities::{TRANSLATION, show_deflection};
+use crate::multibody::joint_limit::JointLimit;
 
 /// End of travel between two sliding parts: free between two positions, a spring and a damper beyond them.
 ///

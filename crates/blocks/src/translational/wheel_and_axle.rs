@@ -1,7 +1,7 @@
 use blocksim_block::physical::Domain;
 use blocksim_block::prelude::*;
 
-use crate::mechanics::mesh::{Direction, Mesh};
+use crate::gears::mesh::{Direction, Mesh};
 
 use super::converter::radius;
 

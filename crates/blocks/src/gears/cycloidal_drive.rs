@@ -1,0 +1,157 @@
+use blocksim_block::physical::{Domain, DryMesh};
+use blocksim_block::prelude::*;
+
+use super::mesh::{Direction, Loss, Mesh};
+
+/// Cycloidal gear: a disc with $n_C$ lobes rolls in a ring with $n_R$ pins.
+///
+/// $$ w_F = \mp r w_B, \qquad r = \frac{n_R - n_C}{n_C}, \qquad T_B = T + T_f $$
+///
+/// The output turns against the input (`Reversed`), as that of a bare cycloidal stage does; `Same` is for
+/// drives whose further stages or mounting undo the reversal. The reduction is $1/r$: 50 lobes and 51 pins
+/// give 50, and any rational ratio $p/q$ is $n_C = p$, $n_R = p + q$.
+///
+/// Losses. Far above the thresholds the side that is driven gets the share `efficiency_forward` (base drives)
+/// or `efficiency_backward` (follower drives) of the torque. With $\lambda = 1 - \eta_{BF}$ when the base
+/// drives and $1/\eta_{FB} - 1$ when the follower does, the loss of torque at the base is
+///
+/// $$ T_f = |T_B| \lambda \tanh\frac{w_B}{w_{th}} \quad\text{(Dissipative)}, \qquad
+///    T_f = \frac{T_B}{2}\Bigl((FL + BL)\tanh\frac{4 T_B w_B}{p_{th}} + FL - BL\Bigr)
+///    \quad\text{(Published)} $$
+///
+/// with $FL = 1 - \eta_{BF}$ and $BL = 1/\eta_{FB} - 1$. With `Stiction` the full loss acts at any speed, and at rest the
+/// gear is truly stuck while the torques on both sides are within the losses. The gear has no inertia: add an `Inertia` at the
+/// base. Its housing stands still (an implied ground).
+///
+/// ```ron
+/// CycloidalDrive(
+///     disc_teeth: 126, ring_teeth: 127, direction: Same,
+///     efficiency_forward: 0.75, efficiency_backward: 0.7,
+/// )
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Gears")]
+pub struct CycloidalDrive {
+    /// Lobes of the disc.
+    pub disc_teeth: u32,
+    /// Pins of the ring, more than lobes.
+    pub ring_teeth: u32,
+    /// `Reversed` or `Same`.
+    #[block(default = Direction::Reversed)]
+    pub direction: Direction,
+    /// Efficiency when the base drives the follower, above 0 and at most 1.
+    #[block(default = 1.0)]
+    pub efficiency_forward: f64,
+    /// Efficiency when the follower drives the base, above 0 and at most 1.
+    #[block(default = 1.0)]
+    pub efficiency_backward: f64,
+    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
+    #[block(default = Loss::Dissipative)]
+    pub loss: Loss,
+    /// Speed of the base above which the full loss acts; for `Dissipative`.
+    #[block(unit = "rad/s", default = 1.0)]
+    pub threshold: f64,
+    /// Power above which the full loss acts; for `Published`.
+    #[block(unit = "W", default = 1e-3)]
+    pub power_threshold: f64,
+}
+
+impl CycloidalDrive {
+    fn mesh(&self) -> Mesh {
+        Mesh {
+            forward: ("efficiency_forward", self.efficiency_forward),
+            backward: ("efficiency_backward", self.efficiency_backward),
+            loss: self.loss,
+            threshold: self.threshold,
+            power_threshold: self.power_threshold,
+        }
+    }
+
+    /// Speed of the follower over speed of the base.
+    fn ratio(&self) -> f64 {
+        self.direction
+            .ratio((f64::from(self.ring_teeth) - f64::from(self.disc_teeth)) / f64::from(self.disc_teeth))
+    }
+}
+
+impl Block for CycloidalDrive {
+    fn check(&self) -> Result<(), ParamError> {
+        if self.disc_teeth == 0 {
+            return Err(ParamError::new("disc_teeth", "`disc_teeth` is 0, but a disc has lobes"));
+        }
+        if self.ring_teeth <= self.disc_teeth {
+            return Err(ParamError::new(
+                "ring_teeth",
+                format!(
+                    "`ring_teeth` ({}) must be greater than `disc_teeth` ({})",
+                    self.ring_teeth, self.disc_teeth
+                ),
+            )
+            .help(format!(
+                "for a reduction of {0} write `ring_teeth: {1}`",
+                self.disc_teeth,
+                u64::from(self.disc_teeth) + 1
+            )));
+        }
+        self.mesh().check()
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for CycloidalDrive {
+    fn part(&self, _given: &Given) -> Part {
+        self.mesh().part(Domain::Rotational, self.ratio())
+    }
+
+    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+        losses.fill(self.mesh().dry());
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.mesh[0];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drive(disc_teeth: u32, ring_teeth: u32) -> CycloidalDrive {
+        CycloidalDrive {
+            disc_teeth,
+            ring_teeth,
+            direction: Direction::Reversed,
+            efficiency_forward: 1.0,
+            efficiency_backward: 1.0,
+            loss: Loss::Dissipative,
+            threshold: 1.0,
+            power_threshold: 1e-3,
+        }
+    }
+
+    #[test]
+    fn ratios_of_real_gears_are_exact() {
+        for (disc, ring, reduction) in [
+            (126, 127, 126.0),
+            (141, 142, 141.0),
+            (105, 106, 105.0),
+            (323, 326, 323.0 / 3.0),
+            (2133, 2146, 2133.0 / 13.0),
+        ] {
+            let found = -1.0 / drive(disc, ring).ratio();
+            assert!((found - reduction).abs() < 1e-12 * reduction, "{disc}, {ring}: {found} != {reduction}");
+            let same = CycloidalDrive { direction: Direction::Same, ..drive(disc, ring) };
+            assert_eq!(same.ratio(), -drive(disc, ring).ratio());
+        }
+    }
+
+    #[test]
+    fn a_ring_without_more_teeth_than_the_disc_is_refused() {
+        assert_eq!(drive(50, 50).check().unwrap_err().param, "ring_teeth");
+        assert_eq!(drive(0, 50).check().unwrap_err().param, "disc_teeth");
+        assert_eq!(drive(50, 51).check(), Ok(()));
+    }
+}

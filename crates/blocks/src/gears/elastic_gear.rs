@@ -1,0 +1,167 @@
+use blocksim_block::physical::{Domain, DryMesh, Element};
+use blocksim_block::prelude::*;
+
+use super::mesh::{Direction, Loss, Mesh};
+use crate::mechanics::contact::SpringDamper;
+
+/// Gear whose teeth and shafts give way: ratio, losses, then stiffness, damping and backlash on the output side.
+///
+/// $$ \dot\varphi = \mp \frac{w_B}{i} - w_F, \qquad \tau = k\varphi + d\dot\varphi $$
+///
+/// $\varphi$ is the twist seen from the follower and $\tau$ the torque on it. With `backlash`, the whole play from flank to
+/// flank, nothing is transmitted within the play and the flanks only push, as in a `RotationalSpringDamper`. Losses act
+/// as in a `CycloidalDrive`.
+///
+/// Base and follower turn independently, so both sides need inertia. The housing stands still (an implied
+/// ground).
+///
+/// ```ron
+/// ElasticGear(
+///     ratio: 100.0, direction: Same, k: "2e4 N*m/rad", d: "20 N*m*s/rad", backlash: "0.02 deg", efficiency_forward: 0.8,
+/// )
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Gears")]
+pub struct ElasticGear {
+    /// Teeth of the follower over teeth of the base: the reduction $i$.
+    pub ratio: f64,
+    /// `Reversed` or `Same`.
+    #[block(default = Direction::Reversed)]
+    pub direction: Direction,
+    /// Stiffness at the follower.
+    #[block(unit = "N*m/rad")]
+    pub k: f64,
+    /// Damping at the follower.
+    #[block(unit = "N*m*s/rad")]
+    pub d: f64,
+    /// Play at the follower, from one flank to the other.
+    #[block(unit = "rad", default = 0.0)]
+    pub backlash: f64,
+    /// Width over which the contact sets in; with backlash only.
+    #[block(unit = "rad", default = 0.0)]
+    pub transition: f64,
+    /// Twist at the start; zero is the middle of the play.
+    #[block(unit = "rad", default = 0.0)]
+    pub phi0: f64,
+    /// Efficiency when the base drives the follower, above 0 and at most 1.
+    #[block(default = 1.0)]
+    pub efficiency_forward: f64,
+    /// Efficiency when the follower drives the base, above 0 and at most 1.
+    #[block(default = 1.0)]
+    pub efficiency_backward: f64,
+    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
+    #[block(default = Loss::Dissipative)]
+    pub loss: Loss,
+    /// Speed of the base above which the full loss acts; for `Dissipative`.
+    #[block(unit = "rad/s", default = 1.0)]
+    pub threshold: f64,
+    /// Power above which the full loss acts; for `Published`.
+    #[block(unit = "W", default = 1e-3)]
+    pub power_threshold: f64,
+}
+
+impl ElasticGear {
+    fn mesh(&self) -> Mesh {
+        Mesh {
+            forward: ("efficiency_forward", self.efficiency_forward),
+            backward: ("efficiency_backward", self.efficiency_backward),
+            loss: self.loss,
+            threshold: self.threshold,
+            power_threshold: self.power_threshold,
+        }
+    }
+
+    fn shaft(&self) -> SpringDamper {
+        SpringDamper { k: self.k, d: self.d, backlash: self.backlash, transition: self.transition }
+    }
+}
+
+impl Block for ElasticGear {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("ratio", self.ratio).map_err(|error| {
+            error.help("the sign of the ratio is given by `direction: Reversed` or `Same`")
+        })?;
+        self.shaft().check()?;
+        finite("phi0", self.phi0)?;
+        self.mesh().check()
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for ElasticGear {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("base", Domain::Rotational, "input side")
+            .port("follower", Domain::Rotational, "output side")
+            .inner("teeth", Domain::Rotational)
+            .measures("phi", "rad", Needs::State, "twist seen from the follower")
+            .measures("tau", "N*m", Needs::Motion, "torque into the base")
+            .state("phi", self.phi0)
+            .element(Element::Gear {
+                base: 0,
+                follower: 2,
+                ratio: self.direction.ratio(1.0 / self.ratio),
+                loss: self.mesh().element(),
+            })
+            .element(Element::Branch { r: 2, c: 1 })
+    }
+
+    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+        tau[0] = self.shaft().load(c.x[0], c.speed[0]);
+    }
+
+    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+        losses.fill(self.mesh().dry());
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = c.speed[0];
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        self.shaft().energy(c.x[0], c.speed[0])
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        match needs {
+            Needs::State => y[0] = c.x[0],
+            Needs::Electrics => {}
+            Needs::Motion => y[1] = c.mesh[0],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_node_inside_is_no_port() {
+        let gear = ElasticGear {
+            ratio: 100.0,
+            direction: Direction::Same,
+            k: 1e4,
+            d: 10.0,
+            backlash: 0.0,
+            transition: 0.0,
+            phi0: 0.0,
+            efficiency_forward: 1.0,
+            efficiency_backward: 1.0,
+            loss: Loss::Dissipative,
+            threshold: 1.0,
+            power_threshold: 1e-3,
+        };
+        let interface = gear.interface(&Given::nothing()).unwrap();
+        let names: Vec<&str> = interface.ports.iter().map(|port| port.name.as_str()).collect();
+        assert_eq!(names, ["base", "follower"]);
+        assert_eq!(ElasticGear { ratio: 0.0, ..gear.clone() }.check().unwrap_err().param, "ratio");
+        assert_eq!(ElasticGear { k: -1.0, ..gear.clone() }.check().unwrap_err().param, "k");
+        assert_eq!(
+            ElasticGear { efficiency_backward: 0.0, ..gear }.check().unwrap_err().param,
+            "efficiency_backward"
+        );
+    }
+}

@@ -1,0 +1,144 @@
+use blocksim_block::physical::{Domain, DryMesh};
+use blocksim_block::prelude::*;
+
+use super::mesh::{Direction, Loss, Mesh};
+
+/// Harmonic drive: a wave generator (`base`) presses a flexible spline with $n_E$ teeth (`follower`) into a
+/// circular spline with $n_C$ teeth, which is fixed to the housing.
+///
+/// $$ w_F = \mp r w_B, \qquad r = \frac{n_C - n_E}{n_E}, \qquad T_B = T + T_f $$
+///
+/// The output turns against the input (`Reversed`); `Same` is for drives whose mounting undoes the reversal. The
+/// reduction is $1/r$: 200 teeth in 202 give 100.
+///
+/// Losses act as in a `CycloidalDrive`: far above the thresholds the side that is driven gets the share
+/// `efficiency_forward` (base drives) or `efficiency_backward` (follower drives) of the torque. The drive is
+/// rigid and has no inertia: put a `RotationalSpringDamper` behind the follower for its elasticity, and an
+/// `Inertia` at the base for the wave generator. Its housing stands still (an implied ground).
+///
+/// ```ron
+/// HarmonicDrive(flexspline_teeth: 200, circular_teeth: 202, efficiency_forward: 0.75, efficiency_backward: 0.6)
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Gears")]
+pub struct HarmonicDrive {
+    /// Teeth of the flexible spline $n_E$.
+    pub flexspline_teeth: u32,
+    /// Teeth of the circular spline $n_C$, more than the flexible one has.
+    pub circular_teeth: u32,
+    /// `Reversed` or `Same`.
+    #[block(default = Direction::Reversed)]
+    pub direction: Direction,
+    /// Efficiency when the base drives the follower, above 0 and at most 1.
+    #[block(default = 1.0)]
+    pub efficiency_forward: f64,
+    /// Efficiency when the follower drives the base, above 0 and at most 1.
+    #[block(default = 1.0)]
+    pub efficiency_backward: f64,
+    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
+    #[block(default = Loss::Dissipative)]
+    pub loss: Loss,
+    /// Speed of the base above which the full loss acts; for `Dissipative`.
+    #[block(unit = "rad/s", default = 1.0)]
+    pub threshold: f64,
+    /// Power above which the full loss acts; for `Published`.
+    #[block(unit = "W", default = 1e-3)]
+    pub power_threshold: f64,
+}
+
+impl HarmonicDrive {
+    fn mesh(&self) -> Mesh {
+        Mesh {
+            forward: ("efficiency_forward", self.efficiency_forward),
+            backward: ("efficiency_backward", self.efficiency_backward),
+            loss: self.loss,
+            threshold: self.threshold,
+            power_threshold: self.power_threshold,
+        }
+    }
+
+    /// Speed of the follower over speed of the base.
+    fn ratio(&self) -> f64 {
+        let (flexible, circular) = (f64::from(self.flexspline_teeth), f64::from(self.circular_teeth));
+        self.direction.ratio((circular - flexible) / flexible)
+    }
+}
+
+impl Block for HarmonicDrive {
+    fn check(&self) -> Result<(), ParamError> {
+        if self.flexspline_teeth == 0 {
+            return Err(ParamError::new(
+                "flexspline_teeth",
+                "`flexspline_teeth` is 0, but a spline has teeth",
+            ));
+        }
+        if self.circular_teeth <= self.flexspline_teeth {
+            return Err(ParamError::new(
+                "circular_teeth",
+                format!(
+                    "`circular_teeth` ({}) must be greater than `flexspline_teeth` ({})",
+                    self.circular_teeth, self.flexspline_teeth
+                ),
+            )
+            .help("the circular spline surrounds the flexible one and has a few teeth more, mostly two"));
+        }
+        self.mesh().check()
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for HarmonicDrive {
+    fn part(&self, _given: &Given) -> Part {
+        self.mesh().part(Domain::Rotational, self.ratio())
+    }
+
+    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+        losses.fill(self.mesh().dry());
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.mesh[0];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drive(flexspline_teeth: u32, circular_teeth: u32) -> HarmonicDrive {
+        HarmonicDrive {
+            flexspline_teeth,
+            circular_teeth,
+            direction: Direction::Reversed,
+            efficiency_forward: 1.0,
+            efficiency_backward: 1.0,
+            loss: Loss::Dissipative,
+            threshold: 1.0,
+            power_threshold: 1e-3,
+        }
+    }
+
+    #[test]
+    fn two_teeth_of_difference_give_half_the_teeth_as_reduction() {
+        for (flexible, reduction) in [(100, 50.0), (160, 80.0), (200, 100.0), (320, 160.0)] {
+            let found = -1.0 / drive(flexible, flexible + 2).ratio();
+            assert!((found - reduction).abs() < 1e-12 * reduction, "{flexible}: {found} != {reduction}");
+        }
+    }
+
+    #[test]
+    fn a_circular_spline_without_more_teeth_is_refused() {
+        let error = drive(202, 200).check().unwrap_err();
+        assert_eq!(error.param, "circular_teeth");
+        assert!(error.help.is_some());
+        assert_eq!(drive(0, 2).check().unwrap_err().param, "flexspline_teeth");
+        assert_eq!(
+            HarmonicDrive { efficiency_forward: 1.5, ..drive(200, 202) }.check().unwrap_err().param,
+            "efficiency_forward"
+        );
+        assert_eq!(drive(200, 202).check(), Ok(()));
+    }
+}

@@ -1,0 +1,166 @@
+use blocksim_block::physical::{Domain, DryMesh, Element, LossModel, MeshLoss};
+use blocksim_block::prelude::*;
+
+use super::mesh::Direction;
+
+/// Pair of gear wheels with losses of the mesh and friction of the bearings, that sticks: $w_B = \mp i\, w_F$.
+///
+/// With $T$ the torque that passes from the base to the follower, $T_B = T + T_f$, the loss $T_f$ opposes the speed of
+/// the base:
+///
+/// $$ |T_f| = \begin{cases} (1/\eta_{BF} - 1)\,|T| + \tau_{BF} & \text{the base drives} \\
+///    (1 - \eta_{FB})\,|T| + \tau_{FB} & \text{the follower drives} \end{cases} $$
+///
+/// At rest it takes any value up to that, and the gear stands still exactly until the torques on both sides move it.
+/// Efficiencies and bearing torques are given over the amount of the base's speed; between two rows they are
+/// interpolated, beyond the last they stay. The gear has no inertia; its housing stands still (an implied ground).
+///
+/// Each row of `losses` holds the speed (rad/s), $\eta_{BF}$, $\eta_{FB}$, $\tau_{BF}$ and $\tau_{FB}$ (N*m at the base).
+///
+/// ```ron
+/// LossyGear(ratio: 40.0, direction: Same, losses: [
+///     (0.0, 0.70, 0.55, "0.02 N*m", "0.02 N*m"),
+///     ("300 rad/s", 0.85, 0.80, "0.03 N*m", "0.03 N*m"),
+/// ])
+/// ```
+///
+/// Source: C. Pelchen, C. Schweiger, M. Otter, *Modeling and Simulating the Efficiency of Gearboxes and of Planetary
+/// Gearboxes*, 2nd International Modelica Conference (2002).
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Gears")]
+pub struct LossyGear {
+    /// Teeth of the follower over teeth of the base: the reduction $i$.
+    pub ratio: f64,
+    /// `Reversed` or `Same`.
+    #[block(default = Direction::Reversed)]
+    pub direction: Direction,
+    /// Rows of speed, two efficiencies (above 0 and at most 1) and two bearing torques, by increasing speed.
+    pub losses: Vec<[f64; 5]>,
+}
+
+impl LossyGear {
+    /// Shares and bearing torques at a speed of the base; smooth through zero.
+    fn at(&self, speed: f64) -> DryMesh {
+        let w = speed.abs();
+        let after = self.losses.partition_point(|row| row[0] <= w);
+        let (low, high) = (after.saturating_sub(1), after.min(self.losses.len() - 1));
+        let (low, high) = (&self.losses[low], &self.losses[high]);
+        let width = high[0] - low[0];
+        let share = if width > 0.0 { (w - low[0]) / width } else { 0.0 };
+        let mix = |column: usize| low[column] + share * (high[column] - low[column]);
+        let bearing = |column: usize| {
+            let slope = if width > 0.0 { (high[column] - low[column]) / width } else { 0.0 };
+            Torque { value: mix(column), slope: slope.max(0.0) }
+        };
+        DryMesh { share: [1.0 / mix(1) - 1.0, 1.0 - mix(2)], bearing: [bearing(3), bearing(4)] }
+    }
+}
+
+impl Block for LossyGear {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("ratio", self.ratio).map_err(|error| {
+            error.help("the sign of the ratio is given by `direction: Reversed` or `Same`")
+        })?;
+        let refuse = |message: String| Err(ParamError::new("losses", message));
+        if self.losses.is_empty() {
+            return Err(ParamError::new("losses", "`losses` has no rows")
+                .help("a gear without losses is (0.0, 1.0, 1.0, 0.0, 0.0)"));
+        }
+        for (i, [speed, forward, backward, bearing_forward, bearing_backward]) in
+            self.losses.iter().copied().enumerate()
+        {
+            if !(speed >= 0.0 && speed.is_finite()) || (i > 0 && speed <= self.losses[i - 1][0]) {
+                return refuse(format!(
+                    "the speed in row {} is {speed}, but speeds begin at 0 or above and increase",
+                    i + 1
+                ));
+            }
+            for efficiency in [forward, backward] {
+                if !(efficiency > 0.0 && efficiency <= 1.0) {
+                    return Err(ParamError::new(
+                        "losses",
+                        format!(
+                            "row {} has the efficiency {efficiency}, but an efficiency lies above 0 and is at most 1",
+                            i + 1
+                        ),
+                    )
+                    .help("for a mesh that locks itself use a WormGear"));
+                }
+            }
+            for torque in [bearing_forward, bearing_backward] {
+                if !(torque >= 0.0 && torque.is_finite()) {
+                    return refuse(format!(
+                        "row {} has the bearing torque {torque}, which must be zero or more",
+                        i + 1
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for LossyGear {
+    fn part(&self, _given: &Given) -> Part {
+        let [_, forward, backward, ..] = self.losses.first().copied().unwrap_or([0.0, 1.0, 1.0, 0.0, 0.0]);
+        Part::new()
+            .port("base", Domain::Rotational, "input side")
+            .port("follower", Domain::Rotational, "output side")
+            .measures("tau", "N*m", Needs::Motion, "torque into the base")
+            .output(Output::boolean("locked").doc("it is stuck"), Needs::Motion)
+            .element(Element::Gear {
+                base: 0,
+                follower: 1,
+                ratio: self.direction.ratio(1.0 / self.ratio),
+                loss: Some(MeshLoss { forward, backward, model: LossModel::Stiction }),
+            })
+    }
+
+    fn mesh_losses(&self, _c: &Law, speed: &[f64], losses: &mut [DryMesh]) {
+        losses[0] = self.at(speed[0]);
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[..2].copy_from_slice(&[c.mesh[0], f64::from(c.mode[0] == 0.0)]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gear(losses: &[[f64; 5]]) -> LossyGear {
+        LossyGear { ratio: 10.0, direction: Direction::Same, losses: losses.to_vec() }
+    }
+
+    #[test]
+    fn losses_are_interpolated_over_the_speed_and_stay_beyond_the_ends() {
+        let gear = gear(&[[0.0, 0.5, 0.8, 1.0, 2.0], [10.0, 0.7, 0.9, 2.0, 2.0]]);
+        for (w, forward, backward, bearing) in
+            [(0.0, 0.5, 0.8, 1.0), (5.0, 0.6, 0.85, 1.5), (-5.0, 0.6, 0.85, 1.5), (99.0, 0.7, 0.9, 2.0)]
+        {
+            let law = gear.at(w);
+            assert!((law.share[0] - (1.0 / forward - 1.0)).abs() < 1e-15, "{w}");
+            assert!((law.share[1] - (1.0 - backward)).abs() < 1e-15, "{w}");
+            assert!((law.bearing[0].value - bearing).abs() < 1e-15, "{w}");
+        }
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        let good = [0.0, 0.9, 0.9, 0.1, 0.1];
+        assert_eq!(gear(&[good]).check(), Ok(()));
+        assert_eq!(gear(&[]).check().unwrap_err().param, "losses");
+        for (column, bad) in [(0, -1.0), (1, 0.0), (1, 1.1), (2, -0.5), (3, -1.0), (4, f64::NAN)] {
+            let mut row = good;
+            row[column] = bad;
+            assert_eq!(gear(&[row]).check().unwrap_err().param, "losses", "{row:?}");
+        }
+        assert!(gear(&[good, good]).check().is_err(), "two rows at one speed");
+        assert_eq!(LossyGear { ratio: 0.0, ..gear(&[good]) }.check().unwrap_err().param, "ratio");
+    }
+}

@@ -1,0 +1,175 @@
+use blocksim_block::physical::{Domain, Element, Pin};
+use blocksim_block::prelude::*;
+
+/// Brushed motor with permanent magnets.
+///
+/// $$ v = R i + L \frac{di}{dt} + k w, \qquad \tau = k i, \qquad w = w_r - w_c $$
+///
+/// The conversion is lossless, so one constant $k$ (V*s/rad or N*m/A) serves voltage and torque. The rotor
+/// has the inertia $j$, against an implied ground, and a damping between rotor and housing. In the steady
+/// state $\tau = k (V - k w)/R$ less the damping.
+///
+/// With $L > 0$ the current is a state; with $L = 0$ it follows at once from voltage and speed, $i = (v - k
+/// w)/R$.
+///
+/// ```ron
+/// DcMotor(r: "1.5 ohm", l: "2.5 mH", k: "0.22 N*m/A", j: "5e-5 kg*m^2")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Machines")]
+pub struct DcMotor {
+    /// Resistance of the winding; may be zero unless the inductance is.
+    #[block(unit = "ohm")]
+    pub r: f64,
+    /// Inductance of the winding; may be zero unless the resistance is.
+    #[block(unit = "H")]
+    pub l: f64,
+    /// Torque constant and, with the same number, back-EMF constant.
+    #[block(unit = "N*m/A")]
+    pub k: f64,
+    /// Moment of inertia of the rotor; zero is allowed where something else gives the shaft its inertia.
+    #[block(unit = "kg*m^2")]
+    pub j: f64,
+    /// Damping of the rotor.
+    #[block(unit = "N*m*s/rad", default = 0.0)]
+    pub damping: f64,
+    /// Current at the start; only with an inductance.
+    #[block(unit = "A", default = 0.0)]
+    pub i0: f64,
+}
+
+impl DcMotor {
+    /// Current from `p` to `n`, A.
+    fn current(&self, c: &Law) -> f64 {
+        if self.l > 0.0 { c.x[0] } else { (c.voltage[0] - self.k * c.speed[0]) / self.r }
+    }
+}
+
+impl Block for DcMotor {
+    fn check(&self) -> Result<(), ParamError> {
+        not_negative("r", self.r)?;
+        not_negative("l", self.l)?;
+        if self.l == 0.0 && self.r == 0.0 {
+            return Err(ParamError::new("r", "`r` and `l` are both 0, so nothing limits the current")
+                .help("give the winding its resistance"));
+        }
+        finite("k", self.k)?;
+        not_negative("j", self.j)?;
+        not_negative("damping", self.damping)?;
+        finite("i0", self.i0)?;
+        if self.l == 0.0 && self.i0 != 0.0 {
+            return Err(ParamError::new(
+                "i0",
+                "without inductance the current has no start value of its own",
+            )
+            .help("leave `i0` out, or give the winding its inductance `l`"));
+        }
+        Ok(())
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for DcMotor {
+    fn part(&self, _given: &Given) -> Part {
+        let part = Part::new()
+            .pins()
+            .port("r", Domain::Rotational, "rotor")
+            .port("c", Domain::Rotational, "housing")
+            .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: self.l > 0.0 })
+            .element(Element::Branch { r: 2, c: 3 })
+            .element(Element::Inertia { port: 2, inertia: self.j, speed: 0.0 });
+        if self.l > 0.0 {
+            part.linear().state("i", self.i0).measures("i", "A", Needs::State, "current from p to n")
+        } else {
+            part.measures("i", "A", Needs::Electrics, "current from p to n")
+        }
+    }
+
+    fn currents(&self, c: &Law, i: &mut [f64]) {
+        i[0] = self.current(c);
+    }
+
+    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+        internal[0] = self.r * c.x[0] + self.k * c.speed[0];
+        inverse[0] = 1.0 / self.l;
+    }
+
+    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+        x[0] += volt_seconds[0] / self.l;
+    }
+
+    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+        // Without inductance the back EMF damps as k^2/R does.
+        let braking = if self.l > 0.0 { 0.0 } else { self.k * self.k / self.r };
+        tau[0] = Torque {
+            value: self.damping * c.speed[0] - self.k * self.current(c),
+            slope: self.damping + braking,
+        };
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        if self.l > 0.0 {
+            dx[0] = (c.voltage[0] - self.r * c.x[0] - self.k * c.speed[0]) / self.l;
+        }
+    }
+
+    fn linearize(&self, _law: &Law, a: &mut [f64], b: &mut [f64], c: &mut [f64]) {
+        (a[0], b[0], c[0]) = (-self.r / self.l, -self.k / self.l, -self.k);
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let (i, w) = (self.current(c), c.speed[0]);
+        Energy {
+            stored: 0.5 * self.l * i * i,
+            dissipated: self.r * i * i + self.damping * w * w,
+            ..Energy::default()
+        }
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = self.current(c);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::testing::law;
+
+    const MOTOR: DcMotor = DcMotor { r: 1.5, l: 2.5e-3, k: 0.2, j: 5e-5, damping: 0.01, i0: 3.0 };
+
+    #[test]
+    fn with_inductance_the_current_is_a_state() {
+        let c = Law { x: &[4.0], voltage: &[48.0], speed: &[100.0], ..law() };
+        let (mut tau, mut dx) = ([Torque::default()], [0.0]);
+        MOTOR.torques(&c, &mut tau);
+        Component::derivatives(&MOTOR, &c, &mut dx);
+        assert!((tau[0].value - (1.0 - 0.8)).abs() < 1e-15);
+        assert!((dx[0] - (48.0 - 6.0 - 20.0) / 2.5e-3).abs() < 1e-9);
+        assert_eq!(MOTOR.part(&Given::nothing()).outputs[0].1, Needs::State);
+    }
+
+    #[test]
+    fn without_inductance_the_current_follows_from_voltage_and_speed() {
+        let motor = DcMotor { l: 0.0, i0: 0.0, ..MOTOR };
+        let c = Law { voltage: &[48.0], speed: &[90.0], ..law() };
+        let (mut tau, mut i) = ([Torque::default()], [0.0]);
+        motor.currents(&c, &mut i);
+        motor.torques(&c, &mut tau);
+        assert!((i[0] - 20.0).abs() < 1e-13);
+        assert!((tau[0].value - (0.9 - 4.0)).abs() < 1e-13);
+        assert!((tau[0].slope - (0.01 + 0.04 / 1.5)).abs() < 1e-15);
+        assert_eq!(motor.part(&Given::nothing()).outputs[0].1, Needs::Electrics);
+    }
+
+    #[test]
+    fn parameters_without_meaning_are_refused() {
+        assert_eq!(DcMotor { r: 0.0, l: 0.0, ..MOTOR }.check().unwrap_err().param, "r");
+        assert_eq!(DcMotor { l: 0.0, ..MOTOR }.check().unwrap_err().param, "i0");
+        assert_eq!(DcMotor { j: -1.0, ..MOTOR }.check().unwrap_err().param, "j");
+        assert_eq!(MOTOR.check(), Ok(()));
+    }
+}

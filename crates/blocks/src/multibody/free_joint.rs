@@ -1,0 +1,91 @@
+use blocksim_block::physical::{Axis, Domain, Element, Freedom};
+use blocksim_block::prelude::*;
+
+use super::axis::vector_output;
+use super::quaternion;
+
+/// No joint at all: `follower` moves freely against `base` in all six directions.
+///
+/// It gives a body that flies its states. Positions and velocities are those of the origin of `follower` in the axes
+/// of `base`; the orientation is a unit quaternion, the angular velocity is in the axes of `follower`.
+///
+/// ```ron
+/// FreeJoint(position: ["0 m", "0 m", "2 m"], velocity: ["1 m/s", "0 m/s", "0 m/s"])
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Multibody")]
+pub struct FreeJoint {
+    /// Position at the start.
+    #[block(unit = "m", default = None)]
+    pub position: Option<[f64; 3]>,
+    /// Roll, pitch and yaw at the start.
+    #[block(unit = "rad", default = None)]
+    pub rpy: Option<[f64; 3]>,
+    /// Velocity at the start in the axes of `base`.
+    #[block(unit = "m/s", default = None)]
+    pub velocity: Option<[f64; 3]>,
+    /// Angular velocity at the start in the axes of `follower`.
+    #[block(unit = "rad/s", default = None)]
+    pub spin: Option<[f64; 3]>,
+}
+
+impl Block for FreeJoint {
+    fn check(&self) -> Result<(), ParamError> {
+        self.position.iter().flatten().try_for_each(|x| finite("position", *x))?;
+        self.rpy.iter().flatten().try_for_each(|x| finite("rpy", *x))?;
+        self.velocity.iter().flatten().try_for_each(|x| finite("velocity", *x))?;
+        self.spin.iter().flatten().try_for_each(|x| finite("spin", *x))
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for FreeJoint {
+    fn part(&self, _given: &Given) -> Part {
+        let slide = |k: usize, names: [&'static str; 2]| {
+            let mut axis = [0.0; 3];
+            axis[k] = 1.0;
+            let (x, v) = (self.position.map(|x| x[k]), self.velocity.map(|v| v[k]));
+            Freedom::Slide(Axis::new(names, axis).starting(x, v))
+        };
+        let freedoms = vec![
+            slide(0, ["x", "vx"]),
+            slide(1, ["y", "vy"]),
+            slide(2, ["z", "vz"]),
+            Freedom::Ball { orientation: self.rpy.map(quaternion::from_rpy), velocity: self.spin },
+        ];
+        Part::new()
+            .port("base", Domain::Frame, "frame that the motion is measured in")
+            .port("follower", Domain::Frame, "frame that moves freely")
+            .output(vector_output("x", 3, "m", "position of the follower in the base"), Needs::State)
+            .output(
+                vector_output("p", 4, "1", "unit quaternion w, x, y, z of the follower in the base"),
+                Needs::State,
+            )
+            .output(vector_output("v", 3, "m/s", "velocity in the axes of the base"), Needs::State)
+            .output(
+                vector_output("w", 3, "rad/s", "angular velocity in the axes of the follower"),
+                Needs::State,
+            )
+            .output(vector_output("a", 3, "m/s^2", "acceleration in the axes of the base"), Needs::Motion)
+            .output(vector_output("alpha", 3, "rad/s^2", "derivative of w"), Needs::Motion)
+            .element(Element::Joint { base: 0, follower: 1, freedoms })
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        match needs {
+            Needs::State => {
+                y[3..7].copy_from_slice(c.orientation);
+                for k in 0..3 {
+                    y[k] = c.joint[k].q;
+                    y[7 + k] = c.joint[k].w;
+                    y[10 + k] = c.joint[3 + k].w;
+                }
+            }
+            Needs::Electrics => {}
+            Needs::Motion => (0..6).for_each(|k| y[13 + k] = c.joint[k].a),
+        }
+    }
+}

@@ -1,0 +1,122 @@
+use blocksim_block::physical::{Domain, Element, FrameMotion, Wrench};
+use blocksim_block::prelude::*;
+
+use super::joint_limit::JointLimit;
+use super::vector::{add, between, dot, scale, sub, to_world, velocity_seen};
+
+/// A point that touches a plane: the origin of `follower` against the x-y plane of `base`, whose z axis points out of
+/// the material.
+///
+/// $$ N = s(\delta)\,(k\,\delta + d\,\dot\delta) \ge 0, \qquad s = 3 x^2 - 2 x^3, \quad x = \min(\delta / b, 1) $$
+///
+/// with the depth $\delta$ of the point below the plane. The normal force sets in smoothly and never pulls. Friction is
+/// Coulomb's law, smooth around standstill:
+///
+/// $$ F_t = -\mu\,N\,\tanh(|v_t| / v_{th})\,v_t / |v_t| $$
+///
+/// so what lies on a slope creeps, slower the smaller $v_{th}$ is.
+///
+/// ```ron
+/// PointPlaneContact(stiffness: "1e5 N/m", damping: "200 N*s/m", friction: 0.3)
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Multibody")]
+pub struct PointPlaneContact {
+    /// Stiffness $k$.
+    #[block(unit = "N/m", default = 1e6)]
+    pub stiffness: f64,
+    /// Damping $d$.
+    #[block(unit = "N*s/m", default = 1e3)]
+    pub damping: f64,
+    /// Depth $b$ over which both set in.
+    #[block(unit = "m", default = 1e-4)]
+    pub transition: f64,
+    /// Coefficient of friction $\mu$; zero has none.
+    #[block(default = 0.0)]
+    pub friction: f64,
+    /// Speed $v_{th}$ of sliding at which 76 % of the friction act.
+    #[block(unit = "m/s", default = 1e-3)]
+    pub threshold: f64,
+}
+
+/// What happens at the point.
+struct Touch {
+    /// Depth below the plane, m; negative above it.
+    depth: f64,
+    /// Normal force, N.
+    normal: f64,
+    /// Speed out of the plane, m/s.
+    rise: f64,
+    /// Speed of sliding, m/s.
+    slip: f64,
+    /// Force on the point in world axes, N.
+    force: [f64; 3],
+}
+
+impl PointPlaneContact {
+    fn touch(&self, frames: &[FrameMotion]) -> Touch {
+        let (plane, point) = (&frames[0], &frames[1]);
+        let out = to_world(plane, [0.0, 0.0, 1.0]);
+        let depth = -dot(sub(point.position, plane.position), out);
+        let velocity = velocity_seen(plane, point);
+        let rise = dot(velocity, out);
+        let along = sub(velocity, scale(rise, out));
+        let slip = dot(along, along).sqrt();
+        let normal = self.ground().push(depth, -rise).value;
+        let grip = if slip > 0.0 { -self.grip(normal, slip) / slip } else { 0.0 };
+        Touch { depth, normal, rise, slip, force: add(scale(normal, out), scale(grip, along)) }
+    }
+
+    fn ground(&self) -> JointLimit {
+        JointLimit { stiffness: self.stiffness, damping: self.damping, transition: self.transition }
+    }
+
+    /// Friction along the plane, N.
+    fn grip(&self, normal: f64, slip: f64) -> f64 {
+        self.friction * normal * (slip / self.threshold).tanh()
+    }
+}
+
+impl Block for PointPlaneContact {
+    fn check(&self) -> Result<(), ParamError> {
+        not_negative("stiffness", self.stiffness)?;
+        not_negative("damping", self.damping)?;
+        not_negative("transition", self.transition)?;
+        not_negative("friction", self.friction)?;
+        positive("threshold", self.threshold)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for PointPlaneContact {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("base", Domain::Frame, "frame of the plane; its z axis points out")
+            .port("follower", Domain::Frame, "frame whose origin touches")
+            .measures("f", "N", Needs::State, "normal force")
+            .measures("depth", "m", Needs::State, "depth below the plane, negative above it")
+            .measures("slip", "m/s", Needs::State, "speed of the point along the plane")
+            .element(Element::FrameForce { frame: 0 })
+            .element(Element::FrameForce { frame: 1 })
+    }
+
+    fn wrenches(&self, c: &Law, f: &mut [Wrench]) {
+        f.copy_from_slice(&between(&c.frames[0], &c.frames[1], self.touch(c.frames).force));
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let touch = self.touch(c.frames);
+        let grip = self.grip(touch.normal, touch.slip);
+        self.ground().energy(touch.depth, -touch.rise) + Energy::dissipated(grip * touch.slip)
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        if needs == Needs::State {
+            let touch = self.touch(c.frames);
+            y[..3].copy_from_slice(&[touch.normal, touch.depth, touch.slip]);
+        }
+    }
+}

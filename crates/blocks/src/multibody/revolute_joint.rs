@@ -1,0 +1,187 @@
+use blocksim_block::physical::{Axis, Domain, Element, Freedom};
+use blocksim_block::prelude::*;
+
+use super::axis::{Inside, direction, finite_start, unit};
+use super::joint_limit::JointLimit;
+
+/// A joint that turns `follower` about an axis of `base`; both origins coincide.
+///
+/// $$ \tau = \tau_{in} + \tau_{rc} - k (q - q_0) - d \dot q + \tau_{lim}, \qquad w_r - w_c = \dot q $$
+///
+/// Three torques may act on it: the input `torque`; whatever is connected to the drive side `r`, `c` (a gear,
+/// a motor, friction; its inertia counts in the mass matrix of the mechanism, so nothing is filtered); and
+/// the spring and damper inside.
+///
+/// Beyond a limit a spring and a damper set in smoothly over the transition width $b$ and push back, never
+/// pull:
+///
+/// $$ \tau_{lim} = s\,(k_l\,\delta + d_l\,\dot\delta), \qquad s = 3 x^2 - 2 x^3,
+///    \quad x = \min(\delta / b, 1) $$
+///
+/// with the penetration $\delta \ge 0$. The output `tau` is the torque of the actuators: the input and the
+/// drive side, without spring, damper and limits.
+///
+/// ```ron
+/// RevoluteJoint(axis: [0.0, 1.0, 0.0], position: "30 deg", lower: "-95 deg", upper: "155 deg")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Multibody")]
+pub struct RevoluteJoint {
+    /// Direction of the axis in `base`; its length does not matter.
+    #[block(default = [0.0, 0.0, 1.0])]
+    pub axis: [f64; 3],
+    /// Angle at the start. Where none is given it is zero, or in a closed loop what closes it.
+    #[block(unit = "rad", default = None)]
+    pub position: Option<f64>,
+    /// Speed at the start. Where none is given it is zero, or in a closed loop what fits the others.
+    #[block(unit = "rad/s", default = None)]
+    pub velocity: Option<f64>,
+    /// Angle $q_0$ at which the spring inside is relaxed.
+    #[block(unit = "rad", default = 0.0)]
+    pub equilibrium: f64,
+    /// Stiffness $k$ of the spring inside.
+    #[block(unit = "N*m/rad", default = 0.0)]
+    pub stiffness: f64,
+    /// Coefficient $d$ of the damper inside.
+    #[block(unit = "N*m*s/rad", default = 0.0)]
+    pub damping: f64,
+    /// Least angle; none unless given.
+    #[block(unit = "rad", default = None)]
+    pub lower: Option<f64>,
+    /// Largest angle; none unless given.
+    #[block(unit = "rad", default = None)]
+    pub upper: Option<f64>,
+    /// Stiffness $k_l$ beyond a limit.
+    #[block(unit = "N*m/rad", default = 5.73e5)]
+    pub limit_stiffness: f64,
+    /// Damping $d_l$ beyond a limit.
+    #[block(unit = "N*m*s/rad", default = 573.0)]
+    pub limit_damping: f64,
+    /// Width $b$ over which a limit sets in.
+    #[block(unit = "rad", default = 1.745e-3)]
+    pub limit_transition: f64,
+}
+
+impl RevoluteJoint {
+    fn inside(&self) -> Inside {
+        Inside {
+            equilibrium: self.equilibrium,
+            stiffness: self.stiffness,
+            damping: self.damping,
+            lower: self.lower,
+            upper: self.upper,
+            limit: JointLimit {
+                stiffness: self.limit_stiffness,
+                damping: self.limit_damping,
+                transition: self.limit_transition,
+            },
+        }
+    }
+}
+
+impl Block for RevoluteJoint {
+    fn check(&self) -> Result<(), ParamError> {
+        direction("axis", self.axis)?;
+        finite_start("position", self.position)?;
+        finite_start("velocity", self.velocity)?;
+        self.inside().check(self.position, "rad")
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for RevoluteJoint {
+    fn part(&self, _given: &Given) -> Part {
+        let turn = Axis::new(["q", "w"], unit(self.axis)).driven(2, 3).starting(self.position, self.velocity);
+        Part::new()
+            .port("base", Domain::Frame, "frame that carries the axis")
+            .port("follower", Domain::Frame, "frame that turns")
+            .port("r", Domain::Rotational, "rod of the drive side")
+            .port("c", Domain::Rotational, "case of the drive side")
+            .input(Input::real("torque").scalar().unit("N*m").default(0.0).doc("torque on the follower"))
+            .measures("q", "rad", Needs::State, "angle of the follower against the base")
+            .measures("w", "rad/s", Needs::State, "speed of the follower against the base")
+            .measures("a", "rad/s^2", Needs::Motion, "acceleration of the follower against the base")
+            .measures("tau", "N*m", Needs::Motion, "torque of the actuators: input and drive side")
+            .element(Element::Joint { base: 0, follower: 1, freedoms: vec![Freedom::Turn(turn)] })
+    }
+
+    fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
+        let inside = self.inside().torque(c.joint[0].q, c.joint[0].w);
+        tau[0] = Torque { value: inside.value + c.scalar(0), slope: inside.slope };
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let joint = c.joint[0];
+        self.inside().energy(joint.q, joint.w) + Energy::supplied(c.scalar(0) * joint.w)
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        match needs {
+            Needs::State => y[..2].copy_from_slice(&[c.joint[0].q, c.joint[0].w]),
+            Needs::Electrics => {}
+            Needs::Motion => y[2..4].copy_from_slice(&[c.joint[0].a, c.scalar(0) + c.joint[0].drive]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const JOINT: RevoluteJoint = RevoluteJoint {
+        axis: [0.0, 0.0, 2.0],
+        position: None,
+        velocity: None,
+        equilibrium: 0.5,
+        stiffness: 4.0,
+        damping: 0.25,
+        lower: Some(-1.0),
+        upper: Some(2.0),
+        limit_stiffness: 100.0,
+        limit_damping: 10.0,
+        limit_transition: 0.01,
+    };
+
+    #[test]
+    fn the_axis_is_normalised() {
+        let part = JOINT.part(&Given::nothing());
+        let Element::Joint { freedoms, .. } = &part.elements[0] else { panic!("no joint") };
+        assert!(matches!(&freedoms[..], [Freedom::Turn(axis)] if axis.direction == [0.0, 0.0, 1.0]));
+    }
+
+    #[test]
+    fn spring_and_damper_pull_towards_the_equilibrium() {
+        assert_eq!(JOINT.inside().torque(1.5, 2.0), Torque { value: -4.5, slope: 0.25 });
+    }
+
+    #[test]
+    fn limits_push_back_into_the_free_range() {
+        let joint = RevoluteJoint { stiffness: 0.0, damping: 0.0, ..JOINT };
+        assert!((joint.inside().torque(2.1, 0.0).value + 10.0).abs() < 1e-12);
+        assert!((joint.inside().torque(-1.1, 0.0).value - 10.0).abs() < 1e-12);
+        assert!(
+            (joint.inside().torque(-1.1, -0.5).value - 15.0).abs() < 1e-12,
+            "moving further in adds damping"
+        );
+        assert_eq!(joint.inside().torque(2.1, -2.0).value, 0.0, "moving out fast must not be held back");
+        assert_eq!(joint.inside().torque(0.0, 100.0).value, 0.0);
+    }
+
+    #[test]
+    fn a_start_outside_the_limits_is_refused() {
+        let error = RevoluteJoint { position: Some(2.5), ..JOINT }.check().unwrap_err();
+        assert_eq!(error.param, "position");
+        assert!(error.message.contains("above its upper limit of 2 rad"), "{}", error.message);
+        assert_eq!(RevoluteJoint { position: Some(-1.5), ..JOINT }.check().unwrap_err().param, "position");
+        assert_eq!(JOINT.check(), Ok(()));
+    }
+
+    #[test]
+    fn limits_out_of_order_and_an_axis_without_length_are_refused() {
+        assert_eq!(RevoluteJoint { upper: Some(-2.0), ..JOINT }.check().unwrap_err().param, "upper");
+        assert_eq!(RevoluteJoint { axis: [0.0; 3], ..JOINT }.check().unwrap_err().param, "axis");
+    }
+}

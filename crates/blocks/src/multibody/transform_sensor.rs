@@ -1,0 +1,59 @@
+use blocksim_block::physical::{Domain, Element};
+use blocksim_block::prelude::*;
+
+use super::axis::vector_output;
+use super::quaternion;
+use super::vector::{dot, sub, to_frame, velocity_seen};
+
+/// Measures where one frame is in another, and how it moves.
+///
+/// All outputs are those of `follower` as an observer on `base` sees it, in the axes of `base`. Where `base` is not
+/// connected it is the world.
+///
+/// ```ron
+/// TransformSensor
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Multibody")]
+pub struct TransformSensor;
+
+impl Block for TransformSensor {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for TransformSensor {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("base", Domain::Frame, "frame of the observer; the world unless connected")
+            .port("follower", Domain::Frame, "frame that is observed")
+            .output(vector_output("x", 3, "m", "position of the origin"), Needs::State)
+            .output(vector_output("v", 3, "m/s", "velocity of the origin"), Needs::State)
+            .output(
+                vector_output("p", 4, "1", "orientation: unit quaternion w, x, y, z with w >= 0"),
+                Needs::State,
+            )
+            .output(vector_output("rpy", 3, "rad", "orientation: roll, pitch and yaw"), Needs::State)
+            .output(vector_output("w", 3, "rad/s", "angular velocity"), Needs::State)
+            .element(Element::FrameProbe { frame: 0 })
+            .element(Element::FrameProbe { frame: 1 })
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        if needs != Needs::State {
+            return;
+        }
+        let (base, follower) = (&c.frames[0], &c.frames[1]);
+        // R = R_b' R_f, row by row
+        let column = |m: &[[f64; 3]; 3], k: usize| [m[0][k], m[1][k], m[2][k]];
+        let r = [0, 1, 2]
+            .map(|i| [0, 1, 2].map(|k| dot(column(&base.rotation, i), column(&follower.rotation, k))));
+        y[..3].copy_from_slice(&to_frame(base, sub(follower.position, base.position)));
+        y[3..6].copy_from_slice(&to_frame(base, velocity_seen(base, follower)));
+        y[6..10].copy_from_slice(&quaternion::from_matrix(&r));
+        let pitch = (-r[2][0]).atan2(r[0][0].hypot(r[1][0]));
+        y[10..13].copy_from_slice(&[r[2][1].atan2(r[2][2]), pitch, r[1][0].atan2(r[0][0])]);
+        y[13..16].copy_from_slice(&to_frame(base, sub(follower.angular, base.angular)));
+    }
+}

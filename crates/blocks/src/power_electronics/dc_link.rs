@@ -1,0 +1,69 @@
+use blocksim_block::physical::{Element, Pin};
+use blocksim_block::prelude::*;
+
+/// Capacitor of a DC link, with the resistance in series to it.
+///
+/// $$ C \frac{dv}{dt} = i, \qquad v_p - v_n = v + R i $$
+///
+/// The output `v` is the voltage of the capacitor without that of the resistance: a state, so that a modulator or a chopper
+/// may look at it without an algebraic loop. Without a resistance the link must not lie in parallel to an ideal source.
+///
+/// ```ron
+/// DcLink(c: "1 mF", r: "20 mOhm", v0: "560 V")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Power electronics")]
+pub struct DcLink {
+    /// Capacitance, positive.
+    #[block(unit = "F")]
+    pub c: f64,
+    /// Resistance in series.
+    #[block(unit = "Ohm", default = 0.0)]
+    pub r: f64,
+    /// Voltage at the start.
+    #[block(unit = "V", default = 0.0)]
+    pub v0: f64,
+}
+
+impl Block for DcLink {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("c", self.c)?;
+        not_negative("r", self.r)?;
+        finite("v0", self.v0)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for DcLink {
+    fn part(&self, _given: &Given) -> Part {
+        let inner = if self.r == 0.0 { Pin::Port(0) } else { Pin::Inner(0) };
+        let part = Part::new()
+            .pins()
+            .state("v", self.v0)
+            .element(Element::Capacitance { p: inner, n: Pin::Port(1) })
+            .measures("v", "V", Needs::State, "voltage of the capacitor");
+        match self.r {
+            0.0 => part,
+            resistance => part.element(Element::Resistance { p: Pin::Port(0), n: inner, resistance }),
+        }
+    }
+
+    fn voltages(&self, c: &Law, v: &mut [f64]) {
+        v[0] = c.x[0];
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = c.current[0] / self.c;
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        Energy::stored(0.5 * self.c * c.x[0] * c.x[0])
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.x[0];
+    }
+}

@@ -1,0 +1,57 @@
+use blocksim_block::physical::{Pin, ValveKind};
+use blocksim_block::prelude::*;
+
+use super::valve::Valve;
+
+/// Contact that a signal closes: $v = r_{on} i$ while `gate` is true, $i = g_{off} v$ while it is not.
+///
+/// It conducts in both directions, and changes at once. Without off-state conductance the branch is cut: a current of an
+/// inductance must then have another path, a freewheeling diode or a resistance in parallel.
+///
+/// ```ron
+/// IdealSwitch(r_on: "5 mOhm")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Power electronics")]
+pub struct IdealSwitch {
+    /// Resistance while closed; zero is an ideal contact.
+    #[block(unit = "Ohm", default = 0.01)]
+    pub r_on: f64,
+    /// Conductance while open; zero cuts the branch.
+    #[block(unit = "S", default = 0.0)]
+    pub g_off: f64,
+}
+
+impl IdealSwitch {
+    fn valve(&self) -> Valve {
+        Valve { r_on: self.r_on, v_f: 0.0, g_off: self.g_off }
+    }
+}
+
+impl Block for IdealSwitch {
+    fn check(&self) -> Result<(), ParamError> {
+        self.valve().check()
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for IdealSwitch {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .pins()
+            .input(Input::boolean("gate").scalar().doc("whether the contact is closed"))
+            .element(self.valve().element(Pin::Port(0), Pin::Port(1), ValveKind::Switch))
+            .measures("i", "A", Needs::Electrics, "current from p to n")
+    }
+
+    fn gates(&self, c: &Law, on: &mut [bool]) {
+        on[0] = c.scalar(0) != 0.0;
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.current[0];
+    }
+}

@@ -1,0 +1,63 @@
+use blocksim_block::physical::Pin;
+use blocksim_block::prelude::*;
+
+use super::valve::{Device, Valve};
+
+/// Transistor with an insulated gate and a diode in parallel.
+///
+/// While `gate` is true the transistor conducts from `p` (collector) to `n` (emitter) with $v = v_f + r_{on} i$; it does
+/// not conduct backwards. The diode conducts from `n` to `p` by the same law, whatever the gate does. Turned off, the
+/// transistor opens at once.
+///
+/// ```ron
+/// Igbt(v_f: "1.5 V", r_on: "20 mOhm")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Power electronics")]
+pub struct Igbt {
+    /// Forward voltage of transistor and diode.
+    #[block(unit = "V", default = 0.8)]
+    pub v_f: f64,
+    /// Resistance while it conducts, of transistor and diode.
+    #[block(unit = "Ohm", default = 0.01)]
+    pub r_on: f64,
+    /// Conductance from `p` to `n` while neither conducts.
+    #[block(unit = "S", default = 0.0)]
+    pub g_off: f64,
+}
+
+impl Igbt {
+    fn valve(&self) -> Valve {
+        Valve { r_on: self.r_on, v_f: self.v_f, g_off: self.g_off }
+    }
+}
+
+impl Block for Igbt {
+    fn check(&self) -> Result<(), ParamError> {
+        self.valve().check()
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for Igbt {
+    fn part(&self, _given: &Given) -> Part {
+        let part = Part::new().pins().input(Input::boolean("gate").scalar().doc("turns the transistor on"));
+        Device::Igbt
+            .elements(&self.valve(), Pin::Port(0), Pin::Port(1))
+            .into_iter()
+            .fold(part, Part::element)
+            .measures("i", "A", Needs::Electrics, "current from p to n, that of the diode being negative")
+            .measures("v", "V", Needs::Electrics, "voltage from p to n")
+    }
+
+    fn gates(&self, c: &Law, on: &mut [bool]) {
+        Device::Igbt.gates(c.input(0), on);
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y.copy_from_slice(&[c.current[0] - c.current[1], c.voltage[0]]);
+    }
+}

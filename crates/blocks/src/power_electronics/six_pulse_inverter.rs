@@ -1,0 +1,85 @@
+use blocksim_block::physical::{Domain, Pin};
+use blocksim_block::prelude::*;
+
+use super::valve::{Device, Valve};
+
+/// Bridge of six switches between a DC link and three phases.
+///
+/// Each leg has an upper switch from `p` to its phase and a lower one from its phase to `n`. `gates` are those of a+, a-,
+/// b+, b-, c+, c-, as `PwmGenerator` makes them. Every edge is an event of the solver, and so is every current that
+/// passes through zero: a second of an inverter at 8 kHz is some ten thousand events. `AveragedInverter` does without.
+///
+/// With both switches of a leg on the link is short-circuited through twice `r_on`. With `Contact` and a dead time the
+/// currents of a machine would have no path.
+///
+/// ```ron
+/// SixPulseInverter(device: Igbt, v_f: "1.2 V", r_on: "20 mOhm")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Power electronics")]
+pub struct SixPulseInverter {
+    /// `Igbt` or `Mosfet`, both with diodes in parallel, or `Contact`.
+    #[block(default = Device::Igbt)]
+    pub device: Device,
+    /// Forward voltage; a conducting `Mosfet` or `Contact` has none.
+    #[block(unit = "V", default = 0.8)]
+    pub v_f: f64,
+    /// Resistance while conducting.
+    #[block(unit = "Ohm", default = 0.01)]
+    pub r_on: f64,
+    /// Conductance of a switch that is off, with its diode.
+    #[block(unit = "S", default = 0.0)]
+    pub g_off: f64,
+}
+
+impl SixPulseInverter {
+    fn valve(&self) -> Valve {
+        Valve { r_on: self.r_on, v_f: self.v_f, g_off: self.g_off }
+    }
+}
+
+impl Block for SixPulseInverter {
+    fn check(&self) -> Result<(), ParamError> {
+        self.valve().check()
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for SixPulseInverter {
+    fn part(&self, _given: &Given) -> Part {
+        let gates = Input::boolean("gates").shape(Shape::Vector(6)).doc("a+, a-, b+, b-, c+, c-");
+        let part =
+            Part::new().pins().port("ac", Domain::ThreePhase, "middle of the legs: a, b, c").input(gates);
+        (0..3)
+            .flat_map(|k| {
+                let (middle, valve) = (Pin::Phase(2, k), self.valve());
+                let upper = self.device.elements(&valve, Pin::Port(0), middle);
+                upper.into_iter().chain(self.device.elements(&valve, middle, Pin::Port(1)))
+            })
+            .fold(part, Part::element)
+    }
+
+    fn gates(&self, c: &Law, on: &mut [bool]) {
+        self.device.gates(c.input(0), on);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::testing::law;
+
+    #[test]
+    fn gates_reach_their_transistors_and_no_diode() {
+        let inverter = SixPulseInverter { device: Device::Igbt, v_f: 0.8, r_on: 0.01, g_off: 0.0 };
+        let mut on = [false; 12];
+        let u = [1.0, 0.0, 0.0, 1.0, 1.0, 0.0];
+        inverter.gates(&Law { u: &u, inputs: &[(0, 6)], ..law() }, &mut on);
+        let found: Vec<usize> = (0..12).filter(|k| on[*k]).collect();
+        assert_eq!(found, [0, 6, 8]);
+        assert_eq!(inverter.part(&Given::default()).elements.len(), 12);
+    }
+}

@@ -1,0 +1,298 @@
+use std::f64::consts::TAU;
+
+use blocksim_block::physical::{Domain, Element, Pin, Supply};
+use blocksim_block::prelude::*;
+
+use crate::drives::modulation::{Carrier, Modulation, Modulator, Sampling};
+use crate::machines::space_vector::turned;
+
+/// Three-phase inverter with every edge of its switching, on an ideal DC link.
+///
+/// $$ \dot\theta = 2\pi f, \qquad v^*_a = v \cos\theta, \qquad v_{aN} = s_a V_{dc}, \quad s_a \in \{0, 1\} $$
+///
+/// The legs are ideal: no dead time, no voltage across a switch. The references are compared with a triangular
+/// carrier, once or twice in each of its periods (`sampling`), at the angle of the middle of the time that the sample
+/// holds for; the edges follow from the duties and are hit exactly. With `Natural` sampling they lie where the references
+/// themselves cross the carrier: the angle runs on within each half of a period, at the amplitude and frequency of its
+/// beginning, so that the crossing is known beforehand. It takes the same inputs as `AveragedInverter`, which
+/// gives the mean of these voltages.
+///
+/// `integration: Together` leaves the circuit to the solver of the diagram, which stops at every edge. `Separate`
+/// integrates the circuit by itself, from edge to edge, and couples it to the mechanics every so many periods of the
+/// carrier: the shaft gets the mean torque of these periods, the machine the speed that is expected for them. That is
+/// many times faster, and exact to second order in the length of a coupling step; what is recorded of the circuit are then
+/// its values at the beginnings of coupling steps.
+///
+/// ```ron
+/// SwitchedInverter(vdc: "560 V", switching_frequency: "8 kHz", integration: Separate(periods: 1))
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Power electronics")]
+pub struct SwitchedInverter {
+    /// Voltage of the DC link.
+    #[block(unit = "V")]
+    pub vdc: f64,
+    /// Frequency of the carrier.
+    #[block(unit = "Hz")]
+    pub switching_frequency: f64,
+    /// `Sine` or `SpaceVector`, or any other law of `PwmGenerator`.
+    #[block(default = Modulation::Sine)]
+    pub modulation: Modulation,
+    /// `Symmetric` (one sample in each period of the carrier), `Asymmetric` (two) or `Natural`.
+    #[block(default = Sampling::Symmetric)]
+    pub sampling: Sampling,
+    /// `Together` or `Separate(periods: ..)`.
+    #[block(default = Integration::Together)]
+    pub integration: Integration,
+}
+
+/// Who integrates the circuit of an inverter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum Integration {
+    /// The solver of the diagram.
+    #[default]
+    Together,
+    /// The circuit by itself.
+    Separate {
+        /// Periods of the carrier in a coupling step, at least 1.
+        periods: u32,
+    },
+}
+
+const V: usize = 0;
+const F: usize = 1;
+const REVERSE: usize = 2;
+
+const LEGS: usize = 3;
+
+impl SwitchedInverter {
+    fn modulator(&self) -> Modulator {
+        let carrier = Carrier { frequency: self.switching_frequency };
+        // A crossing that is known beforehand is the edge of a duty that holds for half a period.
+        let sampling = match self.sampling {
+            Sampling::Natural => Sampling::Asymmetric,
+            regular => regular,
+        };
+        Modulator { carrier, sampling, dead_time: 0.0 }
+    }
+
+    /// Reference voltages of the phases, V, this time later, s.
+    fn references(&self, c: &Law, later: f64) -> [f64; LEGS] {
+        let amplitude = c.scalar(V).clamp(0.0, self.modulation.limit(self.vdc));
+        let angle = c.x[0] + TAU * c.scalar(F) * later;
+        let [a, b, c_] = Supply { voltage: turned([amplitude, 0.0], angle), ..Supply::default() }.phases();
+        if c.scalar(REVERSE) == 0.0 { [a, b, c_] } else { [a, c_, b] }
+    }
+
+    /// Duties that a sample taken now holds.
+    fn duties(&self, c: &Law) -> [f64; LEGS] {
+        let (carrier, period) = (self.modulator().carrier, 1.0 / self.switching_frequency);
+        // Regular samples hold from one to the next: their references are those of the middle.
+        let middle = |share: f64| self.modulation.duties(self.references(c, share * period), self.vdc);
+        match self.sampling {
+            Sampling::Symmetric => middle(0.5),
+            Sampling::Asymmetric => middle(0.25),
+            Sampling::Natural => {
+                let half = carrier.half(c.t);
+                let of_leg = |leg: usize, t: f64| {
+                    0.5 * (1.0 + self.modulation.references(self.references(c, t - c.t), self.vdc)[leg])
+                };
+                [0, 1, 2].map(|leg| carrier.natural_duty(half, |t| of_leg(leg, t)))
+            }
+        }
+    }
+
+    /// Voltage of a leg against the negative rail, V.
+    fn pole(&self, c: &Law, leg: usize) -> f64 {
+        if Modulator::is_high(c.d, leg) { self.vdc } else { 0.0 }
+    }
+}
+
+impl Block for SwitchedInverter {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("vdc", self.vdc)?;
+        positive("switching_frequency", self.switching_frequency)?;
+        if self.integration == (Integration::Separate { periods: 0 }) {
+            return Err(ParamError::new("integration", "`periods` is 0, but a coupling step takes time")
+                .help("write `Separate(periods: 1)`"));
+        }
+        Ok(())
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for SwitchedInverter {
+    fn part(&self, _given: &Given) -> Part {
+        let mut part = Part::new()
+            .port("ac", Domain::ThreePhase, "phases a, b, c")
+            .input(Input::real("v").scalar().unit("V").doc("amplitude: peak phase voltage"))
+            .input(Input::real("f").scalar().unit("Hz").doc("frequency; may be negative"))
+            .input(Input::boolean("reverse").scalar().default(0.0).doc("exchanges the phases b and c"))
+            .measures("theta", "rad", Needs::State, "angle of the references")
+            .output(
+                Output::real("v_legs").unit("V").shape(Shape::Vector(LEGS)).doc("voltages of the legs"),
+                Needs::State,
+            )
+            .measures("power", "W", Needs::Electrics, "power taken from the DC link")
+            .state("theta", 0.0)
+            .jumps()
+            .time_events()
+            .holds();
+        for (i, cell) in Modulator::initial(LEGS).into_iter().enumerate() {
+            part = part.discrete(&format!("modulator[{i}]"), cell);
+        }
+        for phase in 0..LEGS {
+            part = part.element(Element::VoltageSource { p: Pin::Phase(0, phase), n: Pin::Ground });
+        }
+        match self.integration {
+            Integration::Together => part,
+            Integration::Separate { periods } => part.separate(f64::from(periods) / self.switching_frequency),
+        }
+    }
+
+    fn voltages(&self, c: &Law, v: &mut [f64]) {
+        v.iter_mut().enumerate().for_each(|(leg, v)| *v = self.pole(c, leg));
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = TAU * c.scalar(F);
+    }
+
+    fn jump(&self, c: &Law, _x: &mut [f64], d: &mut [f64]) -> bool {
+        let modulator = self.modulator();
+        // Crossings are looked for when they are needed.
+        let duties = if modulator.samples(c.t, d) { self.duties(c) } else { [0.0; LEGS] };
+        modulator.settle(c.t, &duties, d)
+    }
+
+    fn next_event(&self, c: &Law) -> f64 {
+        self.modulator().next_event(c.t, c.d)
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        match needs {
+            Needs::State => {
+                y[0] = c.x[0];
+                self.voltages(c, &mut y[1..1 + LEGS]);
+            }
+            // The current of a source is counted from its positive pin through it.
+            Needs::Electrics => y[1 + LEGS] = (0..LEGS).map(|leg| -self.pole(c, leg) * c.current[leg]).sum(),
+            Needs::Motion => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const INVERTER: SwitchedInverter = SwitchedInverter {
+        vdc: 400.0,
+        switching_frequency: 8e3,
+        modulation: Modulation::SpaceVector,
+        sampling: Sampling::Symmetric,
+        integration: Integration::Together,
+    };
+
+    #[test]
+    fn the_mean_of_the_voltages_between_the_legs_is_that_of_the_references() {
+        let inputs = [(0, 1), (1, 2), (2, 3)];
+        let mut memory = Modulator::initial(LEGS);
+        let (mut t, mut mean) = (0.0, [0.0; LEGS]);
+        let (x, u) = ([0.7], [150.0, 0.0, 0.0]);
+        let end = 1.0 / INVERTER.switching_frequency;
+        let law = |t: f64| Law { t, x: &x, u: &u, inputs: &inputs, ..Law::nothing() };
+        while t < end {
+            Component::jump(&INVERTER, &law(t), &mut [], &mut memory);
+            let c = Law { d: &memory, ..law(t) };
+            let next = Component::next_event(&INVERTER, &c).min(end);
+            for (leg, mean) in mean.iter_mut().enumerate() {
+                *mean += INVERTER.pole(&c, leg) * (next - t) / end;
+            }
+            t = next;
+        }
+        let references = INVERTER.references(&law(0.0), 0.0);
+        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+            let (found, wanted) = (mean[i] - mean[j], references[i] - references[j]);
+            assert!((found - wanted).abs() < 1e-9, "{found} != {wanted}");
+        }
+    }
+
+    /// Edges of leg a: time and level after it.
+    fn edges(inverter: &SwitchedInverter, u: [f64; 3], end: f64) -> Vec<(f64, bool)> {
+        let inputs = [(0, 1), (1, 2), (2, 3)];
+        let (mut memory, mut t, mut edges) = (Modulator::initial(LEGS), 0.0, Vec::new());
+        while t < end {
+            let (x, before) = ([TAU * u[F] * t], Modulator::is_high(&memory, 0));
+            let law = Law { t, x: &x, u: &u, inputs: &inputs, ..Law::nothing() };
+            let old = memory.clone();
+            Component::jump(inverter, &law, &mut [], &mut memory);
+            let settled = memory.clone();
+            assert!(!Component::jump(inverter, &law, &mut [], &mut memory) && settled == memory);
+            if Modulator::is_high(&memory, 0) != before && old[0] >= 0.0 {
+                edges.push((t, !before));
+            }
+            t = Component::next_event(inverter, &Law { d: &memory, ..law });
+        }
+        edges
+    }
+
+    /// `(1 + m cos(w t)) / 2` against the carrier, whose straight lines are inverted again and again: each edge is a fixed
+    /// point.
+    #[test]
+    fn natural_edges_are_the_crossings_of_the_reference_with_the_carrier() {
+        let inverter =
+            SwitchedInverter { modulation: Modulation::Sine, sampling: Sampling::Natural, ..INVERTER };
+        let (f, m, fs) = (137.0, 0.85, 8e3);
+        let edges = edges(&inverter, [m * 200.0, f, 0.0], 0.05);
+        assert_eq!(edges.len(), 800);
+        for (half, (t, high)) in edges.iter().enumerate() {
+            assert_eq!(*high, half % 2 == 0);
+            let mut expected = *t;
+            for _ in 0..60 {
+                let duty = 0.5 * (1.0 + m * (TAU * f * expected).cos());
+                let share = if *high { 1.0 - duty } else { duty };
+                expected = (half as f64 + share) / (2.0 * fs);
+            }
+            assert!((t - expected).abs() < 1e-14, "half {half}: {t} != {expected}");
+        }
+    }
+
+    /// Sidebands of the carrier that fall on the fundamental are Bessel functions of order 20: below 1e-15.
+    #[test]
+    fn the_fundamental_of_natural_sampling_is_the_reference_itself() {
+        let fundamental = |sampling: Sampling| {
+            let inverter = SwitchedInverter {
+                modulation: Modulation::Sine,
+                switching_frequency: 21.0 * 50.0,
+                sampling,
+                ..INVERTER
+            };
+            let edges = edges(&inverter, [0.8 * 200.0, 50.0, 0.0], 0.02);
+            let (mut cos, mut sin) = (0.0, 0.0);
+            for (t, high) in edges {
+                let sign = if high { -1.0 } else { 1.0 };
+                cos += sign * 400.0 * (TAU * 50.0 * t).sin() / std::f64::consts::PI;
+                sin -= sign * 400.0 * (TAU * 50.0 * t).cos() / std::f64::consts::PI;
+            }
+            (cos, sin)
+        };
+        let (cos, sin) = fundamental(Sampling::Natural);
+        assert!((cos - 160.0).abs() < 1e-9 && sin.abs() < 1e-9, "{cos}, {sin}");
+        let (cos, sin) = fundamental(Sampling::Symmetric);
+        assert!((cos - 160.0).hypot(sin) > 1e-2, "{cos}, {sin}");
+    }
+
+    #[test]
+    fn parameters_without_meaning_are_refused() {
+        let refused = |inverter: SwitchedInverter| inverter.check().unwrap_err().param;
+        assert_eq!(refused(SwitchedInverter { vdc: 0.0, ..INVERTER }), "vdc");
+        assert_eq!(refused(SwitchedInverter { switching_frequency: 0.0, ..INVERTER }), "switching_frequency");
+        let integration = Integration::Separate { periods: 0 };
+        assert_eq!(refused(SwitchedInverter { integration, ..INVERTER }), "integration");
+        assert_eq!(INVERTER.check(), Ok(()));
+    }
+}

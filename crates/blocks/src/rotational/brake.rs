@@ -1,0 +1,97 @@
+use blocksim_block::physical::Grip;
+use blocksim_block::prelude::*;
+
+use crate::mechanics::friction_model::{FrictionModel, Pressed};
+
+/// Friction brake between a turning part `r` and its housing `c`.
+///
+/// $$ |\tau| = e\,\tau_{max} \ \text{while it slips}, \qquad |\tau| \le e\,p\,\tau_{max} \ \text{while it holds},
+///    \qquad e = \min(\max(\mathtt{engaged}, 0), 1) $$
+///
+/// What it holds stands still exactly, whatever the load, until that is more than what can be held. Several brakes on
+/// one shaft share a load in proportion to what they can hold.
+///
+/// `Smooth` has no events: $\tau = e\,\tau_{max} \tanh(w / w_{th})$ over the speed $w$. Such a brake creeps under a load
+/// $\tau$ with $w_{th} \operatorname{artanh}(\tau / e\,\tau_{max})$. A smaller threshold creeps less and is stiffer;
+/// solvers that use slopes (`RosW3`, `Rodas4`) do not mind.
+///
+/// `engaged` takes a Bool, or a real share between released and fully applied.
+///
+/// ```ron
+/// Brake(torque: "25 N*m")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Rotational")]
+pub struct Brake {
+    /// Torque that it transmits while slipping, fully applied.
+    #[block(unit = "N*m")]
+    pub torque: f64,
+    /// `Stiction` or `Smooth`.
+    #[block(default = FrictionModel::Stiction)]
+    pub model: FrictionModel,
+    /// Torque $p$ that it holds at rest over that while slipping, at least 1; for `Stiction`.
+    #[block(default = 1.0)]
+    pub peak: f64,
+    /// Speed at which 76 % of the torque act, far below the speeds of the machine; for `Smooth`.
+    #[block(unit = "rad/s", default = 0.01)]
+    pub threshold: f64,
+}
+
+impl Brake {
+    fn pressed(&self) -> Pressed {
+        Pressed { model: self.model, torque: self.torque, peak: self.peak, threshold: self.threshold }
+    }
+}
+
+impl Block for Brake {
+    fn check(&self) -> Result<(), ParamError> {
+        self.pressed().check()
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for Brake {
+    fn part(&self, _given: &Given) -> Part {
+        self.pressed().part("engaged", "how firmly it is applied: Bool, or a share 0 to 1")
+    }
+
+    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+        if !self.model.sticks() {
+            tau[0] = self.pressed().smooth(c.scalar(0), c.speed[0]);
+        }
+    }
+
+    fn grips(&self, c: &Law, grips: &mut [Grip]) {
+        grips[0] = self.pressed().grip(c.scalar(0));
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        self.pressed().energy(c)
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        if needs == Needs::Motion {
+            self.pressed().measure(c, y);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::testing::law;
+
+    #[test]
+    fn what_it_holds_follows_the_input_and_the_peak() {
+        let brake = Brake { torque: 10.0, model: FrictionModel::Stiction, peak: 1.2, threshold: 0.0 };
+        for (u, slide) in [(1.0, 10.0), (0.5, 5.0), (0.0, 0.0), (3.0, 10.0)] {
+            let mut grips = [Grip::default()];
+            brake.grips(&Law { u: &[u], speed: &[0.0], ..law() }, &mut grips);
+            assert_eq!(grips[0].slide.map(|torque| torque.value), [slide; 2]);
+            assert_eq!(grips[0].hold, [1.2 * slide; 2]);
+        }
+    }
+}

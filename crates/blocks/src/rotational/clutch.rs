@@ -1,0 +1,106 @@
+use blocksim_block::physical::Grip;
+use blocksim_block::prelude::*;
+
+use crate::mechanics::friction_model::{FrictionModel, Pressed};
+
+/// Friction clutch between two shafts `r` and `c`.
+///
+/// $$ |\tau| = n\,\tau_{max} \ \text{while it slips}, \qquad |\tau| \le n\,p\,\tau_{max} \ \text{while it is locked},
+///    \qquad n = \min(\max(\mathtt{normal}, 0), 1) $$
+///
+/// The input is the normal force as a share of the largest one. The faster shaft drives the slower one with the
+/// same torque that brakes it; the slip becomes heat. When the slip comes to zero, and the torque between the shafts is
+/// not more than what is held, the clutch locks: both shafts turn as one, exactly. With more than that, or less normal
+/// force, it slips again.
+///
+/// `Smooth` has no events: $\tau = n\,\tau_{max} \tanh(w / w_{th})$ over the slip $w$. Such a clutch never locks; it slips
+/// with $w_{th} \operatorname{artanh}(\tau / n\,\tau_{max})$. A smaller threshold slips less and is stiffer; solvers
+/// that use slopes (`RosW3`, `Rodas4`) do not mind.
+///
+/// ```ron
+/// Clutch(torque: "180 N*m")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Rotational")]
+pub struct Clutch {
+    /// Torque that it transmits while slipping, fully pressed.
+    #[block(unit = "N*m")]
+    pub torque: f64,
+    /// `Stiction` or `Smooth`.
+    #[block(default = FrictionModel::Stiction)]
+    pub model: FrictionModel,
+    /// Torque $p$ that it holds while locked over that while slipping, at least 1; for `Stiction`.
+    #[block(default = 1.0)]
+    pub peak: f64,
+    /// Speed at which 76 % of the torque act, far below the speeds of the machine; for `Smooth`.
+    #[block(unit = "rad/s", default = 0.01)]
+    pub threshold: f64,
+}
+
+impl Clutch {
+    fn pressed(&self) -> Pressed {
+        Pressed { model: self.model, torque: self.torque, peak: self.peak, threshold: self.threshold }
+    }
+}
+
+impl Block for Clutch {
+    fn check(&self) -> Result<(), ParamError> {
+        self.pressed().check()
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for Clutch {
+    fn part(&self, _given: &Given) -> Part {
+        self.pressed().part("normal", "how hard the discs are pressed together: Bool, or a share 0 to 1")
+    }
+
+    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+        if !self.model.sticks() {
+            tau[0] = self.pressed().smooth(c.scalar(0), c.speed[0]);
+        }
+    }
+
+    fn grips(&self, c: &Law, grips: &mut [Grip]) {
+        grips[0] = self.pressed().grip(c.scalar(0));
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        self.pressed().energy(c)
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        if needs == Needs::Motion {
+            self.pressed().measure(c, y);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::testing::law;
+
+    const CLUTCH: Clutch = Clutch { torque: 10.0, model: FrictionModel::Smooth, peak: 1.0, threshold: 0.01 };
+
+    #[test]
+    fn the_torque_follows_the_normal_force_and_opposes_the_slip() {
+        for (u, w, torque) in [(1.0, 5.0, 10.0), (0.5, -5.0, -5.0), (0.0, 5.0, 0.0), (3.0, 5.0, 10.0)] {
+            let mut tau = [Torque::default()];
+            CLUTCH.torques(&Law { u: &[u], speed: &[w], ..law() }, &mut tau);
+            assert_eq!(tau[0].value, torque);
+        }
+    }
+
+    #[test]
+    fn heat_is_torque_times_slip_and_a_locked_clutch_says_so() {
+        let mut y = [0.0; 3];
+        CLUTCH.measure(&Law { torque: &[-4.0], speed: &[-3.0], ..law() }, Needs::Motion, &mut y);
+        assert_eq!(y, [-4.0, 12.0, 0.0]);
+        CLUTCH.measure(&Law { torque: &[-4.0], speed: &[0.0], mode: &[0.0], ..law() }, Needs::Motion, &mut y);
+        assert_eq!(y, [-4.0, 0.0, 1.0]);
+    }
+}

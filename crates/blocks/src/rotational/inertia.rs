@@ -1,0 +1,39 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::ROTATION;
+
+/// A rotating mass: $\tau = J \dot w$, against an implied ground.
+///
+/// Inertias that are coupled rigidly, through gears too, are one state: an inertia behind a gear of ratio $i$ counts
+/// $i^2$ times.
+///
+/// ```ron
+/// Inertia(j: "0.26 kg*m^2")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Rotational")]
+pub struct Inertia {
+    /// Moment of inertia; zero is allowed where something else gives the part its inertia.
+    #[block(unit = "kg*m^2")]
+    pub j: f64,
+    /// Speed at the start.
+    #[block(unit = "rad/s", default = 0.0)]
+    pub w0: f64,
+}
+
+impl Block for Inertia {
+    fn check(&self) -> Result<(), ParamError> {
+        not_negative("j", self.j)?;
+        finite("w0", self.w0)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for Inertia {
+    fn part(&self, _given: &Given) -> Part {
+        ROTATION.inertia("the rotating part", self.j, self.w0)
+    }
+}

@@ -1,0 +1,60 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::ROTATION;
+
+/// Viscous friction between two turning parts: $\tau = d\,(w_r - w_c)$.
+///
+/// ```ron
+/// RotationalDamper(d: "0.001 N*m*s/rad")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Rotational")]
+pub struct RotationalDamper {
+    /// Damping coefficient; zero is allowed.
+    #[block(unit = "N*m*s/rad")]
+    pub d: f64,
+}
+
+impl Block for RotationalDamper {
+    fn check(&self) -> Result<(), ParamError> {
+        not_negative("d", self.d)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for RotationalDamper {
+    fn part(&self, _given: &Given) -> Part {
+        ROTATION.branch()
+    }
+
+    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+        tau[0] = Torque { value: self.d * c.speed[0], slope: self.d };
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        Energy::dissipated(self.d * c.speed[0] * c.speed[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::testing::law;
+
+    #[test]
+    fn the_torque_is_the_damping_coefficient_times_the_speed() {
+        for (d, w) in [(0.5, 3.0), (0.0, 1e6), (2.0, -0.25)] {
+            let mut tau = [Torque::default()];
+            RotationalDamper { d }.torques(&Law { speed: &[w], ..law() }, &mut tau);
+            assert_eq!(tau[0], Torque { value: d * w, slope: d });
+        }
+    }
+
+    #[test]
+    fn a_negative_coefficient_is_refused() {
+        assert_eq!(RotationalDamper { d: -1.0 }.check().unwrap_err().param, "d");
+    }
+}

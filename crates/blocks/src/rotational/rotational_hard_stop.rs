@@ -1,0 +1,78 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::contact::Travel;
+use crate::mechanics::quantities::{ROTATION, show_deflection};
+use crate::multibody::joint_limit::JointLimit;
+
+/// End of travel between two turning parts: free between two angles, a spring and a damper beyond them.
+///
+/// $$ \tau = s\,(k\,\delta + d\,\dot\delta), \qquad s = 3 x^2 - 2 x^3, \quad x = \min(\delta / b, 1) $$
+///
+/// with the penetration $\delta = \varphi - \varphi_{upper}$, or the mirrored law at the lower end. Both parts
+/// set in smoothly over the transition width $b$; the stop pushes back and never pulls, so it never delivers
+/// more than its spring has stored. The angle $\varphi$, $\dot\varphi = w_r - w_c$, is a state.
+///
+/// ```ron
+/// RotationalHardStop(lower: "-90 deg", upper: "90 deg", stiffness: "1e5 N*m/rad", damping: "50 N*m*s/rad")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Rotational")]
+pub struct RotationalHardStop {
+    /// Least angle without contact.
+    #[block(unit = "rad", default = -0.1)]
+    pub lower: f64,
+    /// Largest angle without contact.
+    #[block(unit = "rad", default = 0.1)]
+    pub upper: f64,
+    /// Stiffness $k$ of both ends.
+    #[block(unit = "N*m/rad", default = 1e6)]
+    pub stiffness: f64,
+    /// Damping $d$ of both ends.
+    #[block(unit = "N*m*s/rad", default = 0.01)]
+    pub damping: f64,
+    /// Width $b$ over which an end sets in; zero sets in at once.
+    #[block(unit = "rad", default = 1e-3)]
+    pub transition: f64,
+    /// Angle at the start.
+    #[block(unit = "rad", default = 0.0)]
+    pub phi0: f64,
+}
+
+impl RotationalHardStop {
+    fn travel(&self) -> Travel {
+        let Self { lower, upper, stiffness, damping, transition, .. } = *self;
+        Travel { lower, upper, end: JointLimit { stiffness, damping, transition } }
+    }
+}
+
+impl Block for RotationalHardStop {
+    fn check(&self) -> Result<(), ParamError> {
+        self.travel().check(("phi0", self.phi0), "rad")
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for RotationalHardStop {
+    fn part(&self, _given: &Given) -> Part {
+        ROTATION.elastic(self.phi0)
+    }
+
+    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+        tau[0] = self.travel().load(c.x[0], c.speed[0]);
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = c.speed[0];
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        self.travel().energy(c.x[0], c.speed[0])
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        show_deflection(c, needs, y);
+    }
+}

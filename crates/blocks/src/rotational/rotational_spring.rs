@@ -1,0 +1,75 @@
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::{ROTATION, undamped};
+
+/// Torsion spring between two turning parts.
+///
+/// $$ \tau = k \varphi, \qquad \dot\varphi = w_r - w_c $$
+///
+/// The deflection is a state. With a very stiff spring two parts turn almost as one; where that is all it is
+/// for, connect them rigidly instead: that costs nothing and is exact.
+///
+/// ```ron
+/// RotationalSpring(k: "10 N*m/rad")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Rotational")]
+pub struct RotationalSpring {
+    /// Stiffness; zero is allowed.
+    #[block(unit = "N*m/rad")]
+    pub k: f64,
+    /// Deflection at the start.
+    #[block(unit = "rad", default = 0.0)]
+    pub phi0: f64,
+}
+
+impl Block for RotationalSpring {
+    fn check(&self) -> Result<(), ParamError> {
+        not_negative("k", self.k)?;
+        finite("phi0", self.phi0)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for RotationalSpring {
+    fn part(&self, _given: &Given) -> Part {
+        ROTATION.spring(self.phi0)
+    }
+
+    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+        tau[0] = undamped(self.k * c.x[0]);
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = c.speed[0];
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        Energy::stored(0.5 * self.k * c.x[0] * c.x[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::testing::law;
+
+    #[test]
+    fn the_torque_follows_the_deflection_and_the_deflection_the_speed() {
+        let spring = RotationalSpring { k: 10.0, phi0: 0.2 };
+        assert_eq!(spring.part(&Given::nothing()).states[0].initial, 0.2);
+        let (mut tau, mut dx) = ([Torque::default()], [0.0]);
+        let c = Law { x: &[0.3], speed: &[-4.0], ..law() };
+        spring.torques(&c, &mut tau);
+        Component::derivatives(&spring, &c, &mut dx);
+        assert_eq!((tau[0].value, dx[0]), (3.0, -4.0));
+    }
+
+    #[test]
+    fn a_negative_stiffness_is_refused() {
+        assert_eq!(RotationalSpring { k: -1.0, phi0: 0.0 }.check().unwrap_err().param, "k");
+    }
+}

@@ -1,0 +1,39 @@
+use blocksim_block::physical::{Domain, Element, Pin};
+use blocksim_block::prelude::*;
+
+/// Three ideal voltage sources in star that a signal commands: phase a, b, c against the star point `n`.
+///
+/// Connect `n` to a reference where the star point is grounded.
+///
+/// ```ron
+/// ControlledThreePhaseSource
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Three-phase")]
+pub struct ControlledThreePhaseSource;
+
+impl Block for ControlledThreePhaseSource {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for ControlledThreePhaseSource {
+    fn part(&self, _given: &Given) -> Part {
+        let part = Part::new()
+            .port("ac", Domain::ThreePhase, "phases a, b, c")
+            .port("n", Domain::Electrical, "star point")
+            .input(Input::real("v").shape(Shape::Vector(3)).unit("V").doc("voltages of a, b, c against n"))
+            .measures("power", "W", Needs::Electrics, "power that the source delivers");
+        let source = |k| Element::VoltageSource { p: Pin::Phase(0, k), n: Pin::Port(1) };
+        (0..3).map(source).fold(part, Part::element)
+    }
+
+    fn voltages(&self, c: &Law, v: &mut [f64]) {
+        v.copy_from_slice(c.input(0));
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = -c.voltage.iter().zip(c.current).map(|(v, i)| v * i).sum::<f64>();
+    }
+}

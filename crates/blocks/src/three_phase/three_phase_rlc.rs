@@ -1,0 +1,192 @@
+use blocksim_block::physical::{Domain, Element, Pin};
+use blocksim_block::prelude::*;
+
+/// Resistance, inductance and capacitance in series, the same in each of three phases.
+///
+/// $$ v = R i + L \frac{di}{dt} + v_C, \qquad C \frac{dv_C}{dt} = i $$
+///
+/// Leave out what is not there: a line is `r` and `l`, a load with a `FloatingNeutral` or a `PhasePermute` behind it
+/// stands in star or delta. Currents of inductances and voltages of capacitances are states; in a star whose point
+/// floats, currents at the start must add up to zero.
+///
+/// ```ron
+/// ThreePhaseRlc(r: "0.1 Ohm", l: "2 mH")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Three-phase")]
+pub struct ThreePhaseRlc {
+    /// Resistance of a phase; zero for none.
+    #[block(unit = "Ohm", default = 0.0)]
+    pub r: f64,
+    /// Inductance of a phase; zero for none.
+    #[block(unit = "H", default = 0.0)]
+    pub l: f64,
+    /// Capacitance of a phase; without it the current passes.
+    #[block(unit = "F", default = None)]
+    pub c: Option<f64>,
+    /// Currents of the inductances at the start.
+    #[block(unit = "A", default = [0.0, 0.0, 0.0])]
+    pub i0: [f64; 3],
+    /// Voltages of the capacitances at the start.
+    #[block(unit = "V", default = [0.0, 0.0, 0.0])]
+    pub v0: [f64; 3],
+}
+
+impl ThreePhaseRlc {
+    /// Elements in series in each phase.
+    fn count(&self) -> usize {
+        usize::from(self.r > 0.0) + self.windings() + self.capacitances()
+    }
+
+    fn windings(&self) -> usize {
+        usize::from(self.l > 0.0)
+    }
+
+    fn capacitances(&self) -> usize {
+        usize::from(self.c.is_some())
+    }
+
+    /// Where the voltages of the capacitances lie among the states.
+    fn first_voltage(&self) -> usize {
+        3 * self.windings()
+    }
+}
+
+impl Block for ThreePhaseRlc {
+    fn check(&self) -> Result<(), ParamError> {
+        not_negative("r", self.r)?;
+        not_negative("l", self.l)?;
+        if let Some(c) = self.c {
+            positive("c", c).map_err(|error| error.help("leave `c` out where there is no capacitor"))?;
+        }
+        self.i0.iter().try_for_each(|i| finite("i0", *i))?;
+        self.v0.iter().try_for_each(|v| finite("v0", *v))?;
+        if self.count() == 0 {
+            return Err(ParamError::new("r", "`r` and `l` are zero, and there is no `c`: this is a wire")
+                .help("join the two ports instead"));
+        }
+        if self.l == 0.0 && self.i0 != [0.0; 3] {
+            return Err(ParamError::new("i0", "`i0` is given, but without `l` no current is a state")
+                .help("leave `i0` out, or give `l`"));
+        }
+        if self.c.is_none() && self.v0 != [0.0; 3] {
+            return Err(ParamError::new("v0", "`v0` is given, but without `c` no voltage is a state")
+                .help("leave `v0` out, or give `c`"));
+        }
+        Ok(())
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for ThreePhaseRlc {
+    fn part(&self, _given: &Given) -> Part {
+        let current = Output::real("i").shape(Shape::Vector(3)).unit("A").doc("currents from ac1 to ac2");
+        let needs = if self.windings() > 0 { Needs::State } else { Needs::Electrics };
+        let mut part = Part::new()
+            .port("ac1", Domain::ThreePhase, "one end")
+            .port("ac2", Domain::ThreePhase, "the other")
+            .output(current, needs);
+        let phases = ["a", "b", "c"];
+        let winding_states = phases.iter().zip(self.i0).filter(|_| self.windings() > 0);
+        part = winding_states.fold(part, |part, (phase, i)| part.state(&format!("i_{phase}"), i));
+        let voltage_states = phases.iter().zip(self.v0).filter(|_| self.capacitances() > 0);
+        part = voltage_states.fold(part, |part, (phase, v)| part.state(&format!("v_{phase}"), v));
+        let count = self.count();
+        for k in 0..3 {
+            // Pin before the element at this place of the series.
+            let pin = |place: usize| match place {
+                0 => Pin::Phase(0, k),
+                last if last == count => Pin::Phase(1, k),
+                inner => Pin::Inner((count - 1) * k + inner - 1),
+            };
+            let mut elements = Vec::new();
+            let mut next = || {
+                elements.push(());
+                (pin(elements.len() - 1), pin(elements.len()))
+            };
+            if self.l > 0.0 {
+                let (p, n) = next();
+                part = part.element(Element::Winding { p, n, from_state: true });
+            }
+            if self.r > 0.0 {
+                let (p, n) = next();
+                part = part.element(Element::Resistance { p, n, resistance: self.r });
+            }
+            if self.c.is_some() {
+                let (p, n) = next();
+                part = part.element(Element::Capacitance { p, n });
+            }
+        }
+        part
+    }
+
+    fn voltages(&self, c: &Law, v: &mut [f64]) {
+        v.copy_from_slice(&c.x[self.first_voltage()..]);
+    }
+
+    fn currents(&self, c: &Law, i: &mut [f64]) {
+        i.copy_from_slice(&c.x[..3]);
+    }
+
+    fn reluctance(&self, _c: &Law, _internal: &mut [f64], inverse: &mut [f64]) {
+        (0..3).for_each(|k| inverse[4 * k] = 1.0 / self.l);
+    }
+
+    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+        x.iter_mut().zip(volt_seconds).for_each(|(i, v)| *i += v / self.l);
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        let (count, first) = (self.count(), self.first_voltage());
+        for k in 0..3 {
+            // The winding is the first of a phase, the capacitance the last.
+            if self.windings() > 0 {
+                dx[k] = c.voltage[count * k] / self.l;
+            }
+            if let Some(capacitance) = self.c {
+                dx[first + k] = c.current[count * k + count - 1] / capacitance;
+            }
+        }
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let (currents, voltages) = c.x.split_at(self.first_voltage());
+        let square = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
+        Energy::stored(0.5 * (self.l * square(currents) + self.c.unwrap_or(0.0) * square(voltages)))
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        let count = self.count();
+        for (k, y) in y.iter_mut().enumerate() {
+            *y = if self.windings() > 0 { c.x[k] } else { c.current[count * k] };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LINE: ThreePhaseRlc = ThreePhaseRlc { r: 0.1, l: 1e-3, c: None, i0: [0.0; 3], v0: [0.0; 3] };
+
+    #[test]
+    fn what_is_not_there_is_no_element() {
+        let elements =
+            |rlc: &ThreePhaseRlc| rlc.component().map(|c| c.part(&Given::default()).elements.len());
+        assert_eq!(elements(&LINE), Some(6));
+        assert_eq!(elements(&ThreePhaseRlc { r: 0.0, ..LINE }), Some(3));
+        assert_eq!(elements(&ThreePhaseRlc { c: Some(1e-6), ..LINE }), Some(9));
+    }
+
+    #[test]
+    fn a_wire_and_start_values_of_nothing_are_refused() {
+        let refused = |rlc: ThreePhaseRlc| rlc.check().unwrap_err();
+        assert!(refused(ThreePhaseRlc { r: 0.0, l: 0.0, ..LINE }).help.is_some());
+        assert_eq!(refused(ThreePhaseRlc { l: 0.0, i0: [1.0, -1.0, 0.0], ..LINE }).param, "i0");
+        assert_eq!(refused(ThreePhaseRlc { v0: [1.0, 0.0, 0.0], ..LINE }).param, "v0");
+        assert_eq!(refused(ThreePhaseRlc { c: Some(0.0), ..LINE }).param, "c");
+    }
+}

@@ -1,0 +1,101 @@
+use std::f64::consts::TAU;
+
+use blocksim_block::physical::{Domain, Element, Supply};
+use blocksim_block::prelude::*;
+
+/// Ideal symmetric three-phase source, such as the mains.
+///
+/// $$ v_a = \sqrt{\tfrac23}\,V \cos(2\pi f t + \varphi), \qquad
+///    v_b, v_c \text{ lag by } 120° \text{ and } 240° $$
+///
+/// $V$ is the RMS voltage from line to line. A negative frequency exchanges the phases b and c: a machine
+/// then turns the other way.
+///
+/// ```ron
+/// ThreePhaseSource(voltage: "400 V", frequency: "50 Hz")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Three-phase")]
+pub struct ThreePhaseSource {
+    /// RMS voltage from line to line.
+    #[block(unit = "V")]
+    pub voltage: f64,
+    /// Frequency; negative for the sequence a, c, b.
+    #[block(unit = "Hz")]
+    pub frequency: f64,
+    /// Angle of phase a at the start.
+    #[block(unit = "rad", default = 0.0)]
+    pub phase: f64,
+}
+
+impl Block for ThreePhaseSource {
+    fn check(&self) -> Result<(), ParamError> {
+        not_negative("voltage", self.voltage)?;
+        finite("frequency", self.frequency)?;
+        finite("phase", self.phase)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for ThreePhaseSource {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("ac", Domain::ThreePhase, "phases a, b, c")
+            .measures("power", "W", Needs::Electrics, "power that the source delivers")
+            .element(Element::Supply { ac: 0 })
+            .uses_time()
+            .max_step(longest_step(self.frequency))
+    }
+
+    fn supply(&self, c: &Law) -> Supply {
+        Supply {
+            voltage: [self.voltage * (2.0_f64 / 3.0).sqrt(), 0.0],
+            zero: 0.0,
+            frequency: self.frequency,
+            angle: TAU * self.frequency * c.t + self.phase,
+        }
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = delivered(c.supply, *c.line_current);
+    }
+}
+
+/// Step in which no valve sleeps through a half-wave of this frequency, s; the harmonics of a bridge are six times faster.
+pub(crate) fn longest_step(frequency: f64) -> f64 {
+    1.0 / (24.0 * frequency.abs())
+}
+
+/// Power that a supply delivers, W: `3/2 (v_d i_d + v_q i_q) + 3 v_0 i_0`.
+pub(crate) fn delivered(supply: &Supply, current: [f64; 3]) -> f64 {
+    let [d, q] = supply.voltage;
+    1.5 * (d * current[0] + q * current[1]) + 3.0 * supply.zero * current[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::testing::law;
+
+    #[test]
+    fn the_voltage_is_known_as_a_function_of_time() {
+        let source = ThreePhaseSource { voltage: 220.0, frequency: 60.0, phase: 0.5 };
+        let supply = source.supply(&Law { t: 0.25, ..law() });
+        assert!((supply.amplitude() - 179.629_247).abs() < 1e-6, "{}", supply.amplitude());
+        assert!((supply.angle - (TAU * 15.0 + 0.5)).abs() < 1e-12);
+        assert_eq!((supply.frequency, supply.voltage[1]), (60.0, 0.0));
+    }
+
+    #[test]
+    fn power_is_three_halves_of_the_product_of_the_vectors() {
+        let voltage = [100.0 * 0.3_f64.cos(), 100.0 * 0.3_f64.sin()];
+        let supply = Supply { voltage, ..Supply::default() };
+        let in_phase = [2.0 * 0.3_f64.cos(), 2.0 * 0.3_f64.sin(), 0.0];
+        assert!((delivered(&supply, in_phase) - 300.0).abs() < 1e-12);
+        let lagging = [2.0 * 0.3_f64.sin(), -2.0 * 0.3_f64.cos(), 0.0];
+        assert!(delivered(&supply, lagging).abs() < 1e-12);
+    }
+}
