@@ -145,3 +145,97 @@ impl fmt::Display for InverseError {
 }
 
 impl Error for InverseError {}
+
+/// Why the general solver cannot start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SolveError {
+    /// The model has no joint.
+    NoJoint,
+    /// A joint is spherical.
+    Spherical {
+        /// Index of its body.
+        body: usize,
+    },
+    /// A list does not have one entry per joint.
+    WrongLength {
+        /// Which list.
+        list: &'static str,
+        /// Entries given.
+        given: usize,
+        /// Joints.
+        joints: usize,
+    },
+    /// A number is infinite or none where it must be finite.
+    NotFinite {
+        /// Of what.
+        what: &'static str,
+        /// Index of the constraint, `None` for the seed.
+        constraint: Option<usize>,
+    },
+    /// A lower bound is above its upper bound, or one of them is no number.
+    BoundsCrossed {
+        /// Index of the constraint, `None` for the ranges of the joints.
+        constraint: Option<usize>,
+        /// Index of the entry.
+        entry: usize,
+    },
+    /// The rotation of a target is not orthonormal and right-handed.
+    NotRotation {
+        /// Index of the constraint.
+        constraint: usize,
+    },
+    /// A tolerance or weight is negative or no number.
+    Negative {
+        /// Index of the constraint.
+        constraint: usize,
+        /// `tolerance` or `weight`.
+        what: &'static str,
+    },
+    /// A frame of a constraint is on a body that the model does not have.
+    UnknownBody {
+        /// Index of the constraint.
+        constraint: usize,
+    },
+}
+
+impl fmt::Display for SolveError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let place = |constraint: &Option<usize>, otherwise: &'static str| match constraint {
+            Some(i) => format!("constraint {}", i + 1),
+            None => otherwise.to_owned(),
+        };
+        match self {
+            SolveError::NoJoint => write!(f, "the model has no joint to move; add one"),
+            SolveError::Spherical { body } => {
+                write!(f, "body {body}: the solver takes no spherical joint; write it as three axes")
+            }
+            SolveError::WrongLength { list, given, joints } => {
+                write!(f, "{list}: {given} entries for {joints} joints; give one per joint")
+            }
+            SolveError::NotFinite { what, constraint } => {
+                write!(f, "{}: {what} is not finite; give numbers", place(constraint, "start"))
+            }
+            SolveError::BoundsCrossed { constraint, entry } => write!(
+                f,
+                "{}: bounds {} are not in order; give the lower bound first",
+                place(constraint, "joint ranges"),
+                entry + 1
+            ),
+            SolveError::NotRotation { constraint } => write!(
+                f,
+                "constraint {}: the rotation is not orthonormal and right-handed; give a rotation matrix",
+                constraint + 1
+            ),
+            SolveError::Negative { constraint, what } => {
+                write!(f, "constraint {}: a {what} must be zero or a positive number", constraint + 1)
+            }
+            SolveError::UnknownBody { constraint } => write!(
+                f,
+                "constraint {}: a frame is on a body that the model does not have; take a body of this model",
+                constraint + 1
+            ),
+        }
+    }
+}
+
+impl Error for SolveError {}

@@ -3,6 +3,8 @@
 mod arms;
 mod class;
 mod closed_form;
+mod constraints;
 mod singular;
+mod solver;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;

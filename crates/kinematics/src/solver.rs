@@ -1,0 +1,262 @@
+//! The general solver: damped least squares between bounds, with restarts.
+
+use crate::constraint::Constraint;
+use crate::error::SolveError;
+use crate::normal_equations::NormalEquations;
+use crate::random::Random;
+use crate::range::JointRange;
+use crate::residual::Rows;
+use blocksim_multibody::{Data, Joint, Model, forward_kinematics};
+use std::f64::consts::PI;
+
+/// Steps without much progress after which a descent is given up for another one.
+const PATIENCE: usize = 4;
+/// Steps of the last descent, which goes to the bottom where not all constraints can be fulfilled.
+const LAST: usize = 300;
+
+/// How the solver works.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// By how much a constraint may exceed its tolerance and count as fulfilled, m and rad.
+    pub accuracy: f64,
+    /// Steps of one descent.
+    pub iterations: usize,
+    /// Further descents from random positions where the first one does not fulfil all constraints. Along a path choose
+    /// 0: a restart may jump to another configuration.
+    pub restarts: usize,
+    /// Start of the random numbers; the same start gives the same result.
+    pub random_seed: u64,
+}
+
+impl Default for Options {
+    /// Accuracy 1e-8, 40 steps, 100 restarts.
+    fn default() -> Self {
+        Options { accuracy: 1e-8, iterations: 40, restarts: 100, random_seed: 0 }
+    }
+}
+
+/// Whether all constraints are fulfilled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// All are.
+    Success,
+    /// Not all: the positions are those with the least weighted sum of squared violations that was found.
+    BestAvailable,
+}
+
+/// What became of one constraint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// By how much it exceeds its tolerance, m and rad: position and angle of a pose, the three axes of a box, one
+    /// number per joint, or the one number of the others.
+    pub violation: Vec<f64>,
+    /// Whether all of it is within the accuracy.
+    pub satisfied: bool,
+}
+
+/// The outcome.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solved {
+    /// Joint positions, rad or m, within the ranges.
+    pub q: Vec<f64>,
+    /// Whether all constraints are fulfilled.
+    pub status: Status,
+    /// Steps of all descents.
+    pub iterations: usize,
+    /// Descents after the first.
+    pub restarts: usize,
+    /// One report per constraint, in their order.
+    pub reports: Vec<Report>,
+}
+
+/// Finds joint positions that fulfil a stack of [`Constraint`]s, for any tree of axes.
+///
+/// Levenberg-Marquardt with a damping in proportion to the remaining error (Chan and Lawrence 1988), steps projected
+/// onto the ranges of the joints, restarts from random positions. The workspace is made once.
+///
+/// ```
+/// use blocksim_kinematics::{Constraint, JointRange, Options, Solver, Status};
+/// use blocksim_multibody::{Frame, Inertia, Joint, ModelBuilder, Placement};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut builder = ModelBuilder::new();
+/// let hinge = Joint::revolute([0.0, 0.0, 1.0]);
+/// let upper = builder.add_body(None, hinge, Placement::identity(), Inertia::zero())?;
+/// let elbow = Placement::from_translation([1.0, 0.0, 0.0]);
+/// let lower = builder.add_body(Some(upper), hinge, elbow, Inertia::zero())?;
+/// let arm = builder.build();
+/// let hand = Frame::of(lower).at(Placement::from_translation([1.0, 0.0, 0.0]));
+///
+/// let mut solver = Solver::new(&arm, &[JointRange { lower: -2.0, upper: 2.0 }; 2])?;
+/// let target = [Constraint::position(hand, Frame::ground(), [1.0, 1.0, 0.0])];
+/// let solved = solver.solve(&target, &[0.1, 0.1], &Options::default())?;
+/// assert_eq!(solved.status, Status::Success);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Solver<'m> {
+    model: &'m Model,
+    ranges: Vec<JointRange>,
+    data: Data,
+    rows: Rows,
+    trial: Rows,
+    equations: NormalEquations,
+}
+
+impl<'m> Solver<'m> {
+    /// A solver for a model of axes. `ranges` has one entry per joint, in the order of the bodies; they always hold.
+    ///
+    /// # Errors
+    /// [`SolveError::NoJoint`], [`SolveError::Spherical`], [`SolveError::WrongLength`],
+    /// [`SolveError::BoundsCrossed`].
+    pub fn new(model: &'m Model, ranges: &[JointRange]) -> Result<Self, SolveError> {
+        let n = model.dof();
+        if n == 0 {
+            return Err(SolveError::NoJoint);
+        }
+        if let Some(body) = model.bodies().find(|body| *model.joint(*body) == Joint::Spherical) {
+            return Err(SolveError::Spherical { body: body.index() });
+        }
+        if ranges.len() != n {
+            return Err(SolveError::WrongLength { list: "joint ranges", given: ranges.len(), joints: n });
+        }
+        if let Some(entry) = ranges.iter().position(|range| !range.is_sound()) {
+            return Err(SolveError::BoundsCrossed { constraint: None, entry });
+        }
+        Ok(Solver {
+            model,
+            ranges: ranges.to_vec(),
+            data: model.data(),
+            rows: Rows::new(n),
+            trial: Rows::new(n),
+            equations: NormalEquations::new(n),
+        })
+    }
+
+    /// Positions for the constraints, searched from `seed` (one entry per joint, put into the ranges).
+    ///
+    /// # Errors
+    /// [`SolveError`] names a seed or a constraint that cannot be worked with. Constraints that cannot be fulfilled are
+    /// no error: see [`Solved::status`].
+    pub fn solve(
+        &mut self,
+        constraints: &[Constraint],
+        seed: &[f64],
+        options: &Options,
+    ) -> Result<Solved, SolveError> {
+        let n = self.model.dof();
+        if seed.len() != n {
+            return Err(SolveError::WrongLength { list: "start", given: seed.len(), joints: n });
+        }
+        if !seed.iter().all(|q| q.is_finite()) {
+            return Err(SolveError::NotFinite { what: "a position", constraint: None });
+        }
+        for (i, constraint) in constraints.iter().enumerate() {
+            constraint.check(i, self.model)?;
+        }
+        let mut random = Random(options.random_seed);
+        let mut q: Vec<f64> = seed.iter().zip(&self.ranges).map(|(q, range)| range.clamp(*q)).collect();
+        let (mut best, mut least) = (q.clone(), f64::INFINITY);
+        let (mut iterations, mut restarts) = (0, 0);
+        loop {
+            let (steps, cost) = self.descend(constraints, &mut q, options, PATIENCE);
+            iterations += steps;
+            let fulfilled = self.rows.worst() <= options.accuracy;
+            if cost < least || fulfilled {
+                least = cost;
+                best.copy_from_slice(&q);
+            }
+            if fulfilled || restarts == options.restarts {
+                break;
+            }
+            restarts += 1;
+            for (i, q) in q.iter_mut().enumerate() {
+                let JointRange { lower, upper } = self.around(i, seed[i]);
+                *q = lower + (upper - lower) * random.unit();
+            }
+        }
+        if self.rows.worst() > options.accuracy {
+            let thorough = Options { iterations: LAST, ..*options };
+            iterations += self.descend(constraints, &mut best, &thorough, LAST).0;
+        }
+        self.place(constraints, &best);
+        let reports = self.reports(constraints, options.accuracy);
+        let all = reports.iter().all(|report| report.satisfied);
+        let status = if all { Status::Success } else { Status::BestAvailable };
+        Ok(Solved { q: best, status, iterations, restarts, reports })
+    }
+
+    /// Where a restart may begin: an infinite range is searched half a turn (or three metres) around the seed.
+    fn around(&self, joint: usize, seed: f64) -> JointRange {
+        let JointRange { lower, upper } = self.ranges[joint];
+        JointRange {
+            lower: if lower.is_finite() { lower } else { upper.min(seed + PI) - 2.0 * PI },
+            upper: if upper.is_finite() { upper } else { lower.max(seed - PI) + 2.0 * PI },
+        }
+    }
+
+    /// Placements and rows at q.
+    fn place(&mut self, constraints: &[Constraint], q: &[f64]) {
+        forward_kinematics(self.model, &mut self.data, q);
+        self.rows.fill(self.model, &self.data, q, constraints);
+    }
+
+    /// One descent; leaves the rows of its end. Steps and cost.
+    fn descend(
+        &mut self,
+        constraints: &[Constraint],
+        q: &mut [f64],
+        options: &Options,
+        patience: usize,
+    ) -> (usize, f64) {
+        self.place(constraints, q);
+        let mut cost = self.rows.cost();
+        let mut trial = q.to_vec();
+        let (mut damping, mut idle) = (1e-2, 0);
+        self.equations.fill(&self.rows, q, &self.ranges);
+        for step in 0..options.iterations {
+            if self.rows.worst() <= options.accuracy || self.equations.slope() < 1e-14 || idle == patience {
+                return (step, cost);
+            }
+            let Some(move_by) = self.equations.step(damping * cost + 1e-14) else {
+                damping = 10.0 * damping + 1e-9;
+                continue;
+            };
+            for (i, range) in self.ranges.iter().enumerate() {
+                trial[i] = range.clamp(q[i] + move_by[i]);
+            }
+            forward_kinematics(self.model, &mut self.data, &trial);
+            self.trial.fill(self.model, &self.data, &trial, constraints);
+            let next = self.trial.cost();
+            // not so for NaN
+            if next < cost {
+                idle = if next > 0.9 * cost { idle + 1 } else { 0 };
+                cost = next;
+                q.copy_from_slice(&trial);
+                std::mem::swap(&mut self.rows, &mut self.trial);
+                self.equations.fill(&self.rows, q, &self.ranges);
+                damping = (0.3 * damping).max(1e-6);
+            } else {
+                idle += 1;
+                damping *= 8.0;
+            }
+        }
+        (options.iterations, cost)
+    }
+
+    fn reports(&self, constraints: &[Constraint], accuracy: f64) -> Vec<Report> {
+        let mut rest = self.rows.excess.as_slice();
+        let parts = |constraint: &Constraint| match constraint {
+            Constraint::Pose { .. } => 2,
+            Constraint::CartesianBounds { .. } => 3,
+            Constraint::JointBounds { lower, .. } => lower.len(),
+            _ => 1,
+        };
+        let report = |constraint| {
+            let (own, others) = rest.split_at(parts(constraint));
+            rest = others;
+            Report { violation: own.to_vec(), satisfied: own.iter().all(|e| *e <= accuracy) }
+        };
+        constraints.iter().map(report).collect()
+    }
+}
