@@ -163,6 +163,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("host", &["diagram", "blocks", "sim"]),
         ("import", &["block", "blocks", "diagram", "ron"]),
         ("results", &["block", "blocks", "diagram", "sim"]),
+        ("params", &["blocks", "sim"]),
     ];
     for (name, absent) in nothing_of {
         let reached = reach(name);

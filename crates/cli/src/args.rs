@@ -6,6 +6,8 @@ use blocksim_diagram::Stage;
 use blocksim_signal::{Lookup, Scope, Unit, evaluate};
 use clap::{Parser, Subcommand, ValueEnum};
 
+use crate::params_args::ParamsCommand;
+
 /// Simulate block diagrams written as text.
 #[derive(Debug, Parser)]
 #[command(name = "blocksim", version, disable_help_subcommand = true, max_term_width = 100)]
@@ -49,6 +51,9 @@ pub enum Command {
     Blocks(BlocksArgs),
     /// Explain a problem by the word that stands in its brackets: `error[unknown_port]`.
     Explain(ExplainArgs),
+    /// Sets of parameters as workbooks for Excel and LibreOffice, and back.
+    #[command(subcommand)]
+    Params(ParamsCommand),
 }
 
 /// A model and what to change in it.

@@ -59,7 +59,8 @@ pub fn refusal(model: &Path) -> Option<String> {
     Some(help.map_or(said.clone(), |help| format!("{said}\n  = help: {help}")))
 }
 
-fn reason(error: &io::Error) -> String {
+/// Why a file cannot be read, in words.
+pub fn reason(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => "there is no such file".to_owned(),
         io::ErrorKind::IsADirectory => "it is a folder".to_owned(),

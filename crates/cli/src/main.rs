@@ -19,6 +19,7 @@ mod format;
 mod interrupt;
 mod manifest;
 mod naming;
+mod params_args;
 mod ports;
 mod progress;
 mod prose;
@@ -48,6 +49,7 @@ blocksim simulates block diagrams written as text.
   blocksim run MODEL.ron --set drive=dc     with another value of a parameter
   blocksim check MODEL.ron                  tell all problems without running
   blocksim import ROBOT.urdf --out DIR      make a model of a robot description
+  blocksim params export SET.ron            a workbook of parameters, for Excel and LibreOffice
   blocksim blocks                           which kinds of block there are
   blocksim blocks Gain                      all about one of them
 
@@ -66,6 +68,7 @@ fn main() -> ExitCode {
         Some(Command::Import(args)) => commands::import(args, console),
         Some(Command::Blocks(args)) => commands::blocks(args, console),
         Some(Command::Explain(args)) => commands::explain(args, console),
+        Some(Command::Params(command)) => commands::params(command, console),
     };
     match outcome {
         Ok(exit) => exit.into(),

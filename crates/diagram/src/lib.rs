@@ -41,7 +41,7 @@ pub use infer::Typed;
 pub use model::{Content, Model, ModelBlock, PortKind, VariantChoice};
 pub use resolve::HIERARCHY;
 pub use source::{Reader, SourceFile, Sources};
-pub use tree::{Name, Node, Shape};
+pub use tree::{Name, Node, Shape, SyntaxError, read as read_tree};
 
 /// What became of a diagram.
 #[derive(Debug, Clone, Default)]

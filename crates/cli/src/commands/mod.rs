@@ -5,6 +5,7 @@ mod check;
 mod emit;
 mod explain;
 mod import;
+mod params;
 mod run;
 
 pub use blocks::blocks;
@@ -12,6 +13,7 @@ pub use check::check;
 pub use emit::emit;
 pub use explain::explain;
 pub use import::import;
+pub use params::params;
 pub use run::run;
 
 use blocksim_block::problem::Problem;

@@ -8,7 +8,7 @@ mod scan;
 
 use std::ops::Range;
 
-pub(crate) use read::read;
+pub use read::{SyntaxError, read};
 
 /// A value and its place.
 #[derive(Debug, Clone, PartialEq)]

@@ -16,7 +16,7 @@ use super::{Name, Node, Shape};
 
 /// Text that is no RON.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct SyntaxError {
+pub struct SyntaxError {
     /// Where.
     pub span: Range<usize>,
     /// What is wrong.
@@ -25,11 +25,11 @@ pub(crate) struct SyntaxError {
     pub help: Option<String>,
 }
 
-/// Reads a file.
+/// Reads a text: values of any kind, each with its place.
 ///
 /// # Errors
 /// The first place that is no RON.
-pub(crate) fn read(text: &str) -> Result<Node, SyntaxError> {
+pub fn read(text: &str) -> Result<Node, SyntaxError> {
     let reader = Reader { text };
     let raw: &RawValue = options().from_str(text).map_err(|error| reader.error(text, &error))?;
     reader.node(raw.get_ron())

@@ -1,0 +1,49 @@
+use std::io;
+use std::path::Path;
+
+use blocksim_params::{Quantity, difference};
+use blocksim_results::{Align, Table};
+
+use super::files::{is_workbook, read_set, read_workbook};
+use super::said::tell_faults;
+use crate::console::Console;
+use crate::exit::Exit;
+use crate::params_args::DiffArgs;
+
+/// Tells which numbers differ.
+pub fn diff(args: &DiffArgs, console: Console) -> io::Result<Exit> {
+    let read = || Ok((read(&args.old, console)?, read(&args.new, console)?));
+    let (old, new) = match read() {
+        Ok(both) => both,
+        Err(exit) => return Ok(exit),
+    };
+    // A set tells the order; a workbook is read in that of its paths.
+    let found = difference(&old, &new);
+    let mut table = Table::new(&[
+        ("parameter", Align::Left),
+        ("old", Align::Right),
+        ("new", Align::Right),
+        ("unit", Align::Left),
+    ]);
+    let side = |side: Option<String>| side.unwrap_or_else(|| "-".to_owned());
+    for line in found.iter().cloned() {
+        table.row([line.path, side(line.old), side(line.new), line.unit]);
+    }
+    if found.is_empty() {
+        return Ok(Exit::Done);
+    }
+    console.data(&table.render())?;
+    Ok(Exit::Failed)
+}
+
+fn read(path: &Path, console: Console) -> Result<Vec<Quantity>, Exit> {
+    if !is_workbook(path) {
+        return Ok(read_set(path, console)?.quantities);
+    }
+    let tables = read_workbook(path, console)?;
+    if !tables.faults.is_empty() {
+        tell_faults(&tables.faults, console);
+        return Err(Exit::Model);
+    }
+    Ok(tables.quantities())
+}

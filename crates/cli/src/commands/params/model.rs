@@ -1,0 +1,116 @@
+//! Whether a model accepts new numbers.
+
+use std::cell::Cell;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use blocksim_block::problem::Problem;
+use blocksim_diagram::{Reader, SourceFile, Sources, compile};
+use blocksim_params::{Change, SHEETS, quantities};
+
+use crate::args::Format;
+use crate::commands::tell;
+use crate::console::Console;
+use crate::disk::{Disk, refusal};
+use crate::exit::Exit;
+use crate::render;
+
+/// The disk, with another text for one of its files.
+struct Instead<'a> {
+    disk: Disk,
+    path: PathBuf,
+    text: &'a str,
+    read: Cell<bool>,
+}
+
+impl Reader for Instead<'_> {
+    fn read(&self, path: &Path) -> Result<String, String> {
+        if is_file(path, &self.path) {
+            self.read.set(true);
+            return Ok(self.text.to_owned());
+        }
+        self.disk.read(path)
+    }
+}
+
+fn is_file(path: &Path, canonical: &Path) -> bool {
+    path.canonicalize().is_ok_and(|path| path == canonical)
+}
+
+/// Compiles a model with this text in the place of the set. Problems are told with the changed cells that they may
+/// be about.
+pub fn sound(
+    model: &Path,
+    set: &Path,
+    text: &str,
+    edits: &[Change],
+    console: Console,
+) -> io::Result<Result<(), Exit>> {
+    if let Some(refusal) = refusal(model) {
+        console.say(&refusal);
+        return Ok(Err(Exit::Files));
+    }
+    let path = set.canonicalize()?;
+    let reader = Instead { disk: Disk::default(), path: path.clone(), text, read: Cell::new(false) };
+    let sources = Sources::new(&reader);
+    let compiled = compile(&sources, model, &[]);
+    let files = sources.all();
+    let problems: Vec<Problem> =
+        compiled.problems.into_iter().map(|problem| with_cells(problem, &files, &path, edits)).collect();
+    tell(&problems, &files, Format::Full, console)?;
+    if !reader.read.get() {
+        console.say(&format!("error: `{}` does not read `{}`", model.display(), set.display()));
+        return Ok(Err(Exit::Model));
+    }
+    Ok(if render::errors(&problems) == 0 { Ok(()) } else { Err(Exit::Model) })
+}
+
+/// Notes which changed cells a problem may be about: those of the place in the set, or of the names in the
+/// expression that it points to.
+fn with_cells(mut problem: Problem, files: &[SourceFile], set: &Path, edits: &[Change]) -> Problem {
+    let mut notes = Vec::new();
+    for label in &problem.labels {
+        let Some(file) = files.get(label.place.file.0 as usize) else { continue };
+        let at = label.place.span.start;
+        let here =
+            is_file(&file.path, set).then(|| quantities(&file.text).unwrap_or_default()).unwrap_or_default();
+        let here =
+            here.iter().find(|quantity| quantity.place.contains(&at)).map(|quantity| quantity.path.as_str());
+        let expression = file.text.get(label.place.span.clone()).unwrap_or_default();
+        for edit in edits.iter().filter(|edit| here == Some(&edit.path) || speaks_of(expression, &edit.path))
+        {
+            let Some((sheet, cell)) = edit.cell else { continue };
+            let note = format!("changed in the workbook: {}, cell {cell} (`{}`)", SHEETS[sheet], edit.path);
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+    }
+    problem.notes.extend(notes);
+    problem
+}
+
+/// Whether an expression has a name such as `axis.motor.inertia` that may mean `axis1.motor.inertia`: inside a
+/// subsystem the first word is that of its parameter.
+fn speaks_of(expression: &str, path: &str) -> bool {
+    let names = expression.split(|c: char| !(c.is_alphanumeric() || "_.[]".contains(c)));
+    let mut below = names.filter_map(|name| Some(name.split_once('.')?.1));
+    below.any(|below| {
+        !below.is_empty()
+            && path.strip_suffix(below).is_some_and(|head| head.is_empty() || head.ends_with('.'))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_inside_subsystems_mean_quantities_of_the_set() {
+        assert!(speaks_of("2 * axis.motor.inertia", "axis1.motor.inertia"));
+        assert!(speaks_of("\"robot.general.mass\"", "general.mass"));
+        assert!(!speaks_of("axis.motor.inertia", "axis1.motor.damping"));
+        assert!(!speaks_of("body.mass", "link1.overmass"));
+        assert!(!speaks_of("mass", "link1.mass") && !speaks_of("", "link1.mass"));
+    }
+}

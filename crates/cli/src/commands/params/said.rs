@@ -1,0 +1,108 @@
+//! Changes and faults as text.
+
+use blocksim_params::{Address, Change, Comparison, Conflict, Fault, Known, SHEETS};
+use blocksim_results::{Align, Table};
+
+use crate::console::Console;
+use crate::render::plural;
+
+fn place(cell: Option<(usize, Address)>) -> String {
+    cell.map_or(String::new(), |(sheet, cell)| {
+        format!("({}) {cell}", SHEETS.get(sheet).map_or(0, |_| sheet + 1))
+    })
+}
+
+fn number(number: Option<f64>) -> String {
+    number.map_or("-".to_owned(), blocksim_params::written)
+}
+
+/// A table of changes, or nothing; cells are `(7) D9` for cell D9 of the seventh sheet.
+pub fn changes(changes: &[Change]) -> String {
+    if changes.is_empty() {
+        return String::new();
+    }
+    let columns = [
+        ("cell", Align::Left),
+        ("parameter", Align::Left),
+        ("old", Align::Right),
+        ("new", Align::Right),
+        ("unit", Align::Left),
+    ];
+    let mut table = Table::new(&columns);
+    for change in changes {
+        table.row([
+            place(change.cell),
+            change.path.clone(),
+            number(change.old),
+            number(change.new),
+            change.unit.clone(),
+        ]);
+    }
+    table.render()
+}
+
+/// A table of what was changed on both sides.
+fn conflicts(conflicts: &[Conflict]) -> String {
+    let columns = [
+        ("cell", Align::Left),
+        ("parameter", Align::Left),
+        ("exported", Align::Right),
+        ("set", Align::Right),
+        ("workbook", Align::Right),
+        ("unit", Align::Left),
+    ];
+    let mut table = Table::new(&columns);
+    for conflict in conflicts {
+        let [exported, set, sheet] =
+            [conflict.exported, conflict.set, conflict.sheet].map(|n| number(Some(n)));
+        table.row([
+            place(Some(conflict.cell)),
+            conflict.path.clone(),
+            exported,
+            set,
+            sheet,
+            conflict.unit.clone(),
+        ]);
+    }
+    table.render()
+}
+
+/// Tells what is wrong in a workbook.
+pub fn tell_faults(faults: &[Fault], console: Console) {
+    for fault in faults {
+        console.say(&format!("error: {}: {}\n  = help: {}", fault.place(), fault.message, fault.help));
+    }
+}
+
+/// Tells what hinders an import; whether there is something.
+pub fn tell_hindrances(found: &Comparison, console: Console) -> bool {
+    tell_faults(&found.faults, console);
+    if !found.conflicts.is_empty() {
+        let said = conflicts(&found.conflicts);
+        console.say(&format!(
+            "error: changed in the workbook and in the set since the export:\n{said}\
+               = help: write the number that shall hold into the cell or into the set, so that both agree"
+        ));
+    }
+    let count = found.faults.len() + found.conflicts.len();
+    if count > 0 {
+        console.say(&plural(count, "error"));
+    }
+    count > 0
+}
+
+/// What is to be said of the age of a workbook.
+pub fn age(found: &Comparison) -> Option<String> {
+    let said = match found.known {
+        Known::Current => return None,
+        Known::Nothing => "note: the workbook does not remember its export; its cells are compared with the set as it is now".to_owned(),
+        Known::Stale if found.since.is_empty() => {
+            "note: the text of the set has changed since the export, but no number that the workbook has".to_owned()
+        }
+        Known::Stale => format!(
+            "warning: the set has changed since the export; these numbers stay as they are in the set:\n{}",
+            changes(&found.since).trim_end()
+        ),
+    };
+    Some(said)
+}

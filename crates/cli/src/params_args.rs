@@ -1,0 +1,82 @@
+//! The command line of `blocksim params`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+/// The verbs of `blocksim params`.
+#[derive(Debug, Subcommand)]
+pub enum ParamsCommand {
+    /// Write a set of parameters as a workbook of nine sheets.
+    Export(ExportArgs),
+    /// Take changed numbers from a workbook into a set of parameters; shows them, and writes only if told so.
+    Import(ImportArgs),
+    /// Tell which numbers differ between two sets, two workbooks, or a set and a workbook.
+    Diff(DiffArgs),
+    /// Tell what is wrong in a workbook and what changed on which side since it was exported.
+    Check(CheckArgs),
+}
+
+/// `blocksim params export`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  blocksim params export params/irb2600.ron --out irb2600.xlsx")]
+pub struct ExportArgs {
+    /// The set, such as params/irb2600.ron.
+    pub set: PathBuf,
+    /// The workbook; without it, the name of the set with .xlsx in the present folder.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Replace a workbook that is there.
+    #[arg(long)]
+    pub yes: bool,
+}
+
+/// `blocksim params import`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  blocksim params import irb2600.xlsx params/irb2600.ron              show what would change\n  \
+                  blocksim params import irb2600.xlsx params/irb2600.ron --yes        change the set\n  \
+                  blocksim params import irb2600.xlsx params/irb2600.ron --out mine.ron\n\n\
+                  Exit codes: 0 nothing to do or written, 1 changes were shown but not written, 3 the workbook or the \
+                  model has errors, 4 files."
+)]
+pub struct ImportArgs {
+    /// The workbook.
+    pub book: PathBuf,
+    /// The set.
+    pub set: PathBuf,
+    /// Write the changed set into this file and leave the set as it is.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Change the set, or replace the file of `--out`.
+    #[arg(long)]
+    pub yes: bool,
+    /// Write only if this model has no errors with the new numbers.
+    #[arg(long, value_name = "MODEL")]
+    pub model: Option<PathBuf>,
+}
+
+/// `blocksim params diff`.
+#[derive(Debug, Args)]
+#[command(after_help = "Exit codes: 0 the same, 1 different, 3 a workbook has errors, 4 files.")]
+pub struct DiffArgs {
+    /// A set (.ron) or a workbook (.xlsx).
+    pub old: PathBuf,
+    /// Another one.
+    pub new: PathBuf,
+}
+
+/// `blocksim params check`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Exit codes: 0 sound (numbers may have changed), 3 the workbook or the model has errors, 4 files."
+)]
+pub struct CheckArgs {
+    /// The workbook.
+    pub book: PathBuf,
+    /// The set.
+    pub set: PathBuf,
+    /// Check this model with the numbers of the workbook.
+    #[arg(long, value_name = "MODEL")]
+    pub model: Option<PathBuf>,
+}

@@ -1,0 +1,127 @@
+//! `blocksim params` as users call it: what is told, what is written and what is left alone.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+const SET: &str =
+    "// a set\n(\n    gain: (value: 2, note: \"estimated\"), // first\n    lag: \"250 ms\",\n)\n";
+const MODEL: &str = r#"Diagram(
+    parameters: { "set": File("set.ron") },
+    simulation: (stop_time: "1 s"),
+    blocks: { "one": Constant(value: 1.0), "lag": LowPass(tau: "set.lag"), "scope": Scope(inputs: ["y"]) },
+    connections: ["one.y -> lag.u", "lag.y -> scope.y"],
+)
+"#;
+
+struct Desk(PathBuf);
+
+impl Desk {
+    fn new() -> Desk {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let n = COUNT.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("blocksim-params-{}-{n}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        fs::write(path.join("set.ron"), SET).unwrap();
+        fs::write(path.join("model.ron"), MODEL).unwrap();
+        Desk(path)
+    }
+
+    /// Exit code and everything that was said.
+    fn call(&self, arguments: &str) -> (i32, String) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        command.current_dir(&self.0).arg("params").args(arguments.split(' ')).env_remove("CLICOLOR_FORCE");
+        let output = command.output().unwrap();
+        let said = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        (output.status.code().unwrap(), said.concat())
+    }
+
+    fn set(&self) -> String {
+        fs::read_to_string(self.0.join("set.ron")).unwrap()
+    }
+
+    /// Exports and changes the cells of the first sheet that hold this XML.
+    fn book_with(&self, old: &str, new: &str) {
+        assert_eq!(self.call("export set.ron --yes").0, 0);
+        let path = self.0.join("set.xlsx");
+        let mut parts = blocksim_params::unpack(&fs::read(&path).unwrap()).unwrap();
+        let (_, page) = parts.iter_mut().find(|(name, _)| name.ends_with("sheet1.xml")).unwrap();
+        assert!(page.contains(old), "{page}");
+        *page = page.replace(old, new);
+        fs::write(path, blocksim_params::pack(&parts)).unwrap();
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn an_import_shows_first_and_writes_when_told() {
+    let desk = Desk::new();
+    desk.book_with("<v>250.0</v>", "<v>300</v>");
+    let (code, said) = desk.call("import set.xlsx set.ron");
+    assert_eq!(code, 1, "{said}");
+    assert!(said.contains("(1) D5  lag        250  300  ms") && said.contains("add --yes"), "{said}");
+    assert_eq!(desk.set(), SET);
+    assert_eq!(desk.call("import set.xlsx set.ron --out new.ron").0, 0);
+    assert_eq!(desk.set(), SET);
+    assert_eq!(desk.call("import set.xlsx set.ron --out new.ron").0, 4, "a file that is there is kept");
+    assert_eq!(desk.call("import set.xlsx set.ron --yes --model model.ron").0, 0);
+    assert_eq!(desk.set(), SET.replace("250 ms", "300 ms"));
+    let (code, said) = desk.call("import set.xlsx set.ron --yes");
+    assert_eq!((code, said.contains("no number changes")), (0, true), "{said}");
+    assert_eq!(desk.call("diff set.ron set.xlsx"), (0, String::new()));
+    fs::write(desk.0.join("old.ron"), SET).unwrap();
+    let (code, said) = desk.call("diff old.ron set.ron");
+    assert_eq!((code, said.as_str()), (1, "parameter  old  new  unit\nlag        250  300  ms\n"));
+}
+
+#[test]
+fn nothing_is_written_from_a_workbook_with_errors_or_against_the_model() {
+    let desk = Desk::new();
+    desk.book_with("<v>250.0</v>", "<v>#N/A</v>");
+    let (code, said) = desk.call("import set.xlsx set.ron --yes");
+    assert!(code == 3 && said.contains("error: (1) General Robot Information, cell D5: "), "{said}");
+    desk.book_with("<v>250.0</v>", "<v>-1</v>");
+    for verb in ["check", "import --yes"] {
+        let (code, said) = desk.call(&format!("{verb} set.xlsx set.ron --model model.ron"));
+        assert_eq!(code, 3, "{said}");
+        assert!(
+            said.contains("changed in the workbook: (1) General Robot Information, cell D5 (`lag`)"),
+            "{said}"
+        );
+    }
+    assert_eq!(desk.set(), SET);
+}
+
+#[test]
+fn what_was_changed_on_both_sides_is_told_and_left() {
+    let desk = Desk::new();
+    desk.book_with("<v>250.0</v>", "<v>300</v>");
+    fs::write(desk.0.join("set.ron"), SET.replace("value: 2", "value: 3")).unwrap();
+    let (code, said) = desk.call("check set.xlsx set.ron");
+    assert!(code == 0 && said.contains("warning: the set has changed") && said.contains("gain"), "{said}");
+    fs::write(desk.0.join("set.ron"), SET.replace("250", "100")).unwrap();
+    let (code, said) = desk.call("import set.xlsx set.ron --yes");
+    assert!(code == 3 && said.contains("(1) D5  lag             250  100       300  ms"), "{said}");
+    assert!(desk.set().contains("100 ms"));
+}
+
+#[test]
+fn files_that_cannot_be_read_are_told() {
+    let desk = Desk::new();
+    for arguments in
+        ["import set.ron set.ron", "check nothing.xlsx set.ron", "export nothing.ron", "check . set.ron"]
+    {
+        let (code, said) = desk.call(arguments);
+        assert!(code == 4 && said.contains("error: cannot read"), "{arguments}: {said}");
+    }
+    let (code, said) = desk.call("check set.ron model.ron");
+    assert!(code != 0, "{said}");
+    assert_eq!(desk.call("export set.ron").0, 0);
+    assert_eq!(desk.call("export set.ron").0, 4, "a workbook that is there is kept");
+}

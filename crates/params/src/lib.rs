@@ -1,0 +1,90 @@
+//! Sets of parameters (`params/*.ron`) as workbooks (`.xlsx`) and back.
+//!
+//! ```text
+//! RON text ─quantities─▶ Quantity ─export─▶ bytes of a workbook ─(a person)─▶ bytes
+//!    ▲                                                                          │
+//!    └─edited─ Comparison ◀─compare─ Reading ◀─read_tables─ Book ◀─read_book────┘
+//! ```
+//!
+//! Everything is plain data and nothing opens a file. A workbook remembers in a hidden sheet what was exported, so
+//! that a change in the sheets is told from one in the set. Only numerals are replaced in the text of a set: its
+//! comments, order, units and sources stay.
+
+mod archive_read;
+mod archive_write;
+mod book_read;
+mod book_write;
+mod cell;
+mod compare;
+mod crc32;
+mod difference;
+mod edit;
+mod export;
+mod label;
+mod layout;
+mod numeral;
+mod quantity;
+mod shared;
+mod table;
+mod xml;
+
+pub use archive_read::unpack;
+pub use archive_write::pack;
+pub use book_read::{Book, read_book};
+pub use cell::{Address, Cell, Sheet};
+pub use compare::{Change, Comparison, Conflict, Known, compare};
+pub use difference::{Difference, difference};
+pub use edit::edited;
+pub use export::export;
+pub use layout::{MEMORY, SHEETS, sheet_of};
+pub use numeral::written;
+pub use quantity::{Content, Quantity, SetError, quantities};
+pub use table::{Reading, Tables, Value, read_tables};
+
+/// Reads the sheets of a workbook that hold parameters.
+///
+/// # Errors
+/// As [`read_book`].
+pub fn open_workbook(bytes: &[u8]) -> Result<Tables, BookError> {
+    let mut wanted = SHEETS.to_vec();
+    wanted.push(MEMORY);
+    Ok(read_tables(&read_book(bytes, &wanted)?))
+}
+
+/// Why a file is no workbook that can be read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BookError {
+    /// The fact, as the end of a sentence about the file.
+    pub message: String,
+    /// What to do.
+    pub help: String,
+}
+
+impl BookError {
+    pub(crate) fn new(message: impl Into<String>, help: impl Into<String>) -> BookError {
+        BookError { message: message.into(), help: help.into() }
+    }
+}
+
+/// What is wrong in a workbook that can be read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// The sheet.
+    pub sheet: String,
+    /// The cell, if it is about one.
+    pub cell: Option<Address>,
+    /// The fact.
+    pub message: String,
+    /// What to do.
+    pub help: String,
+}
+
+impl Fault {
+    /// `(7) Motor Parameters, cell B7`.
+    pub fn place(&self) -> String {
+        match self.cell {
+            Some(cell) => format!("{}, cell {cell}", self.sheet),
+            None => self.sheet.clone(),
+        }
+    }
+}
