@@ -72,10 +72,10 @@ fn with_cells(mut problem: Problem, files: &[SourceFile], set: &Path, edits: &[C
     for label in &problem.labels {
         let Some(file) = files.get(label.place.file.0 as usize) else { continue };
         let at = label.place.span.start;
-        let here =
-            is_file(&file.path, set).then(|| quantities(&file.text).unwrap_or_default()).unwrap_or_default();
-        let here =
-            here.iter().find(|quantity| quantity.place.contains(&at)).map(|quantity| quantity.path.as_str());
+        let known = if is_file(&file.path, set) { quantities(&file.text) } else { Ok(Vec::new()) };
+        let known = known.unwrap_or_default();
+        let here = known.iter().find(|quantity| quantity.place.contains(&at));
+        let here = here.map(|quantity| quantity.path.as_str());
         let expression = file.text.get(label.place.span.clone()).unwrap_or_default();
         for edit in edits.iter().filter(|edit| here == Some(&edit.path) || speaks_of(expression, &edit.path))
         {
