@@ -77,18 +77,26 @@ fn a_coil_between_two_legs_gets_the_pulses_of_its_modulation() {
 /// Phase a against phases b and c for 2 ms; then all transistors off.
 #[test]
 fn the_diodes_of_a_six_pulse_inverter_take_over_and_let_go_at_the_instant_of_the_closed_form() {
+    for (v_f, r_on) in [(1.5, 0.02), (1.5, 0.0), (0.0, 0.02), (0.0, 1e-6), (0.0, 0.0)] {
+        six_pulses_are_as_the_closed_form(v_f, r_on);
+    }
+}
+
+fn six_pulses_are_as_the_closed_form(v_f: f64, r_on: f64) {
     let run = circuit(
         "6 ms",
-        r#""g": ElectricalReference, "u": VoltageSource(v: "560 V"), "on": Pulse(period: "1 s", width: 0.002), "k": Mux(inputs: 6), "off": Constant(value: 0),
-           "gates": Compare(operator: Greater, constant: 0.5), "six": SixPulseInverter(device: Igbt, v_f: "1.5 V", r_on: "20 mOhm"),
-           "z": ThreePhaseRlc(r: "2 Ohm", l: "8 mH"), "n": FloatingNeutral, "x": CurrentSensor, "a": ThreePhaseCurrentSensor"#,
+        &format!(
+            r#""g": ElectricalReference, "u": VoltageSource(v: "560 V"), "on": Pulse(period: "1 s", width: 0.002), "k": Mux(inputs: 6), "off": Constant(value: 0),
+           "gates": Compare(operator: Greater, constant: 0.5), "six": SixPulseInverter(device: Igbt, v_f: {v_f:?}, r_on: {r_on:?}),
+           "z": ThreePhaseRlc(r: "2 Ohm", l: "8 mH"), "n": FloatingNeutral, "x": CurrentSensor, "a": ThreePhaseCurrentSensor"#
+        ),
         r#""on.y -> k.u1, k.u4, k.u6", "off.y -> k.u2, k.u3, k.u5", "k.y -> gates.u", "gates.y -> six.gates", "u.p <-> x.p", "x.n <-> six.p", "u.n <-> six.n <-> g.p",
            "six.ac <-> a.ac1", "a.ac2 <-> z.ac1", "z.ac2 <-> n.ac", "a.i -> s.i", "x.i -> s.dc""#,
         r#""i", "dc""#,
     );
     // Phase a in series with b and c in parallel, each with its valve.
-    let (r, l): (f64, f64) = (1.5 * 2.02, 1.5 * 8e-3);
-    let (rise, fall) = ((560.0 - 3.0) / r, (560.0 + 3.0) / r);
+    let (r, l): (f64, f64) = (1.5 * (2.0 + r_on), 1.5 * 8e-3);
+    let (rise, fall) = ((560.0 - 2.0 * v_f) / r, (560.0 + 2.0 * v_f) / r);
     let most = rise * (1.0 - (-2e-3 * r / l).exp());
     let lasts = l / r * (1.0 + most / fall).ln();
     assert!(lasts < 3.9e-3);
@@ -298,5 +306,27 @@ fn a_coil_on_an_h_bridge_carries_the_mean_of_its_duty() {
             };
             close(largest - smallest, expected, 1e-5 * expected, &format!("{scheme}, {m}: ripple"));
         }
+    }
+}
+
+/// All lower transistors are on and no current flows when the first leg switches: nothing but rounding could tell which
+/// valve of a leg conducts.
+#[test]
+fn a_machine_starts_behind_valves_without_forward_voltage_whatever_their_resistance() {
+    let text = std::fs::read_to_string("../diagrams/inverter_fed_machine.ron").expect("a diagram");
+    let with = |device: &str, r_on: &str| {
+        let inverter = format!("SixPulseInverter(device: {device}, v_f: 0, r_on: \"{r_on}\")");
+        let changed = text
+            .replace(r#"SixPulseInverter(device: Igbt, v_f: "0.8 V", r_on: "10 mOhm")"#, &inverter)
+            .replace(r#"stop_time: "1.4 s""#, r#"stop_time: "60 ms""#);
+        assert!(changed.contains(&inverter) && changed.contains("60 ms"));
+        let run = run_text(&changed);
+        let torque = run.column("torque.tau");
+        torque[torque.len() - 1]
+    };
+    let expected = with("Igbt", "1 mOhm");
+    for (device, r_on) in [("Igbt", "0 Ohm"), ("Igbt", "1 uOhm"), ("Mosfet", "0 Ohm"), ("Mosfet", "1 uOhm")] {
+        let found = with(device, r_on);
+        assert!((found - expected).abs() < 0.02 * expected.abs(), "{device}, {r_on}: {found} != {expected}");
     }
 }

@@ -5,10 +5,12 @@
 //!
 //! ```text
 //! | G  A' | | v |   | -A_w' i_w |      Kirchhoff's law at every node
-//! | A  0  | | i | = |     e     |      prescribed voltages
+//! | A -R  | | i | = |     e     |      prescribed voltages
 //! ```
 //!
-//! so every voltage and every current is a linear form over the given values `(e, i_w, 1)`. Parts of the circuit that
+//! with the resistances `R` of conducting valves, which may be zero: as conductances they would make currents out of the
+//! rounding of potentials. So
+//! every voltage and every current is a linear form over the given values `(e, i_w, 1)`. Parts of the circuit that
 //! nothing but given currents connects to ground float: one of their nodes is held at zero here, through which no
 //! current flows as long as the given currents obey Kirchhoff's law, and [`Floating`] finds the true potential.
 
@@ -48,8 +50,9 @@ pub(crate) type Conducting = u128;
 enum Now {
     /// Prescribes the voltage: index of a given value and its factor.
     Row(Option<(usize, f64)>),
-    /// Conductance and the index of a given value with the current it drives, per unit of that value.
-    Conductance(f64, Option<(usize, f64)>),
+    /// Resistance above zero, and the voltage that remains: index of a given value and its factor.
+    Resistance(f64, Option<(usize, f64)>),
+    Conductance(f64),
     Given(usize),
     Open,
     Primary(f64),
@@ -61,21 +64,21 @@ fn now(branch: Branch, conducting: Conducting, one: usize) -> Now {
         Branch::Source(index) | Branch::Variable(index) => Now::Row(Some((index, 1.0))),
         Branch::Wire => Now::Row(None),
         Branch::Given(index) => Now::Given(index),
-        Branch::Conductance(g) => Now::Conductance(g, None),
+        Branch::Conductance(g) => Now::Conductance(g),
         Branch::Probe => Now::Open,
         Branch::Primary(ratio) => Now::Primary(ratio),
         Branch::Secondary => Now::Secondary,
         Branch::Valve { index, on_resistance, forward_voltage, off_conductance } => {
-            let forward = |factor: f64| (forward_voltage != 0.0).then_some((one, factor * forward_voltage));
+            let forward = (forward_voltage != 0.0).then_some((one, forward_voltage));
             if conducting >> index & 1 == 0 {
                 match off_conductance {
                     0.0 => Now::Open,
-                    g => Now::Conductance(g, None),
+                    g => Now::Conductance(g),
                 }
             } else if on_resistance == 0.0 {
-                Now::Row(forward(1.0))
+                Now::Row(forward)
             } else {
-                Now::Conductance(1.0 / on_resistance, forward(-1.0 / on_resistance))
+                Now::Resistance(on_resistance, forward)
             }
         }
     }
@@ -93,7 +96,8 @@ pub(crate) fn solve(
     let part = parts(island, &branches);
     let floating = Floating::find(electrics, island, conducting, &part)?;
 
-    let rows = branches.iter().filter(|b| matches!(b, Now::Row(_) | Now::Primary(_))).count();
+    let rows =
+        branches.iter().filter(|b| matches!(b, Now::Row(_) | Now::Resistance(..) | Now::Primary(_))).count();
     let size = nodes + rows;
     let mut matrix = DMatrix::<f64>::zeros(size, size);
     let mut right = DMatrix::<f64>::zeros(size, given);
@@ -101,8 +105,11 @@ pub(crate) fn solve(
     let mut row = nodes;
     for (i, (pin, branch)) in island.two_pins.iter().zip(&branches).enumerate() {
         match *branch {
-            Now::Row(value) => {
+            Now::Row(value) | Now::Resistance(_, value) => {
                 couple(&mut matrix, row, pin, 1.0);
+                if let Now::Resistance(r, _) = *branch {
+                    matrix[(row, row)] = -r;
+                }
                 if let Some((index, factor)) = value {
                     right[(row, index)] += factor;
                 }
@@ -116,13 +123,10 @@ pub(crate) fn solve(
                 row_of[i + 1] = Some((row, -ratio));
                 row += 1;
             }
-            Now::Conductance(g, driven) => {
+            Now::Conductance(g) => {
                 for (a, sign_a) in ends(pin) {
                     for (b, sign_b) in ends(pin) {
                         matrix[(a, b)] += g * sign_a * sign_b;
-                    }
-                    if let Some((index, current)) = driven {
-                        right[(a, index)] -= sign_a * current;
                     }
                 }
             }
@@ -140,18 +144,24 @@ pub(crate) fn solve(
     };
 
     let potential = |node: Option<usize>, k: usize| node.map_or(0.0, |node| solution[(node, k)]);
+    // The voltage of a branch that gives it; as a difference of potentials it would be rounding where it is zero.
+    let known = |i: usize, k: usize| {
+        let (drop, given) = match branches[i] {
+            Now::Resistance(r, given) => (row_of[i].map_or(0.0, |(row, _)| r * solution[(row, k)]), given),
+            Now::Row(given) => (0.0, given),
+            _ => (0.0, None),
+        };
+        drop + given.filter(|(index, _)| *index == k).map_or(0.0, |(_, factor)| factor)
+    };
     let mut solved = Solved { voltages: Vec::new(), currents: Vec::new(), floating, stiff: false };
     for (i, (pin, branch)) in island.two_pins.iter().zip(&branches).enumerate() {
-        let voltage: Vec<f64> = (0..given).map(|k| potential(pin.p, k) - potential(pin.n, k)).collect();
+        let voltage: Vec<f64> = match closed_beside(island, &branches, i) {
+            Some((closed, sign)) => (0..given).map(|k| sign * known(closed, k)).collect(),
+            None => (0..given).map(|k| potential(pin.p, k) - potential(pin.n, k)).collect(),
+        };
         let current: Vec<f64> = match (*branch, row_of[i]) {
             (_, Some((row, factor))) => (0..given).map(|k| factor * solution[(row, k)]).collect(),
-            (Now::Conductance(g, driven), _) => {
-                let mut current: Vec<f64> = voltage.iter().map(|v| g * v).collect();
-                if let Some((index, extra)) = driven {
-                    current[index] += extra;
-                }
-                current
-            }
+            (Now::Conductance(g), _) => voltage.iter().map(|v| g * v).collect(),
             (Now::Given(index), _) => {
                 let mut unit = vec![0.0; given];
                 unit[index] = 1.0;
@@ -167,6 +177,22 @@ pub(crate) fn solve(
     };
     solved.stiff = solved.floating.is_none() && solved.voltages.iter().all(of_sources);
     Ok(solved)
+}
+
+/// The first branch between the nodes of a two-pin that gives the voltage there, the two-pin itself if it does, and whether
+/// it points the same way.
+fn closed_beside(island: &Island, branches: &[Now], i: usize) -> Option<(usize, f64)> {
+    let gives = |k: usize| matches!(branches[k], Now::Row(_) | Now::Resistance(..));
+    let pin = &island.two_pins[i];
+    let sign = |other: &TwoPin| match (other.p, other.n) {
+        ends if ends == (pin.p, pin.n) => Some(1.0),
+        ends if ends == (pin.n, pin.p) => Some(-1.0),
+        _ => None,
+    };
+    if gives(i) {
+        return Some((i, 1.0));
+    }
+    (0..branches.len()).filter(|k| gives(*k)).find_map(|k| Some((k, sign(&island.two_pins[k])?)))
 }
 
 /// The ends of a two-pin that are no ground, with the sign of the current into the two-pin.
