@@ -34,7 +34,7 @@ fn a_changed_cell_changes_the_run_as_the_command_line_does() {
     let typed = format!("<c r=\"{}\" t=\"inlineStr\"><is><t>120,0</t></is></c>", cell.cell);
     xml.replace_range(start..end, &typed);
 
-    let tables = open_workbook(&pack(&parts)).expect("a workbook");
+    let tables = open_workbook(&pack(&parts).expect("an archive")).expect("a workbook");
     let found = compare(&tables, &text, &quantities(&text).expect("a set"));
     assert!(found.faults.is_empty() && found.edits.len() == 1, "{found:?}");
     let imported = begun(&edited(&text, &found.edits).expect("a set"), &[]);

@@ -16,7 +16,7 @@ const HINT: &str = "Change the yellow cells only. The unit of a row may be chang
 /// The bytes of the workbook of a set; `name` is shown in its titles. The same text gives the same bytes.
 ///
 /// # Errors
-/// The text is no set.
+/// The text is no set, or a text in it is longer than a cell can hold.
 pub fn export(text: &str, name: &str) -> Result<Vec<u8>, SetError> {
     let quantities = quantities(text)?;
     let mut sheets: Vec<OutSheet> = SHEETS
@@ -25,7 +25,11 @@ pub fn export(text: &str, name: &str) -> Result<Vec<u8>, SetError> {
         .map(|(n, title)| sheet(title, name, &layout(n, &quantities), &quantities))
         .collect();
     sheets.push(memory(&fingerprint(text.as_bytes()), name, &quantities));
-    Ok(write(&sheets))
+    write(&sheets).map_err(|error| SetError {
+        message: format!("the set does not fit into a workbook: {error}"),
+        help: Some("shorten its longest texts".to_owned()),
+        place: 0..0,
+    })
 }
 
 fn text(text: impl Into<String>, look: Look) -> Option<Out> {

@@ -10,13 +10,11 @@
 //! that a change in the sheets is told from one in the set. Only numerals are replaced in the text of a set: its
 //! comments, order, units and sources stay.
 
-mod archive_read;
-mod archive_write;
+mod archive;
 mod book_read;
 mod book_write;
 mod cell;
 mod compare;
-mod crc32;
 mod difference;
 mod edit;
 mod export;
@@ -24,12 +22,9 @@ mod label;
 mod layout;
 mod numeral;
 mod quantity;
-mod shared;
 mod table;
-mod xml;
 
-pub use archive_read::unpack;
-pub use archive_write::pack;
+pub use archive::{pack, unpack};
 pub use book_read::{Book, read_book};
 pub use cell::{Address, Cell, Sheet};
 pub use compare::{Change, Comparison, Conflict, Known, compare};

@@ -20,9 +20,14 @@ fn what_is_no_workbook_is_refused_with_what_it_is() {
     assert!(
         refused(b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1 the rest").contains("old `.xls`, or it has a password")
     );
-    assert!(refused(&pack(&[("content.xml".into(), "<a/>".into())])).contains(".ods"));
-    assert!(refused(&pack(&[("xl/workbook.bin".into(), String::new())])).contains(".xlsb"));
-    assert!(refused(&pack(&[("a".into(), String::new())])).contains("`xl/workbook.xml` is missing"));
+    assert!(refused(&pack(&[("content.xml".into(), "<a/>".into())]).expect("an archive")).contains(".ods"));
+    assert!(
+        refused(&pack(&[("xl/workbook.bin".into(), String::new())]).expect("an archive")).contains(".xlsb")
+    );
+    assert!(
+        refused(&pack(&[("a".into(), String::new())]).expect("an archive"))
+            .contains("`xl/workbook.xml` is missing")
+    );
 }
 
 #[test]
@@ -38,7 +43,7 @@ fn with_rows(rows: &str) -> Vec<u8> {
     let mut parts = unpack(&book()).expect("parts");
     let (_, text) = parts.iter_mut().find(|(name, _)| name == "xl/worksheets/sheet2.xml").expect("a sheet");
     *text = format!("<worksheet><sheetData>{rows}</sheetData></worksheet>");
-    pack(&parts)
+    pack(&parts).expect("an archive")
 }
 
 #[test]
@@ -64,7 +69,8 @@ fn entities_that_a_document_declares_are_not_expanded() {
     let mut parts = unpack(&book()).expect("parts");
     let (_, text) = parts.iter_mut().find(|(name, _)| name == "xl/workbook.xml").expect("a part");
     *text = "<!DOCTYPE x [<!ENTITY a \"aaaa\"><!ENTITY b \"&a;&a;&a;\">]><workbook>&b;</workbook>".to_owned();
-    assert!(refused(&pack(&parts)).contains("no XML"));
+    let tables = open_workbook(&pack(&parts).expect("an archive")).expect("a workbook without sheets");
+    assert_eq!((tables.readings.len(), tables.missing.len()), (0, 9));
 }
 
 /// Marsaglia's xorshift: the same numbers in every run.
@@ -139,7 +145,7 @@ fn three_thousand_workbooks_with_changed_xml_give_an_error_or_a_result() {
                 text.replace_range(at..end.unwrap_or(text.len()), PIECES[random.below(PIECES.len())]);
             }
         }
-        read += usize::from(survives(&pack(&parts)));
+        read += usize::from(survives(&pack(&parts).expect("an archive")));
     }
     assert!(read > 300, "many can be read: {read}");
 }
