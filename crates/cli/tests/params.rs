@@ -49,7 +49,7 @@ impl Desk {
         let (_, page) = parts.iter_mut().find(|(name, _)| name.ends_with("sheet1.xml")).unwrap();
         assert!(page.contains(old), "{page}");
         *page = page.replace(old, new);
-        fs::write(path, blocksim_params::pack(&parts)).unwrap();
+        fs::write(path, blocksim_params::pack(&parts).unwrap()).unwrap();
     }
 }
 
@@ -62,7 +62,7 @@ impl Drop for Desk {
 #[test]
 fn an_import_shows_first_and_writes_when_told() {
     let desk = Desk::new();
-    desk.book_with("<v>250.0</v>", "<v>300</v>");
+    desk.book_with("<v>250</v>", "<v>300</v>");
     let (code, said) = desk.call("import set.xlsx set.ron");
     assert_eq!(code, 1, "{said}");
     assert!(said.contains("(1) D5  lag        250  300  ms") && said.contains("add --yes"), "{said}");
@@ -83,10 +83,10 @@ fn an_import_shows_first_and_writes_when_told() {
 #[test]
 fn nothing_is_written_from_a_workbook_with_errors_or_against_the_model() {
     let desk = Desk::new();
-    desk.book_with("<v>250.0</v>", "<v>#N/A</v>");
+    desk.book_with("<v>250</v>", "<v>#N/A</v>");
     let (code, said) = desk.call("import set.xlsx set.ron --yes");
     assert!(code == 3 && said.contains("error: (1) General Robot Information, cell D5: "), "{said}");
-    desk.book_with("<v>250.0</v>", "<v>-1</v>");
+    desk.book_with("<v>250</v>", "<v>-1</v>");
     for verb in ["check", "import --yes"] {
         let (code, said) = desk.call(&format!("{verb} set.xlsx set.ron --model model.ron"));
         assert_eq!(code, 3, "{said}");
@@ -101,7 +101,7 @@ fn nothing_is_written_from_a_workbook_with_errors_or_against_the_model() {
 #[test]
 fn what_was_changed_on_both_sides_is_told_and_left() {
     let desk = Desk::new();
-    desk.book_with("<v>250.0</v>", "<v>300</v>");
+    desk.book_with("<v>250</v>", "<v>300</v>");
     fs::write(desk.0.join("set.ron"), SET.replace("value: 2", "value: 3")).unwrap();
     let (code, said) = desk.call("check set.xlsx set.ron");
     assert!(code == 0 && said.contains("warning: the set has changed") && said.contains("gain"), "{said}");
