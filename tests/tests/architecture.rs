@@ -164,6 +164,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("import", &["block", "blocks", "diagram", "ron"]),
         ("results", &["block", "blocks", "diagram", "sim"]),
         ("params", &["blocks", "sim"]),
+        ("picture", &["block", "blocks", "diagram", "plot"]),
     ];
     for (name, absent) in nothing_of {
         let reached = reach(name);
