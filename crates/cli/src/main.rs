@@ -16,6 +16,7 @@ mod defaults;
 mod disk;
 mod exit;
 mod format;
+mod formula;
 mod interrupt;
 mod manifest;
 mod naming;
