@@ -49,11 +49,11 @@ fn an_unknown_port_shows_the_ports_that_there_are() {
         &expect![[r#"
             error[unknown_port]: `g` has no input `uu`
               model.ron:5:25 `g.uu` no such port
-              model.ron:3:18 `"g"` `g` is a Gain
+              model.ron:3:18 `"g"` `g` is of kind Gain
               help: its inputs are `u`
             error[unknown_port]: `g` has no output `x`
               model.ron:5:33 `g.x` no such port
-              model.ron:3:18 `"g"` `g` is a Gain
+              model.ron:3:18 `"g"` `g` is of kind Gain
               help: its outputs are `y`
             error[unknown_block_name]: there is no block `q`
               model.ron:5:47 `q` no such block

@@ -239,7 +239,7 @@ fn currents_without_a_path() {
         r#""u": VoltageSource(v: 5), "k": IdealSwitch(r_on: 0), "a": Inductor(l: "1 mH"), "t": Step(time: "1 ms", before: 1, after: 0), "on": Compare(operator: Greater, constant: 0.5), "g": ElectricalReference,"#,
         r#""t.y -> on.u", "on.y -> k.gate", "u.p <-> k.p", "k.n <-> a.p", "a.n <-> u.n <-> g.p""#,
         &expect![[r#"
-            error[block_failed] at network(a): `network(a)` cannot go on: at 0.001 s the valves (`k`) interrupt the current of an inductance (`a`): connect a freewheeling diode or a resistance in parallel, or give the valve an off-state conductance
+            error[block_failed] at network(a): the physical network cannot go on: at 0.001 s the valves (`k`) interrupt the current of an inductance (`a`): connect a freewheeling diode or a resistance in parallel, or give the valve an off-state conductance
         "#]],
     );
 }
@@ -300,7 +300,7 @@ fn a_worm_that_locks_itself_is_not_driven_backward() {
     });
     assert_eq!(bearings, damped);
     expect![[r#"
-        error[block_failed] at network(d): `network(d)` cannot go on: a speed or a load behind `w` drives it backward, but it locks itself and no torque turns it: drive it from its base, or let it give way by a softer coupling or an efficiency backward above 0
+        error[block_failed] at network(d): the physical network cannot go on: a speed or a load behind `w` drives it backward, but it locks itself and no torque turns it: drive it from its base, or let it give way by a softer coupling or an efficiency backward above 0
     "#]]
     .assert_eq(&bearings);
 }

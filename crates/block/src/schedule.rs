@@ -44,6 +44,8 @@ pub struct Instance {
     pub kind: String,
     /// Where it is declared, if it is in a file.
     pub place: Option<Place>,
+    /// The blocks that became this one, if it is a physical network.
+    pub parts: Vec<Part>,
     /// Parameters and functions.
     pub block: Arc<dyn Block>,
     /// Ports and states.
@@ -66,6 +68,15 @@ pub struct Instance {
     pub rate: Option<usize>,
     /// Whether its guards can cross zero between major steps.
     pub watched: bool,
+}
+
+/// A block of the diagram that is part of another one when it runs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Part {
+    /// Path: `arm/base/joint`.
+    pub path: String,
+    /// Where it is declared, if it is in a file.
+    pub place: Option<Place>,
 }
 
 /// Evaluation of one output group of one block.

@@ -8,6 +8,7 @@ use blocksim_blocks as _;
 use blocksim_host as _;
 
 mod args;
+mod blame;
 mod bug;
 mod charts;
 mod commands;

@@ -103,7 +103,7 @@ impl<'a> Level<'a> {
             format!("`{}` has no {side} `{}`", reference.block, reference.port),
         )
         .at(&place, "no such port")
-        .at(&declared, format!("`{}` is a {kind}", reference.block));
+        .at(&declared, format!("`{}` is of kind {kind}", reference.block));
         let listed = if known.is_empty() {
             format!("`{}` has no {side}s", reference.block)
         } else {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use blocksim_block::problem::Problem;
+use blocksim_block::schedule::Part;
 use blocksim_block::{Given, ParamUnits};
 use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
 use indexmap::IndexMap;
@@ -63,6 +64,7 @@ pub(crate) fn elaborate(flat: Flat, problems: &mut Problems) -> Flat {
             path: format!("network({})", members[0].path),
             kind: "Network".to_owned(),
             place: members[0].place.clone(),
+            parts: members.iter().map(|m| Part { path: m.path.clone(), place: m.place.clone() }).collect(),
             output_names: interface.outputs.iter().map(|output| output.name.clone()).collect(),
             block: Arc::new(network),
             units: ParamUnits::default(),

@@ -12,6 +12,9 @@ const HUGE: f64 = 1e12;
 /// What helps where the steps of a fixed size may be too long.
 const SMALLER: &str = "use a smaller step or a method of variable step";
 
+/// Who failed, where many blocks are one; the reason names those it is about.
+const NETWORK: &str = "the physical network";
+
 /// Most inputs that are told.
 const FEW: usize = 4;
 
@@ -19,9 +22,10 @@ const FEW: usize = 4;
 pub(crate) fn failed(schedule: &Schedule, diagram: &mut Diagram) -> SimError {
     match diagram.failure.take() {
         Some(failure) => {
-            let path = &schedule.blocks[failure.block].path;
-            let message = format!("`{path}` cannot go on: {}", failure.reason);
-            SimError::new("block_failed", failure.t, message).at(path)
+            let block = &schedule.blocks[failure.block];
+            let who = if block.parts.is_empty() { format!("`{}`", block.path) } else { NETWORK.to_owned() };
+            let message = format!("{who} cannot go on: {}", failure.reason);
+            SimError::new("block_failed", failure.t, message).at(&block.path)
         }
         None => SimError::new("block_failed", diagram.now.t, "the diagram could not be evaluated"),
     }

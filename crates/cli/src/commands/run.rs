@@ -3,16 +3,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use blocksim_block::problem::Problem;
-use blocksim_block::schedule::Schedule;
 use blocksim_results::{Ended, Manifest, ResultsError, RunFolder, clock, probe};
-use blocksim_sim::{SimError, Simulation};
+use blocksim_sim::Simulation;
 
 use super::{load, tell};
 use crate::args::{Format, RunArgs};
+use crate::blame::{failure, reason};
 use crate::console::Console;
 use crate::exit::Exit;
-use crate::format::short_time;
 use crate::progress::{Progress, Telling};
 use crate::recorder::Recorder;
 use crate::report::{Report, log};
@@ -154,24 +152,4 @@ fn refused(error: &ResultsError) -> String {
         error.reason(),
         error.remedy()
     )
-}
-
-/// A failure of the simulation as a problem: what, when, where in which file, and what to do.
-fn failure(error: &SimError, schedule: &Schedule) -> Problem {
-    let mut problem = Problem::error(error.code, reason(error));
-    if let Some(path) = &error.path {
-        let block = schedule.blocks.iter().find(|block| block.path == *path);
-        problem = match block.and_then(|block| block.place.as_ref()) {
-            // Several blocks became one; the place is that of one of them.
-            Some(place) if path.starts_with("network(") => problem.at(place, "the network around this block"),
-            Some(place) => problem.at(place, format!("this is `{path}`")),
-            None => problem.note(format!("in `{path}`")),
-        };
-    }
-    problem.help.clone_from(&error.help);
-    problem
-}
-
-fn reason(error: &SimError) -> String {
-    format!("{} at t = {} s", error.message, short_time(error.t))
 }

@@ -9,6 +9,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use blocksim_block::problem::Place;
+use blocksim_block::schedule::Part;
 use blocksim_block::{Block, Interface, ParamUnits};
 use blocksim_signal::Dimension;
 
@@ -52,6 +53,8 @@ pub struct FlatBlock {
     pub kind: String,
     /// Where it is declared.
     pub place: Option<Place>,
+    /// The blocks that became this one, if it is a physical network.
+    pub parts: Vec<Part>,
     /// Parameters and functions.
     pub block: Arc<dyn Block>,
     /// Units of the parameters as written.
@@ -98,6 +101,7 @@ pub(crate) fn flatten(model: &Model, problems: &mut Problems) -> Flat {
             path: block.path.clone(),
             kind: block.kind.clone(),
             place: Some(block.place.clone()),
+            parts: Vec::new(),
             block: built.clone(),
             units: units.clone(),
             interface: (**interface).clone(),

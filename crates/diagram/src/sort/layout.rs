@@ -83,6 +83,7 @@ pub(super) fn lay_out(
             path: block.path.clone(),
             kind: block.kind.clone(),
             place: block.place.clone(),
+            parts: block.parts.clone(),
             block: block.block.clone(),
             interface: interface.clone(),
             gather,

@@ -147,6 +147,7 @@ impl Toy {
                 path: path.clone(),
                 kind: format!("{block:?}").split([' ', '{', '(']).next().unwrap_or_default().to_owned(),
                 place: None,
+                parts: Vec::new(),
                 block: Arc::clone(block),
                 interface: interface.clone(),
                 gather: inputs.iter().map(|name| (cell(name) as u32, 1)).collect(),
