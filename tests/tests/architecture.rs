@@ -165,6 +165,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("results", &["block", "blocks", "diagram", "sim"]),
         ("params", &["blocks", "sim"]),
         ("picture", &["block", "blocks", "diagram", "plot"]),
+        ("plot", &["block", "blocks", "diagram", "sim"]),
     ];
     for (name, absent) in nothing_of {
         let reached = reach(name);

@@ -21,7 +21,7 @@ mod sparkline;
 mod summary;
 mod table;
 mod terminal;
-mod ticks;
+pub mod ticks;
 
 pub use csv::{ReadLimits, read_csv, read_csv_file, read_events};
 pub use csv_write::{write_events, write_signals};

@@ -4,8 +4,10 @@ use crate::format::fixed;
 
 /// A range of numbers, `low < high`, both finite.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Range {
+pub struct Range {
+    /// Its lower end.
     pub low: f64,
+    /// Its upper end.
     pub high: f64,
 }
 
@@ -60,7 +62,7 @@ impl Range {
 
 /// Labels for multiples of `step` that differ from each other by no more digits than needed, with a common
 /// exponent where the numbers are very large or small.
-pub(crate) fn labels(ticks: &[f64], step: f64) -> Vec<String> {
+pub fn labels(ticks: &[f64], step: f64) -> Vec<String> {
     let size = ticks.iter().fold(step, |a, x| a.max(x.abs()));
     let exponent = if (1e-3..1e5).contains(&size) { 0 } else { (size.log10() / 3.0).floor() as i32 * 3 };
     // In two factors, for a power of ten may be no number where the tick is one.

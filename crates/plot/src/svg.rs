@@ -1,0 +1,309 @@
+//! Figures as text in SVG.
+
+use std::fmt::Write;
+
+use blocksim_picture::text_width;
+use blocksim_results::ticks::{Range, labels};
+
+use crate::figure::{Figure, Line, Panel, Style};
+use crate::frame::{Area, Axis};
+use crate::legend::{ROW, SAMPLE, SIZE, entries, fitted, rows};
+use crate::palette::{Palette, Theme};
+use crate::units::pretty_unit;
+
+/// Font of titles, numbers and names; the last one is what pictures in PNG are drawn with.
+const FONT: &str = "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif";
+/// Font sizes, dots.
+const TITLE: f64 = 13.0;
+const NUMBER: f64 = 10.5;
+/// Heights of a panel, of a strip and of the gap between them, dots.
+const HIGH: f64 = 150.0;
+const LOW: f64 = 46.0;
+const GAP: f64 = 10.0;
+/// Room around the whole and between panels, dots.
+const MARGIN: f64 = 14.0;
+/// Room below a panel for the numbers of the time axis, dots.
+const FOOT: f64 = 34.0;
+/// Dots of height for a number of the vertical axis, of width for one of the time axis.
+const PER_Y_TICK: f64 = 30.0;
+const PER_X_TICK: f64 = 70.0;
+
+/// The figure as a drawing in SVG 1.1 with literal colours. Texts are escaped: no name can add anything to it.
+pub fn svg(figure: &Figure, theme: Theme) -> String {
+    let palette = Palette::of(theme);
+    let columns = figure.columns.clamp(1, figure.panels.len().max(1));
+    let time = time_range(figure.time);
+    let cell = (figure.width - 2.0 * MARGIN - (columns - 1) as f64 * MARGIN) / columns as f64;
+    let axes: Vec<Axes> = figure.panels.iter().map(|panel| Axes::of(panel, figure.time)).collect();
+    // One gutter for all, so that the time axes of panels above each other agree.
+    let gutter = axes.iter().map(Axes::widest).fold(0.0, f64::max) + 10.0;
+    let plot_width = (cell - gutter - 6.0).max(40.0);
+
+    let mut body = String::new();
+    let mut top = MARGIN + if figure.title.is_empty() { 0.0 } else { TITLE + 12.0 };
+    for (row, panels) in figure.panels.chunks(columns).enumerate() {
+        let mut height: f64 = 0.0;
+        for (column, panel) in panels.iter().enumerate() {
+            let number = row * columns + column;
+            let left = MARGIN + column as f64 * (cell + MARGIN) + gutter;
+            let mut pen = Pen { out: &mut body, palette: &palette, time: &time };
+            height = height.max(pen.panel(panel, &axes[number], number, (left, top), plot_width));
+        }
+        top += height + MARGIN;
+    }
+    let (width, height) = (figure.width, top.ceil());
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
+         height=\"{height}\" font-family=\"{FONT}\" role=\"img\">\n<title>{}</title>\n<desc>{}</desc>\n\
+         <rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n",
+        escaped(if figure.title.is_empty() { "Signals over time" } else { &figure.title }),
+        escaped(&description(figure)),
+        palette.ground
+    );
+    if !figure.title.is_empty() {
+        let title = fitted(&figure.title, TITLE + 2.0, width - 2.0 * MARGIN);
+        let _ = writeln!(
+            out,
+            "<text x=\"{MARGIN}\" y=\"{}\" font-size=\"{}\" font-weight=\"bold\" fill=\"{}\">{}</text>",
+            MARGIN + TITLE,
+            TITLE + 2.0,
+            palette.text,
+            escaped(&title)
+        );
+    }
+    out.push_str(&body);
+    out.push_str("</svg>\n");
+    out
+}
+
+/// The axis of time; some width where all lies at one instant.
+fn time_range((from, to): (f64, f64)) -> Range {
+    if from < to && from.is_finite() && to.is_finite() {
+        return Range { low: from, high: to };
+    }
+    Range::of([from, to].into_iter()).unwrap_or(Range { low: 0.0, high: 1.0 })
+}
+
+/// The vertical axes of a panel and its strip.
+struct Axes {
+    main: Option<Axis>,
+    strip: Option<Axis>,
+}
+
+impl Axes {
+    fn of(panel: &Panel, time: (f64, f64)) -> Axes {
+        let parts = |height: f64| (height / PER_Y_TICK).floor().max(1.0) as usize;
+        Axes {
+            main: Axis::of(&panel.lines, time, parts(HIGH)),
+            strip: panel.strip.as_ref().and_then(|strip| Axis::of(&strip.lines, time, 2)),
+        }
+    }
+
+    /// Width of the widest number, dots.
+    fn widest(&self) -> f64 {
+        let ticks = [&self.main, &self.strip].into_iter().flatten().flat_map(|axis| &axis.ticks);
+        ticks.map(|(_, label)| text_width(label, NUMBER)).fold(0.0, f64::max)
+    }
+}
+
+/// What the drawing shows, for those who cannot see it.
+fn description(figure: &Figure) -> String {
+    let panel = |panel: &Panel| {
+        let names: Vec<&str> =
+            panel.lines.iter().map(|line| line.name.as_str()).filter(|name| !name.is_empty()).collect();
+        format!("{} [{}]: {}", panel.title, panel.unit, names.join(", "))
+    };
+    figure.panels.iter().map(panel).collect::<Vec<_>>().join("; ")
+}
+
+struct Pen<'a> {
+    out: &'a mut String,
+    palette: &'a Palette,
+    time: &'a Range,
+}
+
+impl Pen<'_> {
+    /// Draws a panel with title, legend, strip and time axis; returns its height.
+    fn panel(&mut self, panel: &Panel, axes: &Axes, number: usize, at: (f64, f64), width: f64) -> f64 {
+        let (left, top) = at;
+        let unit = pretty_unit(&panel.unit);
+        let heading = match (panel.title.as_str(), unit.as_str()) {
+            (title, "") => title.to_owned(),
+            ("", unit) => format!("[{unit}]"),
+            (title, unit) => format!("{title} [{unit}]"),
+        };
+        let heading = fitted(&heading, TITLE, width);
+        let text = self.palette.text;
+        self.text((left, top + TITLE), TITLE, text, " font-weight=\"bold\"", &heading);
+        // Beside the title if there is room, else below it.
+        let title_end = left + text_width(&heading, TITLE) * 1.1 + 16.0;
+        let beside = entries(&panel.lines, title_end, left + width);
+        let fits = rows(&beside) <= 1
+            && beside
+                .last()
+                .is_none_or(|last| last.x + SAMPLE + 5.0 + text_width(&last.line.name, SIZE) <= left + width);
+        let (legend, first) = if fits {
+            (beside, top + TITLE)
+        } else {
+            (entries(&panel.lines, left, left + width), top + TITLE + ROW)
+        };
+        let below = if fits { 0.0 } else { rows(&legend) as f64 * ROW };
+        for entry in &legend {
+            let y = first + entry.row as f64 * ROW;
+            let sample = format!("M{} {}H{}", round(entry.x), round(y - 4.0), round(entry.x + SAMPLE));
+            self.path(&sample, entry.line);
+            let room = left + width - entry.x - SAMPLE - 5.0;
+            let name = fitted(&entry.line.name, SIZE, room);
+            self.text((entry.x + SAMPLE + 5.0, y), SIZE, text, "", &name);
+        }
+        let mut area = Area { x: left, y: top + TITLE + 8.0 + below, width, height: HIGH };
+        self.plot(&panel.lines, axes.main.as_ref(), area, &format!("p{number}"));
+        for (n, note) in panel.notes.iter().enumerate() {
+            let y = area.y + 14.0 + n as f64 * 13.0;
+            let note = fitted(note, SIZE, width - 12.0);
+            self.text((left + 6.0, y), SIZE, self.palette.alarm, "", &note);
+        }
+        if let Some(strip) = &panel.strip {
+            area = Area { y: area.bottom() + GAP, height: LOW, ..area };
+            self.plot(&strip.lines, axes.strip.as_ref(), area, &format!("s{number}"));
+            self.text((left + 6.0, area.y + 12.0), NUMBER, self.palette.quiet, "", &strip.name);
+        }
+        self.time_axis(area);
+        area.bottom() + FOOT - top
+    }
+
+    /// Frame, grid, numbers and lines.
+    fn plot(&mut self, lines: &[Line], axis: Option<&Axis>, area: Area, name: &str) {
+        let Palette { grid, frame, quiet, .. } = *self.palette;
+        let Area { x, y, width, height } = area;
+        let mut ruling = String::new();
+        for t in self.time_ticks(area).0 {
+            let _ =
+                write!(ruling, "M{} {}V{}", round(area.across(self.time, t)), round(y), round(area.bottom()));
+        }
+        for (value, label) in axis
+            .iter()
+            .flat_map(|axis| axis.ticks.iter().map(move |tick| (axis, tick)))
+            .map(|(axis, (value, label))| (area.down(&axis.range, *value), label))
+        {
+            let _ = write!(ruling, "M{} {}H{}", round(x), round(value), round(area.right()));
+            self.text((x - 5.0, value + 3.5), NUMBER, quiet, " text-anchor=\"end\"", label);
+        }
+        let _ = writeln!(self.out, "<path d=\"{ruling}\" stroke=\"{grid}\" fill=\"none\"/>");
+        if let Some(axis) = axis {
+            let _ = writeln!(
+                self.out,
+                "<clipPath id=\"{name}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>\n\
+                 <g clip-path=\"url(#{name})\" stroke-linejoin=\"round\">",
+                round(x),
+                round(y),
+                round(width),
+                round(height)
+            );
+            // What should be is drawn over what is, which would hide it where both agree.
+            let is_set = |line: &&Line| line.style == Style::Dashed;
+            for line in lines.iter().filter(|line| !is_set(line)).chain(lines.iter().filter(is_set)) {
+                let data: String =
+                    line.courses.iter().map(|course| self.course(course, &axis.range, area)).collect();
+                self.path(&data, line);
+            }
+            self.out.push_str("</g>\n");
+        }
+        let _ = writeln!(
+            self.out,
+            "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"{frame}\"/>",
+            round(x),
+            round(y),
+            round(width),
+            round(height)
+        );
+    }
+
+    /// The points of a course as data of a path; one alone is a dot.
+    fn course(&self, course: &[(f64, f64)], values: &Range, area: Area) -> String {
+        let mut data = String::new();
+        for (n, &(t, value)) in course.iter().enumerate() {
+            let (x, y) = (area.across(self.time, t), area.down(values, value));
+            let _ = write!(data, "{}{} {}", if n == 0 { 'M' } else { 'L' }, round(x), round(y));
+        }
+        if course.len() == 1 {
+            data.push_str("h0.01");
+        }
+        data
+    }
+
+    fn path(&mut self, data: &str, line: &Line) {
+        let series = &self.palette.series;
+        let colour = series[line.colour % series.len()];
+        let width = if line.thin { 1.0 } else { 1.7 };
+        let (colour, width, dashes) = match line.style {
+            Style::Solid => (colour, width, ""),
+            // Not in the colour of the line that it lies on.
+            Style::Dashed => (self.palette.text, 1.1, " stroke-dasharray=\"6 4\""),
+            Style::Dotted => (colour, width, " stroke-dasharray=\"1.5 3\""),
+            Style::Limit => (self.palette.quiet, 1.0, " stroke-dasharray=\"2 3\""),
+        };
+        let _ = writeln!(
+            self.out,
+            "<path d=\"{data}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linecap=\"{}\"{dashes}/>",
+            if dashes.is_empty() { "round" } else { "butt" }
+        );
+    }
+
+    /// Ticks of the time axis and their labels.
+    fn time_ticks(&self, area: Area) -> (Vec<f64>, f64) {
+        let step = self.time.step((area.width / PER_X_TICK).max(1.0) as usize);
+        (self.time.ticks(step), step)
+    }
+
+    /// Numbers below a plot and the name of the axis.
+    fn time_axis(&mut self, area: Area) {
+        let (ticks, step) = self.time_ticks(area);
+        let quiet = self.palette.quiet;
+        let y = area.bottom() + 14.0;
+        for (t, label) in ticks.iter().zip(labels(&ticks, step)) {
+            self.text((area.across(self.time, *t), y), NUMBER, quiet, " text-anchor=\"middle\"", &label);
+        }
+        let middle = area.x + area.width / 2.0;
+        self.text((middle, y + 14.0), NUMBER, quiet, " text-anchor=\"middle\"", "time [s]");
+    }
+
+    fn text(&mut self, at: (f64, f64), size: f64, colour: &str, more: &str, text: &str) {
+        let _ = writeln!(
+            self.out,
+            "<text x=\"{}\" y=\"{}\" font-size=\"{size}\" fill=\"{colour}\"{more}>{}</text>",
+            round(at.0),
+            round(at.1),
+            escaped(text)
+        );
+    }
+}
+
+/// A place on the drawing with two decimals at most, within what drawing programs can take.
+fn round(x: f64) -> f64 {
+    let rounded = (x.clamp(-1e6, 1e6) * 100.0).round() / 100.0;
+    // No `-0`.
+    rounded + 0.0
+}
+
+/// A text for use between tags or in an attribute; signs that XML cannot hold are left out.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for sign in text.chars() {
+        match sign {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            '\u{FFFE}' | '\u{FFFF}' => {}
+            sign if sign.is_control() => out.push(' '),
+            sign => out.push(sign),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+#[path = "svg_tests.rs"]
+mod tests;

@@ -1,0 +1,113 @@
+use super::*;
+use crate::decimate::thinned;
+use crate::figure::Strip;
+use expect_test::expect;
+
+fn figure() -> Figure {
+    let line = |name: &str, style, end: f64| Line {
+        name: name.to_owned(),
+        style,
+        courses: vec![vec![(0.0, 0.0), (2.0, end)]],
+        ..Line::default()
+    };
+    Figure {
+        title: String::new(),
+        panels: vec![Panel {
+            title: "joint1".to_owned(),
+            unit: "deg".to_owned(),
+            lines: vec![line("set", Style::Dashed, 60.0), line("actual", Style::Solid, 58.0)],
+            strip: Some(Strip { name: "error".to_owned(), lines: vec![line("", Style::Solid, 2.0)] }),
+            notes: Vec::new(),
+        }],
+        columns: 1,
+        time: (0.0, 2.0),
+        width: 320.0,
+    }
+}
+
+#[test]
+fn a_small_figure_reads_like_this() {
+    expect![[r##"
+        <svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 320 289" width="320" height="289" font-family="system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif" role="img">
+        <title>Signals over time</title>
+        <desc>joint1 [deg]: set, actual</desc>
+        <rect width="320" height="289" fill="#FFFFFF"/>
+        <text x="37.36" y="27" font-size="13" fill="#0F172A" font-weight="bold">joint1 [°]</text>
+        <path d="M116.68 23H138.68" fill="none" stroke="#0F172A" stroke-width="1.1" stroke-linecap="butt" stroke-dasharray="6 4"/>
+        <text x="143.68" y="27" font-size="11" fill="#0F172A">set</text>
+        <path d="M174.49 23H196.49" fill="none" stroke="#5800FF" stroke-width="1.7" stroke-linecap="round"/>
+        <text x="201.49" y="27" font-size="11" fill="#0F172A">actual</text>
+        <text x="32.36" y="182.94" font-size="10.5" fill="#475569" text-anchor="end">0</text>
+        <text x="32.36" y="136.65" font-size="10.5" fill="#475569" text-anchor="end">20</text>
+        <text x="32.36" y="90.35" font-size="10.5" fill="#475569" text-anchor="end">40</text>
+        <text x="32.36" y="44.06" font-size="10.5" fill="#475569" text-anchor="end">60</text>
+        <path d="M37.36 35V185M168.68 35V185M300 35V185M37.36 179.44H300M37.36 133.15H300M37.36 86.85H300M37.36 40.56H300" stroke="#E2E8F0" fill="none"/>
+        <clipPath id="p0"><rect x="37.36" y="35" width="262.64" height="150"/></clipPath>
+        <g clip-path="url(#p0)" stroke-linejoin="round">
+        <path d="M37.36 179.44L300 45.19" fill="none" stroke="#5800FF" stroke-width="1.7" stroke-linecap="round"/>
+        <path d="M37.36 179.44L300 40.56" fill="none" stroke="#0F172A" stroke-width="1.1" stroke-linecap="butt" stroke-dasharray="6 4"/>
+        </g>
+        <rect x="37.36" y="35" width="262.64" height="150" fill="none" stroke="#94A3B8"/>
+        <text x="32.36" y="242.8" font-size="10.5" fill="#475569" text-anchor="end">0</text>
+        <text x="32.36" y="200.2" font-size="10.5" fill="#475569" text-anchor="end">2</text>
+        <path d="M37.36 195V241M168.68 195V241M300 195V241M37.36 239.3H300M37.36 196.7H300" stroke="#E2E8F0" fill="none"/>
+        <clipPath id="s0"><rect x="37.36" y="195" width="262.64" height="46"/></clipPath>
+        <g clip-path="url(#s0)" stroke-linejoin="round">
+        <path d="M37.36 239.3L300 196.7" fill="none" stroke="#5800FF" stroke-width="1.7" stroke-linecap="round"/>
+        </g>
+        <rect x="37.36" y="195" width="262.64" height="46" fill="none" stroke="#94A3B8"/>
+        <text x="43.36" y="207" font-size="10.5" fill="#475569">error</text>
+        <text x="37.36" y="255" font-size="10.5" fill="#475569" text-anchor="middle">0</text>
+        <text x="168.68" y="255" font-size="10.5" fill="#475569" text-anchor="middle">1</text>
+        <text x="300" y="255" font-size="10.5" fill="#475569" text-anchor="middle">2</text>
+        <text x="168.68" y="269" font-size="10.5" fill="#475569" text-anchor="middle">time [s]</text>
+        </svg>
+    "##]].assert_eq(&svg(&figure(), Theme::Light));
+}
+
+#[test]
+fn names_cannot_add_anything_to_the_drawing() {
+    let evil = "</text><script>alert('x')</script>\"&\u{0}\u{1b}";
+    let mut figure = figure();
+    figure.title = evil.to_owned();
+    figure.panels[0].title = evil.to_owned();
+    figure.panels[0].unit = evil.to_owned();
+    figure.panels[0].notes.push(evil.to_owned());
+    figure.panels[0].lines[0].name = evil.to_owned();
+    for theme in [Theme::Light, Theme::Dark] {
+        let text = svg(&figure, theme);
+        assert!(!text.contains("<script"), "{text}");
+        blocksim_picture::png(&text, 1.0).unwrap();
+    }
+}
+
+#[test]
+fn every_drawing_can_be_made_a_picture_whatever_the_values() {
+    let extremes = [0.0, f64::MAX, f64::MIN, f64::NAN, 5e-324, f64::INFINITY, -1.0];
+    let time: Vec<f64> = (0..extremes.len()).map(|k| k as f64).collect();
+    for range in [(0.0, 6.0), (3.0, 3.0), (f64::NAN, 1.0), (5.0, 2.0), (-1e300, 1e300)] {
+        let mut figure = figure();
+        figure.time = range;
+        figure.panels[0].lines[0].courses = thinned(&time, &extremes, &(range.0..=range.1), 100, false);
+        figure.panels[0].lines[1].courses.clear();
+        figure.panels[0].strip = None;
+        let text = svg(&figure, Theme::Dark);
+        assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+        blocksim_picture::png(&text, 1.0).unwrap();
+    }
+    blocksim_picture::png(&svg(&Figure { width: 100.0, ..Figure::default() }, Theme::Light), 1.0).unwrap();
+}
+
+#[test]
+fn panels_above_each_other_share_their_axis_of_time() {
+    let mut figure = figure();
+    figure.panels.push(figure.panels[0].clone());
+    figure.panels[1].lines[0].courses = vec![vec![(0.0, 0.0), (2.0, 1234.5)]];
+    let text = svg(&figure, Theme::Light);
+    let lefts: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("<clipPath id=\"p")?.split("x=\"").nth(1)?.split('"').next())
+        .collect();
+    assert_eq!(lefts.len(), 2);
+    assert_eq!(lefts[0], lefts[1]);
+}
