@@ -166,6 +166,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("params", &["blocks", "sim"]),
         ("picture", &["block", "blocks", "diagram", "plot"]),
         ("plot", &["block", "blocks", "diagram", "sim"]),
+        ("analysis", &["*"]),
     ];
     for (name, absent) in nothing_of {
         let reached = reach(name);

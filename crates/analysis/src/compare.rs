@@ -1,0 +1,189 @@
+//! Whether two signals are the same within tolerances.
+
+use crate::bounds::Window;
+use crate::series::{Interpolation, Series};
+
+/// Times that differ by less than this share of the whole are one.
+const SAME_TIME: f64 = 1e-9;
+
+/// How much signals may differ, and how they are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Rule {
+    /// Absolute tolerance, in the unit of the values.
+    pub absolute: f64,
+    /// Relative tolerance, share of the baseline's size at each instant.
+    pub relative: f64,
+    /// Time tolerance, s: how much earlier or later a value may come.
+    pub time: f64,
+    /// What signals are between their values.
+    pub interpolation: Interpolation,
+}
+
+/// Values of both signals at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Deviation {
+    /// When, s.
+    pub time: f64,
+    /// The baseline then.
+    pub baseline: f64,
+    /// The other signal then.
+    pub compared: f64,
+    /// What was allowed: the larger of both tolerances.
+    pub tolerance: f64,
+}
+
+impl Deviation {
+    /// The other signal less the baseline.
+    pub fn difference(&self) -> f64 {
+        // Infinities of one sign are the same.
+        if self.compared == self.baseline { 0.0 } else { self.compared - self.baseline }
+    }
+}
+
+/// What a comparison found.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Comparison {
+    /// First and last instant that both signals have, s; none where they do not overlap.
+    pub span: Option<(f64, f64)>,
+    /// Instants looked at: all at which either signal has a value.
+    pub points: u64,
+    /// Those of them with a difference beyond the tolerance.
+    pub outside: u64,
+    /// The first of those.
+    pub first: Option<Deviation>,
+    /// The largest difference; one that is not a number beats all others.
+    pub largest: Option<Deviation>,
+    /// Root of the mean square of the finite differences, over instants.
+    pub rms: f64,
+}
+
+impl Comparison {
+    /// Whether the signals overlap and differ nowhere by more than is allowed.
+    pub fn is_within(&self) -> bool {
+        self.points > 0 && self.outside == 0
+    }
+
+    /// Whether they do not differ at all.
+    pub fn is_same(&self) -> bool {
+        self.is_within() && self.largest.is_some_and(|largest| largest.difference() == 0.0)
+    }
+}
+
+/// Compares two signals at all instants, within what they both cover, at which either has a value.
+///
+/// At each instant the tolerance is `max(absolute, relative * |baseline|)`; with a time tolerance the signal must lie
+/// between the least and the largest value, widened by their tolerances, that the baseline has within that time. Where
+/// both are NaN or the same infinity they agree; where only one is, they do not. Of a jump both values are compared,
+/// unless values are held.
+pub fn compare(baseline: Series, other: Series, rule: &Rule) -> Comparison {
+    let mut found = Comparison::default();
+    let (Some(a), Some(b)) = (baseline.span(), other.span()) else { return found };
+    let (from, to) = (a.0.max(b.0), a.1.min(b.1));
+    let slack = SAME_TIME * (to - from).abs();
+    if from > to + slack {
+        return found;
+    }
+    found.span = Some((from, to.max(from)));
+    let mut window = (rule.time > 0.0).then(|| Window::new(baseline, rule.interpolation, rule.time, slack));
+    let mut squares = (0.0, 0_u64);
+    for t in Union::new(baseline.time, other.time, from, to.max(from)) {
+        let at = |series: &Series| series.at(t, rule.interpolation, slack);
+        let (Some(base), Some(new)) = (at(&baseline), at(&other)) else { continue };
+        found.points += 1;
+        let around = window.as_mut().and_then(|window| window.around(t));
+        let mut is_outside = false;
+        // Once where nothing jumps.
+        let sides = if base.0 == base.1 && new.0 == new.1 { 1 } else { 2 };
+        for (baseline, compared) in [(base.0, new.0), (base.1, new.1)].into_iter().rev().take(sides) {
+            let tolerance = tolerance(baseline, rule);
+            let deviation = Deviation { time: t, baseline, compared, tolerance };
+            let size = size(&deviation);
+            if size.is_finite() {
+                squares = (squares.0 + size * size, squares.1 + 1);
+            }
+            // `NaN` as a size means that one of both is no number.
+            if found.largest.is_none_or(|largest| ranked(size) > ranked(self::size(&largest))) {
+                found.largest = Some(deviation);
+            }
+            if !allowed(&deviation, size, around, rule) {
+                is_outside = true;
+                found.first.get_or_insert(deviation);
+            }
+        }
+        found.outside += u64::from(is_outside);
+    }
+    found.rms = if squares.1 > 0 { (squares.0 / squares.1 as f64).sqrt() } else { 0.0 };
+    found
+}
+
+fn tolerance(baseline: f64, rule: &Rule) -> f64 {
+    let relative = rule.relative * baseline.abs();
+    if relative.is_finite() { rule.absolute.max(relative) } else { rule.absolute }
+}
+
+/// Size of a difference; 0 where both are NaN, NaN where one is.
+fn size(deviation: &Deviation) -> f64 {
+    if deviation.baseline.is_nan() && deviation.compared.is_nan() {
+        0.0
+    } else {
+        deviation.difference().abs()
+    }
+}
+
+fn ranked(size: f64) -> f64 {
+    if size.is_nan() { f64::INFINITY } else { size }
+}
+
+fn allowed(deviation: &Deviation, size: f64, around: Option<(f64, f64)>, rule: &Rule) -> bool {
+    if size <= deviation.tolerance {
+        return true;
+    }
+    let Some((low, high)) = around else { return false };
+    let within = |x: f64| x >= low - tolerance(low, rule) && x <= high + tolerance(high, rule);
+    within(deviation.compared)
+}
+
+/// All times of two signals within a range in order, each once.
+struct Union<'a> {
+    lists: [&'a [f64]; 2],
+    next: [usize; 2],
+    to: f64,
+    last: f64,
+    ends: [Option<f64>; 2],
+}
+
+impl<'a> Union<'a> {
+    fn new(a: &'a [f64], b: &'a [f64], from: f64, to: f64) -> Union<'a> {
+        let next = [a, b].map(|list| list.partition_point(|&t| t < from));
+        Union { lists: [a, b], next, to, last: f64::NEG_INFINITY, ends: [Some(from), Some(to)] }
+    }
+}
+
+impl Iterator for Union<'_> {
+    type Item = f64;
+
+    fn next(&mut self) -> Option<f64> {
+        if let Some(from) = self.ends[0].take() {
+            self.last = from;
+            return Some(from);
+        }
+        loop {
+            let head = |n: usize| self.lists[n].get(self.next[n]).copied().unwrap_or(f64::INFINITY);
+            let (a, b) = (head(0), head(1));
+            let t = a.min(b);
+            if t >= self.to {
+                let end = self.ends[1].take()?;
+                return (end > self.last).then_some(end);
+            }
+            self.next[usize::from(b < a)] += 1;
+            if t > self.last {
+                self.last = t;
+                return Some(t);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "compare_tests.rs"]
+mod tests;

@@ -1,0 +1,105 @@
+use super::*;
+
+fn ramp(rows: u32, step: f64, slope: f64, offset: f64) -> (Vec<f64>, Vec<f64>) {
+    let time: Vec<f64> = (0..rows).map(|k| f64::from(k) * step).collect();
+    let values = time.iter().map(|t| offset + slope * t).collect();
+    (time, values)
+}
+
+fn compared(a: &(Vec<f64>, Vec<f64>), b: &(Vec<f64>, Vec<f64>), rule: Rule) -> Comparison {
+    compare(Series::new(&a.0, &a.1), Series::new(&b.0, &b.1), &rule)
+}
+
+#[test]
+fn a_signal_is_the_same_as_itself() {
+    let a = ramp(11, 0.1, 2.0, 0.0);
+    let found = compared(&a, &a, Rule::default());
+    assert!(found.is_same() && found.points == 11 && found.rms == 0.0, "{found:?}");
+    assert_eq!(found.span, Some((0.0, a.0[10])));
+}
+
+#[test]
+fn straight_lines_agree_on_any_time_base_between_their_values() {
+    let (a, b) = (ramp(11, 0.1, 2.0, 0.0), ramp(8, 1.0 / 7.0, 2.0, 0.0));
+    let found = compared(&a, &b, Rule { absolute: 1e-12, ..Rule::default() });
+    assert!(found.is_within(), "{found:?}");
+    // 0, seven sevenths and ten tenths, 1 being both.
+    assert_eq!(found.points, 17);
+    // Held values of a ramp differ by up to the slope times the coarser step.
+    let held = compared(&a, &b, Rule { interpolation: Interpolation::Hold, ..Rule::default() });
+    let largest = held.largest.unwrap().difference().abs();
+    assert!(largest > 0.1 && largest <= 2.0 / 7.0, "{largest}");
+}
+
+#[test]
+fn the_tolerance_is_the_larger_of_both() {
+    // Differs by 1 % of the baseline 0 to 10, plus nothing.
+    let (a, b) = (ramp(101, 0.1, 1.0, 0.0), ramp(101, 0.1, 1.01, 0.0));
+    let rule = |absolute, relative| Rule { absolute, relative, ..Rule::default() };
+    assert!(compared(&a, &b, rule(0.0, 0.0101)).is_within());
+    assert!(compared(&a, &b, rule(0.101, 0.0)).is_within());
+    let found = compared(&a, &b, rule(0.05, 0.005));
+    // 0.01 t > max(0.05, 0.005 t) from t = 5 on, where it is equal.
+    let first = found.first.unwrap();
+    assert!((first.time - 5.1).abs() < 1e-9 && (first.tolerance - 0.05).abs() < 1e-12, "{first:?}");
+    assert!((found.largest.unwrap().time - 10.0).abs() < 1e-9);
+    // Root of the mean of (0.01 t)^2 over the rows: 0.1 sqrt((2 n + 1) / (6 n)) with n = 100.
+    assert!((found.rms - 0.1 * (201.0_f64 / 600.0).sqrt()).abs() < 1e-12);
+}
+
+#[test]
+fn a_late_step_is_within_its_time_tolerance_and_no_later_one() {
+    let step = |at: f64| (vec![0.0, at, at, 2.0], vec![0.0, 0.0, 1.0, 1.0]);
+    let rule = |time| Rule { time, absolute: 1e-9, ..Rule::default() };
+    assert!(compared(&step(1.0), &step(1.05), rule(0.051)).is_within());
+    assert!(compared(&step(1.05), &step(1.0), rule(0.051)).is_within());
+    let found = compared(&step(1.0), &step(1.05), rule(0.0));
+    assert_eq!(found.first.unwrap(), Deviation { time: 1.0, baseline: 1.0, compared: 0.0, tolerance: 1e-9 });
+    assert!(!compared(&step(1.0), &step(1.05), rule(0.04)).is_within());
+    // It may come late, but not be too high.
+    let mut high = step(1.05);
+    high.1[2] = 1.1;
+    assert!(!compared(&step(1.0), &high, rule(0.1)).is_within());
+}
+
+#[test]
+fn both_sides_of_a_jump_count() {
+    let a = (vec![0.0, 1.0, 1.0, 2.0], vec![0.0, 0.0, 5.0, 5.0]);
+    let b = (vec![0.0, 1.0, 1.0, 2.0], vec![0.0, 0.5, 5.0, 5.0]);
+    let found = compared(&a, &b, Rule::default());
+    assert_eq!((found.outside, found.largest.unwrap().difference()), (1, 0.5));
+    assert!(compared(&a, &b, Rule { interpolation: Interpolation::Hold, ..Rule::default() }).is_same());
+}
+
+#[test]
+fn what_is_no_number_agrees_only_with_its_like() {
+    let with = |x: f64| (vec![0.0, 1.0, 2.0], vec![0.0, x, 0.0]);
+    let (nan, infinite) = (with(f64::NAN), with(f64::INFINITY));
+    assert!(compared(&nan, &nan, Rule::default()).is_within());
+    assert!(compared(&infinite, &infinite, Rule::default()).is_within());
+    for (a, b) in [(&nan, &with(0.0)), (&with(0.0), &nan), (&infinite, &with(1e300)), (&nan, &infinite)] {
+        let found = compared(a, b, Rule { absolute: 1e6, relative: 1.0, ..Rule::default() });
+        assert!(!found.is_within(), "{a:?} {b:?}");
+        assert_eq!(found.first.unwrap().time, 1.0);
+    }
+}
+
+#[test]
+fn signals_without_common_time_are_not_compared() {
+    let (a, b) = ((vec![0.0, 1.0], vec![0.0, 0.0]), (vec![2.0, 3.0], vec![0.0, 0.0]));
+    let found = compared(&a, &b, Rule::default());
+    assert!(!found.is_within() && found.span.is_none() && found.points == 0);
+    assert!(!compared(&a, &(vec![], vec![]), Rule::default()).is_within());
+    // One common instant is enough.
+    assert!(compared(&a, &(vec![1.0, 2.0], vec![0.0, 9.0]), Rule::default()).is_within());
+}
+
+#[test]
+fn held_values_do_not_come_late_by_rounding() {
+    let a = (
+        (0..100).map(|k| f64::from(k) * 0.1).collect::<Vec<_>>(),
+        (0..100).map(f64::from).collect::<Vec<_>>(),
+    );
+    let b = ((0..100).map(|k| f64::from(k) / 10.0).collect::<Vec<_>>(), a.1.clone());
+    assert!(compared(&a, &b, Rule { interpolation: Interpolation::Hold, ..Rule::default() }).is_same());
+}

@@ -1,0 +1,15 @@
+//! Numbers about signals over time: how well one follows another, whether two are the same within tolerances, and by
+//! how much one is late. Knows nothing of blocks, files and units.
+//!
+//! A signal is a [`Series`]: times and values. Two values may share a time, those before and after a jump.
+
+mod align;
+mod bounds;
+mod compare;
+mod metrics;
+mod series;
+
+pub use align::lag;
+pub use compare::{Comparison, Deviation, Rule, compare};
+pub use metrics::{Metrics, metrics};
+pub use series::{Interpolation, Series};
