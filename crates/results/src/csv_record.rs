@@ -8,6 +8,8 @@ use crate::error::CsvError;
 pub(crate) struct Records<R> {
     source: R,
     limit: usize,
+    /// What stands between fields; found in the first record where it is not known.
+    delimiter: Option<char>,
     bytes: Vec<u8>,
     next_line: u64,
     /// Line on which the present record starts, from 1.
@@ -21,7 +23,27 @@ pub(crate) struct Records<R> {
 impl<R: BufRead> Records<R> {
     /// Records of at most `limit` bytes each.
     pub fn new(source: R, limit: usize) -> Records<R> {
-        Records { source, limit, bytes: Vec::new(), next_line: 1, line: 1, fields: Vec::new(), count: 0 }
+        Records {
+            source,
+            limit,
+            delimiter: Some(','),
+            bytes: Vec::new(),
+            next_line: 1,
+            line: 1,
+            fields: Vec::new(),
+            count: 0,
+        }
+    }
+
+    /// The same with semicolons, tabs or commas between fields, whichever of them occurs in the first record, in this
+    /// order.
+    pub fn of_any_delimiter(source: R, limit: usize) -> Records<R> {
+        Records { delimiter: None, ..Records::new(source, limit) }
+    }
+
+    /// What stands between fields.
+    pub fn delimiter(&self) -> char {
+        self.delimiter.unwrap_or(',')
     }
 
     /// Moves to the next record that is not an empty line; false at the end of the text.
@@ -83,6 +105,7 @@ impl<R: BufRead> Records<R> {
         let Ok(text) = std::str::from_utf8(&self.bytes) else {
             return Err(self.error(None, "the line is not UTF-8 text; save the file as UTF-8"));
         };
+        let delimiter = *self.delimiter.get_or_insert_with(|| delimiter_in(text));
         let mut count = 0;
         let mut rest = text;
         loop {
@@ -108,19 +131,19 @@ impl<R: BufRead> Records<R> {
                         None => break,
                     }
                 }
-                if !(quoted.is_empty() || quoted.starts_with(',')) {
+                if !(quoted.is_empty() || quoted.starts_with(delimiter)) {
                     return Err(
                         self.error(Some(count), "text follows a closing quote; write \"\" for a quote")
                     );
                 }
                 rest = quoted;
             } else {
-                let end = rest.find(',').unwrap_or(rest.len());
+                let end = rest.find(delimiter).unwrap_or(rest.len());
                 field.push_str(&rest[..end]);
                 rest = &rest[end..];
             }
             count += 1;
-            match rest.strip_prefix(',') {
+            match rest.strip_prefix(delimiter) {
                 Some(after) => rest = after,
                 None => break,
             }
@@ -128,6 +151,12 @@ impl<R: BufRead> Records<R> {
         self.count = count;
         Ok(())
     }
+}
+
+/// What stands between the fields of a record, outside quotes.
+fn delimiter_in(record: &str) -> char {
+    let outside: String = record.split('"').step_by(2).collect();
+    [';', '\t'].into_iter().find(|&sign| outside.contains(sign)).unwrap_or(',')
 }
 
 fn odd_quotes(bytes: &[u8]) -> bool {

@@ -1,0 +1,278 @@
+//! Tables of other programs: measured values, exports of spreadsheets.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+use crate::csv::ReadLimits;
+use crate::csv_record::Records;
+use crate::error::{CsvError, ResultsError};
+
+/// Names of columns that hold the time, in lower case.
+const TIMES: [&str; 7] = ["time", "t", "timestamp", "zeit", "temps", "tiempo", "aika"];
+/// Columns named in a message.
+const NAMED: usize = 12;
+
+/// A table of signals as its file says it, in whatever units.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Foreign {
+    /// Times, in `time_unit`, never falling.
+    pub time: Vec<f64>,
+    /// Unit of the times, if the file says one.
+    pub time_unit: Option<String>,
+    /// All other columns.
+    pub columns: Vec<ForeignColumn>,
+}
+
+/// A column of a table.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ForeignColumn {
+    /// Its name, without the unit.
+    pub name: String,
+    /// Its unit, if the file says one.
+    pub unit: Option<String>,
+    /// As many values as there are times; NaN where a field is empty.
+    pub values: Vec<f64>,
+}
+
+/// Reads a table of another program. See [`read_foreign`].
+///
+/// # Errors
+/// [`ResultsError`] with the file, and for its content with line and column.
+pub fn read_foreign_file(path: &Path, time: Option<&str>) -> Result<Foreign, ResultsError> {
+    let file = File::open(path).map_err(|error| ResultsError::io("read", path, error))?;
+    if file.metadata().is_ok_and(|about| about.is_dir()) {
+        return Err(ResultsError::io("read", path, std::io::ErrorKind::IsADirectory.into()));
+    }
+    read_foreign(BufReader::new(file), time, ReadLimits::default())
+        .map_err(|source| ResultsError::Csv { path: path.to_owned(), source })
+}
+
+/// Reads a table: one line with the names of the columns, then numbers.
+///
+/// Columns are separated by semicolons, tabs or commas, whichever of them the first line has; where that is not the
+/// comma, numbers may have a decimal comma, but not some a comma and some a point. Units stand behind names,
+/// `angle [deg]` or `angle (deg)`, or in a line of their own below them. `time` names the column with the time; without
+/// it that is the one called `time`, `t`, `timestamp` and the like.
+///
+/// # Errors
+/// [`CsvError`] with line and column where the text is no such table or exceeds the limits.
+pub fn read_foreign(
+    source: impl BufRead,
+    time: Option<&str>,
+    limits: ReadLimits,
+) -> Result<Foreign, CsvError> {
+    let mut records = Records::of_any_delimiter(source, limits.line);
+    if !records.advance()? {
+        return Err(records.error(None, "the file is empty; the first line must name the columns"));
+    }
+    if records.fields().iter().all(|field| is_number(field)) {
+        let problem = "the first line has numbers; it must name the columns, such as `time [s]`";
+        return Err(records.error(None, problem));
+    }
+    let mut columns: Vec<ForeignColumn> = records.fields().iter().map(|heading| column(heading)).collect();
+    let at = time_column(&columns, time).map_err(|problem| records.error(None, problem))?;
+    let comma = records.delimiter() != ',';
+    let mut decimal = Decimal { sign: if comma { None } else { Some('.') } };
+    let mut rows = 0_usize;
+    let mut last = f64::NEG_INFINITY;
+    while records.advance()? {
+        while records.count > columns.len() && records.fields[records.count - 1].trim().is_empty() {
+            records.count -= 1;
+        }
+        if records.count != columns.len() {
+            let problem = format!("{} columns, but the first line names {}", records.count, columns.len());
+            let hint = if !comma { "; are there decimal commas? then write ; between columns" } else { "" };
+            return Err(records.error(None, problem + hint));
+        }
+        if rows == 0 && records.fields().iter().all(|field| !is_number(field)) && records.count > 1 {
+            for (column, field) in columns.iter_mut().zip(records.fields()) {
+                column.unit = column.unit.take().or_else(|| unit(field));
+            }
+            continue;
+        }
+        rows += 1;
+        if rows.saturating_mul(columns.len()) > limits.values {
+            let problem = format!("the file has more than {} numbers, which is the limit", limits.values);
+            return Err(records.error(None, problem));
+        }
+        for (n, column) in columns.iter_mut().enumerate() {
+            let value =
+                decimal.read(&records.fields[n]).map_err(|problem| records.error(Some(n), problem))?;
+            column.values.push(value);
+        }
+        let now = columns[at].values[rows - 1];
+        let ordered = now >= last && now.is_finite();
+        if !ordered {
+            let problem = match now.is_finite() {
+                true => format!("the time {now} follows {last}; times must not fall"),
+                false => "there is no time in this line".to_owned(),
+            };
+            return Err(records.error(Some(at), problem));
+        }
+        last = now;
+    }
+    let time = columns.remove(at);
+    // A delimiter at the end of each line makes a column of nothing.
+    columns.retain(|column| !column.name.is_empty() || column.values.iter().any(|x| !x.is_nan()));
+    for (n, column) in columns.iter_mut().enumerate().filter(|(_, column)| column.name.is_empty()) {
+        column.name = format!("column {}", n + 1 + usize::from(n >= at));
+    }
+    Ok(Foreign { time: time.values, time_unit: time.unit, columns })
+}
+
+/// A heading as a column without values.
+fn column(heading: &str) -> ForeignColumn {
+    let heading = heading.trim();
+    let split = [(" [", ']'), (" (", ')')].into_iter().find_map(|(open, close)| {
+        let (name, unit) = heading.strip_suffix(close)?.rsplit_once(open)?;
+        Some((name.trim(), unit.trim()))
+    });
+    let (name, unit) = split.map_or((heading, None), |(name, unit)| (name, Some(unit.to_owned())));
+    ForeignColumn { name: name.to_owned(), unit: unit.filter(|unit| !unit.is_empty()), values: Vec::new() }
+}
+
+/// A field of the line of units.
+fn unit(field: &str) -> Option<String> {
+    let unit = field.trim().trim_matches(['[', ']', '(', ')']).trim();
+    (!unit.is_empty() && unit != "-").then(|| unit.to_owned())
+}
+
+/// Position of the column with the time.
+fn time_column(columns: &[ForeignColumn], asked: Option<&str>) -> Result<usize, String> {
+    let names: Vec<String> = columns.iter().take(NAMED).map(|column| format!("`{}`", column.name)).collect();
+    let more = if columns.len() > NAMED { " and more" } else { "" };
+    let known = format!("{}{more}", names.join(", "));
+    let find = |fits: &dyn Fn(&str) -> bool| columns.iter().position(|column| fits(&column.name));
+    match asked {
+        Some(name) => find(&|known| known == name)
+            .ok_or_else(|| format!("there is no column `{name}` for the time; the columns are {known}")),
+        None => find(&|name| TIMES.contains(&name.to_lowercase().as_str())).ok_or_else(|| {
+            format!(
+                "which column is the time? the columns are {known}; name it, such as `--map 'COLUMN=time[s]'`"
+            )
+        }),
+    }
+}
+
+fn is_number(field: &str) -> bool {
+    let field = field.trim();
+    field.replacen(',', ".", 1).parse::<f64>().is_ok()
+}
+
+/// Reads numbers with one sign before the decimals throughout a file.
+struct Decimal {
+    sign: Option<char>,
+}
+
+impl Decimal {
+    fn read(&mut self, field: &str) -> Result<f64, String> {
+        let field = field.trim();
+        if field.is_empty() || field == "-" {
+            return Ok(f64::NAN);
+        }
+        let found = field.chars().find(|sign| matches!(sign, '.' | ','));
+        let shown: String = field.chars().take(40).collect();
+        if let Some(found) = found
+            && let known = *self.sign.get_or_insert(found)
+            && found != known
+        {
+            return Err(match known {
+                '.' if field.matches(',').count() == 1 && field.matches('.').count() == 0 => {
+                    format!(
+                        "`{shown}` has a decimal comma where others have a point; export the table with one of both"
+                    )
+                }
+                _ => format!(
+                    "`{shown}` has a `{found}` where others have a `{known}` before the decimals; write no \
+                              marks between thousands"
+                ),
+            });
+        }
+        let with_point = if found == Some(',') { field.replacen(',', ".", 1) } else { field.to_owned() };
+        with_point
+            .parse()
+            .map_err(|_| format!("`{shown}` is no number; leave the field empty where there is none"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Foreign, CsvError> {
+        read_foreign(text.as_bytes(), None, ReadLimits::default())
+    }
+
+    #[test]
+    fn a_table_with_semicolons_and_decimal_commas_is_read() {
+        let table = read("Zeit (ms);q1 [deg];Strom;\r\n0;1,5;;\r\n0,5;-2;3e-1;\r\n").unwrap();
+        assert_eq!((table.time, table.time_unit.as_deref()), (vec![0.0, 0.5], Some("ms")));
+        assert_eq!(table.columns.len(), 2);
+        assert_eq!((table.columns[0].name.as_str(), table.columns[0].unit.as_deref()), ("q1", Some("deg")));
+        assert_eq!(table.columns[0].values, [1.5, -2.0]);
+        assert!(table.columns[1].values[0].is_nan() && table.columns[1].values[1] == 0.3);
+        assert_eq!(table.columns[1].unit, None);
+    }
+
+    #[test]
+    fn tabs_commas_and_a_line_of_units_are_understood() {
+        let table = read("q\tt\n[rad]\ts\n1\t0\n2\t0\n").unwrap();
+        assert_eq!((table.time, table.time_unit.as_deref()), (vec![0.0, 0.0], Some("s")));
+        assert_eq!(table.columns[0].unit.as_deref(), Some("rad"));
+        let table = read("time [s],\"a, b\",arm.q[2]\n0,NaN,1.5\n").unwrap();
+        assert_eq!([&table.columns[0].name, &table.columns[1].name], ["a, b", "arm.q[2]"]);
+        assert_eq!(table.columns[1].unit, None, "an index is no unit");
+        let named = read_foreign(&b"x,y\n1,2\n"[..], Some("y"), ReadLimits::default()).unwrap();
+        assert_eq!((named.time, named.columns[0].values.clone()), (vec![2.0], vec![1.0]));
+    }
+
+    #[test]
+    fn mistakes_are_named_with_line_and_column() {
+        let message = |text: &str| read(text).unwrap_err().to_string();
+        assert_eq!(message(""), "line 1: the file is empty; the first line must name the columns");
+        assert_eq!(
+            message("0,1\n1,2\n"),
+            "line 1: the first line has numbers; it must name the columns, such as `time [s]`"
+        );
+        assert_eq!(
+            message("x;y\n1;2\n"),
+            "line 1: which column is the time? the columns are `x`, `y`; name it, such as `--map \
+             'COLUMN=time[s]'`"
+        );
+        assert_eq!(message("t;a\n1;2\n0;2\n"), "line 3, column 1: the time 0 follows 1; times must not fall");
+        assert_eq!(message("t;a\n1;2\n;2\n"), "line 3, column 1: there is no time in this line");
+        assert_eq!(
+            message("t;a\n0;1,5\n1;1.5\n"),
+            "line 3, column 2: `1.5` has a `.` where others have a `,` before the decimals; write no marks \
+             between thousands"
+        );
+        assert_eq!(
+            message("t;a\n0;1.5\n1;1,5\n"),
+            "line 3, column 2: `1,5` has a decimal comma where others have a point; export the table with one \
+             of both"
+        );
+        assert_eq!(
+            message("t;a\n0;1.234,5\n"),
+            "line 2, column 2: `1.234,5` is no number; leave the field empty where there is none"
+        );
+        assert_eq!(
+            message("t,a\n0,1,5\n"),
+            "line 2: 3 columns, but the first line names 2; are there decimal commas? then write ; between \
+             columns"
+        );
+        assert_eq!(
+            message("t;a\n0;x\n"),
+            "line 2, column 2: `x` is no number; leave the field empty where there is none"
+        );
+        assert!(read_foreign(&b"t\n0\n"[..], Some("u"), ReadLimits::default()).is_err());
+    }
+
+    #[test]
+    fn a_table_without_rows_is_empty_and_memory_is_bounded() {
+        assert_eq!(read("t;a\n").unwrap().time.len(), 0);
+        let limits = ReadLimits { line: 100, values: 6 };
+        let text = format!("t,a\n{}", "0,0\n".repeat(4));
+        assert!(read_foreign(text.as_bytes(), None, limits).is_err());
+    }
+}
