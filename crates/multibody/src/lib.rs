@@ -6,6 +6,7 @@
 //! | question | function | Featherstone, *Rigid Body Dynamics Algorithms* (2008) |
 //! |---|---|---|
 //! | torques for a motion | [`rnea`] | recursive Newton-Euler, table 5.1 |
+//! | the same as a matrix times the inertial parameters | [`regressor`] | |
 //! | torques at zero acceleration | [`bias`] | the same with zero joint acceleration |
 //! | mass matrix | [`crba`] | composite rigid bodies, table 6.2 |
 //! | both, for a caller that solves | [`mass_and_bias`] | one forward and one backward sweep |
@@ -46,6 +47,7 @@ mod orientation;
 mod placement;
 mod positions;
 mod quaternion;
+mod regressor;
 mod rnea;
 mod spatial;
 mod symmetric;
@@ -71,5 +73,6 @@ pub use orientation::{
 };
 pub use placement::Placement;
 pub use positions::{home_positions, move_positions, positions_derivative};
+pub use regressor::{PARAMETER_NAMES, PARAMETERS_PER_BODY, regressor};
 pub use rnea::{bias, rnea};
 pub use spatial::{Force, Motion};

@@ -3,8 +3,8 @@
 use crate::assert_close;
 use crate::trees::forest;
 use blocksim_multibody::{
-    Force, aba, add_force, bias, crba, jacobian, kinetic_energy, mass_and_bias, move_positions,
-    potential_energy, rnea,
+    Force, PARAMETERS_PER_BODY, aba, add_force, bias, crba, jacobian, kinetic_energy, mass_and_bias,
+    move_positions, potential_energy, regressor, rnea,
 };
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -20,6 +20,21 @@ fn inverse_dynamics_is_mass_times_acceleration_plus_bias() {
         rnea(&model, &mut data, &q, &v, &a, &mut tau);
         let expected = DMatrix::from_row_slice(n, n, &m) * DVector::from_vec(a) + DVector::from_vec(h);
         assert_close(&tau, expected.as_slice(), 1e-12);
+    }
+}
+
+#[test]
+fn the_regressor_times_the_inertial_parameters_is_inverse_dynamics() {
+    for (model, mut random) in forest() {
+        let n = model.dof();
+        let mut data = model.data();
+        let (q, v, a) = (random.positions(&model), random.vector(n, 2.0), random.vector(n, 5.0));
+        let columns = PARAMETERS_PER_BODY * model.bodies().count();
+        let (mut y, mut tau) = (vec![0.0; n * columns], vec![0.0; n]);
+        regressor(&model, &mut data, &q, &v, &a, &mut y);
+        rnea(&model, &mut data, &q, &v, &a, &mut tau);
+        let got = DMatrix::from_row_slice(n, columns, &y) * DVector::from_vec(model.inertial_parameters());
+        assert_close(got.as_slice(), &tau, 1e-12);
     }
 }
 
