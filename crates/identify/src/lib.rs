@@ -1,0 +1,21 @@
+//! Parameters of robots from measurements: numbers in, estimates with their accuracy out.
+//!
+//! | question | function |
+//! |---|---|
+//! | linear and nonlinear least squares with standard errors | [`least_squares`], [`nonlinear_least_squares`] |
+//! | Coulomb and viscous friction from two or many speeds | [`two_point`], [`line`] |
+//! | breakaway, Coulomb and viscous friction through gear and motor | [`curve`] |
+//!
+//! All angles are in rad, torques in N m.
+
+mod error;
+mod friction;
+mod least_squares;
+mod random;
+mod student;
+
+pub use error::IdentifyError;
+pub use friction::{Curve, CurveFit, Line, Point, Train, TwoPoint, curve, line, two_point};
+pub use least_squares::{Estimate, Fit, least_squares, nonlinear_least_squares};
+pub use random::Random;
+pub use student::interval_95;
