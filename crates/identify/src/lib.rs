@@ -5,15 +5,18 @@
 //! | linear and nonlinear least squares with standard errors | [`least_squares`], [`nonlinear_least_squares`] |
 //! | Coulomb and viscous friction from two or many speeds | [`two_point`], [`line`] |
 //! | breakaway, Coulomb and viscous friction through gear and motor | [`curve`] |
+//! | which combinations of masses and inertias decide the torques | [`BaseParameters`] |
 //!
 //! All angles are in rad, torques in N m.
 
+mod base_parameters;
 mod error;
 mod friction;
 mod least_squares;
 mod random;
 mod student;
 
+pub use base_parameters::{BaseParameter, BaseParameters, inertial_name};
 pub use error::IdentifyError;
 pub use friction::{Curve, CurveFit, Line, Point, Train, TwoPoint, curve, line, two_point};
 pub use least_squares::{Estimate, Fit, least_squares, nonlinear_least_squares};
