@@ -54,6 +54,20 @@ numbers_in! {
     speed, "rad/s";
     /// An angular acceleration, rad/s^2.
     acceleration, "rad/s^2";
+    /// A length, m.
+    length, "m";
+    /// A velocity, m/s.
+    velocity, "m/s";
+    /// An acceleration of a point, m/s^2.
+    point_acceleration, "m/s^2";
+    /// A mass, kg.
+    mass, "kg";
+    /// A moment of inertia, kg*m^2.
+    inertia, "kg*m^2";
+    /// A torque, N*m.
+    torque, "N*m";
+    /// A coefficient of viscous damping, N*m*s/rad.
+    damping, "N*m*s/rad";
     /// A voltage, V.
     voltage, "V";
     /// A frequency, Hz.
@@ -87,6 +101,41 @@ lists_in! {
     currents -> Measure, measured, "A";
     /// Voltages, V, or something else without unit.
     voltages -> Measure, measured, "V";
+}
+
+macro_rules! triples_in {
+    ($($(#[$doc:meta])* $name:ident, $unit:literal;)*) => {
+        $($(#[$doc])*
+        ///
+        /// # Errors
+        /// No list of three numbers, or one in another unit.
+        pub fn $name<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<[f64; 3], D::Error> {
+            match ParamValue::deserialize(deserializer)?.0 {
+                Value::List(items) if items.len() == 3 => {
+                    let mut triple = [0.0; 3];
+                    for (place, item) in triple.iter_mut().zip(&items) {
+                        *place = checked(item, $unit)?;
+                    }
+                    Ok(triple)
+                }
+                other => Err(D::Error::custom(format!("expected a list of three numbers, found {}", other.describe()))),
+            }
+        }
+        )*
+    };
+}
+
+triples_in! {
+    /// A point or a displacement: x, y, z, m.
+    point, "m";
+    /// A direction: x, y, z without unit.
+    direction, "1";
+    /// Three angles, rad.
+    turns, "rad";
+    /// Three moments or products of inertia, kg*m^2.
+    moments, "kg*m^2";
+    /// An acceleration: x, y, z, m/s^2.
+    acceleration_vector, "m/s^2";
 }
 
 /// A resistance or reactance, ohm, or something else without unit.

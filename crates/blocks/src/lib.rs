@@ -17,6 +17,7 @@ pub mod motion;
 pub mod multibody;
 pub mod networks;
 pub mod power_electronics;
+pub mod robotics;
 pub mod rotational;
 pub mod routing;
 pub mod sinks;

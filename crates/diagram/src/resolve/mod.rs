@@ -57,15 +57,21 @@ impl<'a> Resolver<'a> {
 
     /// The top diagram with its scope.
     pub(crate) fn top(&self, file: FileId) -> Option<(Model, Rc<Scope<'a>>)> {
-        let ast = self.ast(file)?;
-        let scope = Rc::new(Scope::new(self.sources, None));
-        ast.parameters.iter().for_each(|(name, node)| scope.declare(name, file, node));
-        self.override_parameters(&ast, &scope, "");
+        let (ast, scope) = self.parameters(file)?;
         let model = self.model(&ast, &scope, "", &[file]);
         for unused in self.overrides.iter().filter(|o| !o.used.get()) {
             self.report(self.unknown_override(unused, &model));
         }
         Some((model, scope))
+    }
+
+    /// The top diagram as written, and the scope of its parameters.
+    pub(crate) fn parameters(&self, file: FileId) -> Option<(Rc<Ast>, Rc<Scope<'a>>)> {
+        let ast = self.ast(file)?;
+        let scope = Rc::new(Scope::new(self.sources, None));
+        ast.parameters.iter().for_each(|(name, node)| scope.declare(name, file, node));
+        self.override_parameters(&ast, &scope, "");
+        Some((ast, scope))
     }
 
     /// The blocks of a diagram whose parameters are known.

@@ -1,0 +1,345 @@
+//! A robot as a set in a diagram or in a file of its own.
+
+use blocksim_block::in_unit;
+use blocksim_block::prelude::*;
+use blocksim_multibody::{Inertia, Placement};
+use blocksim_robot::{Drive, Friction, Link, Parts, Robot, RobotError, Solid, TcpLimits};
+use serde::de::IgnoredAny;
+
+use crate::motion::Limits;
+
+/// A robot: links with axes, frames, tool, limits and drives, as one set.
+///
+/// ```text
+/// (
+///     name: Text("two links"),
+///     links: [
+///         (name: Text("upper"), origin: (translation: [0, 0, "0.4 m"]), axis: [0, 1, 0],
+///          limits: (lower: "-90 deg", upper: "90 deg", speed: "90 deg/s", acceleration: "200 deg/s^2"),
+///          bodies: [(mass: "2 kg", com: [0, 0, "0.2 m"], moi: [...], poi: [...])]),
+///     ],
+///     flange: (translation: [0, 0, "0.5 m"]),
+/// )
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RobotDescription {
+    /// What people call it.
+    #[serde(default)]
+    pub name: String,
+    /// Gravity in the world, m/s^2.
+    #[serde(default = "downward", deserialize_with = "in_unit::acceleration_vector")]
+    pub gravity: [f64; 3],
+    /// The base in the world.
+    #[serde(default)]
+    pub base: Seat,
+    /// The frame of targets in the base.
+    #[serde(default)]
+    pub reference: Seat,
+    /// Links from the base on, each with the axis that moves it.
+    pub links: Vec<JointLink>,
+    /// The flange on the last link.
+    #[serde(default)]
+    pub flange: Seat,
+    /// The tool in the flange.
+    #[serde(default)]
+    pub tool: Seat,
+    /// What is fixed to the flange, in its axes.
+    #[serde(default)]
+    pub load: Vec<BodyData>,
+    /// What the tool centre point can do; no limits if none are given.
+    #[serde(default)]
+    pub tcp_limits: TcpData,
+}
+
+/// Where a frame is in another.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Seat {
+    /// Its origin, m.
+    #[serde(default, deserialize_with = "in_unit::point")]
+    pub translation: [f64; 3],
+    /// Roll, pitch and yaw about the fixed axes x, y and z, rad.
+    #[serde(default, deserialize_with = "in_unit::turns")]
+    pub rpy: [f64; 3],
+}
+
+/// A link with the axis that moves it against the link before.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointLink {
+    /// What people call it.
+    #[serde(default)]
+    pub name: String,
+    /// Where the axis is on the link before; the frame of the link is there at position zero.
+    #[serde(default)]
+    pub origin: Seat,
+    /// Direction of the axis in the frame of the link.
+    #[serde(deserialize_with = "in_unit::direction")]
+    pub axis: [f64; 3],
+    /// What the axis can do.
+    pub limits: Limits,
+    /// Position at the start, rad.
+    #[serde(default, deserialize_with = "in_unit::angle")]
+    pub start: f64,
+    /// What the link consists of, in its frame.
+    #[serde(default)]
+    pub bodies: Vec<BodyData>,
+    /// Motor, gear and bearing.
+    #[serde(default)]
+    pub drive: DriveData,
+}
+
+/// Mass properties of a rigid body. Its shapes are for drawing and say nothing of its dynamics.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyData {
+    /// Mass, kg.
+    #[serde(deserialize_with = "in_unit::mass")]
+    pub mass: f64,
+    /// Centre of mass, m.
+    #[serde(deserialize_with = "in_unit::point")]
+    pub com: [f64; 3],
+    /// Ixx, Iyy, Izz about the centre of mass, kg*m^2.
+    #[serde(deserialize_with = "in_unit::moments")]
+    pub moi: [f64; 3],
+    /// Iyz, Izx, Ixy about the centre of mass, kg*m^2.
+    #[serde(default, deserialize_with = "in_unit::moments")]
+    pub poi: [f64; 3],
+    #[serde(default, rename = "shape")]
+    _shape: Unread,
+    #[serde(default, rename = "shapes")]
+    _shapes: Unread,
+}
+
+/// A member that may be there and is not read.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Unread;
+
+impl<'de> Deserialize<'de> for Unread {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        IgnoredAny::deserialize(deserializer).map(|_| Unread)
+    }
+}
+
+/// The drive of an axis: motor, gear and bearing; what is not given adds nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DriveData {
+    /// Rotor.
+    #[serde(default)]
+    pub motor: MotorData,
+    /// Gear between motor and joint.
+    #[serde(default)]
+    pub gear: GearData,
+    /// Friction of the bearing of the joint.
+    #[serde(default)]
+    pub bearing: BearingData,
+}
+
+/// The rotor of a motor, at its own speed.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MotorData {
+    /// Moment of inertia, kg*m^2.
+    #[serde(deserialize_with = "in_unit::inertia")]
+    pub inertia: f64,
+    /// Viscous damping, N*m*s/rad.
+    #[serde(default, deserialize_with = "in_unit::damping")]
+    pub damping: f64,
+}
+
+/// A gear: its reduction, or the teeth of a cycloidal drive, and its losses.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GearData {
+    /// Speed of the motor over speed of the joint.
+    #[serde(default)]
+    pub ratio: Option<f64>,
+    /// Lobes of the disc of a cycloidal drive.
+    #[serde(default)]
+    pub disc_teeth: Option<u32>,
+    /// Pins of its ring; more than lobes.
+    #[serde(default)]
+    pub ring_teeth: Option<u32>,
+    /// Share of the power that passes where the motor drives.
+    #[serde(default = "one", deserialize_with = "in_unit::share")]
+    pub efficiency_forward: f64,
+    /// Share that passes where the joint drives the motor.
+    #[serde(default = "one", deserialize_with = "in_unit::share")]
+    pub efficiency_backward: f64,
+    /// Moment of inertia at the motor, kg*m^2.
+    #[serde(default, deserialize_with = "in_unit::inertia")]
+    pub inertia: f64,
+    /// Speed of the motor over which the losses set in, rad/s.
+    #[serde(default = "one", deserialize_with = "in_unit::speed")]
+    pub threshold: f64,
+}
+
+impl Default for GearData {
+    fn default() -> Self {
+        GearData {
+            ratio: None,
+            disc_teeth: None,
+            ring_teeth: None,
+            efficiency_forward: 1.0,
+            efficiency_backward: 1.0,
+            inertia: 0.0,
+            threshold: 1.0,
+        }
+    }
+}
+
+/// Friction of a bearing, as of the block `RotationalFriction`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BearingData {
+    /// Breakaway torque, N*m.
+    #[serde(deserialize_with = "in_unit::torque")]
+    pub breakaway: f64,
+    /// Speed of the breakaway torque, rad/s.
+    #[serde(deserialize_with = "in_unit::speed")]
+    pub breakaway_velocity: f64,
+    /// Coulomb torque, N*m.
+    #[serde(deserialize_with = "in_unit::torque")]
+    pub coulomb: f64,
+    /// Viscous coefficient, N*m*s/rad.
+    #[serde(deserialize_with = "in_unit::damping")]
+    pub viscous: f64,
+}
+
+/// What the tool centre point can do.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TcpData {
+    /// Largest speed, m/s.
+    #[serde(deserialize_with = "in_unit::velocity")]
+    pub speed: f64,
+    /// Largest acceleration, m/s^2.
+    #[serde(deserialize_with = "in_unit::point_acceleration")]
+    pub acceleration: f64,
+}
+
+impl Default for TcpData {
+    fn default() -> Self {
+        TcpData { speed: f64::INFINITY, acceleration: f64::INFINITY }
+    }
+}
+
+fn downward() -> [f64; 3] {
+    [0.0, 0.0, -blocksim_multibody::STANDARD_GRAVITY]
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl RobotDescription {
+    /// The robot.
+    ///
+    /// # Errors
+    /// A member that makes no robot, with its path below `param` and a remedy.
+    pub fn robot(&self, param: &str) -> Result<Robot, ParamError> {
+        self.parts(param).and_then(|parts| Robot::new(parts).map_err(|error| refusal(param, &error)))
+    }
+
+    fn parts(&self, param: &str) -> Result<Parts, ParamError> {
+        let last = self.links.len().saturating_sub(1);
+        let mut links = Vec::new();
+        for (i, link) in self.links.iter().enumerate() {
+            let mut solids = Vec::new();
+            for (k, body) in link.bodies.iter().enumerate() {
+                solids.push(body.solid(Placement::identity(), &format!("{param}.links[{i}].bodies[{k}]"))?);
+            }
+            if i == last {
+                for (k, body) in self.load.iter().enumerate() {
+                    solids.push(body.solid(self.flange.placement(), &format!("{param}.load[{k}]"))?);
+                }
+            }
+            let Limits { lower, upper, speed, acceleration } = link.limits;
+            links.push(Link {
+                name: link.name.clone(),
+                origin: link.origin.placement(),
+                axis: link.axis,
+                limits: blocksim_motion::AxisLimits { lower, upper, speed, acceleration },
+                start: link.start,
+                solids,
+                drive: link.drive.drive(&format!("{param}.links[{i}].drive"))?,
+            });
+        }
+        let TcpData { speed, acceleration } = self.tcp_limits;
+        Ok(Parts {
+            name: self.name.clone(),
+            gravity: self.gravity,
+            base: self.base.placement(),
+            reference: self.reference.placement(),
+            links,
+            flange: self.flange.placement(),
+            tool: self.tool.placement(),
+            tcp_limits: TcpLimits { speed, acceleration },
+        })
+    }
+}
+
+fn refusal(param: &str, error: &RobotError) -> ParamError {
+    let refused = ParamError::new(format!("{param}.{}", error.member()), error.to_string());
+    match error {
+        RobotError::NoLinks => refused.help("give at least one link with an axis"),
+        _ => refused.help(format!("correct `{}` in the description of the robot", error.member())),
+    }
+}
+
+impl Seat {
+    /// As a placement.
+    pub fn placement(&self) -> Placement {
+        Placement::from_rpy(self.translation, self.rpy)
+    }
+}
+
+impl BodyData {
+    fn solid(&self, placement: Placement, path: &str) -> Result<Solid, ParamError> {
+        match Inertia::from_moments(self.mass, self.com, self.moi, self.poi) {
+            Ok(inertia) => Ok(Solid { placement, inertia }),
+            Err(error) => Err(ParamError::new(path, error.to_string())
+                .help("moi are Ixx, Iyy, Izz, poi are Iyz, Izx, Ixy of the tensor about the centre of mass")),
+        }
+    }
+}
+
+impl GearData {
+    /// Speed of the motor over speed of the joint; 1 without a gear.
+    fn reduction(&self, path: &str) -> Result<f64, ParamError> {
+        match (self.ratio, self.disc_teeth, self.ring_teeth) {
+            (None, None, None) => Ok(1.0),
+            (Some(ratio), None, None) if ratio != 0.0 && ratio.is_finite() => Ok(ratio),
+            (Some(ratio), None, None) => {
+                Err(ParamError::new(path, format!("the ratio {ratio} is no reduction")).help("give e.g. 121"))
+            }
+            (None, Some(disc), Some(ring)) if ring > disc && disc > 0 => {
+                Ok(f64::from(disc) / f64::from(ring - disc))
+            }
+            (None, Some(disc), Some(ring)) => {
+                Err(ParamError::new(path, format!("{disc} lobes and {ring} pins give no reduction"))
+                    .help("a disc has at least one lobe, its ring more pins than it has lobes"))
+            }
+            _ => Err(ParamError::new(path, "a gear has a ratio, or the teeth of disc and ring")
+                .help("give `ratio`, or `disc_teeth` and `ring_teeth`")),
+        }
+    }
+}
+
+impl DriveData {
+    /// All counted at the joint.
+    fn drive(&self, path: &str) -> Result<Drive, ParamError> {
+        let ratio = self.gear.reduction(&format!("{path}.gear"))?;
+        let BearingData { breakaway, breakaway_velocity, coulomb, viscous } = self.bearing;
+        Ok(Drive {
+            inertia: (self.motor.inertia + self.gear.inertia) * ratio * ratio,
+            damping: self.motor.damping * ratio * ratio,
+            friction: Friction { breakaway, breakaway_velocity, coulomb, viscous },
+            efficiency_forward: self.gear.efficiency_forward,
+            efficiency_backward: self.gear.efficiency_backward,
+            threshold: self.gear.threshold / ratio.abs(),
+        })
+    }
+}
