@@ -1,7 +1,7 @@
 //! Recorded signals in the units in which people want to see them.
 
 use blocksim_block::schedule::Recorded;
-use blocksim_results::{Kind, Recording, Signal};
+use blocksim_results::{Kind, Layout, Rate, Recording, Signal, SignalInfo};
 use blocksim_signal::{Dimension, Unit};
 
 /// A recorded signal and the unit to show it in.
@@ -40,11 +40,24 @@ impl Shown<'_> {
 
 /// An empty recording of what a schedule wants recorded, in SI units.
 pub fn recording(recorded: &[Recorded]) -> Recording {
-    let signal = |r: &Recorded| {
-        let unit = r.dimension.map_or_else(|| "1".to_owned(), |dimension| dimension.to_string());
-        Signal::new(&r.path, unit, kind(r))
-    };
+    let signal = |r: &Recorded| Signal::new(&r.path, si_unit(r), kind(r));
     Recording::new(recorded.iter().map(signal).collect())
+}
+
+/// The layout of a recording on disk: all signals with all rows, with the units to show them in.
+pub fn layout(recorded: &[Recorded]) -> Layout {
+    let info = |r: &Recorded| SignalInfo {
+        path: r.path.clone(),
+        unit: si_unit(r),
+        display: Some(display_unit(r).to_string()),
+        kind: kind(r),
+        base: 0,
+    };
+    Layout { rates: vec![Rate::All], signals: recorded.iter().map(info).collect() }
+}
+
+fn si_unit(recorded: &Recorded) -> String {
+    recorded.dimension.map_or_else(|| "1".to_owned(), |dimension| dimension.to_string())
 }
 
 /// Pairs what a schedule wanted recorded with what was recorded, in the same order.

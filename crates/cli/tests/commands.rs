@@ -118,7 +118,8 @@ fn a_run_is_told_and_kept() {
     assert_eq!(runs.len(), 1);
     assert!(runs[0].ends_with("_lag") && answer.out.contains(&format!("runs/{}", runs[0])), "{runs:?}");
     let run = format!("runs/{}", runs[0]);
-    assert_eq!(names(&desk.0.join(&run)), ["events.csv", "log.txt", "manifest.json", "signals.csv"]);
+    let files = ["events.csv", "log.txt", "manifest.json", "signals.csv", "signals.rec"];
+    assert_eq!(names(&desk.0.join(&run)), files);
     let manifest = desk.read(&format!("{run}/manifest.json"));
     for part in ["\"how\": \"complete\"", "\"path\": \"lag.ron\"", "\"hash\": \"fnv1a64:", "\"files\": []"] {
         assert!(manifest.contains(part), "{part} is missing in\n{manifest}");

@@ -4,6 +4,9 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// Most names in a message.
+const SHOWN: usize = 5;
+
 /// A failure to write or read a run: where, why, and what helps.
 #[derive(Debug)]
 pub enum ResultsError {
@@ -33,9 +36,58 @@ pub enum ResultsError {
         /// Line, column and problem.
         source: CsvError,
     },
+    /// A file is not what it should be, or not any more.
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A folder holds no run.
+    NoRun {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// No run, or several, bear this name.
+    NoSuchRun {
+        /// The name.
+        path: PathBuf,
+        /// Where it was looked for.
+        runs: PathBuf,
+        /// The runs that it fits, if several do.
+        likely: Vec<String>,
+    },
+    /// A run has no signal of this name.
+    NoSignal {
+        /// The run.
+        path: PathBuf,
+        /// The name.
+        signal: String,
+        /// The one that is probably meant.
+        likely: Option<String>,
+    },
+    /// Signals that were to be read together have other times.
+    TwoRates {
+        /// The run.
+        path: PathBuf,
+        /// Two such signals.
+        signals: [String; 2],
+    },
+    /// More was asked for than fits into memory.
+    TooLong {
+        /// The run.
+        path: PathBuf,
+        /// Numbers that were asked for.
+        values: u64,
+    },
 }
 
 impl ResultsError {
+    /// A file that is not what it should be.
+    pub fn damaged(path: &Path, problem: &str) -> ResultsError {
+        ResultsError::Damaged { path: path.to_owned(), problem: problem.to_owned() }
+    }
+
     /// An answer of the operating system about `path`.
     pub fn io(doing: &'static str, path: &Path, source: io::Error) -> ResultsError {
         ResultsError::Io { path: path.to_owned(), doing, source }
@@ -47,7 +99,13 @@ impl ResultsError {
             ResultsError::FolderInUse { path }
             | ResultsError::NoFolderName { path }
             | ResultsError::Io { path, .. }
-            | ResultsError::Csv { path, .. } => path,
+            | ResultsError::Csv { path, .. }
+            | ResultsError::Damaged { path, .. }
+            | ResultsError::NoRun { path }
+            | ResultsError::NoSuchRun { path, .. }
+            | ResultsError::NoSignal { path, .. }
+            | ResultsError::TwoRates { path, .. }
+            | ResultsError::TooLong { path, .. } => path,
         }
     }
 
@@ -65,6 +123,30 @@ impl ResultsError {
             _ if self.is_gone() => "its folder was removed during the run".to_owned(),
             ResultsError::Io { source, .. } => io_reason(source),
             ResultsError::Csv { source, .. } => source.to_string(),
+            ResultsError::Damaged { problem, .. } => problem.clone(),
+            ResultsError::NoRun { .. } => "there is no recording in this folder".to_owned(),
+            ResultsError::NoSuchRun { path, runs, .. } if path == Path::new("latest") => {
+                format!("there is no finished run in `{}`", runs.display())
+            }
+            ResultsError::NoSuchRun { runs, likely, .. } if likely.is_empty() => {
+                format!("there is no such folder or file, and no run in `{}` has this name", runs.display())
+            }
+            ResultsError::NoSuchRun { likely, .. } => {
+                let more = if likely.len() > SHOWN { ", ..." } else { "" };
+                format!("several runs fit: {}{more}", likely[..likely.len().min(SHOWN)].join(", "))
+            }
+            ResultsError::NoSignal { signal, likely: None, .. } => {
+                format!("it has no signal `{signal}`")
+            }
+            ResultsError::NoSignal { signal, likely: Some(likely), .. } => {
+                format!("it has no signal `{signal}`; did you mean `{likely}`?")
+            }
+            ResultsError::TwoRates { signals: [a, b], .. } => {
+                format!("`{a}` and `{b}` were recorded at other times")
+            }
+            ResultsError::TooLong { values, .. } => {
+                format!("{values} numbers are too many to have in memory at once")
+            }
         }
     }
 
@@ -78,6 +160,17 @@ impl ResultsError {
             _ if self.is_gone() => "run it again, with --out in a place that nothing clears away",
             ResultsError::Io { source, .. } => io_remedy(source),
             ResultsError::Csv { .. } => "correct the file, or export it again",
+            ResultsError::Damaged { .. } => {
+                "take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole"
+            }
+            ResultsError::NoRun { .. } => "name a folder that `blocksim run` wrote, or a table",
+            ResultsError::NoSuchRun { likely, .. } if likely.is_empty() => {
+                "`blocksim runs` lists what there is; `blocksim run MODEL` makes a new one"
+            }
+            ResultsError::NoSuchRun { .. } => "write more of the name, or `latest`",
+            ResultsError::NoSignal { .. } => "the first line of `signals.csv` names all signals",
+            ResultsError::TwoRates { .. } => "read them one by one",
+            ResultsError::TooLong { .. } => "read fewer signals, or part of the time",
         }
     }
 }
@@ -112,7 +205,7 @@ impl fmt::Display for ResultsError {
         let doing = match self {
             ResultsError::FolderInUse { .. } | ResultsError::NoFolderName { .. } => "write a run into",
             ResultsError::Io { doing, .. } => doing,
-            ResultsError::Csv { .. } => "read",
+            _ => "read",
         };
         write!(f, "cannot {doing} `{}`: {}; {}", self.place().display(), self.reason(), self.remedy())
     }

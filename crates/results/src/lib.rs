@@ -1,8 +1,8 @@
 //! What a run leaves on disk and shows in the terminal. Knows nothing of blocks.
 //!
 //! A run is a folder `runs/<UTC time>_<name>/` with `manifest.json` (what was run and how it ended),
-//! `signals.csv`, `events.csv` and `log.txt`. [`RunFolder`] writes it so that it exists as a whole or not at
-//! all. [`plot`], [`Table`] and the functions of [`format`](mod@format) are the same run for a person at a
+//! `signals.rec`, `signals.csv`, `events.csv` and `log.txt`. [`RunFolder`] writes it so that it exists as a whole
+//! or not at all, [`Run`] reads it. [`plot`], [`Table`] and the functions of [`format`](mod@format) are the same run for a person at a
 //! terminal.
 
 mod canvas;
@@ -11,14 +11,18 @@ mod csv;
 mod csv_record;
 mod csv_write;
 mod error;
+mod extremes;
 mod foreign;
 pub mod format;
 pub mod hash;
+mod history;
 mod manifest;
 mod place;
 mod recording;
+mod run;
 mod run_folder;
 mod sparkline;
+mod store;
 mod summary;
 mod table;
 mod terminal;
@@ -28,11 +32,14 @@ pub use csv::{ReadLimits, read_csv, read_csv_file, read_events};
 pub use csv_write::{write_events, write_signals};
 pub use error::{CsvError, RecordingError, ResultsError};
 pub use foreign::{Foreign, ForeignColumn, read_foreign, read_foreign_file};
+pub use history::{Kept, history, locate};
 pub use manifest::{Choice, Counts, Ended, FileUsed, Manifest, Override, Program, SolverUsed};
 pub use place::{probe, write_whole};
 pub use recording::{EventRow, Kind, Recording, Signal};
+pub use run::{ALWAYS, Column, Run, STORE};
 pub use run_folder::RunFolder;
 pub use sparkline::sparkline;
+pub use store::{Layout, Rate, SignalInfo, Store, StoreWriter, Take, write_store};
 pub use summary::done_line;
 pub use table::{Align, Table};
 pub use terminal::{PlotOptions, Series, plot};

@@ -1,9 +1,12 @@
 //! What a run records: signals over time, and events.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::RecordingError;
 
 /// What the values of a signal are. All are kept as `f64`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Kind {
     /// Real numbers.
     #[default]

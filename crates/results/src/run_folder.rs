@@ -11,6 +11,8 @@ use crate::error::ResultsError;
 use crate::manifest::Manifest;
 use crate::place::{numbered, write_whole};
 use crate::recording::{EventRow, Recording};
+use crate::run::STORE;
+use crate::store::{Layout, write_store};
 
 /// Longest run name kept; the file systems allow 255 bytes for the whole.
 const NAME_LENGTH: usize = 80;
@@ -91,6 +93,15 @@ impl RunFolder {
         content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), ResultsError> {
         write_whole(&self.partial, name, content).map(|_| ())
+    }
+
+    /// Writes `signals.rec` of a recording in memory; the layout has its signals in the same order.
+    ///
+    /// # Errors
+    ///
+    /// As [`RunFolder::write`].
+    pub fn write_recording(&self, layout: &Layout, recording: &Recording) -> Result<(), ResultsError> {
+        self.write(STORE, |w| write_store(w, layout, recording).map(|_| ()))
     }
 
     /// Writes `signals.csv`.

@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
+use blocksim_block::schedule::Schedule;
 use blocksim_results::{Ended, Manifest, ResultsError, RunFolder, clock, probe};
 use blocksim_sim::Simulation;
 
@@ -14,7 +15,7 @@ use crate::exit::Exit;
 use crate::progress::{Progress, Telling};
 use crate::recorder::Recorder;
 use crate::report::{Report, log};
-use crate::{interrupt, manifest, render, solver};
+use crate::{interrupt, manifest, render, shown, solver};
 
 /// Where runs are kept unless somebody says otherwise.
 const RUNS: &str = "runs";
@@ -92,7 +93,7 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
         recording: &recorder.recording,
     };
     let log = log(&report, &loaded, &recorder.events);
-    let place = match keep(folder, &recorder, &manifest, &log) {
+    let place = match keep(folder, &schedule, &recorder, &manifest, &log) {
         Ok(place) => place,
         Err(error) => {
             console.say(&refused(&error));
@@ -133,10 +134,12 @@ fn results_folder(args: &RunArgs, started: SystemTime) -> Result<RunFolder, Resu
 /// Writes all files of a run; returns its folder.
 fn keep(
     folder: RunFolder,
+    schedule: &Schedule,
     recorder: &Recorder,
     manifest: &Manifest,
     log: &[String],
 ) -> Result<PathBuf, ResultsError> {
+    folder.write_recording(&shown::layout(&schedule.recorded), &recorder.recording)?;
     folder.write_signals(&recorder.recording)?;
     folder.write_events(&recorder.events)?;
     folder.write_log(log)?;

@@ -1,0 +1,294 @@
+//! Reads recordings: the header and the index when a file is opened, else only what is asked for.
+
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use super::bytes::u32_at;
+use super::chunk::{self, HEAD, Head};
+use super::index::{self, Place, TAIL};
+use super::layout::Layout;
+use super::{MAGIC, VERSION, column};
+use crate::error::ResultsError;
+
+/// Bytes before the header.
+const PREFIX: usize = 20;
+
+/// Who takes rows: times, and the values of each signal.
+pub type Take<'a> = &'a mut dyn FnMut(&[f64], &[Vec<f64>]) -> Result<(), ResultsError>;
+
+/// A recording on disk.
+#[derive(Debug)]
+pub struct Store {
+    path: PathBuf,
+    file: Mutex<File>,
+    layout: Layout,
+    /// Column of each signal in the chunks of its time base.
+    columns: Vec<usize>,
+    /// Chunks of each time base, by time.
+    chunks: Vec<Vec<Place>>,
+    /// Columns of each time base, time included.
+    widths: Vec<usize>,
+    /// Bytes of the file when it was opened.
+    length: u64,
+    is_whole: bool,
+}
+
+impl Store {
+    /// Opens a recording. One that was not closed, because the program that wrote it was ended, is read up to
+    /// its last whole chunk.
+    ///
+    /// # Errors
+    /// [`ResultsError`] where the file cannot be read, is no recording, has another version or is damaged.
+    pub fn open(path: &Path) -> Result<Store, ResultsError> {
+        let io = |error| ResultsError::io("read", path, error);
+        let damaged = |problem: &str| ResultsError::damaged(path, problem);
+        let mut file = File::open(path).map_err(io)?;
+        let length = file.metadata().map_err(io)?.len();
+        let prefix = bytes_at(&mut file, 0, length.min(PREFIX as u64) as usize).map_err(io)?;
+        if prefix.len() < PREFIX || prefix[..8] != MAGIC {
+            return Err(damaged("it is no recording of blocksim, or only the first bytes of one"));
+        }
+        if u32_at(&prefix, 8) != VERSION {
+            let version = u32_at(&prefix, 8);
+            return Err(damaged(&format!(
+                "it is a recording of version {version}; this program reads version {VERSION}"
+            )));
+        }
+        let header_length = u32_at(&prefix, 12);
+        let start = PREFIX as u64 + u64::from(header_length);
+        if start > length {
+            return Err(damaged("it ends within its header"));
+        }
+        let header = bytes_at(&mut file, PREFIX as u64, header_length as usize).map_err(io)?;
+        if crc32fast::hash(&header) != u32_at(&prefix, 16) {
+            return Err(damaged("its header is damaged"));
+        }
+        let layout: Layout = serde_json::from_slice(&header)
+            .map_err(|error| damaged(&format!("its header cannot be understood: {error}")))?;
+        if let Some(mistake) = layout.mistake() {
+            return Err(damaged(&mistake));
+        }
+        let widths: Vec<usize> =
+            (0..layout.rates.len()).map(|base| 1 + layout.of_base(base).count()).collect();
+        let (places, is_whole) = match closing_index(&mut file, length, start, &widths).map_err(io)? {
+            Some(places) => (places, true),
+            None => (scan(&mut file, length, start, &widths).map_err(io)?, false),
+        };
+        let mut chunks = vec![Vec::new(); layout.rates.len()];
+        for place in places {
+            chunks[place.base as usize].push(place);
+        }
+        let mut next = vec![1; layout.rates.len()];
+        let columns = layout.signals.iter().map(|signal| {
+            next[signal.base] += 1;
+            next[signal.base] - 1
+        });
+        let columns = columns.collect();
+        Ok(Store {
+            path: path.to_owned(),
+            file: Mutex::new(file),
+            layout,
+            columns,
+            chunks,
+            widths,
+            length,
+            is_whole,
+        })
+    }
+
+    /// Signals and time bases.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Whether the file was closed by the program that wrote it.
+    pub fn is_whole(&self) -> bool {
+        self.is_whole
+    }
+
+    /// Rows of a time base.
+    pub fn rows(&self, base: usize) -> u64 {
+        self.chunks.get(base).into_iter().flatten().map(|place| u64::from(place.rows)).sum()
+    }
+
+    /// Times of the first and the last row of a time base, s.
+    pub fn span(&self, base: usize) -> Option<(f64, f64)> {
+        let chunks = self.chunks.get(base)?;
+        Some((chunks.first()?.first, chunks.last()?.last))
+    }
+
+    /// Rows of the chunks that a range of time touches: at least as many as there are within it.
+    pub fn rows_about(&self, base: usize, range: &RangeInclusive<f64>) -> u64 {
+        self.touched(base, range).map(|place| u64::from(place.rows)).sum()
+    }
+
+    fn touched<'a>(
+        &'a self,
+        base: usize,
+        range: &'a RangeInclusive<f64>,
+    ) -> impl Iterator<Item = &'a Place> + 'a {
+        let chunks = self.chunks.get(base).into_iter().flatten();
+        chunks.filter(|place| place.last >= *range.start() && place.first <= *range.end())
+    }
+
+    /// Hands the rows of a time base within a range of time to `take`, some thousands at a time: times, and the
+    /// values of each of the signals (positions in the layout; those of other time bases are not allowed).
+    ///
+    /// # Errors
+    /// [`ResultsError`] where the file cannot be read or is damaged, and whatever `take` answers.
+    pub fn blocks(
+        &self,
+        base: usize,
+        signals: &[usize],
+        range: &RangeInclusive<f64>,
+        take: Take,
+    ) -> Result<(), ResultsError> {
+        if let Some(&odd) =
+            signals.iter().find(|&&at| self.layout.signals.get(at).is_none_or(|s| s.base != base))
+        {
+            return Err(ResultsError::damaged(
+                &self.path,
+                &format!("it has no signal {odd} on this time base"),
+            ));
+        }
+        let mut wanted = vec![0];
+        wanted.extend(signals.iter().map(|&at| self.columns[at]));
+        let mut columns = vec![Vec::new(); wanted.len()];
+        for place in self.touched(base, range) {
+            let read = {
+                let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+                read_columns(&mut file, (self.length, self.widths[base]), place, &wanted, &mut columns)
+            };
+            read.map_err(|error| match error {
+                Failed::Disk(error) => ResultsError::io("read", &self.path, error),
+                Failed::Damaged => {
+                    let (first, last) = (place.first, place.last);
+                    let at = place.offset;
+                    ResultsError::damaged(
+                        &self.path,
+                        &format!("it is damaged at byte {at}, from t = {first} s to {last} s"),
+                    )
+                }
+            })?;
+            let times = &columns[0];
+            let from = times.partition_point(|&t| t < *range.start());
+            let to = times.partition_point(|&t| t <= *range.end());
+            if from == 0 && to == times.len() {
+                take(&columns[0], &columns[1..])?;
+            } else if from < to {
+                columns.iter_mut().for_each(|column| {
+                    column.truncate(to);
+                    column.drain(..from);
+                });
+                take(&columns[0], &columns[1..])?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Why a chunk cannot be read.
+enum Failed {
+    Disk(io::Error),
+    Damaged,
+}
+
+impl From<io::Error> for Failed {
+    fn from(error: io::Error) -> Failed {
+        // The file is shorter than its index says.
+        if error.kind() == io::ErrorKind::UnexpectedEof { Failed::Damaged } else { Failed::Disk(error) }
+    }
+}
+
+/// Fills `values` with columns of a chunk of a file of this length and a time base of this width; the first of them is time, which must not fall.
+fn read_columns(
+    file: &mut File,
+    (length, width): (u64, usize),
+    place: &Place,
+    wanted: &[usize],
+    values: &mut [Vec<f64>],
+) -> Result<(), Failed> {
+    let first = bytes_at(file, place.offset, HEAD)?;
+    let head = chunk::head(&first).filter(|head| fits(head, place)).ok_or(Failed::Damaged)?;
+    if head.columns as usize != width || place.offset.saturating_add(head.length()) > length {
+        return Err(Failed::Damaged);
+    }
+    let all = bytes_at(file, place.offset, HEAD + head.directory() as usize)?;
+    let entries = head.entries(&all).ok_or(Failed::Damaged)?;
+    let data = place.offset + HEAD as u64 + head.directory();
+    for (&column, values) in wanted.iter().zip(values.iter_mut()) {
+        let entry = entries.get(column).ok_or(Failed::Damaged)?;
+        let bytes = bytes_at(file, data + entry.at, entry.length as usize)?;
+        if crc32fast::hash(&bytes) != entry.sum {
+            return Err(Failed::Damaged);
+        }
+        values.clear();
+        column::decode(entry.form, &bytes, head.rows as usize, values);
+    }
+    if values[0].is_sorted() { Ok(()) } else { Err(Failed::Damaged) }
+}
+
+fn fits(head: &Head, place: &Place) -> bool {
+    let same_time =
+        head.first.to_bits() == place.first.to_bits() && head.last.to_bits() == place.last.to_bits();
+    head.base == place.base && head.rows == place.rows && same_time
+}
+
+/// The chunks by the index at the end; `None` if the file was not closed or the index is damaged.
+fn closing_index(
+    file: &mut File,
+    length: u64,
+    start: u64,
+    widths: &[usize],
+) -> io::Result<Option<Vec<Place>>> {
+    if length < start + TAIL as u64 {
+        return Ok(None);
+    }
+    let tail = bytes_at(file, length - TAIL as u64, TAIL)?;
+    let Some(begin) = index::start(&tail, length).filter(|&begin| begin >= start) else { return Ok(None) };
+    let bytes = bytes_at(file, begin, (length - TAIL as u64 - begin) as usize)?;
+    let possible = |place: &Place| (place.base as usize) < widths.len() && place.offset < begin;
+    Ok(index::read(&bytes, &tail).filter(|places| places.iter().all(possible)))
+}
+
+/// The chunks by going from one to the next, as far as they are whole.
+fn scan(file: &mut File, length: u64, start: u64, widths: &[usize]) -> io::Result<Vec<Place>> {
+    let mut places: Vec<Place> = Vec::new();
+    let mut offset = start;
+    while length - offset >= HEAD as u64 {
+        let first = bytes_at(file, offset, HEAD)?;
+        let known = |head: &Head| widths.get(head.base as usize) == Some(&(head.columns as usize));
+        let Some(head) = chunk::head(&first).filter(known) else { break };
+        if head.length() > length - offset {
+            break;
+        }
+        let all = bytes_at(file, offset, HEAD + head.directory() as usize)?;
+        if head.entries(&all).is_none() {
+            break;
+        }
+        let Head { base, rows, first, last, .. } = head;
+        places.push(Place { offset, base, rows, first, last });
+        offset += head.length();
+    }
+    // What was written last before a loss of power may be there in length only.
+    if let Some(last) = places.last() {
+        let all: Vec<usize> = (0..widths[last.base as usize]).collect();
+        let mut columns = vec![Vec::new(); all.len()];
+        match read_columns(file, (length, all.len()), last, &all, &mut columns) {
+            Err(Failed::Disk(error)) => return Err(error),
+            Err(Failed::Damaged) => drop(places.pop()),
+            Ok(()) => {}
+        }
+    }
+    Ok(places)
+}
+
+fn bytes_at(file: &mut File, offset: u64, length: usize) -> io::Result<Vec<u8>> {
+    file.seek(SeekFrom::Start(offset))?;
+    let mut bytes = vec![0; length];
+    file.read_exact(&mut bytes)?;
+    Ok(bytes)
+}
