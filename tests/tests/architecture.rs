@@ -151,6 +151,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("signal", &["*"][..]),
         ("solve", &["block", "blocks", "ron", "serde"]),
         ("multibody", &["block", "blocks", "diagram"]),
+        ("scene", &["block", "blocks", "diagram", "ron"]),
         ("kinematics", &["block", "blocks", "ron", "serde"]),
         ("motion", &["block", "blocks", "ron", "serde"]),
         ("identify", &["block", "blocks", "ron", "serde", "diagram", "sim"]),

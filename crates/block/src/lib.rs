@@ -15,6 +15,7 @@ pub mod physical;
 pub mod problem;
 mod registry;
 pub mod schedule;
+mod shapes;
 pub mod testing;
 
 pub use blocksim_block_macros::BlockMeta;
@@ -24,6 +25,7 @@ pub use given::{Given, ParamUnits};
 pub use interface::{Discrete, Input, Interface, InterfaceError, Output, PortType, Recorded, State};
 pub use parameter::{ParamError, ParamValue, VALUE_ENUM, at_least, finite, not_negative, ordered, positive};
 pub use registry::{BlockInfo, BlockKind, ParameterInfo, kinds};
+pub use shapes::Shapes;
 
 /// What the derive macro needs; not for use by hand.
 #[doc(hidden)]
@@ -38,8 +40,8 @@ pub mod prelude {
     pub use crate::physical::{Component, Energy, Law, Needs, Part, Torque};
     pub use crate::{
         Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Discrete, Files, Given, Input, Interface,
-        InterfaceError, LoadError, Output, ParamError, ParamValue, PortType, Scratch, State, at_least,
-        finite, not_negative, ordered, positive,
+        InterfaceError, LoadError, Output, ParamError, ParamValue, PortType, Scratch, Shapes, State,
+        at_least, finite, not_negative, ordered, positive,
     };
     pub use blocksim_signal::{Dimension, Kind, SampleTime, Shape};
     pub use serde::Deserialize;

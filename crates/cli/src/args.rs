@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use blocksim_diagram::Stage;
 use blocksim_signal::{Lookup, Scope, Unit, evaluate};
 use clap::{Parser, Subcommand, ValueEnum};
 
@@ -148,18 +147,8 @@ pub enum StageName {
     Types,
     /// What the engine runs.
     Schedule,
-}
-
-impl From<StageName> for Stage {
-    fn from(name: StageName) -> Stage {
-        match name {
-            StageName::Ast => Stage::Ast,
-            StageName::Model => Stage::Model,
-            StageName::Flat => Stage::Flat,
-            StageName::Types => Stage::Types,
-            StageName::Schedule => Stage::Schedule,
-        }
-    }
+    /// What is seen of mechanisms, as JSON: bodies, joints, shapes, masses, frames.
+    Scene,
 }
 
 /// `blocksim import`.

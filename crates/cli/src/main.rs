@@ -28,6 +28,7 @@ mod prose;
 mod recorder;
 mod render;
 mod report;
+mod scene;
 mod seal;
 mod shown;
 mod solver;

@@ -6,16 +6,17 @@ use blocksim_block::problem::Problem;
 use blocksim_block::schedule::Part;
 use blocksim_block::{Given, ParamUnits};
 use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
+use blocksim_scene::Scene;
 use indexmap::IndexMap;
 use petgraph::unionfind::UnionFind;
 
 use crate::flatten::{Declared, Flat, FlatBlock, Source};
 use crate::problems::Problems;
 
-/// Replaces the components of every connected network by one block.
+/// Replaces the components of every connected network by one block; returns what is seen of them, too.
 ///
 /// This happens after flattening, because a network reaches across subsystems.
-pub(crate) fn elaborate(flat: Flat, problems: &mut Problems) -> Flat {
+pub(crate) fn elaborate(flat: Flat, problems: &mut Problems) -> (Flat, Scene) {
     let groups = groups(&flat);
     let mut member_of: Vec<Option<(usize, usize)>> = vec![None; flat.blocks.len()];
     for (group, members) in groups.iter().enumerate() {
@@ -54,12 +55,24 @@ pub(crate) fn elaborate(flat: Flat, problems: &mut Problems) -> Flat {
         block.inputs = block.inputs.iter().map(|source| source.as_ref().map(moved)).collect();
         blocks.push(block);
     }
+    let mut scene = Scene::new();
+    let mut recorded: Vec<(String, Source)> =
+        flat.recorded.iter().map(|(name, source)| (name.clone(), moved(source))).collect();
     for (group, network) in groups.iter().zip(networks) {
-        let Some(network) = network else { return Flat::default() };
+        let Some(network) = network else { return Default::default() };
         let members: Vec<&FlatBlock> = group.iter().map(|block| &flat.blocks[*block]).collect();
         let Ok(interface) = blocksim_block::Block::interface(&network, &Given::nothing()) else {
-            return Flat::default();
+            return Default::default();
         };
+        scene.append(network.scene().clone());
+        // Where there is something to be seen, the recording tells where it is.
+        if let Some(place) = &members[0].place {
+            recorded.extend(network.pose_signals().map(|(name, output)| {
+                let source =
+                    Source { block: blocks.len(), output, target: place.clone(), place: place.clone() };
+                (name.to_owned(), source)
+            }));
+        }
         blocks.push(FlatBlock {
             path: format!("network({})", members[0].path),
             kind: "Network".to_owned(),
@@ -72,9 +85,8 @@ pub(crate) fn elaborate(flat: Flat, problems: &mut Problems) -> Flat {
             inputs: members.iter().flat_map(|m| &m.inputs).map(|source| source.as_ref().map(moved)).collect(),
         });
     }
-    let recorded = flat.recorded.iter().map(|(name, source)| (name.clone(), moved(source))).collect();
     let declared = flat.declared.iter().map(|d| Declared { source: moved(&d.source), ..d.clone() }).collect();
-    sorted(Flat { blocks, nodes: Vec::new(), recorded, declared })
+    (sorted(Flat { blocks, nodes: Vec::new(), recorded, declared }), scene)
 }
 
 /// Blocks by path again.

@@ -33,6 +33,7 @@ use std::path::Path;
 
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::Schedule;
+use blocksim_scene::Scene;
 
 pub use ast::{Ast, BlockAst, ConnectionAst, Reference};
 pub use emit::{Stage, Stages};
@@ -54,6 +55,8 @@ pub struct Compiled {
     pub problems: Vec<Problem>,
     /// Intermediate forms, as far as the compiler came.
     pub stages: Stages,
+    /// What is seen of the mechanisms, as far as the compiler came; the world alone where there are none.
+    pub scene: Option<Scene>,
     /// Variants by path.
     pub variants: Vec<(String, VariantChoice)>,
 }
@@ -95,8 +98,9 @@ pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled
         });
         // A network that lacks a block would bring problems that are none.
         if !problems.any_error() {
-            let flat = elaborate::elaborate(flat, &mut problems);
+            let (flat, scene) = elaborate::elaborate(flat, &mut problems);
             if !problems.any_error() {
+                compiled.scene = Some(scene);
                 compiled.stages.flat = Some(emit::flat(&flat));
                 let typed = infer::infer(&flat, &mut problems);
                 compiled.stages.types = Some(emit::types(&flat, &typed));

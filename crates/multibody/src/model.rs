@@ -73,6 +73,11 @@ impl Model {
         self.bodies[body.0].joint()
     }
 
+    /// Where the joint of a body sits in its parent.
+    pub fn joint_placement(&self, body: BodyId) -> &Placement {
+        &self.bodies[body.0].mount.home
+    }
+
     /// Gravity in world coordinates, m/s².
     pub fn gravity(&self) -> Vector3<f64> {
         self.gravity

@@ -2,6 +2,7 @@
 
 use blocksim_block::physical::{Law, MeshLoss};
 use blocksim_block::{Block, Context, Fault, Given, Interface, InterfaceError, Scratch};
+use blocksim_scene::Scene;
 use blocksim_solve::linear::cholesky_factor;
 
 use crate::assembly::Member;
@@ -10,6 +11,7 @@ use crate::electrics::separate::Separate;
 use crate::energy::Accounts;
 use crate::mechanics::frames::Frames;
 use crate::mechanics::rotation::Rotation;
+use crate::mechanics::scene;
 use crate::mechanics::stiction::Stiction;
 use crate::problem::NetworkProblem;
 use crate::seat::{Active, CHARGE, ELECTRICS, MOTION, STATE, Seat};
@@ -38,6 +40,8 @@ pub struct Network {
     pub(crate) interface: Interface,
     /// Number of positions of joints.
     pub(crate) positions: usize,
+    /// Where the positions of joints stand among the outputs, if the mechanism has shapes.
+    pub(crate) first_pose: usize,
     /// Number of speeds of joints.
     pub(crate) joints: usize,
     /// Some currents are measured before voltages are known.
@@ -52,6 +56,18 @@ impl Network {
     /// The members, in the order of their inputs and outputs.
     pub fn members(&self) -> impl Iterator<Item = &Member> {
         self.seats.iter().map(|seat| &*seat.member)
+    }
+
+    /// What is seen of the mechanism.
+    pub fn scene(&self) -> &Scene {
+        &self.frames.scene
+    }
+
+    /// Signals that tell where the bodies of a mechanism with shapes are: the name to record each by and its output.
+    pub fn pose_signals(&self) -> impl Iterator<Item = (&str, usize)> {
+        let outputs = self.interface.outputs.len();
+        let recorded = scene::outputs(&self.frames).len();
+        self.frames.signals.iter().map(String::as_str).zip(outputs - recorded..outputs)
     }
 
     /// At the start pose every independent speed must move something.
@@ -197,6 +213,12 @@ impl Block for Network {
         }
         if group == MOTION {
             self.account_outputs(c, w, y);
+        }
+        if group == STATE {
+            // Nothing where there are no shapes.
+            for (y, q) in y[self.first_pose..].iter_mut().zip(self.positions(c)) {
+                *y = *q;
+            }
         }
     }
 

@@ -1,5 +1,7 @@
 //! What a component declares before a network is assembled.
 
+use blocksim_scene::Shape;
+
 use super::{Domain, Element, PhysicalPort};
 use crate::{Discrete, Input, Interface, Output, State};
 
@@ -43,6 +45,8 @@ pub struct Part {
     pub holds: bool,
     /// What the component contributes.
     pub elements: Vec<Element>,
+    /// What is seen of the component: a frame port and a shape fixed to it. It acts on nothing.
+    pub shapes: Vec<(usize, Shape)>,
     /// The electrical circuit that the component belongs to is integrated by the network itself, between the edges of
     /// its valves, and coupled to the mechanics in steps of this length, s; see [`Part::separate`].
     pub separate: Option<f64>,
@@ -160,6 +164,12 @@ impl Part {
     /// Adds an element.
     pub fn element(mut self, element: Element) -> Self {
         self.elements.push(element);
+        self
+    }
+
+    /// Adds a shape that is fixed to a frame port.
+    pub fn shape(mut self, frame: usize, shape: Shape) -> Self {
+        self.shapes.push((frame, shape));
         self
     }
 

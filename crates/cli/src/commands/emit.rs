@@ -1,10 +1,12 @@
 use std::io;
 
+use blocksim_diagram::Stage;
+
 use super::{load, tell};
-use crate::args::{EmitArgs, Format};
+use crate::args::{EmitArgs, Format, StageName};
 use crate::console::Console;
 use crate::exit::Exit;
-use crate::render;
+use crate::{render, scene};
 
 /// Prints what a step of the compiler makes of a model, also of one with errors if the step was reached.
 ///
@@ -14,7 +16,16 @@ pub fn emit(args: &EmitArgs, console: Console) -> io::Result<Exit> {
     let Some(loaded) = load(&args.model, console) else { return Ok(Exit::Files) };
     let problems = &loaded.compiled.problems;
     tell(problems, &loaded.files, Format::Full, console)?;
-    match loaded.compiled.stages.emit(args.stage.into()) {
+    let stages = &loaded.compiled.stages;
+    let text = match args.stage {
+        StageName::Ast => stages.emit(Stage::Ast),
+        StageName::Model => stages.emit(Stage::Model),
+        StageName::Flat => stages.emit(Stage::Flat),
+        StageName::Types => stages.emit(Stage::Types),
+        StageName::Schedule => stages.emit(Stage::Schedule),
+        StageName::Scene => loaded.compiled.scene.as_ref().map(scene::json),
+    };
+    match text {
         Some(text) => console.data(&text)?,
         None => console.say(&format!("{}; this step was not reached", render::tally(problems))),
     }

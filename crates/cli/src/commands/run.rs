@@ -5,6 +5,7 @@ use std::time::SystemTime;
 
 use blocksim_block::schedule::Schedule;
 use blocksim_results::{Ended, Manifest, ResultsError, RunFolder, clock, probe};
+use blocksim_scene::Scene;
 use blocksim_sim::Simulation;
 
 use super::{load, tell};
@@ -15,7 +16,7 @@ use crate::exit::Exit;
 use crate::progress::{Progress, Telling};
 use crate::recorder::Recorder;
 use crate::report::{Report, log};
-use crate::{interrupt, manifest, render, shown, solver};
+use crate::{interrupt, manifest, render, scene, shown, solver};
 
 /// Where runs are kept unless somebody says otherwise.
 const RUNS: &str = "runs";
@@ -93,7 +94,13 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
         recording: &recorder.recording,
     };
     let log = log(&report, &loaded, &recorder.events);
-    let place = match keep(folder, &schedule, &recorder, &manifest, &log) {
+    let scene = loaded.compiled.scene.as_ref().filter(|scene| !scene.shapes.is_empty());
+    for file in scene.into_iter().flat_map(scene::missing_meshes) {
+        console.say(&format!(
+            "warning: the mesh `{file}` is missing and will not be drawn\n  = help: put it there, or correct `file` of the shape"
+        ));
+    }
+    let place = match keep(folder, &schedule, &recorder, &manifest, &log, scene) {
         Ok(place) => place,
         Err(error) => {
             console.say(&refused(&error));
@@ -138,11 +145,15 @@ fn keep(
     recorder: &Recorder,
     manifest: &Manifest,
     log: &[String],
+    scene: Option<&Scene>,
 ) -> Result<PathBuf, ResultsError> {
     folder.write_recording(&shown::layout(&schedule.recorded), &recorder.recording)?;
     folder.write_signals(&recorder.recording)?;
     folder.write_events(&recorder.events)?;
     folder.write_log(log)?;
+    if let Some(scene) = scene {
+        folder.write("scene.json", |out| out.write_all(scene::json(scene).as_bytes()))?;
+    }
     folder.write_manifest(manifest)?;
     folder.finish()
 }

@@ -60,7 +60,7 @@ mod tests {
         let solver =
             Solver::Variable { method: VariableMethod::Ode45, rtol: 1e-6, atol: 1e-6, max_step: 1.0 };
         let settings = Settings { stop_time: 1.0, solver, output: OutputTimes::Steps, seed: 0 };
-        let flat = elaborate(flat, &mut problems);
+        let (flat, _) = elaborate(flat, &mut problems);
         let typed = infer(&flat, &mut problems);
         let schedule = sort(String::new(), &flat, &typed, settings, &mut problems);
         (schedule, messages(&problems))

@@ -13,6 +13,7 @@ use crate::electrics::separate::Separate;
 use crate::energy::Accounts;
 use crate::mechanics::frames::Frames;
 use crate::mechanics::rotation::Rotation;
+use crate::mechanics::scene;
 use crate::mechanics::stiction::Stiction;
 use crate::network::Network;
 use crate::problem::NetworkProblem;
@@ -153,6 +154,11 @@ impl Network {
                 member: Box::new(member),
             });
         }
+        let first_pose = next.y;
+        for output in scene::outputs(&frames) {
+            interface.outputs.push(output);
+            interface.group_of.push(STATE);
+        }
         interface.groups = vec![
             Some(reads[STATE].clone()),
             Some(reads[ELECTRICS].clone()),
@@ -192,6 +198,7 @@ impl Network {
             supplies,
             interface,
             positions,
+            first_pose,
             joints,
             first_latch,
             natural,

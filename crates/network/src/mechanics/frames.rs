@@ -5,11 +5,13 @@ use std::collections::VecDeque;
 use blocksim_block::physical::{Axis, Element, Freedom};
 use blocksim_multibody::{BodyId, Data, Inertia, Joint, Model, ModelBuilder, Placement};
 
+use blocksim_scene::Scene;
 use nalgebra::Matrix3;
 
 use crate::assembly::closing;
 use crate::assembly::members::Members;
 use crate::mechanics::place::Place;
+use crate::mechanics::scene;
 use crate::problem::NetworkProblem;
 
 /// The multibody side of a network.
@@ -25,6 +27,10 @@ pub(crate) struct Frames {
     pub position: Vec<f64>,
     /// Names of the positions.
     pub position_names: Vec<String>,
+    /// Names of the positions as recorded signals.
+    pub signals: Vec<String>,
+    /// How it looks.
+    pub scene: Scene,
     /// Frames that members look at, in the order of the members.
     pub probes: Vec<Probe>,
     /// Bodies that come and go.
@@ -187,6 +193,7 @@ pub(crate) fn build(m: &Members) -> Result<Frames, Vec<NetworkProblem>> {
     }
     frames.model = Some(builder.build());
     closing::assemble(m, &mut frames)?;
+    frames.scene = scene::build(m, &places, &frames);
     Ok(frames)
 }
 
@@ -292,6 +299,7 @@ fn add_axis(frames: &mut Frames, path: &str, member: usize, freedom: usize, user
     });
     frames.position.push(axis.position.unwrap_or(0.0));
     frames.position_names.push(format!("{path}.{position}"));
+    frames.signals.push(format!("{path}.{position}"));
 }
 
 fn add_ball(
@@ -322,6 +330,9 @@ fn add_ball(
     let length = p.iter().map(|e| e * e).sum::<f64>().sqrt();
     frames.position.extend(p.map(|e| e / length));
     frames.position_names.extend((0..4).map(|k| format!("{path}.p[{k}]")));
+    // Against the direction of the joint the tree turns the other way than the joint's own output says.
+    let shown = if ball.flipped { "p_inverse" } else { "p" };
+    frames.signals.extend((0..4).map(|k| format!("{path}.{shown}[{k}]")));
     frames.balls.push(ball);
 }
 

@@ -1,5 +1,5 @@
 //! The mechanics of a network: what is built once (`rotation`: the independent speeds and what follows from them;
-//! `frames`, `place`: the tree of bodies), and what an evaluation does, in this order: `speeds` and `joints`, `outside`,
+//! `frames`, `place`: the tree of bodies, `scene`: how it looks), and what an evaluation does, in this order: `speeds` and `joints`, `outside`,
 //! `motion` with `mesh` (losses of gears), `constraints` (with `loops` and `lock`), and `stiction`, which chooses modes at events.
 
 pub(crate) mod constraints;
@@ -12,5 +12,6 @@ pub(crate) mod motion;
 pub(crate) mod outside;
 pub(crate) mod place;
 pub(crate) mod rotation;
+pub(crate) mod scene;
 pub(crate) mod speeds;
 pub(crate) mod stiction;

@@ -1,0 +1,38 @@
+//! What is seen of a model, for programs that draw it.
+
+use std::path::Path;
+
+use blocksim_scene::{Form, Scene};
+use serde_json::{Map, Value};
+
+/// A scene as JSON, a line for each body, shape, mass and frame.
+pub fn json(scene: &Scene) -> String {
+    let lists: Map<String, Value> = match serde_json::to_value(scene) {
+        Ok(Value::Object(lists)) => lists,
+        // Plain data always becomes an object.
+        _ => Map::new(),
+    };
+    let lists: Vec<String> = lists
+        .iter()
+        .map(|(name, list)| {
+            let lines: Vec<String> =
+                list.as_array().into_iter().flatten().map(|item| format!("\n    {item}")).collect();
+            format!("  \"{name}\": [{}\n  ]", lines.join(","))
+        })
+        .collect();
+    format!("{{\n{}\n}}\n", lists.join(",\n"))
+}
+
+/// Meshes that are not where the model says, each once.
+pub fn missing_meshes(scene: &Scene) -> Vec<&str> {
+    let mut missing = Vec::new();
+    for shape in &scene.shapes {
+        if let Form::Mesh { file, .. } = &shape.shape.form
+            && !missing.contains(&file.as_str())
+            && !Path::new(file).is_file()
+        {
+            missing.push(file);
+        }
+    }
+    missing
+}
