@@ -152,6 +152,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("solve", &["block", "blocks", "ron", "serde"]),
         ("multibody", &["block", "blocks", "diagram"]),
         ("scene", &["block", "blocks", "diagram", "ron"]),
+        ("collision", &["block", "blocks", "diagram", "ron"]),
         ("kinematics", &["block", "blocks", "ron", "serde"]),
         ("motion", &["block", "blocks", "ron", "serde"]),
         ("identify", &["block", "blocks", "ron", "serde", "diagram", "sim"]),

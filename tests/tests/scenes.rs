@@ -1,5 +1,6 @@
 //! What is seen of mechanisms: a recording and a scene together tell where everything is.
 
+use blocksim_collision::{Check, Rules};
 use blocksim_multibody::Placement;
 use blocksim_tests::{compile_file, compile_text, run};
 use nalgebra::Vector3;
@@ -23,6 +24,25 @@ fn the_robot_has_a_shape_on_every_link_and_its_tool_where_the_tool_data_say() {
     // 352 mm out of the flange, 119.5 mm down.
     let tcp = frame("arm/end_effector/tcp", &home);
     assert!((tcp.translation - Vector3::new(1.382, 0.0, 1.3405)).norm() < 1e-12);
+}
+
+#[test]
+fn the_robot_is_free_at_home_and_hits_itself_where_the_forearm_folds_onto_the_base() {
+    let (compiled, problems) = compile_file("diagrams/irb2600/irb2600.ron", &["drive=torque"]);
+    let scene = compiled.scene.unwrap_or_else(|| panic!("{problems}"));
+    let check = Check::of_scene(&scene, &[], &Rules::default());
+    assert!(check.unchecked().is_empty() && check.pairs() > 300, "{} pairs", check.pairs());
+    assert_eq!(check.left_out(), &[] as &[[String; 2]], "nothing but neighbours touches at home");
+    let home = check.clearance(&scene.poses(&[0.0; 6])).expect("a pair");
+    assert!(home.distance.distance > 0.005, "{home:?}");
+    // The lower arm leans forward, the forearm goes down until the torch meets what stands there.
+    let way: Vec<Vec<Placement>> = (0..=75)
+        .map(|degrees| f64::from(degrees).to_radians())
+        .map(|q| scene.poses(&[0.0, -0.2 * q, q, 0.0, 1.2 * q, 0.0]))
+        .collect();
+    let (row, hit) = check.along(&way).first.expect("a collision");
+    assert!(row > 20, "{row}: {hit:?}");
+    assert_eq!(hit.names, ["arm/end_effector/torch", "arm/link1/solid"], "{hit:?}");
 }
 
 /// A chain of all kinds of joint, each connected the wrong way round where `flipped`.

@@ -1,0 +1,16 @@
+//! Distances and collisions of simple shapes.
+//!
+//! A [`Solid`] is a sphere, capsule, box, cylinder, cone or half-space; [`distance`] tells how far two of them are from
+//! each other and where. A [`Check`] holds all solids of a mechanism and of its surroundings, knows which pairs may
+//! touch, and finds the nearest pair in a pose, or the first collision and the least distance on a way.
+//!
+//! Neighbours, bodies joined by a joint, may touch; and so may what touches at rest. [`Check::left_out`] lists the latter.
+
+mod check;
+mod convex;
+mod distance;
+mod solid;
+
+pub use check::{Check, Clearance, Course, Item, Rules};
+pub use distance::{Distance, distance};
+pub use solid::Solid;
