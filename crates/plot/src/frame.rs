@@ -28,7 +28,9 @@ impl Axis {
         let (low, high) = (range.low - room, range.high + room);
         let range =
             if low.is_finite() && high.is_finite() && low < high { Range { low, high } } else { range };
-        let step = range.step(parts);
+        // One number alone gives no scale.
+        let mut steps = (parts..parts + 4).map(|parts| range.step(parts));
+        let step = steps.find(|step| range.ticks(*step).len() > 1).unwrap_or(range.step(parts));
         let ticks = range.ticks(step);
         let labels = labels(&ticks, step);
         Some(Axis { range, ticks: ticks.into_iter().zip(labels).collect() })

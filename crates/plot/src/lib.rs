@@ -10,6 +10,7 @@ mod frame;
 mod legend;
 mod paired;
 mod palette;
+mod straighten;
 mod svg;
 mod units;
 

@@ -9,6 +9,7 @@ use crate::figure::{Figure, Line, Panel, Style};
 use crate::frame::{Area, Axis};
 use crate::legend::{ROW, SAMPLE, SIZE, entries, fitted, rows};
 use crate::palette::{Palette, Theme};
+use crate::straighten::straightened;
 use crate::units::pretty_unit;
 
 /// Font of titles, numbers and names; the last one is what pictures in PNG are drawn with.
@@ -19,7 +20,7 @@ const NUMBER: f64 = 10.5;
 /// Heights of a panel, of a strip and of the gap between them, dots.
 const HIGH: f64 = 150.0;
 const LOW: f64 = 46.0;
-const GAP: f64 = 10.0;
+const GAP: f64 = 17.0;
 /// Room around the whole and between panels, dots.
 const MARGIN: f64 = 14.0;
 /// Room below a panel for the numbers of the time axis, dots.
@@ -27,6 +28,8 @@ const FOOT: f64 = 34.0;
 /// Dots of height for a number of the vertical axis, of width for one of the time axis.
 const PER_Y_TICK: f64 = 30.0;
 const PER_X_TICK: f64 = 70.0;
+/// How far a line may lie beside a point that is left out, dots.
+const ERROR: f64 = 0.06;
 
 /// The figure as a drawing in SVG 1.1 with literal colours. Texts are escaped: no name can add anything to it.
 pub fn svg(figure: &Figure, theme: Theme) -> String {
@@ -95,7 +98,7 @@ impl Axes {
         let parts = |height: f64| (height / PER_Y_TICK).floor().max(1.0) as usize;
         Axes {
             main: Axis::of(&panel.lines, time, parts(HIGH)),
-            strip: panel.strip.as_ref().and_then(|strip| Axis::of(&strip.lines, time, 2)),
+            strip: panel.strip.as_ref().and_then(|strip| Axis::of(&strip.lines, time, parts(LOW).max(2))),
         }
     }
 
@@ -166,7 +169,8 @@ impl Pen<'_> {
         if let Some(strip) = &panel.strip {
             area = Area { y: area.bottom() + GAP, height: LOW, ..area };
             self.plot(&strip.lines, axes.strip.as_ref(), area, &format!("s{number}"));
-            self.text((left + 6.0, area.y + 12.0), NUMBER, self.palette.quiet, "", &strip.name);
+            // In the gap above it, where no line goes.
+            self.text((left + 2.0, area.y - 4.0), NUMBER, self.palette.quiet, "", &strip.name);
         }
         self.time_axis(area);
         area.bottom() + FOOT - top
@@ -221,12 +225,13 @@ impl Pen<'_> {
 
     /// The points of a course as data of a path; one alone is a dot.
     fn course(&self, course: &[(f64, f64)], values: &Range, area: Area) -> String {
+        let dots = course.iter().map(|&(t, value)| (area.across(self.time, t), area.down(values, value)));
+        let dots = straightened(dots, ERROR);
         let mut data = String::new();
-        for (n, &(t, value)) in course.iter().enumerate() {
-            let (x, y) = (area.across(self.time, t), area.down(values, value));
+        for (n, &(x, y)) in dots.iter().enumerate() {
             let _ = write!(data, "{}{} {}", if n == 0 { 'M' } else { 'L' }, round(x), round(y));
         }
-        if course.len() == 1 {
+        if dots.len() == 1 {
             data.push_str("h0.01");
         }
         data

@@ -28,10 +28,10 @@ fn figure() -> Figure {
 #[test]
 fn a_small_figure_reads_like_this() {
     expect![[r##"
-        <svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 320 289" width="320" height="289" font-family="system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif" role="img">
+        <svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 320 296" width="320" height="296" font-family="system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif" role="img">
         <title>Signals over time</title>
         <desc>joint1 [deg]: set, actual</desc>
-        <rect width="320" height="289" fill="#FFFFFF"/>
+        <rect width="320" height="296" fill="#FFFFFF"/>
         <text x="37.36" y="27" font-size="13" fill="#0F172A" font-weight="bold">joint1 [°]</text>
         <path d="M116.68 23H138.68" fill="none" stroke="#0F172A" stroke-width="1.1" stroke-linecap="butt" stroke-dasharray="6 4"/>
         <text x="143.68" y="27" font-size="11" fill="#0F172A">set</text>
@@ -48,19 +48,19 @@ fn a_small_figure_reads_like_this() {
         <path d="M37.36 179.44L300 40.56" fill="none" stroke="#0F172A" stroke-width="1.1" stroke-linecap="butt" stroke-dasharray="6 4"/>
         </g>
         <rect x="37.36" y="35" width="262.64" height="150" fill="none" stroke="#94A3B8"/>
-        <text x="32.36" y="242.8" font-size="10.5" fill="#475569" text-anchor="end">0</text>
-        <text x="32.36" y="200.2" font-size="10.5" fill="#475569" text-anchor="end">2</text>
-        <path d="M37.36 195V241M168.68 195V241M300 195V241M37.36 239.3H300M37.36 196.7H300" stroke="#E2E8F0" fill="none"/>
-        <clipPath id="s0"><rect x="37.36" y="195" width="262.64" height="46"/></clipPath>
+        <text x="32.36" y="249.8" font-size="10.5" fill="#475569" text-anchor="end">0</text>
+        <text x="32.36" y="207.2" font-size="10.5" fill="#475569" text-anchor="end">2</text>
+        <path d="M37.36 202V248M168.68 202V248M300 202V248M37.36 246.3H300M37.36 203.7H300" stroke="#E2E8F0" fill="none"/>
+        <clipPath id="s0"><rect x="37.36" y="202" width="262.64" height="46"/></clipPath>
         <g clip-path="url(#s0)" stroke-linejoin="round">
-        <path d="M37.36 239.3L300 196.7" fill="none" stroke="#5800FF" stroke-width="1.7" stroke-linecap="round"/>
+        <path d="M37.36 246.3L300 203.7" fill="none" stroke="#5800FF" stroke-width="1.7" stroke-linecap="round"/>
         </g>
-        <rect x="37.36" y="195" width="262.64" height="46" fill="none" stroke="#94A3B8"/>
-        <text x="43.36" y="207" font-size="10.5" fill="#475569">error</text>
-        <text x="37.36" y="255" font-size="10.5" fill="#475569" text-anchor="middle">0</text>
-        <text x="168.68" y="255" font-size="10.5" fill="#475569" text-anchor="middle">1</text>
-        <text x="300" y="255" font-size="10.5" fill="#475569" text-anchor="middle">2</text>
-        <text x="168.68" y="269" font-size="10.5" fill="#475569" text-anchor="middle">time [s]</text>
+        <rect x="37.36" y="202" width="262.64" height="46" fill="none" stroke="#94A3B8"/>
+        <text x="39.36" y="198" font-size="10.5" fill="#475569">error</text>
+        <text x="37.36" y="262" font-size="10.5" fill="#475569" text-anchor="middle">0</text>
+        <text x="168.68" y="262" font-size="10.5" fill="#475569" text-anchor="middle">1</text>
+        <text x="300" y="262" font-size="10.5" fill="#475569" text-anchor="middle">2</text>
+        <text x="168.68" y="276" font-size="10.5" fill="#475569" text-anchor="middle">time [s]</text>
         </svg>
     "##]].assert_eq(&svg(&figure(), Theme::Light));
 }
