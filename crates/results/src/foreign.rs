@@ -18,6 +18,8 @@ const NAMED: usize = 12;
 pub struct Foreign {
     /// Times, in `time_unit`, never falling.
     pub time: Vec<f64>,
+    /// Name of their column.
+    pub time_name: String,
     /// Unit of the times, if the file says one.
     pub time_unit: Option<String>,
     /// All other columns.
@@ -39,7 +41,7 @@ pub struct ForeignColumn {
 ///
 /// # Errors
 /// [`ResultsError`] with the file, and for its content with line and column.
-pub fn read_foreign_file(path: &Path, time: Option<&str>) -> Result<Foreign, ResultsError> {
+pub fn read_foreign_file(path: &Path, time: &[&str]) -> Result<Foreign, ResultsError> {
     let file = File::open(path).map_err(|error| ResultsError::io("read", path, error))?;
     if file.metadata().is_ok_and(|about| about.is_dir()) {
         return Err(ResultsError::io("read", path, std::io::ErrorKind::IsADirectory.into()));
@@ -52,16 +54,12 @@ pub fn read_foreign_file(path: &Path, time: Option<&str>) -> Result<Foreign, Res
 ///
 /// Columns are separated by semicolons, tabs or commas, whichever of them the first line has; where that is not the
 /// comma, numbers may have a decimal comma, but not some a comma and some a point. Units stand behind names,
-/// `angle [deg]` or `angle (deg)`, or in a line of their own below them. `time` names the column with the time; without
-/// it that is the one called `time`, `t`, `timestamp` and the like.
+/// `angle [deg]` or `angle (deg)`, or in a line of their own below them. The column with the time is the first of
+/// those that `time` names; where there is none of them, that called `time`, `t`, `timestamp` and the like.
 ///
 /// # Errors
 /// [`CsvError`] with line and column where the text is no such table or exceeds the limits.
-pub fn read_foreign(
-    source: impl BufRead,
-    time: Option<&str>,
-    limits: ReadLimits,
-) -> Result<Foreign, CsvError> {
+pub fn read_foreign(source: impl BufRead, time: &[&str], limits: ReadLimits) -> Result<Foreign, CsvError> {
     let mut records = Records::of_any_delimiter(source, limits.line);
     if !records.advance()? {
         return Err(records.error(None, "the file is empty; the first line must name the columns"));
@@ -118,7 +116,7 @@ pub fn read_foreign(
     for (n, column) in columns.iter_mut().enumerate().filter(|(_, column)| column.name.is_empty()) {
         column.name = format!("column {}", n + 1 + usize::from(n >= at));
     }
-    Ok(Foreign { time: time.values, time_unit: time.unit, columns })
+    Ok(Foreign { time: time.values, time_name: time.name, time_unit: time.unit, columns })
 }
 
 /// A heading as a column without values.
@@ -139,20 +137,18 @@ fn unit(field: &str) -> Option<String> {
 }
 
 /// Position of the column with the time.
-fn time_column(columns: &[ForeignColumn], asked: Option<&str>) -> Result<usize, String> {
-    let names: Vec<String> = columns.iter().take(NAMED).map(|column| format!("`{}`", column.name)).collect();
-    let more = if columns.len() > NAMED { " and more" } else { "" };
-    let known = format!("{}{more}", names.join(", "));
+fn time_column(columns: &[ForeignColumn], asked: &[&str]) -> Result<usize, String> {
     let find = |fits: &dyn Fn(&str) -> bool| columns.iter().position(|column| fits(&column.name));
-    match asked {
-        Some(name) => find(&|known| known == name)
-            .ok_or_else(|| format!("there is no column `{name}` for the time; the columns are {known}")),
-        None => find(&|name| TIMES.contains(&name.to_lowercase().as_str())).ok_or_else(|| {
-            format!(
-                "which column is the time? the columns are {known}; name it, such as `--map 'COLUMN=time[s]'`"
-            )
-        }),
-    }
+    let named = asked.iter().find_map(|name| find(&|known| known == *name));
+    named.or_else(|| find(&|name| TIMES.contains(&name.to_lowercase().as_str()))).ok_or_else(|| {
+        let names: Vec<String> =
+            columns.iter().take(NAMED).map(|column| format!("`{}`", column.name)).collect();
+        let more = if columns.len() > NAMED { " and more" } else { "" };
+        format!(
+            "which column is the time? the columns are {}{more}; name it, such as `--map 'COLUMN=time[s]'`",
+            names.join(", ")
+        )
+    })
 }
 
 fn is_number(field: &str) -> bool {
@@ -201,7 +197,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Foreign, CsvError> {
-        read_foreign(text.as_bytes(), None, ReadLimits::default())
+        read_foreign(text.as_bytes(), &[], ReadLimits::default())
     }
 
     #[test]
@@ -223,7 +219,7 @@ mod tests {
         let table = read("time [s],\"a, b\",arm.q[2]\n0,NaN,1.5\n").unwrap();
         assert_eq!([&table.columns[0].name, &table.columns[1].name], ["a, b", "arm.q[2]"]);
         assert_eq!(table.columns[1].unit, None, "an index is no unit");
-        let named = read_foreign(&b"x,y\n1,2\n"[..], Some("y"), ReadLimits::default()).unwrap();
+        let named = read_foreign(&b"x,y\n1,2\n"[..], &["z", "y"], ReadLimits::default()).unwrap();
         assert_eq!((named.time, named.columns[0].values.clone()), (vec![2.0], vec![1.0]));
     }
 
@@ -265,7 +261,6 @@ mod tests {
             message("t;a\n0;x\n"),
             "line 2, column 2: `x` is no number; leave the field empty where there is none"
         );
-        assert!(read_foreign(&b"t\n0\n"[..], Some("u"), ReadLimits::default()).is_err());
     }
 
     #[test]
@@ -273,6 +268,6 @@ mod tests {
         assert_eq!(read("t;a\n").unwrap().time.len(), 0);
         let limits = ReadLimits { line: 100, values: 6 };
         let text = format!("t,a\n{}", "0,0\n".repeat(4));
-        assert!(read_foreign(text.as_bytes(), None, limits).is_err());
+        assert!(read_foreign(text.as_bytes(), &[], limits).is_err());
     }
 }
