@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use blocksim_signal::{Lookup, Scope, Unit, evaluate};
+use blocksim_signal::{Lookup, Quantity, Scope, Unit, evaluate};
 use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::params_args::ParamsCommand;
+use crate::plot_args::{CompareArgs, PlotArgs};
 
 /// Simulate block diagrams written as text.
 #[derive(Debug, Parser)]
@@ -40,6 +41,10 @@ pub enum Colour {
 pub enum Command {
     /// Simulate a model, show what happened and keep it in a folder.
     Run(RunArgs),
+    /// Draw a run: in the terminal, as SVG or PNG, with numbers of how set values are followed.
+    Plot(PlotArgs),
+    /// Tell whether two runs or tables agree within tolerances.
+    Compare(CompareArgs),
     /// Tell all problems of a model without running it.
     Check(CheckArgs),
     /// Print what a step of the compiler makes of a model.
@@ -232,21 +237,34 @@ fn density(text: &str) -> Result<f64, String> {
 
 /// A time above zero, s.
 fn time(text: &str) -> Result<f64, String> {
-    let value = evaluate(text, &NoNames).map_err(|error| match error.help {
-        Some(help) => format!("{}; {help}", error.message),
-        None => error.message,
-    })?;
-    let quantity = value.as_number().ok_or("a time is a number, such as 10s or 250ms")?;
-    let is_time = Unit::parse("s").is_ok_and(|second| quantity.dimension == second.dimension);
-    match quantity.value {
-        _ if !is_time && !quantity.dimension.is_none() => Err("a time has a unit such as s or ms".to_owned()),
-        seconds if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+    match moment(text)? {
+        seconds if seconds > 0.0 => Ok(seconds),
         _ => Err("a time here is above zero".to_owned()),
     }
 }
 
+/// An instant, s.
+pub fn moment(text: &str) -> Result<f64, String> {
+    let quantity = quantity(text, "a time is a number, such as 10s or 250ms")?;
+    let is_time = Unit::parse("s").is_ok_and(|second| quantity.dimension == second.dimension);
+    match quantity.value {
+        _ if !is_time && !quantity.dimension.is_none() => Err("a time has a unit such as s or ms".to_owned()),
+        seconds if seconds.is_finite() => Ok(seconds),
+        _ => Err("a time is finite".to_owned()),
+    }
+}
+
+/// A number with or without a unit; `otherwise` tells what else is wrong.
+pub fn quantity(text: &str, otherwise: &str) -> Result<Quantity, String> {
+    let value = evaluate(text, &NoNames).map_err(|error| match error.help {
+        Some(help) => format!("{}; {help}", error.message),
+        None => error.message,
+    })?;
+    value.as_number().ok_or_else(|| otherwise.to_owned())
+}
+
 /// A number above zero.
-fn positive(text: &str) -> Result<f64, String> {
+pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
         _ => Err("a number above zero, such as 1e-6".to_owned()),

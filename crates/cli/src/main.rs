@@ -22,6 +22,8 @@ mod interrupt;
 mod manifest;
 mod naming;
 mod params_args;
+mod picture_file;
+mod plot_args;
 mod ports;
 mod progress;
 mod prose;
@@ -33,6 +35,7 @@ mod seal;
 mod shown;
 mod solver;
 mod summary;
+mod traces;
 mod tracking;
 
 use std::io;
@@ -50,6 +53,7 @@ blocksim simulates block diagrams written as text.
 
   blocksim run MODEL.ron                    simulate, show and keep the results
   blocksim run MODEL.ron --set drive=dc     with another value of a parameter
+  blocksim plot latest                      draw its signals, also as SVG or PNG
   blocksim check MODEL.ron                  tell all problems without running
   blocksim import ROBOT.urdf --out DIR      make a model of a robot description
   blocksim params export SET.ron            a workbook of parameters, for Excel and LibreOffice
@@ -66,6 +70,8 @@ fn main() -> ExitCode {
     let outcome = match &args.command {
         None => console.data(HINTS).map(|()| Exit::Done),
         Some(Command::Run(args)) => commands::run(args, console),
+        Some(Command::Plot(args)) => commands::plot(args, console),
+        Some(Command::Compare(args)) => commands::compare(args, console),
         Some(Command::Check(args)) => commands::check(args, console),
         Some(Command::Emit(args)) => commands::emit(args, console),
         Some(Command::Import(args)) => commands::import(args, console),

@@ -32,6 +32,11 @@ pub fn is_of(path: &str, name: &str, number: u32) -> bool {
     path.split(['/', '.']).any(same)
 }
 
+/// The number of a name that has one: `axis3` gives 3.
+pub fn name_number(name: &str) -> Option<u32> {
+    name_and_number(name).map(|(_, number)| number)
+}
+
 /// Letters in lower case before the first digits, and the number that these are.
 fn name_and_number(part: &str) -> Option<(String, u32)> {
     let start = part.find(|c: char| c.is_ascii_digit())?;

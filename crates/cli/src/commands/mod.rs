@@ -2,18 +2,22 @@
 
 mod blocks;
 mod check;
+mod compare;
 mod emit;
 mod explain;
 mod import;
 mod params;
+mod plot;
 mod run;
 
 pub use blocks::blocks;
 pub use check::check;
+pub use compare::compare;
 pub use emit::emit;
 pub use explain::explain;
 pub use import::import;
 pub use params::params;
+pub use plot::plot;
 pub use run::run;
 
 use blocksim_block::problem::Problem;

@@ -19,7 +19,7 @@ use crate::report::{Report, log};
 use crate::{interrupt, manifest, render, scene, shown, solver};
 
 /// Where runs are kept unless somebody says otherwise.
-const RUNS: &str = "runs";
+pub const RUNS: &str = "runs";
 
 /// Simulates a model, keeps the results and shows them.
 ///

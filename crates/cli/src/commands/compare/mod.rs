@@ -1,0 +1,139 @@
+//! `blocksim compare`: whether two recordings agree.
+
+mod told;
+mod verdict;
+
+use std::io;
+
+use blocksim_analysis::{Series, lag};
+use blocksim_plot::{Theme, svg};
+use blocksim_results::{ALWAYS, Column};
+
+use self::told::Outcome;
+use self::verdict::{judge, other_values};
+use super::plot::{no_signal, nothing_common, open};
+use crate::console::Console;
+use crate::exit::Exit;
+use crate::naming::fits;
+use crate::picture_file::write_pictures;
+use crate::plot_args::{Align, CompareArgs};
+use crate::traces::{Book, check_mappings, mappings};
+
+/// Most signals whose correlation is taken.
+const ALIGNED_BY: usize = 6;
+
+/// Compares two recordings.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn compare(args: &CompareArgs, console: Console) -> io::Result<Exit> {
+    match compared(args, console) {
+        Ok((text, exit)) => console.data(&text).map(|()| exit),
+        Err((message, exit)) => {
+            console.say(&message);
+            Ok(exit)
+        }
+    }
+}
+
+fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), (String, Exit)> {
+    let files = |message: String| (message, Exit::Files);
+    let usage = |message: String| (message, Exit::Usage);
+    let maps = mappings(&args.map).map_err(usage)?;
+    let books = [open(&args.baseline, &maps).map_err(files)?, open(&args.other, &maps).map_err(files)?];
+    check_mappings(&maps, &books).map_err(usage)?;
+    for book in &books {
+        if let Some(shortfall) = &book.shortfall {
+            console.say(&format!("warning: `{}` is not whole: {shortfall}", book.name));
+        }
+        if book.span().is_none() {
+            return Err(files(format!(
+                "error: `{}` has no values\n  = help: run the model, or export the table, again",
+                book.name
+            )));
+        }
+    }
+    let chosen = chosen(args, &books).map_err(usage)?;
+    say_units(&chosen, &books, console);
+    let shift = shift(args, &books, &chosen)?;
+    let found: Result<Vec<_>, String> = chosen.iter().map(|&at| judge(args, &books, at, shift)).collect();
+    let extra = books[1].traces.iter().map(|trace| &trace.path).filter(|path| books[0].find(path).is_none());
+    let extra = if args.signals.is_empty() { extra.cloned().collect() } else { Vec::new() };
+    let outcome = Outcome { args, books: &books, found: found.map_err(files)?, shift, extra };
+
+    let mut text = if args.json { format!("{}\n", outcome.json()) } else { outcome.text() };
+    if args.svg.is_some() || args.png.is_some() {
+        let drawing = svg(&outcome.figure().map_err(files)?, Theme::from(args.theme));
+        let written = write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), 2.0, args.force);
+        for file in written.map_err(files)? {
+            let line = format!("{}\n", file.display());
+            if args.json { console.say(line.trim_end()) } else { text.push_str(&line) }
+        }
+    }
+    Ok((text, if outcome.agrees() { Exit::Done } else { Exit::Failed }))
+}
+
+/// Signals of the baseline that are compared.
+fn chosen(args: &CompareArgs, books: &[Book; 2]) -> Result<Vec<usize>, String> {
+    let paths: Vec<&str> = books[0].traces.iter().map(|trace| trace.path.as_str()).collect();
+    if let Some(lost) = args.signals.iter().find(|pattern| !paths.iter().any(|path| fits(path, pattern))) {
+        return Err(no_signal(lost, &books[0]));
+    }
+    let wanted =
+        |path: &str| args.signals.is_empty() || args.signals.iter().any(|pattern| fits(path, pattern));
+    let chosen: Vec<usize> = (0..paths.len()).filter(|&at| wanted(paths[at])).collect();
+    if !chosen.iter().any(|&at| books[1].find(paths[at]).is_some()) {
+        return Err(nothing_common(&books[1], chosen.first().map_or("PATH", |&at| paths[at])));
+    }
+    Ok(chosen)
+}
+
+/// Says which columns without a unit are taken to be in which.
+fn say_units(chosen: &[usize], books: &[Book; 2], console: Console) {
+    let bare = chosen.iter().filter_map(|&at| {
+        let trace = &books[0].traces[at];
+        let other = &books[1].traces[books[1].find(&trace.path)?];
+        (trace.has_unit && !other.has_unit && trace.unit.to_string() != "1").then_some(trace)
+    });
+    let bare: Vec<String> = bare.map(|trace| format!("`{}` in {}", trace.path, trace.unit)).collect();
+    if !bare.is_empty() {
+        let more = if bare.len() > 4 { " and so on" } else { "" };
+        let some = bare.iter().take(4).cloned().collect::<Vec<_>>().join(", ");
+        console.say(&format!("note: `{}` tells no units; taken are {some}{more}", books[1].name));
+    }
+}
+
+/// What to add to the times of the other recording, s.
+fn shift(args: &CompareArgs, books: &[Book; 2], chosen: &[usize]) -> Result<f64, (String, Exit)> {
+    let begin = |book: &Book| book.span().map_or(0.0, |span| span.0);
+    match args.align {
+        None => Ok(args.shift.unwrap_or(0.0)),
+        Some(Align::Start) => Ok(begin(&books[0]) - begin(&books[1])),
+        Some(Align::Correlation) => {
+            let mut columns: Vec<(Column, Column)> = Vec::new();
+            for &at in chosen {
+                let trace = &books[0].traces[at];
+                if let Some(there) = books[1].find(&trace.path)
+                    && columns.len() < ALIGNED_BY
+                {
+                    let files = |message: String| (message, Exit::Files);
+                    let a = books[0].read(at, &ALWAYS).map_err(files)?;
+                    let b = other_values(&books[1], there, trace, 0.0).map_err(files)?;
+                    // A constant tells nothing about time.
+                    if a.values.iter().any(|value| *value != a.values[0]) {
+                        columns.push((a, b));
+                    }
+                }
+            }
+            let pairs: Vec<(Series, Series)> = columns
+                .iter()
+                .map(|(a, b)| (Series::new(&a.time, &a.values), Series::new(&b.time, &b.values)))
+                .collect();
+            lag(&pairs).ok_or_else(|| {
+                let message = "error: the signals do not vary, so nothing tells how they belong together in time\n  \
+                               = help: choose others with --signals, or say --shift";
+                (message.to_owned(), Exit::Usage)
+            })
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! The result of a comparison: to people, to programs, as a drawing.
+
+use blocksim_analysis::Deviation;
+use blocksim_plot::{Figure, Line, Panel, Strip, Style, thinned};
+use blocksim_results::format::{count, significant};
+use blocksim_results::{ALWAYS, Align, Column, Table};
+use serde_json::{Value, json};
+
+use super::verdict::{Found, Verdict, other_values, rule};
+use crate::format::short_time;
+use crate::plot_args::CompareArgs;
+use crate::render::plural;
+use crate::traces::Book;
+
+/// Most signals in the table and in the drawing.
+const ROWS: usize = 60;
+const PANELS: usize = 24;
+/// Columns of a screen to which courses are thinned.
+const SCREEN: usize = 1600;
+
+/// All that is found.
+pub struct Outcome<'a> {
+    /// Command line.
+    pub args: &'a CompareArgs,
+    /// Baseline and other recording.
+    pub books: &'a [Book; 2],
+    /// The signals of the baseline.
+    pub found: Vec<Found>,
+    /// What was added to the times of the other recording, s.
+    pub shift: f64,
+    /// Signals that only the other recording has.
+    pub extra: Vec<String>,
+}
+
+impl Outcome<'_> {
+    /// Whether all signals agree; missing ones are passed over where only common ones are asked for.
+    pub fn agrees(&self) -> bool {
+        self.found.iter().all(|found| self.counts_as_agreeing(found))
+    }
+
+    fn counts_as_agreeing(&self, found: &Found) -> bool {
+        found.verdict.agrees() || (self.args.common && found.verdict == Verdict::Missing)
+    }
+
+    /// Table and summary.
+    pub fn text(&self) -> String {
+        let mut table = Table::new(&[
+            ("signal", Align::Left),
+            ("verdict", Align::Left),
+            ("largest difference", Align::Right),
+            ("at [s]", Align::Right),
+            ("first beyond, at [s]", Align::Right),
+            ("baseline", Align::Right),
+            ("compared", Align::Right),
+            ("allowed", Align::Right),
+        ]);
+        let told = || self.found.iter().filter(|found| found.verdict != Verdict::Same);
+        // What is wrong comes first.
+        let mut rows: Vec<&Found> = told().filter(|found| !self.counts_as_agreeing(found)).collect();
+        rows.extend(told().filter(|found| self.counts_as_agreeing(found)));
+        for found in rows.iter().take(ROWS) {
+            let unit = found.unit.to_string();
+            // However small it is, it is not shown as none.
+            let difference = |d: &Deviation| {
+                let number = significant(d.difference() / found.unit.scale, 4);
+                if unit == "1" { number } else { format!("{number} {unit}") }
+            };
+            let value = |x: f64| significant(found.unit.from_si(x), 6);
+            let dash = || "-".to_owned();
+            let cell = |d: Option<Deviation>, show: &dyn Fn(&Deviation) -> String| {
+                d.as_ref().map_or_else(dash, show)
+            };
+            let (largest, first) = (found.comparison.largest, found.comparison.first);
+            table.row([
+                self.books[0].traces[found.at].path.clone(),
+                words(&found.verdict),
+                cell(largest, &difference),
+                cell(largest, &|d| short_time(d.time)),
+                cell(first, &|d| short_time(d.time)),
+                cell(first, &|d| value(d.baseline)),
+                cell(first, &|d| value(d.compared)),
+                cell(first, &|d| significant(d.tolerance / found.unit.scale, 3)),
+            ]);
+        }
+        let mut text = if rows.is_empty() { String::new() } else { format!("{}\n", table.render()) };
+        if rows.len() > ROWS {
+            text.push_str(&format!("and {} more\n", rows.len() - ROWS));
+        }
+        text.push_str(&self.summary());
+        text
+    }
+
+    fn summary(&self) -> String {
+        let of = |fits: &dyn Fn(&Found) -> bool| self.found.iter().filter(|found| fits(found)).count();
+        let wrong = of(&|found| !self.counts_as_agreeing(found));
+        let (same, within) = (of(&|f| f.verdict == Verdict::Same), of(&|f| f.verdict == Verdict::Within));
+        let mut lines = Vec::new();
+        if self.shift != 0.0 {
+            lines.push(format!("`{}` is shifted by {} s", self.books[1].name, short_time(self.shift)));
+        }
+        let name = &self.books[1].name;
+        let verb = |n: usize| if n == 1 { "is" } else { "are" };
+        let missing = of(&|f| f.verdict == Verdict::Missing);
+        if self.args.common && missing > 0 {
+            lines.push(format!(
+                "{} of the baseline {} missing in `{name}`",
+                plural(missing, "signal"),
+                verb(missing)
+            ));
+        }
+        if !self.extra.is_empty() {
+            let n = self.extra.len();
+            lines.push(format!("{} {} in `{name}` alone", plural(n, "signal"), verb(n)));
+        }
+        lines.push(match wrong {
+            0 => format!(
+                "{} agree: {} exactly, {} within the tolerances",
+                plural(same + within, "signal"),
+                count(same as u64),
+                count(within as u64)
+            ),
+            1 => format!("1 of {} does not agree", plural(self.found.len(), "signal")),
+            n => format!("{n} of {} do not agree", plural(self.found.len(), "signal")),
+        });
+        lines.iter().map(|line| format!("{line}\n")).collect()
+    }
+
+    /// The same as data; numbers in the units named.
+    pub fn json(&self) -> Value {
+        let deviation = |found: &Found, d: Option<Deviation>| {
+            let unit = &found.unit;
+            d.map(|d| {
+                json!({
+                    "time": d.time,
+                    "baseline": unit.from_si(d.baseline),
+                    "compared": unit.from_si(d.compared),
+                    "difference": d.difference() / unit.scale,
+                    "tolerance": d.tolerance / unit.scale,
+                })
+            })
+        };
+        let signal = |found: &Found| {
+            let comparison = &found.comparison;
+            json!({
+                "signal": self.books[0].traces[found.at].path,
+                "unit": found.unit.to_string(),
+                "verdict": found.verdict.word(),
+                "agrees": self.counts_as_agreeing(found),
+                "span": comparison.span.map(|(from, to)| [from, to]),
+                "points": comparison.points,
+                "outside": comparison.outside,
+                "rms": comparison.rms / found.unit.scale,
+                "largest": deviation(found, comparison.largest),
+                "first": deviation(found, comparison.first),
+            })
+        };
+        json!({
+            "v": 1,
+            "type": "comparison",
+            "baseline": self.books[0].name,
+            "other": self.books[1].name,
+            "agrees": self.agrees(),
+            "shift": self.shift,
+            "signals": self.found.iter().map(signal).collect::<Vec<_>>(),
+            "only_in_other": self.extra,
+        })
+    }
+
+    /// Both signals and their difference with its limits: those that differ, or all if none does.
+    ///
+    /// # Errors
+    /// What to tell the person at the keyboard.
+    pub fn figure(&self) -> Result<Figure, String> {
+        let drawable =
+            || self.found.iter().filter(|found| found.there.is_some() && found.comparison.span.is_some());
+        let mut chosen: Vec<&Found> = drawable().filter(|found| !found.verdict.agrees()).collect();
+        if chosen.is_empty() {
+            chosen = drawable().collect();
+        }
+        let spans = drawable().filter_map(|found| found.comparison.span);
+        let time = spans.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0.0, 1.0));
+        let panels: Result<Vec<Panel>, String> =
+            chosen.iter().take(PANELS).map(|found| self.panel(found, time)).collect();
+        let panels = panels?;
+        let columns = if panels.len() > 2 { 2 } else { 1 };
+        let title = format!("{} and {}", self.books[0].name, self.books[1].name);
+        Ok(Figure { title, panels, columns, time, width: 960.0 })
+    }
+
+    fn panel(&self, found: &Found, time: (f64, f64)) -> Result<Panel, String> {
+        let trace = &self.books[0].traces[found.at];
+        let (unit, range) = (&found.unit, time.0..=time.1);
+        let held = rule(self.args, trace).interpolation == blocksim_analysis::Interpolation::Hold;
+        let mut a = self.books[0].read(found.at, &ALWAYS)?;
+        let mut b = match found.there {
+            Some(there) => other_values(&self.books[1], there, trace, self.shift)?,
+            None => Column::default(),
+        };
+        for column in [&mut a, &mut b] {
+            column.values.iter_mut().for_each(|value| *value = unit.from_si(*value));
+        }
+        let lines = [(&a, 0, &self.books[0]), (&b, 1, &self.books[1])].map(|(column, colour, book)| Line {
+            name: book.name.clone(),
+            colour,
+            style: if book.is_run { Style::Solid } else { Style::Dotted },
+            thin: colour > 0 && book.is_run,
+            courses: thinned(&column.time, &column.values, &range, SCREEN, held),
+        });
+        let rule = rule(self.args, trace);
+        let series = blocksim_analysis::Series::new(&a.time, &a.values);
+        let (mut difference, mut limit) = (Vec::new(), Vec::new());
+        for (t, value) in b.time.iter().zip(&b.values) {
+            let covered = series.span().is_some_and(|(from, to)| *t >= from && *t <= to);
+            let base = series.at(*t, rule.interpolation, 0.0).map_or(f64::NAN, |at| at.1);
+            difference.push(if covered { value - base } else { f64::NAN });
+            limit.push((rule.absolute / unit.scale).max(rule.relative * base.abs()));
+        }
+        let limits = |sign: f64| {
+            let values: Vec<f64> = limit.iter().map(|x| sign * x).collect();
+            let courses = thinned(&b.time, &values, &range, SCREEN, held);
+            Line { style: Style::Limit, courses, ..Line::default() }
+        };
+        let drawn = Line {
+            colour: 1,
+            courses: thinned(&b.time, &difference, &range, SCREEN, held),
+            ..Line::default()
+        };
+        let strip = Strip { name: "difference".to_owned(), lines: vec![drawn, limits(1.0), limits(-1.0)] };
+        Ok(Panel {
+            title: trace.path.clone(),
+            unit: unit.to_string(),
+            lines: lines.into(),
+            strip: Some(strip),
+            notes: Vec::new(),
+        })
+    }
+}
+
+fn words(verdict: &Verdict) -> String {
+    match verdict {
+        Verdict::Same => "same".to_owned(),
+        Verdict::Within => "within".to_owned(),
+        Verdict::Differs => "DIFFERS".to_owned(),
+        Verdict::Short(from, to) => format!("SHORT, only {} s to {} s", short_time(*from), short_time(*to)),
+        Verdict::Missing => "MISSING".to_owned(),
+        Verdict::OtherUnit(unit) => format!("in {unit}, another UNIT"),
+        Verdict::Nothing => "NO COMMON TIME".to_owned(),
+    }
+}

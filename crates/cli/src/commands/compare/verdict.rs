@@ -1,0 +1,140 @@
+//! What is found about each signal.
+
+use blocksim_analysis::{Comparison, Interpolation, Rule, Series, compare};
+use blocksim_results::{ALWAYS, Column, Kind};
+use blocksim_signal::Unit;
+
+use crate::plot_args::{Between, CompareArgs};
+use crate::traces::{Book, Trace};
+
+/// What is said of a signal.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Verdict {
+    /// No difference at all.
+    Same,
+    /// Within the tolerances.
+    Within,
+    /// Somewhere beyond the tolerances.
+    Differs,
+    /// The other recording covers only this part of the baseline, s.
+    Short(f64, f64),
+    /// The other recording has no such signal.
+    Missing,
+    /// It measures something else: its unit.
+    OtherUnit(String),
+    /// There is nothing to compare: no values, or no common time.
+    Nothing,
+}
+
+impl Verdict {
+    /// Whether the signals agree.
+    pub fn agrees(&self) -> bool {
+        matches!(self, Verdict::Same | Verdict::Within)
+    }
+
+    /// A word for programs.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Verdict::Same => "same",
+            Verdict::Within => "within",
+            Verdict::Differs => "differs",
+            Verdict::Short(..) => "short",
+            Verdict::Missing => "missing",
+            Verdict::OtherUnit(_) => "other_unit",
+            Verdict::Nothing => "nothing",
+        }
+    }
+}
+
+/// A signal of the baseline and what was found.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// Position in the baseline.
+    pub at: usize,
+    /// Position in the other recording.
+    pub there: Option<usize>,
+    /// Unit in which it is told.
+    pub unit: Unit,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Numbers in SI.
+    pub comparison: Comparison,
+}
+
+/// Tolerances for a signal, in SI.
+pub fn rule(args: &CompareArgs, trace: &Trace) -> Rule {
+    let own = |dimension| trace.has_unit && dimension == trace.unit.dimension;
+    let specific = args.absolute.iter().rev().find(|tolerance| tolerance.dimension.is_some_and(own));
+    let absolute =
+        specific.or_else(|| args.absolute.iter().rev().find(|tolerance| tolerance.dimension.is_none()));
+    let held = trace.kind != Kind::Real;
+    Rule {
+        absolute: absolute.map_or(0.0, |tolerance| tolerance.value),
+        relative: args.relative,
+        time: args.time_tolerance,
+        interpolation: match args.interpolation {
+            Some(Between::Linear) => Interpolation::Linear,
+            Some(Between::Zoh) => Interpolation::Hold,
+            None if held => Interpolation::Hold,
+            None => Interpolation::Linear,
+        },
+    }
+}
+
+/// The values of a signal of the other recording in SI, its times shifted. Where it has no unit it is taken to be in the
+/// one that the baseline is shown in.
+///
+/// # Errors
+/// What to tell the person at the keyboard.
+pub fn other_values(book: &Book, at: usize, baseline: &Trace, shift: f64) -> Result<Column, String> {
+    let mut column = book.read(at, &ALWAYS)?;
+    if !book.traces[at].has_unit && baseline.has_unit {
+        column.values.iter_mut().for_each(|value| *value = baseline.unit.to_si(*value));
+    }
+    if shift != 0.0 {
+        column.time.iter_mut().for_each(|t| *t += shift);
+    }
+    Ok(column)
+}
+
+/// Compares a signal of the baseline with that of the same path.
+///
+/// # Errors
+/// What to tell the person at the keyboard.
+pub fn judge(args: &CompareArgs, books: &[Book; 2], at: usize, shift: f64) -> Result<Found, String> {
+    let trace = &books[0].traces[at];
+    let there = books[1].find(&trace.path);
+    let mut found = Found {
+        at,
+        there,
+        unit: trace.unit.clone(),
+        verdict: Verdict::Missing,
+        comparison: Comparison::default(),
+    };
+    let Some(there) = there else { return Ok(found) };
+    let other = &books[1].traces[there];
+    if trace.has_unit && other.has_unit && !trace.unit.dimension.compatible(other.unit.dimension) {
+        found.verdict = Verdict::OtherUnit(other.unit.to_string());
+        return Ok(found);
+    }
+    let a = books[0].read(at, &ALWAYS)?;
+    let b = other_values(&books[1], there, trace, shift)?;
+    let (a, b) = (Series::new(&a.time, &a.values), Series::new(&b.time, &b.values));
+    found.comparison = compare(a, b, &rule(args, trace));
+    found.verdict = match (&found.comparison, short(a, b, args)) {
+        (found, _) if found.points == 0 => Verdict::Nothing,
+        (found, _) if found.outside > 0 => Verdict::Differs,
+        (_, Some((from, to))) if !args.overlap => Verdict::Short(from, to),
+        (found, _) if found.is_same() => Verdict::Same,
+        _ => Verdict::Within,
+    };
+    Ok(found)
+}
+
+/// What is covered, if that is less than the baseline by more than a step and the time tolerance.
+fn short(a: Series, b: Series, args: &CompareArgs) -> Option<(f64, f64)> {
+    let ((from, to), (begin, end)) = (a.span()?, b.span()?);
+    let step = |s: Series| s.time.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max).min((to - from) / 20.0);
+    let room = args.time_tolerance + step(a).max(step(b)) + 1e-9 * (to - from).abs();
+    (begin > from + room || end < to - room).then_some((from.max(begin), to.min(end)))
+}

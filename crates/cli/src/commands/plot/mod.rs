@@ -1,0 +1,158 @@
+//! `blocksim plot`: signals of runs and tables over time, in the terminal and as files.
+
+mod following;
+mod panels;
+mod terminal;
+
+use std::io;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+use blocksim_plot::{Theme, svg};
+use blocksim_signal::closest;
+
+use self::panels::{Drawn, chosen, figure, groups, is_same, panel, read};
+use crate::console::Console;
+use crate::exit::Exit;
+use crate::picture_file::write_pictures;
+use crate::plot_args::PlotArgs;
+use crate::traces::{Book, Mapping, check_mappings, mappings, told};
+
+/// Most pictures in one file.
+const PANELS: usize = 60;
+
+/// Draws a run.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn plot(args: &PlotArgs, console: Console) -> io::Result<Exit> {
+    match drawn(args, console) {
+        Ok(text) => console.data(&text).map(|()| Exit::Done),
+        Err((message, exit)) => {
+            console.say(&message);
+            Ok(exit)
+        }
+    }
+}
+
+fn drawn(args: &PlotArgs, console: Console) -> Result<String, (String, Exit)> {
+    let files = |message: String| (message, Exit::Files);
+    let usage = |message: String| (message, Exit::Usage);
+    let maps = mappings(&args.map).map_err(usage)?;
+    let mut books = Vec::new();
+    for name in std::iter::once(&args.run).chain(&args.with) {
+        let mut book = open(name, &maps).map_err(files)?;
+        book.show_in(&args.units);
+        if let Some(shortfall) = &book.shortfall {
+            console.say(&format!("warning: `{}` is not whole: {shortfall}", book.name));
+        }
+        books.push(book);
+    }
+    check_mappings(&maps, &books).map_err(usage)?;
+    let range = range(args, &books)?;
+    let selected = chosen(&books[0], &args.signals).map_err(|lost| usage(no_signal(lost, &books[0])))?;
+    for book in &books[1..] {
+        let paths = || selected.iter().map(|&at| books[0].traces[at].path.as_str());
+        if !paths().any(|path| book.find(path).is_some()) {
+            return Err(usage(nothing_common(book, paths().next().unwrap_or_default())));
+        }
+    }
+    let mut all: Vec<Drawn> = Vec::new();
+    let groups = groups(&books[0], &selected, args.layout);
+    let left = groups.len().saturating_sub(PANELS);
+    for group in groups.into_iter().take(PANELS) {
+        let drawn = read(group, &books, &range).map_err(files)?;
+        // Two scopes may show the same.
+        if !all.iter().any(|other| is_same(other, &drawn)) {
+            all.push(drawn);
+        }
+    }
+    if left > 0 {
+        console.say(&format!("note: {left} more pictures are left out; choose signals to see them"));
+    }
+    let rows = if args.metrics || args.json { following::rows(&all, &books) } else { Vec::new() };
+    let mut text = String::new();
+    if args.svg.is_some() || args.png.is_some() {
+        let panels = all.iter().map(|drawn| panel(drawn, &books, &range)).collect();
+        let title = books.iter().map(|book| book.name.as_str()).collect::<Vec<_>>().join(", ");
+        let time = (*range.start(), *range.end());
+        let figure = figure(panels, title, time, args.columns, args.width);
+        let drawing = svg(&figure, Theme::from(args.theme));
+        let written =
+            write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), args.scale, args.force);
+        for file in written.map_err(files)? {
+            text.push_str(&format!("{}\n", file.display()));
+        }
+    } else if !args.json && !args.metrics {
+        text = terminal::plots(&all, &books, console);
+    }
+    if args.json {
+        return Ok(format!("{}\n", following::json(&rows)));
+    }
+    if args.metrics {
+        if rows.is_empty() {
+            console.say("note: there are no set and actual values among these signals");
+        } else {
+            text.push_str(&following::table(&rows, books.len() > 1));
+        }
+    }
+    Ok(text)
+}
+
+/// Opens a run or a table by path or name.
+pub fn open(name: &str, maps: &[Mapping]) -> Result<Book, String> {
+    let path: PathBuf = locate(name)?;
+    Book::open(&path, maps)
+}
+
+fn locate(name: &str) -> Result<PathBuf, String> {
+    blocksim_results::locate(name, Path::new(super::run::RUNS)).map_err(told)
+}
+
+/// What is shown: what the options say, else all that there is.
+fn range(args: &PlotArgs, books: &[Book]) -> Result<RangeInclusive<f64>, (String, Exit)> {
+    let spans: Vec<(f64, f64)> = books.iter().filter_map(Book::span).collect();
+    let Some(span) = spans.into_iter().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
+        let help = "run the model, or export the table, again";
+        return Err((format!("error: `{}` has no values\n  = help: {help}", books[0].name), Exit::Files));
+    };
+    let (from, to) = (args.from.unwrap_or(span.0), args.to.unwrap_or(span.1));
+    if from > to || from > span.1 || to < span.0 {
+        let asked = match (args.from, args.to) {
+            (Some(from), Some(to)) => format!("from {from} s to {to} s"),
+            (Some(from), None) => format!("from {from} s on"),
+            _ => format!("up to {to} s"),
+        };
+        let message = format!(
+            "error: there are no values {asked}\n  = help: `{}` goes from {} s to {} s",
+            books[0].name, span.0, span.1
+        );
+        return Err((message, Exit::Usage));
+    }
+    Ok(from..=to)
+}
+
+/// Tells that no signal fits a pattern.
+pub fn no_signal(lost: &str, book: &Book) -> String {
+    let paths: Vec<&str> = book.traces.iter().map(|trace| trace.path.as_str()).collect();
+    let help = match closest(lost, paths.iter().copied()) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => {
+            let more = if paths.len() > 5 { ", ..." } else { "" };
+            format!("it has {}{more}", paths.iter().take(5).copied().collect::<Vec<_>>().join(", "))
+        }
+    };
+    format!("error: no signal of `{}` fits `{lost}`\n  = help: {help}", book.name)
+}
+
+/// Tells that a recording has none of the signals.
+pub fn nothing_common(book: &Book, example: &str) -> String {
+    let names: Vec<String> = book.traces.iter().take(8).map(|trace| format!("`{}`", trace.path)).collect();
+    let column = book.traces.first().map_or("COLUMN", |trace| trace.path.as_str());
+    format!(
+        "error: `{}` has none of the signals that are drawn\n  = help: it has {}; say what they are, such as --map \
+         '{column}={example}'",
+        book.name,
+        names.join(", ")
+    )
+}

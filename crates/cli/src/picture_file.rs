@@ -1,0 +1,64 @@
+//! Drawings and pictures as files.
+
+use std::path::{Path, PathBuf};
+
+use blocksim_picture::png;
+use blocksim_results::{ResultsError, write_whole};
+
+/// Writes a drawing as SVG and as PNG, where asked for, each whole or not at all; returns the files.
+///
+/// # Errors
+/// What to tell the person at the keyboard.
+pub fn write_pictures(
+    drawing: &str,
+    as_svg: Option<&Path>,
+    as_png: Option<&Path>,
+    scale: f64,
+    force: bool,
+) -> Result<Vec<PathBuf>, String> {
+    for file in [as_svg, as_png].into_iter().flatten() {
+        let folder = folder_of(file);
+        if !folder.is_dir() {
+            return Err(format!(
+                "error: cannot write `{}`: there is no folder `{}`\n  = help: create it, or choose another place",
+                file.display(),
+                folder.display()
+            ));
+        }
+        if file.exists() && !force {
+            return Err(format!(
+                "error: `{}` is there already\n  = help: choose another name, or replace it with --force",
+                file.display()
+            ));
+        }
+    }
+    let mut written = Vec::new();
+    if let Some(file) = as_svg {
+        written.push(write(file, drawing.as_bytes())?);
+    }
+    if let Some(file) = as_png {
+        let picture = png(drawing, scale).map_err(|error| format!("error: {error}"))?;
+        written.push(write(file, &picture)?);
+    }
+    Ok(written)
+}
+
+fn write(file: &Path, content: &[u8]) -> Result<PathBuf, String> {
+    let folder = folder_of(file);
+    let Some(name) = file.file_name() else {
+        return Err(format!("error: `{}` names no file\n  = help: choose another name", file.display()));
+    };
+    let told = |error: ResultsError| {
+        format!(
+            "error: cannot write `{}`: {}\n  = help: choose another place",
+            file.display(),
+            error.reason()
+        )
+    };
+    write_whole(folder, &name.to_string_lossy(), |out| out.write_all(content)).map_err(told)?;
+    Ok(file.to_owned())
+}
+
+fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}

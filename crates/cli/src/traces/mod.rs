@@ -1,0 +1,184 @@
+//! Signals of runs and of foreign tables alike: found by path, read in SI, shown in their units.
+
+mod mapping;
+mod table;
+
+pub use mapping::{Mapping, mappings};
+
+use std::ops::RangeInclusive;
+use std::path::Path;
+
+use blocksim_results::{Column, Kind, ResultsError, Run};
+use blocksim_signal::Unit;
+
+/// Most values of a signal that are read for a picture; of more the extremes are enough.
+const PICTURE: u64 = 1 << 18;
+
+/// A signal.
+#[derive(Debug, Clone)]
+pub struct Trace {
+    /// Its path, or the name of a column that nobody mapped to one.
+    pub path: String,
+    /// Unit to show it in.
+    pub unit: Unit,
+    /// Whether the unit is known, rather than taken for SI.
+    pub has_unit: bool,
+    /// Real, Bool or Int.
+    pub kind: Kind,
+}
+
+impl Trace {
+    /// Path of the block, without port and element.
+    pub fn block(&self) -> &str {
+        self.path.split_once('.').map_or("", |(block, _)| block)
+    }
+
+    /// Port and element, without the block.
+    pub fn port(&self) -> &str {
+        self.path.split_once('.').map_or(&self.path, |(_, port)| port)
+    }
+}
+
+/// All signals of a run or a table.
+#[derive(Debug)]
+pub struct Book {
+    /// Name of folder or file.
+    pub name: String,
+    /// Whether it is a run, not a table.
+    pub is_run: bool,
+    /// Its signals.
+    pub traces: Vec<Trace>,
+    /// Why something is missing at the end.
+    pub shortfall: Option<String>,
+    source: Source,
+}
+
+#[derive(Debug)]
+enum Source {
+    Run(Box<Run>),
+    Table(table::Table),
+}
+
+impl Book {
+    /// Opens a run (its folder or its recording) or a table (any other file), whose columns may be mapped.
+    ///
+    /// # Errors
+    /// What to tell the person at the keyboard.
+    pub fn open(path: &Path, maps: &[Mapping]) -> Result<Book, String> {
+        if path.is_dir() || path.extension().is_some_and(|ending| ending == "rec") {
+            let run = Run::open(path).map_err(told)?;
+            let traces = run.signals().iter().map(|info| {
+                let si = Unit::parse(&info.unit).ok();
+                let display = info.display.as_deref().and_then(|text| Unit::parse(text).ok());
+                let unit = shown_in(si.clone(), display);
+                Trace { path: info.path.clone(), unit, has_unit: si.is_some(), kind: info.kind }
+            });
+            let (name, traces, shortfall) = (run.name(), traces.collect(), run.shortfall());
+            return Ok(Book { name, is_run: true, traces, shortfall, source: Source::Run(Box::new(run)) });
+        }
+        let (table, traces) = table::Table::open(path, maps)?;
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        Ok(Book { name, is_run: false, traces, shortfall: None, source: Source::Table(table) })
+    }
+
+    /// First and last instant, s; none where there are no values.
+    pub fn span(&self) -> Option<(f64, f64)> {
+        match &self.source {
+            Source::Run(run) => run.span(),
+            Source::Table(table) => Some((*table.time.first()?, *table.time.last()?)),
+        }
+    }
+
+    /// Position of the signal of this path.
+    pub fn find(&self, path: &str) -> Option<usize> {
+        self.traces.iter().position(|trace| trace.path == path)
+    }
+
+    /// A signal in SI.
+    ///
+    /// # Errors
+    /// What to tell the person at the keyboard.
+    pub fn read(&self, trace: usize, range: &RangeInclusive<f64>) -> Result<Column, String> {
+        match &self.source {
+            Source::Run(run) => run.read(trace, range).map_err(told),
+            Source::Table(table) => table.column(trace, range),
+        }
+    }
+
+    /// A signal in SI as a picture needs it: all values or, of very many, the extremes of short stretches.
+    ///
+    /// # Errors
+    /// What to tell the person at the keyboard.
+    pub fn picture(&self, trace: usize, range: &RangeInclusive<f64>) -> Result<Column, String> {
+        match &self.source {
+            Source::Run(run) if run.rows(run.signals()[trace].base) > PICTURE => {
+                run.overview(trace, range, PICTURE as usize).map_err(told)
+            }
+            _ => self.read(trace, range),
+        }
+    }
+
+    /// The column of a table that a mapping is about, by the name that it has there.
+    fn has_column(&self, name: &str) -> bool {
+        match &self.source {
+            Source::Run(_) => false,
+            Source::Table(table) => table.columns.iter().any(|column| column == name),
+        }
+    }
+
+    /// Shows all signals of the dimensions of these units in them.
+    pub fn show_in(&mut self, units: &[Unit]) {
+        for trace in &mut self.traces {
+            let fits = |unit: &&Unit| trace.has_unit && unit.dimension == trace.unit.dimension;
+            if let Some(unit) = units.iter().rev().find(fits) {
+                trace.unit = unit.clone();
+            }
+        }
+    }
+}
+
+/// Tells a mapping of a column that no table has.
+///
+/// # Errors
+/// What to tell the person at the keyboard.
+pub fn check_mappings(maps: &[Mapping], books: &[Book]) -> Result<(), String> {
+    let Some(lost) = maps.iter().find(|map| !books.iter().any(|book| book.has_column(&map.column))) else {
+        return Ok(());
+    };
+    let Some(book) = books.iter().find(|book| !book.is_run) else {
+        return Err(format!(
+            "error: there is no table with the column `{}`\n  = help: mappings are for tables; a run has its own names",
+            lost.column
+        ));
+    };
+    let columns: &[String] = match &book.source {
+        Source::Run(_) => &[],
+        Source::Table(table) => &table.columns,
+    };
+    let help = match blocksim_signal::closest(&lost.column, columns.iter().map(String::as_str)) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => format!(
+            "its columns are {}",
+            columns.iter().take(12).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+        ),
+    };
+    Err(format!("error: there is no column `{}` in `{}`\n  = help: {help}", lost.column, book.name))
+}
+
+/// The unit asked for if it fits; else degrees for angles and SI for all else.
+fn shown_in(si: Option<Unit>, asked: Option<Unit>) -> Unit {
+    let Some(si) = si else { return asked.unwrap_or_else(|| Unit::si(blocksim_signal::Dimension::NONE)) };
+    let fits = |unit: &Unit| unit.dimension.compatible(si.dimension);
+    let degrees = || Unit::parse("deg").ok().filter(|unit| unit.dimension == si.dimension);
+    asked.filter(fits).or_else(degrees).unwrap_or(si)
+}
+
+/// A failure of the file system: place, reason, remedy.
+pub fn told(error: ResultsError) -> String {
+    format!(
+        "error: cannot read `{}`: {}\n  = help: {}",
+        error.place().display(),
+        error.reason(),
+        error.remedy()
+    )
+}

@@ -1,0 +1,103 @@
+//! A foreign table as signals in SI.
+
+use std::ops::RangeInclusive;
+use std::path::Path;
+
+use blocksim_results::{Column, Kind, read_foreign_file};
+use blocksim_signal::{Dimension, Unit};
+
+use super::{Mapping, Trace, shown_in, told};
+
+/// Times in s and values in SI.
+#[derive(Debug)]
+pub struct Table {
+    /// Times, never falling.
+    pub time: Vec<f64>,
+    values: Vec<Vec<f64>>,
+    /// Why a column cannot be used.
+    troubles: Vec<Option<String>>,
+    /// All columns by the names that they have in the file.
+    pub columns: Vec<String>,
+}
+
+impl Table {
+    /// Reads a table and names its columns.
+    ///
+    /// # Errors
+    /// What to tell the person at the keyboard.
+    pub fn open(path: &Path, maps: &[Mapping]) -> Result<(Table, Vec<Trace>), String> {
+        let time_maps = || maps.iter().filter(|map| map.path == "time");
+        let names: Vec<&str> = time_maps().map(|map| map.column.as_str()).collect();
+        let foreign = read_foreign_file(path, &names).map_err(told)?;
+        let time_map = time_maps().find(|map| map.column == foreign.time_name);
+        let mut columns = vec![foreign.time_name];
+        let place = path.display();
+        let second = time_map.and_then(|map| map.unit.clone()).or(foreign.time_unit);
+        let time_unit = unit(second.as_deref().unwrap_or("s"), "the time", path)?;
+        if Unit::parse("s").is_ok_and(|second| second.dimension != time_unit.dimension) {
+            return Err(format!(
+                "error: the time in `{place}` is in {time_unit}, which is no time\n  = help: say its unit, such as \
+                 --map 'COLUMN=time[ms]'"
+            ));
+        }
+        let time = foreign.time.iter().map(|&t| time_unit.to_si(t)).collect();
+
+        let mut table = Table { time, values: Vec::new(), troubles: Vec::new(), columns: Vec::new() };
+        let mut traces = Vec::new();
+        for column in foreign.columns {
+            let map = maps.iter().find(|map| map.column == column.name);
+            let (kind, said) = match map.and_then(|map| map.unit.clone()).or(column.unit) {
+                Some(unit) if unit == "bool" => (Kind::Bool, None),
+                Some(unit) if unit == "int" => (Kind::Int, None),
+                unit => (Kind::Real, unit),
+            };
+            let found = said.as_deref().map(|text| unit(text, &format!("column `{}`", column.name), path));
+            // What nobody asks for may be in any unit.
+            let (found, trouble) = match (found.transpose(), map) {
+                (Ok(found), _) => (found, None),
+                (Err(trouble), Some(map)) if map.unit.is_some() => return Err(trouble),
+                (Err(trouble), _) => (None, Some(trouble)),
+            };
+            columns.push(column.name.clone());
+            let path = map.map_or(column.name, |map| map.path.clone());
+            let values = match &found {
+                Some(unit) => column.values.iter().map(|&value| unit.to_si(value)).collect(),
+                None => column.values,
+            };
+            // Whole and truth values have no unit; of others nothing is known.
+            let has_unit = found.is_some() || kind != Kind::Real;
+            let si = found.as_ref().map(|unit| Unit::si(unit.dimension));
+            let unit = shown_in(si.or_else(|| has_unit.then(|| Unit::si(Dimension::NONE))), found);
+            traces.push(Trace { path, unit, has_unit, kind });
+            table.values.push(values);
+            table.troubles.push(trouble);
+        }
+        Ok((Table { columns, ..table }, traces))
+    }
+
+    /// A column within a range of time.
+    ///
+    /// # Errors
+    /// If its unit is not known.
+    pub fn column(&self, at: usize, range: &RangeInclusive<f64>) -> Result<Column, String> {
+        if let Some(trouble) = &self.troubles[at] {
+            return Err(trouble.clone());
+        }
+        let from = self.time.partition_point(|t| t < range.start());
+        let to = self.time.partition_point(|t| t <= range.end()).max(from);
+        Ok(Column { time: self.time[from..to].to_vec(), values: self.values[at][from..to].to_vec() })
+    }
+}
+
+fn unit(text: &str, of: &str, path: &Path) -> Result<Unit, String> {
+    // As it is written in other programs.
+    let plain = text.replace('·', "*").replace('²', "^2").replace('³', "^3");
+    Unit::parse(&plain).map_err(|error| {
+        let help = error.help.unwrap_or_else(|| "say the unit, such as --map 'COLUMN=PATH[deg]'".to_owned());
+        format!(
+            "error: the unit of {of} in `{}` is not known: {}\n  = help: {help}",
+            path.display(),
+            error.message
+        )
+    })
+}

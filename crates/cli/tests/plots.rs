@@ -1,0 +1,435 @@
+//! `blocksim plot` and `blocksim compare` as users call them: what is drawn, told, written and refused.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use expect_test::expect;
+
+const LAG: &str = r#"Diagram(
+    title: "First order lag",
+    parameters: { "lag": "0.2 s" },
+    simulation: (stop_time: "3 s", output: Every("1 ms")),
+    blocks: {
+        "demand": Step(time: "0.1 s", after: "90 deg"),
+        "lag_block": LowPass(tau: "lag"),
+        "scope": Scope(inputs: ["set", "actual"], display: "deg"),
+    },
+    connections: [
+        "demand.y -> lag_block.u, scope.set",
+        "lag_block.y -> scope.actual",
+    ],
+)
+"#;
+
+/// A folder of its own for each test, removed at the end.
+struct Desk(PathBuf);
+
+impl Desk {
+    fn with(files: &[(&str, &str)]) -> Desk {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let n = COUNT.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("blocksim-plots-{}-{n}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        files.iter().for_each(|(name, text)| fs::write(path.join(name), text).unwrap());
+        Desk(path)
+    }
+
+    /// Exit code, standard output and standard error.
+    fn call(&self, arguments: &[&str]) -> (i32, String, String) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        command.current_dir(&self.0).args(arguments).env_remove("CLICOLOR_FORCE").env("COLUMNS", "70");
+        let output = command.output().unwrap();
+        let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        (output.status.code().unwrap(), out, err)
+    }
+
+    /// The same in one text.
+    fn said(&self, arguments: &[&str]) -> String {
+        let (code, out, err) = self.call(arguments);
+        format!("{out}{err}exit code {code}\n")
+    }
+
+    fn read(&self, path: &str) -> String {
+        fs::read_to_string(self.0.join(path)).unwrap()
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A table of `rows` rows every 10 ms.
+fn table(heading: &str, rows: u32, row: impl Fn(f64) -> String) -> String {
+    let lines = (0..rows).map(|k| {
+        let t = f64::from(k) * 0.01;
+        format!("{t},{}\n", row(t))
+    });
+    format!("time [s],{heading}\n{}", lines.collect::<String>())
+}
+
+#[test]
+fn a_run_is_drawn_in_the_terminal_with_its_error() {
+    let desk = Desk::with(&[("lag.ron", LAG)]);
+    desk.call(&["run", "lag.ron", "-q", "--out", "runs/a"]);
+    expect![[r#"
+        scope [deg]
+             |  ***********+++++++++++++++++++++++++++++++++++++++++  * set
+          80 +  *      +++++                                          + actual
+             |  *    +++
+             |  *   ++
+          60 +  *  ++
+             |  * ++
+          40 +  * +
+             |  *++
+             |  *+
+          20 +  ++
+             |  +
+           0 ++++
+             ++-----------------+----------------+-----------------+
+              0                 1                2                 3  time [s]
+          100 +  *
+              |  ***
+           50 +  * *****
+            0 +***     **********************************************  * error
+              ++-----------------+----------------+-----------------+
+               0                 1                2                 3  time [s]
+        exit code 0
+    "#]]
+    .assert_eq(&desk.said(&["plot", "a", "--ascii"]));
+}
+
+#[test]
+fn the_numbers_of_a_first_order_lag_are_those_of_its_closed_form() {
+    let desk = Desk::with(&[("lag.ron", LAG)]);
+    desk.call(&["run", "lag.ron", "-q"]);
+    let (code, out, _) = desk.call(&["plot", "latest", "--json"]);
+    assert_eq!(code, 0);
+    let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let row = &json["following"][0];
+    let number = |name: &str| row[name].as_f64().unwrap();
+    // Rows every 1 ms, straight between: the area of a row is off by at most h^2 / 12 times the curvature.
+    for (name, expected, tolerance) in [
+        ("begin", 0.1, 1e-9),
+        ("step", 90.0, 1e-9),
+        ("rise_time", 0.2 * 9_f64.ln(), 1e-5),
+        ("settling_time", 0.2 * 50_f64.ln(), 1e-5),
+        ("overshoot", 0.0, 1e-9),
+        ("iae", 90.0 * 0.2, 1e-3),
+        ("ise", 90.0 * 90.0 * 0.1, 1e-1),
+        ("largest_error", 90.0, 1e-9),
+    ] {
+        assert!((number(name) - expected).abs() <= tolerance, "{name}: {} is not {expected}", number(name));
+    }
+    assert_eq!((row["unit"].as_str(), row["signal"].as_str()), (Some("deg"), Some("scope.actual")));
+    let (_, out, _) = desk.call(&["plot", "latest", "--json", "--unit", "rad"]);
+    let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let step = json["following"][0]["step"].as_f64().unwrap();
+    assert!((step - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+}
+
+#[test]
+fn drawings_and_pictures_are_written_and_never_replaced_silently() {
+    let desk = Desk::with(&[("lag.ron", LAG)]);
+    desk.call(&["run", "lag.ron", "-q"]);
+    assert_eq!(
+        desk.said(&["plot", "latest", "--svg", "a.svg", "--png", "a.png"]),
+        "a.svg\na.png\nexit code 0\n"
+    );
+    let drawing = desk.read("a.svg");
+    assert!(
+        drawing.starts_with("<svg") && drawing.contains(">scope [°]</text>") && drawing.contains(">error<")
+    );
+    assert!(fs::read(desk.0.join("a.png")).unwrap().starts_with(b"\x89PNG"));
+    assert_eq!(
+        desk.said(&["plot", "latest", "--png", "a.png"]),
+        "error: `a.png` is there already\n  = help: choose another name, or replace it with --force\nexit code 4\n"
+    );
+    assert_eq!(desk.call(&["plot", "latest", "--png", "a.png", "--force", "--theme", "dark"]).0, 0);
+    let lost = desk.said(&["plot", "latest", "--svg", "no/such/a.svg"]);
+    assert_eq!(
+        lost,
+        "error: cannot write `no/such/a.svg`: there is no folder `no/such`\n  = help: create it, or choose another \
+         place\nexit code 4\n"
+    );
+    assert!(!desk.0.join("no").exists());
+}
+
+#[test]
+fn a_name_cannot_bring_a_script_into_a_drawing() {
+    let evil = table("\"</text><script>alert(1)</script>.x [m]\"", 3, |t| t.to_string());
+    let desk = Desk::with(&[("evil.csv", &evil)]);
+    assert_eq!(desk.call(&["plot", "evil.csv", "--svg", "a.svg", "--png", "a.png"]).0, 0);
+    assert!(!desk.read("a.svg").contains("<script"));
+}
+
+#[test]
+fn measured_values_lie_over_a_run_once_their_columns_are_mapped() {
+    let measured = "Zeit (ms);Winkel;Strom\n0;0,0;1\n100;0;1\n300;56,9;\n1000;89,0;1\n";
+    let desk = Desk::with(&[
+        ("lag.ron", LAG),
+        ("m.csv", measured),
+        ("names.map", "# names\nWinkel = scope.actual [deg]\n"),
+    ]);
+    desk.call(&["run", "lag.ron", "-q", "--out", "runs/lag"]);
+    expect![[r#"
+        error: `m.csv` has none of the signals that are drawn
+          = help: it has `Winkel`, `Strom`; say what they are, such as --map 'Winkel=scope.set'
+        exit code 2
+    "#]]
+    .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--svg", "a.svg"]));
+    let drawn = desk.said(&["plot", "latest", "--with", "m.csv", "--map", "names.map", "--svg", "a.svg"]);
+    assert_eq!(drawn, "a.svg\nexit code 0\n");
+    assert!(desk.read("a.svg").contains(">actual m.csv</text>"));
+    expect![[r#"
+        error: there is no column `Winkl` in `m.csv`
+          = help: did you mean `Winkel`?
+        exit code 2
+    "#]]
+    .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--map", "Winkl=scope.actual[deg]"]));
+    expect![[r#"
+        error: the unit of column `Winkel` in `m.csv` is not known: unknown unit `grad`
+          = help: write `g*rad`
+        exit code 4
+    "#]]
+    .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--map", "Winkel=scope.actual[grad]"]));
+    expect![[r#"
+        error: `scope.actual` is in deg in `lag`, but in mm in `m.csv`
+          = help: say the unit, such as --map 'COLUMN=scope.actual[unit]'
+        exit code 4
+    "#]]
+    .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--map", "Winkel=scope.actual[mm]"]));
+}
+
+#[test]
+fn what_cannot_be_drawn_is_told_with_a_remedy() {
+    let desk = Desk::with(&[
+        ("empty.csv", ""),
+        ("no_rows.csv", "time [s],a.x [m]\n"),
+        ("broken.csv", "time [s],a.x [m]\n0,1\n1,x\n"),
+        ("backwards.csv", "t;a\n1;1\n0,5;1\n"),
+        ("nan.csv", "time [s],a.x [m]\n0,NaN\n1,NaN\n"),
+        ("one.csv", "time [s],a.x [m]\n3,1\n"),
+    ]);
+    let mut said = String::new();
+    for arguments in [
+        &["plot", "empty.csv"][..],
+        &["plot", "no_rows.csv"],
+        &["plot", "broken.csv"],
+        &["plot", "backwards.csv"],
+        &["plot", "nothing.csv"],
+        &["plot", "nan.csv"],
+        &["plot", "nan.csv", "a.y"],
+        &["plot", "nan.csv", "--from", "5"],
+        &["plot", "nan.csv", "--map", "a"],
+        &["plot", "one.csv", "--metrics"],
+    ] {
+        said.push_str(&format!("$ {}\n{}\n", arguments.join(" "), desk.said(arguments)));
+    }
+    expect![[r#"
+        $ plot empty.csv
+        error: cannot read `empty.csv`: line 1: the file is empty; the first line must name the columns
+          = help: correct the file, or export it again
+        exit code 4
+
+        $ plot no_rows.csv
+        error: `no_rows.csv` has no values
+          = help: run the model, or export the table, again
+        exit code 4
+
+        $ plot broken.csv
+        error: cannot read `broken.csv`: line 3, column 2: `x` is no number; leave the field empty where there is none
+          = help: correct the file, or export it again
+        exit code 4
+
+        $ plot backwards.csv
+        error: cannot read `backwards.csv`: line 3, column 1: the time 0.5 follows 1; times must not fall
+          = help: correct the file, or export it again
+        exit code 4
+
+        $ plot nothing.csv
+        error: cannot read `nothing.csv`: there is no such folder or file, and no run in `runs` has this name
+          = help: `blocksim runs` lists what there is; `blocksim run MODEL` makes a new one
+        exit code 4
+
+        $ plot nan.csv
+        a [m]
+          nothing to draw
+          x: NaN first at 0; 2 of 2 values are not finite
+        exit code 0
+
+        $ plot nan.csv a.y
+        error: no signal of `nan.csv` fits `a.y`
+          = help: did you mean `a.x`?
+        exit code 2
+
+        $ plot nan.csv --from 5
+        error: there are no values from 5 s on
+          = help: `nan.csv` goes from 0 s to 1 s
+        exit code 2
+
+        $ plot nan.csv --map a
+        error: cannot read the mappings in `a`: there is no such file
+          = help: write a mapping as 'COLUMN=PATH[unit]'
+        exit code 2
+
+        $ plot one.csv --metrics
+        note: there are no set and actual values among these signals
+        exit code 0
+
+    "#]].assert_eq(&said);
+    for drawable in ["nan.csv", "one.csv"] {
+        assert_eq!(desk.call(&["plot", drawable, "--png", "a.png", "--force"]).0, 0, "{drawable}");
+    }
+}
+
+#[test]
+fn two_million_rows_make_a_small_drawing() {
+    let path = Desk::with(&[]);
+    let mut text = String::from("time [s],a.x [m]\n");
+    for k in 0..2_000_000_u64 {
+        text.push_str(&format!("{k}e-6,{}\n", (k * 7919) % 1000));
+    }
+    fs::write(path.0.join("long.csv"), text).unwrap();
+    assert_eq!(path.call(&["plot", "long.csv", "--svg", "a.svg"]).0, 0);
+    assert!(path.read("a.svg").len() < 200_000, "{}", path.read("a.svg").len());
+}
+
+#[test]
+fn two_runs_are_the_same_within_or_different() {
+    let desk = Desk::with(&[("lag.ron", LAG)]);
+    desk.call(&["run", "lag.ron", "-q", "--out", "a"]);
+    desk.call(&["run", "lag.ron", "-q", "--out", "b"]);
+    desk.call(&["run", "lag.ron", "-q", "--out", "c", "--set", "lag=201ms"]);
+    desk.call(&["run", "lag.ron", "-q", "--out", "d", "--until", "1s"]);
+    assert_eq!(
+        desk.said(&["compare", "a", "b"]),
+        "2 signals agree: 2 exactly, 0 within the tolerances\nexit code 0\n"
+    );
+    expect![[r#"
+        signal        verdict  largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        scope.actual  DIFFERS         -0.1651 deg   0.301                 0.101  0.448877  0.446649        0
+
+        1 of 2 signals does not agree
+        exit code 1
+    "#]]
+    .assert_eq(&desk.said(&["compare", "a", "c"]));
+    // The largest difference of two lags is about h/e times the relative difference of their time constants.
+    assert_eq!(desk.call(&["compare", "a", "c", "--abs", "0.17deg"]).0, 0);
+    assert_eq!(desk.call(&["compare", "a", "c", "--abs", "0.16deg"]).0, 1);
+    assert_eq!(desk.call(&["compare", "a", "c", "--abs", "0.01deg", "--time-tolerance", "10ms"]).0, 0);
+    expect![[r#"
+        signal        verdict                 largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        scope.set     SHORT, only 0 s to 1 s               0 deg       0                     -         -         -        -
+        scope.actual  DIFFERS                      -26.98e-6 deg   0.904                 0.101  0.448877  0.448877        0
+
+        2 of 2 signals do not agree
+        exit code 1
+    "#]].assert_eq(&desk.said(&["compare", "a", "d"]));
+    assert_eq!(desk.call(&["compare", "a", "d", "--overlap", "--abs", "1e-3deg"]).0, 0);
+}
+
+#[test]
+fn the_result_is_data_for_programs() {
+    let a = table("a.x [deg],a.b [bool],only.a", 11, |t| format!("{},1,0", 10.0 * t));
+    let b = table("a.x [deg],a.b [bool],only.b", 11, |t| {
+        format!("{},1,0", 10.0 * t + 0.5 * f64::from(t > 0.045))
+    });
+    let desk = Desk::with(&[("a.csv", &a), ("b.csv", &b)]);
+    let (code, out, err) = desk.call(&["compare", "a.csv", "b.csv", "--json", "--abs", "0.25deg"]);
+    assert_eq!((code, err.as_str()), (1, ""));
+    let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let near = |value: &serde_json::Value, expected: f64| (value.as_f64().unwrap() - expected).abs() < 1e-9;
+    let x = &json["signals"][0];
+    assert_eq!((x["verdict"].as_str(), x["unit"].as_str()), (Some("differs"), Some("deg")));
+    assert!(near(&x["first"]["time"], 0.05) && near(&x["first"]["baseline"], 0.5), "{x}");
+    assert!(near(&x["first"]["difference"], 0.5) && near(&x["first"]["tolerance"], 0.25), "{x}");
+    assert_eq!(x["outside"].as_u64(), Some(6));
+    assert_eq!(json["signals"][1]["verdict"], "same");
+    assert_eq!(json["signals"][2]["verdict"], "missing");
+    assert_eq!(json["only_in_other"], serde_json::json!(["only.b"]));
+    assert_eq!(desk.call(&["compare", "a.csv", "b.csv", "--abs", "0.6deg"]).0, 1, "one is missing");
+    assert_eq!(desk.call(&["compare", "a.csv", "b.csv", "--abs", "0.6deg", "--common"]).0, 0);
+    assert_eq!(desk.call(&["compare", "a.csv", "b.csv", "-s", "a.b"]).0, 0);
+}
+
+#[test]
+fn a_late_measurement_is_aligned() {
+    let bell = |late: f64| move |t: f64| format!("{}", (-((t - 1.0 - late) / 0.2).powi(2)).exp());
+    let desk = Desk::with(&[
+        ("a.csv", &table("a.x [m]", 301, bell(0.0))),
+        ("b.csv", &table("a.x [m]", 301, bell(0.25))),
+    ]);
+    assert_eq!(desk.call(&["compare", "a.csv", "b.csv", "--abs", "1e-3"]).0, 1);
+    assert_eq!(
+        desk.call(&["compare", "a.csv", "b.csv", "--abs", "1e-9", "--shift", "-0.25", "--overlap"]).0,
+        0
+    );
+    let aligned =
+        desk.said(&["compare", "a.csv", "b.csv", "--abs", "2e-3", "--align", "correlation", "--overlap"]);
+    assert!(aligned.contains("`b.csv` is shifted by -0.25"), "{aligned}");
+    assert!(aligned.ends_with("exit code 0\n"), "{aligned}");
+    let flat = Desk::with(&[("a.csv", "t,x\n0,1\n1,1\n"), ("b.csv", "t,x\n5,1\n6,1\n")]);
+    expect![[r#"
+        error: the signals do not vary, so nothing tells how they belong together in time
+          = help: choose others with --signals, or say --shift
+        exit code 2
+    "#]]
+    .assert_eq(&flat.said(&["compare", "a.csv", "b.csv", "--align", "correlation"]));
+    assert_eq!(flat.call(&["compare", "a.csv", "b.csv", "--align", "start"]).0, 0);
+    assert_eq!(flat.call(&["compare", "a.csv", "b.csv"]).0, 1, "no common time");
+}
+
+#[test]
+fn foreign_tables_are_compared_and_their_faults_told() {
+    let desk = Desk::with(&[
+        ("a.csv", "time [s],q.x [rad],m.x [N*m]\n0,0,1\n1,1.5707963267948966,1\n"),
+        ("b.csv", "Zeit [ms];q1;M [Nm]\n0;0;1,0\n500;45,0;1,0\n1000;90,0;1,0\n"),
+        ("wrong.csv", "Zeit [ms];q1 [mm]\n0;0\n1000;90,0\n"),
+    ]);
+    let map = ["--map", "q1=q.x[deg]", "--map", "M=m.x[N*m]"];
+    let arguments =
+        |more: &[&'static str]| [&["compare", "a.csv", "b.csv", "--abs", "1e-12"][..], more].concat();
+    expect![[r#"
+        2 signals agree: 2 exactly, 0 within the tolerances
+        exit code 0
+    "#]]
+    .assert_eq(&desk.said(&arguments(&map)));
+    expect![[r#"
+        note: `b.csv` tells no units; taken are `m.x` in N*m
+        error: the unit of column `M` in `b.csv` is not known: unknown unit `Nm`
+          = help: write `N*m`
+        exit code 4
+    "#]]
+    .assert_eq(&desk.said(&arguments(&["--map", "M=m.x"])));
+    expect![[r#"
+        signal  verdict  largest difference  at [s]  first beyond, at [s]  baseline  compared   allowed
+        q.x     DIFFERS           88.43 rad       1                   0.5  0.785398   45.0000  1.00e-12
+
+        1 of 1 signal does not agree
+        note: `b.csv` tells no units; taken are `q.x` in rad
+        exit code 1
+    "#]]
+    .assert_eq(&desk.said(&arguments(&["--map", "q1=q.x", "-s", "q.x"])));
+    expect![[r#"
+        signal  verdict              largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        q.x     in mm, another UNIT                   -       -                     -         -         -        -
+        m.x     MISSING                               -       -                     -         -         -        -
+
+        1 signal of the baseline is missing in `wrong.csv`
+        1 of 2 signals does not agree
+        exit code 1
+    "#]].assert_eq(&desk.said(&["compare", "a.csv", "wrong.csv", "--map", "q1=q.x", "--common"]));
+    expect![[r#"
+        error: invalid value '-1' for '--abs <X>': a tolerance is not below zero
+
+        For more information, try '--help'.
+        exit code 2
+    "#]]
+    .assert_eq(&desk.said(&["compare", "a.csv", "b.csv", "--abs", "-1"]));
+    assert_eq!(desk.call(&["compare", "a.csv", "a.csv", "--svg", "d.svg", "--png", "d.png"]).0, 0);
+    assert!(desk.read("d.svg").contains(">difference<"));
+}
