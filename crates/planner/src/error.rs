@@ -1,0 +1,205 @@
+//! Why a move cannot be planned.
+
+use std::fmt;
+
+use blocksim_motion::MoveError;
+
+/// A refusal: which member of the request it is about, what is wrong, and what helps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanError {
+    /// Member of the request: `start`, `target`, `via`, `velocity`, `acceleration`, `jerk`, `resolution`.
+    pub member: &'static str,
+    /// What is wrong.
+    pub reason: Reason,
+}
+
+/// What is wrong with a request.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reason {
+    /// A number is infinite or none.
+    NotFinite,
+    /// Another number of positions than axes.
+    WrongLength {
+        /// Positions given.
+        given: usize,
+        /// Axes of the robot.
+        axes: usize,
+    },
+    /// A number is outside what it may be; in the unit that people use.
+    OutOfRange {
+        /// The number.
+        value: f64,
+        /// Lower end.
+        lower: f64,
+        /// Upper end.
+        upper: f64,
+        /// Unit of the three.
+        unit: &'static str,
+    },
+    /// A start position is outside the limits of its axis.
+    StartOutside {
+        /// Index of the axis.
+        axis: usize,
+        /// Position, rad.
+        value: f64,
+        /// Lower limit, rad.
+        lower: f64,
+        /// Upper limit, rad.
+        upper: f64,
+    },
+    /// Start and target are the same place.
+    Nothing,
+    /// The three points of an arc lie on a line.
+    Straight,
+    /// There would be more waypoints than can be kept.
+    TooManyWaypoints {
+        /// How many there would be.
+        count: f64,
+        /// How many there may be.
+        most: usize,
+    },
+    /// The arm does not reach a place of the path.
+    Unreachable {
+        /// Share of the path, 0 to 1.
+        at: f64,
+        /// Way from the start, m.
+        way: f64,
+        /// By how much, m, where it is known.
+        distance: Option<f64>,
+    },
+    /// The arm does not reach a place within the limits of its axes.
+    OutsideLimits {
+        /// Share of the path.
+        at: f64,
+        /// Way from the start, m.
+        way: f64,
+        /// Index of the axis that comes nearest to its limit.
+        axis: usize,
+        /// By how much it would leave its limits, rad.
+        excess: f64,
+    },
+    /// The path leads through a pose in which axes lose a direction.
+    Singular {
+        /// Share of the path.
+        at: f64,
+        /// Way from the start, m.
+        way: f64,
+    },
+    /// A joint move is wrong.
+    Joint(MoveError),
+}
+
+impl PlanError {
+    pub(crate) fn new(member: &'static str, reason: Reason) -> Self {
+        PlanError { member, reason }
+    }
+
+    /// What helps.
+    pub fn help(&self) -> String {
+        match &self.reason {
+            Reason::NotFinite => "give a finite number".into(),
+            Reason::WrongLength { axes, .. } => format!("give {axes} angles, one for each axis"),
+            Reason::OutOfRange { lower, upper, unit, .. } => {
+                format!("choose from {} to {} {unit}", short(*lower), short(*upper))
+            }
+            Reason::StartOutside { axis, lower, upper, .. } => format!(
+                "start axis {} from {} to {} deg",
+                axis + 1,
+                short(lower.to_degrees()),
+                short(upper.to_degrees())
+            ),
+            Reason::Nothing => "give a target at another place, or plan a joint move to turn the tool".into(),
+            Reason::Straight => "choose a point beside the way, or plan a linear move".into(),
+            Reason::TooManyWaypoints { .. } => "choose a coarser resolution".into(),
+            Reason::Unreachable { .. } => {
+                "move start or target nearer to the robot, turn the tool, or let its orientation be free".into()
+            }
+            Reason::OutsideLimits { .. } => {
+                "turn the tool, let its orientation be free, or move the target".into()
+            }
+            Reason::Singular { .. } => {
+                "start in another configuration, let the tool turn about its axis (tool-axis) or be free, or plan a \
+                 joint move past this place"
+                    .into()
+            }
+            Reason::Joint(error) => match error.to_string().split_once("; ") {
+                Some((_, help)) => help.to_owned(),
+                None => "correct the request".into(),
+            },
+        }
+    }
+}
+
+impl std::error::Error for PlanError {}
+
+impl fmt::Display for PlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = self.member;
+        let place = |at: f64, way: f64| {
+            format!("at {} % of the path (s = {} mm)", short(100.0 * at), short(1e3 * way))
+        };
+        match &self.reason {
+            Reason::NotFinite => write!(f, "the {what} is infinite or no number"),
+            Reason::WrongLength { given, axes } => {
+                write!(f, "the {what} has {given} positions, but the robot has {axes} axes")
+            }
+            Reason::OutOfRange { value, unit, lower, upper } => write!(
+                f,
+                "the {what} is {} {unit}, allowed is {} to {} {unit}",
+                short(*value),
+                short(*lower),
+                short(*upper)
+            ),
+            Reason::StartOutside { axis, value, lower, upper } => {
+                let (side, limit) = if value < lower { ("below", lower) } else { ("above", upper) };
+                write!(
+                    f,
+                    "axis {} starts at {} deg, which is {side} its limit {} deg",
+                    axis + 1,
+                    short(value.to_degrees()),
+                    short(limit.to_degrees())
+                )
+            }
+            Reason::Nothing => write!(f, "start and target are the same place"),
+            Reason::Straight => write!(f, "start, via point and target of the arc lie on a line"),
+            Reason::TooManyWaypoints { count, most } => {
+                write!(f, "the path would have {count:.0} waypoints, at most {most} can be planned")
+            }
+            Reason::Unreachable { at, way, distance } => {
+                write!(f, "the arm does not reach the path {}", place(*at, *way))?;
+                match distance {
+                    Some(distance) => {
+                        write!(f, ": the wrist would be {} mm out of reach", short(1e3 * distance))
+                    }
+                    None => Ok(()),
+                }
+            }
+            Reason::OutsideLimits { at, way, axis, excess } => write!(
+                f,
+                "{} the arm reaches only with axis {} {} deg outside its limits",
+                place(*at, *way),
+                axis + 1,
+                short(excess.to_degrees())
+            ),
+            Reason::Singular { at, way } => write!(
+                f,
+                "{} the arm is singular: it cannot move on along the path with the orientation that is asked for",
+                place(*at, *way)
+            ),
+            Reason::Joint(error) => {
+                let text = error.to_string();
+                f.write_str(text.split_once("; ").map_or(text.as_str(), |(fact, _)| fact))
+            }
+        }
+    }
+}
+
+/// At most three decimals, no zeros at the end.
+pub(crate) fn short(value: f64) -> String {
+    if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e9) {
+        return format!("{value:.3e}");
+    }
+    let text = format!("{value:.3}");
+    let trimmed = text.trim_end_matches('0').trim_end_matches('.');
+    (if trimmed.is_empty() || trimmed == "-0" { "0" } else { trimmed }).to_owned()
+}

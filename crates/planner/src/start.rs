@@ -1,0 +1,78 @@
+//! Joint positions in which a move begins.
+
+use blocksim_kinematics::{Constraint, InverseError, Options, Solver, Status};
+use blocksim_multibody::Placement;
+use blocksim_robot::Robot;
+
+use crate::arm::Arm;
+use crate::error::{PlanError, Reason};
+use crate::request::Start;
+
+/// An angle that went through degrees and back is off by a few 1e-16.
+const SLACK: f64 = 1e-9;
+
+/// Positions of the axes at the start, and where the tool then is.
+pub(crate) fn begin(robot: &Robot, start: &Start) -> Result<(Vec<f64>, Placement), PlanError> {
+    let fail = |reason| Err(PlanError::new("start", reason));
+    let numbers: Vec<f64> = match start {
+        Start::Joints(q) => q.clone(),
+        Start::Pose(at) => at.translation.iter().chain(at.rotation.iter()).copied().collect(),
+        Start::Point(at) => at.iter().copied().collect(),
+    };
+    if !numbers.iter().all(|x| x.is_finite()) {
+        return fail(Reason::NotFinite);
+    }
+    let q = match start {
+        Start::Joints(q) if q.len() != robot.axes() => {
+            return fail(Reason::WrongLength { given: q.len(), axes: robot.axes() });
+        }
+        Start::Joints(q) => q.clone(),
+        Start::Pose(at) => posed(robot, at)?,
+        Start::Point(at) => solved(robot, &[Constraint::position(robot.tool(), robot.reference(), *at)])?,
+    };
+    for (axis, (value, limits)) in q.iter().zip(robot.limits()).enumerate() {
+        let (lower, upper) = (limits.lower, limits.upper);
+        if *value < lower - SLACK || *value > upper + SLACK {
+            return fail(Reason::StartOutside { axis, value: *value, lower, upper });
+        }
+    }
+    let mut arm = Arm::new(robot);
+    arm.look(&q);
+    Ok((q, arm.tool))
+}
+
+fn posed(robot: &Robot, at: &Placement) -> Result<Vec<f64>, PlanError> {
+    match reach(robot, at, &robot.start()) {
+        Some(Ok(q)) => Ok(q),
+        Some(Err(error)) => Err(PlanError::new("start", refusal(&error, 0.0, 0.0))),
+        None => solved(robot, &[Constraint::pose(robot.tool(), robot.reference(), *at)]),
+    }
+}
+
+/// In closed form, where the arm has one: the positions nearest to `near` that put the tool at a place of the reference.
+pub(crate) fn reach(robot: &Robot, at: &Placement, near: &[f64]) -> Option<Result<Vec<f64>, InverseError>> {
+    let closed_form = robot.closed_form()?;
+    let near: [f64; 6] = near.try_into().ok()?;
+    let ranges = robot.ranges().try_into().ok()?;
+    let reference = robot.reference().placement;
+    Some(closed_form.nearest(&(reference * *at), &near, &ranges).map(|solution| solution.q.to_vec()))
+}
+
+/// What the closed form says of a place of the path.
+pub(crate) fn refusal(error: &InverseError, at: f64, way: f64) -> Reason {
+    match *error {
+        InverseError::Unreachable { distance } => Reason::Unreachable { at, way, distance: Some(distance) },
+        InverseError::OutsideRanges { axis, excess } => Reason::OutsideLimits { at, way, axis, excess },
+        _ => Reason::NotFinite,
+    }
+}
+
+fn solved(robot: &Robot, constraints: &[Constraint]) -> Result<Vec<f64>, PlanError> {
+    let fail = || PlanError::new("start", Reason::Unreachable { at: 0.0, way: 0.0, distance: None });
+    let mut solver = Solver::new(robot.model(), &robot.ranges()).map_err(|_| fail())?;
+    let solved = solver.solve(constraints, &robot.start(), &Options::default()).map_err(|_| fail())?;
+    match solved.status {
+        Status::Success => Ok(solved.q),
+        Status::BestAvailable => Err(fail()),
+    }
+}

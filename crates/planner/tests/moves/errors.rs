@@ -1,0 +1,89 @@
+use crate::arm::{robot, tool};
+use crate::lines::{BENT, request};
+use blocksim_multibody::{EulerZyx, Placement};
+use blocksim_planner::{CartesianMove, CartesianRequest, Orientation, Reason, Start, Timing};
+use nalgebra::Vector3;
+
+fn refused(change: impl Fn(&mut CartesianRequest)) -> (String, &'static str, Reason) {
+    let robot = robot();
+    let mut request = request(&robot, [0.1, -0.2, -0.2], Orientation::Fixed, Timing::Sin2);
+    change(&mut request);
+    let error = CartesianMove::plan(&robot, &request).expect_err("a refusal");
+    assert!(!error.help().is_empty());
+    (error.to_string(), error.member, error.reason)
+}
+
+#[test]
+fn numbers_that_are_none_and_out_of_range_are_named() {
+    assert_eq!(refused(|r| r.target.x = f64::NAN).1, "target");
+    assert_eq!(refused(|r| r.start = Start::Joints(vec![f64::INFINITY; 6])).1, "start");
+    assert_eq!(refused(|r| r.start = Start::Point(Vector3::new(0.0, f64::NAN, 0.0))).1, "start");
+    assert_eq!(
+        refused(|r| r.start = Start::Joints(vec![0.0; 5])).0,
+        "the start has 5 positions, but the robot has 6 axes"
+    );
+    assert_eq!(refused(|r| r.via = Some(Vector3::repeat(f64::NAN))).1, "via");
+    assert_eq!(
+        refused(|r| r.speeds.velocity = 3.0).0,
+        "the velocity is 3000 mm/s, allowed is 0.001 to 2500 mm/s"
+    );
+    assert_eq!(refused(|r| r.speeds.velocity = 0.0).1, "velocity");
+    assert_eq!(
+        refused(|r| r.speeds.acceleration = 40.0).0,
+        "the acceleration is 4000 %, allowed is 0.001 to 100 %"
+    );
+    assert_eq!(refused(|r| r.speeds.timing = Timing::SCurve { jerk: -1.0 }).1, "jerk");
+    assert_eq!(refused(|r| r.resolution = 0.0).1, "resolution");
+    assert!(matches!(refused(|r| r.resolution = 1e-9).2, Reason::TooManyWaypoints { .. }));
+}
+
+#[test]
+fn a_start_outside_the_limits_is_named_with_axis_value_and_limit() {
+    let (message, ..) = refused(|r| {
+        let mut q = BENT;
+        q[2] = 80f64.to_radians();
+        r.start = Start::Joints(q.to_vec());
+    });
+    assert_eq!(message, "axis 3 starts at 80 deg, which is above its limit 75 deg");
+}
+
+#[test]
+fn a_way_without_length_and_a_straight_arc_are_refused() {
+    let at = tool(&robot(), &BENT).translation;
+    assert_eq!(refused(|r| r.target = at).2, Reason::Nothing);
+    assert_eq!(refused(|r| r.target = at + Vector3::repeat(1e-8)).2, Reason::Nothing);
+    assert_eq!(refused(|r| r.via = Some(0.5 * (at + r.target))).2, Reason::Straight);
+}
+
+#[test]
+fn places_out_of_reach_are_told_with_their_place() {
+    let (message, _, reason) = refused(|r| r.target = Vector3::new(3.0, 0.0, 1.0));
+    let Reason::Unreachable { at, distance: Some(distance), .. } = reason else { panic!("{message}") };
+    assert!(at > 0.0 && at < 1.0 && distance > 0.0, "{message}");
+    let free = refused(|r| {
+        r.target = Vector3::new(3.0, 0.0, 1.0);
+        r.orientation = Orientation::Free;
+    });
+    assert!(free.0.contains("% of the path"), "{}", free.0);
+    let far =
+        Placement { rotation: EulerZyx::default().rotation(), translation: Vector3::new(9.0, 0.0, 0.0) };
+    assert!(refused(|r| r.start = Start::Pose(far)).0.contains("out of reach"));
+    assert!(matches!(refused(|r| r.start = Start::Point(far.translation)).2, Reason::Unreachable { .. }));
+}
+
+#[test]
+fn a_line_through_the_base_is_refused() {
+    for orientation in [Orientation::Fixed, Orientation::Free, Orientation::Axis] {
+        let robot = robot();
+        let mut request = request(&robot, [0.0; 3], orientation, Timing::Sin2);
+        let at = tool(&robot, &BENT).translation;
+        request.target = Vector3::new(-at.x, -at.y, at.z);
+        match CartesianMove::plan(&robot, &request) {
+            Err(error) => assert!(error.to_string().contains("% of the path"), "{error}"),
+            Ok(planned) => {
+                let findings = blocksim_planner::inspect(&robot, &planned, 1000);
+                assert!(!findings.violations.is_empty(), "{orientation:?}");
+            }
+        }
+    }
+}

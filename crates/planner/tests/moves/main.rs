@@ -1,0 +1,7 @@
+//! Moves against forward kinematics, differences, and other ways to plan them.
+
+mod arm;
+mod errors;
+mod limits;
+mod lines;
+mod sequences;
