@@ -281,3 +281,34 @@ fn constraints_of_an_assembly_become_the_joints_that_they_leave() {
         }
     }
 }
+
+#[test]
+fn imported_shapes_are_seen_on_the_bodies_that_they_belong_to() {
+    let mechanism = read("kinds.urdf");
+    let provenance =
+        Provenance { source: "a.urdf".into(), fingerprint: "0".into(), date: "2026-11-21".into() };
+    let desk = Desk::new()
+        .with("a.ron", &diagram(&mechanism, "p.ron", "a.urdf"))
+        .with("p.ron", &parameters(&mechanism, &provenance));
+    let (compiled, problems) = compile_with(&desk, Path::new("a.ron"), &[]);
+    let scene = compiled.scene.unwrap_or_else(|| panic!("{problems}"));
+    let expected: usize = mechanism.bodies.iter().map(|body| body.shapes.len()).sum();
+    assert_eq!(scene.shapes.len(), expected);
+    let arm: Vec<_> = scene.shapes.iter().filter(|shape| shape.owner == "upper_arm").collect();
+    let forms: Vec<_> = arm.iter().map(|shape| shape.shape.form.clone()).collect();
+    let cylinder = blocksim_scene::Form::Cylinder { radius: 0.05, length: 0.4 };
+    assert_eq!(forms, [cylinder, blocksim_scene::Form::Box { size: [0.1, 0.1, 0.5] }]);
+    assert!(arm[0].shape.is_visual() && !arm[0].shape.collides() && arm[1].shape.collides());
+    assert_eq!(arm[0].shape.colour, Some([0.5, 0.5, 0.5, 1.0]));
+    // Turned about the axis of the shoulder, 0.2 m up the arm.
+    let shoulder = Placement::from_rpy([0.1, 0.2, 0.5], [0.1, 0.2, 0.3]);
+    let turned = shoulder * Placement::from_axis_angle([0.0; 3], [0.3, 0.9, -0.2], 0.7);
+    let signals = scene.signals();
+    let mut positions = scene.start();
+    let at = signals.iter().position(|name| *name == "shoulder.q").expect("the shoulder");
+    positions[at] = 0.7;
+    let found = scene.poses(&positions)[arm[0].body] * arm[0].shape.place;
+    let expected = turned * Placement::from_translation([0.0, 0.0, 0.2]);
+    assert!((found.translation - expected.translation).norm() < 1e-12, "{found:?}");
+    assert!((found.rotation - expected.rotation).abs().max() < 1e-12, "{found:?}");
+}

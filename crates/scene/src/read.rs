@@ -80,7 +80,7 @@ fn shape(value: &Value) -> Result<Shape, String> {
         "cone" => cone(size(value, "radius")?, value, along()?)?,
         _ => Form::Mesh {
             file: word(value, "file")?.ok_or("`file` is missing")?.to_owned(),
-            scale: all_above_zero("scale", vector(value, "scale", "1")?.unwrap_or([1.0; 3]))?,
+            scale: scale(value)?,
         },
     };
     let purpose = match word(value, "use")? {
@@ -99,6 +99,15 @@ fn cone(radius: f64, value: &Value, length: f64) -> Result<Form, String> {
     match top >= 0.0 {
         true => Ok(Form::Cone { radius, top, length }),
         false => Err(format!("`top` is {top} m, but must not be negative")),
+    }
+}
+
+/// Factors of a mesh; negative ones mirror it.
+fn scale(value: &Value) -> Result<[f64; 3], String> {
+    let scale = vector(value, "scale", "1")?.unwrap_or([1.0; 3]);
+    match scale.contains(&0.0) {
+        true => Err("`scale` is 0 along an axis: the mesh would be flat".to_owned()),
+        false => Ok(scale),
     }
 }
 

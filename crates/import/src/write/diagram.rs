@@ -13,7 +13,7 @@ pub fn diagram(mechanism: &Mechanism, parameters: &str, source: &str) -> String 
     let mut world = vec!["world.frame".to_owned()];
     let mut frames: Vec<Vec<String>> = vec![Vec::new(); mechanism.bodies.len()];
     for (body, ports) in mechanism.bodies.iter().zip(&mut frames) {
-        if body.inertia.is_some() {
+        if is_block(body) {
             ports.push(format!("{}.frame", body.name));
         }
     }
@@ -32,7 +32,7 @@ pub fn diagram(mechanism: &Mechanism, parameters: &str, source: &str) -> String 
         joint_blocks(joint, looped, &mut blocks, &mut wires);
     }
     for (i, body) in mechanism.bodies.iter().enumerate() {
-        if body.inertia.is_some() {
+        if is_block(body) {
             blocks.push((body.name.clone(), body_block(body)));
         }
         for joint in mechanism.joints.iter().filter(|joint| joint.base == Some(i)) {
@@ -96,9 +96,22 @@ fn meeting(ports: &[String]) -> Vec<String> {
     rest.chunks(AT_ONCE - 1).map(|more| format!("{first} <-> {}", more.join(" <-> "))).collect()
 }
 
+/// A body has mass or is seen; others are frames alone.
+fn is_block(body: &Body) -> bool {
+    body.inertia.is_some() || !body.shapes.is_empty()
+}
+
 fn body_block(body: &Body) -> String {
     let path = format!("model.bodies.{}", body.name);
-    let members = ["mass", "com", "moi", "poi"].map(|name| format!("{name}: \"{path}.{name}\""));
+    let member = |name: &str| format!("{name}: \"{path}.{name}\"");
+    let mut members = match body.inertia {
+        Some(_) => ["mass", "com", "moi", "poi"].map(member).to_vec(),
+        // A body without mass is only looked at.
+        None => vec!["mass: 0".to_owned()],
+    };
+    if !body.shapes.is_empty() {
+        members.push(member("shapes"));
+    }
     call("Body", &members, 12 + body.name.len(), 8)
 }
 
