@@ -22,25 +22,41 @@ pub fn write_signals(destination: &mut dyn Write, recording: &Recording) -> io::
         let message = format!("`{}` has {} values for {} rows", odd.path, odd.values.len(), recording.rows());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
-    let mut text = String::with_capacity(BUFFER + 1024);
-    text.push_str("time [s]");
-    for signal in &recording.signals {
+    write_headings(destination, &recording.signals)?;
+    let values: Vec<&[f64]> = recording.signals.iter().map(|signal| signal.values.as_slice()).collect();
+    write_rows(destination, &recording.time, &values)?;
+    destination.flush()
+}
+
+/// Writes the first line.
+pub(crate) fn write_headings(destination: &mut dyn Write, signals: &[Signal]) -> io::Result<()> {
+    let mut text = String::from("time [s]");
+    for signal in signals {
         text.push(',');
         push_field(&mut text, &heading(signal));
     }
     text.push('\n');
-    for (row, &time) in recording.time.iter().enumerate() {
+    destination.write_all(text.as_bytes())
+}
+
+/// Writes rows: times, and as many values of each signal.
+pub(crate) fn write_rows(
+    destination: &mut dyn Write,
+    time: &[f64],
+    values: &[impl AsRef<[f64]>],
+) -> io::Result<()> {
+    let mut text = String::with_capacity(BUFFER + 1024);
+    for (row, &time) in time.iter().enumerate() {
         push_number(&mut text, time);
-        for signal in &recording.signals {
+        for values in values {
             text.push(',');
-            push_number(&mut text, signal.values[row]);
+            push_number(&mut text, values.as_ref()[row]);
             hand_on_when_full(&mut text, destination)?;
         }
         text.push('\n');
         hand_on_when_full(&mut text, destination)?;
     }
-    destination.write_all(text.as_bytes())?;
-    destination.flush()
+    destination.write_all(text.as_bytes())
 }
 
 /// Writes events with the columns `time [s]`, `path`, `what`.

@@ -24,6 +24,11 @@ impl Extremes {
         Extremes { stretch, rows: 0, low: None, high: None, odd: None, kept: Column::default() }
     }
 
+    /// For stretches that are closed from outside.
+    pub fn without_end() -> Extremes {
+        Extremes { stretch: u64::MAX, ..Extremes::new(0, 0) }
+    }
+
     /// Takes the next row.
     pub fn push(&mut self, t: f64, y: f64) {
         if self.stretch == 1 {
@@ -66,6 +71,11 @@ impl Extremes {
             }
             _ => odd.into_iter().for_each(|(t, y)| self.keep(t, y)),
         }
+    }
+
+    /// What was kept since the last call.
+    pub fn take(&mut self) -> Column {
+        std::mem::take(&mut self.kept)
     }
 
     fn keep(&mut self, t: f64, y: f64) {

@@ -35,6 +35,7 @@ impl Kept {
         match self.manifest.as_ref().map(|manifest| &manifest.ended) {
             _ if self.is_unfinished() => "unfinished",
             None => "unknown",
+            Some(Ended::Unfinished) => "unfinished",
             Some(Ended::Complete) => "complete",
             Some(Ended::Stopped { .. }) => "stopped",
             Some(Ended::Interrupted) => "interrupted",

@@ -103,6 +103,8 @@ pub struct Counts {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "how", rename_all = "lowercase")]
 pub enum Ended {
+    /// It has not: it still runs, or its program was ended by force.
+    Unfinished,
     /// It reached its end time.
     Complete,
     /// The model ended it, for example by a stop block.
@@ -238,6 +240,7 @@ pub(crate) mod tests {
     #[test]
     fn what_was_written_is_read_back() {
         for ended in [
+            Ended::Unfinished,
             Ended::Complete,
             Ended::Stopped { reason: "arm/limit: above 3 rad".into() },
             Ended::Interrupted,

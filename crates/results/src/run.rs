@@ -84,6 +84,22 @@ impl Run {
         Ok(Run { path: path.to_owned(), source, manifest: manifest(path)?, events })
     }
 
+    /// The run of a recording that is open.
+    pub fn of(store: Store) -> Run {
+        Run { path: store.path().to_owned(), source: Source::Store(store), manifest: None, events: None }
+    }
+
+    /// The run of a recording in memory, whose signals all have all rows; `path` is what messages call it.
+    pub fn of_recording(recording: Recording, path: &Path) -> Run {
+        let layout = Layout::of(&recording);
+        Run {
+            path: path.to_owned(),
+            source: Source::Table { recording, layout },
+            manifest: None,
+            events: None,
+        }
+    }
+
     /// Folder or file.
     pub fn path(&self) -> &Path {
         &self.path
@@ -159,6 +175,7 @@ impl Run {
         }
         match &self.manifest.as_ref()?.ended {
             Ended::Complete => None,
+            Ended::Unfinished => Some("it still runs, or was ended by force".to_owned()),
             Ended::Stopped { reason } => Some(format!("it was stopped: {reason}")),
             Ended::Interrupted => Some("it was interrupted".to_owned()),
             Ended::Failed { reason } => Some(format!("it failed: {reason}")),

@@ -12,13 +12,14 @@ use crate::manifest::Manifest;
 use crate::place::{numbered, write_whole};
 use crate::recording::{EventRow, Recording};
 use crate::run::STORE;
-use crate::store::{Layout, write_store};
+use crate::store::{Layout, Stream};
 
 /// Longest run name kept; the file systems allow 255 bytes for the whole.
 const NAME_LENGTH: usize = 80;
 
 /// A run being written. Until [`RunFolder::finish`] its folder bears the suffix `.partial`; when it is
-/// dropped before, for example because a file could not be written, the partial folder is removed.
+/// dropped before, for example because a file could not be written, the partial folder is removed, unless a
+/// recording was begun in it.
 ///
 /// Never overwrites a folder.
 #[derive(Debug)]
@@ -29,7 +30,8 @@ pub struct RunFolder {
     name: String,
     /// Whether another name may be taken where this one is in use.
     free_to_number: bool,
-    finished: bool,
+    /// Whether the folder stays when this is dropped.
+    stays: bool,
 }
 
 impl RunFolder {
@@ -82,6 +84,28 @@ impl RunFolder {
         self.parent.join(&self.name)
     }
 
+    /// Where the run is until it is finished.
+    pub fn partial_path(&self) -> &Path {
+        &self.partial
+    }
+
+    /// Begins to record into `signals.rec`; see [`Stream::begin`]. From now on the folder stays, whatever happens: what
+    /// was recorded can be read.
+    ///
+    /// # Errors
+    ///
+    /// As [`Stream::begin`].
+    pub fn record(
+        &mut self,
+        layout: &Layout,
+        sources: &[usize],
+        width: usize,
+    ) -> Result<Stream, ResultsError> {
+        let stream = Stream::begin(&self.partial.join(STORE), layout, sources, width)?;
+        self.stays = true;
+        Ok(stream)
+    }
+
     /// Writes a file of the run, whole or not at all.
     ///
     /// # Errors
@@ -93,15 +117,6 @@ impl RunFolder {
         content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), ResultsError> {
         write_whole(&self.partial, name, content).map(|_| ())
-    }
-
-    /// Writes `signals.rec` of a recording in memory; the layout has its signals in the same order.
-    ///
-    /// # Errors
-    ///
-    /// As [`RunFolder::write`].
-    pub fn write_recording(&self, layout: &Layout, recording: &Recording) -> Result<(), ResultsError> {
-        self.write(STORE, |w| write_store(w, layout, recording).map(|_| ()))
     }
 
     /// Writes `signals.csv`.
@@ -144,8 +159,7 @@ impl RunFolder {
     ///
     /// # Errors
     ///
-    /// [`ResultsError`] where the folder asked for was filled meanwhile or cannot be renamed; the partial
-    /// folder is removed then.
+    /// [`ResultsError`] where the folder asked for was filled meanwhile or cannot be renamed.
     pub fn finish(mut self) -> Result<PathBuf, ResultsError> {
         let mut target = self.path();
         if self.free_to_number {
@@ -156,14 +170,14 @@ impl RunFolder {
             fs::remove_dir(&target).map_err(|error| ResultsError::io("replace", &target, error))?;
         }
         fs::rename(&self.partial, &target).map_err(|error| ResultsError::io("create", &target, error))?;
-        self.finished = true;
+        self.stays = true;
         Ok(target)
     }
 }
 
 impl Drop for RunFolder {
     fn drop(&mut self) {
-        if !self.finished {
+        if !self.stays {
             // Nobody is left to tell; whatever remains says by its suffix that it is not a run.
             let _ = fs::remove_dir_all(&self.partial);
         }
@@ -190,7 +204,7 @@ fn begin(
                     parent: parent.to_owned(),
                     name,
                     free_to_number,
-                    finished: false,
+                    stays: false,
                 });
             }
         }

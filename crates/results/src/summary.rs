@@ -8,6 +8,7 @@ use crate::manifest::{Ended, Manifest};
 /// One line on how a run ended, what it cost and where it lies. `place` is `None` where nothing was kept.
 pub fn done_line(manifest: &Manifest, signals: usize, place: Option<&Path>) -> String {
     let how = match manifest.ended {
+        Ended::Unfinished => "Unfinished",
         Ended::Complete => "Done",
         Ended::Stopped { .. } => "Stopped",
         Ended::Interrupted => "Interrupted",

@@ -2,7 +2,7 @@
 //!
 //! The format is described byte by byte in `docs/recordings.md`; `layout` is its header, `column` the values of
 //! one signal in one chunk, `chunk` the rows of one time base, `index` the table at the end. [`StoreWriter`] and
-//! [`Store`] put them together.
+//! [`Store`] put them together; [`Stream`] writes beside a run, and `sieve` picks its rows.
 
 mod bytes;
 mod chunk;
@@ -10,10 +10,13 @@ mod column;
 mod index;
 mod layout;
 mod reader;
+mod sieve;
+mod stream;
 mod writer;
 
 pub use layout::{Layout, Rate, SignalInfo};
 pub use reader::{Store, Take};
+pub use stream::Stream;
 pub use writer::{StoreWriter, write_store};
 
 /// First bytes of a file. The first one is no ASCII, the last is a line feed: files that were mangled as text are

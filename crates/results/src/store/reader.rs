@@ -43,9 +43,17 @@ impl Store {
     /// # Errors
     /// [`ResultsError`] where the file cannot be read, is no recording, has another version or is damaged.
     pub fn open(path: &Path) -> Result<Store, ResultsError> {
+        let file = File::open(path).map_err(|error| ResultsError::io("read", path, error))?;
+        Store::of_file(file, path)
+    }
+
+    /// As [`Store::open`] for a file that is open for reading; `path` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`Store::open`].
+    pub fn of_file(mut file: File, path: &Path) -> Result<Store, ResultsError> {
         let io = |error| ResultsError::io("read", path, error);
         let damaged = |problem: &str| ResultsError::damaged(path, problem);
-        let mut file = File::open(path).map_err(io)?;
         let length = file.metadata().map_err(io)?.len();
         let prefix = bytes_at(&mut file, 0, length.min(PREFIX as u64) as usize).map_err(io)?;
         if prefix.len() < PREFIX || prefix[..8] != MAGIC {
@@ -97,6 +105,11 @@ impl Store {
             length,
             is_whole,
         })
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Signals and time bases.

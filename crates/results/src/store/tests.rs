@@ -40,7 +40,8 @@ fn bytes() -> Vec<u8> {
         let coarse = (from / 10..to / 10).flat_map(|k| [f64::from(k) * 0.1, f64::NAN, f64::from(k)]);
         writer.write(1, &coarse.collect::<Vec<_>>()).unwrap();
     }
-    writer.finish().unwrap()
+    writer.close().unwrap();
+    writer.into_inner()
 }
 
 fn opened(scratch: &Scratch, bytes: &[u8]) -> Result<Store, ResultsError> {

@@ -49,10 +49,11 @@ impl<W: Write> StoreWriter<W> {
         })
     }
 
-    /// Rows of a time base that make a chunk of a good size.
-    pub fn chunk_rows(&self, base: usize) -> usize {
+    /// Values, times included, of the rows of a time base that make a chunk of a good size: few enough that there is
+    /// memory for one of each base.
+    pub fn chunk_values(&self, base: usize) -> usize {
         let width = self.kinds.get(base).map_or(1, |kinds| kinds.len() + 1);
-        (CHUNK / 8 / width).clamp(64, 1 << 16)
+        (CHUNK / 8 / width / self.kinds.len().max(1)).clamp(64, 1 << 16) * width
     }
 
     /// Writes rows of a time base: time and the values of its signals, row behind row.
@@ -86,19 +87,18 @@ impl<W: Write> StoreWriter<W> {
         self.offset
     }
 
-    /// The destination, without an index.
-    pub fn into_inner(self) -> W {
-        self.out
-    }
-
-    /// Writes the index, which says that nothing is missing; returns the destination.
+    /// Writes the index, which says that nothing is missing.
     ///
     /// # Errors
     /// What the destination answers.
-    pub fn finish(mut self) -> io::Result<W> {
+    pub fn close(&mut self) -> io::Result<()> {
         self.out.write_all(&index::write(&self.places, self.offset))?;
-        self.out.flush()?;
-        Ok(self.out)
+        self.out.flush()
+    }
+
+    /// The destination.
+    pub fn into_inner(self) -> W {
+        self.out
     }
 }
 
@@ -112,16 +112,17 @@ pub fn write_store<W: Write>(out: W, layout: &Layout, recording: &Recording) -> 
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "the layout is of another recording"));
     }
     let mut writer = StoreWriter::new(out, layout)?;
-    let most = writer.chunk_rows(0);
+    let most = writer.chunk_values(0);
     let mut rows = Vec::new();
     for (at, &time) in recording.time.iter().enumerate() {
         rows.push(time);
         rows.extend(recording.signals.iter().map(|signal| signal.values[at]));
-        if (at + 1) % most == 0 {
+        if rows.len() >= most {
             writer.write(0, &rows)?;
             rows.clear();
         }
     }
     writer.write(0, &rows)?;
-    writer.finish()
+    writer.close()?;
+    Ok(writer.into_inner())
 }

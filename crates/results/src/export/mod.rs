@@ -1,0 +1,19 @@
+//! Runs for other programs: CSV, MAT.
+
+mod csv;
+mod mat;
+mod resample;
+
+pub use csv::write_run_csv;
+pub use mat::write_mat;
+pub use resample::resampled;
+
+use crate::error::ResultsError;
+
+/// An error of a run within the writing of a file.
+fn within(error: ResultsError) -> std::io::Error {
+    match error {
+        ResultsError::Io { source, .. } => source,
+        error => std::io::Error::new(std::io::ErrorKind::InvalidData, error.to_string()),
+    }
+}
