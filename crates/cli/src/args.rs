@@ -5,8 +5,10 @@ use std::path::PathBuf;
 use blocksim_signal::{Lookup, Quantity, Scope, Unit, evaluate};
 use clap::{Parser, Subcommand, ValueEnum};
 
+use crate::export_args::{ExportArgs, RunsArgs};
 use crate::params_args::ParamsCommand;
 use crate::plot_args::{CompareArgs, PlotArgs};
+use crate::selection::{Wanted, wanted};
 
 /// Simulate block diagrams written as text.
 #[derive(Debug, Parser)]
@@ -47,6 +49,10 @@ pub enum Command {
     Compare(CompareArgs),
     /// Tell all problems of a model without running it.
     Check(CheckArgs),
+    /// List the runs that were kept.
+    Runs(RunsArgs),
+    /// Write the signals of a run for other programs: CSV, MATLAB.
+    Export(ExportArgs),
     /// Print what a step of the compiler makes of a model.
     Emit(EmitArgs),
     /// Make a diagram of a robot description or a CAD assembly, or bring its numbers up to date.
@@ -74,7 +80,7 @@ pub struct ModelArgs {
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  blocksim run servo.ron\n  blocksim run servo.ron --set pid.kp=12 --until \"500 ms\"\n  \
-                        blocksim run servo.ron --plot 'angle.*' --out before"
+                        blocksim run servo.ron --plot 'angle.*' --out before\n  blocksim run servo.ron --signals 'angle.*,motor.**@10ms'"
 )]
 pub struct RunArgs {
     #[command(flatten)]
@@ -94,6 +100,16 @@ pub struct RunArgs {
     /// Folder for the results, which must be new or empty; without it `runs/<time>_<model>`.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Signals to keep, of those that the diagram records: parts of their paths or patterns with `*`, separated by
+    /// commas. A rate may follow: `arm/**@10ms`, `arm/**@10rows`, or the least and largest value with `@minmax:10ms`.
+    #[arg(long, value_name = "PATTERN[@RATE]", value_delimiter = ',', value_parser = wanted)]
+    pub signals: Vec<Wanted>,
+    /// Write the signals as CSV however many they are; without this only up to about 200 MB.
+    #[arg(long, conflicts_with = "no_csv")]
+    pub csv: bool,
+    /// Write no CSV, only the recording.
+    #[arg(long)]
+    pub no_csv: bool,
     /// Signals to plot: parts of their paths or patterns with `*`, separated by commas.
     #[arg(long, value_name = "PATTERN", value_delimiter = ',', conflicts_with = "no_plot")]
     pub plot: Vec<String>,
@@ -236,7 +252,10 @@ fn density(text: &str) -> Result<f64, String> {
 }
 
 /// A time above zero, s.
-fn time(text: &str) -> Result<f64, String> {
+///
+/// # Errors
+/// What is wrong with it.
+pub fn time(text: &str) -> Result<f64, String> {
     match moment(text)? {
         seconds if seconds > 0.0 => Ok(seconds),
         _ => Err("a time here is above zero".to_owned()),

@@ -16,9 +16,11 @@ mod console;
 mod defaults;
 mod disk;
 mod exit;
+mod export_args;
 mod format;
 mod formula;
 mod interrupt;
+mod keep;
 mod manifest;
 mod naming;
 mod params_args;
@@ -32,6 +34,7 @@ mod render;
 mod report;
 mod scene;
 mod seal;
+mod selection;
 mod shown;
 mod solver;
 mod summary;
@@ -54,6 +57,8 @@ blocksim simulates block diagrams written as text.
   blocksim run MODEL.ron                    simulate, show and keep the results
   blocksim run MODEL.ron --set drive=dc     with another value of a parameter
   blocksim plot latest                      draw its signals, also as SVG or PNG
+  blocksim runs                             list what was run
+  blocksim export latest --csv FILE         its signals for other programs
   blocksim check MODEL.ron                  tell all problems without running
   blocksim import ROBOT.urdf --out DIR      make a model of a robot description
   blocksim params export SET.ron            a workbook of parameters, for Excel and LibreOffice
@@ -73,6 +78,8 @@ fn main() -> ExitCode {
         Some(Command::Plot(args)) => commands::plot(args, console),
         Some(Command::Compare(args)) => commands::compare(args, console),
         Some(Command::Check(args)) => commands::check(args, console),
+        Some(Command::Runs(args)) => commands::runs(args, console),
+        Some(Command::Export(args)) => commands::export(args, console),
         Some(Command::Emit(args)) => commands::emit(args, console),
         Some(Command::Import(args)) => commands::import(args, console),
         Some(Command::Blocks(args)) => commands::blocks(args, console),

@@ -1,21 +1,16 @@
-//! Keeps what a simulation brings.
+//! Hands what a simulation brings to the disk.
 
-use blocksim_block::schedule::{OutputTimes, Recorded, Settings};
-use blocksim_results::{EventRow, Recording, RecordingError};
+use blocksim_results::{EventRow, RecordingError, Stream};
 use blocksim_sim::{Control, Counts, Observer};
 
 use crate::interrupt;
 use crate::progress::Progress;
-use crate::shown;
 
-/// Most rows for which room is made beforehand.
-const ROOM: usize = 1_000_000;
-
-/// Rows and events of a run, and who is told how far it is.
+/// Rows and events of a run on their way to the disk, and who is told how far it is.
 #[derive(Debug)]
 pub struct Recorder {
-    /// Signals in SI.
-    pub recording: Recording,
+    /// Where the rows go, in SI.
+    pub stream: Stream,
     /// Events.
     pub events: Vec<EventRow>,
     /// Who is told.
@@ -26,19 +21,14 @@ pub struct Recorder {
 
 impl Recorder {
     /// Nothing yet.
-    pub fn new(recorded: &[Recorded], settings: &Settings, progress: Progress) -> Recorder {
-        let mut recording = shown::recording(recorded);
-        if let OutputTimes::Every(spacing) = settings.output {
-            // A float that is too large for usize becomes the largest one.
-            recording.reserve(((settings.stop_time / spacing) as usize).saturating_add(2).min(ROOM));
-        }
-        Recorder { recording, events: Vec::new(), progress, misfit: None }
+    pub fn new(stream: Stream, progress: Progress) -> Recorder {
+        Recorder { stream, events: Vec::new(), progress, misfit: None }
     }
 }
 
 impl Observer for Recorder {
     fn row(&mut self, t: f64, values: &[f64]) {
-        if let Err(error) = self.recording.push_row(t, values) {
+        if let Err(error) = self.stream.row(t, values) {
             self.misfit.get_or_insert(error);
         }
     }
@@ -49,6 +39,8 @@ impl Observer for Recorder {
 
     fn progress(&mut self, t: f64, _counts: &Counts) -> Control {
         self.progress.report(t);
-        if interrupt::is_requested() { Control::Stop } else { Control::Go }
+        self.stream.tend();
+        let ends = interrupt::is_requested() || self.stream.has_failed();
+        if ends { Control::Stop } else { Control::Go }
     }
 }

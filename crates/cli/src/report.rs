@@ -1,6 +1,6 @@
 //! What a run says at its end: to people, to programs, and to the log.
 
-use blocksim_block::schedule::Schedule;
+use blocksim_block::schedule::{Recorded, Schedule};
 use blocksim_results::{Ended, EventRow, Manifest, Recording};
 use blocksim_sim::Counts;
 use serde_json::{Value, json};
@@ -21,8 +21,14 @@ pub struct Report<'a> {
     pub manifest: &'a Manifest,
     /// Work done.
     pub counts: Counts,
-    /// What was recorded.
+    /// Signals to look at: those of the finest rate.
+    pub recorded: &'a [Recorded],
+    /// Their values; where they are very many, those of every n-th row.
     pub recording: &'a Recording,
+    /// Number of all signals that were recorded.
+    pub signals: usize,
+    /// Number of all rows of the run.
+    pub rows: u64,
 }
 
 impl Report<'_> {
@@ -41,6 +47,7 @@ impl Report<'_> {
     pub fn json(&self, place: &str) -> Value {
         let shown = self.shown();
         let (ended, reason) = match &self.manifest.ended {
+            Ended::Unfinished => ("unfinished", None),
             Ended::Complete => ("complete", None),
             Ended::Stopped { reason } => ("stopped", Some(reason)),
             Ended::Interrupted => ("interrupted", None),
@@ -59,8 +66,8 @@ impl Report<'_> {
             "evaluations": self.counts.evaluations,
             "events": self.counts.events,
             "sample_hits": self.counts.hits,
-            "signals": self.recording.signals.len(),
-            "rows": self.recording.rows(),
+            "signals": self.signals,
+            "rows": self.rows,
             "tracking": tracking::json(&trackings(&shown), &self.recording.time),
         })
     }
@@ -75,12 +82,11 @@ impl Report<'_> {
     }
 
     fn shown(&self) -> Vec<Shown<'_>> {
-        shown(&self.schedule.recorded, self.recording)
+        shown(self.recorded, self.recording)
     }
 
     fn summary(&self, place: Option<&str>) -> String {
-        let (signals, rows) = (self.recording.signals.len(), self.recording.rows());
-        summary(&self.schedule.title, self.manifest, &self.counts, signals, rows, place)
+        summary(&self.schedule.title, self.manifest, &self.counts, self.signals, self.rows, place)
     }
 
     fn plots(&self, shown: &[Shown], patterns: &[String], console: Console) -> String {

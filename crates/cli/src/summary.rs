@@ -13,7 +13,7 @@ pub fn summary(
     manifest: &Manifest,
     counts: &Counts,
     signals: usize,
-    rows: usize,
+    rows: u64,
     place: Option<&str>,
 ) -> String {
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
@@ -27,7 +27,7 @@ pub fn summary(
     let n = |n: u64, name: &str| format!("{} {name}{}", count(n), if n == 1 { "" } else { "s" });
     table.row(["simulated", &simulated]);
     match &manifest.ended {
-        Ended::Complete => {}
+        Ended::Complete | Ended::Unfinished => {}
         Ended::Interrupted => table.row(["ended", "interrupted before its end"]),
         Ended::Stopped { reason } => table.row(["ended", reason]),
         Ended::Failed { reason } => table.row(["failed", reason]),
@@ -46,7 +46,7 @@ pub fn summary(
     table.row(["events", &[n(counts.events, "zero crossing"), n(counts.hits, "sample hit")].join(", ")]);
     let recorded = match signals {
         0 => "nothing; add a Scope, or `record: [\"...\"]` to the diagram".to_owned(),
-        _ => format!("{}, {}", plural(signals, "signal"), n(rows as u64, "row")),
+        _ => format!("{}, {}", plural(signals, "signal"), n(rows, "row")),
     };
     table.row(["recorded", &recorded]);
     if let Some(place) = place {

@@ -316,7 +316,7 @@ fn results_that_cannot_be_written_at_the_end_leave_nothing_half_named() {
     let desk = Desk::with(&[("long.ron", LONG)]);
     let mut command = desk.command(&["run", "long.ron", "--out", "kept/here"]);
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    wait_for(&desk.0.join("kept/here.partial"));
+    wait_for(&desk.0.join("kept/here.partial/signals.rec"));
     // Somebody clears away while the run goes on.
     fs::remove_dir_all(desk.0.join("kept")).unwrap();
     Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
@@ -349,7 +349,91 @@ fn a_disk_that_is_full_at_the_end_is_told_with_what_helps() {
     for part in ["kept.partial/signals.csv`: the disk is full\n", "= help: free some space, "] {
         assert!(answer.err.contains(part), "{part} is missing in {answer:?}");
     }
-    assert_eq!(names(&desk.0), ["long.ron"]);
+    assert!(answer.err.contains("what was recorded is kept in ") && answer.err.contains("kept.partial"));
+    assert_eq!(names(&desk.0), ["kept.partial", "long.ron"]);
+    assert_eq!(desk.call(&["export", "kept.partial", "--csv", "saved.csv"]).code, Some(0));
+    assert!(desk.read("saved.csv").lines().count() > 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn what_a_run_that_was_killed_has_written_is_read_and_listed() {
+    let desk = Desk::with(&[("long.ron", LONG)]);
+    let mut child = desk.command(&["run", "long.ron", "--quiet"]).spawn().unwrap();
+    let begun = || {
+        let runs = desk.0.join("runs");
+        let run = fs::read_dir(runs).ok()?.find_map(|run| {
+            let path = run.ok()?.path();
+            path.to_string_lossy().ends_with(".partial").then_some(path)
+        })?;
+        let written = fs::read(run.join("signals.rec")).ok()?;
+        written.windows(4).any(|bytes| bytes == b"CHNK").then_some(run)
+    };
+    let run = loop {
+        match begun() {
+            Some(run) => break run,
+            None => std::thread::sleep(std::time::Duration::from_millis(10)),
+        }
+    };
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let listed = desk.call(&["runs"]);
+    assert!(listed.out.contains("unfinished") && listed.out.contains("long.ron"), "{listed:?}");
+    let export = desk.call(&["export", &run.display().to_string(), "--csv", "part.csv"]);
+    assert_eq!(export.code, Some(0), "{export:?}");
+    assert!(export.err.contains("its recording was not closed"), "{export:?}");
+    assert!(desk.read("part.csv").lines().count() > 1);
+    // It is no finished run.
+    assert_eq!(desk.call(&["export", "latest", "--csv", "other.csv"]).code, Some(4));
+}
+
+#[test]
+fn runs_are_listed_and_exported_at_the_rates_that_were_asked_for() {
+    let desk = Desk::with(&[("lag.ron", LAG)]);
+    let signals = "*.set,*.actual@100ms";
+    let answer = desk.call(&["run", "lag.ron", "--quiet", "--signals", signals]);
+    assert_eq!(answer.code, Some(0), "{answer:?}");
+    let run = answer.out.trim();
+    let files = ["events.csv", "log.txt", "manifest.json", "signals-100ms.csv", "signals.csv", "signals.rec"];
+    assert_eq!(names(&desk.0.join(run)), files);
+    assert!(desk.read(&format!("{run}/signals.csv")).starts_with("time [s],scope.set [rad]\n"));
+    // The start, ten multiples of 100 ms, of which the last is the end.
+    assert_eq!(desk.read(&format!("{run}/signals-100ms.csv")).lines().count(), 12);
+
+    let listed = desk.call(&["runs"]);
+    assert_eq!(listed.code, Some(0));
+    assert!(listed.out.contains("_lag") && listed.out.contains("complete"), "{listed:?}");
+    let data = desk.call(&["runs", "--json"]);
+    assert!(data.out.contains("\"model\":\"lag.ron\"") && data.out.lines().count() == 1, "{data:?}");
+
+    let both = desk.call(&["export", "latest", "--csv", "lag.csv"]);
+    assert_eq!((both.code, both.out.as_str()), (Some(0), "lag.csv\nlag-2.csv\n"), "{both:?}");
+    assert_eq!(desk.read("lag.csv"), desk.read(&format!("{run}/signals.csv")));
+    let grid = desk.call(&["export", "lag", "--csv", "grid.csv", "--every", "250ms", "--from", "0.4"]);
+    assert_eq!(grid.code, Some(0), "{grid:?}");
+    let grid = desk.read("grid.csv");
+    let mut lines = grid.lines();
+    assert_eq!(lines.next(), Some("time [s],scope.set [rad],scope.actual [rad]"));
+    assert_eq!(lines.map(|line| line.split(',').next().unwrap()).collect::<Vec<_>>(), ["0.5", "0.75", "1"]);
+    assert_eq!(desk.call(&["export", "lag", "--mat", "lag.mat"]).code, Some(0));
+
+    let again = desk.call(&["export", "lag", "--csv", "lag.csv"]);
+    assert!(
+        again.code == Some(4) && again.err.contains("`lag.csv`: a file of this name is in the way"),
+        "{again:?}"
+    );
+    let lost = desk.call(&["export", "lag", "--csv", "x.csv", "--signals", "q1"]);
+    assert!(lost.code == Some(2) && lost.err.contains("no signal of the run fits `q1`"), "{lost:?}");
+    let none = desk.call(&["export", "arm", "--csv", "x.csv"]);
+    assert!(none.code == Some(4) && none.err.contains("no run in `runs` has this name"), "{none:?}");
+    assert_eq!(desk.call(&["export", "lag"]).code, Some(2));
+    let wrong = desk.call(&["run", "lag.ron", "--signals", "leg"]);
+    assert!(wrong.code == Some(2) && wrong.err.contains("no recorded signal fits `leg`"), "{wrong:?}");
+    assert_eq!(desk.call(&["run", "lag.ron", "--signals", "*@fast"]).code, Some(2));
+    let bare = desk.call(&["run", "lag.ron", "--quiet", "--no-csv", "--out", "bare"]);
+    assert_eq!(bare.code, Some(0));
+    assert_eq!(names(&desk.0.join("bare")), ["events.csv", "log.txt", "manifest.json", "signals.rec"]);
+    assert_eq!(desk.call(&["runs", "none"]).code, Some(0));
 }
 
 #[cfg(unix)]

@@ -27,8 +27,8 @@ mod store;
 mod summary;
 mod table;
 mod terminal;
-pub mod thin;
-mod ticks;
+mod thin;
+pub mod ticks;
 
 pub use csv::{ReadLimits, read_csv, read_csv_file, read_events};
 pub use csv_write::{write_events, write_signals};

@@ -5,20 +5,24 @@ mod check;
 mod compare;
 mod emit;
 mod explain;
+mod export;
 mod import;
 mod params;
 mod plot;
 mod run;
+mod runs;
 
 pub use blocks::blocks;
 pub use check::check;
 pub use compare::compare;
 pub use emit::emit;
 pub use explain::explain;
+pub use export::export;
 pub use import::import;
 pub use params::params;
 pub use plot::plot;
-pub use run::run;
+pub use run::{RUNS, run};
+pub use runs::runs;
 
 use blocksim_block::problem::Problem;
 use blocksim_diagram::{Compiled, SourceFile, Sources, compile};

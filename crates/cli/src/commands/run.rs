@@ -3,9 +3,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use blocksim_block::schedule::Schedule;
-use blocksim_results::{Ended, Manifest, ResultsError, RunFolder, clock, probe};
-use blocksim_scene::Scene;
+use blocksim_block::schedule::Recorded;
+use blocksim_results::{Ended, ResultsError, Run, RunFolder, STORE, Store, clock, probe};
 use blocksim_sim::Simulation;
 
 use super::{load, tell};
@@ -13,10 +12,12 @@ use crate::args::{Format, RunArgs};
 use crate::blame::{failure, reason};
 use crate::console::Console;
 use crate::exit::Exit;
+use crate::keep::{self, Csv, Rest, is_csv_written, keep};
 use crate::progress::{Progress, Telling};
 use crate::recorder::Recorder;
 use crate::report::{Report, log};
-use crate::{interrupt, manifest, render, scene, shown, solver};
+use crate::selection::select;
+use crate::{interrupt, manifest, render, scene, solver};
 
 /// Where runs are kept unless somebody says otherwise.
 pub const RUNS: &str = "runs";
@@ -38,9 +39,16 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
         console.say(&format!("error: {mistake}"));
         return Ok(Exit::Usage);
     }
+    let selection = match select(&schedule.recorded, &args.signals) {
+        Ok(selection) => selection,
+        Err(mistake) => {
+            console.say(&format!("error: {mistake}"));
+            return Ok(Exit::Usage);
+        }
+    };
     interrupt::take_over();
     let started = SystemTime::now();
-    let folder = match results_folder(args, started) {
+    let mut folder = match results_folder(args, started) {
         Ok(folder) => folder,
         Err(error) => {
             console.say(&refused(&error));
@@ -62,12 +70,39 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
         (_, true) => Telling::Silent,
         _ => Telling::People,
     };
+    let facts = |simulation: &Simulation, wall_time, ended| {
+        manifest::of(&manifest::Facts {
+            args,
+            loaded: &loaded,
+            schedule: &schedule,
+            simulation,
+            started: clock::iso(started),
+            wall_time,
+            ended,
+        })
+    };
+    // Whoever finds the folder of a run that was ended by force is to know what it was.
+    let begun = facts(&simulation, 0.0, Ended::Unfinished);
+    let partial = folder.partial_path().display().to_string();
+    let stream = folder
+        .write_manifest(&begun)
+        .and_then(|()| folder.record(&selection.layout, &selection.sources, schedule.recorded.len()));
+    let stream = match stream {
+        Ok(stream) => stream,
+        Err(error) => {
+            console.say(&refused(&error));
+            return Ok(Exit::Files);
+        }
+    };
     let progress = Progress::new(console, telling, schedule.settings.stop_time);
-    let mut recorder = Recorder::new(&schedule.recorded, &schedule.settings, progress);
+    let mut recorder = Recorder::new(stream, progress);
     let outcome = simulation.run(&mut recorder);
     let wall_time = recorder.progress.finish();
+    let Recorder { stream, events, misfit, .. } = recorder;
+    let rows = stream.rows();
+    let (file, lost) = stream.finish();
 
-    let (ended, exit) = match outcome {
+    let (ended, mut exit) = match outcome {
         Ok(blocksim_sim::Ended::Finished) => (Ended::Complete, Exit::Done),
         Ok(blocksim_sim::Ended::Interrupted) => (Ended::Interrupted, Exit::Interrupted),
         Err(error) => {
@@ -75,36 +110,61 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
             (Ended::Failed { reason: reason(&error) }, Exit::Failed)
         }
     };
-    if let Some(misfit) = &recorder.misfit {
+    let ended = match &lost {
+        None => ended,
+        Some(error) => {
+            console.say(&refused(error));
+            exit = Exit::Files;
+            Ended::Failed { reason: format!("the recording could not be written: {}", error.reason()) }
+        }
+    };
+    if let Some(misfit) = &misfit {
         console.say(&format!("warning: rows were lost: {misfit}; this is a mistake of blocksim"));
     }
-    let manifest = manifest::of(&manifest::Facts {
-        args,
-        loaded: &loaded,
-        schedule: &schedule,
-        simulation: &simulation,
-        started: clock::iso(started),
-        wall_time,
-        ended,
-    });
+    let manifest = facts(&simulation, wall_time, ended);
+    let store = Store::of_file(file, &folder.partial_path().join(STORE));
+    let (run, seen) = match store.map(Run::of).and_then(|run| keep::seen(&run).map(|seen| (run, seen))) {
+        Ok(both) => both,
+        Err(error) => {
+            console.say(&refused(&error));
+            return Ok(Exit::Files);
+        }
+    };
+    let recorded: Vec<Recorded> =
+        seen.signals.iter().map(|&at| schedule.recorded[selection.sources[at]].clone()).collect();
     let report = Report {
         schedule: &schedule,
         manifest: &manifest,
         counts: simulation.counts(),
-        recording: &recorder.recording,
+        recorded: &recorded,
+        recording: &seen.recording,
+        signals: run.signals().len(),
+        rows,
     };
-    let log = log(&report, &loaded, &recorder.events);
+    let log = log(&report, &loaded, &events);
     let scene = loaded.compiled.scene.as_ref().filter(|scene| !scene.shapes.is_empty());
     for file in scene.into_iter().flat_map(scene::missing_meshes) {
         console.say(&format!(
             "warning: the mesh `{file}` is missing and will not be drawn\n  = help: put it there, or correct `file` of the shape"
         ));
     }
-    let place = match keep(folder, &schedule, &recorder, &manifest, &log, scene) {
+    let csv = match (args.csv, args.no_csv) {
+        (true, _) => Csv::Always,
+        (_, true) => Csv::Never,
+        _ => Csv::Sensibly,
+    };
+    let rest = Rest { csv, events: &events, log: &log, manifest: &manifest, scene };
+    let place = match keep(folder, &run, rest) {
         Ok(place) => place,
         Err(error) => {
-            console.say(&refused(&error));
-            // What is in memory can at least be seen.
+            // A disk that is full is told once.
+            if lost.is_none() {
+                console.say(&refused(&error));
+            }
+            if Path::new(&partial).exists() {
+                console.say(&format!("what was recorded is kept in {partial}"));
+            }
+            // What was recorded can at least be seen.
             if !args.quiet && !args.json {
                 console.data(&report.text(None, args, console))?;
             }
@@ -121,6 +181,14 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
     if let Some(warning) = report.plot_warning(args) {
         console.say(&warning);
     }
+    if seen.stride > 1 {
+        console.say(&format!("note: pictures and tables are of every {}th row", seen.stride));
+    }
+    if csv == Csv::Sensibly && !is_csv_written(&run, csv) {
+        console.say(&format!(
+            "note: no signals.csv, as it would be very large; `blocksim export {place} --csv FILE` writes it"
+        ));
+    }
     Ok(exit)
 }
 
@@ -136,26 +204,6 @@ fn results_folder(args: &RunArgs, started: SystemTime) -> Result<RunFolder, Resu
     probe(&parent)?;
     let name = args.model.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     RunFolder::create_at_time(&parent, &name, started)
-}
-
-/// Writes all files of a run; returns its folder.
-fn keep(
-    folder: RunFolder,
-    schedule: &Schedule,
-    recorder: &Recorder,
-    manifest: &Manifest,
-    log: &[String],
-    scene: Option<&Scene>,
-) -> Result<PathBuf, ResultsError> {
-    folder.write_recording(&shown::layout(&schedule.recorded), &recorder.recording)?;
-    folder.write_signals(&recorder.recording)?;
-    folder.write_events(&recorder.events)?;
-    folder.write_log(log)?;
-    if let Some(scene) = scene {
-        folder.write("scene.json", |out| out.write_all(scene::json(scene).as_bytes()))?;
-    }
-    folder.write_manifest(manifest)?;
-    folder.finish()
 }
 
 /// A failure of the file system: place, reason, remedy.

@@ -19,7 +19,7 @@ const BATCH: usize = 4 << 20;
 /// Batches on their way; with the one being filled and the one being written, all the memory that is taken.
 const ON_THE_WAY: usize = 1;
 /// What was not written for so long is written though it makes a small chunk: so little is lost by force.
-const PATIENCE: Duration = Duration::from_secs(5);
+const PATIENCE: Duration = Duration::from_secs(2);
 
 /// A recording that is being written. Takes memory for a few batches of rows, however long the run is.
 #[derive(Debug)]

@@ -1,0 +1,116 @@
+use std::io::{self, Write};
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+use blocksim_results::{ResultsError, Run, locate, resampled, write_mat, write_run_csv, write_whole};
+
+use super::RUNS;
+use crate::console::Console;
+use crate::exit::Exit;
+use crate::export_args::ExportArgs;
+use crate::naming;
+use crate::render::plural;
+
+/// Writes the signals of a run for other programs.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn export(args: &ExportArgs, console: Console) -> io::Result<Exit> {
+    let refuse = |error: &ResultsError| {
+        console.say(&format!("error: {error}"));
+        Ok(Exit::Files)
+    };
+    let run = match locate(&args.run, Path::new(RUNS)).and_then(|path| Run::open(&path)) {
+        Ok(run) => run,
+        Err(error) => return refuse(&error),
+    };
+    let signals = match chosen(&run, &args.signals) {
+        Ok(signals) => signals,
+        Err(mistake) => {
+            console.say(&format!("error: {mistake}"));
+            return Ok(Exit::Usage);
+        }
+    };
+    if let Some(shortfall) = run.shortfall() {
+        console.say(&format!("note: the run is not complete: {shortfall}"));
+    }
+    let range = args.from.unwrap_or(f64::NEG_INFINITY)..=args.to.unwrap_or(f64::INFINITY);
+    let written = match args.every {
+        None => write(args, &run, &signals, &range),
+        // On the grid all that was chosen is there, in the order chosen.
+        Some(every) => resampled(&run, &signals, &range, every).and_then(|grid| {
+            let all: Vec<usize> = (0..signals.len()).collect();
+            write(args, &grid, &all, &range)
+        }),
+    };
+    match written {
+        Ok(files) => {
+            console.data(&files.iter().map(|file| format!("{}\n", file.display())).collect::<String>())?;
+            console.say(&format!("{} of {}", plural(signals.len(), "signal"), run.name()));
+            Ok(Exit::Done)
+        }
+        Err(error) => refuse(&error),
+    }
+}
+
+/// Positions of the signals that fit one of the patterns, all if there are none.
+fn chosen(run: &Run, patterns: &[String]) -> Result<Vec<usize>, String> {
+    let paths = || run.signals().iter().map(|signal| signal.path.as_str());
+    if let Some(lost) = patterns.iter().find(|pattern| !paths().any(|path| naming::fits(path, pattern))) {
+        let some: Vec<&str> = paths().take(5).collect();
+        let more = if paths().count() > some.len() { ", ..." } else { "" };
+        return Err(format!("no signal of the run fits `{lost}`; it has {}{more}", some.join(", ")));
+    }
+    let fits = |path: &str| patterns.is_empty() || patterns.iter().any(|pattern| naming::fits(path, pattern));
+    Ok((0..run.signals().len()).filter(|&at| fits(&run.signals()[at].path)).collect())
+}
+
+/// Writes the files asked for; returns their names.
+fn write(
+    args: &ExportArgs,
+    run: &Run,
+    signals: &[usize],
+    range: &RangeInclusive<f64>,
+) -> Result<Vec<PathBuf>, ResultsError> {
+    if let Some(file) = &args.mat {
+        return Ok(vec![fresh(file, |w| write_mat(w, run, signals, range))?]);
+    }
+    let Some(file) = &args.csv else { return Ok(Vec::new()) };
+    let mut bases: Vec<usize> = signals.iter().map(|&at| run.signals()[at].base).collect();
+    bases.sort_unstable();
+    bases.dedup();
+    if bases.is_empty() {
+        bases.push(0);
+    }
+    let mut files = Vec::new();
+    for (number, base) in bases.into_iter().enumerate() {
+        let of_base: Vec<usize> =
+            signals.iter().copied().filter(|&at| run.signals()[at].base == base).collect();
+        let file = if number == 0 { file.clone() } else { numbered(file, number + 1) };
+        files.push(fresh(&file, |w| write_run_csv(w, run, base, &of_base, range))?);
+    }
+    Ok(files)
+}
+
+/// `arm-2.csv` of `arm.csv`.
+fn numbered(file: &Path, number: usize) -> PathBuf {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = file.extension().map_or(String::new(), |ending| format!(".{}", ending.to_string_lossy()));
+    file.with_file_name(format!("{stem}-{number}{ending}"))
+}
+
+/// Writes a file that is not there yet, whole or not at all.
+fn fresh(
+    file: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<PathBuf, ResultsError> {
+    if file.exists() {
+        return Err(ResultsError::io("write", file, io::ErrorKind::AlreadyExists.into()));
+    }
+    let name = file
+        .file_name()
+        .ok_or_else(|| ResultsError::io("write", file, io::ErrorKind::InvalidFilename.into()))?;
+    let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    write_whole(folder, &name.to_string_lossy(), content)?;
+    Ok(file.to_owned())
+}

@@ -1,0 +1,48 @@
+//! The command lines of `blocksim runs` and `blocksim export`.
+
+use std::path::PathBuf;
+
+use crate::args::{moment, time};
+
+/// `blocksim runs`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "A run is named by its folder, by part of its name, or as `latest`.\n\nExample:\n  blocksim runs"
+)]
+pub struct RunsArgs {
+    /// Folder in which the runs are.
+    #[arg(default_value = crate::commands::RUNS)]
+    pub folder: PathBuf,
+    /// As JSON, an object a line.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `blocksim export`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Values are in SI units. An existing file is not overwritten.\n\nExamples:\n  \
+                  blocksim export latest --csv arm.csv --signals 'arm/**' --every 10ms\n  \
+                  blocksim export servo --mat servo.mat")]
+#[command(group(clap::ArgGroup::new("format").required(true).args(["csv", "mat"])))]
+pub struct ExportArgs {
+    /// Folder or recording of the run, part of the name of a run in `runs/`, or `latest`.
+    pub run: String,
+    /// A table with decimal points, the first column time; signals of other rates go to files of their own.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// A MAT-file for MATLAB, Octave and SciPy; signals of all rates go into it.
+    #[arg(long, value_name = "FILE")]
+    pub mat: Option<PathBuf>,
+    /// Signals to write: parts of their paths or patterns with `*`, separated by commas.
+    #[arg(long, value_name = "PATTERN", value_delimiter = ',')]
+    pub signals: Vec<String>,
+    /// Bring all signals to the multiples of this time; real ones are interpolated.
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub every: Option<f64>,
+    /// Leave out what was before this time.
+    #[arg(long, value_name = "TIME", value_parser = moment)]
+    pub from: Option<f64>,
+    /// Leave out what was after this time.
+    #[arg(long, value_name = "TIME", value_parser = moment)]
+    pub to: Option<f64>,
+}
