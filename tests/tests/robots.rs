@@ -5,7 +5,7 @@ use std::path::Path;
 use blocksim_blocks::robotics::RobotDescription;
 use blocksim_diagram::{Sources, parameter};
 use blocksim_robot::Robot;
-use blocksim_tests::{Desk, compile_file, root, run};
+use blocksim_tests::{Desk, Run, compile_file, compile_with, root, run};
 use expect_test::expect;
 
 const MODEL: &str = "diagrams/irb2600/irb2600.ron";
@@ -121,4 +121,123 @@ fn a_parameter_that_a_diagram_lacks_is_told() {
     let read: Result<RobotDescription, _> =
         parameter(&Sources::new(&desk), &root().join(MODEL), &[], "manipulater");
     assert_eq!(read.expect_err("no such").remove(0).help.as_deref(), Some("did you mean `manipulator`?"));
+}
+
+/// A diagram beside the flagship with the arm made by `blocks` and `connections`, driven by six sines.
+fn driven(blocks: &str, connections: &str) -> Run {
+    let sines: String = (1..=6)
+        .map(|i| {
+            let amplitude = [300, 800, 400, 30, 20, 5][i - 1];
+            format!("\"t{i}\": Sine(amplitude: \"{amplitude} N*m\", frequency: \"{i} Hz\"),\n")
+        })
+        .collect();
+    let text = format!(
+        "Diagram(
+            parameters: {{ \"robot\": File(\"../../params/irb2600.ron\"), \"manipulator\": File(\"manipulator.ron\") }},
+            simulation: (stop_time: \"0.1 s\", solver: Ode45(rtol: 1e-10, atol: 1e-10), output: Every(\"2 ms\")),
+            record: [\"*.*\"],
+            blocks: {{ \"world\": World(gravity: \"manipulator.gravity\"), {sines} {blocks} }},
+            connections: [{connections}],
+        )"
+    );
+    let path = root().join("diagrams/irb2600/driven.ron");
+    let desk = Desk::new().with(path.to_str().expect("a path"), &text);
+    let (compiled, problems) = compile_with(&desk, &path, &[]);
+    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+    assert!(run.error.is_none(), "{:?}", run.error);
+    run
+}
+
+fn column<'r>(run: &'r Run, name: &str) -> &'r [f64] {
+    let at = run.recorded.iter().position(|recorded| recorded.path == name);
+    let names = || run.recorded.iter().map(|recorded| recorded.path.as_str()).collect::<Vec<_>>();
+    &run.columns[at.unwrap_or_else(|| panic!("{name} is not among {:?}", names()))]
+}
+
+/// Largest difference of two columns.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_robot_as_one_block_moves_as_the_chain_of_bodies_and_joints_does() {
+    let directions = ["[0, 0, 1]", "[0, 1, 0]", "[0, 1, 0]", "[1, 0, 0]", "[0, 1, 0]", "[1, 0, 0]"];
+    let mut chain = String::new();
+    let mut joined = vec!["\"world.frame <-> seat1.base\"".to_owned()];
+    for i in 1..=6 {
+        chain += &format!(
+            "\"seat{i}\": Transform(translation: \"robot.geometry.axis{i}\"),
+             \"joint{i}\": RevoluteJoint(axis: {}, position: 0, velocity: 0, lower: \"robot.axis{i}.limits.lower\", upper: \"robot.axis{i}.limits.upper\"),
+             \"link{i}\": Body(mass: \"robot.link{i}.mass\", com: \"robot.link{i}.com\", moi: \"robot.link{i}.moi\", poi: \"robot.link{i}.poi\"),\n",
+            directions[i - 1]
+        );
+        joined.push(format!("\"seat{i}.follower <-> joint{i}.base\", \"t{i}.y -> joint{i}.torque\""));
+        let next = if i == 6 { "flange.base".to_owned() } else { format!("seat{}.base", i + 1) };
+        joined.push(format!("\"joint{i}.follower <-> link{i}.frame <-> {next}\""));
+    }
+    chain += "\"flange\": Transform(rpy: [0, \"90 deg\", 0]),
+              \"torch\": Body(mass: \"robot.torch.mass\", com: \"robot.torch.com\", moi: \"robot.torch.moi\", poi: \"robot.torch.poi\"),";
+    joined.push("\"flange.follower <-> torch.frame\"".to_owned());
+    let chain = driven(&chain, &joined.join(", "));
+
+    let mux: String = (1..=6).map(|i| format!("\"t{i}.y -> torque.u{i}\", ")).collect();
+    let one = driven(
+        "\"arm\": Robot(robot: \"manipulator\"), \"torque\": Mux(inputs: 6), \"q\": Demux(outputs: 6), \"w\": Demux(outputs: 6),
+         \"a\": Demux(outputs: 6),",
+        &format!("\"world.frame <-> arm.base\", {mux} \"torque.y -> arm.torque\", \"arm.q -> q.u\", \"arm.w -> w.u\", \"arm.a -> a.u\""),
+    );
+    for i in 1..=6 {
+        let moved = column(&one, &format!("q.y{i}"));
+        assert!(moved.iter().fold(0.0_f64, |m, q| m.max(q.abs())) > 1e-3, "axis {i} moves");
+        for (name, tolerance) in [("q", 1e-9), ("w", 1e-8), ("a", 1e-6)] {
+            let error =
+                apart(column(&one, &format!("{name}.y{i}")), column(&chain, &format!("joint{i}.{name}")));
+            assert!(error < tolerance, "{name}{i}: {error}");
+        }
+    }
+}
+
+#[test]
+fn the_blocks_of_the_robot_agree_with_each_other_while_it_moves() {
+    let mux: String = (1..=6).map(|i| format!("\"t{i}.y -> torque.u{i}\", ")).collect();
+    let run = driven(
+        "\"arm\": Robot(robot: \"manipulator\", position: [0.1, 0.2, -0.3, 0.4, 0.5, 0.6]), \"torque\": Mux(inputs: 6),
+         \"forward\": ForwardKinematics(robot: \"manipulator\"), \"inverse\": InverseKinematics(robot: \"manipulator\"),
+         \"dynamics\": InverseDynamics(robot: \"manipulator\"), \"gravity\": GravityCompensation(robot: \"manipulator\"),
+         \"jacobian\": Jacobian(robot: \"manipulator\"), \"at_rest\": InverseDynamics(robot: \"manipulator\"),
+         \"still\": Constant(value: [\"0 rad/s\", \"0 rad/s\", \"0 rad/s\", \"0 rad/s\", \"0 rad/s\", \"0 rad/s\"]),
+         \"steady\": Constant(value: [\"0 rad/s^2\", \"0 rad/s^2\", \"0 rad/s^2\", \"0 rad/s^2\", \"0 rad/s^2\", \"0 rad/s^2\"]),",
+        &format!(
+            "\"world.frame <-> arm.base\", {mux} \"torque.y -> arm.torque\",
+             \"arm.q -> forward.q, dynamics.q, gravity.q, jacobian.q, inverse.near, at_rest.q\",
+             \"forward.p -> inverse.p\", \"forward.zyx -> inverse.zyx\", \"arm.w -> dynamics.qd\", \"arm.a -> dynamics.qdd\",
+             \"still.y -> at_rest.qd\", \"steady.y -> at_rest.qdd\""
+        ),
+    );
+    let vector = |name: &str, n: usize| -> Vec<&[f64]> {
+        (0..n).map(|i| column(&run, &format!("{name}[{i}]"))).collect()
+    };
+    let close = |a: &str, b: &str, tolerance: f64| {
+        for (i, (a, b)) in vector(a, 6).iter().zip(vector(b, 6)).enumerate() {
+            assert!(apart(a, b) < tolerance, "{i}: {}", apart(a, b));
+        }
+    };
+    assert!(column(&run, "inverse.solved").iter().all(|solved| *solved == 1.0));
+    close("inverse.q", "arm.q", 1e-9);
+    close("dynamics.tau", "arm.tau", 1e-9);
+    close("gravity.tau", "at_rest.tau", 1e-9);
+    // The velocity of the tool by the Jacobian against central differences of its position.
+    let (p, j, w) = (vector("forward.p", 3), vector("jacobian.j", 36), vector("arm.w", 6));
+    let h = 0.002;
+    for row in 1..run.time.len() - 1 {
+        for axis in 0..3 {
+            let by_jacobian: f64 = (0..6).map(|k| j[6 * (3 + axis) + k][row] * w[k][row]).sum();
+            let by_difference = (p[axis][row + 1] - p[axis][row - 1]) / (2.0 * h);
+            assert!(
+                (by_jacobian - by_difference).abs() < 0.02,
+                "{row}, {axis}: {by_jacobian} {by_difference}"
+            );
+        }
+    }
 }

@@ -6,7 +6,7 @@ use crate::parts::{Parts, TcpLimits};
 use blocksim_kinematics::{ClosedForm, JointRange};
 use blocksim_motion::AxisLimits;
 use blocksim_multibody::{
-    BodyId, Data, Frame, Inertia, Joint, Model, ModelBuilder, Placement, forward_kinematics, rnea,
+    BodyId, Data, Frame, Inertia, Joint, Model, ModelBuilder, Placement, bias, forward_kinematics, rnea,
 };
 
 /// A chain of turning axes with frames, tool and drives.
@@ -44,6 +44,8 @@ pub struct Robot {
     model: Model,
     last: BodyId,
     closed_form: Option<ClosedForm>,
+    /// A zero for each axis.
+    rest: Vec<f64>,
 }
 
 impl Robot {
@@ -70,7 +72,8 @@ impl Robot {
         let model = builder.build();
         let tool = Frame::of(last).at(parts.flange * parts.tool);
         let closed_form = ClosedForm::of(&model, &tool).ok();
-        Ok(Robot { parts, model, last, closed_form })
+        let rest = vec![0.0; parts.links.len()];
+        Ok(Robot { parts, model, last, closed_form, rest })
     }
 
     /// What it was made of.
@@ -156,6 +159,14 @@ impl Robot {
     /// If a slice has not one entry for each axis, or `data` belongs to another model.
     pub fn joint_torques(&self, data: &mut Data, q: &[f64], v: &[f64], a: &[f64], tau: &mut [f64]) {
         rnea(&self.model, data, q, v, a, tau);
+    }
+
+    /// Torques at the joints, N m, that hold the mechanism at rest.
+    ///
+    /// # Panics
+    /// As [`Robot::joint_torques`].
+    pub fn gravity_torques(&self, data: &mut Data, q: &[f64], tau: &mut [f64]) {
+        bias(&self.model, data, q, &self.rest, tau);
     }
 
     /// Torques of the motors, counted at the joints, N m: [`Robot::joint_torques`] and what the drives need for

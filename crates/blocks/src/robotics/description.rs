@@ -1,6 +1,7 @@
 //! A robot as a set in a diagram or in a file of its own.
 
 use blocksim_block::in_unit;
+use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
 use blocksim_multibody::{Inertia, Placement};
 use blocksim_robot::{Drive, Friction, Link, Parts, Robot, RobotError, Solid, TcpLimits};
@@ -297,6 +298,11 @@ impl Seat {
 }
 
 impl BodyData {
+    /// The body at a frame of a component.
+    pub(super) fn element(&self, frame: usize) -> Element {
+        Element::Body { frame, mass: self.mass, com: self.com, moi: self.moi, poi: self.poi }
+    }
+
     fn solid(&self, placement: Placement, path: &str) -> Result<Solid, ParamError> {
         match Inertia::from_moments(self.mass, self.com, self.moi, self.poi) {
             Ok(inertia) => Ok(Solid { placement, inertia }),

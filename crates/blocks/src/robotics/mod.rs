@@ -1,6 +1,21 @@
 //! Robots as one description: kinematics and dynamics of an arm.
 
+mod arm;
 mod description;
+mod forward_kinematics;
+mod gravity_compensation;
+mod inverse_dynamics;
+mod inverse_kinematics;
+mod jacobian;
+mod robot;
+
+pub use arm::End;
 pub use description::{
     BearingData, BodyData, DriveData, GearData, JointLink, MotorData, RobotDescription, Seat, TcpData,
 };
+pub use forward_kinematics::ForwardKinematics;
+pub use gravity_compensation::GravityCompensation;
+pub use inverse_dynamics::InverseDynamics;
+pub use inverse_kinematics::InverseKinematics;
+pub use jacobian::Jacobian;
+pub use robot::Robot;

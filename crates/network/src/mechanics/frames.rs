@@ -45,7 +45,7 @@ pub(crate) struct Frames {
 #[derive(Debug, Clone)]
 pub(crate) struct JointSpeed {
     pub member: usize,
-    /// Index of the freedom in the joint.
+    /// Index of the freedom among those of the joints of the member.
     pub freedom: usize,
     /// Its position; `None` of a ball.
     pub position: Option<usize>,
@@ -131,7 +131,20 @@ impl Frames {
         first..first + self.probes.iter().filter(|probe| of_member(probe)).count()
     }
 
-    /// Speeds of a joint as its member counts them.
+    /// Gives the speeds of each member consecutive numbers in the order of its freedoms; the tree may hold those of
+    /// others in between, and from the far end.
+    fn number_by_member(&mut self) {
+        let mut order: Vec<usize> = (0..self.speeds.len()).collect();
+        order.sort_by_key(|i| (self.speeds[*i].member, self.speeds[*i].freedom, *i));
+        for (user, i) in order.into_iter().enumerate() {
+            self.speeds[i].user = user;
+        }
+        for ball in &mut self.balls {
+            ball.user = self.speeds[ball.speed].user;
+        }
+    }
+
+    /// Speeds of the joints of a member as it counts them.
     pub(crate) fn user_range(&self, member: usize) -> std::ops::Range<usize> {
         let of_member = || self.speeds.iter().filter(|speed| speed.member == member).map(|speed| speed.user);
         let first = of_member().min().unwrap_or(0);
@@ -146,6 +159,10 @@ struct Edge<'a> {
     member: usize,
     /// A transform or a joint.
     element: &'a Element,
+    /// Number of the element among all of them.
+    number: usize,
+    /// Freedoms of the member's joints before this one.
+    first: usize,
     /// From `base` to `follower`.
     forward: bool,
 }
@@ -156,18 +173,18 @@ pub(crate) fn build(m: &Members) -> Result<Frames, Vec<NetworkProblem>> {
         return Ok(Frames::default());
     }
     let (root, gravity) = world(m)?;
-    let edges = edges(m);
+    let (edges, count) = edges(m);
     let mut builder = ModelBuilder::new();
     builder.gravity(gravity);
     let mut frames = Frames::default();
     let mut places: Vec<Option<Place>> = vec![None; m.frame_nodes];
-    let mut used = vec![false; m.list.len()];
+    let mut used = vec![false; count];
     places[root] = Some(Place { body: None, placement: Placement::identity() });
     let mut queue = VecDeque::from([root]);
     while let Some(node) = queue.pop_front() {
         let Some(place) = places[node] else { continue };
         for edge in &edges[node] {
-            if std::mem::replace(&mut used[edge.member], true) {
+            if std::mem::replace(&mut used[edge.number], true) {
                 continue;
             }
             let next = match edge.element {
@@ -192,6 +209,7 @@ pub(crate) fn build(m: &Members) -> Result<Frames, Vec<NetworkProblem>> {
         return Err(problems);
     }
     frames.model = Some(builder.build());
+    frames.number_by_member();
     closing::assemble(m, &mut frames)?;
     frames.scene = scene::build(m, &places, &frames);
     Ok(frames)
@@ -223,19 +241,26 @@ fn world(m: &Members) -> Result<(usize, [f64; 3]), Vec<NetworkProblem>> {
     }
 }
 
-/// Edges that leave each node.
-fn edges<'a>(m: &Members<'a>) -> Vec<Vec<Edge<'a>>> {
+/// Edges that leave each node, and how many elements they stand for.
+fn edges<'a>(m: &Members<'a>) -> (Vec<Vec<Edge<'a>>>, usize) {
     let mut edges = vec![Vec::new(); m.frame_nodes];
+    let mut freedoms = vec![0; m.list.len()];
+    let mut number = 0;
     for (member, element) in m.elements() {
         let (Element::Transform { base, follower, .. } | Element::Joint { base, follower, .. }) = element
         else {
             continue;
         };
         let (base, follower) = (m.node(member, *base), m.node(member, *follower));
-        edges[base].push(Edge { to: follower, member, element, forward: true });
-        edges[follower].push(Edge { to: base, member, element, forward: false });
+        let first = freedoms[member];
+        edges[base].push(Edge { to: follower, member, element, number, first, forward: true });
+        edges[follower].push(Edge { to: base, member, element, number, first, forward: false });
+        number += 1;
+        if let Element::Joint { freedoms: of_joint, .. } = element {
+            freedoms[member] += of_joint.len();
+        }
     }
-    edges
+    (edges, number)
 }
 
 /// Adds the freedoms of a joint to the tree; returns where its far end is.
@@ -248,8 +273,6 @@ fn add_joint(
     place: Place,
 ) -> Result<Place, NetworkProblem> {
     let member = edge.member;
-    let user = frames.speeds.len();
-    let user_of = |k: usize| user + freedoms[..k].iter().map(Freedom::speeds).sum::<usize>();
     let sign = if edge.forward { 1.0 } else { -1.0 };
     let order: Vec<usize> = match edge.forward {
         true => (0..freedoms.len()).collect(),
@@ -269,30 +292,30 @@ fn add_joint(
         here = Place { body: Some(body), placement: Placement::identity() };
         match &freedoms[k] {
             Freedom::Turn(axis) | Freedom::Slide(axis) => {
-                add_axis(frames, m.path(member), member, k, user_of(k), axis)
+                add_axis(frames, m.path(member), member, edge.first + k, axis)
             }
             Freedom::Ball { orientation, velocity } => {
                 let ball = Ball {
                     member,
                     position: frames.position.len(),
                     speed: frames.speeds.len(),
-                    user: user_of(k),
+                    user: 0,
                     flipped: !edge.forward,
                 };
-                add_ball(frames, m.path(member), k, ball, *orientation, *velocity);
+                add_ball(frames, m.path(member), edge.first + k, ball, *orientation, *velocity);
             }
         }
     }
     Ok(here)
 }
 
-fn add_axis(frames: &mut Frames, path: &str, member: usize, freedom: usize, user: usize, axis: &Axis) {
+fn add_axis(frames: &mut Frames, path: &str, member: usize, freedom: usize, axis: &Axis) {
     let [position, speed] = axis.names;
     frames.speeds.push(JointSpeed {
         member,
         freedom,
         position: Some(frames.position.len()),
-        user,
+        user: 0,
         name: format!("{path}.{speed}"),
         start: axis.velocity,
         given: axis.position.is_some(),
@@ -321,7 +344,7 @@ fn add_ball(
             member: ball.member,
             freedom,
             position: None,
-            user: ball.user + k,
+            user: 0,
             name: format!("{path}.w[{k}]"),
             start: speeds.map(|speeds| speeds[k]),
             given: orientation.is_some(),

@@ -130,6 +130,7 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
     let mut starts: Vec<Start> = Vec::new();
     let mut source = 0;
     let mut frictions = Vec::new();
+    let mut freedoms_before = vec![0; m.list.len()];
     for (member, element) in m.elements() {
         let node = |port: usize| m.node(member, port);
         match *element {
@@ -176,8 +177,10 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
                 reasons.push(Reason::Reference { member });
             }
             Element::Joint { ref freedoms, .. } => {
+                let first = freedoms_before[member];
+                freedoms_before[member] += freedoms.len();
                 for (k, axis) in axes(freedoms) {
-                    let (Some((r, c)), Some(joint)) = (axis.drive, frames.speed_of(member, k)) else {
+                    let (Some((r, c)), Some(joint)) = (axis.drive, frames.speed_of(member, first + k)) else {
                         continue;
                     };
                     if m.alone(member, r) && m.alone(member, c) {

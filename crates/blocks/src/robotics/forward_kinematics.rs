@@ -1,0 +1,76 @@
+use blocksim_block::prelude::*;
+use blocksim_multibody::{Data, EulerZyx, Frame, quaternion_of_rotation};
+use blocksim_robot::Robot;
+
+use super::RobotDescription;
+use super::arm::{Arm, End};
+
+/// Where the tool of a robot is at given joint positions, in the reference frame of the robot.
+///
+/// The orientation comes three times: as Euler angles about z, then the new y, then the new x, as quaternion with the
+/// real part first (not negative), and as rotation matrix $R = R_z(\alpha) R_y(\beta) R_x(\gamma)$, whose columns are the
+/// axes of the tool. Euler angles jump where $\beta = \pm 90°$.
+///
+/// ```ron
+/// ForwardKinematics(robot: (
+///     links: [
+///         (axis: [0, 1, 0], limits: (lower: "-90 deg", upper: "90 deg", speed: "2 rad/s", acceleration: "9 rad/s^2")),
+///         (origin: (translation: [0, 0, "0.5 m"]), axis: [0, 1, 0],
+///          limits: (lower: "-150 deg", upper: "150 deg", speed: "2 rad/s", acceleration: "9 rad/s^2")),
+///     ],
+///     flange: (translation: [0, 0, "0.4 m"]),
+/// ))
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Robotics")]
+pub struct ForwardKinematics {
+    /// The robot: links with axes and limits, frames and tool.
+    pub robot: RobotDescription,
+    /// The frame: `Tool` or `Flange`.
+    #[block(default = End::Tool)]
+    pub end: End,
+    /// The assembled robot; made by `load`.
+    #[block(skip)]
+    arm: Arm,
+}
+
+impl Block for ForwardKinematics {
+    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
+        self.arm = Arm::of(&self.robot);
+        Ok(())
+    }
+
+    fn check(&self) -> Result<(), ParamError> {
+        Arm::check(&self.robot)
+    }
+
+    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+        Ok(Interface::new()
+            .input(Arm::positions("q", self.robot.links.len(), "positions of the joints"))
+            .output(Output::real("p").shape(Shape::Vector(3)).unit("m").doc("origin of the frame"))
+            .output(Output::real("zyx").shape(Shape::Vector(3)).unit("rad").doc("Euler angles α, β, γ"))
+            .output(Output::real("quaternion").shape(Shape::Vector(4)).unit("1").doc("w, x, y, z"))
+            .output(Output::real("r").shape(Shape::Matrix(3, 3)).unit("1").doc("rotation matrix")))
+    }
+
+    fn scratch(&self) -> Scratch {
+        self.arm.scratch()
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
+        let (Some(robot), Some(data)) = (self.arm.robot(c), w.get::<Data>()) else { return };
+        let placement = place(robot, data, self.end.of(robot), c.input(0));
+        let EulerZyx { alpha, beta, gamma } = EulerZyx::from_rotation(&placement.rotation);
+        y[c.output(0)].copy_from_slice(placement.translation.as_slice());
+        y[c.output(1)].copy_from_slice(&[alpha, beta, gamma]);
+        y[c.output(2)].copy_from_slice(&quaternion_of_rotation(&placement.rotation));
+        // Signals hold matrices row by row.
+        y[c.output(3)].copy_from_slice(placement.rotation.transpose().as_slice());
+    }
+}
+
+/// A frame in the reference of the robot.
+fn place(robot: &Robot, data: &mut Data, frame: Frame, q: &[f64]) -> blocksim_multibody::Placement {
+    blocksim_multibody::forward_kinematics(robot.model(), data, q);
+    frame.relative_to(&robot.reference(), data)
+}

@@ -1,0 +1,207 @@
+use blocksim_block::physical::{Axis, Domain, Element, Freedom};
+use blocksim_block::prelude::*;
+use blocksim_multibody::Placement;
+
+use super::RobotDescription;
+use super::arm::Arm;
+use crate::multibody::axis::{Inside, unit, vector_input, vector_output};
+use crate::multibody::joint_limit::JointLimit;
+
+/// A robot arm as one block: bodies and joints of a description, a drive side for each axis.
+///
+/// It is the same mechanism as a chain of `Transform`, `Body` and `RevoluteJoint`. The arm is mounted at `base`; at
+/// `flange` more can be fixed to it, in the axes of the flange. `r1`, `c1`, `r2`, `c2` and so on are rod and case of the
+/// drive sides, so $w_{r_i} - w_{c_i} = \dot q_i$. An axis that nothing drives swings freely. The ends of
+/// travel are springs and dampers beyond the limits of the description; drives of the description are not built in.
+///
+/// ```ron
+/// Robot(robot: (
+///     links: [
+///         (axis: [0, 1, 0], limits: (lower: "-90 deg", upper: "90 deg", speed: "2 rad/s", acceleration: "9 rad/s^2"),
+///          bodies: [(mass: "3 kg", com: [0, 0, "0.25 m"], moi: ["0.06 kg*m^2", "0.06 kg*m^2", "0.003 kg*m^2"])]),
+///         (origin: (translation: [0, 0, "0.5 m"]), axis: [0, 1, 0],
+///          limits: (lower: "-150 deg", upper: "150 deg", speed: "2 rad/s", acceleration: "9 rad/s^2"),
+///          bodies: [(mass: "2 kg", com: [0, 0, "0.2 m"], moi: ["0.03 kg*m^2", "0.03 kg*m^2", "0.002 kg*m^2"])]),
+///     ],
+///     flange: (translation: [0, 0, "0.4 m"]),
+/// ))
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Robotics")]
+pub struct Robot {
+    /// The robot: links with axes, limits and bodies.
+    pub robot: RobotDescription,
+    /// Positions at the start, one for each axis; those of the description unless given.
+    #[block(unit = "rad", default = None)]
+    pub position: Option<Vec<f64>>,
+    /// Stiffness of the ends of travel.
+    #[block(unit = "N*m/rad", default = 5.73e5)]
+    pub limit_stiffness: f64,
+    /// Damping of the ends of travel.
+    #[block(unit = "N*m*s/rad", default = 573.0)]
+    pub limit_damping: f64,
+    /// Width over which the end of travel sets in.
+    #[block(unit = "rad", default = 1.745e-3)]
+    pub limit_transition: f64,
+}
+
+/// Names of position and speed of each axis.
+const NAMES: [[&str; 2]; MOST] = [
+    ["q1", "w1"],
+    ["q2", "w2"],
+    ["q3", "w3"],
+    ["q4", "w4"],
+    ["q5", "w5"],
+    ["q6", "w6"],
+    ["q7", "w7"],
+    ["q8", "w8"],
+    ["q9", "w9"],
+    ["q10", "w10"],
+    ["q11", "w11"],
+    ["q12", "w12"],
+];
+
+/// Most axes.
+const MOST: usize = 12;
+
+impl Robot {
+    fn start(&self, axis: usize) -> f64 {
+        match &self.position {
+            Some(position) => position.get(axis).copied().unwrap_or_default(),
+            None => self.robot.links[axis].start,
+        }
+    }
+
+    fn inside(&self, axis: usize) -> Inside {
+        let limits = &self.robot.links[axis].limits;
+        Inside {
+            equilibrium: 0.0,
+            stiffness: 0.0,
+            damping: 0.0,
+            lower: Some(limits.lower),
+            upper: Some(limits.upper),
+            limit: JointLimit {
+                stiffness: self.limit_stiffness,
+                damping: self.limit_damping,
+                transition: self.limit_transition,
+            },
+        }
+    }
+
+    fn axes(&self) -> usize {
+        self.robot.links.len()
+    }
+}
+
+fn transform(base: usize, follower: usize, placement: &Placement) -> Element {
+    let r = &placement.rotation;
+    Element::Transform {
+        base,
+        follower,
+        rotation: [0, 1, 2].map(|i| [r[(i, 0)], r[(i, 1)], r[(i, 2)]]),
+        translation: placement.translation.into(),
+    }
+}
+
+impl Block for Robot {
+    fn check(&self) -> Result<(), ParamError> {
+        Arm::check(&self.robot)?;
+        let axes = self.axes();
+        if axes > MOST {
+            return Err(ParamError::new("robot.links", format!("{axes} axes are more than {MOST}"))
+                .help("build the arm of Transform, Body and RevoluteJoint"));
+        }
+        if let Some(position) = &self.position
+            && position.len() != axes
+        {
+            return Err(ParamError::new("position", format!("{} positions for {axes} axes", position.len()))
+                .help("give one for each axis"));
+        }
+        (0..axes).try_for_each(|axis| self.inside(axis).check(Some(self.start(axis)), "rad"))
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for Robot {
+    fn part(&self, _given: &Given) -> Part {
+        let axes = self.axes();
+        let mut part = Part::new().port("base", Domain::Frame, "where the arm is mounted").port(
+            "flange",
+            Domain::Frame,
+            "where the tool is fixed",
+        );
+        for axis in 1..=axes {
+            part = part
+                .port(&format!("r{axis}"), Domain::Rotational, "rod of the drive side of the axis")
+                .port(&format!("c{axis}"), Domain::Rotational, "case of the drive side of the axis");
+        }
+        let (rod, case) = (|axis: usize| 2 + 2 * axis, |axis: usize| 3 + 2 * axis);
+        let inner = 2 + 2 * axes;
+        // Inner frames: the seat of each axis, and its link.
+        let (seat, link) = (|axis: usize| inner + 2 * axis, |axis: usize| inner + 1 + 2 * axis);
+        for axis in 1..=axes {
+            part = part
+                .inner(&format!("seat{axis}"), Domain::Frame)
+                .inner(&format!("link{axis}"), Domain::Frame);
+        }
+        part = part
+            .input(vector_input("torque", axes, "N*m", "torques at the joints"))
+            .output(vector_output("q", axes, "rad", "positions"), Needs::State)
+            .output(vector_output("w", axes, "rad/s", "speeds"), Needs::State)
+            .output(vector_output("a", axes, "rad/s^2", "accelerations"), Needs::Motion)
+            .output(
+                vector_output("tau", axes, "N*m", "torques of the actuators: input and drive sides"),
+                Needs::Motion,
+            );
+        for (axis, described) in self.robot.links.iter().enumerate() {
+            let origin = described.origin.placement();
+            part = part.element(match axis {
+                0 => transform(0, seat(0), &(self.robot.base.placement() * origin)),
+                _ => transform(link(axis - 1), seat(axis), &origin),
+            });
+            let turn = Axis::new(NAMES[axis.min(MOST - 1)], unit(described.axis))
+                .driven(rod(axis), case(axis))
+                .starting(Some(self.start(axis)), None);
+            part = part.element(Element::Joint {
+                base: seat(axis),
+                follower: link(axis),
+                freedoms: vec![Freedom::Turn(turn)],
+            });
+            for body in &described.bodies {
+                part = part.element(body.element(link(axis)));
+            }
+        }
+        if let Some(last) = axes.checked_sub(1) {
+            part = part.element(transform(link(last), 1, &self.robot.flange.placement()));
+        }
+        self.robot.load.iter().fold(part, |part, body| part.element(body.element(1)))
+    }
+
+    fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
+        for (axis, ((to, joint), input)) in tau.iter_mut().zip(c.joint).zip(c.input(0)).enumerate() {
+            *to = self.inside(axis).torque(joint.q, joint.w);
+            to.value += input;
+        }
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let axes = c.joint.iter().zip(c.input(0)).enumerate();
+        axes.fold(Energy::default(), |sum, (axis, (joint, torque))| {
+            sum + self.inside(axis).energy(joint.q, joint.w) + Energy::supplied(torque * joint.w)
+        })
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        let n = self.axes();
+        for (i, (joint, input)) in c.joint.iter().zip(c.input(0)).enumerate() {
+            match needs {
+                Needs::State => (y[i], y[n + i]) = (joint.q, joint.w),
+                Needs::Electrics => {}
+                Needs::Motion => (y[2 * n + i], y[3 * n + i]) = (joint.a, input + joint.drive),
+            }
+        }
+    }
+}
