@@ -1,0 +1,279 @@
+//! A level as a whole: parts without connection are laid out one below the other.
+
+use crate::channels::{Run, runs};
+use crate::flow::{Flow, flow};
+use crate::graph::{End, Graph, Layout, Net, Placed, PlacedPort, Point, Segment, Side, Wire};
+use crate::lanes::{Item, Plan, label_above, plan};
+use crate::layers::layers;
+use crate::order::{improve, order};
+use crate::rows::rows;
+use crate::sides::{Sides, sides};
+use crate::wires::Lines;
+
+/// Distance of two tracks.
+const TRACK: f64 = 11.0;
+/// Room between a block and the wires beside it.
+const MARGIN: f64 = 16.0;
+/// Distance of parts without connection.
+const BETWEEN: f64 = 30.0;
+
+/// Lays out one level. Nets that name a node or port that is not there, or have fewer than two ends, stay without
+/// lines.
+pub fn layout(graph: &Graph) -> Layout {
+    let mut whole = Layout {
+        nodes: Vec::with_capacity(graph.nodes.len()),
+        wires: vec![Wire::default(); graph.nets.len()],
+        ..Layout::default()
+    };
+    let blank = Placed {
+        x: 0.0,
+        y: 0.0,
+        width: 0.0,
+        height: 0.0,
+        mirrored: false,
+        label_above: false,
+        ports: Vec::new(),
+    };
+    whole.nodes.resize(graph.nodes.len(), blank);
+    for (nodes, nets) in parts(graph) {
+        let place = |node: usize| nodes.binary_search(&node).unwrap_or(0);
+        let part = Graph {
+            nodes: nodes.iter().map(|node| graph.nodes[*node].clone()).collect(),
+            nets: nets
+                .iter()
+                .map(|net| Net {
+                    ends: graph.nets[*net].ends.iter().map(|end| End { node: place(end.node), ..*end }).collect(),
+                    directed: graph.nets[*net].directed,
+                })
+                .collect(),
+        };
+        let part = connected(&part);
+        let down = if whole.height > 0.0 { whole.height + BETWEEN } else { 0.0 };
+        let moved = |at: Point| Point { y: at.y + down, ..at };
+        for (node, placed) in nodes.iter().zip(part.nodes) {
+            let ports =
+                placed.ports.iter().map(|port| PlacedPort { at: moved(port.at), side: port.side }).collect();
+            whole.nodes[*node] = Placed { y: placed.y + down, ports, ..placed };
+        }
+        for (net, wire) in nets.iter().zip(part.wires) {
+            let segments = wire.segments.iter().map(|s| Segment { from: moved(s.from), to: moved(s.to) });
+            whole.wires[*net] = Wire {
+                segments: segments.collect(),
+                junctions: wire.junctions.into_iter().map(moved).collect(),
+            };
+        }
+        whole.width = whole.width.max(part.width);
+        whole.height = down + part.height;
+    }
+    whole
+}
+
+/// Nodes and nets that hang together, each sorted; parts by their first node.
+fn parts(graph: &Graph) -> Vec<(Vec<usize>, Vec<usize>)> {
+    let n = graph.nodes.len();
+    let sound = |net: &&Net| {
+        net.ends.len() > 1
+            && net.ends.iter().all(|end| end.node < n && end.port < graph.nodes[end.node].ports.len())
+    };
+    let mut root: Vec<usize> = (0..n).collect();
+    fn find(root: &mut [usize], mut v: usize) -> usize {
+        while root[v] != v {
+            root[v] = root[root[v]];
+            v = root[v];
+        }
+        v
+    }
+    for net in graph.nets.iter().filter(sound) {
+        for end in &net.ends {
+            let (a, b) = (find(&mut root, net.ends[0].node), find(&mut root, end.node));
+            root[a.max(b)] = a.min(b);
+        }
+    }
+    let mut parts: Vec<(Vec<usize>, Vec<usize>)> = vec![(Vec::new(), Vec::new()); n];
+    for v in 0..n {
+        parts[find(&mut root, v)].0.push(v);
+    }
+    for (i, net) in graph.nets.iter().enumerate().filter(|(_, net)| sound(net)) {
+        parts[find(&mut root, net.ends[0].node)].1.push(i);
+    }
+    parts.retain(|(nodes, _)| !nodes.is_empty());
+    parts
+}
+
+fn connected(graph: &Graph) -> Layout {
+    let flow = flow(graph);
+    let layer = layers(graph, &flow);
+    let mut sides = sides(graph, &flow, &layer);
+    let mut plan = plan(graph, &flow, &layer, &sides);
+    order(&mut plan, &mut sides);
+    let mut y = rows(graph, &flow, &plan, &sides);
+    // Once more with the true heights.
+    let before = (plan.rows.clone(), sides.order.clone());
+    improve(&mut plan, &mut sides, &mut y);
+    if before != (plan.rows.clone(), sides.order.clone()) {
+        y = rows(graph, &flow, &plan, &sides);
+    }
+    draw(graph, &flow, &plan, &sides, &y)
+}
+
+/// Columns and tracks, then everything in its place.
+fn draw(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides, y: &[f64]) -> Layout {
+    let count = plan.rows.len();
+    let channels: Vec<(Vec<Run>, usize)> = (0..=count).map(|c| runs(plan, sides, y, c)).collect();
+    let mut column = vec![0.0_f64; count];
+    for (v, node) in graph.nodes.iter().enumerate() {
+        let at = plan.layer_of[v];
+        column[at] = column[at].max(sides.width[v]).max(node.label_width);
+    }
+    // Left edges of channels and columns.
+    let (mut channel_x, mut column_x, mut x) = (Vec::new(), Vec::new(), 0.0);
+    for (c, (_, tracks)) in channels.iter().enumerate() {
+        channel_x.push(x);
+        let outer = c == 0 || c == count;
+        x += match tracks {
+            0 if outer => 0.0,
+            0 => 2.0 * MARGIN,
+            tracks => MARGIN + (*tracks as f64 - 1.0) * TRACK + MARGIN,
+        };
+        column_x.push(x);
+        x += column.get(c).copied().unwrap_or(0.0);
+    }
+    let track_x = |channel: usize, track: usize| channel_x[channel] + MARGIN + track as f64 * TRACK;
+    let left_of = |v: usize| {
+        let at = plan.layer_of[v];
+        (column_x[at] + (column[at] - sides.width[v]) / 2.0).round()
+    };
+    let nodes: Vec<Placed> = (0..graph.nodes.len())
+        .map(|v| {
+            let (x, y) = (left_of(v), y[v]);
+            let (width, height) = (sides.width[v], sides.height[v]);
+            let port = |port: usize| {
+                let side = sides.side[v][port];
+                let across = match side {
+                    Side::West => 0.0,
+                    Side::East => width,
+                    Side::North | Side::South => width / 2.0,
+                };
+                PlacedPort { at: Point { x: x + across, y: y + sides.offset(v, port).round() }, side }
+            };
+            Placed {
+                x,
+                y,
+                width,
+                height,
+                mirrored: flow.mirrored[v],
+                label_above: label_above(sides, v),
+                ports: (0..graph.nodes[v].ports.len()).map(port).collect(),
+            }
+        })
+        .collect();
+    let mut lines = vec![Lines::default(); graph.nets.len()];
+    for (c, (runs, _)) in channels.iter().enumerate() {
+        let taps = &plan.channels[c];
+        for run in runs {
+            let Some(track) = run.track else { continue };
+            lines[run.net].upright(track_x(c, track), run.trunk.low, run.trunk.high);
+            // A net in two parts has a line between them.
+            if let Some(other) = runs.iter().find(|other| other.net == run.net && other.track != run.track)
+                && let Some(second) = other.track
+                && let Some(level) = run.trunk.right.iter().find(|at| other.trunk.left.contains(at))
+            {
+                lines[run.net].level(*level, track_x(c, track), track_x(c, second));
+            }
+        }
+        for tap in taps {
+            let at = plan.tap_y(sides, y, tap).round();
+            let serves = |run: &&Run| {
+                let places = if tap.right { &run.trunk.right } else { &run.trunk.left };
+                run.net == tap.net && places.iter().any(|place| (place - at).abs() < 0.6)
+            };
+            let track = runs.iter().find(serves).and_then(|run| run.track);
+            // A straight wire goes to the middle of the channel.
+            let middle = (channel_x[c] + column_x[c]) / 2.0;
+            let trunk = track.map_or(middle, |track| track_x(c, track));
+            let edge = match plan.items[tap.item] {
+                Item::Node(v) => nodes[v].ports[tap.port].at.x,
+                Item::Lane(_) => lane_x(plan, &column_x, &column, &nodes, graph, sides, tap.item, tap.right),
+            };
+            lines[tap.net].level(at, trunk, edge);
+        }
+    }
+    // What hangs from its lane.
+    for (n, net) in graph.nets.iter().enumerate() {
+        for end in &net.ends {
+            let port = nodes[end.node].ports[end.port];
+            let lane = plan.lanes[n].iter().find(|(layer, _)| *layer == plan.layer_of[end.node]);
+            if let (Side::North | Side::South, Some((_, lane))) = (port.side, lane) {
+                lines[n].upright(port.at.x, port.at.y, y[*lane]);
+            }
+        }
+    }
+    let mut layout = Layout {
+        nodes,
+        wires: lines.into_iter().map(Lines::wire).collect(),
+        ..Layout::default()
+    };
+    frame(graph, &mut layout);
+    layout
+}
+
+/// How far a lane reaches into its layer from one side: to the middle, or to the block that it serves if it ends there.
+#[allow(clippy::too_many_arguments)]
+fn lane_x(
+    plan: &Plan,
+    column_x: &[f64],
+    column: &[f64],
+    nodes: &[Placed],
+    graph: &Graph,
+    sides: &Sides,
+    lane: usize,
+    _from_left: bool,
+) -> f64 {
+    let at = plan.layer_of[lane];
+    let Item::Lane(net) = plan.items[lane] else { return column_x[at] };
+    let served = graph.nets[net].ends.iter().find(|end| {
+        plan.layer_of[end.node] == at
+            && matches!(sides.side[end.node][end.port], Side::North | Side::South)
+    });
+    served.map_or(column_x[at] + column[at] / 2.0, |end| nodes[end.node].ports[end.port].at.x)
+}
+
+/// Moves everything so that it begins at (0, 0), and tells how large it is.
+fn frame(graph: &Graph, layout: &mut Layout) {
+    let (mut low, mut high) = (Point { x: f64::INFINITY, y: f64::INFINITY }, Point::default());
+    high.x = f64::NEG_INFINITY;
+    high.y = f64::NEG_INFINITY;
+    let mut cover = |x: f64, y: f64| {
+        low = Point { x: low.x.min(x), y: low.y.min(y) };
+        high = Point { x: high.x.max(x), y: high.y.max(y) };
+    };
+    for (node, placed) in graph.nodes.iter().zip(&layout.nodes) {
+        let beside = ((node.label_width - placed.width) / 2.0).max(0.0);
+        let (above, below) =
+            if placed.label_above { (node.label_height, 0.0) } else { (0.0, node.label_height) };
+        cover(placed.x - beside, placed.y - above);
+        cover(placed.x + placed.width + beside, placed.y + placed.height + below);
+    }
+    for segment in layout.wires.iter().flat_map(|wire| &wire.segments) {
+        cover(segment.from.x, segment.from.y);
+        cover(segment.to.x, segment.to.y);
+    }
+    if low.x > high.x {
+        return;
+    }
+    let moved = |at: &mut Point| *at = Point { x: at.x - low.x, y: at.y - low.y };
+    for placed in &mut layout.nodes {
+        placed.x -= low.x;
+        placed.y -= low.y;
+        placed.ports.iter_mut().for_each(|port| moved(&mut port.at));
+    }
+    for wire in &mut layout.wires {
+        for segment in &mut wire.segments {
+            moved(&mut segment.from);
+            moved(&mut segment.to);
+        }
+        wire.junctions.iter_mut().for_each(moved);
+    }
+    layout.width = high.x - low.x;
+    layout.height = high.y - low.y;
+}

@@ -1,0 +1,121 @@
+//! Which wires run forward, which back, and which blocks stand in a feedback path.
+
+use crate::graph::{Form, Graph, PortKind};
+
+/// The direction of everything.
+#[derive(Debug, Clone)]
+pub(crate) struct Flow {
+    /// For each net and end: the wire to this end is feedback.
+    pub feedback: Vec<Vec<bool>>,
+    /// For each node: inputs are right and outputs left.
+    pub mirrored: Vec<bool>,
+}
+
+/// A wire to a block that is not later in the file and closes a loop is feedback; loops go through conserving
+/// connections as well, both ways. A block with one input whose outputs all are feedback is mirrored.
+pub(crate) fn flow(graph: &Graph) -> Flow {
+    let loops = loops(graph);
+    let feedback = |net: &crate::Net, end: usize| {
+        let (from, to) = (net.ends[0].node, net.ends[end].node);
+        net.directed && end > 0 && to <= from && loops[from] == loops[to]
+    };
+    let mut flow = Flow {
+        feedback: graph
+            .nets
+            .iter()
+            .map(|net| (0..net.ends.len()).map(|end| feedback(net, end)).collect())
+            .collect(),
+        mirrored: vec![false; graph.nodes.len()],
+    };
+    while let Some(node) = (0..graph.nodes.len()).find(|node| turns(graph, &flow, *node)) {
+        flow.mirrored[node] = true;
+    }
+    flow
+}
+
+fn siso(graph: &Graph, node: usize) -> bool {
+    let ports = &graph.nodes[node].ports;
+    ports.iter().filter(|port| **port == PortKind::Input).count() == 1 && !ports.contains(&PortKind::Free)
+}
+
+/// Whether a node is to be mirrored and is not yet.
+fn turns(graph: &Graph, flow: &Flow, node: usize) -> bool {
+    if flow.mirrored[node] || !siso(graph, node) || graph.nodes[node].form != Form::Box {
+        return false;
+    }
+    let back = |net: usize, end: usize| {
+        let to = graph.nets[net].ends[end].node;
+        flow.feedback[net][end] || flow.mirrored[to]
+    };
+    let mut outputs = 0;
+    for (n, net) in graph.nets.iter().enumerate().filter(|(_, net)| net.directed && net.ends[0].node == node) {
+        outputs += net.ends.len() - 1;
+        if !(1..net.ends.len()).all(|end| back(n, end)) {
+            return false;
+        }
+    }
+    // The forward path must not end here: its source goes on elsewhere, or is no such block.
+    outputs > 0
+        && graph.nets.iter().enumerate().any(|(n, net)| {
+            let feeds = net.directed && net.ends[1..].iter().any(|end| end.node == node);
+            let source = net.ends.first().map_or(0, |end| end.node);
+            let goes_on = || {
+                (1..net.ends.len()).any(|end| net.ends[end].node != node && !back(n, end))
+                    || flow.mirrored[source]
+            };
+            feeds && source != node && (goes_on() || !siso(graph, source))
+        })
+}
+
+/// A number for each node; nodes on a common loop share it (Tarjan's algorithm, without recursion).
+fn loops(graph: &Graph) -> Vec<usize> {
+    let n = graph.nodes.len();
+    let mut next = vec![Vec::new(); n];
+    for net in &graph.nets {
+        let ends = || net.ends.iter().map(|end| end.node);
+        for to in ends().skip(1) {
+            let from = net.ends[0].node;
+            next[from].push(to);
+            if !net.directed {
+                next[to].push(from);
+            }
+        }
+    }
+    let (mut index, mut low, mut group) = (vec![usize::MAX; n], vec![0; n], vec![usize::MAX; n]);
+    let (mut stack, mut count) = (Vec::new(), 0);
+    for start in 0..n {
+        if index[start] != usize::MAX {
+            continue;
+        }
+        let mut calls = vec![(start, 0)];
+        while let Some((v, child)) = calls.pop() {
+            if child == 0 {
+                index[v] = count;
+                low[v] = count;
+                count += 1;
+                stack.push(v);
+            }
+            if let Some(&w) = next[v].get(child) {
+                calls.push((v, child + 1));
+                if index[w] == usize::MAX {
+                    calls.push((w, 0));
+                } else if group[w] == usize::MAX {
+                    low[v] = low[v].min(index[w]);
+                }
+                continue;
+            }
+            if low[v] == index[v] {
+                while let Some(w) = stack.pop() {
+                    group[w] = index[v];
+                    if w == v {
+                        break;
+                    }
+                }
+            }
+            if let Some(&(above, _)) = calls.last() {
+                low[above] = low[above].min(low[v]);
+            }
+        }
+    }
+    group
+}

@@ -1,0 +1,84 @@
+//! The layer of each node: forward wires go right, and all wires are short.
+
+use crate::flow::Flow;
+use crate::graph::{Graph, PortKind, Standing};
+use crate::simplex::{Edge, solve};
+
+const SIGNAL: i64 = 4;
+const TO_SINK: i64 = 2;
+const BACK: i64 = 2;
+const CONSERVING: i64 = 3;
+const PINNED: i64 = 64;
+
+/// Layers from 0, left to right.
+pub(crate) fn layers(graph: &Graph, flow: &Flow) -> Vec<usize> {
+    let n = graph.nodes.len();
+    let mut wishes = Wishes { n, edges: Vec::new(), next: vec![Vec::new(); n + 2] };
+    for (net, feedback) in graph.nets.iter().zip(&flow.feedback).filter(|(net, _)| net.directed) {
+        let from = net.ends[0].node;
+        for (end, back) in net.ends.iter().zip(feedback).skip(1) {
+            let to = end.node;
+            match (flow.mirrored[from], flow.mirrored[to]) {
+                (true, _) => wishes.add(to, from, 1, BACK),
+                (false, true) => wishes.add(to, from, 0, BACK),
+                (false, false) if *back => {}
+                (false, false) => {
+                    let sink = !graph.nodes[to].ports.contains(&PortKind::Output);
+                    wishes.add(from, to, 1, if sink { TO_SINK } else { SIGNAL });
+                }
+            }
+        }
+    }
+    for net in graph.nets.iter().filter(|net| !net.directed) {
+        let Some(first) = net.ends.iter().map(|end| end.node).min() else { continue };
+        for to in net.ends.iter().map(|end| end.node).filter(|to| *to != first) {
+            if wishes.leads(to, first) {
+                wishes.add(to, first, 1, CONSERVING);
+            } else {
+                wishes.add(first, to, 1, CONSERVING);
+            }
+        }
+    }
+    for (v, node) in graph.nodes.iter().enumerate() {
+        wishes.add(n, v, 0, if node.standing == Standing::First { PINNED } else { 0 });
+        wishes.add(v, n + 1, 0, if node.standing == Standing::Last { PINNED } else { 0 });
+    }
+    let x = solve(n + 2, &wishes.edges);
+    let least = x[..n].iter().copied().min().unwrap_or(0);
+    // Empty layers are left out.
+    let mut used: Vec<i64> = x[..n].iter().map(|layer| layer - least).collect();
+    used.sort_unstable();
+    used.dedup();
+    x[..n].iter().map(|layer| used.binary_search(&(layer - least)).unwrap_or(0)).collect()
+}
+
+struct Wishes {
+    n: usize,
+    edges: Vec<Edge>,
+    next: Vec<Vec<usize>>,
+}
+
+impl Wishes {
+    /// Adds an edge, unless it would close a circle.
+    fn add(&mut self, tail: usize, head: usize, length: i64, weight: i64) {
+        if tail == head || (tail < self.n && head < self.n && self.leads(head, tail)) {
+            return;
+        }
+        self.edges.push(Edge { tail, head, length, weight });
+        self.next[tail].push(head);
+    }
+
+    fn leads(&self, from: usize, to: usize) -> bool {
+        let mut seen = vec![false; self.next.len()];
+        let mut stack = vec![from];
+        while let Some(v) = stack.pop() {
+            if v == to {
+                return true;
+            }
+            if !std::mem::replace(&mut seen[v], true) {
+                stack.extend(&self.next[v]);
+            }
+        }
+        false
+    }
+}

@@ -1,0 +1,224 @@
+//! The order within each layer, for few crossings.
+
+use std::ops::Range;
+
+use crate::lanes::{Item, Plan, Tap};
+use crate::sides::Sides;
+
+/// What a unit of length costs, in crossings: it decides between orders with the same crossings.
+const LENGTH: f64 = 1e-3;
+/// What a block below a wire that leads back costs.
+const ABOVE: f64 = 0.4;
+
+/// Sorts the rows of a plan by the means of their neighbours, from several beginnings, and exchanges neighbours as long
+/// as it helps. Returns places of all items that keep to the order.
+pub(crate) fn order(plan: &mut Plan, sides: &mut Sides) -> Vec<f64> {
+    let mut best: Option<(f64, Vec<Vec<Vec<usize>>>)> = None;
+    let begin = plan.rows.clone();
+    for start in 0..4 {
+        plan.rows.clone_from(&begin);
+        let mut y = stack(plan);
+        for sweep in 0..3 * usize::from(start > 0) {
+            sort_by_means(plan, sides, &mut y, (sweep + start) % 2 == 0);
+        }
+        improve(plan, sides, &mut y);
+        if start == 3 {
+            sort_by_means(plan, sides, &mut y, true);
+            improve(plan, sides, &mut y);
+        }
+        let cost = total(plan, sides, &y);
+        if best.as_ref().is_none_or(|(least, _)| cost < least - 1e-9) {
+            best = Some((cost, plan.rows.clone()));
+        }
+    }
+    if let Some((_, rows)) = best {
+        plan.rows = rows;
+    }
+    stack(plan)
+}
+
+/// Places of all items, each layer stacked around zero.
+fn stack(plan: &Plan) -> Vec<f64> {
+    let mut y = vec![0.0; plan.items.len()];
+    for row in &plan.rows {
+        stack_row(plan, row, &mut y);
+    }
+    y
+}
+
+fn stack_row(plan: &Plan, row: &[Vec<usize>], y: &mut [f64]) {
+    let (mut at, mut last) = (0.0, None);
+    for &item in row.iter().flatten() {
+        at += last.map_or(0.0, |last| plan.distance(last, item));
+        y[item] = at;
+        last = Some(item);
+    }
+    let bottom = last.map_or(0.0, |last| at + plan.extent[last].1);
+    row.iter().flatten().for_each(|item| y[*item] -= bottom / 2.0);
+}
+
+/// Sorts every layer by the mean place of what its units are connected to on one side.
+fn sort_by_means(plan: &mut Plan, sides: &Sides, y: &mut [f64], to_the_right: bool) {
+    let count = plan.rows.len();
+    for step in 0..count {
+        let at = if to_the_right { step } else { count - 1 - step };
+        let channel = if to_the_right { at } else { at + 1 };
+        let mut sum = vec![(0.0, 0.0); plan.items.len()];
+        for group in &plan.groups[channel] {
+            let taps = &plan.channels[channel][group.clone()];
+            for mine in taps.iter().filter(|tap| tap.right == to_the_right) {
+                for other in taps.iter().filter(|tap| tap.right != to_the_right) {
+                    let shift = plan.tap_y(sides, y, mine) - y[mine.item];
+                    sum[mine.item].0 += plan.tap_y(sides, y, other) - shift;
+                    sum[mine.item].1 += 1.0;
+                }
+            }
+        }
+        let mut row = std::mem::take(&mut plan.rows[at]);
+        let key = |unit: &Vec<usize>| {
+            let (total, count) =
+                unit.iter().fold((0.0, 0.0), |acc, item| (acc.0 + sum[*item].0, acc.1 + sum[*item].1));
+            if count > 0.0 { total / count } else { y[unit[0]] }
+        };
+        row.sort_by(|a, b| key(a).total_cmp(&key(b)));
+        stack_row(plan, &row, y);
+        plan.rows[at] = row;
+    }
+}
+
+/// Exchanges neighbours in layers, and conserving ports on the sides of blocks, while that lowers the cost. The places
+/// `y` keep to the order.
+pub(crate) fn improve(plan: &mut Plan, sides: &mut Sides, y: &mut Vec<f64>) {
+    let mut costs: Vec<f64> =
+        (0..plan.channels.len()).map(|channel| channel_cost(plan, sides, y, channel)).collect();
+    for _ in 0..12 {
+        let mut better = false;
+        for at in 0..plan.rows.len() {
+            for place in 1..plan.rows[at].len() {
+                let before = costs[at] + costs[at + 1] + order_cost(plan, at);
+                let kept: Vec<(usize, f64)> =
+                    plan.rows[at][place - 1..=place].iter().flatten().map(|item| (*item, y[*item])).collect();
+                exchange(plan, y, at, place);
+                let left = channel_cost(plan, sides, y, at);
+                let right = channel_cost(plan, sides, y, at + 1);
+                if left + right + order_cost(plan, at) < before - 1e-9 {
+                    (costs[at], costs[at + 1], better) = (left, right, true);
+                } else {
+                    plan.rows[at].swap(place - 1, place);
+                    kept.iter().for_each(|(item, place)| y[*item] = *place);
+                }
+            }
+        }
+        better |= exchange_ports(plan, sides, y, &mut costs);
+        if !better {
+            break;
+        }
+    }
+}
+
+/// Exchanges two neighbours; together they take the room that they had.
+fn exchange(plan: &mut Plan, y: &mut [f64], at: usize, place: usize) {
+    let top = y[plan.rows[at][place - 1][0]] - plan.extent[plan.rows[at][place - 1][0]].0;
+    plan.rows[at].swap(place - 1, place);
+    let items: Vec<usize> = plan.rows[at][place - 1..=place].iter().flatten().copied().collect();
+    let mut last: Option<usize> = None;
+    for item in items {
+        y[item] = last.map_or(top + plan.extent[item].0, |last| y[last] + plan.distance(last, item));
+        last = Some(item);
+    }
+}
+
+/// Conserving ports on one side of a block may stand in either order.
+fn exchange_ports(plan: &Plan, sides: &mut Sides, y: &[f64], costs: &mut [f64]) -> bool {
+    let mut better = false;
+    for node in 0..sides.order.len() {
+        for (side, channel) in [(0, plan.layer_of[node]), (1, plan.layer_of[node] + 1)] {
+            for place in 1..sides.order[node][side].len() {
+                let pair = [sides.order[node][side][place - 1], sides.order[node][side][place]];
+                if !pair.iter().all(|port| sides.free[node][*port]) {
+                    continue;
+                }
+                sides.order[node][side].swap(place - 1, place);
+                let cost = channel_cost(plan, sides, y, channel);
+                if cost < costs[channel] - 0.5 {
+                    costs[channel] = cost;
+                    better = true;
+                } else {
+                    sides.order[node][side].swap(place - 1, place);
+                }
+            }
+        }
+    }
+    better
+}
+
+fn total(plan: &Plan, sides: &Sides, y: &[f64]) -> f64 {
+    let channels = (0..plan.channels.len()).map(|channel| channel_cost(plan, sides, y, channel));
+    channels.sum::<f64>() + (0..plan.rows.len()).map(|at| order_cost(plan, at)).sum::<f64>()
+}
+
+/// Blocks below wires that lead back.
+fn order_cost(plan: &Plan, at: usize) -> f64 {
+    let (mut above, mut cost) = (0, 0.0);
+    for unit in &plan.rows[at] {
+        if unit.len() == 1 && plan.back[unit[0]] {
+            above += 1;
+        } else if unit.iter().any(|item| matches!(plan.items[*item], Item::Node(_))) {
+            cost += ABOVE * f64::from(above);
+        }
+    }
+    cost
+}
+
+/// A net in a channel: its trunk and its taps.
+#[derive(Debug, Clone)]
+pub(crate) struct Trunk {
+    pub low: f64,
+    pub high: f64,
+    pub left: Vec<f64>,
+    pub right: Vec<f64>,
+}
+
+impl Trunk {
+    pub fn of(plan: &Plan, sides: &Sides, y: &[f64], taps: &[Tap]) -> Trunk {
+        let mut trunk =
+            Trunk { low: f64::INFINITY, high: f64::NEG_INFINITY, left: Vec::new(), right: Vec::new() };
+        for tap in taps {
+            trunk.add(plan.tap_y(sides, y, tap), tap.right);
+        }
+        trunk
+    }
+
+    pub fn add(&mut self, at: f64, right: bool) {
+        self.low = self.low.min(at);
+        self.high = self.high.max(at);
+        if right { self.right.push(at) } else { self.left.push(at) }
+    }
+
+    /// Crossings where this trunk runs left of another.
+    pub fn crossings_left_of(&self, other: &Trunk) -> usize {
+        let within = |places: &[f64], trunk: &Trunk| {
+            places.iter().filter(|at| trunk.low < **at && **at < trunk.high).count()
+        };
+        within(&self.right, other) + within(&other.left, self)
+    }
+
+    pub fn meets(&self, other: &Trunk) -> bool {
+        self.low <= other.high && other.low <= self.high
+    }
+}
+
+/// Crossings in a channel if every pair of trunks stands in its better order, and a little for lengths.
+fn channel_cost(plan: &Plan, sides: &Sides, y: &[f64], channel: usize) -> f64 {
+    let taps = &plan.channels[channel];
+    let trunk = |group: &Range<usize>| Trunk::of(plan, sides, y, &taps[group.clone()]);
+    let trunks: Vec<Trunk> = plan.groups[channel].iter().map(trunk).collect();
+    let mut cost = 0.0;
+    for (i, a) in trunks.iter().enumerate() {
+        cost += LENGTH * (a.high - a.low);
+        for b in trunks[i + 1..].iter().filter(|b| a.meets(b)) {
+            cost += a.crossings_left_of(b).min(b.crossings_left_of(a)) as f64;
+        }
+    }
+    cost
+}
