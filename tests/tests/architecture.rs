@@ -172,6 +172,8 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("picture", &["block", "blocks", "diagram", "plot"]),
         ("plot", &["block", "blocks", "diagram", "sim"]),
         ("analysis", &["*"]),
+        ("layout", &["*"]),
+        ("drawing", &["blocks", "sim", "host"]),
     ];
     for (name, absent) in nothing_of {
         let reached = reach(name);

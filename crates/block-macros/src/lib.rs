@@ -4,11 +4,12 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 use syn::spanned::Spanned;
-use syn::{Data, DeriveInput, Error, Expr, Field, Fields, LitStr, Result, Type};
+use syn::{Data, DeriveInput, Error, Expr, Field, Fields, LitStr, Result, Type, parse_quote};
 
 /// Registers a struct of parameters as a kind of block.
 ///
-/// On the struct: `#[block(category = "Math")]`, and a doc comment, which becomes the page of the manual. On a
+/// On the struct: `#[block(category = "Math")]`, or `#[block(category = "Math", symbol = Gain("k"))]` with a variant
+/// of `blocksim_block::Symbol` for drawings, and a doc comment, which becomes the page of the manual. On a
 /// field: its doc comment, `#[block(unit = "s")]`, `#[block(default = 0.5)]`, and `#[block(skip)]` for what is
 /// not a parameter (filled by `load`; its type must implement `Default`). A bare number is SI where a unit is
 /// given; a field without one takes the unit that is written.
@@ -39,7 +40,7 @@ fn expand(input: &DeriveInput) -> Result<TokenStream> {
             "a kind of block needs a doc comment: it is its page in the manual",
         ));
     }
-    let category = category_of(input)?;
+    let (category, symbol) = category_and_symbol_of(input)?;
     let parameters = parameters_of(input)?;
     let infos = parameters.iter().filter(|p| !p.skip).map(|p| {
         let name = p.field.ident.as_ref().map(ToString::to_string).unwrap_or_default();
@@ -73,6 +74,7 @@ fn expand(input: &DeriveInput) -> Result<TokenStream> {
                 ::blocksim_block::BlockInfo {
                     kind: #kind,
                     category: #category,
+                    symbol: { use ::blocksim_block::{Curve::*, Symbol::*}; #symbol },
                     doc: #doc,
                     parameters: &[#(#infos),*],
                     file: file!(),
@@ -132,18 +134,24 @@ fn deserialize(ident: &syn::Ident, parameters: &[Parameter]) -> TokenStream {
     }
 }
 
-fn category_of(input: &DeriveInput) -> Result<String> {
-    let mut category = None;
+fn category_and_symbol_of(input: &DeriveInput) -> Result<(String, Expr)> {
+    let (mut category, mut symbol) = (None, parse_quote!(Plain));
     for attr in input.attrs.iter().filter(|attr| attr.path().is_ident("block")) {
         attr.parse_nested_meta(|meta| {
             if meta.path.is_ident("category") {
                 category = Some(meta.value()?.parse::<LitStr>()?.value());
                 return Ok(());
             }
-            Err(meta.error("expected `category = \"...\"`"))
+            if meta.path.is_ident("symbol") {
+                symbol = meta.value()?.parse()?;
+                return Ok(());
+            }
+            Err(meta.error("expected `category = \"...\"` or `symbol = ...`"))
         })?;
     }
-    category.ok_or_else(|| Error::new(input.ident.span(), "missing #[block(category = \"...\")]"))
+    let category =
+        category.ok_or_else(|| Error::new(input.ident.span(), "missing #[block(category = \"...\")]"))?;
+    Ok((category, symbol))
 }
 
 fn parameters_of(input: &DeriveInput) -> Result<Vec<Parameter>> {

@@ -16,6 +16,7 @@ pub mod problem;
 mod registry;
 pub mod schedule;
 mod shapes;
+mod symbol;
 pub mod testing;
 
 pub use blocksim_block_macros::BlockMeta;
@@ -26,6 +27,7 @@ pub use interface::{Discrete, Input, Interface, InterfaceError, Output, PortType
 pub use parameter::{ParamError, ParamValue, VALUE_ENUM, at_least, finite, not_negative, ordered, positive};
 pub use registry::{BlockInfo, BlockKind, ParameterInfo, kinds};
 pub use shapes::Shapes;
+pub use symbol::{Curve, Symbol};
 
 /// What the derive macro needs; not for use by hand.
 #[doc(hidden)]

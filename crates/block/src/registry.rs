@@ -1,6 +1,6 @@
 //! The kinds of block that are linked into the program.
 
-use crate::Block;
+use crate::{Block, Symbol};
 
 /// A kind of block that can be read from a diagram. `#[derive(BlockMeta)]` implements it.
 #[typetag::deserialize]
@@ -17,6 +17,8 @@ pub struct BlockInfo {
     pub kind: &'static str,
     /// Heading in the manual.
     pub category: &'static str,
+    /// What it looks like in drawings.
+    pub symbol: Symbol,
     /// The comment above the struct, Markdown.
     pub doc: &'static str,
     /// Parameters in the order of the source.

@@ -6,6 +6,7 @@ use blocksim_signal::{Lookup, Quantity, Scope, Unit, evaluate};
 use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::export_args::{ExportArgs, RunsArgs};
+use crate::graph_args::GraphArgs;
 use crate::params_args::ParamsCommand;
 use crate::plot_args::{CompareArgs, PlotArgs};
 use crate::selection::{Wanted, wanted};
@@ -55,6 +56,8 @@ pub enum Command {
     Export(ExportArgs),
     /// Print what a step of the compiler makes of a model.
     Emit(EmitArgs),
+    /// Draw a level of a model: in the terminal, as SVG or as PNG.
+    Graph(GraphArgs),
     /// Make a diagram of a robot description or a CAD assembly, or bring its numbers up to date.
     Import(ImportArgs),
     /// Tell which kinds of block there are, or all about one kind.

@@ -19,6 +19,7 @@ mod exit;
 mod export_args;
 mod format;
 mod formula;
+mod graph_args;
 mod interrupt;
 mod keep;
 mod manifest;
@@ -60,6 +61,7 @@ blocksim simulates block diagrams written as text.
   blocksim runs                             list what was run
   blocksim export latest --csv FILE         its signals for other programs
   blocksim check MODEL.ron                  tell all problems without running
+  blocksim graph MODEL.ron                  draw the block diagram
   blocksim import ROBOT.urdf --out DIR      make a model of a robot description
   blocksim params export SET.ron            a workbook of parameters, for Excel and LibreOffice
   blocksim blocks                           which kinds of block there are
@@ -81,6 +83,7 @@ fn main() -> ExitCode {
         Some(Command::Runs(args)) => commands::runs(args, console),
         Some(Command::Export(args)) => commands::export(args, console),
         Some(Command::Emit(args)) => commands::emit(args, console),
+        Some(Command::Graph(args)) => commands::graph(args, console),
         Some(Command::Import(args)) => commands::import(args, console),
         Some(Command::Blocks(args)) => commands::blocks(args, console),
         Some(Command::Explain(args)) => commands::explain(args, console),

@@ -30,6 +30,7 @@ mod toys;
 mod tree;
 
 use std::path::Path;
+use std::rc::Rc;
 
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::Schedule;
@@ -61,10 +62,24 @@ pub struct Compiled {
     pub variants: Vec<(String, VariantChoice)>,
 }
 
-/// Turns the text of a diagram into something that can run. `overrides` are `target=value` as of `--set`.
-pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled {
+/// The hierarchy of a diagram, for those who look at it without running it, and the problems found on the way. Some
+/// blocks may be [`Content::Unknown`]; connections are checked by name alone.
+pub fn model(sources: &Sources, root: &Path, overrides: &[String]) -> (Option<Model>, Vec<Problem>) {
     let mut problems = problems::Problems::default();
-    let mut compiled = Compiled::default();
+    let model = top(sources, root, overrides, &mut problems).map(|(model, _)| model);
+    if let Some(model) = &model {
+        connect::check(model, &mut problems);
+    }
+    (model, problems.sorted())
+}
+
+/// Reads and resolves a diagram and all that it names.
+fn top<'a>(
+    sources: &'a Sources<'a>,
+    root: &Path,
+    overrides: &[String],
+    problems: &mut problems::Problems,
+) -> Option<(Model, Rc<scope::Scope<'a>>)> {
     let file = match sources.open(root) {
         Ok(file) => file,
         Err(reason) => {
@@ -72,8 +87,7 @@ pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled
                 Problem::error("missing_file", format!("cannot read `{}`: {reason}", root.display()))
                     .help("give the path of a diagram, such as diagrams/servo.ron"),
             );
-            compiled.problems = problems.sorted();
-            return compiled;
+            return None;
         }
     };
     let mut parsed = Vec::new();
@@ -86,7 +100,14 @@ pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled
     let resolver = resolve::Resolver::new(sources, parsed);
     let top = resolver.top(file);
     problems.extend(resolver.problems.take().sorted());
-    if let Some((model, scope)) = top {
+    top
+}
+
+/// Turns the text of a diagram into something that can run. `overrides` are `target=value` as of `--set`.
+pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled {
+    let mut problems = problems::Problems::default();
+    let mut compiled = Compiled::default();
+    if let Some((model, scope)) = top(sources, root, overrides, &mut problems) {
         compiled.stages.ast = Some(emit::ast(&model.ast));
         compiled.stages.model = Some(emit::model(&model));
         collect_variants(&model, &mut compiled.variants);

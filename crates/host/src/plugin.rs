@@ -25,7 +25,7 @@ use crate::parameters::numbers;
 /// Plugin(library: "../../plugins/cascade", block: "Cascade", parameters: { "w1": 4.0, "kv": "20 1/s" })
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Plug-ins")]
+#[block(category = "Plug-ins", symbol = Plugin)]
 pub struct Plugin {
     /// Folder of a crate, or built library, relative to the diagram.
     pub library: String,

@@ -50,10 +50,21 @@ fn cost(a: &Trunk, b: &Trunk) -> f64 {
     for mine in &a.right {
         for other in &b.left {
             let gap = (mine - other).abs();
-            cost += if gap < 1.0 { 1000.0 } else if gap < NEAR { 3.0 } else { 0.0 };
+            cost += if gap < 1.0 {
+                1000.0
+            } else if gap < NEAR {
+                3.0
+            } else {
+                0.0
+            };
         }
     }
     cost
+}
+
+/// Two parts of one net may meet as they like.
+fn between(a: &Run, b: &Run) -> f64 {
+    if a.net == b.net { 0.0 } else { cost(&a.trunk, &b.trunk) }
 }
 
 fn touches(a: &Trunk, b: &Trunk) -> bool {
@@ -62,10 +73,10 @@ fn touches(a: &Trunk, b: &Trunk) -> bool {
 
 /// Trunks from left to right: started by their ends, then exchanged while it helps.
 fn tracks_in_order(runs: &[Run]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].trunk.high > runs[*i].trunk.low).collect();
+    let mut order: Vec<usize> =
+        (0..runs.len()).filter(|i| runs[*i].trunk.high > runs[*i].trunk.low).collect();
     let n = order.len();
-    let price: Vec<Vec<f64>> =
-        runs.iter().map(|a| runs.iter().map(|b| cost(&a.trunk, &b.trunk)).collect()).collect();
+    let price: Vec<Vec<f64>> = runs.iter().map(|a| runs.iter().map(|b| between(a, b)).collect()).collect();
     for _ in 0..n + 1 {
         let mut better = false;
         for from in 0..n {
@@ -101,7 +112,7 @@ fn tracks_in_order(runs: &[Run]) -> Vec<usize> {
 /// A run that would lie over another in this order.
 fn conflict(runs: &[Run], order: &[usize]) -> Option<usize> {
     order.iter().enumerate().find_map(|(i, a)| {
-        order[i + 1..].iter().find(|b| cost(&runs[*a].trunk, &runs[**b].trunk) >= 1000.0).map(|_| *a)
+        order[i + 1..].iter().find(|b| between(&runs[*a], &runs[**b]) >= 1000.0).map(|_| *a)
     })
 }
 

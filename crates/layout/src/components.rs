@@ -42,7 +42,11 @@ pub fn layout(graph: &Graph) -> Layout {
             nets: nets
                 .iter()
                 .map(|net| Net {
-                    ends: graph.nets[*net].ends.iter().map(|end| End { node: place(end.node), ..*end }).collect(),
+                    ends: graph.nets[*net]
+                        .ends
+                        .iter()
+                        .map(|end| End { node: place(end.node), ..*end })
+                        .collect(),
                     directed: graph.nets[*net].directed,
                 })
                 .collect(),
@@ -193,7 +197,12 @@ fn draw(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides, y: &[f64]) -> La
             let trunk = track.map_or(middle, |track| track_x(c, track));
             let edge = match plan.items[tap.item] {
                 Item::Node(v) => nodes[v].ports[tap.port].at.x,
-                Item::Lane(_) => lane_x(plan, &column_x, &column, &nodes, graph, sides, tap.item, tap.right),
+                Item::Lane(_) => {
+                    // To the middle of its layer, or to the block that it ends at.
+                    let at = plan.layer_of[tap.item];
+                    hangs_from(graph, plan, sides, tap.item)
+                        .map_or(column_x[at] + column[at] / 2.0, |end| nodes[end.node].ports[end.port].at.x)
+                }
             };
             lines[tap.net].level(at, trunk, edge);
         }
@@ -208,34 +217,20 @@ fn draw(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides, y: &[f64]) -> La
             }
         }
     }
-    let mut layout = Layout {
-        nodes,
-        wires: lines.into_iter().map(Lines::wire).collect(),
-        ..Layout::default()
-    };
+    let mut layout =
+        Layout { nodes, wires: lines.into_iter().map(Lines::wire).collect(), ..Layout::default() };
     frame(graph, &mut layout);
     layout
 }
 
-/// How far a lane reaches into its layer from one side: to the middle, or to the block that it serves if it ends there.
-#[allow(clippy::too_many_arguments)]
-fn lane_x(
-    plan: &Plan,
-    column_x: &[f64],
-    column: &[f64],
-    nodes: &[Placed],
-    graph: &Graph,
-    sides: &Sides,
-    lane: usize,
-    _from_left: bool,
-) -> f64 {
-    let at = plan.layer_of[lane];
-    let Item::Lane(net) = plan.items[lane] else { return column_x[at] };
-    let served = graph.nets[net].ends.iter().find(|end| {
-        plan.layer_of[end.node] == at
+/// The block that hangs from a lane, by one of its ports.
+fn hangs_from(graph: &Graph, plan: &Plan, sides: &Sides, lane: usize) -> Option<End> {
+    let Item::Lane(net) = plan.items[lane] else { return None };
+    let here = |end: &&End| {
+        plan.layer_of[end.node] == plan.layer_of[lane]
             && matches!(sides.side[end.node][end.port], Side::North | Side::South)
-    });
-    served.map_or(column_x[at] + column[at] / 2.0, |end| nodes[end.node].ports[end.port].at.x)
+    };
+    graph.nets[net].ends.iter().find(here).copied()
 }
 
 /// Moves everything so that it begins at (0, 0), and tells how large it is.

@@ -48,7 +48,8 @@ fn turns(graph: &Graph, flow: &Flow, node: usize) -> bool {
         flow.feedback[net][end] || flow.mirrored[to]
     };
     let mut outputs = 0;
-    for (n, net) in graph.nets.iter().enumerate().filter(|(_, net)| net.directed && net.ends[0].node == node) {
+    for (n, net) in graph.nets.iter().enumerate().filter(|(_, net)| net.directed && net.ends[0].node == node)
+    {
         outputs += net.ends.len() - 1;
         if !(1..net.ends.len()).all(|end| back(n, end)) {
             return false;

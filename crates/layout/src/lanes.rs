@@ -115,7 +115,9 @@ pub(crate) fn plan(graph: &Graph, flow: &Flow, layer: &[usize], sides: &Sides) -
             }
         }
     }
-    plan.channels.iter_mut().for_each(|taps| taps.sort_by_key(|tap| (tap.net, tap.right, tap.item, tap.port)));
+    plan.channels
+        .iter_mut()
+        .for_each(|taps| taps.sort_by_key(|tap| (tap.net, tap.right, tap.item, tap.port)));
     plan.groups = plan.channels.iter().map(|taps| groups(taps)).collect();
     units(graph, sides, &mut plan);
     plan
@@ -145,8 +147,7 @@ fn units(graph: &Graph, sides: &Sides, plan: &mut Plan) {
         let mut lanes = |side: Side| -> Vec<usize> {
             let mut found = Vec::new();
             for (n, net) in graph.nets.iter().enumerate() {
-                let hangs =
-                    net.ends.iter().any(|end| end.node == node && sides.side[node][end.port] == side);
+                let hangs = net.ends.iter().any(|end| end.node == node && sides.side[node][end.port] == side);
                 let lane = plan.lanes[n].iter().find(|(layer, _)| *layer == at);
                 if let Some((_, lane)) = lane.filter(|(_, lane)| hangs && !bound[*lane]) {
                     bound[*lane] = true;

@@ -88,7 +88,7 @@ fn sort_by_means(plan: &mut Plan, sides: &Sides, y: &mut [f64], to_the_right: bo
 
 /// Exchanges neighbours in layers, and conserving ports on the sides of blocks, while that lowers the cost. The places
 /// `y` keep to the order.
-pub(crate) fn improve(plan: &mut Plan, sides: &mut Sides, y: &mut Vec<f64>) {
+pub(crate) fn improve(plan: &mut Plan, sides: &mut Sides, y: &mut [f64]) {
     let mut costs: Vec<f64> =
         (0..plan.channels.len()).map(|channel| channel_cost(plan, sides, y, channel)).collect();
     for _ in 0..12 {

@@ -100,7 +100,8 @@ fn main_chain(graph: &Graph, flow: &Flow) -> BTreeSet<(usize, usize)> {
     for (net, feedback) in graph.nets.iter().zip(&flow.feedback).filter(|(net, _)| net.ends.len() > 1) {
         let source = net.ends[0].node;
         for (end, back) in net.ends.iter().zip(feedback).skip(1) {
-            let (a, b) = if net.directed || source < end.node { (source, end.node) } else { (end.node, source) };
+            let (a, b) =
+                if net.directed || source < end.node { (source, end.node) } else { (end.node, source) };
             if !back && a < b && !flow.mirrored[a] && !flow.mirrored[b] {
                 wires.push((a, b));
             }

@@ -75,8 +75,7 @@ pub(crate) fn sides(graph: &Graph, flow: &Flow, layer: &[usize]) -> Sides {
 /// Inputs left, outputs right, or the other way round; a circle takes feedback from below.
 fn signal_sides(graph: &Graph, flow: &Flow, v: usize) -> Vec<Side> {
     let node = &graph.nodes[v];
-    let (inlet, outlet) =
-        if flow.mirrored[v] { (Side::East, Side::West) } else { (Side::West, Side::East) };
+    let (inlet, outlet) = if flow.mirrored[v] { (Side::East, Side::West) } else { (Side::West, Side::East) };
     let mut sides: Vec<Side> = node
         .ports
         .iter()
@@ -91,9 +90,11 @@ fn signal_sides(graph: &Graph, flow: &Flow, v: usize) -> Vec<Side> {
     }
     let back = |port: usize| {
         graph.nets.iter().zip(&flow.feedback).any(|(net, feedback)| {
-            net.ends.iter().zip(feedback).skip(1).any(|(end, back)| {
-                *back && end.node == v && end.port == port
-            })
+            net.ends
+                .iter()
+                .zip(feedback)
+                .skip(1)
+                .any(|(end, back)| *back && end.node == v && end.port == port)
         })
     };
     let inputs: Vec<usize> = (0..sides.len()).filter(|port| node.ports[*port] == PortKind::Input).collect();
@@ -122,11 +123,13 @@ fn turn_free_ports(graph: &Graph, layer: &[usize], side: &mut [Vec<Side>], v: us
         return;
     }
     let mut used = [false; 2];
-    let free: Vec<usize> =
-        (0..graph.nodes[v].ports.len()).filter(|port| graph.nodes[v].ports[*port] == PortKind::Free).collect();
+    let free: Vec<usize> = (0..graph.nodes[v].ports.len())
+        .filter(|port| graph.nodes[v].ports[*port] == PortKind::Free)
+        .collect();
     let mut undecided = Vec::new();
     for &port in &free {
-        let Some(net) = graph.nets.iter().find(|net| net.ends.iter().any(|end| end.node == v && end.port == port))
+        let Some(net) =
+            graph.nets.iter().find(|net| net.ends.iter().any(|end| end.node == v && end.port == port))
         else {
             undecided.push(port);
             continue;
@@ -177,7 +180,8 @@ fn one_lane_a_layer(graph: &Graph, layer: &[usize], side: &mut [Vec<Side>]) {
             }
         }
         // A wire from a block to itself, or between two that hang side by side, needs a channel.
-        let all_hang = net.ends.iter().all(|end| matches!(side[end.node][end.port], Side::North | Side::South));
+        let all_hang =
+            net.ends.iter().all(|end| matches!(side[end.node][end.port], Side::North | Side::South));
         if all_hang
             && taken.len() == 1
             && let Some(end) = net.ends.first()

@@ -36,14 +36,12 @@ impl Lines {
             }
         }
         junctions.sort_by(|a, b| (a.x, a.y).partial_cmp(&(b.x, b.y)).unwrap_or(std::cmp::Ordering::Equal));
-        let across = level.into_iter().map(|(y, left, right)| Segment {
-            from: Point { x: left, y },
-            to: Point { x: right, y },
-        });
-        let down = upright.into_iter().map(|(x, top, bottom)| Segment {
-            from: Point { x, y: top },
-            to: Point { x, y: bottom },
-        });
+        let across = level
+            .into_iter()
+            .map(|(y, left, right)| Segment { from: Point { x: left, y }, to: Point { x: right, y } });
+        let down = upright
+            .into_iter()
+            .map(|(x, top, bottom)| Segment { from: Point { x, y: top }, to: Point { x, y: bottom } });
         Wire { segments: across.chain(down).collect(), junctions }
     }
 }

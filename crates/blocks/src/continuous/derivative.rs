@@ -14,7 +14,7 @@ use super::units::{SECOND, agrees, element};
 /// Derivative(n: 200.0, x0: "0.5 m")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Continuous")]
+#[block(category = "Continuous", symbol = Fraction("s","1 + s τ"))]
 pub struct Derivative {
     /// Where the filter cuts off, positive.
     #[block(unit = "1/s", default = 100.0)]

@@ -24,7 +24,7 @@ use super::units::{SECOND, agrees, element};
 /// Integrator(x0: "10 deg", wrap: (lower: "-180 deg", upper: "180 deg"))
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Continuous")]
+#[block(category = "Continuous", symbol = Fraction("1","s"))]
 pub struct Integrator {
     /// Output at the start, and after a reset unless `external`; 0 if it is not given.
     #[block(default = None)]

@@ -13,7 +13,7 @@ use blocksim_block::prelude::*;
 ///
 /// Source: as `Modelica.Blocks.Continuous.FirstOrder` with k = 1.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Continuous")]
+#[block(category = "Continuous", symbol = Fraction("1","1 + s τ"))]
 pub struct LowPass {
     /// Time constant, positive.
     #[block(unit = "s")]

@@ -24,7 +24,7 @@ use super::reset::{Reset, UNSEEN};
 /// Pid(kp: 8.0, ki: 2.0, kd: 0.4, lower: -1.0, upper: 1.0, anti_windup: Clamping)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Continuous")]
+#[block(category = "Continuous", symbol = Text("PID"))]
 pub struct Pid {
     /// Proportional gain.
     pub kp: f64,

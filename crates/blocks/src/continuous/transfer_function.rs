@@ -18,7 +18,7 @@ use super::units::element;
 ///
 /// Source: controllable canonical form, T. Kailath, Linear Systems, 1980, chapter 2.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Continuous")]
+#[block(category = "Continuous", symbol = Polynomials("s"))]
 pub struct TransferFunction {
     /// Numerator, in descending powers of s.
     #[block(default = vec![1.0])]

@@ -15,7 +15,7 @@ use super::units::agrees;
 /// TransportDelay(delay: "20 ms")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Continuous")]
+#[block(category = "Continuous", symbol = Text("e⁻ˢᵀ"))]
 pub struct TransportDelay {
     /// Delay $T$, positive.
     #[block(unit = "s")]

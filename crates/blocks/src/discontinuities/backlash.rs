@@ -13,7 +13,7 @@ use blocksim_block::prelude::*;
 /// Backlash(width: "0.2 deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discontinuities")]
+#[block(category = "Discontinuities", symbol = Curve(Backlash))]
 pub struct Backlash {
     /// Play $w$ from one flank to the other.
     pub width: f64,

@@ -11,7 +11,7 @@ use blocksim_block::prelude::*;
 /// DeadZone(start: "-0.5 deg", end: "0.5 deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discontinuities")]
+#[block(category = "Discontinuities", symbol = Curve(DeadZone))]
 pub struct DeadZone {
     /// Lower end of the zone.
     pub start: f64,

@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// Quantizer(interval: "0.1 deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discontinuities")]
+#[block(category = "Discontinuities", symbol = Curve(Quantizer))]
 pub struct Quantizer {
     /// Interval $q$, in the unit of the input.
     pub interval: f64,

@@ -13,7 +13,7 @@ use blocksim_block::prelude::*;
 /// RateLimiter(rising: "10 V/s", falling: "-20 V/s")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discontinuities")]
+#[block(category = "Discontinuities", symbol = Curve(RateLimit))]
 pub struct RateLimiter {
     /// Greatest rate, positive.
     pub rising: f64,

@@ -11,7 +11,7 @@ use blocksim_block::prelude::*;
 /// Relay(on_at: "21 degC", off_at: "19 degC", on: "0 W", off: "2 kW")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discontinuities")]
+#[block(category = "Discontinuities", symbol = Curve(Relay))]
 pub struct Relay {
     /// Where it switches on, in the unit of the input.
     pub on_at: f64,

@@ -11,7 +11,7 @@ use blocksim_block::prelude::*;
 /// Saturation(lower: "-48 V", upper: "48 V")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discontinuities")]
+#[block(category = "Discontinuities", symbol = Curve(Saturation))]
 pub struct Saturation {
     /// Least output; `-inf` for none.
     pub lower: f64,

@@ -11,7 +11,7 @@ use crate::continuous::units::{agrees, element};
 /// Delay(ts: "1 ms", steps: 5)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discrete")]
+#[block(category = "Discrete", symbol = Text("z⁻ⁿ"))]
 pub struct Delay {
     /// Sample time, positive.
     #[block(unit = "s")]

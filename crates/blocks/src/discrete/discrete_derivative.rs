@@ -12,7 +12,7 @@ use crate::continuous::units::{SECOND, agrees, element};
 /// DiscreteDerivative(ts: "1 ms")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discrete")]
+#[block(category = "Discrete", symbol = Fraction("z − 1","T z"))]
 pub struct DiscreteDerivative {
     /// Sample time $T_s$, positive.
     #[block(unit = "s")]

@@ -18,7 +18,7 @@ use crate::continuous::units::{SECOND, agrees, element};
 /// DiscreteIntegrator(ts: "1 ms", method: Trapezoidal, lower: -1.0, upper: 1.0)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discrete")]
+#[block(category = "Discrete", symbol = Fraction("T","z − 1"))]
 pub struct DiscreteIntegrator {
     /// Sample time $T_s$, positive.
     #[block(unit = "s")]

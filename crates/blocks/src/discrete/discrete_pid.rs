@@ -21,7 +21,7 @@ use crate::continuous::pid_law::{AntiWindup, Form, PidLaw};
 /// DiscretePid(ts: "1 ms", kp: 8.0, ki: 2.0, kd: 0.4, lower: -1.0, upper: 1.0, anti_windup: Clamping)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discrete")]
+#[block(category = "Discrete", symbol = Text("PID(z)"))]
 pub struct DiscretePid {
     /// Sample time $T_s$, positive.
     #[block(unit = "s")]

@@ -17,7 +17,7 @@ use crate::continuous::units::element;
 ///
 /// Source: direct form II, A. V. Oppenheim and R. W. Schafer, Discrete-Time Signal Processing, chapter 6.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discrete")]
+#[block(category = "Discrete", symbol = Polynomials("z"))]
 pub struct DiscreteTransferFunction {
     /// Sample time, positive.
     #[block(unit = "s")]

@@ -12,7 +12,7 @@ use crate::continuous::units::{agrees, element};
 /// UnitDelay(ts: "1 ms")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discrete")]
+#[block(category = "Discrete", symbol = Text("z⁻¹"))]
 pub struct UnitDelay {
     /// Sample time, positive.
     #[block(unit = "s")]

@@ -10,7 +10,7 @@ use crate::continuous::units::element;
 /// ZeroOrderHold(ts: "1 ms")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Discrete")]
+#[block(category = "Discrete", symbol = Curve(Hold))]
 pub struct ZeroOrderHold {
     /// Sample time, positive.
     #[block(unit = "s")]

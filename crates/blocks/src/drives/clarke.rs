@@ -13,7 +13,7 @@ use super::transforms;
 /// Clarke
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Text("abc→αβ"))]
 pub struct Clarke;
 
 impl Block for Clarke {

@@ -14,7 +14,7 @@ use super::modulation::{Modulation, duty};
 /// DutyCycles(modulation: SpaceVector)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Text("duty"))]
 pub struct DutyCycles {
     /// `Sine`, `SpaceVector`, or any other law of `PwmGenerator`.
     #[block(default = Modulation::SpaceVector)]

@@ -19,7 +19,7 @@ use super::switching;
 /// HBridgePwm(switching_frequency: "20 kHz", scheme: Unipolar)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Curve(Modulation))]
 pub struct HBridgePwm {
     /// Periods of the carrier per second, positive.
     #[block(unit = "Hz")]

@@ -13,7 +13,7 @@ use super::transforms;
 /// InverseClarke
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Text("αβ→abc"))]
 pub struct InverseClarke;
 
 impl Block for InverseClarke {

@@ -12,7 +12,7 @@ use super::transforms;
 /// InversePark
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Text("dq→αβ"))]
 pub struct InversePark;
 
 impl Block for InversePark {

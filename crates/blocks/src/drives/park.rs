@@ -13,7 +13,7 @@ use super::transforms;
 /// Park
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Text("αβ→dq"))]
 pub struct Park;
 
 impl Block for Park {

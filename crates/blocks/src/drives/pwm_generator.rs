@@ -33,7 +33,7 @@ use super::switching;
 /// PwmGenerator(switching_frequency: "8 kHz", modulation: SpaceVector, dead_time: "2 us")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Curve(Modulation))]
 pub struct PwmGenerator {
     /// Periods of the carrier per second, positive.
     #[block(unit = "Hz")]

@@ -14,7 +14,7 @@ use blocksim_block::prelude::*;
 /// VoltsPerHertz(v_rated: "220 V", f_rated: "60 Hz", boost: 0.02)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Text("V/f"))]
 pub struct VoltsPerHertz {
     /// Rated voltage of the machine, RMS from line to line.
     #[block(unit = "V")]

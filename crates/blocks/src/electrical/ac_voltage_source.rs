@@ -12,7 +12,7 @@ use crate::three_phase::three_phase_source::longest_step;
 /// AcVoltageSource(amplitude: Rms("230 V"), frequency: "50 Hz")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = AcSource)]
 pub struct AcVoltageSource {
     /// `Peak("325 V")` or `Rms("230 V")`.
     pub amplitude: Amplitude,

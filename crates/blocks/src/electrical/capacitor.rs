@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// Capacitor(c: "470 uF", v0: "12 V")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = Capacitor)]
 pub struct Capacitor {
     /// Capacitance, positive.
     #[block(unit = "F")]

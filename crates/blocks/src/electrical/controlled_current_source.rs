@@ -8,7 +8,7 @@ use blocksim_block::prelude::*;
 /// ControlledCurrentSource
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = CurrentSource)]
 pub struct ControlledCurrentSource;
 
 impl Block for ControlledCurrentSource {

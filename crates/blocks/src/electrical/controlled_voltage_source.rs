@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 /// ControlledVoltageSource
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = VoltageSource)]
 pub struct ControlledVoltageSource;
 
 impl Block for ControlledVoltageSource {

@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 /// CurrentSensor
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = Meter("A"))]
 pub struct CurrentSensor;
 
 impl Block for CurrentSensor {

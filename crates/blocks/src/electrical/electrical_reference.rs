@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 /// ElectricalReference
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = Ground)]
 pub struct ElectricalReference;
 
 impl Block for ElectricalReference {

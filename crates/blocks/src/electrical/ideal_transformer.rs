@@ -11,7 +11,7 @@ use blocksim_block::prelude::*;
 /// IdealTransformer(ratio: 10)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = Transformer)]
 pub struct IdealTransformer {
     /// Turns of the first winding over turns of the second; negative for the other sense.
     #[block(unit = "1")]

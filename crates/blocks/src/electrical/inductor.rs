@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// Inductor(l: "2.5 mH")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = Inductor)]
 pub struct Inductor {
     /// Inductance, positive.
     #[block(unit = "H")]

@@ -14,7 +14,7 @@ use super::coupled::Coupled;
 /// MutualInductance(l1: "10 mH", l2: "2.5 mH", k: 0.95)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = Transformer)]
 pub struct MutualInductance {
     /// Inductance of the first coil while the other is open, positive.
     #[block(unit = "H")]

@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 /// Resistor(r: "10 Ohm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = Resistor)]
 pub struct Resistor {
     /// Resistance, positive: for zero use a wire (join the pins), for infinity nothing.
     #[block(unit = "Ohm")]

@@ -16,7 +16,7 @@ use super::coupled::Coupled;
 /// Transformer(ratio: 10, l_m: "2 H", l1: "5 mH", l2: "50 uH", r1: "0.8 Ohm", r2: "8 mOhm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = Transformer)]
 pub struct Transformer {
     /// Turns of the first winding over turns of the second; negative for the other sense.
     #[block(unit = "1")]

@@ -15,7 +15,7 @@ use blocksim_block::prelude::*;
 /// VariableTransformer
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = Transformer)]
 pub struct VariableTransformer;
 
 impl Block for VariableTransformer {

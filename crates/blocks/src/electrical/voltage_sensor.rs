@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 /// VoltageSensor
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = Meter("V"))]
 pub struct VoltageSensor;
 
 impl Block for VoltageSensor {

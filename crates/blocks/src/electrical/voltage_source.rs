@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 /// VoltageSource(v: "48 V")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Electrical")]
+#[block(category = "Electrical", symbol = VoltageSource)]
 pub struct VoltageSource {
     /// Voltage.
     #[block(unit = "V")]

@@ -27,7 +27,7 @@ use super::mesh::Direction;
 /// Source: C. Pelchen, C. Schweiger, M. Otter, *Modeling and Simulating the Efficiency of Gearboxes and of Planetary
 /// Gearboxes*, 2nd International Modelica Conference (2002).
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Gears")]
+#[block(category = "Gears", symbol = Gear)]
 pub struct LossyGear {
     /// Teeth of the follower over teeth of the base: the reduction $i$.
     pub ratio: f64,

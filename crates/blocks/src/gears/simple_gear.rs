@@ -12,7 +12,7 @@ use super::mesh::{Direction, Loss, Mesh};
 /// SimpleGear(ratio: 50.0, direction: Same, efficiency: 0.95)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Gears")]
+#[block(category = "Gears", symbol = Gear)]
 pub struct SimpleGear {
     /// Teeth of the follower over teeth of the base: the reduction $i$.
     pub ratio: f64,

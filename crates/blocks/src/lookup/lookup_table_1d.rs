@@ -22,7 +22,7 @@ use crate::continuous::units::{agrees, element};
 /// LookupTable1D(breakpoints: ["0 deg", "30 deg", "90 deg"], table: ["0 N", "2 N", "3 N"], extrapolation: Clip)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Lookup")]
+#[block(category = "Lookup", symbol = Curve(Table))]
 pub struct LookupTable1D {
     /// Values of the input, strictly increasing.
     pub breakpoints: Vec<f64>,

@@ -20,7 +20,7 @@ use crate::continuous::units::{agrees, element};
 ///     table: [[4.0, 5.0, 6.0], [16.0, 19.0, 20.0], [10.0, 18.0, 23.0]])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Lookup")]
+#[block(category = "Lookup", symbol = Curve(Table))]
 pub struct LookupTable2D {
     /// Values of `u1`, strictly increasing, one for each row.
     pub rows: Vec<f64>,

@@ -56,7 +56,7 @@ use super::induction::{Base, Cages, Circuit, Magnetisation};
 ///
 /// Source: P. C. Krause, O. Wasynczuk, S. D. Sudhoff, *Analysis of Electric Machinery* (2002), chapter 4.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Machines")]
+#[block(category = "Machines", symbol = Machine("M 3~"))]
 pub struct AsynchronousMachine {
     /// Rated apparent power; it only scales what is in per unit.
     #[block(unit = "W")]

@@ -35,7 +35,7 @@ use super::induction::{self, Circuit, NamePlate};
 /// Source: J. Pedra, F. Corcoles, *Estimation of induction motor double-cage model parameters from manufacturer data*,
 /// IEEE Trans. Energy Conversion 19 (2004), for the equations and the choice of unknowns.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Machines")]
+#[block(category = "Machines", symbol = Machine("M 3~"))]
 pub struct AsynchronousMachineByNamePlate {
     /// Rated power at the shaft.
     #[block(unit = "W")]

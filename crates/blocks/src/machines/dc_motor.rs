@@ -16,7 +16,7 @@ use blocksim_block::prelude::*;
 /// DcMotor(r: "1.5 ohm", l: "2.5 mH", k: "0.22 N*m/A", j: "5e-5 kg*m^2")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Machines")]
+#[block(category = "Machines", symbol = Machine("M"))]
 pub struct DcMotor {
     /// Resistance of the winding; may be zero unless the inductance is.
     #[block(unit = "ohm")]

@@ -25,7 +25,7 @@ use super::dc_motor_line::TorqueLine;
 /// )
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Machines")]
+#[block(category = "Machines", symbol = Machine("M"))]
 pub struct DcMotorByRating {
     /// Rated power of the shaft.
     #[block(unit = "W")]

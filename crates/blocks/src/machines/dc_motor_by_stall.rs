@@ -26,7 +26,7 @@ use super::dc_motor_line::TorqueLine;
 /// )
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Machines")]
+#[block(category = "Machines", symbol = Machine("M"))]
 pub struct DcMotorByStall {
     /// Torque at standstill.
     #[block(unit = "N*m")]

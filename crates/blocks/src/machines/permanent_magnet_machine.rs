@@ -33,7 +33,7 @@ use std::f64::consts::TAU;
 /// Source: P. C. Krause, O. Wasynczuk, S. D. Sudhoff, *Analysis of Electric Machinery* (2002), with the axes of
 /// the rotor named as in field-oriented control.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Machines")]
+#[block(category = "Machines", symbol = Machine("MS 3~"))]
 pub struct PermanentMagnetMachine {
     /// Number of pole pairs $N$.
     pub pole_pairs: u32,

@@ -27,7 +27,7 @@ use blocksim_block::prelude::*;
 /// Source: P. P. Acarnley, *Stepping Motors: A Guide to Theory and Practice* (2002); T. Kenjo, A. Sugawara, *Stepping
 /// Motors and Their Microprocessor Controls* (1994).
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Machines")]
+#[block(category = "Machines", symbol = Machine("M"))]
 pub struct StepperMotor {
     /// Teeth of the rotor $N$: a quarter of the full steps in a turn.
     #[block(default = 50)]

@@ -27,7 +27,7 @@ use blocksim_block::prelude::*;
 ///
 /// Source: P. C. Krause, O. Wasynczuk, S. D. Sudhoff, *Analysis of Electric Machinery* (2002), chapter 2.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Machines")]
+#[block(category = "Machines", symbol = Machine("M ~"))]
 pub struct UniversalMotor {
     /// Resistance of field and armature together.
     #[block(unit = "ohm")]

@@ -9,7 +9,7 @@ use blocksim_block::prelude::*;
 /// Abs
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Text("|u|"))]
 pub struct Abs;
 
 impl Block for Abs {

@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// Atan2
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Text("atan2"))]
 pub struct Atan2;
 
 impl Block for Atan2 {

@@ -12,7 +12,7 @@ use blocksim_block::prelude::*;
 /// Compare(operator: GreaterEqual, constant: "48 V")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Value("operator"))]
 pub struct Compare {
     /// `Less`, `LessEqual`, `Greater`, `GreaterEqual`, `Equal` or `NotEqual`.
     pub operator: Relation,

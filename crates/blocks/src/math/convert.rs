@@ -10,7 +10,7 @@ use blocksim_signal::Unit;
 /// Convert(to: "deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Text("unit"))]
 pub struct Convert {
     /// Unit in which the number is given; SI without, and needless for truth values.
     #[block(default = None)]

@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// Divide
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Text("÷"))]
 pub struct Divide;
 
 impl Block for Divide {

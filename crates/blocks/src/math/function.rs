@@ -14,7 +14,7 @@ use blocksim_block::prelude::*;
 /// Function(function: Sqrt)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Value("function"))]
 pub struct Function {
     /// Which one: `Sin`, `Cos`, `Tan`, `Asin`, `Acos`, `Atan`, `Sinh`, `Cosh`, `Tanh`, `Exp`, `Ln`, `Log10`,
     /// `Pow10`, `Sqrt`, `SignedSqrt`, `Square` or `Reciprocal`.

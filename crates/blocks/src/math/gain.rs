@@ -9,7 +9,7 @@ use blocksim_block::prelude::*;
 /// Gain(k: "48 V")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Gain("k"))]
 pub struct Gain {
     /// Factor.
     pub k: f64,

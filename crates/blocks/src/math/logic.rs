@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// Logic(operator: And, inputs: 3)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Value("operator"))]
 pub struct Logic {
     /// `And`, `Or`, `Not`, `Nand`, `Nor` or `Xor`.
     pub operator: Gate,

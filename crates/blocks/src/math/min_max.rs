@@ -11,7 +11,7 @@ use blocksim_block::prelude::*;
 /// MinMax(function: Max, inputs: 2)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Value("function"))]
 pub struct MinMax {
     /// `Min` or `Max`.
     pub function: Extremum,

@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// Power(exponent: 1.5)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Text("uᵃ"))]
 pub struct Power {
     /// Exponent $n$.
     #[block(unit = "1")]

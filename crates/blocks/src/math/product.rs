@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// Product(inputs: 2)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Text("×"))]
 pub struct Product {
     /// Number of inputs.
     #[block(default = 2)]

@@ -9,7 +9,7 @@ use blocksim_block::prelude::*;
 /// Sign
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Curve(Sign))]
 pub struct Sign;
 
 impl Block for Sign {

@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// Sum(signs: "+-")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Sum)]
 pub struct Sum {
     /// A `+` or `-` for each input.
     pub signs: String,

@@ -11,7 +11,7 @@ use blocksim_block::prelude::*;
 /// Switch(threshold: 0.5)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math")]
+#[block(category = "Math", symbol = Switch)]
 pub struct Switch {
     /// Where a real control signal switches, in its unit; a Bool counts as 0 or 1.
     #[block(default = 0.5)]

@@ -29,7 +29,7 @@ use blocksim_motion::{AxisLimits, Endpoint, JointMoveRequest, MoveError, Synchro
 ///
 /// Source: W. Weber, Industrieroboter, 2017, sinusoidal profiles and fully synchronous joint moves.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Motion")]
+#[block(category = "Motion", symbol = Curve(Move))]
 pub struct JointMove {
     /// The move of all axes: `(start, target, velocity, acceleration, resolution)`.
     pub path: JointPath,

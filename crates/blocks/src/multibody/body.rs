@@ -26,7 +26,7 @@ use blocksim_scene::Form;
 /// )
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody")]
+#[block(category = "Multibody", symbol = Body)]
 pub struct Body {
     /// Mass.
     #[block(unit = "kg")]

@@ -22,7 +22,7 @@ pub enum Axes {
 /// ExternalForce(axes: Frame)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody")]
+#[block(category = "Multibody", symbol = Force)]
 pub struct ExternalForce {
     /// `World` or `Frame`: the axes in which the inputs are written.
     #[block(default = Axes::World)]

@@ -14,7 +14,7 @@ use super::vector::{between, dot, scale, sub};
 /// FrameSpringDamper(stiffness: "2000 N/m", damping: "50 N*s/m", length: "0.3 m")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody")]
+#[block(category = "Multibody", symbol = SpringDamper)]
 pub struct FrameSpringDamper {
     /// Stiffness $k$.
     #[block(unit = "N/m", default = 0.0)]

@@ -13,7 +13,7 @@ use super::quaternion;
 /// FreeJoint(position: ["0 m", "0 m", "2 m"], velocity: ["1 m/s", "0 m/s", "0 m/s"])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody")]
+#[block(category = "Multibody", symbol = Text("6 dof"))]
 pub struct FreeJoint {
     /// Position at the start.
     #[block(unit = "m", default = None)]

@@ -11,7 +11,7 @@ use blocksim_block::prelude::*;
 /// Payload(mass: "5 kg", com: ["0 m", "0 m", "0.1 m"])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody")]
+#[block(category = "Multibody", symbol = Body)]
 pub struct Payload {
     /// Mass.
     #[block(unit = "kg")]

@@ -18,7 +18,7 @@ use super::joint_limit::JointLimit;
 /// PrismaticJoint(axis: [1.0, 0.0, 0.0], position: "0.2 m", lower: "0 m", upper: "0.8 m")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody")]
+#[block(category = "Multibody", symbol = Slide)]
 pub struct PrismaticJoint {
     /// Direction of the axis in `base`; its length does not matter.
     #[block(default = [0.0, 0.0, 1.0])]

@@ -25,7 +25,7 @@ use super::joint_limit::JointLimit;
 /// RevoluteJoint(axis: [0.0, 1.0, 0.0], position: "30 deg", lower: "-95 deg", upper: "155 deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody")]
+#[block(category = "Multibody", symbol = Hinge)]
 pub struct RevoluteJoint {
     /// Direction of the axis in `base`; its length does not matter.
     #[block(default = [0.0, 0.0, 1.0])]

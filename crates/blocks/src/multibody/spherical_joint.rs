@@ -18,7 +18,7 @@ use super::quaternion;
 /// SphericalJoint(rpy: ["20 deg", "0 deg", "0 deg"], velocity: ["0 rad/s", "0 rad/s", "90 rad/s"])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody")]
+#[block(category = "Multibody", symbol = Ball)]
 pub struct SphericalJoint {
     /// Roll, pitch and yaw of `follower` in `base` at the start. Where none are given the frames are parallel, or in
     /// a closed loop as it closes.

@@ -15,7 +15,7 @@ use blocksim_block::prelude::*;
 /// Transform(translation: [0.0, 0.0, "445 mm"], rpy: [0.0, "90 deg", 0.0])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody")]
+#[block(category = "Multibody", symbol = Frame)]
 pub struct Transform {
     /// Origin of `follower` in `base`: x, y, z.
     #[block(unit = "m", default = [0.0, 0.0, 0.0])]

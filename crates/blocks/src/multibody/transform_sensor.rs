@@ -14,7 +14,7 @@ use super::vector::{dot, sub, to_frame, velocity_seen};
 /// TransformSensor
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody")]
+#[block(category = "Multibody", symbol = Sensor("T"))]
 pub struct TransformSensor;
 
 impl Block for TransformSensor {

@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// WeldJoint
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody")]
+#[block(category = "Multibody", symbol = Weld)]
 pub struct WeldJoint;
 
 impl Block for WeldJoint {

@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 /// World(gravity: [0.0, 0.0, -9.80665])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody")]
+#[block(category = "Multibody", symbol = World)]
 pub struct World {
     /// Gravitational acceleration in the axes of the world; standard gravity along -z unless given.
     #[block(unit = "m/s^2", default = [0.0, 0.0, -9.80665])]

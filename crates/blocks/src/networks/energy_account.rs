@@ -24,7 +24,7 @@ use blocksim_block::prelude::*;
 /// EnergyAccount(at: Electrical, tolerance: 1e-6)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Networks")]
+#[block(category = "Networks", symbol = Text("ΣE"))]
 pub struct EnergyAccount {
     /// What kind of port `node` is.
     #[block(default = Joins::Rotational)]

@@ -18,7 +18,7 @@ use blocksim_block::prelude::*;
 /// AverageValueConverter(r_on: "20 mOhm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Converter("=","="))]
 pub struct AverageValueConverter {
     /// Resistance of a conducting switch.
     #[block(unit = "Ohm", default = 0.0)]

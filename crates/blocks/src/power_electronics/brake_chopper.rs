@@ -12,7 +12,7 @@ use super::valve::Valve;
 /// BrakeChopper(r: "33 Ohm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Transistor)]
 pub struct BrakeChopper {
     /// Resistance, positive.
     #[block(unit = "Ohm")]

@@ -12,7 +12,7 @@ use blocksim_block::prelude::*;
 /// DcLink(c: "1 mF", r: "20 mOhm", v0: "560 V")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Capacitor)]
 pub struct DcLink {
     /// Capacitance, positive.
     #[block(unit = "F")]

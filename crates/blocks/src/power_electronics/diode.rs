@@ -12,7 +12,7 @@ use super::valve::Valve;
 /// Diode(v_f: "0.7 V")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Diode)]
 pub struct Diode {
     /// Forward voltage.
     #[block(unit = "V", default = 0.6)]

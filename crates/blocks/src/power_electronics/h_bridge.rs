@@ -12,7 +12,7 @@ use super::valve::{Device, Valve};
 /// HBridge(device: Mosfet, r_on: "5 mOhm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Transistor)]
 pub struct HBridge {
     /// `Igbt` or `Mosfet`, both with diodes in parallel, or `Contact`.
     #[block(default = Device::Mosfet)]

@@ -12,7 +12,7 @@ use super::valve::Valve;
 /// IdealSwitch(r_on: "5 mOhm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Contact)]
 pub struct IdealSwitch {
     /// Resistance while closed; zero is an ideal contact.
     #[block(unit = "Ohm", default = 0.01)]

@@ -13,7 +13,7 @@ use super::valve::{Device, Valve};
 /// Igbt(v_f: "1.5 V", r_on: "20 mOhm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Transistor)]
 pub struct Igbt {
     /// Forward voltage of transistor and diode.
     #[block(unit = "V", default = 0.8)]

@@ -12,7 +12,7 @@ use super::valve::{Device, Valve};
 /// Mosfet(r_on: "4 mOhm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Transistor)]
 pub struct Mosfet {
     /// Forward voltage of the body diode.
     #[block(unit = "V", default = 0.6)]

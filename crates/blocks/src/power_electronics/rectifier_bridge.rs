@@ -15,7 +15,7 @@ use super::valve::Valve;
 /// RectifierBridge(v_f: "1 V")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Converter("~","="))]
 pub struct RectifierBridge {
     /// Forward voltage of a diode.
     #[block(unit = "V", default = 0.6)]

@@ -12,7 +12,7 @@ use super::valve::Valve;
 /// ReversingContactor(r_on: "1 mOhm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Contact)]
 pub struct ReversingContactor {
     /// Resistance of a closed contact.
     #[block(unit = "Ohm", default = 0.01)]

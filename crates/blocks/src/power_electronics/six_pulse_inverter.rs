@@ -16,7 +16,7 @@ use super::valve::{Device, Valve};
 /// SixPulseInverter(device: Igbt, v_f: "1.2 V", r_on: "20 mOhm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Converter("=","~"))]
 pub struct SixPulseInverter {
     /// `Igbt` or `Mosfet`, both with diodes in parallel, or `Contact`.
     #[block(default = Device::Igbt)]

@@ -27,7 +27,7 @@ use crate::machines::space_vector::turned;
 /// SwitchedInverter(vdc: "560 V", switching_frequency: "8 kHz", integration: Separate(periods: 1))
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Converter("=","~"))]
 pub struct SwitchedInverter {
     /// Voltage of the DC link.
     #[block(unit = "V")]

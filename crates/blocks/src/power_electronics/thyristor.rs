@@ -12,7 +12,7 @@ use super::valve::Valve;
 /// Thyristor(v_f: "1.2 V")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Thyristor)]
 pub struct Thyristor {
     /// Forward voltage.
     #[block(unit = "V", default = 0.8)]

@@ -27,7 +27,7 @@ use crate::three_phase::three_phase_source::delivered;
 /// VectorInverter(vdc: "560 V", modulation: SpaceVector)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Power electronics")]
+#[block(category = "Power electronics", symbol = Converter("=","~"))]
 pub struct VectorInverter {
     /// Voltage of the DC link.
     #[block(unit = "V")]

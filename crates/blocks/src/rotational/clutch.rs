@@ -21,7 +21,7 @@ use crate::mechanics::friction_model::{FrictionModel, Pressed};
 /// Clutch(torque: "180 N*m")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Clutch)]
 pub struct Clutch {
     /// Torque that it transmits while slipping, fully pressed.
     #[block(unit = "N*m")]

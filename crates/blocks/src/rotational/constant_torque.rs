@@ -10,7 +10,7 @@ use crate::mechanics::quantities::{ROTATION, undamped};
 /// ConstantTorque(tau: "-12 N*m")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Torque)]
 pub struct ConstantTorque {
     /// Torque on `r`.
     #[block(unit = "N*m")]

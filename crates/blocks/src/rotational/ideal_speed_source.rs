@@ -11,7 +11,7 @@ use crate::mechanics::quantities::ROTATION;
 /// IdealSpeedSource
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Torque)]
 pub struct IdealSpeedSource;
 
 impl Block for IdealSpeedSource {

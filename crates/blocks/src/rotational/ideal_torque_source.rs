@@ -9,7 +9,7 @@ use crate::mechanics::quantities::{ROTATION, undamped};
 /// IdealTorqueSource
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Torque)]
 pub struct IdealTorqueSource;
 
 impl Block for IdealTorqueSource {

@@ -11,7 +11,7 @@ use crate::mechanics::quantities::ROTATION;
 /// Inertia(j: "0.26 kg*m^2")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Inertia)]
 pub struct Inertia {
     /// Moment of inertia; zero is allowed where something else gives the part its inertia.
     #[block(unit = "kg*m^2")]

@@ -33,7 +33,7 @@ use blocksim_block::prelude::*;
 /// Friction*, IEEE Transactions on Automatic Control 40 (1995) 419-425; for a damping that depends on the
 /// speed, H. Olsson, *Control Systems with Friction* (1996).
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Friction)]
 pub struct LuGreFriction {
     /// Coulomb torque $\tau_C$, above zero.
     #[block(unit = "N*m")]

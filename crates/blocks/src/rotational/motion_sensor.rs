@@ -10,7 +10,7 @@ use crate::mechanics::quantities::{ROTATION, show_motion};
 /// MotionSensor(phi0: "30 deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Sensor("φ ω"))]
 pub struct MotionSensor {
     /// Angle at the start.
     #[block(unit = "rad", default = 0.0)]

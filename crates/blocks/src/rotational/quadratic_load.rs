@@ -9,7 +9,7 @@ use blocksim_block::prelude::*;
 /// QuadraticLoad(torque: "40 N*m", speed: "1450 rpm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Torque)]
 pub struct QuadraticLoad {
     /// Torque $\tau_n$ at the nominal speed; zero is allowed.
     #[block(unit = "N*m")]

@@ -8,7 +8,7 @@ use crate::mechanics::quantities::ROTATION;
 /// RotationalDamper(d: "0.001 N*m*s/rad")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Damper)]
 pub struct RotationalDamper {
     /// Damping coefficient; zero is allowed.
     #[block(unit = "N*m*s/rad")]

@@ -36,7 +36,7 @@ use crate::mechanics::stribeck::Stribeck;
 /// Source: the friction law of common libraries of rotational parts, after B. Armstrong and C. Canudas de
 /// Wit, *Friction Modeling and Compensation* (1995).
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Friction)]
 pub struct RotationalFriction {
     /// Breakaway torque $\tau_b$, at least the Coulomb torque.
     #[block(unit = "N*m")]

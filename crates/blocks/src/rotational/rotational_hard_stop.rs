@@ -16,7 +16,7 @@ use crate::multibody::joint_limit::JointLimit;
 /// RotationalHardStop(lower: "-90 deg", upper: "90 deg", stiffness: "1e5 N*m/rad", damping: "50 N*m*s/rad")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = HardStop)]
 pub struct RotationalHardStop {
     /// Least angle without contact.
     #[block(unit = "rad", default = -0.1)]

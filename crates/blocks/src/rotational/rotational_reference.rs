@@ -8,7 +8,7 @@ use crate::mechanics::quantities::ROTATION;
 /// RotationalReference
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Housing)]
 pub struct RotationalReference;
 
 impl Block for RotationalReference {

@@ -13,7 +13,7 @@ use crate::mechanics::quantities::{ROTATION, undamped};
 /// RotationalSpring(k: "10 N*m/rad")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Spring)]
 pub struct RotationalSpring {
     /// Stiffness; zero is allowed.
     #[block(unit = "N*m/rad")]

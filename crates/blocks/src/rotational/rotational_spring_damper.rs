@@ -20,7 +20,7 @@ use crate::mechanics::quantities::{ROTATION, show_deflection};
 /// RotationalSpringDamper(k: "2e4 N*m/rad", d: "15 N*m*s/rad", backlash: "0.02 deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = SpringDamper)]
 pub struct RotationalSpringDamper {
     /// Stiffness; zero is allowed.
     #[block(unit = "N*m/rad")]

@@ -8,7 +8,7 @@ use crate::mechanics::quantities::ROTATION;
 /// TorqueSensor
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational")]
+#[block(category = "Rotational", symbol = Sensor("τ"))]
 pub struct TorqueSensor;
 
 impl Block for TorqueSensor {

@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// BusCreator(elements: ["Angle", "Velo"])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Routing")]
+#[block(category = "Routing", symbol = Bar)]
 pub struct BusCreator {
     /// Names of the elements.
     pub elements: Vec<String>,

@@ -9,7 +9,7 @@ use blocksim_block::prelude::*;
 /// BusSelector(elements: ["Joint1OutBus.Angle", "Joint1OutBus.Velo"])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Routing")]
+#[block(category = "Routing", symbol = Bar)]
 pub struct BusSelector {
     /// Paths of the elements.
     pub elements: Vec<String>,

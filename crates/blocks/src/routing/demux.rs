@@ -9,7 +9,7 @@ use blocksim_block::prelude::*;
 /// Demux(sizes: [3, 1, 2])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Routing")]
+#[block(category = "Routing", symbol = Bar)]
 pub struct Demux {
     /// Number of equal parts, if there are no `sizes`.
     #[block(default = 2)]

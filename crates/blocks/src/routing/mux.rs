@@ -9,7 +9,7 @@ use blocksim_block::prelude::*;
 /// Mux(inputs: 3)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Routing")]
+#[block(category = "Routing", symbol = Bar)]
 pub struct Mux {
     /// Number of inputs.
     #[block(default = 2)]

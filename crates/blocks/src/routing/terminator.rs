@@ -6,7 +6,7 @@ use blocksim_block::prelude::*;
 /// Terminator
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Routing")]
+#[block(category = "Routing", symbol = Terminator)]
 pub struct Terminator;
 
 impl Block for Terminator {

@@ -10,7 +10,7 @@ use blocksim_signal::Unit;
 /// Scope(inputs: ["set", "actual"], display: "deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Sinks")]
+#[block(category = "Sinks", symbol = Scope)]
 pub struct Scope {
     /// Names of the inputs.
     #[block(default = vec!["u".to_owned()])]

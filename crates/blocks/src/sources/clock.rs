@@ -6,7 +6,7 @@ use blocksim_block::prelude::*;
 /// Clock
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Sources")]
+#[block(category = "Sources", symbol = Text("t"))]
 pub struct Clock;
 
 impl Block for Clock {

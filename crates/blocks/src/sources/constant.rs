@@ -9,7 +9,7 @@ use blocksim_signal::{Quantity, Value};
 /// Constant(value: "48 V")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Sources")]
+#[block(category = "Sources", symbol = Value("value"))]
 pub struct Constant {
     /// The value: `3`, `"48 V"`, `true`, `["10 deg", "-20 deg"]`.
     pub value: ParamValue,

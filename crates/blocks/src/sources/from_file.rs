@@ -18,7 +18,7 @@ use blocksim_block::prelude::*;
 /// FromFile(file: "reference.csv", columns: ["q1"], after: Hold)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Sources")]
+#[block(category = "Sources", symbol = Curve(Record))]
 pub struct FromFile {
     /// Path of the file, relative to the diagram.
     pub file: String,

@@ -11,7 +11,7 @@ use blocksim_block::prelude::*;
 /// Pulse(amplitude: "24 V", period: "1 s", width: "5 %", delay: "0.2 s")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Sources")]
+#[block(category = "Sources", symbol = Curve(Pulse))]
 pub struct Pulse {
     /// Height $A$; its unit is that of the output.
     #[block(default = 1.0)]

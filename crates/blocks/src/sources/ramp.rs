@@ -9,7 +9,7 @@ use blocksim_block::prelude::*;
 /// Ramp(slope: "2 V/s", start: "0.5 s")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Sources")]
+#[block(category = "Sources", symbol = Curve(Ramp))]
 pub struct Ramp {
     /// Slope $k$; its unit times s is that of the output.
     pub slope: f64,

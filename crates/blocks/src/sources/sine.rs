@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 /// Sine(amplitude: "325 V", frequency: "50 Hz")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Sources")]
+#[block(category = "Sources", symbol = Curve(Sine))]
 pub struct Sine {
     /// Amplitude $A$; its unit is that of the output.
     #[block(default = 1.0)]

@@ -9,7 +9,7 @@ use blocksim_block::prelude::*;
 /// Step(time: "0.1 s", after: "90 deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Sources")]
+#[block(category = "Sources", symbol = Curve(Step))]
 pub struct Step {
     /// When it happens.
     #[block(unit = "s", default = 0.0)]

@@ -9,7 +9,7 @@ use blocksim_block::prelude::*;
 /// ControlledThreePhaseSource
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Three-phase")]
+#[block(category = "Three-phase", symbol = AcSource)]
 pub struct ControlledThreePhaseSource;
 
 impl Block for ControlledThreePhaseSource {

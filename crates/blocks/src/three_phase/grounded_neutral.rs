@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 /// GroundedNeutral
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Three-phase")]
+#[block(category = "Three-phase", symbol = Ground)]
 pub struct GroundedNeutral;
 
 impl Block for GroundedNeutral {

@@ -13,7 +13,7 @@ use crate::power_electronics::valve::Valve;
 /// ThreePhaseBreaker(r_on: "1 mOhm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Three-phase")]
+#[block(category = "Three-phase", symbol = Contact)]
 pub struct ThreePhaseBreaker {
     /// Resistance of a closed contact.
     #[block(unit = "Ohm", default = 0.01)]

@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 /// ThreePhaseCurrentSensor
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Three-phase")]
+#[block(category = "Three-phase", symbol = Meter("A"))]
 pub struct ThreePhaseCurrentSensor;
 
 impl Block for ThreePhaseCurrentSensor {

@@ -13,7 +13,7 @@ use blocksim_block::prelude::*;
 /// ThreePhaseRlc(r: "0.1 Ohm", l: "2 mH")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Three-phase")]
+#[block(category = "Three-phase", symbol = Text("R L C"))]
 pub struct ThreePhaseRlc {
     /// Resistance of a phase; zero for none.
     #[block(unit = "Ohm", default = 0.0)]

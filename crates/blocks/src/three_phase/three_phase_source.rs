@@ -15,7 +15,7 @@ use blocksim_block::prelude::*;
 /// ThreePhaseSource(voltage: "400 V", frequency: "50 Hz")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Three-phase")]
+#[block(category = "Three-phase", symbol = AcSource)]
 pub struct ThreePhaseSource {
     /// RMS voltage from line to line.
     #[block(unit = "V")]

@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// ThreePhaseVoltageSensor
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Three-phase")]
+#[block(category = "Three-phase", symbol = Meter("V"))]
 pub struct ThreePhaseVoltageSensor;
 
 impl Block for ThreePhaseVoltageSensor {

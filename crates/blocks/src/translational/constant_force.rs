@@ -10,7 +10,7 @@ use crate::mechanics::quantities::{TRANSLATION, undamped};
 /// ConstantForce(f: "-20 kg * 9.80665 m/s^2")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Force)]
 pub struct ConstantForce {
     /// Force on `r`.
     #[block(unit = "N")]

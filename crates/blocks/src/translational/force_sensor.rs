@@ -8,7 +8,7 @@ use crate::mechanics::quantities::TRANSLATION;
 /// ForceSensor
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Sensor("F"))]
 pub struct ForceSensor;
 
 impl Block for ForceSensor {

@@ -8,7 +8,7 @@ use crate::mechanics::quantities::{TRANSLATION, undamped};
 /// IdealForceSource
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Force)]
 pub struct IdealForceSource;
 
 impl Block for IdealForceSource {

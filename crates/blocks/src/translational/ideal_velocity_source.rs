@@ -11,7 +11,7 @@ use crate::mechanics::quantities::TRANSLATION;
 /// IdealVelocitySource
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Force)]
 pub struct IdealVelocitySource;
 
 impl Block for IdealVelocitySource {

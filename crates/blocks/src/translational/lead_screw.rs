@@ -23,7 +23,7 @@ use super::converter::{lead, self_locking};
 /// LeadScrew(lead: "10 mm", efficiency_forward: 0.92, efficiency_backward: 0.9)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Screw)]
 pub struct LeadScrew {
     /// Way $l$ of the nut in one turn of the screw.
     #[block(unit = "m")]

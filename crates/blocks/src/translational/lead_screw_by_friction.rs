@@ -26,7 +26,7 @@ use super::lead_screw::LeadScrew;
 /// Source: the torque on a power screw of the textbooks of machine elements, for lead angles that are small against
 /// 90 degrees.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Screw)]
 pub struct LeadScrewByFriction {
     /// Way $l$ of the nut in one turn of the screw.
     #[block(unit = "m")]

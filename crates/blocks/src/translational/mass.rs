@@ -12,7 +12,7 @@ use crate::mechanics::quantities::TRANSLATION;
 /// Mass(m: "12 kg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Mass)]
 pub struct Mass {
     /// Mass; zero is allowed where something else gives the part its mass.
     #[block(unit = "kg")]

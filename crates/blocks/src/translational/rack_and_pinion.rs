@@ -15,7 +15,7 @@ use super::converter::radius;
 /// RackAndPinion(radius: "30 mm", efficiency: 0.95)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Rack)]
 pub struct RackAndPinion {
     /// Radius $r$ of the pitch circle of the pinion.
     #[block(unit = "m")]

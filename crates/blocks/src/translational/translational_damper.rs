@@ -8,7 +8,7 @@ use crate::mechanics::quantities::TRANSLATION;
 /// TranslationalDamper(d: "40 N*s/m")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Damper)]
 pub struct TranslationalDamper {
     /// Damping coefficient; zero is allowed.
     #[block(unit = "N*s/m")]

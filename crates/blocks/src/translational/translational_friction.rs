@@ -25,7 +25,7 @@ use crate::mechanics::stribeck::Stribeck;
 ///
 /// Source: as `RotationalFriction`.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Friction)]
 pub struct TranslationalFriction {
     /// Breakaway force $F_b$, at least the Coulomb force.
     #[block(unit = "N")]

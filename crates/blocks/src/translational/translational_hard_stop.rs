@@ -16,7 +16,7 @@ use crate::multibody::joint_limit::JointLimit;
 /// TranslationalHardStop(lower: "0 mm", upper: "400 mm", stiffness: "2e6 N/m", damping: "4e3 N*s/m")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = HardStop)]
 pub struct TranslationalHardStop {
     /// Least position without contact.
     #[block(unit = "m", default = -0.1)]

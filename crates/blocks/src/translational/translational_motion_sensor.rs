@@ -10,7 +10,7 @@ use crate::mechanics::quantities::{TRANSLATION, show_motion};
 /// TranslationalMotionSensor(x0: "120 mm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Sensor("x v"))]
 pub struct TranslationalMotionSensor {
     /// Position at the start.
     #[block(unit = "m", default = 0.0)]

@@ -8,7 +8,7 @@ use crate::mechanics::quantities::TRANSLATION;
 /// TranslationalReference
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Housing)]
 pub struct TranslationalReference;
 
 impl Block for TranslationalReference {

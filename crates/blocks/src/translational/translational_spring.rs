@@ -13,7 +13,7 @@ use crate::mechanics::quantities::{TRANSLATION, undamped};
 /// TranslationalSpring(k: "2 N/mm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Spring)]
 pub struct TranslationalSpring {
     /// Stiffness; zero is allowed.
     #[block(unit = "N/m")]

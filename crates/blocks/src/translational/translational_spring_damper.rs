@@ -19,7 +19,7 @@ use crate::mechanics::quantities::{TRANSLATION, show_deflection};
 /// TranslationalSpringDamper(k: "1e7 N/m", d: "2e3 N*s/m", backlash: "0.02 mm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = SpringDamper)]
 pub struct TranslationalSpringDamper {
     /// Stiffness; zero is allowed.
     #[block(unit = "N/m")]

@@ -14,7 +14,7 @@ use super::converter::radius;
 /// WheelAndAxle(radius: "0.31 m")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational")]
+#[block(category = "Translational", symbol = Rack)]
 pub struct WheelAndAxle {
     /// Radius $r$ of the wheel.
     #[block(unit = "m")]

@@ -1,12 +1,13 @@
 //! Descriptions of the kinds that build hierarchy.
 
-use blocksim_block::{BlockInfo, ParameterInfo};
+use blocksim_block::{BlockInfo, ParameterInfo, Symbol};
 
 /// Kinds that build hierarchy; they are no blocks of the library.
 pub const HIERARCHY: [BlockInfo; 2] = [
     BlockInfo {
         kind: "Subsystem",
         category: "Hierarchy",
+        symbol: Symbol::Plain,
         doc: "Puts one diagram into another.\n\n```ron\nSubsystem(file: \"joint.ron\", with: { \"axis\": \"robot.axis1\" })\n```",
         parameters: &[
             ParameterInfo {
@@ -30,6 +31,7 @@ pub const HIERARCHY: [BlockInfo; 2] = [
     BlockInfo {
         kind: "Variant",
         category: "Hierarchy",
+        symbol: Symbol::Plain,
         doc: "Holds alternatives with the same ports; a parameter chooses which one is built.\n\n```ron\nVariant(choice: \"drive\", of: { \"asm\": Subsystem(file: \"asm.ron\"), \"dc\": Subsystem(file: \"dc.ron\") })\n```",
         parameters: &[
             ParameterInfo {

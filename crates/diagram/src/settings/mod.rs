@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{FixedMethod, OutputTimes, Settings, Solver, VariableMethod};
-use blocksim_block::{BlockInfo, ParameterInfo};
+use blocksim_block::{BlockInfo, ParameterInfo, Symbol};
 use serde::Deserialize;
 
 use crate::ast::Ast;
@@ -19,6 +19,7 @@ use written::{Method, Output, Plain, Seconds, Simulation, Stop};
 static INFO: BlockInfo = BlockInfo {
     kind: "simulation",
     category: "",
+    symbol: Symbol::Plain,
     doc: "",
     parameters: &[ParameterInfo { name: "seed", rust_type: "u64", unit: "1", default: Some("0"), doc: "" }],
     file: file!(),

@@ -1,0 +1,136 @@
+use std::io;
+use std::path::Path;
+
+use blocksim_diagram::Sources;
+use blocksim_drawing::{Level, PathError, all_levels, level_at, svg, text};
+use blocksim_layout::{Layout, Point, PortKind, layout};
+use serde_json::{Value, json};
+
+use super::tell;
+use crate::args::Format;
+use crate::console::Console;
+use crate::disk::{Disk, refusal};
+use crate::exit::Exit;
+use crate::graph_args::GraphArgs;
+use crate::picture_file::write_pictures;
+use crate::render;
+
+/// Draws a level of a model, or all of them.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn graph(args: &GraphArgs, console: Console) -> io::Result<Exit> {
+    if let Some(refusal) = refusal(&args.model.model) {
+        console.say(&refusal);
+        return Ok(Exit::Files);
+    }
+    let disk = Disk::default();
+    let sources = Sources::new(&disk);
+    let (model, problems) = blocksim_diagram::model(&sources, &args.model.model, &args.model.set);
+    tell(&problems, &sources.all(), Format::Full, console)?;
+    let Some(model) = model else { return Ok(Exit::Model) };
+    let levels = if args.all {
+        all_levels(&model, &sources)
+    } else {
+        match level_at(&model, &sources, &args.path) {
+            Ok(level) => vec![level],
+            Err(error) => {
+                console.say(&no_such_level(&error));
+                return Ok(Exit::Usage);
+            }
+        }
+    };
+    let whole = if render::errors(&problems) == 0 { Exit::Done } else { Exit::Model };
+    for level in &levels {
+        let laid_out = layout(&level.graph);
+        if args.json {
+            console.data(&format!("{}\n", as_json(level, &laid_out)))?;
+        }
+        if args.svg.is_none() && args.png.is_none() {
+            if !args.json {
+                let headed = if args.all && !level.path.is_empty() {
+                    format!("{}: ", level.path)
+                } else {
+                    String::new()
+                };
+                console.data(&format!("{headed}{}\n", text(level, &laid_out, console.ascii)))?;
+            }
+            continue;
+        }
+        let drawing = svg(level, &laid_out, args.theme.into());
+        let file = |given: &Option<std::path::PathBuf>, ending: &str| {
+            given
+                .as_deref()
+                .map(|file| if args.all { in_folder(file, level, ending) } else { file.to_owned() })
+        };
+        let (as_svg, as_png) = (file(&args.svg, "svg"), file(&args.png, "png"));
+        for folder in [&as_svg, &as_png].into_iter().flatten().filter_map(|file| file.parent()) {
+            if args.all
+                && let Err(error) = std::fs::create_dir_all(folder)
+            {
+                console.say(&format!("error: cannot create `{}`: {error}", folder.display()));
+                return Ok(Exit::Files);
+            }
+        }
+        match write_pictures(&drawing, as_svg.as_deref(), as_png.as_deref(), args.scale, args.force) {
+            Ok(_) => {}
+            Err(said) => {
+                console.say(&said);
+                return Ok(Exit::Files);
+            }
+        }
+    }
+    Ok(whole)
+}
+
+/// The file of a level in a folder: `top.svg`, `arm.link1.svg`. Names of blocks are letters, digits and `_`.
+fn in_folder(folder: &Path, level: &Level, ending: &str) -> std::path::PathBuf {
+    let name = if level.path.is_empty() { "top".to_owned() } else { level.path.replace('/', ".") };
+    folder.join(format!("{name}.{ending}"))
+}
+
+fn no_such_level(error: &PathError) -> String {
+    let place = if error.found.is_empty() { "the top".to_owned() } else { format!("`{}`", error.found) };
+    let said = if error.is_block {
+        format!("error: `{}` in {place} has nothing inside", error.name)
+    } else {
+        format!("error: there is no `{}` in {place}", error.name)
+    };
+    match blocksim_signal::closest(&error.name, error.subsystems.iter().map(String::as_str)) {
+        Some(close) => format!("{said}\n  = help: did you mean `{close}`?"),
+        None if error.subsystems.is_empty() => format!("{said}\n  = help: there are no subsystems in it"),
+        None => format!("{said}\n  = help: the subsystems there are {}", error.subsystems.join(", ")),
+    }
+}
+
+/// Places in dots of the drawing without its edge and title.
+fn as_json(level: &Level, layout: &Layout) -> Value {
+    let at = |point: Point| json!([point.x, point.y]);
+    let blocks = level.figures.iter().zip(&layout.nodes).map(|(figure, placed)| {
+        let ports = figure.ports.iter().zip(&placed.ports).map(|(look, port)| {
+            let kind = match look.kind {
+                PortKind::Input => "input",
+                PortKind::Output => "output",
+                PortKind::Free => "conserving",
+            };
+            json!({ "name": look.name, "kind": kind, "at": at(port.at) })
+        });
+        json!({
+            "name": figure.name, "path": figure.path, "kind": figure.kind,
+            "x": placed.x, "y": placed.y, "width": placed.width, "height": placed.height,
+            "mirrored": placed.mirrored, "ports": ports.collect::<Vec<_>>(),
+        })
+    });
+    let wires = level.lines.iter().zip(&layout.wires).map(|(line, wire)| {
+        let segments = wire.segments.iter().map(|s| json!([at(s.from), at(s.to)]));
+        json!({
+            "title": line.title, "bus": line.thick, "domain": line.domain.map(|domain| domain.to_string()),
+            "segments": segments.collect::<Vec<_>>(),
+            "junctions": wire.junctions.iter().map(|point| at(*point)).collect::<Vec<_>>(),
+        })
+    });
+    json!({
+        "v": 1, "path": level.path, "title": level.title, "width": layout.width, "height": layout.height,
+        "blocks": blocks.collect::<Vec<_>>(), "wires": wires.collect::<Vec<_>>(),
+    })
+}

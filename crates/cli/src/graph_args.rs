@@ -1,0 +1,50 @@
+//! The command line of `blocksim graph`.
+
+use std::path::PathBuf;
+
+use crate::args::ModelArgs;
+use crate::plot_args::ThemeName;
+
+/// `blocksim graph`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Draws one level. Models with errors are drawn as far as they can be read.\n\nExamples:\n  \
+                  blocksim graph servo.ron\n  blocksim graph servo.ron --png servo.png\n  \
+                  blocksim graph irb2600.ron --path arm/link1 --svg link1.svg --theme dark\n  \
+                  blocksim graph irb2600.ron --all --svg drawings"
+)]
+pub struct GraphArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// The level to draw, such as `arm/link1`; without it the top.
+    #[arg(long, value_name = "PATH", default_value = "", hide_default_value = true)]
+    pub path: String,
+    /// Draws every level; files then are folders, with a drawing for each level.
+    #[arg(long, conflicts_with = "path")]
+    pub all: bool,
+    /// Writes a drawing.
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+    /// Writes a picture.
+    #[arg(long, value_name = "FILE")]
+    pub png: Option<PathBuf>,
+    /// Replace files that are there.
+    #[arg(long)]
+    pub force: bool,
+    /// Colours of drawing and picture.
+    #[arg(long, value_enum, default_value_t = ThemeName::Light, value_name = "THEME")]
+    pub theme: ThemeName,
+    /// Dots of the picture for a dot of the drawing.
+    #[arg(long, value_name = "X", default_value_t = 2.0, value_parser = scale)]
+    pub scale: f64,
+    /// Prints the places of blocks and wires as JSON, one object a level.
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn scale(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if (0.1..=16.0).contains(&x) => Ok(x),
+        _ => Err("a number from 0.1 to 16".to_owned()),
+    }
+}

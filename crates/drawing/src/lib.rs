@@ -1,0 +1,26 @@
+//! Drawings of block diagrams: from a level of a model to SVG, or to signs of a terminal.
+//!
+//! ```text
+//! Model -level-> Level -layout-> Layout -svg-> SVG text
+//!                                       -text-> lines of signs
+//! ```
+//!
+//! Every block wears the sign of its field, [`blocksim_block::Symbol`]. Texts are escaped: no name of a diagram can add
+//! anything to a drawing.
+
+mod bus;
+mod canvas;
+mod figure;
+mod level;
+mod size;
+mod svg;
+mod symbols;
+mod text;
+mod walk;
+
+pub use blocksim_plot::Theme;
+pub use figure::{Figure, Look, PortLook};
+pub use level::{Level, Line, level};
+pub use svg::svg;
+pub use text::text;
+pub use walk::{PathError, all_levels, level_at};

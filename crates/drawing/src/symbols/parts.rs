@@ -1,0 +1,162 @@
+//! Machines, gears, joints and bodies.
+
+use blocksim_block::Symbol;
+
+use super::Pen;
+use crate::canvas::Paint;
+
+pub(super) fn draw(pen: &mut Pen, symbol: Symbol) {
+    let ink = pen.ink();
+    let bold = Paint { width: 1.6, ..ink };
+    let (hollow, solid) = (pen.hollow(), pen.solid());
+    let quiet = Paint { stroke: pen.canvas.colours.quiet, ..ink };
+    match symbol {
+        Symbol::Machine(letters) => {
+            pen.disc(0.0, 0.0, 19.0, Paint { width: 1.6, ..hollow });
+            match letters.split_once(' ') {
+                Some((letter, current)) => {
+                    pen.word(0.0, -4.0, 13.0, letter);
+                    pen.word(0.0, 9.0, 10.0, current);
+                }
+                None => pen.word(0.0, 0.0, 14.0, letters),
+            }
+        }
+        Symbol::Converter(from, to) => {
+            pen.shape("M-15 -15H15V15H-15ZM-15 15L15 -15", ink);
+            pen.word(-7.0, -7.0, 12.0, from);
+            pen.word(7.0, 7.0, 12.0, to);
+        }
+        Symbol::Transistor => {
+            pen.shape(
+                "M-14 0H-8M-8 -9V9M-4 -11V11M-4 -6H10M-4 6H10M-4 6L1 3M-4 6L1 9M10 -15V-6M10 6V15",
+                bold,
+            );
+        }
+        Symbol::Transformer => {
+            pen.shape("M-8 -14a4 3.5 0 0 1 0 7a4 3.5 0 0 1 0 7a4 3.5 0 0 1 0 7a4 3.5 0 0 1 0 7", bold);
+            pen.shape("M8 -14a4 3.5 0 0 0 0 7a4 3.5 0 0 0 0 7a4 3.5 0 0 0 0 7a4 3.5 0 0 0 0 7", bold);
+            pen.shape("M-1.5 -14V14M1.5 -14V14", ink);
+        }
+        Symbol::Gear => {
+            wheel(pen, -7.0, 2.0, 9.0, 10, bold);
+            wheel(pen, 9.5, -4.0, 6.0, 7, bold);
+        }
+        Symbol::Screw => {
+            pen.shape(
+                "M-18 -4H18V4H-18ZM-14 -4L-11 4M-9 -4L-6 4M-4 -4L-1 4M1 -4L4 4M6 -4L9 4M11 -4L14 4",
+                ink,
+            );
+            pen.shape("M-6 -9H6V-4H-6ZM-6 4H6V9H-6Z", solid);
+        }
+        Symbol::Rack => {
+            wheel(pen, 0.0, -5.0, 8.0, 9, bold);
+            pen.shape("M-18 6l3 -2l3 2l3 -2l3 2l3 -2l3 2l3 -2l3 2l3 -2l3 2l3 -2l3 2V11H-18Z", ink);
+        }
+        Symbol::Inertia => {
+            pen.shape("M-3 -13H5V13H-3Z", Paint { fill: pen.canvas.colours.inside, ..bold });
+            pen.shape("M-16 0H-3M5 0H12", bold);
+        }
+        Symbol::Mass => {
+            pen.shape("M-14 -9H14V9H-14Z", Paint { fill: pen.canvas.colours.inside, ..bold });
+            pen.word(0.0, 0.0, 11.0, "m");
+        }
+        Symbol::Sensor(text) => pen.word(0.0, 0.0, 11.0, text),
+        Symbol::Hinge => {
+            pen.shape("M-20 0H-7M7 0H20", Paint { width: 2.2, ..ink });
+            pen.disc(0.0, 0.0, 7.5, Paint { width: 1.6, ..hollow });
+            pen.disc(0.0, 0.0, 1.8, solid);
+            pen.shape("M-8 -11A13 13 0 0 1 9 -10M9 -10L4.6 -11.6M9 -10L6.5 -14", ink);
+        }
+        Symbol::Slide => {
+            pen.shape("M-20 0H20", Paint { width: 2.2, ..ink });
+            pen.shape("M-8 -6H8V6H-8Z", Paint { width: 1.6, ..hollow });
+            pen.shape("M-10 -11H10M7 -13.5L10 -11L7 -8.5M-7 -13.5L-10 -11L-7 -8.5", ink);
+        }
+        Symbol::Ball => {
+            pen.shape("M-20 0H-8M6 0H20", Paint { width: 2.2, ..ink });
+            pen.disc(0.0, 0.0, 6.0, solid);
+            pen.shape("M6 -8A10 10 0 1 0 6 8", bold);
+        }
+        Symbol::Weld => pen.shape("M-18 0H18M-6 -6L6 6M-6 6L6 -6", bold),
+        Symbol::Body => {
+            pen.shape(
+                "M-15 4C-17 -8 -6 -12 2 -11S17 -6 15 3S2 12 -5 11S-14 9 -15 4Z",
+                Paint { fill: pen.canvas.colours.inside, ..bold },
+            );
+            pen.disc(0.0, 0.0, 5.0, hollow);
+            pen.shape("M0 0V-5A5 5 0 0 1 5 0ZM0 0V5A5 5 0 0 1 -5 0Z", solid);
+        }
+        Symbol::Frame => {
+            pen.shape("M-14 10V-1M-14 10H-3", bold);
+            pen.shape("M3 4V-9M3 4H15", bold);
+            pen.shape("M-14 10L3 4", Paint { width: 1.0, ..quiet });
+            pen.disc(-14.0, 10.0, 1.8, solid);
+            pen.disc(3.0, 4.0, 1.8, solid);
+        }
+        Symbol::World => {
+            pen.shape("M-6 6V-10M-6 6H11M-6 6L-12 12M-8 -7L-6 -11L-4 -7M8 4L12 6L8 8", bold);
+            pen.disc(-6.0, 6.0, 2.0, solid);
+        }
+        Symbol::Force => pen.shape("M-16 -3H4V-8L14 0L4 8V3H-16Z", hollow),
+        Symbol::Torque => pen.shape("M-8 7A11 11 0 1 1 8 7M12 4L8 8L5 3", bold),
+        Symbol::Clutch => pen.shape("M-18 0H-3M-3 -10V10M3 -10V10M3 0H18", Paint { width: 2.2, ..ink }),
+        Symbol::Contact => pen.shape("M-18 -8H-8L7 -14M8 -8H18M-18 8H-8L7 2M8 8H18", bold),
+        Symbol::Capacitor => pen.shape("M0 -14V-3M0 3V14M-10 -3H10M-10 3H10", bold),
+        Symbol::Inductor => {
+            pen.shape("M-14 0a3.5 4 0 0 1 7 0a3.5 4 0 0 1 7 0a3.5 4 0 0 1 7 0a3.5 4 0 0 1 7 0", bold);
+        }
+        Symbol::Resistor => pen.shape("M-14 -5H14V5H-14Z", bold),
+        Symbol::AcSource => {
+            pen.disc(0.0, 0.0, 14.0, Paint { width: 1.6, ..hollow });
+            pen.shape("M-8 0C-6 -8 -2 -8 0 0S6 8 8 0", bold);
+        }
+        Symbol::VoltageSource | Symbol::CurrentSource => {
+            pen.disc(0.0, 0.0, 14.0, Paint { width: 1.6, ..hollow });
+            pen.shape("M-4 -6H4M0 -10V-2M-4 7H4", bold);
+        }
+        Symbol::Meter(letter) => {
+            pen.disc(0.0, 0.0, 13.0, Paint { width: 1.6, ..hollow });
+            pen.word(0.0, 0.0, 12.0, letter);
+        }
+        Symbol::Diode | Symbol::Thyristor => {
+            pen.shape("M-16 0H-7M7 0H16M7 -8V8", bold);
+            pen.shape("M-7 -8L7 0L-7 8Z", solid);
+        }
+        Symbol::Spring => pen.shape("M-17 0H-13L-11 -6L-7 6L-3 -6L1 6L5 -6L9 6L11 0H17", bold),
+        Symbol::Damper => pen.shape("M-17 0H-6M-6 -7V7M10 -9H-10M10 9H-10M10 -9V9M10 0H17", bold),
+        Symbol::SpringDamper => {
+            pen.shape("M-14 -6H-11L-9 -10L-5 -2L-1 -10L3 -2L7 -10L9 -6H14M-14 8H-3M-3 3V13M6 3H-6M6 13H-6M6 3V13M6 8H14", ink);
+        }
+        Symbol::Friction => {
+            pen.shape("M-14 -4H12V-1H-14Z", solid);
+            pen.shape("M-12 1H14V4H-12Z", hollow);
+        }
+        Symbol::HardStop => pen.shape("M-16 0H-2M-2 -4V4M3 -9V9M3 0H16", bold),
+        _ => {
+            let kind = pen.figure.kind.clone();
+            pen.word(0.0, 0.0, 9.0, &kind);
+        }
+    }
+}
+
+/// A wheel with teeth.
+fn wheel(pen: &mut Pen, x: f64, y: f64, r: f64, teeth: u32, paint: Paint) {
+    let mut data = String::new();
+    for tooth in 0..teeth {
+        let step = std::f64::consts::TAU / f64::from(teeth);
+        for (part, reach) in [(0.0, 0.0), (0.18, 2.2), (0.48, 2.2), (0.66, 0.0)] {
+            let angle = (f64::from(tooth) + part) * step;
+            let (s, c) = angle.sin_cos();
+            let command = if data.is_empty() { 'M' } else { 'L' };
+            data.push_str(&format!(
+                "{command}{} {}",
+                crate::canvas::number(x + (r + reach) * c),
+                crate::canvas::number(y + (r + reach) * s)
+            ));
+        }
+    }
+    data.push('Z');
+    let fill = pen.canvas.colours.inside;
+    pen.shape(&data, Paint { width: 1.1, fill, ..paint });
+    pen.disc(x, y, 2.0, Paint { width: 1.0, ..paint });
+}
