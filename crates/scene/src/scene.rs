@@ -2,13 +2,13 @@
 
 use blocksim_multibody::Placement;
 use nalgebra::{Quaternion, UnitQuaternion};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::place;
 use crate::shape::Shape;
 
 /// A mechanism as it can be drawn.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
     /// The bodies, parents before children. The first is the world.
     pub bodies: Vec<SceneBody>,
@@ -21,14 +21,14 @@ pub struct Scene {
 }
 
 /// A body and the joint that moves it. With the joint at zero the body is at `place` in its parent.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneBody {
     /// Path of the joint. A joint with several freedoms moves several bodies, of which the last one is meant.
     pub name: String,
     /// Index of the body that carries the joint; `None` of the world.
     pub parent: Option<usize>,
     /// Where the joint sits in the parent.
-    #[serde(flatten, serialize_with = "place::members")]
+    #[serde(flatten, with = "place")]
     pub place: Placement,
     /// How the body moves there.
     pub motion: Motion,
@@ -37,7 +37,7 @@ pub struct SceneBody {
 }
 
 /// How a body moves, and the recorded signals that tell it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Motion {
     /// Not at all.
@@ -64,7 +64,7 @@ pub enum Motion {
 }
 
 /// A shape on a body.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneShape {
     /// Index of the body.
     pub body: usize,
@@ -76,7 +76,7 @@ pub struct SceneShape {
 }
 
 /// A mass on a body.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Mass {
     /// Index of the body.
     pub body: usize,
@@ -89,14 +89,14 @@ pub struct Mass {
 }
 
 /// A named frame on a body.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneFrame {
     /// Index of the body.
     pub body: usize,
     /// Path of the block that leads to it.
     pub name: String,
     /// Where it is in the frame of the body.
-    #[serde(flatten, serialize_with = "place::members")]
+    #[serde(flatten, with = "place")]
     pub place: Placement,
 }
 
@@ -168,6 +168,25 @@ impl Scene {
             poses.push(carrier.unwrap_or_else(Placement::identity) * body.place * at);
         }
         poses
+    }
+
+    /// What makes no sense in a scene that was read from a file: in words, `None` if all is well. What is said of such a
+    /// scene is never out of bounds.
+    pub fn flaw(&self) -> Option<String> {
+        let world = self.bodies.first().filter(|body| body.parent.is_none() && body.motion == Motion::Fixed);
+        if world.is_none() {
+            return Some("its first body is not the world".to_owned());
+        }
+        for (index, body) in self.bodies.iter().enumerate().skip(1) {
+            if body.parent.is_none_or(|parent| parent >= index)
+                || body.start.len() != body.motion.signals().len()
+            {
+                return Some(format!("body {index} has no place on one before it"));
+            }
+        }
+        let on = self.shapes.iter().map(|shape| shape.body).chain(self.masses.iter().map(|mass| mass.body));
+        let mut on = on.chain(self.frames.iter().map(|frame| frame.body));
+        on.find(|body| *body >= self.bodies.len()).map(|body| format!("there is no body {body}"))
     }
 
     /// Adds another mechanism in the same world.
@@ -244,6 +263,21 @@ mod tests {
     }
 
     #[test]
+    fn a_scene_that_names_bodies_which_are_not_there_has_a_flaw() {
+        assert_eq!(crane().flaw(), None);
+        let flaw = |change: fn(&mut Scene)| {
+            let mut scene = crane();
+            change(&mut scene);
+            scene.flaw()
+        };
+        assert_eq!(flaw(|scene| scene.shapes[0].body = 4), Some("there is no body 4".to_owned()));
+        let placeless = Some("body 2 has no place on one before it".to_owned());
+        assert_eq!(flaw(|scene| scene.bodies[2].parent = Some(3)), placeless);
+        assert_eq!(flaw(|scene| scene.bodies[2].start.clear()), placeless);
+        assert_eq!(flaw(|scene| scene.bodies.clear()), Some("its first body is not the world".to_owned()));
+    }
+
+    #[test]
     fn a_scene_is_written_flat() {
         let scene = serde_json::to_value(crane()).expect("JSON");
         let shape = &scene["shapes"][0];
@@ -253,6 +287,7 @@ mod tests {
         );
         assert_eq!(shape["translation"][2], -0.5);
         assert_eq!(scene["bodies"][1]["motion"]["signal"], "mast.q");
+        assert_eq!(serde_json::from_value::<Scene>(scene.clone()).expect("a scene"), crane());
         assert_eq!(scene["bodies"][1]["rotation"][2], serde_json::json!([0.0, 0.0, 1.0]));
     }
 }

@@ -1,12 +1,12 @@
 //! Shapes fixed to a body.
 
 use blocksim_multibody::Placement;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::place;
 
 /// A shape fixed to a body.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
     /// What it is for.
     #[serde(rename = "use")]
@@ -15,14 +15,14 @@ pub struct Shape {
     #[serde(flatten)]
     pub form: Form,
     /// Where it sits in the frame of the body.
-    #[serde(flatten, serialize_with = "place::members")]
+    #[serde(flatten, with = "place")]
     pub place: Placement,
     /// Red, green, blue and opacity, 0 to 1; `None` leaves it to who draws.
     pub colour: Option<[f64; 4]>,
 }
 
 /// What a shape is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Purpose {
     /// To be looked at and to find collisions.
@@ -34,7 +34,7 @@ pub enum Purpose {
 }
 
 /// Kinds of shape.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Form {
     /// Edges along x, y and z.
