@@ -51,10 +51,10 @@ fn cascade_gives_the_same_bits_built_in_and_loaded() {
     };
     let numbers = [("w1", 4.0), ("kd", 0.005), ("slip_limit", 0.12), ("ts", 0.002), ("u_start", 0.2)];
     let table = blocksim_plugin_cascade::table();
-    let expected = bits_built_in(BuiltIn::new(table, "Cascade", &numbers).unwrap(), 5, 0.002);
+    let expected = bits_built_in(BuiltIn::new(table, "Cascade", &numbers).unwrap(), 6, 0.002);
     for library in ["../../plugins/cascade", &built("blocksim_plugin_cascade")] {
         let block = load(&here(), library, "Cascade", parameters()).unwrap();
-        assert!(bits_of_block(block, 5, 0.002) == expected, "{library}");
+        assert!(bits_of_block(block, 6, 0.002) == expected, "{library}");
     }
 }
 

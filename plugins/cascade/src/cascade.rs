@@ -3,7 +3,7 @@ use blocksim_controller::prelude::*;
 /// Position controller around a speed controller, with feedforward of speed and acceleration.
 ///
 /// - wanted speed: `w_ref = qd_set + kv (q_set - q)`, error `e_w = w_ref - w`
-/// - demand: `v = (w_ref + kp e_w + kd (qdd_set - (w - w_previous)/ts) + ki ∫ e_w dt) / w1`
+/// - demand: `v = (w_ref + kp e_w + kd (qdd_set - (w - w_previous)/ts) + ki ∫ e_w dt) / w1 + u_ff`
 /// - output: `u = v`, limited to `|u - w/w1| <= slip_limit`, then to -1..1
 ///
 /// `w1` is the speed at u = 1, so the feedforward alone drives an ideal machine; one law serves all
@@ -33,8 +33,10 @@ const QDD_SET: Input = Input::new(2, "qdd_set", "rad/s^2", "Wanted acceleration.
 const Q: Input = Input::new(3, "q", "rad", "Position.");
 const W: Input = Input::new(4, "w", "rad/s", "Speed.");
 
+const U_FF: Input = Input::new(5, "u_ff", "1", "Part of u that is known beforehand.").or(&[0.0]);
+
 const U: Output =
-    Output::new(0, "u", "1", "Controlled value, -1 to 1.").reads(&[Q_SET, QD_SET, QDD_SET, Q, W]);
+    Output::new(0, "u", "1", "Controlled value, -1 to 1.").reads(&[Q_SET, QD_SET, QDD_SET, Q, W, U_FF]);
 
 /// Kept as a part of u rather than in rad, so that `u_start` means something for ki = 0 too.
 const INTEGRAL: Discrete = Discrete::new(0, "integral", "1", "Integral part of u.");
@@ -55,7 +57,7 @@ fn law(c: &Context) -> Parts {
     let w_ref = c[QD_SET] + c[KV] * (c[Q_SET] - c[Q]);
     let e_w = w_ref - c[W];
     let acceleration = if c[STARTED] == 0.0 { 0.0 } else { (c[W] - c[W_PREVIOUS]) / c[TS] };
-    let v = (w_ref + c[KP] * e_w + c[KD] * (c[QDD_SET] - acceleration)) / c[W1] + c[INTEGRAL];
+    let v = (w_ref + c[KP] * e_w + c[KD] * (c[QDD_SET] - acceleration)) / c[W1] + c[INTEGRAL] + c[U_FF];
 
     let slip_free = c[W] / c[W1];
     // The range of u is the harder limit: a joint driven beyond it keeps |u| <= 1 and exceeds the slip.
@@ -79,7 +81,7 @@ impl Controller for Cascade {
     const KIND: &'static str = "Cascade";
     const DOC: &'static str = include_str!("../README.md");
     const PARAMETERS: &'static [Parameter] = &[KV, KP, KI, KD, W1, SLIP_LIMIT, TS, U_START];
-    const INPUTS: &'static [Input] = &[Q_SET, QD_SET, QDD_SET, Q, W];
+    const INPUTS: &'static [Input] = &[Q_SET, QD_SET, QDD_SET, Q, W, U_FF];
     const OUTPUTS: &'static [Output] = &[U];
     const DISCRETE: &'static [Discrete] = &[INTEGRAL, W_PREVIOUS, STARTED];
 
@@ -143,7 +145,20 @@ mod tests {
 
     /// q_set, qd_set, qdd_set, q, w
     fn sample(c: &mut Bench, u: [f64; 5]) -> f64 {
-        c.sample(0.0, &u).unwrap()[0]
+        fed_forward(c, u, 0.0)
+    }
+
+    /// The same and u_ff.
+    fn fed_forward(c: &mut Bench, [q_set, qd_set, qdd_set, q, w]: [f64; 5], u_ff: f64) -> f64 {
+        c.sample(0.0, &[q_set, qd_set, qdd_set, q, w, u_ff]).unwrap()[0]
+    }
+
+    #[test]
+    fn what_is_known_beforehand_is_added_within_the_limits() {
+        let mut c = cascade(&[("slip_limit", 0.12)]);
+        assert_eq!(fed_forward(&mut c, [0.0; 5], 0.1), 0.1);
+        assert_eq!(fed_forward(&mut c, [0.0; 5], 0.5), 0.12);
+        assert_eq!(c.discrete()[0], 0.0, "no error, no integral");
     }
 
     #[test]
