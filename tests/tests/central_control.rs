@@ -61,11 +61,21 @@ fn motors_with_currents_follow_better_with_the_torque_that_they_will_need() {
     assert!(largest(&without) > 10.0 * largest(&with), "{without:?} and {with:?} degrees");
 }
 
-/// The torque of an asynchronous machine is a matter of its slip, which the slope of its torque gives.
+/// The torque of an asynchronous machine follows its slip with the flux and the resonances of the machine in between:
+/// less is won, on the axes that need the least slip nothing.
 #[test]
-fn asynchronous_machines_follow_better_with_the_slip_that_they_will_need() {
+fn asynchronous_machines_follow_no_worse_and_where_friction_rules_better() {
     let [without, with] = compared("drive=asm", true, &[]);
-    assert!(largest(&without) > 2.0 * largest(&with), "{without:?} and {with:?} degrees");
+    for (axis, (without, with)) in (1..=6).zip(without.iter().zip(&with)) {
+        assert!(*with < 1.05 * without, "axis {axis}: {without} and {with} degrees");
+    }
+    assert!(without[5] > 1.5 * with[5], "{without:?} and {with:?} degrees");
+}
+
+#[test]
+fn machines_with_a_speed_control_of_their_own_find_their_slip_themselves() {
+    let [without, with] = compared("drive=asm", true, &["speed_control=slip"]);
+    assert_eq!(without, with);
 }
 
 /// The structures of control of one arm: what each further value that a controller sees is worth.

@@ -193,10 +193,10 @@ fn small(bencher: Bencher, path: &str) {
     bencher.with_inputs(|| started(schedule(path, &[]))).bench_refs(|sim| sim.run(&mut Last(0.0)).is_ok());
 }
 
-#[divan::bench(args = ["dc", "asm", "torque"])]
-fn robot(bencher: Bencher, drive: &str) {
+#[divan::bench(args = ["drive=dc", "drive=asm", "drive=torque", "control=central"])]
+fn robot(bencher: Bencher, set: &str) {
     let diagram = || {
-        let mut schedule = schedule("diagrams/irb2600/irb2600.ron", &[&format!("drive={drive}")]);
+        let mut schedule = schedule("diagrams/irb2600/irb2600.ron", &[set]);
         schedule.settings.stop_time = 0.1;
         started(schedule)
     };
