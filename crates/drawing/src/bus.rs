@@ -21,8 +21,7 @@ fn follow(model: &Model, source: &Reference, buses: &BTreeSet<String>, depth: us
         let picked = |reference: &Reference| {
             reference.block == "in" && reference.port == source.port && !reference.elements.is_empty()
         };
-        return source.elements.is_empty()
-            && (buses.contains(&source.port) || sources(model).any(|reference| picked(reference)));
+        return source.elements.is_empty() && (buses.contains(&source.port) || sources(model).any(picked));
     }
     let Some(block) = model.block(&source.block) else { return false };
     match &block.content {
