@@ -19,7 +19,9 @@ use crate::{Context, Given, Interface, InterfaceError, ParamError};
 /// (*minor steps*); `d` does not change there. After an accepted step it calls `accept`.
 ///
 /// Where a function is handed `x` or `d` mutably, those of the [`Context`] are empty.
-pub trait Block: Debug + Send + Sync {
+///
+/// Who knows a kind can look into it: `(&*block as &dyn Any).downcast_ref::<Gain>()`.
+pub trait Block: Any + Debug + Send + Sync {
     /// Reads what the parameters name outside the diagram (tables, plug-ins). Called once, before everything else.
     ///
     /// # Errors

@@ -17,9 +17,11 @@
 //! | `mechanics`, `electrics` | the two sides: what is known beforehand, and what each evaluation does |
 //! | `implicit` | what linearly implicit methods are told |
 //! | `energy` | the account |
+//! | `describe` | what others may see of the mechanics |
 //! | `network`, `seat`, `work` | the block, its members, its working space |
 
 mod assembly;
+mod describe;
 mod electrics;
 mod energy;
 mod implicit;
@@ -30,5 +32,6 @@ mod seat;
 mod work;
 
 pub use assembly::{Member, Terminal, assemble};
+pub use describe::{AxisView, PartView};
 pub use network::Network;
 pub use problem::NetworkProblem;
