@@ -176,7 +176,7 @@ fn random_stack(model: &Model, samples: usize, seed: u64) -> DMatrix<f64> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use blocksim_multibody::{Inertia, Joint, ModelBuilder, Placement, rnea};
 

@@ -6,18 +6,24 @@
 //! | Coulomb and viscous friction from two or many speeds | [`two_point`], [`line`] |
 //! | breakaway, Coulomb and viscous friction through gear and motor | [`curve`] |
 //! | which combinations of masses and inertias decide the torques | [`BaseParameters`] |
+//! | a motion that shows them well | [`excitation`] |
+//! | their values from torques along a motion | [`identify`], [`prediction_error`] |
 //!
 //! All angles are in rad, torques in N m.
 
 mod base_parameters;
+mod dynamics;
 mod error;
+mod excitation;
 mod friction;
 mod least_squares;
 mod random;
 mod student;
 
 pub use base_parameters::{BaseParameter, BaseParameters, inertial_name};
+pub use dynamics::{Identified, Sample, identify, prediction_error};
 pub use error::IdentifyError;
+pub use excitation::{Excitation, Fourier, JointRange, excitation};
 pub use friction::{Curve, CurveFit, Line, Point, Train, TwoPoint, curve, line, two_point};
 pub use least_squares::{Estimate, Fit, least_squares, nonlinear_least_squares};
 pub use random::Random;
