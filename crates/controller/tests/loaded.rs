@@ -87,9 +87,9 @@ fn pid_gives_the_same_bits_built_in_and_loaded() {
 
 #[test]
 fn cascade_gives_the_same_bits_built_in_and_loaded() {
-    let expected = through_trait::<Cascade>(&CASCADE, 5);
-    assert_eq!(through_table(&first_block(blocksim_plugin_cascade::table()), &CASCADE, 5), expected);
-    assert_eq!(through_table(&first_block(load("blocksim_plugin_cascade")), &CASCADE, 5), expected);
+    let expected = through_trait::<Cascade>(&CASCADE, 6);
+    assert_eq!(through_table(&first_block(blocksim_plugin_cascade::table()), &CASCADE, 6), expected);
+    assert_eq!(through_table(&first_block(load("blocksim_plugin_cascade")), &CASCADE, 6), expected);
 }
 
 #[test]

@@ -34,9 +34,9 @@ static ALLOCATOR: Counting = Counting;
 fn outputs_and_updates_do_not_allocate() {
     let library = built("blocksim_plugin_cascade");
     let block = load(&here(), &library, "Cascade", set([("w1", with_unit(4.0, "rad/s"))])).unwrap();
-    let inputs = [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5)];
+    let inputs = [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 6)];
     let (fault, mut scratch) = (Fault::default(), Scratch::default());
-    let (mut d, mut y, mut u) = ([0.0; 3], [0.0], [0.0; 5]);
+    let (mut d, mut y, mut u) = ([0.0; 3], [0.0], [0.0; 6]);
     fn context<'a>(u: &'a [f64], d: &'a [f64], inputs: &'a [(u32, u32)], fault: &'a Fault) -> Context<'a> {
         Context { t: 0.0, x: &[], d, u, inputs, outputs: &[(0, 1)], evaluation: 0, fault }
     }

@@ -103,7 +103,8 @@ fn the_interface_shows_ports_and_units_of_the_plugin() {
         in qdd_set: scalar, rad/s^2: Wanted acceleration.
         in q: scalar, rad: Position.
         in w: scalar, rad/s: Speed.
-        out u: scalar, 1, reads q_set qd_set qdd_set q w
+        in u_ff: scalar, 1, default 0: Part of u that is known beforehand.
+        out u: scalar, 1, reads q_set qd_set qdd_set q w u_ff
         xd integral = 0
         xd w_previous = 0
         xd started = 0
@@ -148,7 +149,7 @@ fn a_diagram_names_a_plugin_by_library_block_and_parameters() {
     );
     let mut block = read(&text).unwrap();
     block.load(&here()).unwrap();
-    assert_eq!(block.interface(&Given::nothing()).unwrap().inputs.len(), 5);
+    assert_eq!(block.interface(&Given::nothing()).unwrap().inputs.len(), 6);
 
     let mut block = read(r#"{"Plugin": {"library": "nowhere", "block": "B"}}"#).unwrap();
     assert_eq!(block.load(&here()).unwrap_err().code, "plugin_missing");
