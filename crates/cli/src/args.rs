@@ -7,6 +7,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::export_args::{ExportArgs, RunsArgs};
 use crate::graph_args::GraphArgs;
+use crate::identify_args::IdentifyCommand;
 use crate::params_args::ParamsCommand;
 use crate::plot_args::{CompareArgs, PlotArgs};
 use crate::selection::{Wanted, wanted};
@@ -64,6 +65,9 @@ pub enum Command {
     Blocks(BlocksArgs),
     /// Explain a problem by the word that stands in its brackets: `error[unknown_port]`.
     Explain(ExplainArgs),
+    /// Measure a robot of a diagram by experiments, and compare with its parameters.
+    #[command(subcommand)]
+    Identify(IdentifyCommand),
     /// Sets of parameters as workbooks for Excel and LibreOffice, and back.
     #[command(subcommand)]
     Params(ParamsCommand),
@@ -230,7 +234,7 @@ pub struct ExplainArgs {
 }
 
 /// No names: only numbers and units make sense on the command line.
-struct NoNames;
+pub struct NoNames;
 
 impl Scope for NoNames {
     fn lookup(&self, _name: &str) -> Lookup {
@@ -294,7 +298,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
 }
 
 /// `target=value` with something on both sides.
-fn assignment(text: &str) -> Result<String, String> {
+pub fn assignment(text: &str) -> Result<String, String> {
     match text.split_once('=') {
         Some((target, value)) if !target.trim().is_empty() && !value.trim().is_empty() => Ok(text.to_owned()),
         _ => Err("write target=value, such as drive=dc or pid.kp=40".to_owned()),

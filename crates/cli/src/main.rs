@@ -20,6 +20,7 @@ mod export_args;
 mod format;
 mod formula;
 mod graph_args;
+mod identify_args;
 mod interrupt;
 mod keep;
 mod manifest;
@@ -63,6 +64,7 @@ blocksim simulates block diagrams written as text.
   blocksim check MODEL.ron                  tell all problems without running
   blocksim graph MODEL.ron                  draw the block diagram
   blocksim import ROBOT.urdf --out DIR      make a model of a robot description
+  blocksim identify friction                measure the friction of the robot's axes
   blocksim params export SET.ron            a workbook of parameters, for Excel and LibreOffice
   blocksim blocks                           which kinds of block there are
   blocksim blocks Gain                      all about one of them
@@ -87,6 +89,7 @@ fn main() -> ExitCode {
         Some(Command::Import(args)) => commands::import(args, console),
         Some(Command::Blocks(args)) => commands::blocks(args, console),
         Some(Command::Explain(args)) => commands::explain(args, console),
+        Some(Command::Identify(command)) => commands::identify(command, console),
         Some(Command::Params(command)) => commands::params(command, console),
     };
     match outcome {

@@ -1,0 +1,296 @@
+//! A robot of a diagram on the test bench: its axes, their drives, and experiments with them.
+
+use std::any::Any;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+
+use blocksim_block::Block;
+use blocksim_block::schedule::{Instance, OutputTimes, Recorded, Schedule};
+use blocksim_blocks::motion::{JointMove, Limits};
+use blocksim_multibody::Model;
+use blocksim_network::{AxisView, Network};
+use blocksim_sim::{Control, Counts, Ended, Observer, SimError, Simulation};
+
+use super::course::{Course, Rest, SetValues};
+use super::drive::Drive;
+use crate::interrupt;
+
+/// Why a diagram cannot stand on the bench.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal {
+    /// What is wrong.
+    pub message: String,
+    /// What helps.
+    pub help: String,
+}
+
+impl Refusal {
+    /// A refusal with its remedy.
+    pub fn new(message: impl Into<String>, help: impl Into<String>) -> Refusal {
+        Refusal { message: message.into(), help: help.into() }
+    }
+
+    /// As it is said.
+    pub fn text(&self) -> String {
+        format!("error: {}\n  = help: {}", self.message, self.help)
+    }
+}
+
+/// What a diagram must have to stand on the bench.
+const NEEDS: &str = "the diagram needs a `JointMove` for each axis, a controller that gets its `q` and the `q` of a \
+                     `RevoluteJoint`, and bodies in one open chain, as diagrams/irb2600/irb2600.ron has";
+
+/// A robot on the bench.
+pub struct Bench {
+    schedule: Schedule,
+    /// Index of the block that is the arm.
+    network: usize,
+    /// The bodies.
+    pub tree: Model,
+    /// The axes, by their numbers, which is also their order in the tree.
+    pub axes: Vec<Axis>,
+}
+
+/// An axis on the bench.
+pub struct Axis {
+    /// From 1, as in the manual of the robot.
+    pub number: usize,
+    /// What it can do.
+    pub limits: Limits,
+    /// Path of the joint.
+    pub joint: String,
+    /// What stands between motor and joint.
+    pub drive: Drive,
+    /// Block that gives its set values.
+    reference: usize,
+    /// Its position among the states of the network.
+    position: usize,
+    /// Position, speed and acceleration of the joint, torque on the joint, torque of the motor: cells of signals.
+    cells: [usize; 4],
+    /// Cell of the torque of the motor, if it is known.
+    motor: Option<usize>,
+}
+
+/// What is measured, one number at each time.
+#[derive(Debug, Clone, Default)]
+pub struct Rows {
+    /// s.
+    pub t: Vec<f64>,
+    /// Of the joints that were asked for: q, w, a, torque on the joint, torque of the motor (zero where not known).
+    pub values: Vec<[f64; 5]>,
+}
+
+/// An experiment: what the axes do, and which of them are measured.
+#[derive(Debug, Clone)]
+pub struct Experiment {
+    /// Set values of all axes.
+    pub courses: Vec<Arc<dyn Course>>,
+    /// Axes that are measured, by index.
+    pub measured: Vec<usize>,
+    /// End, s.
+    pub end: f64,
+    /// Time between two rows, s.
+    pub every: f64,
+}
+
+impl Experiment {
+    /// All axes rest in a pose but one.
+    pub fn one_axis(pose: &[f64], axis: usize, course: Arc<dyn Course>, end: f64, every: f64) -> Experiment {
+        let rest = |q: &f64| Arc::new(Rest(*q)) as Arc<dyn Course>;
+        let mut courses: Vec<_> = pose.iter().map(rest).collect();
+        courses[axis] = course;
+        Experiment { courses, measured: vec![axis], end, every }
+    }
+}
+
+impl Bench {
+    /// Puts the robot of a diagram on the bench.
+    ///
+    /// # Errors
+    /// A diagram without such a robot.
+    pub fn new(schedule: Schedule) -> Result<Bench, Refusal> {
+        let no_arm = || Refusal::new("the diagram has no arm of bodies and joints", NEEDS);
+        let networks = schedule.blocks.iter().enumerate();
+        let (network, view) = networks
+            .filter_map(|(index, instance)| Some((index, look_into::<Network>(&instance.block)?)))
+            .find(|(_, view)| view.tree().is_some_and(|tree| tree.dof() > 0))
+            .ok_or_else(no_arm)?;
+        let tree = view.tree().ok_or_else(no_arm)?.clone();
+        if !view.is_plain_tree() {
+            return Err(Refusal::new(
+                "the arm has closed loops, spherical joints, payloads or prescribed speeds",
+                "only open chains of axes with drives can be identified",
+            ));
+        }
+        let mut axes = Vec::new();
+        for view_of_axis in view.axes() {
+            axes.push(axis(&schedule, view, network, view_of_axis)?);
+        }
+        if axes.len() != tree.dof() || axes.iter().enumerate().any(|(index, axis)| axis.number != index + 1) {
+            let found: Vec<String> =
+                axes.iter().map(|axis| format!("{} moves `{}`", axis.number, axis.joint)).collect();
+            return Err(Refusal::new(
+                format!("the axes are not numbered from the base to the tip: {}", found.join(", ")),
+                NEEDS,
+            ));
+        }
+        Ok(Bench { schedule, network, tree, axes })
+    }
+
+    /// Runs an experiment; the joints start at rest where their courses start.
+    ///
+    /// # Errors
+    /// What the simulation says; `interrupted` after Ctrl-C.
+    pub fn run(&self, experiment: &Experiment) -> Result<Rows, SimError> {
+        let mut schedule = self.schedule.clone();
+        for (axis, course) in self.axes.iter().zip(&experiment.courses) {
+            schedule.blocks[axis.reference].block = Arc::new(SetValues(course.clone()));
+            let states = &mut schedule.blocks[self.network].interface.states;
+            if let Some(state) = states.get_mut(axis.position) {
+                state.initial = course.at(0.0)[0];
+            }
+        }
+        let cell = |cell: usize| Recorded {
+            path: String::new(),
+            cell,
+            kind: blocksim_signal::Kind::Real,
+            dimension: None,
+            display: None,
+        };
+        let measured: Vec<&Axis> = experiment.measured.iter().map(|index| &self.axes[*index]).collect();
+        let cells = measured.iter().flat_map(|axis| {
+            let [q, w, a, tau] = axis.cells;
+            [q, w, a, tau, axis.motor.unwrap_or(tau)].map(cell)
+        });
+        schedule.recorded = cells.collect();
+        schedule.settings.stop_time = experiment.end;
+        schedule.settings.output = OutputTimes::Every(experiment.every);
+        let mut simulation = Simulation::new(Arc::new(schedule))?;
+        let mut rows = Rows::default();
+        match simulation.run(&mut rows)? {
+            Ended::Finished => Ok(rows),
+            Ended::Interrupted => Err(SimError {
+                code: INTERRUPTED,
+                t: simulation.time(),
+                path: None,
+                message: "the experiment was interrupted".to_owned(),
+                help: None,
+            }),
+        }
+    }
+
+    /// Runs experiments on all processors; results in the order of the experiments. `told` hears of each that is done.
+    pub fn run_all(
+        &self,
+        experiments: &[Experiment],
+        told: impl Fn(usize) + Sync,
+    ) -> Vec<Result<Rows, SimError>> {
+        let workers = std::thread::available_parallelism().map_or(1, usize::from).min(experiments.len());
+        let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let results: Mutex<Vec<Option<Result<Rows, SimError>>>> = Mutex::new(vec![None; experiments.len()]);
+        std::thread::scope(|scope| {
+            for _ in 0..workers {
+                scope.spawn(|| {
+                    while let Some((index, experiment)) = take(&next, experiments) {
+                        let result = self.run(experiment);
+                        if let Ok(mut results) = results.lock() {
+                            results[index] = Some(result);
+                        }
+                        told(done.fetch_add(1, Ordering::Relaxed) + 1);
+                    }
+                });
+            }
+        });
+        results.into_inner().unwrap_or_default().into_iter().flatten().collect()
+    }
+}
+
+/// The next experiment that nobody has taken.
+fn take<'a>(next: &AtomicUsize, experiments: &'a [Experiment]) -> Option<(usize, &'a Experiment)> {
+    let index = next.fetch_add(1, Ordering::Relaxed);
+    Some((index, experiments.get(index)?))
+}
+
+/// Code of the error of an experiment that Ctrl-C ended.
+pub const INTERRUPTED: &str = "interrupted";
+
+impl Observer for Rows {
+    fn row(&mut self, t: f64, values: &[f64]) {
+        for group in values.chunks_exact(5) {
+            self.t.push(t);
+            self.values.push([group[0], group[1], group[2], group[3], group[4]]);
+        }
+    }
+
+    fn progress(&mut self, _t: f64, _counts: &Counts) -> Control {
+        if interrupt::is_requested() { Control::Stop } else { Control::Go }
+    }
+}
+
+/// A block as what it is.
+pub fn look_into<T: Any>(block: &Arc<dyn Block>) -> Option<&T> {
+    (&**block as &dyn Any).downcast_ref()
+}
+
+/// Whether a block gets a cell as an input.
+fn gets(instance: &Instance, cell: usize) -> bool {
+    instance.gather.iter().any(|(from, length)| (*from as usize..(*from + *length) as usize).contains(&cell))
+}
+
+fn axis(schedule: &Schedule, network: &Network, at: usize, view: AxisView) -> Result<Axis, Refusal> {
+    let cell = |port: &str| {
+        let path = format!("{}.{port}", view.path);
+        schedule.signals.iter().find(|signal| signal.path == path).map(|signal| signal.offset)
+    };
+    let measured = [cell("q"), cell("w"), cell("a"), cell("tau")];
+    let [Some(q), Some(w), Some(a), Some(tau)] = measured else {
+        return Err(Refusal::new(format!("`{}` is no revolute joint", view.path), NEEDS));
+    };
+    // The controller is what compares a set value with the position.
+    let moves = schedule.blocks.iter().enumerate();
+    let moves = moves.filter_map(|(index, block)| Some((index, look_into::<JointMove>(&block.block)?)));
+    let found: Vec<(usize, &JointMove)> =
+        moves
+            .filter(|(index, _)| {
+                let wanted = schedule.blocks[*index].y;
+                schedule.blocks.iter().enumerate().any(|(other, block)| {
+                    other != at && other != *index && gets(block, wanted) && gets(block, q)
+                })
+            })
+            .collect();
+    let [(reference, course)] = found[..] else {
+        return Err(Refusal::new(
+            format!("{} moves lead to the joint `{}`, not one", found.len(), view.path),
+            NEEDS,
+        ));
+    };
+    let (Some(limits), number) = (course.limits.get(course.axis - 1), course.axis) else {
+        return Err(Refusal::new(format!("the move of `{}` has no limits", view.path), NEEDS));
+    };
+    let drive = Drive::of(network, &view);
+    let motor = drive.torque_signal.as_ref().and_then(|path| {
+        schedule.signals.iter().find(|signal| signal.path == *path).map(|signal| signal.offset)
+    });
+    let motor = motor.or_else(|| {
+        let folder = drive.motor_folder.as_ref()?;
+        let path = format!("{folder}/torque.y");
+        schedule.signals.iter().find(|signal| signal.path == path).map(|signal| signal.offset)
+    });
+    Ok(Axis {
+        number,
+        limits: *limits,
+        joint: view.path,
+        drive,
+        reference,
+        position: view.position,
+        cells: [q, w, a, tau],
+        motor,
+    })
+}
+
+impl Axis {
+    /// Whether the torque of the motor is measured.
+    pub fn has_motor(&self) -> bool {
+        self.motor.is_some()
+    }
+}

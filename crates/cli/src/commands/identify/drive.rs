@@ -1,0 +1,86 @@
+//! What stands between the motor and the joint of an axis, from the parameters that are set.
+
+use blocksim_block::physical::LossModel;
+use blocksim_blocks::machines::DcMotor;
+use blocksim_blocks::mechanics::FrictionModel;
+use blocksim_blocks::multibody::RevoluteJoint;
+use blocksim_blocks::rotational::{RotationalDamper, RotationalFriction};
+use blocksim_identify::{Curve, Train};
+use blocksim_network::{AxisView, Network};
+
+use super::bench::look_into;
+
+/// Ratios that differ by less than this part are one.
+const SAME: f64 = 1e-9;
+
+/// The drive of an axis.
+#[derive(Debug, Clone)]
+pub struct Drive {
+    /// Turns of the motor for one of the joint.
+    pub ratio: f64,
+    /// Moment of inertia of motor and gear, brought to the joint, kg m².
+    pub reflected: f64,
+    /// Gear and dampers.
+    pub train: Train,
+    /// Friction of the bearing, if it is one smooth curve.
+    pub bearing: Option<Curve>,
+    /// Signal of the torque of the motor, where the machine has one.
+    pub torque_signal: Option<String>,
+    /// Path of the diagram of the motor.
+    pub motor_folder: Option<String>,
+}
+
+impl Drive {
+    /// Of an axis of a network.
+    pub fn of(network: &Network, view: &AxisView) -> Drive {
+        let members: Vec<_> = network.members().collect();
+        let ratios = view.parts.iter().map(|part| part.ratio);
+        let ratio =
+            ratios.fold(1.0, |largest: f64, ratio| if ratio.abs() > largest.abs() { ratio } else { largest });
+        let mut drive = Drive {
+            ratio,
+            reflected: view.reflected,
+            train: Train::NONE,
+            bearing: None,
+            torque_signal: None,
+            motor_folder: None,
+        };
+        let joint = members.iter().find(|member| member.path == view.path);
+        if let Some(joint) = joint.and_then(|joint| look_into::<RevoluteJoint>(&joint.block)) {
+            drive.train.beside += joint.damping;
+        }
+        for part in &view.parts {
+            let member = members[part.member];
+            let square = part.ratio * part.ratio;
+            let mut damp = |d: f64| {
+                let behind = (part.ratio - ratio).abs() > SAME * ratio.abs();
+                let side = if behind { &mut drive.train.beside } else { &mut drive.train.damping };
+                *side += d * square;
+            };
+            if let Some(loss) = &part.mesh {
+                drive.train.efficiency *= loss.forward;
+                if let LossModel::Dissipative { threshold } = loss.model {
+                    drive.train.threshold = drive.train.threshold.max(threshold / part.ratio.abs());
+                }
+            } else if let Some(damper) = look_into::<RotationalDamper>(&member.block) {
+                damp(damper.d);
+            } else if let Some(friction) = look_into::<RotationalFriction>(&member.block) {
+                if friction.model == FrictionModel::Smooth && (square - 1.0).abs() < SAME {
+                    drive.bearing = Some(Curve {
+                        viscous: friction.viscous,
+                        coulomb: friction.coulomb,
+                        breakaway: friction.breakaway,
+                        breakaway_velocity: friction.breakaway_velocity,
+                    });
+                }
+            } else {
+                if let Some(motor) = look_into::<DcMotor>(&member.block) {
+                    damp(motor.damping);
+                }
+                drive.torque_signal = Some(format!("{}.torque", member.path));
+                drive.motor_folder = member.path.rsplit_once('/').map(|(folder, _)| folder.to_owned());
+            }
+        }
+        drive
+    }
+}

@@ -1,0 +1,294 @@
+//! `blocksim identify friction`.
+
+use std::io;
+
+use blocksim_identify::{CurveFit, Line, Point, TwoPoint, curve, line, two_point};
+
+use super::bench::{Bench, Experiment, Refusal};
+use super::constant_speed::{Measured, Move, fastest, fastest_for, fits, measure, plan, room};
+use super::pose::{Pose, find};
+use super::said::failed;
+use super::{friction_said, load_bench, out};
+use crate::console::Console;
+use crate::exit::Exit;
+use crate::identify_args::FrictionArgs;
+use crate::interrupt;
+
+/// Share of the friction that gravity may have in a window.
+const GRAVITY: f64 = 0.4;
+/// Slow speeds, and fast ones.
+const SLOW: usize = 10;
+const FAST: usize = 6;
+/// Slowest and fastest of the slow speeds, over the largest speed of the axis.
+const SLOWEST: f64 = 3e-4;
+const SLOW_END: f64 = 0.02;
+/// Largest speed of the experiments, over that of the axis.
+const LARGEST: f64 = 0.6;
+/// Half the window of the first look at an axis under gravity, rad.
+const LOOK: f64 = 0.01;
+/// Speed above which friction is a line, over the breakaway velocity: the rest of the bump is below 1e-10 there.
+const STRAIGHT: f64 = 8.0;
+
+/// What was found out about an axis.
+pub struct Result {
+    /// Number of the axis, from 1.
+    pub number: usize,
+    /// Path of the joint.
+    pub joint: String,
+    /// Where it was measured.
+    pub pose: Pose,
+    /// Each move, with what it brought.
+    pub measured: Vec<Measured>,
+    /// The straight part, at the motor.
+    pub line: std::result::Result<Line, String>,
+    /// From half and full speed.
+    pub two_point: Option<(TwoPoint, f64, f64)>,
+    /// The bearing alone.
+    pub curve: std::result::Result<CurveFit, String>,
+    /// Straight part by the parameters: viscous and Coulomb.
+    pub set_line: Option<(f64, f64)>,
+    /// Bearing by the parameters.
+    pub set_bearing: Option<blocksim_identify::Curve>,
+    /// What stands between.
+    pub train: blocksim_identify::Train,
+    /// Turns of the motor for one of the joint.
+    pub ratio: f64,
+}
+
+/// An axis with its place and its speeds.
+struct Setup {
+    axis: usize,
+    pose: Pose,
+    moves: Vec<Move>,
+}
+
+/// Measures the friction of the axes of a robot by moves at constant speed.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn friction(args: &FrictionArgs, console: Console) -> io::Result<Exit> {
+    if let Err(refusal) = out::check(args.common.out.as_deref(), args.common.yes, &["csv", "ron"]) {
+        console.say(&refusal.text());
+        return Ok(Exit::Usage);
+    }
+    let bench = match load_bench(&args.common, console)? {
+        Ok(bench) => bench,
+        Err(exit) => return Ok(exit),
+    };
+    interrupt::take_over();
+    let axes = match chosen(&bench, &args.axis) {
+        Ok(axes) => axes,
+        Err(refusal) => {
+            console.say(&refusal.text());
+            return Ok(Exit::Usage);
+        }
+    };
+    let mut setups = Vec::new();
+    for axis in axes {
+        match setup(&bench, axis, args) {
+            Ok(setup) => setups.push(setup),
+            Err(Trouble::Refused(refusal)) => {
+                console.say(&refusal.text());
+                return Ok(Exit::Usage);
+            }
+            Err(Trouble::Failed(error)) => return Ok(failed(&error, bench.axes[axis].number, console)),
+        }
+    }
+    let experiments: Vec<Experiment> =
+        setups.iter().flat_map(|setup| setup.moves.iter().map(|course| course.experiment.clone())).collect();
+    let live = console.live && !args.common.json;
+    let count = experiments.len();
+    let mut rows = bench
+        .run_all(&experiments, |done| {
+            if live {
+                console.rewrite(&format!("  {done} of {count} moves"));
+            }
+        })
+        .into_iter();
+    if live {
+        console.rewrite("");
+    }
+    let mut results = Vec::new();
+    for setup in &setups {
+        let mut measured = Vec::new();
+        for course in &setup.moves {
+            match rows.next() {
+                Some(Ok(rows)) => measured.extend(measure(&bench, setup.axis, &setup.pose, course, &rows)),
+                Some(Err(error)) => return Ok(failed(&error, bench.axes[setup.axis].number, console)),
+                None => {}
+            }
+        }
+        results.push(evaluate(&bench, setup, measured));
+    }
+    if let Some(path) = &args.common.out {
+        let text = match path.extension().and_then(|ending| ending.to_str()) {
+            Some("ron") => friction_said::ron(&results),
+            _ => friction_said::csv(&results),
+        };
+        if let Err(error) = out::write(path, &text) {
+            console.say(&error);
+            return Ok(Exit::Files);
+        }
+    }
+    let text = if args.common.json { friction_said::json(&results) } else { friction_said::text(&results) };
+    console.data(&text)?;
+    if let (Some(path), false) = (&args.common.out, args.common.json) {
+        console.say(&format!("wrote {}", path.display()));
+    }
+    Ok(if results.iter().all(|result| result.line.is_ok()) { Exit::Done } else { Exit::Failed })
+}
+
+/// Indices of the axes that were asked for.
+fn chosen(bench: &Bench, numbers: &[usize]) -> std::result::Result<Vec<usize>, Refusal> {
+    let count = bench.axes.len();
+    if numbers.is_empty() {
+        return Ok((0..count).collect());
+    }
+    let mut axes: Vec<usize> = Vec::new();
+    for number in numbers {
+        if !(1..=count).contains(number) {
+            return Err(Refusal::new(
+                format!("there is no axis {number}"),
+                format!("the axes of this robot are 1 to {count}"),
+            ));
+        }
+        if !axes.contains(&(number - 1)) {
+            axes.push(number - 1);
+        }
+    }
+    Ok(axes)
+}
+
+enum Trouble {
+    Refused(Refusal),
+    Failed(blocksim_sim::SimError),
+}
+
+fn setup(bench: &Bench, axis: usize, args: &FrictionArgs) -> std::result::Result<Setup, Trouble> {
+    let it = &bench.axes[axis];
+    let number = it.number;
+    let refuse = |message: String, help: &str| Trouble::Refused(Refusal::new(message, help));
+    if !it.has_motor() {
+        return Err(refuse(
+            format!("axis {number}: no signal tells the torque of the motor of `{}`", it.joint),
+            "the diagram of the motor needs a machine with the output `torque`, or a block `torque` with the output `y`",
+        ));
+    }
+    let limits: Vec<_> = bench.axes.iter().map(|axis| axis.limits).collect();
+    let Some(pose) = find(&bench.tree, &limits, axis) else {
+        return Err(refuse(
+            format!("axis {number} is loaded by gravity in all its positions"),
+            "a range of the axis that holds a balance of what it bears makes the measurement possible",
+        ));
+    };
+    let widest = match pose.slope == 0.0 {
+        true => room(bench, axis, &pose),
+        false => widest_under_gravity(bench, axis, &pose)?,
+    };
+    let largest = it.limits.speed;
+    let speeds = if args.speeds.is_empty() {
+        let wanted = (LARGEST * largest).min(fastest_for(widest));
+        let top = fastest(bench, axis, &pose, wanted, widest);
+        let slow_end = (SLOW_END * largest).min(0.5 * top / FAST as f64);
+        let first = (SLOWEST * largest).min(0.1 * slow_end);
+        let slow = (0..SLOW).map(|k| first * (slow_end / first).powf(k as f64 / (SLOW - 1) as f64));
+        slow.chain((1..=FAST).map(|k| top * k as f64 / FAST as f64)).collect()
+    } else {
+        for speed in &args.speeds {
+            if !fits(bench, axis, &pose, *speed, widest) || *speed > fastest_for(widest) {
+                let top = fastest(bench, axis, &pose, largest.min(fastest_for(widest)), widest);
+                return Err(refuse(
+                    format!(
+                        "axis {number} cannot keep {} deg/s long enough {}",
+                        friction_said::short(speed.to_degrees()),
+                        if pose.slope == 0.0 { "within its limits" } else { "where gravity is balanced" }
+                    ),
+                    &format!("choose speeds up to {} deg/s", friction_said::short(top.to_degrees())),
+                ));
+            }
+        }
+        args.speeds.clone()
+    };
+    let both = speeds.iter().flat_map(|speed| [*speed, -*speed]);
+    let moves = both.filter_map(|speed| plan(bench, axis, &pose, speed, widest)).collect();
+    Ok(Setup { axis, pose, moves })
+}
+
+/// Half the window in which gravity stays well below friction, so that the motor drives the gear in both directions and
+/// gravity drops out of their difference: from a first pair of moves.
+fn widest_under_gravity(bench: &Bench, axis: usize, pose: &Pose) -> std::result::Result<f64, Trouble> {
+    let it = &bench.axes[axis];
+    let speed = fastest(bench, axis, pose, (0.02 * it.limits.speed).min(fastest_for(LOOK)), LOOK);
+    let mut torques = [0.0; 2];
+    for (torque, sense) in torques.iter_mut().zip([1.0, -1.0]) {
+        let found = plan(bench, axis, pose, sense * speed, LOOK);
+        let rows = found.as_ref().map(|course| bench.run(&course.experiment)).transpose();
+        let rows = rows.map_err(Trouble::Failed)?;
+        let measured = found.zip(rows).and_then(|(course, rows)| measure(bench, axis, pose, &course, &rows));
+        *torque = measured.map_or(0.0, |measured| measured.point.torque);
+    }
+    let friction = 0.5 * (torques[0] - torques[1]);
+    let widest = GRAVITY * friction / pose.slope.abs();
+    if !(widest > 0.0 && widest.is_finite()) {
+        return Err(Trouble::Refused(Refusal::new(
+            format!(
+                "axis {} shows no friction at {} deg/s",
+                it.number,
+                friction_said::short(speed.to_degrees())
+            ),
+            "where gravity acts on an axis, its friction is measured as the difference of two directions; an axis \
+             without friction cannot be measured so",
+        )));
+    }
+    Ok(widest.min(room(bench, axis, pose)))
+}
+
+fn evaluate(bench: &Bench, setup: &Setup, measured: Vec<Measured>) -> Result {
+    let it = &bench.axes[setup.axis];
+    let train = it.drive.train;
+    let good = measured.iter().filter(|m| m.is_steady && m.is_driving);
+    let points: Vec<Point> = good.map(|m| m.point).collect();
+    let curve = curve(&points, &train).map_err(|error| error.to_string());
+    let breakaway = curve.as_ref().map_or(0.0, |curve| curve.breakaway_velocity.value);
+    let straight: Vec<Point> = points
+        .iter()
+        .filter(|p| p.speed.abs() >= (STRAIGHT * breakaway).max(10.0 * train.threshold))
+        .copied()
+        .collect();
+    let line = line(&straight).map_err(|error| error.to_string());
+    let set_line = it.drive.bearing.map(|bearing| {
+        let viscous = train.damping + (train.beside + bearing.viscous) / train.efficiency;
+        (viscous, bearing.coulomb / train.efficiency)
+    });
+    Result {
+        number: it.number,
+        joint: it.joint.clone(),
+        pose: setup.pose.clone(),
+        two_point: pair(&straight),
+        measured,
+        line,
+        curve,
+        set_line,
+        set_bearing: it.drive.bearing,
+        train,
+        ratio: it.drive.ratio,
+    }
+}
+
+/// The two-point formula at the fastest speed and the one nearest to half of it, each the mean of both directions.
+fn pair(points: &[Point]) -> Option<(TwoPoint, f64, f64)> {
+    let fast = points.iter().map(|p| p.speed).fold(0.0, f64::max);
+    let nearest = |wanted: f64| {
+        let of = |sense: f64| {
+            let side = points.iter().filter(move |p| p.speed * sense > 0.0);
+            side.min_by(|a, b| (a.speed.abs() - wanted).abs().total_cmp(&(b.speed.abs() - wanted).abs()))
+        };
+        let (forward, backward) = (of(1.0)?, of(-1.0)?);
+        Some(Point {
+            speed: 0.5 * (forward.speed - backward.speed),
+            torque: 0.5 * (forward.torque - backward.torque),
+        })
+    };
+    let (half, full) = (nearest(0.5 * fast)?, nearest(fast)?);
+    Some((two_point(half, full).ok()?, half.speed, full.speed))
+}

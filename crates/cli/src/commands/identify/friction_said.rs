@@ -1,0 +1,237 @@
+//! What was found out about friction, in words and as data.
+
+use std::fmt::Write;
+
+use blocksim_identify::Estimate;
+use blocksim_results::format::significant;
+use blocksim_results::{Align, Table};
+use serde_json::{Value, json};
+
+use super::friction::Result;
+
+/// Four digits.
+pub fn short(x: f64) -> String {
+    significant(x, 4)
+}
+
+/// One found quantity: name, unit, estimate and what is set.
+struct Row {
+    name: &'static str,
+    key: &'static str,
+    unit: &'static str,
+    found: Estimate,
+    set: Option<f64>,
+}
+
+fn line_rows(result: &Result) -> Vec<Row> {
+    let Ok(line) = &result.line else { return Vec::new() };
+    let set = result.set_line;
+    let row = |name, key, unit, found, set| Row { name, key, unit, found, set };
+    vec![
+        row("viscous", "viscous", "N*m*s/rad", line.viscous, set.map(|set| set.0)),
+        row("Coulomb", "coulomb", "N*m", line.coulomb, set.map(|set| set.1)),
+    ]
+}
+
+fn bearing_rows(result: &Result) -> Vec<Row> {
+    let Ok(curve) = &result.curve else { return Vec::new() };
+    let set = result.set_bearing;
+    let row = |name, key, unit, found, set| Row { name, key, unit, found, set };
+    vec![
+        row("viscous", "viscous", "N*m*s/rad", curve.viscous, set.map(|set| set.viscous)),
+        row("Coulomb", "coulomb", "N*m", curve.coulomb, set.map(|set| set.coulomb)),
+        row("breakaway", "breakaway", "N*m", curve.breakaway, set.map(|set| set.breakaway)),
+        row(
+            "breakaway velocity",
+            "breakaway_velocity",
+            "rad/s",
+            curve.breakaway_velocity,
+            set.map(|set| set.breakaway_velocity),
+        ),
+    ]
+}
+
+fn table(rows: &[Row]) -> String {
+    let mut table = Table::new(&[
+        ("", Align::Left),
+        ("identified", Align::Right),
+        ("± 95 %", Align::Right),
+        ("parameters", Align::Right),
+        ("deviation", Align::Right),
+        ("", Align::Left),
+    ]);
+    for row in rows {
+        let off = row.set.filter(|set| *set != 0.0).map(|set| 100.0 * (row.found.value / set - 1.0));
+        table.row([
+            format!("  {}", row.name),
+            significant(row.found.value, 5),
+            significant(row.found.interval, 2),
+            row.set.map_or("-".to_owned(), |set| significant(set, 5)),
+            off.map_or("-".to_owned(), |off| format!("{off:+.2} %")),
+            row.unit.to_owned(),
+        ]);
+    }
+    table.render()
+}
+
+/// For people.
+pub fn text(results: &[Result]) -> String {
+    let mut out = String::new();
+    for result in results {
+        let pose: Vec<String> = result.pose.q.iter().map(|q| format!("{:.1}", q.to_degrees())).collect();
+        let gravity = match result.pose.slope == 0.0 {
+            true => "no gravity on it",
+            false => "gravity balanced and taken out by both directions",
+        };
+        let _ = writeln!(
+            out,
+            "Axis {} (`{}`), pose {} deg: {gravity}",
+            result.number,
+            result.joint,
+            pose.join(" ")
+        );
+        let used = result.measured.iter().filter(|m| m.is_steady && m.is_driving).count();
+        let speeds = result.measured.iter().map(|m| m.point.speed.abs().to_degrees());
+        let (low, high) = speeds.fold((f64::INFINITY, 0.0), |(a, b), x| (x.min(a), x.max(b)));
+        let _ = writeln!(
+            out,
+            "  {used} of {} moves used, {} to {} deg/s",
+            result.measured.len(),
+            short(low),
+            short(high)
+        );
+        let left_out = result.measured.iter().filter(|m| !(m.is_steady && m.is_driving));
+        let unsteady: Vec<String> = left_out.map(|m| significant(m.point.speed.to_degrees(), 2)).collect();
+        if !unsteady.is_empty() {
+            let why = "not used, for the speed was not constant or gravity drove the motor";
+            let _ = writeln!(out, "  {why}: {} deg/s", unsteady.join(", "));
+        }
+        let _ = writeln!(
+            out,
+            "\n  Torque of the motor, brought to the joint (gear {} and motor included)",
+            short(result.ratio)
+        );
+        match &result.line {
+            Ok(line) => {
+                out.push_str(&table(&line_rows(result)));
+                if let Some((two, half, full)) = &result.two_point {
+                    let _ = writeln!(
+                        out,
+                        "  two points, {} and {} deg/s: viscous {} N*m*s/rad, Coulomb {} N*m",
+                        short(half.to_degrees()),
+                        short(full.to_degrees()),
+                        significant(two.viscous, 5),
+                        significant(two.coulomb, 5)
+                    );
+                }
+                let _ = writeln!(
+                    out,
+                    "  residual {} N*m, gravity left {} N*m",
+                    significant(line.fit.residual, 2),
+                    significant(line.offset.value, 2)
+                );
+            }
+            Err(reason) => {
+                let _ = writeln!(out, "  not identified: {reason}");
+            }
+        }
+        let train = &result.train;
+        let _ = writeln!(
+            out,
+            "\n  The bearing alone (efficiency {} of the gear, {} N*m*s/rad of the motor taken from the parameters)",
+            short(train.efficiency),
+            short(train.damping)
+        );
+        match &result.curve {
+            Ok(curve) => {
+                out.push_str(&table(&bearing_rows(result)));
+                let _ = writeln!(out, "  residual {} N*m", significant(curve.residual, 2));
+            }
+            Err(reason) => {
+                let _ = writeln!(
+                    out,
+                    "  not identified: {reason}; speeds below the breakaway velocity may be missing"
+                );
+            }
+        }
+        out.push('\n');
+    }
+    out
+}
+
+fn estimates(rows: &[Row]) -> Value {
+    let one = |row: &Row| {
+        let value = json!({
+            "value": row.found.value, "standard_error": row.found.error, "interval_95": row.found.interval,
+            "set": row.set, "unit": row.unit,
+        });
+        (row.key.to_owned(), value)
+    };
+    Value::Object(rows.iter().map(one).collect())
+}
+
+/// As JSON, an axis a line.
+pub fn json(results: &[Result]) -> String {
+    let mut out = String::new();
+    for result in results {
+        let points: Vec<Value> = result
+            .measured
+            .iter()
+            .map(|m| {
+                json!({
+                    "speed": m.point.speed, "torque": m.point.torque, "inertial": m.inertial,
+                    "used": m.is_steady && m.is_driving,
+                })
+            })
+            .collect();
+        let two = result.two_point.map(|(two, half, full)| {
+            json!({ "viscous": two.viscous, "coulomb": two.coulomb, "speeds": [half, full] })
+        });
+        let value = json!({
+            "axis": result.number, "joint": result.joint, "pose": result.pose.q,
+            "gravity_slope": result.pose.slope, "ratio": result.ratio,
+            "at_the_motor": estimates(&line_rows(result)),
+            "residual": result.line.as_ref().ok().map(|line| line.fit.residual),
+            "two_point": two,
+            "bearing": estimates(&bearing_rows(result)),
+            "not_identified": [result.line.as_ref().err(), result.curve.as_ref().err()],
+            "points": points,
+        });
+        let _ = writeln!(out, "{value}");
+    }
+    out
+}
+
+/// The points, for a spreadsheet.
+pub fn csv(results: &[Result]) -> String {
+    let mut out = String::from("axis,speed [rad/s],torque [N*m],inertial [N*m],used\n");
+    for result in results {
+        for m in &result.measured {
+            let used = u8::from(m.is_steady && m.is_driving);
+            let _ =
+                writeln!(out, "{},{},{},{},{used}", result.number, m.point.speed, m.point.torque, m.inertial);
+        }
+    }
+    out
+}
+
+/// What was identified, in the form of parameters.
+pub fn ron(results: &[Result]) -> String {
+    let mut out = String::from("// Friction of the bearings, identified; note: interval of 95 %.\n(\n");
+    for result in results {
+        let _ = writeln!(out, "    axis{}: (bearing: (", result.number);
+        for row in bearing_rows(result) {
+            let (found, unit) = (row.found, row.unit);
+            let _ = writeln!(
+                out,
+                "        {}: (value: \"{} {unit}\", note: \"± {} {unit}\"),",
+                row.key,
+                found.value,
+                significant(found.interval, 2)
+            );
+        }
+        out.push_str("    )),\n");
+    }
+    out.push_str(")\n");
+    out
+}

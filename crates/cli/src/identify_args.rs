@@ -1,0 +1,124 @@
+//! The command line of `blocksim identify`.
+
+use std::path::PathBuf;
+
+use blocksim_signal::{Unit, evaluate};
+use clap::{Args, Subcommand};
+
+use crate::args::{NoNames, assignment};
+
+/// The verbs of `blocksim identify`.
+#[derive(Debug, Subcommand)]
+pub enum IdentifyCommand {
+    /// Measure the friction of each axis by moves at constant speed, and compare it with the parameters.
+    Friction(FrictionArgs),
+    /// Measure masses and inertias by an exciting motion: the base parameters, compared with the model.
+    Dynamics(DynamicsArgs),
+}
+
+/// What all experiments need.
+#[derive(Debug, Args)]
+pub struct Common {
+    /// File of the model.
+    #[arg(default_value = "diagrams/irb2600/irb2600.ron")]
+    pub model: PathBuf,
+    /// Sets a parameter for this call, as in `blocksim run`; may be repeated.
+    #[arg(long = "set", value_name = "TARGET=VALUE", value_parser = assignment)]
+    pub set: Vec<String>,
+    /// Drive of the axes; without it `torque`, where the model has this choice.
+    #[arg(long, value_name = "NAME")]
+    pub drive: Option<String>,
+    /// File for the result, which must be new.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Replace a file that is there.
+    #[arg(long)]
+    pub yes: bool,
+    /// Print the result as JSON, an object a line.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `blocksim identify friction`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  blocksim identify friction\n  blocksim identify friction --axis 1,4 --out friction.ron\n  \
+                  blocksim identify friction --axis 1 --speeds \"10 deg/s,20 deg/s,40 deg/s,80 deg/s\"\n\n\
+                  --out takes .csv (speed and torque of each move) or .ron (what was identified)."
+)]
+pub struct FrictionArgs {
+    #[command(flatten)]
+    pub common: Common,
+    /// Axes to measure, from 1, separated by commas; all if none is given.
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',')]
+    pub axis: Vec<usize>,
+    /// Speeds, each in both directions, separated by commas, such as `10 deg/s`; chosen by the program if none is given.
+    #[arg(long, value_name = "SPEEDS", value_delimiter = ',', value_parser = speed)]
+    pub speeds: Vec<f64>,
+}
+
+/// `blocksim identify dynamics`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  blocksim identify dynamics\n  blocksim identify dynamics --noise 0.05 --seed 7 --out base.csv"
+)]
+pub struct DynamicsArgs {
+    #[command(flatten)]
+    pub common: Common,
+    /// Noise that is added to the torques: standard deviation as a share of their root mean square.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
+    pub noise: f64,
+    /// Seed of the search for a motion and of the noise.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Length of the motion, s.
+    #[arg(long, value_name = "TIME", default_value = "6 s", value_parser = crate::args::time)]
+    pub period: f64,
+    /// Harmonics of the motion, from 2.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = harmonics)]
+    pub harmonics: usize,
+}
+
+/// A share from 0 to 1.
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if (0.0..=1.0).contains(&x) => Ok(x),
+        _ => Err("a share from 0 to 1, such as 0.01".to_owned()),
+    }
+}
+
+/// A number of harmonics with which a motion can start at rest.
+fn harmonics(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(n) if (2..=50).contains(&n) => Ok(n),
+        _ => Err("a whole number from 2 to 50".to_owned()),
+    }
+}
+
+/// A speed above zero, rad/s.
+fn speed(text: &str) -> Result<f64, String> {
+    let value = evaluate(text, &NoNames).map_err(|error| error.message)?;
+    let quantity = value.as_number().ok_or("a speed is a number, such as \"10 deg/s\"")?;
+    let fits = Unit::parse("rad/s").is_ok_and(|unit| quantity.dimension == unit.dimension);
+    match quantity.value {
+        _ if !fits && !quantity.dimension.is_none() => {
+            Err("a speed has a unit such as deg/s or rad/s".to_owned())
+        }
+        x if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("a speed here is above zero; each is run in both directions".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speeds_have_units_or_are_radians_per_second() {
+        assert_eq!(speed("2"), Ok(2.0));
+        assert!(speed("180 deg/s").is_ok_and(|x| (x - std::f64::consts::PI).abs() < 1e-12));
+        for wrong in ["0", "-1 deg/s", "3 m", "fast", "1/0"] {
+            assert!(speed(wrong).is_err(), "{wrong}");
+        }
+    }
+}
