@@ -1,0 +1,98 @@
+// @ts-check
+'use strict';
+// The page's data: texts as JSON, numbers as one compressed block of bytes. All scripts share the object `R`.
+const R = {
+  /** @type {any} */ data: JSON.parse(document.getElementById('report-data')?.textContent || '{}'),
+  /** @type {ArrayBuffer} */ bytes: new ArrayBuffer(0),
+  /** Present time, s. */ now: 0,
+  /** @type {[number|null, number|null]} Cursors A and B, s. */ cursors: [null, null],
+  /** @type {((t: number) => void)[]} */ onTime: [],
+  /** @type {(() => void)[]} */ onCursors: [],
+  /** @type {(() => void)[]} */ onTheme: [],
+  /** @type {[number, number]} */ span: [0, 1],
+  /** @type {any} */ Plots: null,
+  /** @type {any} */ Overlay: null,
+  /** @type {any} */ Space: null,
+  /** @type {any} */ Shapes: null,
+  /** @type {any} */ Draw3d: null,
+
+  /** A list of numbers from the block. @param {[number, number, number]} where @returns {Float64Array} */
+  list([at, count, width]) {
+    const bytes = new Uint8Array(R.bytes, at, count * width), whole = new Uint8Array(count * width);
+    for (let byte = 0; byte < width; byte++) {
+      for (let n = 0, from = byte * count; n < count; n++) whole[n * width + byte] = bytes[from + n];
+    }
+    return width === 8 ? new Float64Array(whole.buffer) : Float64Array.from(new Float32Array(whole.buffer));
+  },
+
+  /** Unpacks the block. */
+  async unpack() {
+    const text = atob(document.getElementById('report-numbers')?.textContent || '');
+    const packed = new Uint8Array(text.length);
+    for (let n = 0; n < text.length; n++) packed[n] = text.charCodeAt(n);
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
+    R.bytes = await new Response(stream).arrayBuffer();
+  },
+
+  /** @param {number} t */
+  setTime(t) {
+    R.now = Math.min(Math.max(t, R.span[0]), R.span[1]);
+    for (const tell of R.onTime) tell(R.now);
+  },
+
+  /** @param {0|1} which @param {number|null} t */
+  setCursor(which, t) {
+    R.cursors[which] = t;
+    for (const tell of R.onCursors) tell();
+  },
+
+  /** Value of a course at a time, straight between its points (or held); NaN outside.
+   * @param {ArrayLike<number>} time @param {ArrayLike<number>} values @param {number} t @param {boolean} [held] */
+  at(time, values, t, held) {
+    let low = 0, high = time.length - 1;
+    if (high < 0 || t < time[0] || t > time[high]) return NaN;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (time[middle] <= t) low = middle; else high = middle;
+    }
+    if (t >= time[high]) return values[high];
+    const wide = time[high] - time[low];
+    if (held || !(wide > 0)) return values[low];
+    return values[low] + (values[high] - values[low]) * (t - time[low]) / wide;
+  },
+
+  /** A number for people. @param {number} x @param {number} [digits] */
+  say(x, digits = 5) {
+    if (Number.isNaN(x)) return '–';
+    if (!Number.isFinite(x)) return x > 0 ? '∞' : '−∞';
+    if (x === 0) return '0';
+    const size = Math.abs(x);
+    const text = size >= 1e6 || size < 1e-4 ? x.toExponential(digits - 2) : Number(x.toPrecision(digits)).toString();
+    return text.replace('-', '−');
+  },
+
+  /** A colour of the style sheet. @param {string} name */
+  colour(name) {
+    return getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
+  },
+
+  /** @param {string} tag @param {Record<string, string>} [attributes] @param {(Node|string)[]} inside @returns {any} */
+  make(tag, attributes = {}, ...inside) {
+    const element = document.createElement(tag);
+    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+    element.append(...inside);
+    return element;
+  },
+
+  /** Runs a part of the page; where it fails the others go on. @param {string} name @param {() => void} part */
+  guarded(name, part) {
+    try {
+      part();
+    } catch (error) {
+      const place = document.getElementById('trouble');
+      place?.append(R.make('p', { class: 'warning' }, `${name} cannot be shown: ${error instanceof Error ? error.message : error}`));
+    }
+  },
+};
+/** Measured times in ms, for tests of the page. */
+/** @type {any} */ (window).__m = { started: performance.now() };

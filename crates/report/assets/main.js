@@ -1,0 +1,159 @@
+// @ts-check
+'use strict';
+// Puts the page together: time line, playback, keys, light and dark, levels of the diagram.
+/* global R */
+
+(() => {
+  const KEYS = [
+    ['Space', 'play and stop'], ['← →', 'one step back and on (Shift: ten)'], ['Home, End', 'begin and end'],
+    ['A, B', 'set cursor A or B to the present time, again to take it away'], ['+ −', 'zoom in and out in time'], ['[ ]', 'move the range'],
+    ['0', 'all times'], ['1 – 6', '3D: oblique, front, back, left, right, above'], ['F', '3D: fit'], ['G, P, M, C', '3D: set value, path, frames, centres of mass'],
+    ['Backspace', 'diagram: one level up'], ['O', 'lay a measurement over'], ['D', 'light or dark'], ['?', 'this list'],
+  ];
+  let playing = false, speed = 1, before = 0;
+  /** @type {any} */ let slider, clock, play, readout, said = 0;
+
+  const timeline = () => {
+    const foot = document.getElementById('timeline');
+    if (!foot || !R.data.panels.length) return;
+    play = R.make('button', { type: 'button', title: 'Play or stop (Space)', 'aria-label': 'Play' }, '▶');
+    play.addEventListener('click', toggle);
+    slider = R.make('input', { type: 'range', min: '0', max: '1000', step: 'any', value: '0', 'aria-label': 'Time' });
+    slider.addEventListener('input', () => R.setTime(R.span[0] + Number(slider.value) / 1000 * (R.span[1] - R.span[0])));
+    clock = R.make('output', { class: 'clock' });
+    readout = R.make('output', { class: 'readout' });
+    const choice = R.make('select', { 'aria-label': 'Speed', title: 'Speed' }, ...[0.1, 0.25, 0.5, 1, 2, 5].map((x) => R.make('option', { value: String(x) }, x + '×')));
+    choice.value = '1';
+    choice.addEventListener('change', () => { speed = Number(choice.value); });
+    const cursor = (/** @type {0|1} */ which) => {
+      const button = R.make('button', { type: 'button', class: 'cursor-' + 'ab'[which], title: `Cursor ${'AB'[which]} here, again to take it away (${'AB'[which]})` }, 'AB'[which]);
+      button.addEventListener('click', () => mark(which));
+      return button;
+    };
+    foot.append(play, slider, clock, choice, cursor(0), cursor(1), readout);
+    const full = R.span[1] - R.span[0];
+    R.onTime.push((t) => { slider.value = String((t - R.span[0]) / full * 1000); clock.textContent = `t = ${t.toFixed(3)} s of ${R.span[1].toFixed(3)} s`; slider.setAttribute('aria-valuetext', t.toFixed(3) + ' s'); });
+    R.onCursors.push(() => {
+      const [a, b] = R.cursors, parts = [];
+      if (a !== null) parts.push(`A ${a.toFixed(4)} s`);
+      if (b !== null) parts.push(`B ${b.toFixed(4)} s`);
+      if (a !== null && b !== null) parts.push(`Δ ${R.say(b - a)} s`, `1/Δ ${R.say(1 / (b - a))} Hz`);
+      readout.textContent = parts.join('  ·  ');
+      clearTimeout(said);
+      said = setTimeout(() => { const place = document.getElementById('said'); if (place) place.textContent = readout.textContent; }, 250);
+    });
+  };
+
+  const toggle = () => {
+    playing = !playing;
+    play.textContent = playing ? '❚❚' : '▶';
+    play.setAttribute('aria-label', playing ? 'Stop' : 'Play');
+    if (!playing) return;
+    if (R.now >= R.span[1]) R.setTime(R.span[0]);
+    before = performance.now();
+    requestAnimationFrame(step);
+  };
+  /** @param {number} stamp */
+  const step = (stamp) => {
+    if (!playing) return;
+    R.setTime(R.now + Math.max(0, stamp - before) / 1000 * speed);
+    before = stamp;
+    if (R.now >= R.span[1]) toggle(); else requestAnimationFrame(step);
+  };
+  /** @param {0|1} which */
+  const mark = (which) => R.setCursor(which, R.cursors[which] === R.now ? null : R.now);
+
+  const dark = () => document.documentElement.dataset.theme ? document.documentElement.dataset.theme === 'dark' : matchMedia('(prefers-color-scheme: dark)').matches;
+  const theme = () => {
+    document.documentElement.dataset.theme = dark() ? 'light' : 'dark';
+    for (const tell of R.onTheme) tell();
+  };
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { for (const tell of R.onTheme) tell(); });
+
+  const help = () => {
+    const dialog = /** @type {HTMLDialogElement} */ (document.getElementById('keys'));
+    if (dialog.open) return dialog.close();
+    if (!dialog.firstChild) {
+      const close = R.make('button', { type: 'button' }, 'Close (Esc)');
+      close.addEventListener('click', () => dialog.close());
+      dialog.append(R.make('h2', {}, 'Keys'), R.make('dl', {}, ...KEYS.flatMap(([key, does]) => [R.make('dt', {}, R.make('kbd', {}, key)), R.make('dd', {}, does)])), close);
+    }
+    dialog.showModal();
+  };
+
+  const levels = () => {
+    const figures = /** @type {HTMLElement[]} */ ([...document.querySelectorAll('.level')]);
+    const crumbs = document.getElementById('crumbs');
+    if (!figures.length || !crumbs) return;
+    const paths = figures.map((figure) => figure.dataset.path ?? '');
+    let here = '';
+    /** @param {string} path @param {boolean} [focus] */
+    const go = (path, focus) => {
+      here = path;
+      figures.forEach((figure, n) => { figure.hidden = paths[n] !== path; });
+      const parts = path ? path.split('/') : [];
+      crumbs.replaceChildren(...['', ...parts].flatMap((name, n) => {
+        const target = parts.slice(0, n).join('/');
+        const link = R.make('button', { type: 'button', ...(target === path ? { 'aria-current': 'page' } : {}) }, name || 'top');
+        link.addEventListener('click', () => go(target, true));
+        return n ? [' / ', link] : [link];
+      }));
+      if (focus) /** @type {HTMLElement|null} */ (figures[paths.indexOf(path)]?.querySelector('[data-level]'))?.focus();
+    };
+    for (const figure of figures) {
+      for (const block of figure.querySelectorAll('[data-path]')) {
+        const path = block.getAttribute('data-path') ?? '';
+        if (!paths.includes(path)) continue;
+        block.setAttribute('tabindex', '0');
+        block.setAttribute('role', 'button');
+        block.setAttribute('data-level', '');
+        block.setAttribute('aria-label', `${path}: go inside`);
+        block.addEventListener('click', () => go(path));
+        block.addEventListener('keydown', (event) => { if (/** @type {KeyboardEvent} */ (event).key === 'Enter') go(path, true); });
+      }
+    }
+    document.addEventListener('keydown', (event) => { if (event.key === 'Backspace' && here && !typing(event)) { event.preventDefault(); go(here.split('/').slice(0, -1).join('/'), true); } });
+    go('');
+  };
+
+  /** @param {KeyboardEvent} event */
+  const typing = (event) => event.target instanceof HTMLElement && (event.target.matches('select, textarea, input:not([type=range])'));
+  /** @param {KeyboardEvent} event */
+  const key = (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || typing(event)) return;
+    const dialog = /** @type {HTMLDialogElement} */ (document.getElementById('keys'));
+    if (dialog.open && event.key !== '?') return;
+    const small = (R.span[1] - R.span[0]) / 1000 * (event.shiftKey ? 10 : 1);
+    /** @type {Record<string, () => void>} */
+    const does = {
+      ' ': toggle, ArrowLeft: () => R.setTime(R.now - small), ArrowRight: () => R.setTime(R.now + small), Home: () => R.setTime(R.span[0]), End: () => R.setTime(R.span[1]),
+      a: () => mark(0), b: () => mark(1), '+': () => R.Plots.zoom(0.5), '=': () => R.Plots.zoom(0.5), '-': () => R.Plots.zoom(2), '[': () => R.Plots.pan(-0.25), ']': () => R.Plots.pan(0.25), '0': () => R.Plots.all(),
+      d: theme, '?': help, o: () => document.getElementById('overlay-file')?.click(),
+    };
+    const space = R.Space?.keys?.[event.key.toLowerCase()];
+    const action = does[event.key] ?? does[event.key.toLowerCase()] ?? space;
+    if (!action || (event.key === ' ' && event.target instanceof HTMLButtonElement)) return;
+    if (!play && [' ', 'a', 'b'].includes(event.key.toLowerCase())) return;
+    event.preventDefault();
+    action();
+  };
+
+  const start = async () => {
+    document.getElementById('theme')?.addEventListener('click', theme);
+    document.getElementById('help')?.addEventListener('click', help);
+    document.addEventListener('keydown', key);
+    R.guarded('The diagram', levels);
+    await R.unpack();
+    const m = /** @type {any} */ (window).__m;
+    m.unpacked = performance.now();
+    R.guarded('The scopes', R.Plots.build);
+    R.guarded('The measurements', R.Overlay.build);
+    R.guarded('The time line', timeline);
+    R.guarded('The 3D view', () => R.Space?.build());
+    R.setTime(R.span[0]);
+    for (const tell of R.onCursors) tell();
+    m.ready = performance.now();
+    document.documentElement.dataset.ready = 'true';
+  };
+  start().catch((error) => R.guarded('The page', () => { throw error; }));
+})();

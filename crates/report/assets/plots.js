@@ -1,0 +1,193 @@
+// @ts-check
+'use strict';
+// Signals over time: one picture a panel, a strip with the error below where set and actual values are paired.
+/* global R, uPlot */
+
+R.Plots = (() => {
+  /** Width kept for numbers at the left, so that times lie below each other. */
+  const GUTTER = 70;
+  /** @type {any[]} */ const plots = [];
+  /** @type {any[]} */ const panels = [];
+  let together = false;
+
+  /** @param {number} n */
+  const series = (n) => () => R.colour('s' + (n % 6 + 1));
+
+  /** Colour of a signal: the joint's number gives it where the picture is about one. */
+  const tint = (/** @type {any} */ panel, /** @type {number} */ at) => {
+    if (panel.pair && panel.series.length === 2) return Number(/(\d+)\D*$/.exec(panel.title)?.[1] || 1) - 1;
+    const number = /(\d+)\D*$/.exec(panel.series[at].name)?.[1];
+    const all = panel.series.map((/** @type {any} */ s) => /(\d+)\D*$/.exec(s.name)?.[1]);
+    return number && new Set(all).size === all.length && !all.includes(undefined) ? Number(number) - 1 : at;
+  };
+
+  /** @param {any} u */
+  const lines = (u) => {
+    for (const [line, t] of [[u.lines[0], R.cursors[0]], [u.lines[1], R.cursors[1]], [u.lines[2], R.now]]) {
+      const at = t === null ? -1 : u.valToPos(t, 'x');
+      const shown = at >= 0 && at <= u.over.clientWidth;
+      line.style.display = shown ? '' : 'none';
+      if (shown) line.style.transform = `translateX(${at}px)`;
+    }
+  };
+
+  /** Mouse: drag zooms, Shift and drag moves, a click sets the time. @param {any} u @param {any} target @param {any} handler */
+  const pressed = (u, target, handler) => (/** @type {MouseEvent} */ event) => {
+    if (event.button !== 0) return null;
+    const from = event.clientX, { min, max } = u.scales.x, perDot = (max - min) / u.over.clientWidth;
+    if (!event.shiftKey) {
+      const begin = u.posToVal(event.offsetX, 'x');
+      document.addEventListener('mouseup', (up) => { if (Math.abs(up.clientX - from) < 3) R.setTime(begin); }, { once: true });
+      return handler(event);
+    }
+    const move = (/** @type {MouseEvent} */ to) => show(min - (to.clientX - from) * perDot, max - (to.clientX - from) * perDot);
+    document.addEventListener('mousemove', move);
+    document.addEventListener('mouseup', () => document.removeEventListener('mousemove', move), { once: true });
+    return null;
+  };
+
+  /** Shows a range of time in all pictures. @param {number} min @param {number} max */
+  const show = (min, max) => {
+    if (!(max > min)) return;
+    together = true;
+    for (const u of plots) u.setScale('x', { min, max });
+    together = false;
+  };
+
+  /** @param {any} panel @param {any[]} drawn @param {any[]} columns @param {HTMLElement} place @param {number} height @param {boolean} last */
+  const plot = (panel, drawn, columns, place, height, last) => {
+    const u = new uPlot({
+      width: Math.max(place.clientWidth, 280), height, legend: { show: false }, padding: [8, 12, 0, 0],
+      scales: { x: { time: false } },
+      cursor: { sync: { key: 'time', setSeries: false }, drag: { x: true, y: false }, points: { size: 6 }, bind: { mousedown: pressed } },
+      series: [{}, ...drawn],
+      axes: [
+        { stroke: () => R.colour('quiet'), grid: { stroke: () => R.colour('grid'), width: 1 }, ticks: { stroke: () => R.colour('grid'), width: 1, size: 4 }, size: last ? 30 : 6, values: last ? (/** @type {any} */ _, /** @type {number[]} */ all) => all.map((x) => R.say(x, 7) + ' s') : () => [], font: '12px system-ui, sans-serif' },
+        { stroke: () => R.colour('quiet'), grid: { stroke: () => R.colour('grid'), width: 1 }, ticks: { show: false }, size: GUTTER, space: height > 100 ? 32 : 22, values: (/** @type {any} */ _, /** @type {number[]} */ all) => all.map((x) => x === null ? '' : R.say(x, 6)), font: '12px system-ui, sans-serif' },
+      ],
+      hooks: {
+        setScale: [(/** @type {any} */ self, /** @type {string} */ key) => {
+          if (key !== 'x') return;
+          if (!together) show(self.scales.x.min, self.scales.x.max);
+          lines(self);
+        }],
+        setSize: [(/** @type {any} */ self) => lines(self)],
+        draw: [(/** @type {any} */ self) => R.Overlay.draw(self, panel, height > 100)],
+      },
+    }, columns, place);
+    u.lines = ['a', 'b', 'now'].map((name) => {
+      const line = R.make('div', { class: 'line line-' + name });
+      line.style.display = 'none';
+      u.over.append(line);
+      return line;
+    });
+    plots.push(u);
+    return u;
+  };
+
+  /** @param {any} panel */
+  const legend = (panel) => {
+    const rows = panel.series.map((/** @type {any} */ s, /** @type {number} */ at) => {
+      const mark = R.make('i', { class: 'mark' + (s.role === 'set' ? ' dashed' : '') });
+      mark.style.borderColor = `var(--s${tint(panel, at) % 6 + 1})`;
+      const value = R.make('b'), marked = R.make('em');
+      const row = R.make('button', { class: 'entry', type: 'button', 'aria-pressed': 'true', title: s.path }, mark, s.name, ' ', value, marked);
+      row.addEventListener('click', () => {
+        const shown = row.getAttribute('aria-pressed') !== 'true';
+        row.setAttribute('aria-pressed', String(shown));
+        panel.main.setSeries(at + 1, { show: shown });
+      });
+      s.tell = () => {
+        value.textContent = R.say(R.at(panel.time, s.values, R.now, s.held));
+        const [a, b] = R.cursors.map((t) => t === null ? null : R.at(panel.time, s.values, t, s.held));
+        const parts = [];
+        if (a !== null) parts.push('A ' + R.say(a));
+        if (b !== null) parts.push('B ' + R.say(b));
+        if (a !== null && b !== null) parts.push('Δ ' + R.say(b - a));
+        marked.textContent = parts.length ? ` (${parts.join(', ')})` : '';
+      };
+      return row;
+    });
+    return R.make('div', { class: 'legend' }, ...rows);
+  };
+
+  const build = () => {
+    const place = document.getElementById('plots');
+    if (!place) return;
+    let group = null, box = place;
+    let [begin, end] = [Infinity, -Infinity];
+    for (const panel of R.data.panels) {
+      panel.time = R.list(panel.time);
+      for (const s of panel.series) if (s.values) s.values = R.list(s.values);
+      for (const s of panel.series) {
+        if (!s.error) continue;
+        s.error = R.list(s.error);
+        const set = panel.series[panel.pair[0]].values;
+        s.values = s.error.map((/** @type {number} */ e, /** @type {number} */ n) => set[n] - e);
+      }
+      if (panel.time.length) {
+        begin = Math.min(begin, panel.time[0]);
+        end = Math.max(end, panel.time[panel.time.length - 1]);
+      }
+      panels.push(panel);
+    }
+    if (end > begin) R.span = [begin, end];
+    // NaN is what is missing; the plots want null for it.
+    const column = (/** @type {Float64Array} */ all) => all.some((x) => !Number.isFinite(x)) ? Array.from(all, (x) => Number.isFinite(x) ? x : null) : all;
+    for (const panel of panels) {
+      if (panel.group !== group) {
+        group = panel.group;
+        if (group) place.append(R.make('h3', {}, group));
+        box = R.make('div', { class: 'grid' });
+        place.append(box);
+      }
+      const canvas = R.make('div', { class: 'canvas' }), strip = R.make('div', { class: 'canvas' });
+      const title = panel.title + (panel.unit ? ` [${panel.unit}]` : '');
+      const card = R.make('figure', { class: 'card', tabindex: '0', 'aria-label': title },
+        R.make('figcaption', {}, R.make('span', { class: 'title' }, title), legend(panel)), canvas);
+      box.append(card);
+      const drawn = panel.series.map((/** @type {any} */ s, /** @type {number} */ at) => ({
+        label: s.name, stroke: series(tint(panel, at)), width: s.role === 'set' ? 1.5 : 1.75, dash: s.role === 'set' ? [7, 5] : undefined,
+        points: { show: false }, paths: s.held ? uPlot.paths.stepped?.({ align: 1 }) : undefined,
+      }));
+      // Actual values first, set values on top: dashes stay visible where both agree.
+      panel.main = plot(panel, drawn, [panel.time, ...panel.series.map((/** @type {any} */ s) => column(s.values))], canvas, panel.pair ? 200 : 230, !panel.pair);
+      if (panel.pair) {
+        strip.append(R.make('span', { class: 'strip-name' }, `set − actual [${panel.unit || '1'}]`));
+        card.append(strip);
+        const actual = panel.series[panel.pair[1]];
+        const red = { label: 'error', stroke: () => R.colour('quiet'), width: 1.25, points: { show: false }, fill: () => R.colour('shade') };
+        panel.strip = plot(panel, [red], [panel.time, column(actual.error)], strip, 96, true);
+      }
+    }
+    R.onTime.push(() => { for (const u of plots) lines(u); tell(); });
+    R.onCursors.push(() => { for (const u of plots) lines(u); tell(); });
+    R.onTheme.push(redraw);
+    let wait = 0;
+    window.addEventListener('resize', () => { clearTimeout(wait); wait = setTimeout(fit, 80); });
+    window.addEventListener('beforeprint', () => { document.documentElement.classList.add('printing'); fit(); redraw(); });
+    window.addEventListener('afterprint', () => { document.documentElement.classList.remove('printing'); fit(); redraw(); });
+  };
+
+  const tell = () => { for (const panel of panels) for (const s of panel.series) s.tell(); };
+  const redraw = () => { for (const u of plots) u.redraw(false, true); };
+  const fit = () => {
+    for (const u of plots) {
+      const width = u.root.parentElement.clientWidth;
+      if (width > 0) u.setSize({ width, height: u.height });
+    }
+  };
+
+  /** Widens or narrows the range around the present time. @param {number} factor */
+  const zoom = (factor) => {
+    const { min, max } = plots[0]?.scales.x ?? { min: 0, max: 1 };
+    const centre = R.now > min && R.now < max ? R.now : (min + max) / 2;
+    show(Math.max(R.span[0], centre - (centre - min) * factor), Math.min(R.span[1], centre + (max - centre) * factor));
+  };
+  /** Moves the range. @param {number} share */
+  const pan = (share) => {
+    const { min, max } = plots[0]?.scales.x ?? { min: 0, max: 1 };
+    show(min + (max - min) * share, max + (max - min) * share);
+  };
+  return { build, plots, panels, show, zoom, pan, redraw, all: () => show(...R.span) };
+})();

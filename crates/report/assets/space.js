@@ -1,0 +1,192 @@
+// @ts-check
+'use strict';
+// The mechanism in space, at the present time of the page.
+/* global R */
+
+R.Space = (() => {
+  const S = R.Shapes;
+  const LINKS = [[0.42, 0.46, 0.52], [0.95, 0.52, 0.16], [0.93, 0.55, 0.22], [0.95, 0.52, 0.16], [0.93, 0.55, 0.22], [0.95, 0.52, 0.16], [0.35, 0.38, 0.44]];
+  /** Azimuth and elevation of the standard views. @type {Record<string, [number, number, string]>} */
+  const VIEWS = { 1: [-0.65, 0.4, 'oblique'], 2: [0, 0, 'front'], 3: [Math.PI, 0, 'back'], 4: [Math.PI / 2, 0, 'left'], 5: [-Math.PI / 2, 0, 'right'], 6: [0, Math.PI / 2 - 1e-3, 'above'] };
+  const one = S.placed({ translation: [0, 0, 0], rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] });
+  /** @type {any} */ let data, scene, tool, canvas, pose, view = { azimuth: -0.65, elevation: 0.4, distance: 4, target: [0, 0, 0.8] };
+  /** @type {{shape: any, mesh: any, local: Float64Array}[]} */ let parts = [];
+  /** @type {number[][]} */ let path = [];
+  /** @type {Record<string, any>} */ const shown = {};
+  let asked = false, frame = 0;
+  const triad = (/** @type {number} */ size) => [[0, 0, 0, size, 0, 0], [0, 0, 0, 0, size, 0], [0, 0, 0, 0, 0, size]];
+  const small = triad(0.12), large = triad(0.4), AXES = [[0.85, 0.2, 0.2, 1], [0.1, 0.6, 0.25, 1], [0.15, 0.4, 0.95, 1]];
+  const ball = S.mesh({ kind: 'sphere', radius: 0.03 });
+  /** @type {number[]} */ const floor = [];
+  for (let k = -8; k <= 8; k++) floor.push(k / 4, -2, 0, k / 4, 2, 0, -2, k / 4, 0, 2, k / 4, 0);
+
+  /** @param {boolean} set */
+  const poses = (set, t = R.now) => {
+    const rows = set && data.set ? data.set : data.positions;
+    return S.poses(scene, (/** @type {number} */ n) => R.at(data.time, rows[n], Math.min(Math.max(t, data.time[0]), data.time[data.time.length - 1])));
+  };
+  const toolAt = (/** @type {Float64Array[]} */ all) => tool ? S.times(all[tool.body], tool.matrix) : all[all.length - 1];
+
+  /** From metres of the world to the screen. */
+  const looking = () => {
+    const { azimuth: a, elevation: e, distance: d, target: t } = view;
+    const [ca, sa, ce, se] = [Math.cos(a), Math.sin(a), Math.cos(e), Math.sin(e)];
+    const back = [ce * ca, ce * sa, se], right = [-sa, ca, 0], up = [-se * ca, -se * sa, ce];
+    const dot = (/** @type {number[]} */ u) => u[0] * t[0] + u[1] * t[1] + u[2] * t[2];
+    const eye = Float64Array.of(right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0, -dot(right), -dot(up), -dot(back) - d, 1);
+    const f = 2.4, near = d / 100, far = d * 10 + 20, wide = canvas.width / canvas.height;
+    return S.times(Float64Array.of(f / wide, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0), eye);
+  };
+
+  /** @param {string} name */
+  const rgb = (name) => { const c = R.colour(name); return [1, 3, 5].map((n) => parseInt(c.slice(n, n + 2), 16) / 255); };
+
+  const paint = () => {
+    asked = false;
+    const pen = data.pen, begin = performance.now();
+    const [width, height] = [Math.round(canvas.clientWidth * devicePixelRatio), Math.round(canvas.clientHeight * devicePixelRatio)];
+    if (width > 0 && (canvas.width !== width || canvas.height !== height)) { canvas.width = width; canvas.height = height; }
+    pen.begin(looking());
+    pen.lines(floor, one, [...rgb('grid'), 1]);
+    large.forEach((line, n) => pen.lines(line, one, AXES[n]));
+    const here = poses(false);
+    if (path.length && shown.path.checked) for (const line of path) pen.lines(line, one, [...rgb('s1'), 1]);
+    for (const { shape, mesh, local } of parts) pen.solid(mesh, S.times(here[shape.body], local), [...(shape.colour?.slice(0, 3) ?? LINKS[Math.min(shape.body, 6)]), 1]);
+    if (shown.frames.checked) {
+      for (const f of scene.frames) small.forEach((line, n) => pen.lines(line, S.times(here[f.body], f.matrix), AXES[n]));
+      for (const at of here.slice(1)) small.forEach((line, n) => pen.lines(line, at, AXES[n]));
+    }
+    if (shown.masses.checked) for (const mass of scene.masses) pen.solid(ball, S.times(here[mass.body], S.placed({ translation: mass.com, rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] })), [...rgb('alarm'), 1]);
+    if (data.set && shown.ghost.checked) {
+      const there = poses(true);
+      for (const { shape, mesh, local } of parts) pen.solid(mesh, S.times(there[shape.body], local), [...rgb('s5'), 0.3]);
+    }
+    const at = toolAt(here);
+    pose.textContent = at ? `${tool ? tool.name : scene.bodies[scene.bodies.length - 1].name}\nx ${(at[12] * 1000).toFixed(1)} mm\ny ${(at[13] * 1000).toFixed(1)} mm\nz ${(at[14] * 1000).toFixed(1)} mm` : '';
+    frame++;
+    const m = /** @type {any} */ (window).__m;
+    m.frames = frame;
+    m.frame_ms = performance.now() - begin;
+  };
+  const ask = () => { if (!asked) { asked = true; requestAnimationFrame(paint); } };
+
+  /** Way of the tool over the whole time, as lines short enough for one buffer each. */
+  const trace = () => {
+    const steps = Math.min(600, data.time.length);
+    /** @type {number[]} */ const line = [];
+    let last = null;
+    for (let k = 0; k < steps; k++) {
+      const t = data.time[0] + (data.time[data.time.length - 1] - data.time[0]) * k / Math.max(steps - 1, 1);
+      const at = toolAt(poses(false, t)), here = [at[12], at[13], at[14]];
+      if (last) line.push(...last, ...here);
+      last = here;
+    }
+    path = line.length ? [line] : [];
+  };
+
+  const fit = () => {
+    let [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+    for (const t of [R.span[0], (R.span[0] + R.span[1]) / 2, R.span[1]]) {
+      const all = poses(false, t);
+      for (const { shape, mesh, local } of parts) {
+        const m = S.times(all[shape.body], local);
+        for (let n = 0; n < mesh.lines.length; n += 12) {
+          const p = S.point(m, mesh.lines.slice(n, n + 3));
+          low = low.map((x, k) => Math.min(x, p[k]));
+          high = high.map((x, k) => Math.max(x, p[k]));
+        }
+      }
+    }
+    if (!Number.isFinite(low[0])) return;
+    view.target = low.map((x, k) => (x + high[k]) / 2);
+    view.distance = Math.max(Math.hypot(...low.map((x, k) => high[k] - x)) * 1.45, 0.05);
+  };
+
+  /** @param {string} number */
+  const look = (number) => { [view.azimuth, view.elevation] = VIEWS[number]; ask(); };
+
+  const mouse = () => {
+    canvas.addEventListener('pointerdown', (/** @type {PointerEvent} */ event) => {
+      canvas.setPointerCapture(event.pointerId);
+      let [x, y] = [event.clientX, event.clientY];
+      const move = (/** @type {PointerEvent} */ to) => {
+        const [dx, dy] = [to.clientX - x, to.clientY - y];
+        [x, y] = [to.clientX, to.clientY];
+        if (event.shiftKey || event.button === 1) {
+          const scale = view.distance / canvas.clientHeight * 0.85, [ca, sa] = [Math.cos(view.azimuth), Math.sin(view.azimuth)];
+          view.target = [view.target[0] + sa * dx * scale, view.target[1] - ca * dx * scale, view.target[2] + dy * scale];
+        } else {
+          view.azimuth -= dx * 0.008;
+          view.elevation = Math.min(Math.max(view.elevation + dy * 0.008, -1.55), 1.569);
+        }
+        ask();
+      };
+      canvas.addEventListener('pointermove', move);
+      canvas.addEventListener('pointerup', () => canvas.removeEventListener('pointermove', move), { once: true });
+    });
+    canvas.addEventListener('wheel', (/** @type {WheelEvent} */ event) => {
+      if (document.activeElement !== canvas && !event.ctrlKey) return;
+      event.preventDefault();
+      view.distance *= Math.exp(event.deltaY * 0.001);
+      ask();
+    }, { passive: false });
+  };
+
+  const build = () => {
+    const place = document.getElementById('space-view');
+    data = R.data.space;
+    if (!place || !data) return;
+    scene = data.scene;
+    data.time = R.list(data.time);
+    data.positions = data.positions.map(R.list);
+    data.set = data.set?.map(R.list);
+    if (!(data.time.length > 0)) throw new Error('nothing was recorded');
+    for (const f of scene.frames) f.matrix = S.placed(f);
+    const named = scene.frames.filter((/** @type {any} */ f) => /tcp|tool|effector/i.test(f.name));
+    tool = named[named.length - 1] ?? scene.frames[scene.frames.length - 1];
+    let left = 0;
+    for (const shape of scene.shapes) {
+      if (shape.use === 'collision') continue;
+      const mesh = S.mesh(shape);
+      if (mesh) parts.push({ shape, mesh, local: S.placed(shape) }); else left++;
+    }
+    canvas = R.make('canvas', { tabindex: '0', 'aria-label': 'The mechanism in space; drag turns, Shift and drag moves, the wheel zooms' });
+    pose = R.make('output', { class: 'pose' });
+    const toggle = (/** @type {string} */ key, /** @type {string} */ name, /** @type {boolean} */ on) => {
+      shown[key] = R.make('input', { type: 'checkbox' });
+      shown[key].checked = on;
+      shown[key].addEventListener('change', ask);
+      return R.make('label', {}, shown[key], ' ', name);
+    };
+    const views = Object.entries(VIEWS).map(([number, [, , name]]) => {
+      const button = R.make('button', { type: 'button', title: `View from: ${name} (${number})` }, name);
+      button.addEventListener('click', () => look(number));
+      return button;
+    });
+    const switches = [toggle('ghost', 'set value (G)', true), toggle('path', 'path (P)', true), toggle('frames', 'frames (M)', false), toggle('masses', 'centres of mass (C)', false)];
+    if (!data.set) switches[0].hidden = true;
+    data.pen = R.Draw3d.webgl(canvas);
+    if (!data.pen) {
+      const blank = R.make('canvas', { tabindex: '0', 'aria-label': canvas.getAttribute('aria-label') });
+      canvas = blank;
+      data.pen = R.Draw3d.flat(canvas);
+    }
+    if (!data.pen) throw new Error('this browser has no canvas');
+    /** @type {any} */ (window).__m.space = data.pen.name;
+    const notes = [data.pen.name === 'WebGL' ? '' : 'No WebGL here: drawn as a wire frame.', left ? `${left} meshes are not shown.` : ''].filter(Boolean).join(' ');
+    place.append(R.make('div', { class: 'space-bar' }, ...views, ...switches, R.make('span', { class: 'note' }, notes)), canvas, pose);
+    trace();
+    fit();
+    mouse();
+    R.onTime.push(ask);
+    R.onTheme.push(ask);
+    window.addEventListener('resize', ask);
+    paint();
+  };
+
+  const flip = (/** @type {string} */ key) => () => { shown[key].checked = !shown[key].checked; ask(); };
+  /** @type {Record<string, () => void>} */
+  const keys = { g: flip('ghost'), p: flip('path'), m: flip('frames'), c: flip('masses'), f: () => { fit(); ask(); } };
+  for (const number of Object.keys(VIEWS)) keys[number] = () => look(number);
+  return { build, keys, poses, paint };
+})();

@@ -1,0 +1,39 @@
+//! Scripts and styles that go into every page.
+
+/// A file of another project.
+#[derive(Debug, Clone, Copy)]
+pub struct Vendored {
+    /// Name in the folder of assets.
+    pub file: &'static str,
+    /// Its text.
+    pub text: &'static str,
+}
+
+/// All files of other projects; `assets/VENDORED.md` lists them with version, licence and checksum.
+pub const VENDORED: [Vendored; 3] = [
+    Vendored { file: "uPlot.iife.min.js", text: include_str!("../assets/uPlot.iife.min.js") },
+    Vendored { file: "uPlot.min.css", text: include_str!("../assets/uPlot.min.css") },
+    Vendored { file: "uPlot.LICENSE", text: include_str!("../assets/uPlot.LICENSE") },
+];
+
+/// Styles in their order.
+pub(crate) const STYLES: [&str; 2] =
+    [include_str!("../assets/uPlot.min.css"), include_str!("../assets/report.css")];
+
+/// Scripts that every page runs.
+pub(crate) const SCRIPTS: [&str; 4] = [
+    include_str!("../assets/uPlot.iife.min.js"),
+    include_str!("../assets/data.js"),
+    include_str!("../assets/plots.js"),
+    include_str!("../assets/overlay.js"),
+];
+
+/// Scripts of the view in space.
+pub(crate) const SPACE: [&str; 3] = [
+    include_str!("../assets/shapes.js"),
+    include_str!("../assets/draw3d.js"),
+    include_str!("../assets/space.js"),
+];
+
+/// What comes last: keys, playback, drawings.
+pub(crate) const MAIN: &str = include_str!("../assets/main.js");

@@ -1,0 +1,22 @@
+//! A run as one HTML page that needs nothing else: it opens from disk, prints, and works without a network.
+//!
+//! A [`Report`] is plain data; [`html`] makes the page. Numbers travel as compressed typed arrays, thinned to what a
+//! screen shows unless [`Report::full`] asks for all. Knows nothing of blocks, diagrams and files.
+//!
+//! No text of a model can become a script: texts are escaped, and the page's own policy names the hashes of the only
+//! scripts that a browser may run.
+
+mod assets;
+mod data;
+mod escape;
+mod pack;
+mod page;
+mod thin;
+
+pub use assets::{VENDORED, Vendored};
+pub use data::{Animation, Event, Level, Overlay, Panel, Report, Role, Rows, Series};
+pub use escape::escape;
+pub use page::html;
+
+/// Bytes that a page is made to fit into unless all values are asked for.
+pub const BUDGET: usize = 500_000;
