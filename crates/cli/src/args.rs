@@ -10,6 +10,7 @@ use crate::graph_args::GraphArgs;
 use crate::identify_args::IdentifyCommand;
 use crate::params_args::ParamsCommand;
 use crate::plot_args::{CompareArgs, PlotArgs};
+use crate::report_args::ReportArgs;
 use crate::selection::{Wanted, wanted};
 
 /// Simulate block diagrams written as text.
@@ -47,6 +48,8 @@ pub enum Command {
     Run(RunArgs),
     /// Draw a run: in the terminal, as SVG or PNG, with numbers of how set values are followed.
     Plot(PlotArgs),
+    /// Make one HTML page of a run: scopes, the mechanism in space, numbers.
+    Report(ReportArgs),
     /// Tell whether two runs or tables agree within tolerances.
     Compare(CompareArgs),
     /// Tell all problems of a model without running it.

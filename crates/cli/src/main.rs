@@ -34,6 +34,7 @@ mod prose;
 mod recorder;
 mod render;
 mod report;
+mod report_args;
 mod scene;
 mod seal;
 mod selection;
@@ -61,6 +62,7 @@ blocksim simulates block diagrams written as text.
   blocksim plot latest                      draw its signals, also as SVG or PNG
   blocksim runs                             list what was run
   blocksim export latest --csv FILE         its signals for other programs
+  blocksim report RUN                       one HTML page of a run: scopes, robot, numbers
   blocksim check MODEL.ron                  tell all problems without running
   blocksim graph MODEL.ron                  draw the block diagram
   blocksim import ROBOT.urdf --out DIR      make a model of a robot description
@@ -79,6 +81,7 @@ fn main() -> ExitCode {
     let outcome = match &args.command {
         None => console.data(HINTS).map(|()| Exit::Done),
         Some(Command::Run(args)) => commands::run(args, console),
+        Some(Command::Report(args)) => commands::report(args, console),
         Some(Command::Plot(args)) => commands::plot(args, console),
         Some(Command::Compare(args)) => commands::compare(args, console),
         Some(Command::Check(args)) => commands::check(args, console),

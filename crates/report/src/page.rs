@@ -35,7 +35,8 @@ pub fn html(report: &Report) -> String {
 
 fn with_columns(report: &Report, columns: usize) -> String {
     let mut pack = Pack::default();
-    let panels: Vec<Value> = report.panels.iter().map(|panel| picture(panel, report.full, columns, &mut pack)).collect();
+    let panels: Vec<Value> =
+        report.panels.iter().map(|panel| picture(panel, report.full, columns, &mut pack)).collect();
     let thinned = !report.full && report.panels.iter().any(|panel| panel.time.len() > columns);
     let space = report.animation.as_ref().map(|animation| movement(animation, &mut pack));
     let overlays: Vec<Value> = report
@@ -56,8 +57,10 @@ fn with_columns(report: &Report, columns: usize) -> String {
         .chain(SPACE.into_iter().filter(|_| report.animation.is_some()))
         .chain([MAIN])
         .collect();
-    let hashes: Vec<String> =
-        scripts.iter().map(|script| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(script)))).collect();
+    let hashes: Vec<String> = scripts
+        .iter()
+        .map(|script| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(script))))
+        .collect();
     let mut page = String::new();
     page.push_str("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
     page.push_str(&format!(
@@ -73,7 +76,10 @@ fn with_columns(report: &Report, columns: usize) -> String {
     }
     page.push_str("</head>\n<body>\n");
     page.push_str(&body(report, thinned));
-    page.push_str(&format!("<script type=\"application/json\" id=\"report-data\">{}</script>\n", safe_json(&data)));
+    page.push_str(&format!(
+        "<script type=\"application/json\" id=\"report-data\">{}</script>\n",
+        safe_json(&data)
+    ));
     page.push_str(&format!("<script type=\"text/plain\" id=\"report-numbers\">{}</script>\n", pack.finish()));
     for script in scripts {
         page.push_str(&format!("<script>{script}</script>\n"));
@@ -101,7 +107,8 @@ fn picture(panel: &Panel, full: bool, columns: usize, pack: &mut Pack) -> Value 
                 Role::Set => "set",
                 Role::Actual => "actual",
             };
-            let mut entry = json!({ "name": series.name, "path": series.path, "role": role, "held": series.held });
+            let mut entry =
+                json!({ "name": series.name, "path": series.path, "role": role, "held": series.held });
             match pair {
                 Some((set, actual)) if actual == at => {
                     let off = panel.series[set].values.iter().zip(&series.values).map(|(s, a)| s - a);
@@ -121,7 +128,9 @@ fn picture(panel: &Panel, full: bool, columns: usize, pack: &mut Pack) -> Value 
 
 fn movement(animation: &Animation, pack: &mut Pack) -> Value {
     let rows = frames(&animation.time);
-    let pick = |values: &Vec<f64>| rows.iter().map(|&row| values.get(row).copied().unwrap_or(0.0)).collect::<Vec<f64>>();
+    let pick = |values: &Vec<f64>| {
+        rows.iter().map(|&row| values.get(row).copied().unwrap_or(0.0)).collect::<Vec<f64>>()
+    };
     let time = pack.wide(&pick(&animation.time));
     let positions: Vec<Value> = animation.positions.iter().map(|values| pack.narrow(&pick(values))).collect();
     let set: Option<Vec<Value>> =
@@ -136,7 +145,8 @@ fn frames(time: &[f64]) -> Vec<usize> {
         return (0..time.len()).collect();
     }
     let at = |frame: usize| begin + (end - begin) * frame as f64 / (FRAMES - 1) as f64;
-    let mut rows: Vec<usize> = (0..FRAMES).map(|frame| time.partition_point(|&t| t < at(frame)).min(time.len() - 1)).collect();
+    let mut rows: Vec<usize> =
+        (0..FRAMES).map(|frame| time.partition_point(|&t| t < at(frame)).min(time.len() - 1)).collect();
     rows.dedup();
     rows
 }
@@ -209,10 +219,14 @@ fn body(report: &Report, thinned: bool) -> String {
     out.push_str(&section("parameters", "Parameters", &report.parameters));
     let listed = report.events.iter().take(EVENTS);
     let rows = listed.map(|event| vec![format!("{:.6}", event.time), event.path.clone(), event.what.clone()]);
-    let events = Rows { head: ["time [s]", "block", "event"].map(str::to_owned).to_vec(), rows: rows.collect() };
+    let events =
+        Rows { head: ["time [s]", "block", "event"].map(str::to_owned).to_vec(), rows: rows.collect() };
     out.push_str(&section("events", "Events", &events));
     if report.events.len() > EVENTS {
-        out.push_str(&format!("<p class=\"note\">{} more events are in events.csv.</p>\n", report.events.len() - EVENTS));
+        out.push_str(&format!(
+            "<p class=\"note\">{} more events are in events.csv.</p>\n",
+            report.events.len() - EVENTS
+        ));
     }
     out.push_str("</main>\n<footer id=\"timeline\"></footer>\n<dialog id=\"keys\" aria-label=\"Keys\"></dialog>\n<div id=\"said\" class=\"unseen\" aria-live=\"polite\"></div>\n");
     out

@@ -13,7 +13,11 @@ pub fn rows(time: &[f64], signals: &[&[f64]], columns: usize) -> Vec<usize> {
     let mut from = 0;
     while from < time.len() {
         let here = column(from);
-        let to = from + time[from..].iter().take_while(|&&t| ((t - begin) / width) as usize <= here || here == columns - 1).count();
+        let to = from
+            + time[from..]
+                .iter()
+                .take_while(|&&t| ((t - begin) / width) as usize <= here || here == columns - 1)
+                .count();
         let to = to.max(from + 1);
         let mut chosen = vec![from, to - 1];
         for values in signals {

@@ -11,6 +11,7 @@ mod identify;
 mod import;
 mod params;
 mod plot;
+mod report;
 mod run;
 mod runs;
 
@@ -25,6 +26,7 @@ pub use identify::identify;
 pub use import::import;
 pub use params::params;
 pub use plot::plot;
+pub use report::report;
 pub use run::{RUNS, run};
 pub use runs::runs;
 

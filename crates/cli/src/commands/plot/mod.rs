@@ -1,7 +1,7 @@
 //! `blocksim plot`: signals of runs and tables over time, in the terminal and as files.
 
-mod following;
-mod panels;
+pub mod following;
+pub mod panels;
 mod terminal;
 
 use std::io;

@@ -1,0 +1,93 @@
+//! What a run was, for the head of the page and the table of parameters.
+
+use std::fs;
+use std::path::Path;
+
+use blocksim_report::{Report, Rows};
+use blocksim_results::format::{count, duration, fixed, significant};
+use blocksim_results::{Ended, Manifest, Run, hash};
+
+use crate::solver;
+
+/// Adds title, facts, parameters and warnings.
+pub fn add(run: &Run, path: &Path, report: &mut Report) {
+    let mut fact = |name: &str, value: String| report.facts.push((name.to_owned(), value));
+    fact("run", run.name());
+    if let Some(manifest) = run.manifest() {
+        if let Some(name) = Path::new(&manifest.model.path).file_stem() {
+            report.title = name.to_string_lossy().into_owned();
+        }
+        fact("model", manifest.model.path.clone());
+        fact("started (UTC)", manifest.started.replace('T', " ").replace('Z', ""));
+        fact("ended", ended(&manifest.ended));
+        let speed = manifest.simulated_time / manifest.wall_time;
+        let speed = if speed.is_finite() && speed > 0.0 {
+            format!(" ({} times real time)", significant(speed, 3))
+        } else {
+            String::new()
+        };
+        fact(
+            "simulated",
+            format!("{} s in {}{speed}", fixed(manifest.simulated_time, 3), duration(manifest.wall_time)),
+        );
+        fact("solver", solver::described(&manifest.solver));
+        let counts = manifest.counts;
+        fact("work", format!("{} steps, {} rejected", count(counts.steps), count(counts.rejected)));
+        fact("program", format!("{} {}", manifest.program.name, manifest.program.version));
+        report.parameters = parameters(manifest);
+        report.warnings.extend(changed(manifest));
+    }
+    let rows: u64 = (0..run.rates().len()).map(|base| run.rows(base)).max().unwrap_or(0);
+    report
+        .facts
+        .push(("recorded".to_owned(), format!("{} signals, {} rows", run.signals().len(), count(rows))));
+    if run.span().is_none() {
+        report.warnings.push("This run has no values.".to_owned());
+    }
+    report.warnings.extend(told_in_log(path));
+}
+
+fn ended(ended: &Ended) -> String {
+    match ended {
+        Ended::Complete => "at its end time".to_owned(),
+        Ended::Stopped { reason } => format!("stopped: {reason}"),
+        Ended::Interrupted => "interrupted".to_owned(),
+        Ended::Failed { reason } => format!("failed: {reason}"),
+    }
+}
+
+fn parameters(manifest: &Manifest) -> Rows {
+    let row = |kind: &str, name: &str, value: &str| vec![kind.to_owned(), name.to_owned(), value.to_owned()];
+    let mut rows: Vec<Vec<String>> =
+        manifest.overrides.iter().map(|set| row("set for this run", &set.path, &set.value)).collect();
+    rows.extend(manifest.variants.iter().map(|variant| row("variant", &variant.variant, &variant.choice)));
+    rows.extend(
+        std::iter::once(&manifest.model)
+            .chain(&manifest.files)
+            .map(|file| row("file", &file.path, &file.hash)),
+    );
+    Rows { head: ["what", "name", "value"].map(str::to_owned).to_vec(), rows }
+}
+
+/// Files that are not what they were.
+fn changed(manifest: &Manifest) -> Option<String> {
+    let files = std::iter::once(&manifest.model).chain(&manifest.files);
+    let differs = |path: &str, known: &str| {
+        fs::read(path).is_ok_and(|bytes| hash::fingerprint(&bytes) != known && !known.is_empty())
+    };
+    let changed: Vec<&str> =
+        files.filter(|file| differs(&file.path, &file.hash)).map(|file| file.path.as_str()).collect();
+    let shown = changed.iter().take(4).copied().collect::<Vec<_>>().join(", ");
+    match changed.len() {
+        0 => None,
+        n if n > 4 => Some(format!("Changed since the run: {shown} and {} more files.", n - 4)),
+        _ => Some(format!("Changed since the run: {shown}.")),
+    }
+}
+
+/// First lines of the warnings in `log.txt`.
+fn told_in_log(run: &Path) -> Vec<String> {
+    let Ok(log) = fs::read_to_string(run.join("log.txt")) else { return Vec::new() };
+    let warnings = log.lines().filter(|line| line.starts_with("warning"));
+    warnings.take(20).map(|line| line.split_once(": ").map_or(line, |(_, said)| said).to_owned()).collect()
+}

@@ -1,0 +1,154 @@
+//! `blocksim report`: a run as one HTML file.
+
+mod facts;
+mod movement;
+mod pictures;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use blocksim_report::{BUDGET, Event, Overlay, Report, html};
+use blocksim_results::{Run, locate, read_foreign_file, write_whole};
+
+use crate::console::Console;
+use crate::exit::Exit;
+use crate::report_args::ReportArgs;
+use crate::traces::{Book, told};
+
+/// Name of the file in the folder of its run.
+const NAME: &str = "report.html";
+/// Values of all measurements that a page takes.
+const MOST_MEASURED: usize = 2_000_000;
+
+/// Writes the report of a run.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn report(args: &ReportArgs, console: Console) -> io::Result<Exit> {
+    match written(args, console) {
+        Ok(file) => console.data(&format!("{}\n", file.display()))?,
+        Err(message) => {
+            console.say(&message);
+            return Ok(Exit::Files);
+        }
+    }
+    Ok(Exit::Done)
+}
+
+/// Writes the page; returns its place.
+///
+/// # Errors
+/// What to tell the person at the keyboard.
+pub fn written(args: &ReportArgs, console: Console) -> Result<PathBuf, String> {
+    let path = locate(&args.run, Path::new(super::run::RUNS)).map_err(told)?;
+    let target = target(args, &path)?;
+    let page = html(&gathered(args, &path, console)?);
+    if !args.full && page.len() > BUDGET {
+        console.say(&format!(
+            "note: the page has {} kB\n  = help: `--no-3d` and fewer recorded signals make it smaller",
+            page.len() / 1000
+        ));
+    }
+    let (folder, name) = target;
+    let file = write_whole(&folder, &name, |out| out.write_all(page.as_bytes())).map_err(told)?;
+    if args.open {
+        open(&file, console);
+    }
+    Ok(file)
+}
+
+/// Folder and name of the file, which must not be there.
+fn target(args: &ReportArgs, run: &Path) -> Result<(PathBuf, String), String> {
+    let file = match &args.output {
+        Some(file) => file.clone(),
+        None if run.is_dir() => run.join(NAME),
+        None => run.with_extension("html"),
+    };
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let refused = |reason: &str, help: &str| {
+        Err(format!("error: cannot write `{}`: {reason}\n  = help: {help}", file.display()))
+    };
+    let Some(name) = file.file_name() else { return refused("it names no file", "add a name") };
+    if !folder.is_dir() {
+        return refused("there is no such folder", "create it, or choose another place with -o");
+    }
+    if file.is_dir() {
+        return refused("it is a folder", "add the name of a file");
+    }
+    // The report in the folder of its run is made of nothing but the run; a new one replaces no work.
+    if file.exists() && !args.force && args.output.is_some() {
+        return refused("it is there already", "choose another name, or replace it with --force");
+    }
+    Ok((folder.to_owned(), name.to_string_lossy().into_owned()))
+}
+
+/// All that is shown.
+fn gathered(args: &ReportArgs, path: &Path, console: Console) -> Result<Report, String> {
+    let book = Book::open(path, &[])?;
+    let run = Run::open(path).map_err(told)?;
+    let mut report = Report { full: args.full, title: book.name.clone(), ..Report::default() };
+    if let Some(shortfall) = run.shortfall() {
+        report.warnings.push(format!("This run is not whole: {shortfall}."));
+    }
+    facts::add(&run, path, &mut report);
+    let books = [book];
+    pictures::add(&books, &mut report)?;
+    if !args.no_3d && path.is_dir() {
+        match movement::read(path, &run) {
+            Ok(animation) => report.animation = animation,
+            Err(reason) => {
+                report.warnings.push(format!("The view in space is missing: {reason}."));
+            }
+        }
+    }
+    match run.events() {
+        Ok(events) => {
+            let event = |e: blocksim_results::EventRow| Event { time: e.time, path: e.path, what: e.what };
+            report.events = events.into_iter().map(event).collect();
+        }
+        Err(error) => report.warnings.push(format!("The events cannot be read: {}.", error.reason())),
+    }
+    let mut measured = 0;
+    for file in &args.overlay {
+        let overlay = overlay(file)?;
+        measured += overlay.time.len() * (overlay.columns.len() + 1);
+        if measured > MOST_MEASURED {
+            return Err(format!(
+                "error: the measurements have more than {MOST_MEASURED} values\n  = help: leave columns or rows of `{}` away",
+                file.display()
+            ));
+        }
+        report.overlays.push(overlay);
+    }
+    for warning in &report.warnings {
+        console.say(&format!("warning: {warning}"));
+    }
+    Ok(report)
+}
+
+fn overlay(file: &Path) -> Result<Overlay, String> {
+    let table = read_foreign_file(file, &["time", "t"]).map_err(told)?;
+    let factor = if table.time_unit.as_deref() == Some("ms") { 1e-3 } else { 1.0 };
+    Ok(Overlay {
+        name: file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        time: table.time.iter().map(|t| t * factor).collect(),
+        columns: table.columns.into_iter().map(|c| (c.name, c.unit.unwrap_or_default(), c.values)).collect(),
+    })
+}
+
+/// Shows a file in the browser of the system, where there is one.
+fn open(file: &Path, console: Console) {
+    let program = match std::env::consts::OS {
+        "macos" => "open",
+        "windows" => "explorer",
+        _ => "xdg-open",
+    };
+    let file = fs::canonicalize(file).unwrap_or_else(|_| file.to_owned());
+    let quiet = std::process::Stdio::null;
+    let started =
+        std::process::Command::new(program).arg(&file).stdout(quiet()).stderr(quiet()).stdin(quiet()).spawn();
+    if started.is_err() {
+        console.say(&format!("note: `{program}` is missing; open {} in a browser", file.display()));
+    }
+}

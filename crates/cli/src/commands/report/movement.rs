@@ -1,0 +1,72 @@
+//! The mechanism of a run and how it moved.
+
+use std::fs;
+use std::path::Path;
+
+use blocksim_report::Animation;
+use blocksim_results::{ALWAYS, Run};
+use serde_json::Value;
+
+/// What moves, and where it is over time; `None` where the run has no mechanism.
+///
+/// # Errors
+/// Why there is a mechanism that cannot be shown, in words.
+pub fn read(folder: &Path, run: &Run) -> Result<Option<Animation>, String> {
+    let Ok(text) = fs::read_to_string(folder.join("scene.json")) else { return Ok(None) };
+    let scene: Value = serde_json::from_str(&text).map_err(|error| format!("scene.json: {error}"))?;
+    let list = |name: &str| scene[name].as_array().is_some();
+    if !["bodies", "shapes", "masses", "frames"].iter().all(|name| list(name)) {
+        return Err("scene.json is no scene".to_owned());
+    }
+    let paths = signals(&scene)?;
+    let places: Result<Vec<usize>, String> = paths
+        .iter()
+        .map(|path| run.find(path).map_err(|_| format!("the run has no signal `{path}`")))
+        .collect();
+    let places = places?;
+    if places.is_empty() {
+        return Ok(None);
+    }
+    let recording = run.read_together(&places, &ALWAYS).map_err(|error| error.reason())?;
+    let positions: Vec<Vec<f64>> = recording.signals.into_iter().map(|signal| signal.values).collect();
+    let set = set_values(run, &positions);
+    Ok(Some(Animation { scene, time: recording.time, positions, set }))
+}
+
+/// Signals of all joints in the order of the bodies.
+fn signals(scene: &Value) -> Result<Vec<String>, String> {
+    let mut paths = Vec::new();
+    for body in scene["bodies"].as_array().into_iter().flatten() {
+        let motion = &body["motion"];
+        let named: Vec<&Value> = match motion["kind"].as_str() {
+            Some("turn" | "slide") => vec![&motion["signal"]],
+            Some("ball") => motion["signals"].as_array().into_iter().flatten().collect(),
+            _ => Vec::new(),
+        };
+        for name in named {
+            paths.push(name.as_str().ok_or("a joint of scene.json names no signal")?.to_owned());
+        }
+    }
+    Ok(paths)
+}
+
+/// Set values of the joints: those of the scope whose actual value is the joint's position; the position itself where
+/// there is no such scope. `None` if there is none for any joint.
+fn set_values(run: &Run, positions: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+    let mut scopes = Vec::new();
+    for signal in run.signals() {
+        let Some(block) = signal.path.strip_suffix(".actual") else { continue };
+        let Ok(set) = run.find(&format!("{block}.set")) else { continue };
+        let Ok(actual) = run.find(&signal.path).and_then(|at| run.read(at, &ALWAYS)) else { continue };
+        scopes.push((set, actual.values));
+    }
+    let mut found = false;
+    let set = positions.iter().map(|position| {
+        let scope = scopes.iter().find(|(_, actual)| actual == position);
+        let set = scope.and_then(|(set, _)| run.read(*set, &ALWAYS).ok()).map(|column| column.values);
+        found |= set.is_some();
+        set.unwrap_or_else(|| position.clone())
+    });
+    let set: Vec<Vec<f64>> = set.collect();
+    found.then_some(set)
+}

@@ -1,0 +1,137 @@
+//! The pictures of a run as its scopes define them, and how its set values are followed.
+
+use blocksim_plot::pretty_unit;
+use blocksim_report::{Panel, Report, Role, Rows, Series};
+use blocksim_results::format::{fixed, significant};
+use blocksim_results::{ALWAYS, Kind};
+
+use crate::commands::plot::following::{Row, rows};
+use crate::commands::plot::panels::{Drawn, chosen, groups, is_same};
+use crate::plot_args::Layout;
+use crate::traces::Book;
+
+/// Most pictures in a page.
+const PANELS: usize = 60;
+
+/// Adds pictures and metrics.
+///
+/// # Errors
+/// What to tell the person at the keyboard.
+pub fn add(books: &[Book; 1], report: &mut Report) -> Result<(), String> {
+    let book = &books[0];
+    // Without a pattern everything fits.
+    let selected = chosen(book, &[]).unwrap_or_default();
+    let groups = groups(book, &selected, Layout::Scopes);
+    if groups.len() > PANELS {
+        report
+            .warnings
+            .push(format!("Only the first {PANELS} of {} pictures are in this page.", groups.len()));
+    }
+    let mut all: Vec<Drawn> = Vec::new();
+    for group in groups.into_iter().take(PANELS) {
+        let mut drawn = Drawn { columns: Vec::new(), steps: Vec::new(), others: Vec::new(), group };
+        for &at in &drawn.group.traces {
+            let trace = &book.traces[at];
+            let mut column = book.read(at, &ALWAYS)?;
+            column.values.iter_mut().for_each(|value| *value = trace.unit.from_si(*value));
+            drawn.columns.push(column);
+            drawn.steps.push(trace.kind != Kind::Real);
+        }
+        // Two scopes may show the same.
+        if !all.iter().any(|other| is_same(other, &drawn)) {
+            report.panels.extend(panels(&drawn, book));
+            report.warnings.extend(not_finite(&drawn));
+            all.push(drawn);
+        }
+    }
+    report.metrics = table(&rows(&all, books));
+    Ok(())
+}
+
+/// A picture for each time base of a group.
+fn panels(drawn: &Drawn, book: &Book) -> Vec<Panel> {
+    let group = &drawn.group;
+    let mut panels: Vec<Panel> = Vec::new();
+    for (n, column) in drawn.columns.iter().enumerate() {
+        let trace = &book.traces[group.traces[n]];
+        let role = if group.pairs.len() != 1 {
+            Role::Plain
+        } else if group.pairs[0].0 == n {
+            Role::Set
+        } else if group.pairs[0].1 == n {
+            Role::Actual
+        } else {
+            Role::Plain
+        };
+        let name = if group.names[n].is_empty() { trace.port() } else { &group.names[n] };
+        let series = Series {
+            name: name.to_owned(),
+            path: trace.path.clone(),
+            role,
+            held: drawn.steps[n],
+            values: column.values.clone(),
+        };
+        match panels.iter_mut().find(|panel| panel.time == column.time) {
+            Some(panel) => panel.series.push(series),
+            None => panels.push(Panel {
+                group: parent(trace.block()).to_owned(),
+                title: if group.title.is_empty() { trace.path.clone() } else { group.title.clone() },
+                unit: pretty_unit(&group.unit),
+                time: column.time.clone(),
+                series: vec![series],
+            }),
+        }
+    }
+    panels
+}
+
+/// Path of the subsystem that a scope stands in.
+fn parent(block: &str) -> &str {
+    block.rsplit_once('/').map_or("", |(parent, _)| parent)
+}
+
+/// Says where a signal is not a number for the first time.
+fn not_finite(drawn: &Drawn) -> Vec<String> {
+    let named = drawn.columns.iter().zip(&drawn.group.names);
+    named
+        .filter_map(|(column, name)| {
+            let at = column.values.iter().position(|x| !x.is_finite())?;
+            Some(format!(
+                "{} {name} has values that are no finite numbers, first at {} s.",
+                drawn.group.title,
+                significant(column.time[at], 6)
+            ))
+        })
+        .collect()
+}
+
+fn table(rows: &[Row]) -> Rows {
+    let head = [
+        "signal",
+        "unit",
+        "step",
+        "rise [s]",
+        "overshoot",
+        "settling [s]",
+        "IAE",
+        "final error",
+        "largest error",
+        "at [s]",
+    ];
+    let seconds = |t: Option<f64>| t.map_or_else(|| "–".to_owned(), |t| fixed(t, 3));
+    let row = |Row { name, unit, metrics: m, .. }: &Row| {
+        vec![
+            name.clone(),
+            pretty_unit(unit),
+            significant(m.step, 4),
+            seconds(m.rise),
+            m.overshoot.map_or_else(|| "–".to_owned(), |x| format!("{} %", fixed(100.0 * x, 2))),
+            seconds(m.settling),
+            significant(m.iae, 4),
+            significant(m.steady_state_error, 3),
+            significant(m.max_error, 3),
+            fixed(m.max_error_at, 3),
+        ]
+    };
+    Rows { head: head.map(str::to_owned).to_vec(), rows: rows.iter().map(row).collect() }
+}

@@ -1,0 +1,34 @@
+//! The command line of `blocksim report`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// `blocksim report`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  blocksim report latest\n  blocksim report runs/before -o before.html --overlay measured.csv\n  \
+                  blocksim report latest --full --no-3d"
+)]
+pub struct ReportArgs {
+    /// The run: its folder, its name or the beginning of it, `latest`, or a table (CSV).
+    pub run: String,
+    /// The file; without it `report.html` in the folder of the run.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Keeps all values, however large the file becomes.
+    #[arg(long)]
+    pub full: bool,
+    /// Leaves the view in space away.
+    #[arg(long = "no-3d")]
+    pub no_3d: bool,
+    /// A measurement to lay over the pictures, a CSV file; may be repeated.
+    #[arg(long, value_name = "FILE")]
+    pub overlay: Vec<PathBuf>,
+    /// Shows the file in the browser.
+    #[arg(long)]
+    pub open: bool,
+    /// Replaces a file that is there.
+    #[arg(long)]
+    pub force: bool,
+}
