@@ -173,6 +173,7 @@ R.Space = (() => {
     }
     if (!data.pen) throw new Error('this browser has no canvas');
     /** @type {any} */ (window).__m.space = data.pen.name;
+    document.documentElement.dataset.space = data.pen.name;
     const notes = [data.pen.name === 'WebGL' ? '' : 'No WebGL here: drawn as a wire frame.', left ? `${left} meshes are not shown.` : ''].filter(Boolean).join(' ');
     place.append(R.make('div', { class: 'space-bar' }, ...views, ...switches, R.make('span', { class: 'note' }, notes)), canvas, pose);
     trace();
