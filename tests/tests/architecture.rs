@@ -174,6 +174,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("analysis", &["*"]),
         ("layout", &["*"]),
         ("drawing", &["blocks", "sim", "host"]),
+        ("report", &["block", "blocks", "diagram", "results"]),
     ];
     for (name, absent) in nothing_of {
         let reached = reach(name);

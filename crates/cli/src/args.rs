@@ -126,6 +126,9 @@ pub struct RunArgs {
     /// Draw nothing.
     #[arg(long)]
     pub no_plot: bool,
+    /// Make a page of the run, `report.html` in the folder of the results.
+    #[arg(long)]
+    pub report: bool,
     /// Say only what is wrong, and print the folder of the results.
     #[arg(long, short, conflicts_with = "json")]
     pub quiet: bool,

@@ -32,3 +32,18 @@ pub struct ReportArgs {
     #[arg(long)]
     pub force: bool,
 }
+
+impl ReportArgs {
+    /// The page of a run in its folder, as it is without options.
+    pub fn of(run: String) -> ReportArgs {
+        ReportArgs {
+            run,
+            output: None,
+            full: false,
+            no_3d: false,
+            overlay: Vec::new(),
+            open: false,
+            force: false,
+        }
+    }
+}

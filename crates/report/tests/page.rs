@@ -1,5 +1,7 @@
 //! The page: whole, small, harmless.
 
+use std::io::Write;
+
 use blocksim_report::{Animation, BUDGET, Event, Level, Panel, Report, Role, Rows, Series, VENDORED, html};
 use serde_json::json;
 use sha2::{Digest, Sha256};
@@ -166,7 +168,8 @@ fn a_browser_shows_the_page_from_disk_without_complaint_with_and_without_webgl()
     let Some(program) = browser() else {
         let required = std::env::var("BLOCKSIM_BROWSER").is_ok_and(|value| value == "required");
         assert!(!required, "no Chromium is installed, and BLOCKSIM_BROWSER=required");
-        eprintln!("SKIPPED: no Chromium is installed; the page was not looked at in a browser");
+        let notice = "SKIPPED: no Chromium is installed; the page was not looked at in a browser";
+        let _ = writeln!(std::io::stderr(), "{notice}");
         return;
     };
     let page = html(&Report { animation: Some(mechanism()), ..example(2, 2_000) });

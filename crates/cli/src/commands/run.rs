@@ -16,6 +16,7 @@ use crate::keep::{self, Csv, Rest, is_csv_written, keep};
 use crate::progress::{Progress, Telling};
 use crate::recorder::Recorder;
 use crate::report::{Report, log};
+use crate::report_args::ReportArgs;
 use crate::selection::select;
 use crate::{interrupt, manifest, render, scene, solver};
 
@@ -188,6 +189,15 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
         console.say(&format!(
             "note: no signals.csv, as it would be very large; `blocksim export {place} --csv FILE` writes it"
         ));
+    }
+    if args.report {
+        match super::report::written(&ReportArgs::of(place), console) {
+            Ok(page) => console.say(&format!("the page of the run is {}", page.display())),
+            Err(message) => {
+                console.say(&message);
+                return Ok(if exit == Exit::Done { Exit::Files } else { exit });
+            }
+        }
     }
     Ok(exit)
 }
