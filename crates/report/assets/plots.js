@@ -89,7 +89,7 @@ R.Plots = (() => {
   const legend = (panel) => {
     const rows = panel.series.map((/** @type {any} */ s, /** @type {number} */ at) => {
       const mark = R.make('i', { class: 'mark' + (s.role === 'set' ? ' dashed' : '') });
-      mark.style.borderColor = `var(--s${tint(panel, at) % 6 + 1})`;
+      mark.style.borderColor = s.role === 'set' ? 'var(--text)' : `var(--s${tint(panel, at) % 6 + 1})`;
       const value = R.make('b'), marked = R.make('em');
       const row = R.make('button', { class: 'entry', type: 'button', 'aria-pressed': 'true', title: s.path }, mark, s.name, ' ', value, marked);
       row.addEventListener('click', () => {
@@ -125,6 +125,12 @@ R.Plots = (() => {
         const set = panel.series[panel.pair[0]].values;
         s.values = s.error.map((/** @type {number} */ e, /** @type {number} */ n) => set[n] - e);
       }
+      if (panel.pair) {
+        // Set values come last and so on top: dashes stay visible where both agree.
+        const [set, actual] = panel.pair.map((/** @type {number} */ at) => panel.series[at]);
+        panel.series = [...panel.series.filter((/** @type {any} */ s) => s !== set), set];
+        panel.pair = [panel.series.length - 1, panel.series.indexOf(actual)];
+      }
       if (panel.time.length) {
         begin = Math.min(begin, panel.time[0]);
         end = Math.max(end, panel.time[panel.time.length - 1]);
@@ -147,10 +153,9 @@ R.Plots = (() => {
         R.make('figcaption', {}, R.make('span', { class: 'title' }, title), legend(panel)), canvas);
       box.append(card);
       const drawn = panel.series.map((/** @type {any} */ s, /** @type {number} */ at) => ({
-        label: s.name, stroke: series(tint(panel, at)), width: s.role === 'set' ? 1.5 : 1.75, dash: s.role === 'set' ? [7, 5] : undefined,
+        label: s.name, stroke: s.role === 'set' ? () => R.colour('text') : series(tint(panel, at)), width: s.role === 'set' ? 1.4 : 2.2, dash: s.role === 'set' ? [7, 5] : undefined,
         points: { show: false }, paths: s.held ? uPlot.paths.stepped?.({ align: 1 }) : undefined,
       }));
-      // Actual values first, set values on top: dashes stay visible where both agree.
       panel.main = plot(panel, drawn, [panel.time, ...panel.series.map((/** @type {any} */ s) => column(s.values))], canvas, panel.pair ? 200 : 230, !panel.pair);
       if (panel.pair) {
         strip.append(R.make('span', { class: 'strip-name' }, `set − actual [${panel.unit || '1'}]`));
