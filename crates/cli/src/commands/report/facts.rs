@@ -53,6 +53,7 @@ fn ended(ended: &Ended) -> String {
         Ended::Stopped { reason } => format!("stopped: {reason}"),
         Ended::Interrupted => "interrupted".to_owned(),
         Ended::Failed { reason } => format!("failed: {reason}"),
+        Ended::Unfinished => "not at its end".to_owned(),
     }
 }
 
