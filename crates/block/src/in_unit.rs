@@ -138,6 +138,22 @@ triples_in! {
     acceleration_vector, "m/s^2";
 }
 
+/// A share that may be absent, with `#[serde(default)]`.
+///
+/// # Errors
+/// No number, or one in another unit.
+pub fn share_if_given<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    share(deserializer).map(Some)
+}
+
+/// A jerk, m/s^3, that may be absent, with `#[serde(default)]`.
+///
+/// # Errors
+/// No number, or one in another unit.
+pub fn jerk_if_given<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    checked(&ParamValue::deserialize(deserializer)?.0, "m/s^3").map(Some)
+}
+
 /// A resistance or reactance, ohm, or something else without unit.
 ///
 /// # Errors

@@ -9,6 +9,7 @@ use crate::export_args::{ExportArgs, RunsArgs};
 use crate::graph_args::GraphArgs;
 use crate::identify_args::IdentifyCommand;
 use crate::params_args::ParamsCommand;
+use crate::plan_args::PlanCommand;
 use crate::plot_args::{CompareArgs, PlotArgs};
 use crate::report_args::ReportArgs;
 use crate::selection::{Wanted, wanted};
@@ -71,6 +72,9 @@ pub enum Command {
     /// Measure a robot of a diagram by experiments, and compare with its parameters.
     #[command(subcommand)]
     Identify(IdentifyCommand),
+    /// Plan a move of a robot, check it along its whole way, and write it as a file.
+    #[command(subcommand)]
+    Plan(PlanCommand),
     /// Sets of parameters as workbooks for Excel and LibreOffice, and back.
     #[command(subcommand)]
     Params(ParamsCommand),

@@ -1,12 +1,16 @@
-//! Files of a model, read from the disk.
+//! Files on the disk: those of a model, read; results, written whole.
 
 use std::cell::RefCell;
 use std::fs;
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use blocksim_diagram::Reader;
+use blocksim_results::write_whole;
 use blocksim_signal::closest;
+
+use crate::console::Console;
+use crate::exit::Exit;
 
 /// Largest file that is read as text.
 const LARGEST: u64 = 256 << 20;
@@ -92,4 +96,25 @@ fn models(folder: &Path) -> Vec<PathBuf> {
         .collect();
     files.sort_by_key(|file| (file.file_stem() != folder.file_name(), file.clone()));
     files
+}
+/// Writes a file whole or not at all; one that is there only if `replace`.
+pub fn write_file(path: &Path, bytes: &[u8], replace: bool, console: Console) -> Result<(), Exit> {
+    if path.symlink_metadata().is_ok() && !replace {
+        console.say(&format!(
+            "error: `{}` is there already\n  = help: name another file, or add --yes to replace it",
+            path.display()
+        ));
+        return Err(Exit::Files);
+    }
+    // A link goes on pointing to the file that it names.
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let folder = target
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .map_or(PathBuf::from("."), Path::to_path_buf);
+    let name = target.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    write_whole(&folder, &name, |out: &mut dyn Write| out.write_all(bytes)).map(|_| ()).map_err(|error| {
+        console.say(&format!("error: {error}"));
+        Exit::Files
+    })
 }

@@ -27,6 +27,7 @@ mod manifest;
 mod naming;
 mod params_args;
 mod picture_file;
+mod plan_args;
 mod plot_args;
 mod ports;
 mod progress;
@@ -93,6 +94,7 @@ fn main() -> ExitCode {
         Some(Command::Blocks(args)) => commands::blocks(args, console),
         Some(Command::Explain(args)) => commands::explain(args, console),
         Some(Command::Identify(command)) => commands::identify(command, console),
+        Some(Command::Plan(command)) => commands::plan(command, console),
         Some(Command::Params(command)) => commands::params(command, console),
     };
     match outcome {

@@ -1,6 +1,13 @@
 use blocksim_block::in_unit;
 use blocksim_block::prelude::*;
-use blocksim_motion::{AxisLimits, Endpoint, JointMoveRequest, MoveError, Synchronisation};
+use blocksim_motion::AxisLimits;
+use blocksim_planner::Course;
+use serde::de::IgnoredAny;
+use std::sync::Arc;
+
+use super::planned::planned;
+use super::tool_path::ToolPath;
+use crate::robotics::RobotDescription;
 
 /// Set values of one axis of a robot that moves all axes together, from rest to rest (PTP, fully synchronised).
 ///
@@ -15,6 +22,10 @@ use blocksim_motion::{AxisLimits, Endpoint, JointMoveRequest, MoveError, Synchro
 /// acceleration limit would be exceeded, or those of the axis that takes longest alone (`rule: AsPrinted`), which
 /// can exceed limits of other axes. Start, end of acceleration, start of braking and end are hit exactly; before
 /// and after the move the axis rests.
+///
+/// A move that `blocksim plan` wrote can be given as `path`, too: lines and arcs of the tool (`path.tool`) and
+/// sequences (`path.moves`). These need the `robot`; position, speed and acceleration of the axes then follow from the
+/// way of the tool.
 ///
 /// ```ron
 /// JointMove(
@@ -43,30 +54,86 @@ pub struct JointMove {
     /// How the axes are synchronised: `Feasible` or `AsPrinted`.
     #[block(default = Rule::Feasible)]
     pub rule: Rule,
+    /// The robot, for moves of its tool.
+    #[block(default = None)]
+    pub robot: Option<RobotDescription>,
     /// The planned move; made by `load`.
     #[block(skip)]
-    plan: Option<blocksim_motion::JointMove>,
+    plan: Option<Arc<dyn Course>>,
+    /// Times that are hit exactly, counted from the start of the move, s.
+    #[block(skip)]
+    seams: Vec<f64>,
 }
 
-/// A move of all axes from rest to rest.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+/// A move of all axes from rest to rest: to a target of the axes, or along a path of the tool.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointPath {
     /// Positions at the start, one for each axis, rad.
     #[serde(deserialize_with = "in_unit::angles")]
     pub start: Vec<f64>,
-    /// Positions at the end, one for each axis, rad.
-    #[serde(deserialize_with = "in_unit::angles")]
+    /// Positions at the end of a joint move, one for each axis, rad.
+    #[serde(default, deserialize_with = "in_unit::angles")]
     pub target: Vec<f64>,
-    /// Share of each axis' largest speed, above 0 and at most 1.
-    #[serde(deserialize_with = "in_unit::share")]
-    pub velocity: f64,
-    /// Share of the move time spent accelerating, above 0 and at most 0.5.
-    #[serde(deserialize_with = "in_unit::share")]
-    pub acceleration: f64,
+    /// Share of each axis' largest speed, above 0 and at most 1; for joint moves.
+    #[serde(default, deserialize_with = "in_unit::share_if_given")]
+    pub velocity: Option<f64>,
+    /// Share of the move time spent accelerating, above 0 and at most 0.5; for joint moves.
+    #[serde(default, deserialize_with = "in_unit::share_if_given")]
+    pub acceleration: Option<f64>,
     /// Distance between two rows of a table of the move, rad, positive. The set values do not depend on it.
     #[serde(default = "half_a_degree", deserialize_with = "in_unit::angle")]
     pub resolution: f64,
+    /// A line or an arc of the tool, in the place of `target`, `velocity` and `acceleration`.
+    #[serde(default)]
+    pub tool: Option<ToolPath>,
+    /// Radius around the end of this move within which the next may begin, m; 0 for a stop.
+    #[serde(default, deserialize_with = "in_unit::length")]
+    pub zone: f64,
+    /// Moves behind this one.
+    #[serde(default)]
+    pub moves: Vec<NextMove>,
+    #[serde(default, rename = "result")]
+    _result: Unread,
+}
+
+/// A move that begins where the one before ends.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NextMove {
+    /// Positions at the end of a joint move, rad.
+    #[serde(default, deserialize_with = "in_unit::angles")]
+    pub target: Vec<f64>,
+    /// Share of each axis' largest speed.
+    #[serde(default, deserialize_with = "in_unit::share_if_given")]
+    pub velocity: Option<f64>,
+    /// Share of the move time spent accelerating.
+    #[serde(default, deserialize_with = "in_unit::share_if_given")]
+    pub acceleration: Option<f64>,
+    /// A line or an arc of the tool.
+    #[serde(default)]
+    pub tool: Option<ToolPath>,
+    /// Radius around the end of this move within which the next may begin, m.
+    #[serde(default, deserialize_with = "in_unit::length")]
+    pub zone: f64,
+}
+
+/// What a plan came to, which is for people and not read.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Unread;
+
+impl<'de> Deserialize<'de> for Unread {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        IgnoredAny::deserialize(deserializer).map(|_| Unread)
+    }
+}
+
+impl JointPath {
+    /// A joint move.
+    pub fn joint(start: Vec<f64>, target: Vec<f64>, velocity: f64, acceleration: f64) -> Self {
+        let (velocity, acceleration) = (Some(velocity), Some(acceleration));
+        JointPath { start, target, velocity, acceleration, resolution: half_a_degree(), ..Self::default() }
+    }
 }
 
 /// What one axis can do.
@@ -104,68 +171,51 @@ fn half_a_degree() -> f64 {
 impl JointMove {
     /// A block with its plan, as it is after `load`.
     pub fn new(path: JointPath, limits: Vec<Limits>, axis: usize, delay: f64, rule: Rule) -> Self {
-        let block = Self { path, limits, axis, delay, rule, plan: None };
-        Self { plan: block.planned().ok(), ..block }
+        let mut block = Self { path, limits, axis, delay, rule, robot: None, plan: None, seams: Vec::new() };
+        block.keep();
+        block
     }
 
-    fn planned(&self) -> Result<blocksim_motion::JointMove, MoveError> {
-        let JointPath { start, target, velocity, acceleration, .. } = self.path.clone();
-        let rule = match self.rule {
-            Rule::Feasible => Synchronisation::Feasible,
-            Rule::AsPrinted => Synchronisation::AsPrinted,
+    /// Plans and keeps the plan.
+    fn keep(&mut self) {
+        // A move that cannot be planned is reported by `check`, with the parameter at fault.
+        self.plan = self.planned().ok();
+        let all = self.plan.as_ref().map(|plan| plan.seams()).unwrap_or_default();
+        // The fastest course has a seam at each knot; only its ends are worth a stop.
+        const FEW: usize = 100;
+        self.seams = match (all.first(), all.last()) {
+            (Some(first), Some(last)) if all.len() > FEW => vec![*first, *last],
+            _ => all,
         };
+    }
+
+    fn planned(&self) -> Result<Arc<dyn Course>, ParamError> {
         let axis_limits = |limits: &Limits| {
             let Limits { lower, upper, speed, acceleration } = *limits;
             AxisLimits { lower, upper, speed, acceleration }
         };
         let limits: Vec<_> = self.limits.iter().map(axis_limits).collect();
-        blocksim_motion::JointMove::plan(
-            &JointMoveRequest { start, target, velocity, acceleration, rule },
-            &limits,
-        )
-    }
-}
-
-/// The parameter that a plan failed for.
-fn guilty(error: &MoveError) -> String {
-    let side = |endpoint: Endpoint| match endpoint {
-        Endpoint::Start => "path.start",
-        Endpoint::Target => "path.target",
-    };
-    match *error {
-        MoveError::NoAxes => "limits".to_owned(),
-        MoveError::WrongLength { endpoint, .. } => side(endpoint).to_owned(),
-        MoveError::NotFinite { endpoint, axis, .. } | MoveError::OutsideLimits { endpoint, axis, .. } => {
-            format!("{}[{axis}]", side(endpoint))
-        }
-        MoveError::NothingToMove => "path.target".to_owned(),
-        MoveError::VelocityShare { .. } => "path.velocity".to_owned(),
-        MoveError::AccelerationShare { .. } => "path.acceleration".to_owned(),
-        MoveError::LimitsCrossed { axis, .. } => format!("limits[{axis}].upper"),
-        MoveError::SpeedLimit { axis, .. } => format!("limits[{axis}].speed"),
-        MoveError::AccelerationLimit { axis, .. } => format!("limits[{axis}].acceleration"),
-        MoveError::NotComputable { axis, .. } => format!("path.target[{axis}]"),
-    }
-}
-
-/// The error of a plan; what follows the semicolon in its message is the remedy.
-fn refusal(error: &MoveError) -> ParamError {
-    let text = error.to_string();
-    match text.split_once("; ") {
-        Some((fact, remedy)) => ParamError::new(guilty(error), fact).help(remedy),
-        None => ParamError::new(guilty(error), text),
+        let follows_path = self.path.tool.is_some() || !self.path.moves.is_empty();
+        let robot = match &self.robot {
+            Some(robot) if follows_path => Some(robot.robot("robot")?),
+            _ => None,
+        };
+        planned(&self.path, &limits, self.rule, robot.as_ref(), "path")
     }
 }
 
 impl Block for JointMove {
     fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
-        // A move that cannot be planned is reported by `check`, with the parameter at fault.
-        self.plan = self.planned().ok();
+        self.keep();
         Ok(())
     }
 
     fn check(&self) -> Result<(), ParamError> {
-        self.planned().map_err(|error| refusal(&error))?;
+        // What follows a path takes a while to plan: not twice.
+        let known = self.plan.is_some() && (self.path.tool.is_some() || !self.path.moves.is_empty());
+        if !known {
+            self.planned()?;
+        }
         positive("path.resolution", self.path.resolution)?;
         not_negative("delay", self.delay)?;
         let axes = self.limits.len();
@@ -191,19 +241,15 @@ impl Block for JointMove {
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
         match &self.plan {
             Some(plan) => {
-                let (q, qd, qdd) = plan.at(self.axis - 1, c.t - self.delay);
-                y.copy_from_slice(&[q, qd, qdd]);
+                y.copy_from_slice(&plan.at(self.axis - 1, c.t - self.delay));
             }
             None => c.fail("the move has no plan"),
         }
     }
 
     fn next_event(&self, c: &Context) -> f64 {
-        let Some(plan) = &self.plan else {
-            return f64::INFINITY;
-        };
-        let seams = [0.0, plan.t_acc(), plan.t_dec(), plan.duration()].map(|seam| self.delay + seam);
-        seams.into_iter().find(|seam| *seam > c.t).unwrap_or(f64::INFINITY)
+        let mut seams = self.seams.iter().map(|seam| self.delay + seam);
+        seams.find(|seam| *seam > c.t).unwrap_or(f64::INFINITY)
     }
 
     fn end_time(&self) -> Option<f64> {

@@ -6,13 +6,7 @@ use std::f64::consts::PI;
 
 /// Two axes over 1 rad and -0.5 rad, at most 1 rad/s and 10 rad/s^2.
 fn block(axis: usize) -> JointMove {
-    let path = JointPath {
-        start: vec![0.0, 0.25],
-        target: vec![1.0, -0.25],
-        velocity: 0.5,
-        acceleration: 0.25,
-        resolution: 0.01,
-    };
+    let path = JointPath::joint(vec![0.0, 0.25], vec![1.0, -0.25], 0.5, 0.25);
     let limits = vec![Limits { lower: -1.5, upper: 1.5, speed: 1.0, acceleration: 10.0 }; 2];
     JointMove::new(path, limits, axis, 0.5, Rule::Feasible)
 }
@@ -110,8 +104,8 @@ fn each_mistake_is_blamed_on_its_parameter() {
     assert_eq!(refused(|block| block.path.start = vec![0.0]).param, "path.start");
     assert_eq!(refused(|block| block.path.start[0] = f64::NAN).param, "path.start[0]");
     assert_eq!(refused(|block| block.path.target = block.path.start.clone()).param, "path.target");
-    assert_eq!(refused(|block| block.path.velocity = 40.0).param, "path.velocity");
-    assert_eq!(refused(|block| block.path.acceleration = 0.6).param, "path.acceleration");
+    assert_eq!(refused(|block| block.path.velocity = Some(40.0)).param, "path.velocity");
+    assert_eq!(refused(|block| block.path.acceleration = Some(0.6)).param, "path.acceleration");
     assert_eq!(refused(|block| block.path.resolution = 0.0).param, "path.resolution");
     assert_eq!(refused(|block| block.limits[1].speed = 0.0).param, "limits[1].speed");
     assert_eq!(refused(|block| block.limits[0].acceleration = -1.0).param, "limits[0].acceleration");
@@ -125,7 +119,7 @@ fn each_mistake_is_blamed_on_its_parameter() {
 
 #[test]
 fn every_refusal_comes_with_a_remedy() {
-    assert!(refused(|block| block.path.velocity = 0.0).help.is_some());
+    assert!(refused(|block| block.path.velocity = Some(0.0)).help.is_some());
     assert!(refused(|block| block.axis = 7).help.unwrap().contains("1 to 2"));
 }
 

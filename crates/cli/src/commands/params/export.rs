@@ -1,8 +1,9 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::files::{read_set, tell_set_error, write_file};
+use super::files::{read_set, tell_set_error};
 use crate::console::Console;
+use crate::disk::write_file;
 use crate::exit::Exit;
 use crate::params_args::ExportArgs;
 use crate::render::plural;

@@ -1,13 +1,12 @@
 //! Sets and workbooks on the disk. What cannot be read is told here.
 
 use std::fs::File;
-use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, Read};
+use std::path::Path;
 
 use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_diagram::{Reader, SourceFile};
 use blocksim_params::{Quantity, SetError, Tables, open_workbook, quantities};
-use blocksim_results::write_whole;
 
 use crate::console::Console;
 use crate::disk::{Disk, reason, refusal};
@@ -74,28 +73,6 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
         return Err(io::Error::other(format!("it has more than {} MiB", LARGEST >> 20)));
     }
     Ok(bytes)
-}
-
-/// Writes a file whole or not at all; one that is there only if `replace`.
-pub fn write_file(path: &Path, bytes: &[u8], replace: bool, console: Console) -> Result<(), Exit> {
-    if path.symlink_metadata().is_ok() && !replace {
-        console.say(&format!(
-            "error: `{}` is there already\n  = help: name another file, or add --yes to replace it",
-            path.display()
-        ));
-        return Err(Exit::Files);
-    }
-    // A link goes on pointing to the file that it names.
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let folder = target
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-        .map_or(PathBuf::from("."), Path::to_path_buf);
-    let name = target.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    write_whole(&folder, &name, |out: &mut dyn Write| out.write_all(bytes)).map(|_| ()).map_err(|error| {
-        console.say(&format!("error: {error}"));
-        Exit::Files
-    })
 }
 
 /// Whether a file is a workbook, by its name; anything else is a set.

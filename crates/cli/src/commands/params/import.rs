@@ -2,10 +2,11 @@ use std::io;
 
 use blocksim_params::{compare, edited};
 
-use super::files::{read_set, read_workbook, tell_set_error, write_file};
+use super::files::{read_set, read_workbook, tell_set_error};
 use super::model::sound;
 use super::said::{age, changes, tell_hindrances};
 use crate::console::Console;
+use crate::disk::write_file;
 use crate::exit::Exit;
 use crate::params_args::ImportArgs;
 use crate::render::plural;

@@ -1,0 +1,154 @@
+//! From what a file says of a move to the move.
+
+use std::sync::Arc;
+
+use blocksim_block::prelude::*;
+use blocksim_motion::{AxisLimits, Endpoint, JointMove, JointMoveRequest, MoveError, Synchronisation};
+use blocksim_planner::{CartesianMove, Course, PlanError, Reason, Sequence, SequenceError, Start, Step};
+use blocksim_robot::Robot;
+
+use super::joint_move::{JointPath, NextMove, Rule};
+use super::tool_path::ToolPath;
+
+/// Plans what a file asks for. `limits` are those of joint moves; a robot is needed where its tool follows a path.
+/// `param` is the path of the set, for messages.
+///
+/// # Errors
+/// The member at fault, what is wrong, and what helps.
+pub fn planned(
+    path: &JointPath,
+    limits: &[AxisLimits],
+    rule: Rule,
+    robot: Option<&Robot>,
+    param: &str,
+) -> Result<Arc<dyn Course>, ParamError> {
+    let first = match &path.tool {
+        Some(tool) => Segment::Tool(tool),
+        None => Segment::Joint(&path.target, path.velocity, path.acceleration),
+    };
+    if path.moves.is_empty() {
+        return Ok(Arc::from(segment(&first, &path.start, limits, rule, robot, param)?));
+    }
+    let robot = robot.ok_or_else(|| no_robot(&format!("{param}.moves")))?;
+    let mut steps: Vec<Step> = Vec::new();
+    let mut start = path.start.clone();
+    steps.push(Step { course: segment(&first, &start, limits, rule, Some(robot), param)?, zone: path.zone });
+    for (i, next) in path.moves.iter().enumerate() {
+        let place = format!("{param}.moves[{i}]");
+        if let Some(last) = steps.last() {
+            start = last.course.positions(last.course.duration());
+        }
+        let course = segment(&next.segment(), &start, limits, rule, Some(robot), &place)?;
+        steps.push(Step { course, zone: next.zone });
+    }
+    let sequence = Sequence::join(robot, steps).map_err(|error| {
+        let step = match error {
+            SequenceError::Zone { step } | SequenceError::Gap { step, .. } => step,
+            SequenceError::Empty => 0,
+        };
+        let place = if step == 0 { param.to_owned() } else { format!("{param}.moves[{}]", step - 1) };
+        split(place, &error.to_string())
+    })?;
+    Ok(Arc::new(sequence))
+}
+
+enum Segment<'a> {
+    Tool(&'a ToolPath),
+    Joint(&'a [f64], Option<f64>, Option<f64>),
+}
+
+impl NextMove {
+    fn segment(&self) -> Segment<'_> {
+        match &self.tool {
+            Some(tool) => Segment::Tool(tool),
+            None => Segment::Joint(&self.target, self.velocity, self.acceleration),
+        }
+    }
+}
+
+fn no_robot(param: &str) -> ParamError {
+    ParamError::new(param, "a move of the tool needs a robot")
+        .help("give the block the robot, as in robot: \"manipulator\"")
+}
+
+fn segment(
+    what: &Segment,
+    start: &[f64],
+    limits: &[AxisLimits],
+    rule: Rule,
+    robot: Option<&Robot>,
+    param: &str,
+) -> Result<Box<dyn Course>, ParamError> {
+    match what {
+        Segment::Tool(tool) => {
+            let place = format!("{param}.tool");
+            let robot = robot.ok_or_else(|| no_robot(&place))?;
+            let request =
+                tool.request(Start::Joints(start.to_vec()), robot.tcp_limits().acceleration, &place)?;
+            let planned = CartesianMove::plan(robot, &request).map_err(|error| refused(&error, param))?;
+            Ok(Box::new(planned))
+        }
+        Segment::Joint(target, velocity, acceleration) => {
+            let missing = |member: &str| {
+                ParamError::new(param, format!("`{member}` is missing"))
+                    .help("a joint move has start, target, velocity and acceleration; a move of the tool has `tool`")
+            };
+            if target.is_empty() {
+                return Err(missing("target"));
+            }
+            let request = JointMoveRequest {
+                start: start.to_vec(),
+                target: target.to_vec(),
+                velocity: velocity.ok_or_else(|| missing("velocity"))?,
+                acceleration: acceleration.ok_or_else(|| missing("acceleration"))?,
+                rule: match rule {
+                    Rule::Feasible => Synchronisation::Feasible,
+                    Rule::AsPrinted => Synchronisation::AsPrinted,
+                },
+            };
+            let planned = JointMove::plan(&request, limits);
+            Ok(Box::new(planned.map_err(|error| split(guilty(&error, param), &error.to_string()))?))
+        }
+    }
+}
+
+/// The refusal of a planner as the error of a parameter.
+pub fn refused(error: &PlanError, param: &str) -> ParamError {
+    let place = match (&error.reason, error.member) {
+        (Reason::StartOutside { axis, .. }, _) => format!("{param}.start[{axis}]"),
+        (_, "start") => format!("{param}.start"),
+        (_, "path" | "tcp_limits.acceleration") => format!("{param}.tool"),
+        (_, member) => format!("{param}.tool.{member}"),
+    };
+    ParamError::new(place, error.to_string()).help(error.help())
+}
+
+/// An error whose message has its remedy behind a semicolon.
+fn split(place: String, text: &str) -> ParamError {
+    match text.split_once("; ") {
+        Some((fact, remedy)) => ParamError::new(place, fact).help(remedy),
+        None => ParamError::new(place, text),
+    }
+}
+
+/// The parameter that a plan of a joint move failed for.
+fn guilty(error: &MoveError, param: &str) -> String {
+    let side = |endpoint: Endpoint| match endpoint {
+        Endpoint::Start => format!("{param}.start"),
+        Endpoint::Target => format!("{param}.target"),
+    };
+    match *error {
+        MoveError::NoAxes => "limits".to_owned(),
+        MoveError::WrongLength { endpoint, .. } => side(endpoint),
+        MoveError::NotFinite { endpoint, axis, .. } | MoveError::OutsideLimits { endpoint, axis, .. } => {
+            format!("{}[{axis}]", side(endpoint))
+        }
+        MoveError::NothingToMove => format!("{param}.target"),
+        MoveError::VelocityShare { .. } => format!("{param}.velocity"),
+        MoveError::AccelerationShare { .. } => format!("{param}.acceleration"),
+        MoveError::LimitsCrossed { axis, .. } => format!("limits[{axis}].upper"),
+        MoveError::SpeedLimit { axis, .. } => format!("limits[{axis}].speed"),
+        MoveError::AccelerationLimit { axis, .. } => format!("limits[{axis}].acceleration"),
+        MoveError::NotComputable { axis, .. } => format!("{param}.target[{axis}]"),
+    }
+}

@@ -1,0 +1,135 @@
+//! What a file says of a move along a path of the tool, and the request that it makes.
+
+use blocksim_block::in_unit;
+use blocksim_block::prelude::*;
+use blocksim_multibody::EulerZyx;
+use blocksim_planner::{CartesianRequest, Orientation, Speeds, Start, Timing};
+use nalgebra::Vector3;
+
+/// A line or an arc of the tool, in the reference frame of the robot.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToolPath {
+    /// Where the tool goes, m.
+    #[serde(deserialize_with = "in_unit::point")]
+    pub target: [f64; 3],
+    /// A point that an arc passes, m; none for a line.
+    #[serde(default)]
+    pub via: Option<Point>,
+    /// What its orientation does: `free`, `fixed`, `interpolated` or `tool-axis`.
+    #[serde(default = "free")]
+    pub orientation: String,
+    /// ZYX Euler angles α, β, γ at the target, rad; for `interpolated`.
+    #[serde(default)]
+    pub rotation: Option<Turns>,
+    /// Speed of the tool, m/s.
+    #[serde(deserialize_with = "in_unit::velocity")]
+    pub velocity: f64,
+    /// Share of the largest acceleration of the tool.
+    #[serde(deserialize_with = "in_unit::share")]
+    pub acceleration: f64,
+    /// How the speed rises and falls: `sin2`, `trapezoid`, `s-curve` or `time-optimal`.
+    #[serde(default = "sin2")]
+    pub profile: String,
+    /// Largest jerk of an S-curve, m/s^3; without it, the acceleration is reached in 0.1 s.
+    #[serde(default, deserialize_with = "in_unit::jerk_if_given")]
+    pub jerk: Option<f64>,
+    /// Distance of waypoints, m.
+    #[serde(default = "millimetre", deserialize_with = "in_unit::length")]
+    pub resolution: f64,
+}
+
+/// A point, m.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(transparent)]
+pub struct Point {
+    /// x, y, z.
+    #[serde(deserialize_with = "in_unit::point")]
+    pub at: [f64; 3],
+}
+
+/// Three angles, rad.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(transparent)]
+pub struct Turns {
+    /// About z, the new y and the new x.
+    #[serde(deserialize_with = "in_unit::turns")]
+    pub angles: [f64; 3],
+}
+
+fn free() -> String {
+    "free".into()
+}
+
+fn sin2() -> String {
+    "sin2".into()
+}
+
+fn millimetre() -> f64 {
+    1e-3
+}
+
+/// The words for orientations.
+pub const ORIENTATIONS: [&str; 4] = ["free", "fixed", "interpolated", "tool-axis"];
+
+/// The words for profiles.
+pub const PROFILES: [&str; 4] = ["sin2", "trapezoid", "s-curve", "time-optimal"];
+
+impl ToolPath {
+    /// The request from a start. `acceleration` is the largest one of the tool, m/s²; `param` the path of this set.
+    ///
+    /// # Errors
+    /// A word that is not known, a rotation that is missing or not used.
+    pub fn request(
+        &self,
+        start: Start,
+        acceleration: f64,
+        param: &str,
+    ) -> Result<CartesianRequest, ParamError> {
+        let unknown = |member: &str, word: &str, known: &[&str]| {
+            ParamError::new(format!("{param}.{member}"), format!("there is no {member} `{word}`"))
+                .help(format!("choose {}", known.join(", ")))
+        };
+        let orientation = match (self.orientation.as_str(), self.rotation) {
+            ("interpolated", Some(Turns { angles: [alpha, beta, gamma] })) => {
+                Orientation::Interpolated(EulerZyx { alpha, beta, gamma }.rotation())
+            }
+            ("interpolated", None) => {
+                return Err(ParamError::new(
+                    format!("{param}.rotation"),
+                    "the orientation at the target is missing",
+                )
+                .help("give three ZYX Euler angles, or choose the orientation fixed"));
+            }
+            ("free" | "fixed" | "tool-axis", Some(_)) => {
+                let message = format!(
+                    "a rotation at the target has no use where the orientation is {}",
+                    self.orientation
+                );
+                return Err(ParamError::new(format!("{param}.rotation"), message)
+                    .help("leave the rotation out, or choose the orientation interpolated"));
+            }
+            ("free", None) => Orientation::Free,
+            ("fixed", None) => Orientation::Fixed,
+            ("tool-axis", None) => Orientation::Axis,
+            (word, _) => return Err(unknown("orientation", word, &ORIENTATIONS)),
+        };
+        let timing = match self.profile.as_str() {
+            "sin2" => Timing::Sin2,
+            "trapezoid" => Timing::Trapezoid,
+            "s-curve" => {
+                Timing::SCurve { jerk: self.jerk.unwrap_or(10.0 * self.acceleration * acceleration) }
+            }
+            "time-optimal" => Timing::TimeOptimal,
+            word => return Err(unknown("profile", word, &PROFILES)),
+        };
+        Ok(CartesianRequest {
+            start,
+            via: self.via.map(|via| Vector3::from(via.at)),
+            target: Vector3::from(self.target),
+            orientation,
+            speeds: Speeds { velocity: self.velocity, acceleration: self.acceleration, timing },
+            resolution: self.resolution,
+        })
+    }
+}

@@ -1,0 +1,107 @@
+//! What is told of a planned move, and the file that is written.
+
+use blocksim_planner::{Course, Findings};
+use blocksim_results::format::significant;
+use blocksim_robot::Robot;
+use serde_json::{Value, json};
+
+use crate::format::short_time;
+
+/// For people: duration, margins of each axis, the tool, and what is exceeded.
+pub fn text(robot: &Robot, course: &dyn Course, findings: &Findings, velocity: Option<f64>) -> String {
+    let mut text = format!(
+        "move       {} s, {} waypoints looked at\n",
+        short_time(course.duration()),
+        findings.waypoints
+    );
+    text += "axis  from [deg]   to [deg]  to limits [deg]   speed  acceleration\n";
+    for (i, axis) in findings.axes.iter().enumerate() {
+        let margin = (axis.lowest - axis.limits.lower).min(axis.limits.upper - axis.highest).to_degrees();
+        text += &format!(
+            "{:>4}  {:>10}  {:>9}  {:>15}  {:>4} %  {:>10} %\n",
+            i + 1,
+            fixed(axis.lowest.to_degrees()),
+            fixed(axis.highest.to_degrees()),
+            fixed(margin),
+            share(axis.speed, axis.limits.speed),
+            share(axis.acceleration, axis.limits.acceleration),
+        );
+    }
+    let limit = robot.tcp_limits().speed;
+    text += &format!(
+        "tool       at most {} mm/s, {} % of its limit\n",
+        significant(1e3 * findings.tool_speed, 4),
+        share(findings.tool_speed, limit)
+    );
+    if let Some(narrow) = findings.narrowest {
+        text += &format!(
+            "singular   nearest at t = {} s: smallest singular value {}\n",
+            short_time(narrow.t),
+            significant(narrow.margin, 3)
+        );
+    }
+    for violation in &findings.violations {
+        let source = violation.source().map(|source| format!(" ({source})")).unwrap_or_default();
+        text += &format!("exceeded   {violation}{source}\n  = help: {}\n", violation.help(velocity));
+    }
+    text
+}
+
+fn fixed(value: f64) -> String {
+    format!("{:.2}", if value.abs() < 5e-3 { 0.0 } else { value })
+}
+
+fn share(value: f64, limit: f64) -> String {
+    format!("{:.0}", 100.0 * value / limit)
+}
+
+/// For programs; SI units.
+pub fn data(course: &dyn Course, findings: &Findings, velocity: Option<f64>) -> Value {
+    let axes: Vec<Value> = findings
+        .axes
+        .iter()
+        .map(|axis| {
+            json!({
+                "lowest": axis.lowest, "highest": axis.highest, "speed": axis.speed, "acceleration": axis.acceleration,
+                "margins": {
+                    "lower": axis.lowest - axis.limits.lower, "upper": axis.limits.upper - axis.highest,
+                    "speed": axis.limits.speed - axis.speed, "acceleration": axis.limits.acceleration - axis.acceleration,
+                },
+            })
+        })
+        .collect();
+    let violations: Vec<Value> = findings
+        .violations
+        .iter()
+        .map(|violation| {
+            json!({
+                "what": violation.to_string(), "axis": violation.axis.map(|axis| axis + 1), "time": violation.t,
+                "value": violation.value, "worst": violation.worst, "limit": violation.limit,
+                "source": violation.source(), "help": violation.help(velocity),
+            })
+        })
+        .collect();
+    let narrowest = findings.narrowest.map(|narrow| json!({ "margin": narrow.margin, "time": narrow.t }));
+    json!({
+        "v": 1, "type": "plan", "duration": course.duration(), "waypoints": findings.waypoints, "axes": axes,
+        "tool_speed": findings.tool_speed, "narrowest": narrowest, "violations": violations,
+    })
+}
+
+/// The move as a file: what was asked as it was typed, and what came out, which is not read again.
+pub fn file(asked: &str, course: &dyn Course, findings: &Findings) -> String {
+    let end = asked.trim_end().strip_suffix(')').unwrap_or(asked.trim_end()).trim_end();
+    let comma = if end.ends_with([',', '(']) { "" } else { "," };
+    let result = format!(
+        "    result: (planner: Text(\"blocksim {}\"), duration: \"{} s\", waypoints: {}, tool_speed: \"{} mm/s\"),\n",
+        env!("CARGO_PKG_VERSION"),
+        short_time(course.duration()),
+        findings.waypoints,
+        significant(1e3 * findings.tool_speed, 4),
+    );
+    // Planned once more, a file keeps one result.
+    match asked.contains("result:") {
+        true => asked.to_owned(),
+        false => format!("{end}{comma}\n{result})\n"),
+    }
+}
