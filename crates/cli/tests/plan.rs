@@ -17,13 +17,13 @@ fn plan(arguments: &[&str]) -> (i32, String, String) {
 }
 
 /// A file that goes away.
-struct New(PathBuf);
+struct Fresh(PathBuf);
 
-impl New {
-    fn new(name: &str) -> New {
+impl Fresh {
+    fn named(name: &str) -> Fresh {
         let path = std::env::temp_dir().join(format!("blocksim-plan-{}-{name}", std::process::id()));
         let _ = std::fs::remove_file(&path);
-        New(path)
+        Fresh(path)
     }
 
     fn path(&self) -> &str {
@@ -31,7 +31,7 @@ impl New {
     }
 }
 
-impl Drop for New {
+impl Drop for Fresh {
     fn drop(&mut self) {
         let _ = std::fs::remove_file(&self.0);
     }
@@ -50,7 +50,7 @@ fn a_joint_move_tells_duration_and_margins() {
 
 #[test]
 fn a_line_is_written_once_and_planned_again_from_its_file() {
-    let file = New::new("line.ron");
+    let file = Fresh::named("line.ron");
     let asked = ["linear", "--from-point", "1 m, 100 mm, 1.3 m", "--to", "1.2 m, -300 mm, 900 mm", "--out"];
     let asked: Vec<&str> = asked.into_iter().chain([file.path()]).collect();
     let (code, out, _) = plan(&asked);
@@ -70,7 +70,7 @@ fn a_line_is_written_once_and_planned_again_from_its_file() {
 
 #[test]
 fn what_is_exceeded_is_told_with_place_and_remedy_and_nothing_is_written() {
-    let file = New::new("fast.ron");
+    let file = Fresh::named("fast.ron");
     let start = "25 deg, 20 deg, 5 deg, 0 deg, 40 deg, 0 deg";
     let slow = "robot.axis1.limits.acceleration=0.5 rad/s^2";
     let (code, out, err) = plan(&[
