@@ -63,7 +63,7 @@ pub struct PlotArgs {
     /// Prints the metrics as JSON, and no plots.
     #[arg(long)]
     pub json: bool,
-    /// What the columns of tables are called here: 'COLUMN=PATH[unit]', or a file of such lines; may be repeated.
+    /// What the columns of tables are called here: `COLUMN=PATH[unit]`, or a file of such lines; may be repeated.
     #[arg(long = "map", value_name = "MAPPING")]
     pub map: Vec<String>,
 }
@@ -142,7 +142,7 @@ pub struct CompareArgs {
     /// Compares what both have, even if a signal of the baseline is missing.
     #[arg(long)]
     pub common: bool,
-    /// What the columns of tables are called here: 'COLUMN=PATH[unit]', or a file of such lines; may be repeated.
+    /// What the columns of tables are called here: `COLUMN=PATH[unit]`, or a file of such lines; may be repeated.
     #[arg(long = "map", value_name = "MAPPING")]
     pub map: Vec<String>,
     /// Draws both and their difference.

@@ -3,7 +3,7 @@
 //! | question | function |
 //! |---|---|
 //! | linear and nonlinear least squares with standard errors | [`least_squares`], [`nonlinear_least_squares`] |
-//! | Coulomb and viscous friction from two or many speeds | [`two_point`], [`line`] |
+//! | Coulomb and viscous friction from two or many speeds | [`two_point`], [`line()`] |
 //! | breakaway, Coulomb and viscous friction through gear and motor | [`curve`] |
 //! | which combinations of masses and inertias decide the torques | [`BaseParameters`] |
 //! | a motion that shows them well | [`excitation`] |
