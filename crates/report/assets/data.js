@@ -9,6 +9,8 @@ const R = {
   /** @type {((t: number) => void)[]} */ onTime: [],
   /** @type {(() => void)[]} */ onCursors: [],
   /** @type {(() => void)[]} */ onTheme: [],
+  /** @type {Record<string, string>} Colours that were asked for. */ colours: {},
+  dark: matchMedia('(prefers-color-scheme: dark)'),
   /** @type {[number, number]} */ span: [0, 1],
   /** @type {any} */ Plots: null,
   /** @type {any} */ Overlay: null,
@@ -73,7 +75,8 @@ const R = {
 
   /** A colour of the style sheet. @param {string} name */
   colour(name) {
-    return getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
+    const root = document.documentElement, look = `${name} ${root.dataset.theme} ${root.className} ${R.dark.matches}`;
+    return R.colours[look] ??= getComputedStyle(root).getPropertyValue('--' + name).trim();
   },
 
   /** @param {string} tag @param {Record<string, string>} [attributes] @param {(Node|string)[]} inside @returns {any} */

@@ -25,7 +25,8 @@ R.Plots = (() => {
   const lines = (u) => {
     for (const [line, t] of [[u.lines[0], R.cursors[0]], [u.lines[1], R.cursors[1]], [u.lines[2], R.now]]) {
       const at = t === null ? -1 : u.valToPos(t, 'x');
-      const shown = at >= 0 && at <= u.over.clientWidth;
+      // The width as the picture knows it: asking the element would lay the page out anew for each line.
+      const shown = at >= 0 && at <= u.bbox.width / devicePixelRatio;
       line.style.display = shown ? '' : 'none';
       if (shown) line.style.transform = `translateX(${at}px)`;
     }

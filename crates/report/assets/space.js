@@ -13,7 +13,7 @@ R.Space = (() => {
   /** @type {{shape: any, mesh: any, local: Float64Array}[]} */ let parts = [];
   /** @type {number[][]} */ let path = [];
   /** @type {Record<string, any>} */ const shown = {};
-  let asked = false, frame = 0;
+  let asked = false, frame = 0, slow = 0, fine = 1, last = 0;
   const triad = (/** @type {number} */ size) => [[0, 0, 0, size, 0, 0], [0, 0, 0, 0, size, 0], [0, 0, 0, 0, 0, size]];
   const small = triad(0.12), large = triad(0.4), AXES = [[0.85, 0.2, 0.2, 1], [0.1, 0.6, 0.25, 1], [0.15, 0.4, 0.95, 1]];
   const ball = S.mesh({ kind: 'sphere', radius: 0.03 });
@@ -44,7 +44,11 @@ R.Space = (() => {
   const paint = () => {
     asked = false;
     const pen = data.pen, begin = performance.now();
-    const [width, height] = [Math.round(canvas.clientWidth * devicePixelRatio), Math.round(canvas.clientHeight * devicePixelRatio)];
+    // Where pictures follow each other slowly, as without a graphics card, half the dots will do.
+    slow = begin - last > 60 && begin - last < 1000 ? slow + 1 : 0;
+    last = begin;
+    if (slow >= 4) fine = 0.5;
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((size) => Math.round(size * devicePixelRatio * fine));
     if (width > 0 && (canvas.width !== width || canvas.height !== height)) { canvas.width = width; canvas.height = height; }
     pen.begin(looking());
     pen.lines(floor, one, [...rgb('grid'), 1]);

@@ -86,7 +86,10 @@ fn panels(drawn: &Drawn, book: &Book) -> Vec<Panel> {
 }
 
 /// Path of the subsystem that a scope stands in.
+///
+/// That a scope is called `scope` tells nothing; it counts as its subsystem.
 fn parent(block: &str) -> &str {
+    let block = block.strip_suffix("/scope").unwrap_or(block);
     block.rsplit_once('/').map_or("", |(parent, _)| parent)
 }
 
