@@ -141,6 +141,8 @@ R.Plots = (() => {
     if (end > begin) R.span = [begin, end];
     // NaN is what is missing; the plots want null for it.
     const column = (/** @type {Float64Array} */ all) => all.some((x) => !Number.isFinite(x)) ? Array.from(all, (x) => Number.isFinite(x) ? x : null) : all;
+    // All cards are laid out before anything is drawn: a row that is not full yet is wider.
+    /** @type {(() => void)[]} */ const draw = [];
     for (const panel of panels) {
       if (panel.group !== group) {
         group = panel.group;
@@ -157,15 +159,16 @@ R.Plots = (() => {
         label: s.name, stroke: s.role === 'set' ? () => R.colour('text') : series(tint(panel, at)), width: s.role === 'set' ? 1.4 : 2.2, dash: s.role === 'set' ? [7, 5] : undefined,
         points: { show: false }, paths: s.held ? uPlot.paths.stepped?.({ align: 1 }) : undefined,
       }));
-      panel.main = plot(panel, drawn, [panel.time, ...panel.series.map((/** @type {any} */ s) => column(s.values))], canvas, panel.pair ? 200 : 230, !panel.pair);
+      draw.push(() => { panel.main = plot(panel, drawn, [panel.time, ...panel.series.map((/** @type {any} */ s) => column(s.values))], canvas, panel.pair ? 200 : 230, !panel.pair); });
       if (panel.pair) {
         strip.append(R.make('span', { class: 'strip-name' }, `set − actual [${panel.unit || '1'}]`));
         card.append(strip);
         const actual = panel.series[panel.pair[1]];
         const red = { label: 'error', stroke: () => R.colour('quiet'), width: 1.25, points: { show: false }, fill: () => R.colour('shade') };
-        panel.strip = plot(panel, [red], [panel.time, column(actual.error)], strip, 96, true);
+        draw.push(() => { panel.strip = plot(panel, [red], [panel.time, column(actual.error)], strip, 96, true); });
       }
     }
+    for (const one of draw) one();
     R.onTime.push(() => { for (const u of plots) lines(u); tell(); });
     R.onCursors.push(() => { for (const u of plots) lines(u); tell(); });
     R.onTheme.push(redraw);
