@@ -9,8 +9,8 @@ use blocksim_diagram::Reader;
 use blocksim_results::write_whole;
 use blocksim_signal::closest;
 
-use crate::console::Console;
 use crate::exit::Exit;
+use crate::terminal::console::Console;
 
 /// Largest file that is read as text.
 const LARGEST: u64 = 256 << 20;

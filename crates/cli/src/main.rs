@@ -8,42 +8,16 @@ use blocksim_blocks as _;
 use blocksim_host as _;
 
 mod args;
-mod blame;
 mod bug;
-mod charts;
 mod commands;
-mod console;
-mod defaults;
 mod disk;
 mod exit;
-mod export_args;
-mod format;
-mod formula;
-mod graph_args;
-mod identify_args;
-mod interrupt;
-mod keep;
-mod manifest;
-mod naming;
-mod params_args;
 mod picture_file;
-mod plan_args;
-mod plot_args;
-mod ports;
-mod progress;
-mod prose;
-mod recorder;
-mod render;
-mod report;
-mod report_args;
+mod running;
 mod scene;
 mod seal;
-mod selection;
-mod shown;
-mod solver;
-mod summary;
-mod traces;
-mod tracking;
+mod signals;
+mod terminal;
 
 use std::io;
 use std::process::ExitCode;
@@ -51,8 +25,8 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use crate::args::{Args, Command};
-use crate::console::Console;
 use crate::exit::Exit;
+use crate::terminal::console::Console;
 
 /// What `blocksim` alone prints.
 const HINTS: &str = "\

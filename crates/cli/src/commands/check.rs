@@ -5,10 +5,10 @@ use blocksim_results::format::count;
 use serde_json::json;
 
 use super::{load, tell};
-use crate::args::{CheckArgs, Format};
-use crate::console::Console;
+use crate::args::model::{CheckArgs, Format};
 use crate::exit::Exit;
-use crate::render;
+use crate::terminal::console::Console;
+use crate::terminal::render;
 
 /// Tells all problems of a model; without errors, what it consists of in one line.
 ///

@@ -3,10 +3,11 @@ use std::io;
 use blocksim_diagram::Stage;
 
 use super::{load, tell};
-use crate::args::{EmitArgs, Format, StageName};
-use crate::console::Console;
+use crate::args::model::{EmitArgs, Format, StageName};
 use crate::exit::Exit;
-use crate::{render, scene};
+use crate::scene;
+use crate::terminal::console::Console;
+use crate::terminal::render;
 
 /// Prints what a step of the compiler makes of a model, also of one with errors if the step was reached.
 ///

@@ -2,10 +2,10 @@ use std::io;
 
 use blocksim_signal::closest;
 
-use crate::args::ExplainArgs;
-use crate::console::Console;
+use crate::args::manual::ExplainArgs;
 use crate::exit::Exit;
-use crate::prose::prose;
+use crate::terminal::console::Console;
+use crate::terminal::prose::prose;
 
 include!(concat!(env!("OUT_DIR"), "/error_pages.rs"));
 

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use blocksim_results::{ResultsError, Run, locate, resampled, write_mat, write_run_csv, write_whole};
 
-use super::RUNS;
-use crate::console::Console;
+use crate::args::export::ExportArgs;
+use crate::args::values::RUNS;
 use crate::exit::Exit;
-use crate::export_args::ExportArgs;
-use crate::naming;
-use crate::render::plural;
+use crate::signals::naming;
+use crate::terminal::console::Console;
+use crate::terminal::render::plural;
 
 /// Writes the signals of a run for other programs.
 ///

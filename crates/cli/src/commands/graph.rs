@@ -7,13 +7,13 @@ use blocksim_layout::{Layout, Point, PortKind, layout};
 use serde_json::{Value, json};
 
 use super::tell;
-use crate::args::Format;
-use crate::console::Console;
+use crate::args::graph::GraphArgs;
+use crate::args::model::Format;
 use crate::disk::{Disk, refusal};
 use crate::exit::Exit;
-use crate::graph_args::GraphArgs;
 use crate::picture_file::write_pictures;
-use crate::render;
+use crate::terminal::console::Console;
+use crate::terminal::render;
 
 /// Draws a level of a model, or all of them.
 ///

@@ -9,10 +9,10 @@ use blocksim_import::{
 };
 use blocksim_results::{clock::iso, hash::fingerprint, write_whole};
 
-use crate::args::{ImportArgs, Kind};
-use crate::console::Console;
+use crate::args::import::{ImportArgs, Kind};
 use crate::exit::Exit;
 use crate::seal::{Seal, seal, sealed};
+use crate::terminal::console::Console;
 
 /// Makes a diagram and a parameter file of a file of another program; where both exist, only the numbers are
 /// brought up to date.

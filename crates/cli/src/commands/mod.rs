@@ -29,17 +29,18 @@ pub use params::params;
 pub use plan::plan;
 pub use plot::plot;
 pub use report::report;
-pub use run::{RUNS, run};
+pub use run::run;
 pub use runs::runs;
 
 use blocksim_block::problem::Problem;
 use blocksim_diagram::{Compiled, SourceFile, Sources, compile};
 use blocksim_results::FileUsed;
 
-use crate::args::{Format, ModelArgs};
-use crate::console::Console;
+use crate::args::model::{Format, ModelArgs};
 use crate::disk::{Disk, refusal};
-use crate::{manifest, render};
+use crate::running::manifest;
+use crate::terminal::console::Console;
+use crate::terminal::render;
 
 /// A model and the files that it was read from.
 pub struct Loaded {

@@ -8,20 +8,20 @@ use blocksim_results::{Ended, ResultsError, Run, RunFolder, STORE, Store, clock,
 use blocksim_sim::Simulation;
 
 use super::{load, tell};
-use crate::args::{Format, RunArgs};
-use crate::blame::{failure, reason};
-use crate::console::Console;
+use crate::args::model::{Format, RunArgs};
+use crate::args::report::ReportArgs;
+use crate::args::values::RUNS;
 use crate::exit::Exit;
-use crate::keep::{self, Csv, Rest, is_csv_written, keep};
-use crate::progress::{Progress, Telling};
-use crate::recorder::Recorder;
-use crate::report::{Report, log};
-use crate::report_args::ReportArgs;
-use crate::selection::select;
-use crate::{interrupt, manifest, render, scene, solver};
-
-/// Where runs are kept unless somebody says otherwise.
-pub const RUNS: &str = "runs";
+use crate::running::blame::{failure, reason};
+use crate::running::keep::{self, Csv, Rest, is_csv_written, keep};
+use crate::running::recorder::Recorder;
+use crate::running::report::{Report, log};
+use crate::running::selection::select;
+use crate::running::{interrupt, manifest, solver};
+use crate::scene;
+use crate::terminal::console::Console;
+use crate::terminal::progress::{Progress, Telling};
+use crate::terminal::render;
 
 /// Simulates a model, keeps the results and shows them.
 ///

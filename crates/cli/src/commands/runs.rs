@@ -4,9 +4,9 @@ use blocksim_results::format::{duration, fixed};
 use blocksim_results::{Align, Kept, Table, history};
 use serde_json::json;
 
-use crate::console::Console;
+use crate::args::export::RunsArgs;
 use crate::exit::Exit;
-use crate::export_args::RunsArgs;
+use crate::terminal::console::Console;
 
 /// Lists the runs that were kept, the oldest first.
 ///

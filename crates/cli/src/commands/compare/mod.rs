@@ -12,12 +12,12 @@ use blocksim_results::{ALWAYS, Column};
 use self::told::Outcome;
 use self::verdict::{judge, other_values};
 use super::plot::{no_signal, nothing_common, open};
-use crate::console::Console;
+use crate::args::plot::{Align, CompareArgs};
 use crate::exit::Exit;
-use crate::naming::fits;
 use crate::picture_file::write_pictures;
-use crate::plot_args::{Align, CompareArgs};
-use crate::traces::{Book, check_mappings, mappings};
+use crate::signals::naming::fits;
+use crate::signals::traces::{Book, check_mappings, mappings};
+use crate::terminal::console::Console;
 
 /// Most signals whose correlation is taken.
 const ALIGNED_BY: usize = 6;

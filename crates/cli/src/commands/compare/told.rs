@@ -7,10 +7,10 @@ use blocksim_results::{ALWAYS, Align, Column, Table};
 use serde_json::{Value, json};
 
 use super::verdict::{Found, Verdict, other_values, rule};
-use crate::format::short_time;
-use crate::plot_args::CompareArgs;
-use crate::render::plural;
-use crate::traces::Book;
+use crate::args::plot::CompareArgs;
+use crate::signals::traces::Book;
+use crate::terminal::format::short_time;
+use crate::terminal::render::plural;
 
 /// Most signals in the table and in the drawing.
 const ROWS: usize = 60;

@@ -4,8 +4,8 @@ use blocksim_analysis::{Comparison, Interpolation, Rule, Series, compare};
 use blocksim_results::{ALWAYS, Column, Kind};
 use blocksim_signal::Unit;
 
-use crate::plot_args::{Between, CompareArgs};
-use crate::traces::{Book, Trace};
+use crate::args::plot::{Between, CompareArgs};
+use crate::signals::traces::{Book, Trace};
 
 /// What is said of a signal.
 #[derive(Debug, Clone, PartialEq)]

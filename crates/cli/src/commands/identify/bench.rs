@@ -13,7 +13,7 @@ use blocksim_sim::{Control, Counts, Ended, Observer, SimError, Simulation};
 
 use super::course::{Course, Rest, SetValues};
 use super::drive::Drive;
-use crate::interrupt;
+use crate::running::interrupt;
 
 /// Why a diagram cannot stand on the bench.
 #[derive(Debug, Clone, PartialEq, Eq)]

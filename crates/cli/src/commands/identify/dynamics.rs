@@ -17,10 +17,10 @@ use super::course::Course;
 use super::pose::range;
 use super::said::failed;
 use super::{load_bench, out};
-use crate::console::Console;
+use crate::args::identify::DynamicsArgs;
 use crate::exit::Exit;
-use crate::identify_args::DynamicsArgs;
-use crate::interrupt;
+use crate::running::interrupt;
+use crate::terminal::console::Console;
 
 /// Rows of a motion.
 const ROWS: f64 = 400.0;

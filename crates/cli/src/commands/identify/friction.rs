@@ -9,10 +9,10 @@ use super::constant_speed::{Measured, Move, fastest, fastest_for, fits, measure,
 use super::pose::{Pose, find};
 use super::said::failed;
 use super::{friction_said, load_bench, out};
-use crate::console::Console;
+use crate::args::identify::FrictionArgs;
 use crate::exit::Exit;
-use crate::identify_args::FrictionArgs;
-use crate::interrupt;
+use crate::running::interrupt;
+use crate::terminal::console::Console;
 
 /// Share of the friction that gravity may have in a window.
 const GRAVITY: f64 = 0.4;

@@ -16,11 +16,11 @@ use std::io;
 use bench::Bench;
 
 use super::{load, tell};
-use crate::args::{Format, ModelArgs};
-use crate::console::Console;
+use crate::args::identify::{Common, IdentifyCommand};
+use crate::args::model::{Format, ModelArgs};
 use crate::exit::Exit;
-use crate::identify_args::{Common, IdentifyCommand};
-use crate::render;
+use crate::terminal::console::Console;
+use crate::terminal::render;
 
 /// Runs experiments with the robot of a diagram.
 ///

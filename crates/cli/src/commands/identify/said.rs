@@ -3,9 +3,9 @@
 use blocksim_sim::SimError;
 
 use super::bench::INTERRUPTED;
-use crate::console::Console;
 use crate::exit::Exit;
-use crate::format::short_time;
+use crate::terminal::console::Console;
+use crate::terminal::format::short_time;
 
 /// Tells of an experiment that could not be finished.
 pub fn failed(error: &SimError, axis: usize, console: Console) -> Exit {

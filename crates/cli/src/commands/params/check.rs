@@ -5,10 +5,10 @@ use blocksim_params::{compare, edited};
 use super::files::{read_set, read_workbook, tell_set_error};
 use super::model::sound;
 use super::said::{age, changes, tell_hindrances};
-use crate::console::Console;
+use crate::args::params::CheckArgs;
 use crate::exit::Exit;
-use crate::params_args::CheckArgs;
-use crate::render::plural;
+use crate::terminal::console::Console;
+use crate::terminal::render::plural;
 
 /// Tells what is wrong in a workbook and what changed since its export.
 pub fn check(args: &CheckArgs, console: Console) -> io::Result<Exit> {

@@ -6,9 +6,9 @@ use blocksim_results::{Align, Table};
 
 use super::files::{is_workbook, read_set, read_workbook};
 use super::said::tell_faults;
-use crate::console::Console;
+use crate::args::params::DiffArgs;
 use crate::exit::Exit;
-use crate::params_args::DiffArgs;
+use crate::terminal::console::Console;
 
 /// Tells which numbers differ.
 pub fn diff(args: &DiffArgs, console: Console) -> io::Result<Exit> {

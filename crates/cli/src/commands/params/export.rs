@@ -2,11 +2,11 @@ use std::io;
 use std::path::PathBuf;
 
 use super::files::{read_set, tell_set_error};
-use crate::console::Console;
+use crate::args::params::ExportArgs;
 use crate::disk::write_file;
 use crate::exit::Exit;
-use crate::params_args::ExportArgs;
-use crate::render::plural;
+use crate::terminal::console::Console;
+use crate::terminal::render::plural;
 
 /// Writes the workbook of a set.
 pub fn export(args: &ExportArgs, console: Console) -> io::Result<Exit> {

@@ -8,10 +8,10 @@ use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_diagram::{Reader, SourceFile};
 use blocksim_params::{Quantity, SetError, Tables, open_workbook, quantities};
 
-use crate::console::Console;
 use crate::disk::{Disk, reason, refusal};
 use crate::exit::Exit;
-use crate::render;
+use crate::terminal::console::Console;
+use crate::terminal::render;
 
 /// Largest workbook that is read, in bytes.
 const LARGEST: u64 = 32 << 20;

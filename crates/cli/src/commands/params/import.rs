@@ -5,11 +5,11 @@ use blocksim_params::{compare, edited};
 use super::files::{read_set, read_workbook, tell_set_error};
 use super::model::sound;
 use super::said::{age, changes, tell_hindrances};
-use crate::console::Console;
+use crate::args::params::ImportArgs;
 use crate::disk::write_file;
 use crate::exit::Exit;
-use crate::params_args::ImportArgs;
-use crate::render::plural;
+use crate::terminal::console::Console;
+use crate::terminal::render::plural;
 
 /// Takes what was changed in a workbook into a set, or shows what would change.
 pub fn import(args: &ImportArgs, console: Console) -> io::Result<Exit> {

@@ -10,9 +10,9 @@ mod said;
 
 use std::io;
 
-use crate::console::Console;
+use crate::args::params::ParamsCommand;
 use crate::exit::Exit;
-use crate::params_args::ParamsCommand;
+use crate::terminal::console::Console;
 
 /// Sets of parameters as workbooks and back.
 ///

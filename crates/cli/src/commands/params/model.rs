@@ -8,12 +8,12 @@ use blocksim_block::problem::Problem;
 use blocksim_diagram::{Reader, SourceFile, Sources, compile};
 use blocksim_params::{Change, SHEETS, quantities};
 
-use crate::args::Format;
+use crate::args::model::Format;
 use crate::commands::tell;
-use crate::console::Console;
 use crate::disk::{Disk, refusal};
 use crate::exit::Exit;
-use crate::render;
+use crate::terminal::console::Console;
+use crate::terminal::render;
 
 /// The disk, with another text for one of its files.
 struct Instead<'a> {

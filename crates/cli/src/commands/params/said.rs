@@ -3,8 +3,8 @@
 use blocksim_params::{Address, Change, Comparison, Conflict, Fault, Known, SHEETS};
 use blocksim_results::{Align, Table};
 
-use crate::console::Console;
-use crate::render::plural;
+use crate::terminal::console::Console;
+use crate::terminal::render::plural;
 
 fn place(cell: Option<(usize, Address)>) -> String {
     cell.map_or(String::new(), |(sheet, cell)| {

@@ -1,6 +1,6 @@
 //! What was asked on the command line as the text of a move, so that the language itself checks numbers and units.
 
-use crate::plan_args::{JointArgs, ToolArgs};
+use crate::args::plan::{JointArgs, ToolArgs};
 
 /// A move as text, without its start.
 ///

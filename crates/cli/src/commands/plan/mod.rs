@@ -16,11 +16,11 @@ use blocksim_robot::Robot;
 use nalgebra::Vector3;
 
 use super::tell;
-use crate::args::Format;
-use crate::console::Console;
+use crate::args::model::Format;
+use crate::args::plan::{PlanCommand, PlanCommon, ToolArgs};
 use crate::disk::{Disk, refusal, write_file};
 use crate::exit::Exit;
-use crate::plan_args::{PlanCommand, PlanCommon, ToolArgs};
+use crate::terminal::console::Console;
 
 /// Name of a text that no file holds.
 const COMMAND_LINE: &str = "command line";

@@ -5,7 +5,7 @@ use blocksim_results::format::significant;
 use blocksim_robot::Robot;
 use serde_json::{Value, json};
 
-use crate::format::short_time;
+use crate::terminal::format::short_time;
 
 /// For people: duration, margins of each axis, the tool, and what is exceeded.
 pub fn text(robot: &Robot, course: &dyn Course, findings: &Findings, velocity: Option<f64>) -> String {

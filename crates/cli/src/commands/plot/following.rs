@@ -6,7 +6,7 @@ use blocksim_results::{Align, Column, Table};
 use serde_json::{Value, json};
 
 use super::panels::{Drawn, at_times};
-use crate::traces::Book;
+use crate::signals::traces::Book;
 
 /// The numbers of one pair of set and actual value.
 pub struct Row {

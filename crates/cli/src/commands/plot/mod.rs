@@ -12,11 +12,12 @@ use blocksim_plot::{Theme, svg};
 use blocksim_signal::closest;
 
 use self::panels::{Drawn, chosen, figure, groups, is_same, panel, read};
-use crate::console::Console;
+use crate::args::plot::PlotArgs;
+use crate::args::values::RUNS;
 use crate::exit::Exit;
 use crate::picture_file::write_pictures;
-use crate::plot_args::PlotArgs;
-use crate::traces::{Book, Mapping, check_mappings, mappings, told};
+use crate::signals::traces::{Book, Mapping, check_mappings, mappings, told};
+use crate::terminal::console::Console;
 
 /// Most pictures in one file.
 const PANELS: usize = 60;
@@ -106,7 +107,7 @@ pub fn open(name: &str, maps: &[Mapping]) -> Result<Book, String> {
 }
 
 fn locate(name: &str) -> Result<PathBuf, String> {
-    blocksim_results::locate(name, Path::new(super::run::RUNS)).map_err(told)
+    blocksim_results::locate(name, Path::new(RUNS)).map_err(told)
 }
 
 /// What is shown: what the options say, else all that there is.

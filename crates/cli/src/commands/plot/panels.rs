@@ -8,9 +8,9 @@ use blocksim_plot::{Figure, Line, Panel, Strip, Style, pairs, thinned};
 use blocksim_results::format::{count, significant};
 use blocksim_results::{Column, Kind};
 
-use crate::naming::{fits, name_number, short_names};
-use crate::plot_args::Layout;
-use crate::traces::Book;
+use crate::args::plot::Layout;
+use crate::signals::naming::{fits, name_number, short_names};
+use crate::signals::traces::Book;
 
 /// Most lines in one picture.
 const LINES: usize = 6;

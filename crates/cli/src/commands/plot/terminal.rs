@@ -3,8 +3,8 @@
 use blocksim_results::{PlotOptions, Series};
 
 use super::panels::{Drawn, error};
-use crate::console::Console;
-use crate::traces::Book;
+use crate::signals::traces::Book;
+use crate::terminal::console::Console;
 
 /// Most pictures.
 const PLOTS: usize = 8;

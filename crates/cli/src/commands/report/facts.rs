@@ -7,7 +7,7 @@ use blocksim_report::{Report, Rows};
 use blocksim_results::format::{count, duration, fixed, significant};
 use blocksim_results::{Ended, Manifest, Run, hash};
 
-use crate::solver;
+use crate::running::solver;
 
 /// Adds title, facts, parameters and warnings.
 pub fn add(run: &Run, path: &Path, report: &mut Report) {

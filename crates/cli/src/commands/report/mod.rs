@@ -11,10 +11,11 @@ use std::path::{Path, PathBuf};
 use blocksim_report::{BUDGET, Event, Overlay, Report, html};
 use blocksim_results::{Run, locate, read_foreign_file, write_whole};
 
-use crate::console::Console;
+use crate::args::report::ReportArgs;
+use crate::args::values::RUNS;
 use crate::exit::Exit;
-use crate::report_args::ReportArgs;
-use crate::traces::{Book, told};
+use crate::signals::traces::{Book, told};
+use crate::terminal::console::Console;
 
 /// Name of the file in the folder of its run.
 const NAME: &str = "report.html";
@@ -41,7 +42,7 @@ pub fn report(args: &ReportArgs, console: Console) -> io::Result<Exit> {
 /// # Errors
 /// What to tell the person at the keyboard.
 pub fn written(args: &ReportArgs, console: Console) -> Result<PathBuf, String> {
-    let path = locate(&args.run, Path::new(super::run::RUNS)).map_err(told)?;
+    let path = locate(&args.run, Path::new(RUNS)).map_err(told)?;
     let target = target(args, &path)?;
     let page = html(&gathered(args, &path, console)?);
     if !args.full && page.len() > BUDGET {

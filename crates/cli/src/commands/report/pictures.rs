@@ -5,10 +5,10 @@ use blocksim_report::{Panel, Report, Role, Rows, Series};
 use blocksim_results::format::{fixed, significant};
 use blocksim_results::{ALWAYS, Kind};
 
+use crate::args::plot::Layout;
 use crate::commands::plot::following::{Row, rows};
 use crate::commands::plot::panels::{Drawn, chosen, groups, is_same};
-use crate::plot_args::Layout;
-use crate::traces::Book;
+use crate::signals::traces::Book;
 
 /// Most pictures in a page.
 const PANELS: usize = 60;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use crate::args::assignment;
+use super::values::assignment;
 
 /// The verbs of `blocksim plan`.
 #[derive(Debug, Subcommand)]

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use blocksim_results::format::{duration, fixed, significant};
 use serde_json::json;
 
-use crate::console::Console;
+use crate::terminal::console::Console;
 
 /// Signs of the bar.
 const BAR: usize = 30;

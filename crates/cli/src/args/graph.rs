@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::args::ModelArgs;
-use crate::plot_args::ThemeName;
+use super::model::ModelArgs;
+use super::plot::ThemeName;
 
 /// `blocksim graph`.
 #[derive(Debug, clap::Args)]

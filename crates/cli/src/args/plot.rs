@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use blocksim_signal::{Dimension, Unit};
 use clap::{Args, ValueEnum};
 
-use crate::args::{moment, positive, quantity};
+use super::values::{moment, positive, quantity};
 
 /// `blocksim plot`.
 #[derive(Debug, Args)]

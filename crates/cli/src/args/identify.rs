@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use blocksim_signal::{Unit, evaluate};
 use clap::{Args, Subcommand};
 
-use crate::args::{NoNames, assignment};
+use super::values::{NoNames, assignment};
 
 /// The verbs of `blocksim identify`.
 #[derive(Debug, Subcommand)]
@@ -72,7 +72,7 @@ pub struct DynamicsArgs {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Length of the motion, s.
-    #[arg(long, value_name = "TIME", default_value = "6 s", value_parser = crate::args::time)]
+    #[arg(long, value_name = "TIME", default_value = "6 s", value_parser = crate::args::values::time)]
     pub period: f64,
     /// Harmonics of the motion, from 2.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = harmonics)]

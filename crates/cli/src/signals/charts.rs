@@ -3,10 +3,10 @@
 use blocksim_results::format::with_unit;
 use blocksim_results::{Align, Kind, PlotOptions, Series, Table, plot, sparkline};
 
-use crate::console::Console;
-use crate::naming::{fits, short_names};
-use crate::shown::Shown;
-use crate::tracking::Tracking;
+use crate::signals::naming::{fits, short_names};
+use crate::signals::shown::Shown;
+use crate::signals::tracking::Tracking;
+use crate::terminal::console::Console;
 
 /// Most series in one plot.
 const SERIES: usize = 8;
@@ -136,8 +136,8 @@ fn range(values: &[f64]) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shown::{shown, tests::example};
-    use crate::tracking::trackings;
+    use crate::signals::shown::{shown, tests::example};
+    use crate::signals::tracking::trackings;
     use expect_test::expect;
 
     const CONSOLE: Console = Console { colour: false, live: false, width: 60, ascii: false };

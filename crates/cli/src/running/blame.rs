@@ -4,7 +4,7 @@ use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{Instance, Part, Schedule};
 use blocksim_sim::SimError;
 
-use crate::format::short_time;
+use crate::terminal::format::short_time;
 
 /// Most parts of a network that are pointed to.
 const MOST: usize = 4;

@@ -4,8 +4,8 @@ use blocksim_results::format::{count, duration, fixed, significant};
 use blocksim_results::{Align, Choice, Ended, Manifest, Table};
 use blocksim_sim::Counts;
 
-use crate::render::plural;
-use crate::solver;
+use crate::running::solver;
+use crate::terminal::render::plural;
 
 /// Title, times, solver, work and what was recorded; `place` is where the results lie.
 pub fn summary(

@@ -4,7 +4,7 @@ use blocksim_block::schedule::{FixedMethod, Settings, Solver, VariableMethod};
 use blocksim_results::SolverUsed;
 use blocksim_signal::closest;
 
-use crate::args::RunArgs;
+use crate::args::model::RunArgs;
 
 /// A method by its name.
 #[derive(Debug, Clone, Copy, PartialEq)]

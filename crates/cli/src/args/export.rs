@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::args::{moment, time};
+use super::values::{RUNS, moment, time};
 
 /// `blocksim runs`.
 #[derive(Debug, clap::Args)]
@@ -11,7 +11,7 @@ use crate::args::{moment, time};
 )]
 pub struct RunsArgs {
     /// Folder in which the runs are.
-    #[arg(default_value = crate::commands::RUNS)]
+    #[arg(default_value = RUNS)]
     pub folder: PathBuf,
     /// As JSON, an object a line.
     #[arg(long)]

@@ -2,7 +2,18 @@
 
 use std::io::{self, IsTerminal, Write};
 
-use crate::args::Colour;
+use clap::ValueEnum;
+
+/// When messages are coloured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Colour {
+    /// On a terminal.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
 
 /// Columns of tables and plots where nobody says how wide the terminal is.
 const WIDTH: usize = 100;

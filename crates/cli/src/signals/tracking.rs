@@ -5,9 +5,9 @@ use blocksim_results::{Align, Table};
 use blocksim_signal::Unit;
 use serde_json::{Value, json};
 
-use crate::format::{column, headed};
-use crate::naming::{is_of, numbered_part, short_names};
-use crate::shown::Shown;
+use crate::signals::naming::{is_of, numbered_part, short_names};
+use crate::signals::shown::Shown;
+use crate::terminal::format::{column, headed};
 
 /// A scope with the inputs `set` and `actual`.
 #[derive(Debug, Clone)]
@@ -164,7 +164,7 @@ pub fn json(trackings: &[Tracking], time: &[f64]) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shown::{shown, tests::example};
+    use crate::signals::shown::{shown, tests::example};
     use expect_test::expect;
 
     #[test]

@@ -7,9 +7,9 @@ use blocksim_diagram::SourceFile;
 use blocksim_results::{Choice, Counts, Ended, FileUsed, Manifest, Override, Program, hash};
 use blocksim_sim::Simulation;
 
-use crate::args::RunArgs;
+use crate::args::model::RunArgs;
 use crate::commands::Loaded;
-use crate::solver;
+use crate::running::solver;
 
 /// What a manifest is made of.
 pub struct Facts<'a> {

@@ -3,8 +3,8 @@
 use blocksim_results::{EventRow, RecordingError, Stream};
 use blocksim_sim::{Control, Counts, Observer};
 
-use crate::interrupt;
-use crate::progress::Progress;
+use crate::running::interrupt;
+use crate::terminal::progress::Progress;
 
 /// Rows and events of a run on their way to the disk, and who is told how far it is.
 #[derive(Debug)]

@@ -3,8 +3,8 @@
 use blocksim_block::schedule::Recorded;
 use blocksim_results::{Layout, Rate};
 
-use crate::args::time;
-use crate::{naming, shown};
+use crate::args::values::time;
+use crate::signals::{naming, shown};
 
 /// What `--signals` names: a pattern, and a rate behind `@`.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,13 +5,14 @@ use blocksim_results::{Ended, EventRow, Manifest, Recording};
 use blocksim_sim::Counts;
 use serde_json::{Value, json};
 
-use crate::args::RunArgs;
+use crate::args::model::RunArgs;
 use crate::commands::Loaded;
-use crate::console::Console;
-use crate::shown::{Shown, shown};
-use crate::summary::summary;
-use crate::tracking::{table, trackings};
-use crate::{charts, naming, render, tracking};
+use crate::running::summary::summary;
+use crate::signals::shown::{Shown, shown};
+use crate::signals::tracking::{table, trackings};
+use crate::signals::{charts, naming, tracking};
+use crate::terminal::console::Console;
+use crate::terminal::render;
 
 /// A finished run.
 pub struct Report<'a> {

@@ -5,7 +5,7 @@ use blocksim_diagram::example_interface;
 use blocksim_results::{Align, Table};
 use serde_json::{Value, json};
 
-use crate::prose::{one_line, wrapped};
+use crate::terminal::prose::{one_line, wrapped};
 
 /// The interface of the first example of a kind that can be built alone; `None` if none can, for example because it
 /// reads a file.

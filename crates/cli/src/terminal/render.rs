@@ -7,7 +7,7 @@ use blocksim_block::problem::{FileId, Label, Problem, Severity};
 use blocksim_diagram::SourceFile;
 use serde_json::{Value, json};
 
-use crate::prose::wrapped;
+use crate::terminal::prose::wrapped;
 
 /// A problem with the lines of the files it is about, notes and help, for a person.
 pub fn full(problem: &Problem, files: &[SourceFile], colour: bool) -> String {

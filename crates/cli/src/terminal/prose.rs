@@ -1,6 +1,6 @@
 //! Markdown of the manual as text for a terminal.
 
-use crate::formula::formulas;
+use crate::terminal::formula::formulas;
 
 /// Readable text: formulas in signs instead of commands, code indented, links by their words.
 pub fn prose(markdown: &str) -> String {

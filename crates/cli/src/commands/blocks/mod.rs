@@ -1,3 +1,6 @@
+mod defaults;
+mod ports;
+
 use std::io;
 
 use blocksim_block::{BlockInfo, ParameterInfo, kinds};
@@ -6,12 +9,11 @@ use blocksim_results::{Align, Table};
 use blocksim_signal::closest;
 use serde_json::{Value, json};
 
-use crate::args::BlocksArgs;
-use crate::console::Console;
-use crate::defaults::in_diagram;
+use self::defaults::in_diagram;
+use crate::args::manual::BlocksArgs;
 use crate::exit::Exit;
-use crate::ports;
-use crate::prose::{first_sentence, one_line, prose, shortened, wrapped};
+use crate::terminal::console::Console;
+use crate::terminal::prose::{first_sentence, one_line, prose, shortened, wrapped};
 
 /// Lists all kinds of block, or describes one.
 ///

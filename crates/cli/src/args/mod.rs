@@ -1,0 +1,93 @@
+//! The command line: one file for the flags of each command, or of a few that are alike.
+
+pub mod export;
+pub mod graph;
+pub mod identify;
+pub mod import;
+pub mod manual;
+pub mod model;
+pub mod params;
+pub mod plan;
+pub mod plot;
+pub mod report;
+pub mod values;
+
+use clap::{Parser, Subcommand};
+
+use self::export::{ExportArgs, RunsArgs};
+use self::graph::GraphArgs;
+use self::identify::IdentifyCommand;
+use self::import::ImportArgs;
+use self::manual::{BlocksArgs, ExplainArgs};
+use self::model::{CheckArgs, EmitArgs, RunArgs};
+use self::params::ParamsCommand;
+use self::plan::PlanCommand;
+use self::plot::{CompareArgs, PlotArgs};
+use self::report::ReportArgs;
+use crate::terminal::console::Colour;
+
+/// Simulate block diagrams written as text.
+#[derive(Debug, Parser)]
+#[command(name = "blocksim", version, disable_help_subcommand = true, max_term_width = 100)]
+#[command(after_help = "Exit codes: 0 done, 1 the simulation failed, 2 usage, 3 the model has errors, \
+                        4 files, 101 a bug, 130 interrupted.")]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Colour of messages; NO_COLOR and CLICOLOR_FORCE are heeded.
+    #[arg(long, global = true, value_enum, default_value_t = Colour::Auto, value_name = "WHEN")]
+    pub color: Colour,
+    /// Draw with plain ASCII signs.
+    #[arg(long, global = true)]
+    pub ascii: bool,
+}
+
+/// The verbs.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Simulate a model, show what happened and keep it in a folder.
+    Run(RunArgs),
+    /// Draw a run: in the terminal, as SVG or PNG, with numbers of how set values are followed.
+    Plot(PlotArgs),
+    /// Make one HTML page of a run: scopes, the mechanism in space, numbers.
+    Report(ReportArgs),
+    /// Tell whether two runs or tables agree within tolerances.
+    Compare(CompareArgs),
+    /// Tell all problems of a model without running it.
+    Check(CheckArgs),
+    /// List the runs that were kept.
+    Runs(RunsArgs),
+    /// Write the signals of a run for other programs: CSV, MATLAB.
+    Export(ExportArgs),
+    /// Print what a step of the compiler makes of a model.
+    Emit(EmitArgs),
+    /// Draw a level of a model: in the terminal, as SVG or as PNG.
+    Graph(GraphArgs),
+    /// Make a diagram of a robot description or a CAD assembly, or bring its numbers up to date.
+    Import(ImportArgs),
+    /// Tell which kinds of block there are, or all about one kind.
+    Blocks(BlocksArgs),
+    /// Explain a problem by the word that stands in its brackets: `error[unknown_port]`.
+    Explain(ExplainArgs),
+    /// Measure a robot of a diagram by experiments, and compare with its parameters.
+    #[command(subcommand)]
+    Identify(IdentifyCommand),
+    /// Plan a move of a robot, check it along its whole way, and write it as a file.
+    #[command(subcommand)]
+    Plan(PlanCommand),
+    /// Sets of parameters as workbooks for Excel and LibreOffice, and back.
+    #[command(subcommand)]
+    Params(ParamsCommand),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_of_the_command_line_is_sound() {
+        Args::command().debug_assert();
+    }
+}

@@ -1,0 +1,117 @@
+//! The command lines of `blocksim run`, `check` and `emit`, which take a model.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+
+use super::values::{assignment, positive, time};
+use crate::running::selection::{Wanted, wanted};
+
+/// A model and what to change in it.
+#[derive(Debug, clap::Args)]
+pub struct ModelArgs {
+    /// File of the model.
+    pub model: PathBuf,
+    /// Sets a parameter for this call: `drive=dc`, `robot.axis1.gear.ring_teeth=51`, `pid.kp=40`; may be repeated.
+    #[arg(long = "set", value_name = "TARGET=VALUE", value_parser = assignment)]
+    pub set: Vec<String>,
+}
+
+/// `blocksim run`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  blocksim run servo.ron\n  blocksim run servo.ron --set pid.kp=12 --until \"500 ms\"\n  \
+                        blocksim run servo.ron --plot 'angle.*' --out before\n  blocksim run servo.ron --signals 'angle.*,motor.**@10ms'"
+)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// End of the simulation, such as `10`, `10s` or `250ms`.
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub until: Option<f64>,
+    /// Method: ode1 to ode5 (fixed step), ode23, ode45, rodas4, rosw3 (variable step).
+    #[arg(long, value_name = "NAME")]
+    pub solver: Option<String>,
+    /// Relative tolerance of a method of variable step.
+    #[arg(long, value_name = "X", value_parser = positive)]
+    pub rtol: Option<f64>,
+    /// Step of a method of fixed step, or the largest one of a method of variable step.
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub step: Option<f64>,
+    /// Folder for the results, which must be new or empty; without it `runs/<time>_<model>`.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Signals to keep, of those that the diagram records: parts of their paths or patterns with `*`, separated by
+    /// commas. A rate may follow: `arm/**@10ms`, `arm/**@10rows`, or the least and largest value with `@minmax:10ms`.
+    #[arg(long, value_name = "PATTERN[@RATE]", value_delimiter = ',', value_parser = wanted)]
+    pub signals: Vec<Wanted>,
+    /// Write the signals as CSV however many they are; without this only up to about 200 MB.
+    #[arg(long, conflicts_with = "no_csv")]
+    pub csv: bool,
+    /// Write no CSV, only the recording.
+    #[arg(long)]
+    pub no_csv: bool,
+    /// Signals to plot: parts of their paths or patterns with `*`, separated by commas.
+    #[arg(long, value_name = "PATTERN", value_delimiter = ',', conflicts_with = "no_plot")]
+    pub plot: Vec<String>,
+    /// Draw nothing.
+    #[arg(long)]
+    pub no_plot: bool,
+    /// Make a page of the run, `report.html` in the folder of the results.
+    #[arg(long)]
+    pub report: bool,
+    /// Say only what is wrong, and print the folder of the results.
+    #[arg(long, short, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Print problems, progress and the result as JSON, one object a line.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `blocksim check`.
+#[derive(Debug, clap::Args)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// How problems are told: with the text around them, a line each, or as JSON, an object a line.
+    #[arg(long, value_enum, default_value_t = Format::Full, value_name = "FORMAT")]
+    pub output_format: Format,
+}
+
+/// How problems are told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// With the text around them.
+    Full,
+    /// A line each.
+    Short,
+    /// A JSON object a line, on the standard output.
+    Json,
+}
+
+/// `blocksim emit`.
+#[derive(Debug, clap::Args)]
+pub struct EmitArgs {
+    /// Which step.
+    #[arg(value_enum)]
+    pub stage: StageName,
+    #[command(flatten)]
+    pub model: ModelArgs,
+}
+
+/// The steps of the compiler whose result can be printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum StageName {
+    /// Files as read.
+    Ast,
+    /// Parameters and variants resolved.
+    Model,
+    /// All blocks and connections without levels.
+    Flat,
+    /// Types and sample times of all ports.
+    Types,
+    /// What the engine runs.
+    Schedule,
+    /// What is seen of mechanisms, as JSON: bodies, joints, shapes, masses, frames.
+    Scene,
+}

@@ -1,0 +1,91 @@
+//! Values as they are written on the command line.
+
+use blocksim_signal::{Lookup, Quantity, Scope, Unit, evaluate};
+
+/// Where runs are kept unless somebody says otherwise.
+pub const RUNS: &str = "runs";
+
+/// No names: only numbers and units make sense on the command line.
+pub struct NoNames;
+
+impl Scope for NoNames {
+    fn lookup(&self, _name: &str) -> Lookup {
+        Lookup::Unknown
+    }
+
+    fn names(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// A time above zero, s.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn time(text: &str) -> Result<f64, String> {
+    match moment(text)? {
+        seconds if seconds > 0.0 => Ok(seconds),
+        _ => Err("a time here is above zero".to_owned()),
+    }
+}
+
+/// An instant, s.
+pub fn moment(text: &str) -> Result<f64, String> {
+    let quantity = quantity(text, "a time is a number, such as 10s or 250ms")?;
+    let is_time = Unit::parse("s").is_ok_and(|second| quantity.dimension == second.dimension);
+    match quantity.value {
+        _ if !is_time && !quantity.dimension.is_none() => Err("a time has a unit such as s or ms".to_owned()),
+        seconds if seconds.is_finite() => Ok(seconds),
+        _ => Err("a time is finite".to_owned()),
+    }
+}
+
+/// A number with or without a unit; `otherwise` tells what else is wrong.
+pub fn quantity(text: &str, otherwise: &str) -> Result<Quantity, String> {
+    let value = evaluate(text, &NoNames).map_err(|error| match error.help {
+        Some(help) => format!("{}; {help}", error.message),
+        None => error.message,
+    })?;
+    value.as_number().ok_or_else(|| otherwise.to_owned())
+}
+
+/// A number above zero.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("a number above zero, such as 1e-6".to_owned()),
+    }
+}
+
+/// `target=value` with something on both sides.
+pub fn assignment(text: &str) -> Result<String, String> {
+    match text.split_once('=') {
+        Some((target, value)) if !target.trim().is_empty() && !value.trim().is_empty() => Ok(text.to_owned()),
+        _ => Err("write target=value, such as drive=dc or pid.kp=40".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_units_or_are_seconds() {
+        assert_eq!(time("10"), Ok(10.0));
+        assert_eq!(time("10s"), Ok(10.0));
+        assert_eq!(time("250 ms"), Ok(0.25));
+        assert_eq!(time("2*1.5 s"), Ok(3.0));
+        for wrong in ["3 m", "0", "-1 s", "1/0", "soon", "[1, 2]", ""] {
+            assert!(time(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn an_assignment_has_two_sides() {
+        assert!(assignment("pid.kp=40").is_ok());
+        assert!(assignment("a=b=c").is_ok(), "the value may be an expression");
+        for wrong in ["kp", "=4", "kp=", " = "] {
+            assert!(assignment(wrong).is_err(), "{wrong}");
+        }
+    }
+}

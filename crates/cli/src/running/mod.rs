@@ -1,0 +1,11 @@
+//! A run from the method that it is solved with to what is kept and said of it.
+
+pub mod blame;
+pub mod interrupt;
+pub mod keep;
+pub mod manifest;
+pub mod recorder;
+pub mod report;
+pub mod selection;
+pub mod solver;
+mod summary;

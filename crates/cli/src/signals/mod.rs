@@ -1,0 +1,7 @@
+//! Recorded signals as people ask for them: by name, in display units, in pairs of set and actual values, as charts.
+
+pub mod charts;
+pub mod naming;
+pub mod shown;
+pub mod traces;
+pub mod tracking;

@@ -1,0 +1,8 @@
+//! What is written to the terminal: where it goes, and how problems, numbers, formulas and pages of the manual look there.
+
+pub mod console;
+pub mod format;
+mod formula;
+pub mod progress;
+pub mod prose;
+pub mod render;
