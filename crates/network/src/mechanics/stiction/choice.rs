@@ -1,0 +1,195 @@
+//! Which modes follow at an event: a complementarity problem.
+//!
+//! What is stuck bears no more than it can hold, and what slides from rest accelerates the way it slides. It is solved by
+//! least-index pivoting: every friction at rest begins stuck, and of those whose mode is wrong the first is changed, until
+//! none is. For matrices that are positive definite this ends (K. G. Murty, Note on a Bard-type scheme for solving the
+//! complementarity problem, Opsearch 11 (1974)). Where more is held at rest than while sliding, there may be several
+//! solutions and pivoting may go round in circles; then what is held counts as what slides, which has one solution.
+
+use blocksim_block::Context;
+use blocksim_solve::linear::cholesky_solve;
+
+use super::{Place, ROUNDING, Rest};
+use crate::mechanics::constraints::DEPENDENT;
+use crate::network::Network;
+use crate::work::Work;
+
+impl Network {
+    /// Chooses all modes at a major step, when `w` holds the evaluation at `c`. Speeds that come to rest become zero
+    /// by an impulse, which is of the size of the rounding if the crossing was located. Returns whether anything
+    /// changed.
+    pub(crate) fn choose_modes(&self, c: &Context, w: &mut Work, x: &mut [f64], d: &mut [f64]) -> bool {
+        if self.stiction.parts.is_empty() {
+            return false;
+        }
+        self.without_drift(c, w, |w| self.must_choose(c, w) && self.change_modes(c, w, x, d))
+    }
+
+    /// Sorts the frictions by what is to be decided about them; returns whether a mode is wrong.
+    fn must_choose(&self, c: &Context, w: &mut Work) -> bool {
+        let mut wrong = false;
+        for (i, mode) in self.stiction.of(c.d).iter().copied().enumerate() {
+            let (speed, zero, drifted) = self.slip(i, c.x, &w.s);
+            // A freewheel that is struck, a mesh that jams: they stop at once.
+            let never = speed != 0.0 && w.grip[i].hold[usize::from(speed < 0.0)] == f64::INFINITY
+                || self.jam(i, mode, w) < 0.0;
+            let threshold = if mode == 0.0 { drifted } else { zero };
+            let moves = speed.abs() > threshold && (mode == 0.0 || mode * speed > 0.0);
+            w.rests[i] = if moves && !never {
+                wrong |= mode == 0.0;
+                Rest::Moves(speed.signum())
+            } else {
+                wrong |= moves || speed.abs() > threshold || self.verdict(i, mode, w, false).is_some();
+                if self.is_free(i, w) { Rest::Free } else { Rest::Stands }
+            };
+        }
+        wrong
+    }
+
+    /// Chooses all modes, when `w` holds the evaluation at `c` and what is to be decided.
+    fn change_modes(&self, c: &Context, w: &mut Work, x: &mut [f64], d: &mut [f64]) -> bool {
+        let (mut at, mut modes) = (std::mem::take(&mut w.trial_x), std::mem::take(&mut w.trial_d));
+        at.copy_from_slice(c.x);
+        modes.copy_from_slice(c.d);
+        let range = self.stiction.modes.clone();
+        for (i, mode) in modes[range].iter_mut().enumerate() {
+            *mode = match w.rests[i] {
+                Rest::Moves(sign) => sign,
+                Rest::Stands => 0.0,
+                Rest::Free if *mode == 0.0 => 1.0,
+                Rest::Free => *mode,
+            };
+        }
+        self.again(&Context { x: &at, d: &modes, ..*c }, w);
+        self.stop(w, &mut at);
+        self.pivot(c, w, &at, &mut modes);
+
+        // What slides on keeps its speed, unless that is on the wrong side of zero.
+        let sliding = self.stiction.of(&modes).iter().enumerate();
+        let mut wrong = sliding
+            .filter(|(i, mode)| w.rests[*i] == Rest::Stands && **mode * self.slip(*i, c.x, &w.s).0 < 0.0);
+        if wrong.next().is_none() {
+            at.copy_from_slice(c.x);
+            self.stop(w, &mut at);
+        }
+        let speeds = self.positions..self.positions + self.rotation.free;
+        let changed = x[speeds.clone()] != at[speeds.clone()] || *d != *modes;
+        x[speeds.clone()].copy_from_slice(&at[speeds]);
+        d[self.stiction.modes.clone()].copy_from_slice(self.stiction.of(&modes));
+        (w.trial_x, w.trial_d) = (at, modes);
+        w.evaluation = [u64::MAX; 3];
+        changed
+    }
+
+    /// Takes speeds onto the constraints of the last evaluation by an impulse.
+    fn stop(&self, w: &mut Work, x: &mut [f64]) {
+        let v = &mut x[self.positions..self.positions + self.rotation.free];
+        if w.rows.is_empty() {
+            return;
+        }
+        let (first, stuck, s) = (w.first_stuck, &w.stuck, &w.s);
+        w.schur.impose(&w.rows, v, |row| match row.checked_sub(first) {
+            Some(k) => -self.sticky(stuck[k]).1.of(s),
+            None => w.loops.target[row],
+        });
+        w.lock.settle(v, &w.s);
+    }
+
+    /// Least-index pivoting over what stands.
+    fn pivot(&self, c: &Context, w: &mut Work, at: &[f64], modes: &mut [f64]) {
+        let count = self.stiction.len();
+        for soft in [false, true] {
+            for _ in 0..10 + 10 * count * count {
+                let now = Context { x: at, d: modes, ..*c };
+                self.again(&now, w);
+                let next = (0..count).find_map(|i| {
+                    let mode = self.stiction.of(modes)[i];
+                    let rests = !matches!(w.rests[i], Rest::Moves(_));
+                    Some((i, self.verdict(i, mode, w, soft).filter(|_| rests)?))
+                });
+                match next {
+                    None => return,
+                    Some((i, mode)) => modes[self.stiction.modes.start + i] = mode,
+                }
+            }
+        }
+        c.fail(
+            self.self_locking(w).unwrap_or_else(|| {
+                "the dry frictions find no modes that agree: make one of them smooth".into()
+            }),
+        );
+    }
+
+    /// The mode that is to be tried instead of a wrong one, at rest; `None` if it is right. With `soft`, no more is
+    /// held than slides.
+    fn verdict(&self, i: usize, mode: f64, w: &mut Work, soft: bool) -> Option<f64> {
+        let grip = w.grip[i];
+        let mut hold = grip.hold;
+        if soft {
+            for (hold, slide) in hold.iter_mut().zip(&grip.slide).filter(|(hold, _)| hold.is_finite()) {
+                *hold = hold.min(slide.value);
+            }
+        }
+        let is_free = self.is_free(i, w);
+        if mode == 0.0 {
+            if is_free {
+                return Some(1.0);
+            }
+            if let Some(acceleration) = self.escapes(i, hold, w) {
+                return Some(acceleration.signum());
+            }
+            return match self.reserve(i, hold, w) {
+                [forward, _] if forward < 0.0 => Some(1.0),
+                [_, backward] if backward < 0.0 => Some(-1.0),
+                _ => None,
+            };
+        }
+        let side = usize::from(mode < 0.0);
+        if grip.hold[side] == f64::INFINITY || self.jam(i, mode, w) < 0.0 {
+            return Some(0.0);
+        }
+        let (form, prescribed) = self.sticky(i);
+        let acceleration = mode * (form.of(&w.dv) + prescribed.of(&w.ds));
+        if acceleration >= 0.0 {
+            return None;
+        }
+        // D M^-1 D': what a torque of one does.
+        w.product.fill(0.0);
+        form.add_to(1.0, &mut w.product);
+        cholesky_solve(&w.factor, &mut w.product);
+        let largest = [hold[0], hold[1], grip.slide[side].value].into_iter().filter(|t| t.is_finite());
+        let square = form.of(&w.product);
+        let rounding = ROUNDING * (square * largest.fold(0.0, f64::max) + square.max(0.0).sqrt() * w.pull);
+        match acceleration < -rounding {
+            true if is_free => Some(-mode),
+            true => Some(0.0),
+            false => None,
+        }
+    }
+
+    /// Nothing holds it, or nothing would move if it were held.
+    fn is_free(&self, i: usize, w: &Work) -> bool {
+        let nothing_holds = match self.stiction.parts[i] {
+            Place::Pin(_) => w.grip[i].hold == [0.0; 2],
+            // Without a load it holds nothing, but the load may come.
+            Place::Gear(_) => false,
+        };
+        nothing_holds || self.sticky(i).0.is_empty()
+    }
+
+    /// Acceleration of a part that counts as stuck but which nothing holds, because the loops move it: a slider at its dead
+    /// centre. `None` where it can be held.
+    fn escapes(&self, i: usize, hold: [f64; 2], w: &mut Work) -> Option<f64> {
+        let row = self.row_of(i, w).filter(|row| w.schur.is_dependent(*row))?;
+        w.product.copy_from_slice(&w.force);
+        cholesky_solve(&w.factor, &mut w.product);
+        let rows = &w.rows;
+        w.schur.impose(rows, &mut w.product, |k| rows.b[k]);
+        let acceleration = rows.of(row, &w.product) - rows.b[row];
+        // So little moves a row that counts as dependent.
+        let scale = w.schur.scale(row);
+        let hold = hold[usize::from(acceleration < 0.0)];
+        let held = DEPENDENT * scale * scale * hold + ROUNDING * scale * w.pull;
+        (acceleration.abs() > held).then_some(acceleration)
+    }
+}

@@ -1,0 +1,176 @@
+//! Dry friction that sticks: each friction slides forward, slides backward, or is stuck.
+//!
+//! The modes are discrete states of the network. While it slides, friction is a torque like others. While it is stuck,
+//! its speed is constrained to zero and its torque follows from the constraint. Guards end both: a speed that comes to
+//! zero, a torque that reaches what is held (`guards.rs`); `choice.rs` decides which modes follow.
+
+mod choice;
+mod guards;
+mod meshes;
+mod torques;
+
+use std::ops::Range;
+
+use blocksim_block::physical::LossModel;
+use blocksim_block::{Context, Interface};
+
+use crate::assembly::eliminate::Form;
+use crate::mechanics::loops::AT_REST;
+use crate::mechanics::rotation::Rotation;
+use crate::network::Network;
+use crate::seat::Seat;
+use crate::work::Work;
+
+/// Speeds below this part of those that they are the difference of are zero: some thousand units in the last place.
+const STANDS: f64 = 1e-12;
+
+/// What is stuck may have drifted by this part before it counts as struck.
+const DRIFT: f64 = 1e-9;
+
+/// Accelerations and torques that are rounding, relative to all that pulls at the network and to what the friction itself
+/// causes.
+const ROUNDING: f64 = 1e-12;
+
+/// A distance from breakaway that is as good as infinite, N*m.
+const FAR: f64 = 1e9;
+
+/// What sticks in a network: frictions and meshes of gears.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Stiction {
+    /// Where their modes lie among the discrete states.
+    modes: Range<usize>,
+    /// Where their guards lie.
+    guards: Range<usize>,
+    /// Frictions, then meshes.
+    parts: Vec<Place>,
+    /// Number of frictions.
+    frictions: usize,
+    /// Index of the first friction among the branches.
+    first: usize,
+}
+
+/// Where something that sticks is.
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    /// Index of the pin of a friction.
+    Pin(usize),
+    /// Index of a gear with losses.
+    Gear(usize),
+}
+
+impl Stiction {
+    /// Adds modes and guards to the interface, behind those of the members.
+    pub(crate) fn new(seats: &[Seat], rotation: &Rotation, interface: &mut Interface) -> Self {
+        let (d, g) = (interface.discrete.len(), interface.guards.len());
+        let mut parts: Vec<Place> =
+            rotation.branches[rotation.smooth..].iter().map(|pin| Place::Pin(*pin)).collect();
+        let frictions = parts.len();
+        let gears = rotation.gears.iter().enumerate();
+        let dry = gears.filter(|(_, gear)| gear.loss.model == LossModel::Stiction);
+        parts.extend(dry.map(|(i, _)| Place::Gear(i)));
+        for of in [|seat: &Seat| seat.frictions.len(), |seat: &Seat| seat.dry.len()] {
+            for seat in seats {
+                for i in 0..of(seat) {
+                    let number = if of(seat) > 1 { (i + 1).to_string() } else { String::new() };
+                    let name = format!("{}.mode{number}", seat.member.path);
+                    interface.discrete.push(blocksim_block::Discrete { name: name.clone(), initial: 0.0 });
+                    interface.guards.push(name);
+                }
+            }
+        }
+        interface.jumps |= !parts.is_empty();
+        Self {
+            modes: d..d + parts.len(),
+            guards: g..g + parts.len(),
+            parts,
+            frictions,
+            first: rotation.smooth,
+        }
+    }
+
+    /// Number of parts that stick.
+    pub(crate) fn len(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Number of meshes that stick.
+    pub(crate) fn meshes(&self) -> usize {
+        self.parts.len() - self.frictions
+    }
+
+    /// The modes among discrete states.
+    fn of<'a>(&self, d: &'a [f64]) -> &'a [f64] {
+        d.get(self.modes.clone()).unwrap_or(&[])
+    }
+}
+
+impl Network {
+    /// Modes of the frictions or meshes of a member.
+    #[inline]
+    pub(crate) fn modes_of<'a>(&self, c: &Context<'a>, seat: &Seat) -> &'a [f64] {
+        let first = if seat.frictions.is_empty() { self.stiction.frictions } else { 0 };
+        let range = if seat.frictions.is_empty() { &seat.dry } else { &seat.frictions };
+        self.stiction.of(c.d).get(first + range.start..first + range.end).unwrap_or(&[])
+    }
+
+    /// Speed of what sticks over the independent and over the prescribed speeds.
+    fn sticky(&self, i: usize) -> (&Form, &Form) {
+        match self.stiction.parts[i] {
+            Place::Pin(pin) => (&self.rotation.pins[pin].speed, &self.rotation.pins[pin].prescribed),
+            Place::Gear(gear) => {
+                (&self.rotation.gears[gear].base, &self.rotation.gears[gear].base_prescribed)
+            }
+        }
+    }
+
+    /// Torque against forward motion.
+    fn resistance(&self, i: usize, w: &Work) -> f64 {
+        match self.stiction.parts[i] {
+            Place::Pin(_) => w.torque[self.stiction.first + i].value,
+            Place::Gear(gear) => w.mesh.loss[gear],
+        }
+    }
+
+    /// Speed of what sticks, and the amounts below which it is zero: while it slides, and while it is stuck.
+    fn slip(&self, i: usize, x: &[f64], s: &[f64]) -> (f64, f64, f64) {
+        let (form, prescribed) = self.sticky(i);
+        let v = &x[self.positions..self.positions + self.rotation.free];
+        let mut speed = 0.0;
+        let mut scale = 0.0;
+        let own = form.terms().iter().map(|(k, factor)| factor * v[*k as usize]);
+        let given = prescribed.terms().iter().filter_map(|(k, factor)| Some(factor * s.get(*k as usize)?));
+        for term in own.chain(given) {
+            speed += term;
+            scale += f64::abs(term);
+        }
+        // The stabilisation of closed loops moves what stands by as much as it has drifted.
+        let drift = if self.frames.loops.is_empty() { 0.0 } else { AT_REST };
+        (speed, STANDS * scale + drift, DRIFT * scale + drift)
+    }
+
+    /// Modes that the speeds alone tell: at the start, and after impacts.
+    pub(crate) fn follow_speeds(&self, x: &[f64], s: &[f64], d: &mut [f64]) {
+        for i in 0..self.stiction.len() {
+            let (speed, zero, _) = self.slip(i, x, s);
+            if speed.abs() > zero {
+                d[self.stiction.modes.start + i] = speed.signum();
+            }
+        }
+    }
+
+    /// The constraint of a part that is stuck.
+    fn row_of(&self, i: usize, w: &Work) -> Option<usize> {
+        w.stuck.iter().position(|stuck| *stuck == i).map(|k| w.first_stuck + k)
+    }
+}
+
+/// What is to be decided about a friction at an event.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Rest {
+    /// Nothing: it slides in this direction.
+    Moves(f64),
+    /// Whether it sticks, and which way it slides otherwise.
+    Stands,
+    /// Which way it slides; nothing holds it.
+    Free,
+}
