@@ -1,0 +1,58 @@
+//! Speeds at the start.
+
+use super::Rotation;
+use crate::assembly::eliminate::{Form, Relations};
+use crate::assembly::members::Members;
+use crate::assembly::words::Words;
+use crate::mechanics::frames::Frames;
+use crate::problem::NetworkProblem;
+
+/// A speed at the start that an inertia or a mass asks for.
+pub(super) struct Start {
+    pub node: usize,
+    pub speed: f64,
+    pub member: usize,
+}
+
+/// Speeds at the start that inertias ask for; joints bring their own. Independent speeds that nobody asks for are
+/// zero.
+pub(super) fn start(
+    m: &Members,
+    rotation: &Rotation,
+    frames: &Frames,
+    starts: &[Start],
+) -> Result<Vec<f64>, Vec<NetworkProblem>> {
+    let mut asked = Relations::new(rotation.free, 1);
+    let mut ask = |form: &Form, speed: f64| {
+        let terms: Vec<(usize, f64)> =
+            form.terms().iter().map(|(k, factor)| (*k as usize, *factor)).collect();
+        asked.add(&terms, &[(0, speed)]);
+    };
+    for (form, joint) in rotation.joints.iter().zip(&frames.speeds) {
+        if let Some(speed) = joint.start {
+            ask(form, speed);
+        }
+    }
+    starts.iter().for_each(|start| ask(&rotation.nodes[start.node], start.speed));
+    let v: Vec<f64> = asked.eliminate(|_| 0).over_given.iter().map(|row| row[0]).collect();
+    let fits = |start: &&Start| {
+        (rotation.nodes[start.node].of(&v) - start.speed).abs() <= 1e-9 * (1.0 + start.speed.abs())
+    };
+    let Some(wrong) = starts.iter().find(|start| !fits(start)) else { return Ok(v) };
+    let problem = NetworkProblem::new(
+        "start_conflict",
+        format!(
+            "the speed of {} {} at the start does not fit the parts it is coupled to",
+            wrong.speed,
+            Words::of(m.node_domain(wrong.node)).unit
+        ),
+        "give one part of a rigidly coupled train its start speed, or start values that fit the ratios",
+    );
+    let form = &rotation.nodes[wrong.node];
+    let coupled =
+        |other: &&Start| rotation.nodes[other.node].terms().iter().any(|(k, _)| form.at(*k as usize) != 0.0);
+    let others = starts.iter().filter(|other| other.member != wrong.member).filter(coupled);
+    Err(vec![others.fold(problem.with(wrong.member, "asks for it"), |problem, other| {
+        problem.with(other.member, "has a speed at the start, too")
+    })])
+}
