@@ -12,6 +12,7 @@ mod bug;
 mod commands;
 mod disk;
 mod exit;
+mod loaded;
 mod picture_file;
 mod running;
 mod scene;

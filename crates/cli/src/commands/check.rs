@@ -4,9 +4,10 @@ use blocksim_block::schedule::Schedule;
 use blocksim_results::format::count;
 use serde_json::json;
 
-use super::{load, tell};
+use super::tell;
 use crate::args::model::{CheckArgs, Format};
 use crate::exit::Exit;
+use crate::loaded::load;
 use crate::terminal::console::Console;
 use crate::terminal::render;
 

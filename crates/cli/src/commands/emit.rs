@@ -2,9 +2,10 @@ use std::io;
 
 use blocksim_diagram::Stage;
 
-use super::{load, tell};
+use super::tell;
 use crate::args::model::{EmitArgs, Format, StageName};
 use crate::exit::Exit;
+use crate::loaded::load;
 use crate::scene;
 use crate::terminal::console::Console;
 use crate::terminal::render;

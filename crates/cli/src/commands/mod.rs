@@ -33,46 +33,11 @@ pub use run::run;
 pub use runs::runs;
 
 use blocksim_block::problem::Problem;
-use blocksim_diagram::{Compiled, SourceFile, Sources, compile};
-use blocksim_results::FileUsed;
+use blocksim_diagram::SourceFile;
 
-use crate::args::model::{Format, ModelArgs};
-use crate::disk::{Disk, refusal};
-use crate::running::manifest;
+use crate::args::model::Format;
 use crate::terminal::console::Console;
 use crate::terminal::render;
-
-/// A model and the files that it was read from.
-pub struct Loaded {
-    /// What became of it.
-    pub compiled: Compiled,
-    /// All texts that places in problems refer to.
-    pub files: Vec<SourceFile>,
-    /// Those of them that are files.
-    pub on_disk: Vec<SourceFile>,
-    /// Libraries of plug-ins.
-    pub plugins: Vec<FileUsed>,
-}
-
-/// Reads and compiles a model; `None` if there is nothing to read, which has been told then.
-pub fn load(args: &ModelArgs, console: Console) -> Option<Loaded> {
-    if let Some(refusal) = refusal(&args.model) {
-        console.say(&refusal);
-        return None;
-    }
-    blocksim_host::set_build_notice(|notice| {
-        use std::io::Write;
-        let _ = writeln!(std::io::stderr(), "  {notice}");
-    });
-    let disk = Disk::default();
-    let sources = Sources::new(&disk);
-    let compiled = compile(&sources, &args.model, &args.set);
-    let files = sources.all();
-    let on_disk = files.iter().filter(|file| disk.has_read(&file.path)).cloned().collect();
-    // Hashed now, before anybody builds them anew.
-    let plugins = blocksim_host::opened().into_iter().map(|library| manifest::library_used(&library.path));
-    Some(Loaded { compiled, files, on_disk, plugins: plugins.collect() })
-}
 
 /// Tells problems: to people on the standard error, as data on the standard output.
 ///

@@ -7,11 +7,12 @@ use blocksim_block::schedule::Recorded;
 use blocksim_results::{Ended, ResultsError, Run, RunFolder, STORE, Store, clock, probe};
 use blocksim_sim::Simulation;
 
-use super::{load, tell};
+use super::tell;
 use crate::args::model::{Format, RunArgs};
 use crate::args::report::ReportArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
+use crate::loaded::load;
 use crate::running::blame::{failure, reason};
 use crate::running::keep::{self, Csv, Rest, is_csv_written, keep};
 use crate::running::recorder::Recorder;

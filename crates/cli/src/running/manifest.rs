@@ -1,14 +1,12 @@
 //! The manifest of a run: enough to repeat it.
 
-use std::path::Path;
-
 use blocksim_block::schedule::Schedule;
 use blocksim_diagram::SourceFile;
 use blocksim_results::{Choice, Counts, Ended, FileUsed, Manifest, Override, Program, hash};
 use blocksim_sim::Simulation;
 
 use crate::args::model::RunArgs;
-use crate::commands::Loaded;
+use crate::loaded::{Loaded, with_slashes};
 use crate::running::solver;
 
 /// What a manifest is made of.
@@ -63,18 +61,6 @@ pub fn of(facts: &Facts) -> Manifest {
 
 fn file_used(file: &SourceFile) -> FileUsed {
     FileUsed { path: with_slashes(&file.path), hash: hash::fingerprint(file.text.as_bytes()) }
-}
-
-/// The library of a plug-in. One that cannot be read any more has an empty hash.
-pub fn library_used(path: &Path) -> FileUsed {
-    let hash = std::fs::read(path).map(|bytes| hash::fingerprint(&bytes)).unwrap_or_default();
-    FileUsed { path: with_slashes(path), hash }
-}
-
-fn with_slashes(path: &Path) -> String {
-    let parts: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
-    // An absolute path begins with the part `/`.
-    parts.join("/").replacen("//", "/", 1)
 }
 
 fn override_of(text: &str) -> Override {

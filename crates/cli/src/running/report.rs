@@ -6,7 +6,7 @@ use blocksim_sim::Counts;
 use serde_json::{Value, json};
 
 use crate::args::model::RunArgs;
-use crate::commands::Loaded;
+use crate::loaded::Loaded;
 use crate::running::summary::summary;
 use crate::signals::shown::{Shown, shown};
 use crate::signals::tracking::{table, trackings};

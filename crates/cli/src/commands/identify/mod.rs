@@ -15,10 +15,11 @@ use std::io;
 
 use bench::Bench;
 
-use super::{load, tell};
+use super::tell;
 use crate::args::identify::{Common, IdentifyCommand};
 use crate::args::model::{Format, ModelArgs};
 use crate::exit::Exit;
+use crate::loaded::load;
 use crate::terminal::console::Console;
 use crate::terminal::render;
 

@@ -1,0 +1,55 @@
+//! A model, read and compiled.
+
+use std::path::Path;
+
+use blocksim_diagram::{Compiled, SourceFile, Sources, compile};
+use blocksim_results::{FileUsed, hash};
+
+use crate::args::model::ModelArgs;
+use crate::disk::{Disk, refusal};
+use crate::terminal::console::Console;
+
+/// A model and the files that it was read from.
+pub struct Loaded {
+    /// What became of it.
+    pub compiled: Compiled,
+    /// All texts that places in problems refer to.
+    pub files: Vec<SourceFile>,
+    /// Those of them that are files.
+    pub on_disk: Vec<SourceFile>,
+    /// Libraries of plug-ins.
+    pub plugins: Vec<FileUsed>,
+}
+
+/// Reads and compiles a model; `None` if there is nothing to read, which has been told then.
+pub fn load(args: &ModelArgs, console: Console) -> Option<Loaded> {
+    if let Some(refusal) = refusal(&args.model) {
+        console.say(&refusal);
+        return None;
+    }
+    blocksim_host::set_build_notice(|notice| {
+        use std::io::Write;
+        let _ = writeln!(std::io::stderr(), "  {notice}");
+    });
+    let disk = Disk::default();
+    let sources = Sources::new(&disk);
+    let compiled = compile(&sources, &args.model, &args.set);
+    let files = sources.all();
+    let on_disk = files.iter().filter(|file| disk.has_read(&file.path)).cloned().collect();
+    // Hashed now, before anybody builds them anew.
+    let plugins = blocksim_host::opened().into_iter().map(|library| library_used(&library.path));
+    Some(Loaded { compiled, files, on_disk, plugins: plugins.collect() })
+}
+
+/// The library of a plug-in. One that cannot be read any more has an empty hash.
+fn library_used(path: &Path) -> FileUsed {
+    let hash = std::fs::read(path).map(|bytes| hash::fingerprint(&bytes)).unwrap_or_default();
+    FileUsed { path: with_slashes(path), hash }
+}
+
+/// A path as a manifest writes it on any system.
+pub fn with_slashes(path: &Path) -> String {
+    let parts: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
+    // An absolute path begins with the part `/`.
+    parts.join("/").replacen("//", "/", 1)
+}
