@@ -14,7 +14,7 @@ pub fn write_pictures(
     as_svg: Option<&Path>,
     as_png: Option<&Path>,
     scale: f64,
-    force: bool,
+    replace: bool,
 ) -> Result<Vec<PathBuf>, String> {
     for file in [as_svg, as_png].into_iter().flatten() {
         let folder = folder_of(file);
@@ -25,9 +25,9 @@ pub fn write_pictures(
                 folder.display()
             ));
         }
-        if file.exists() && !force {
+        if file.exists() && !replace {
             return Err(format!(
-                "error: `{}` is there already\n  = help: choose another name, or replace it with --force",
+                "error: `{}` is there already\n  = help: choose another name, or replace it with --yes",
                 file.display()
             ));
         }

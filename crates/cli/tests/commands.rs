@@ -498,9 +498,9 @@ fn an_import_never_overwrites_what_somebody_has_changed() {
     fs::write(desk.0.join("p/pendulum_parameters.ron"), &mine).unwrap();
     let refused = desk.call(&["import", "pendulum.urdf", "--out", "p"]);
     assert_eq!(refused.code, Some(4));
-    assert!(refused.err.contains("--force"), "{}", refused.err);
+    assert!(refused.err.contains("--yes"), "{}", refused.err);
     assert_eq!(desk.read("p/pendulum_parameters.ron"), mine);
-    assert_eq!(desk.call(&["import", "pendulum.urdf", "--out", "p", "--force"]).code, Some(0));
+    assert_eq!(desk.call(&["import", "pendulum.urdf", "--out", "p", "--yes"]).code, Some(0));
     assert!(desk.read("p/pendulum_parameters.ron").contains("2 kg"));
 }
 

@@ -146,9 +146,9 @@ fn drawings_and_pictures_are_written_and_never_replaced_silently() {
     assert!(fs::read(desk.0.join("a.png")).unwrap().starts_with(b"\x89PNG"));
     assert_eq!(
         desk.said(&["plot", "latest", "--png", "a.png"]),
-        "error: `a.png` is there already\n  = help: choose another name, or replace it with --force\nexit code 4\n"
+        "error: `a.png` is there already\n  = help: choose another name, or replace it with --yes\nexit code 4\n"
     );
-    assert_eq!(desk.call(&["plot", "latest", "--png", "a.png", "--force", "--theme", "dark"]).0, 0);
+    assert_eq!(desk.call(&["plot", "latest", "--png", "a.png", "--yes", "--theme", "dark"]).0, 0);
     let lost = desk.said(&["plot", "latest", "--svg", "no/such/a.svg"]);
     assert_eq!(
         lost,
@@ -282,7 +282,7 @@ fn what_cannot_be_drawn_is_told_with_a_remedy() {
 
     "#]].assert_eq(&said);
     for drawable in ["nan.csv", "one.csv"] {
-        assert_eq!(desk.call(&["plot", drawable, "--png", "a.png", "--force"]).0, 0, "{drawable}");
+        assert_eq!(desk.call(&["plot", drawable, "--png", "a.png", "--yes"]).0, 0, "{drawable}");
     }
 }
 

@@ -30,7 +30,7 @@ pub struct GraphArgs {
     pub png: Option<PathBuf>,
     /// Replace files that are there.
     #[arg(long)]
-    pub force: bool,
+    pub yes: bool,
     /// Colours of drawing and picture.
     #[arg(long, value_enum, default_value_t = ThemeName::Light, value_name = "THEME")]
     pub theme: ThemeName,

@@ -29,7 +29,7 @@ pub struct Common {
     #[arg(long, value_name = "NAME")]
     pub drive: Option<String>,
     /// File for the result, which must be new.
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Replace a file that is there.
     #[arg(long)]

@@ -20,7 +20,7 @@ pub struct ImportArgs {
     #[arg(long = "as", value_enum, value_name = "KIND")]
     pub kind: Option<Kind>,
     /// Folder for the diagram and its parameters.
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
     /// Density for links without mass, which then is that of their mesh, such as `2700` or `"7850 kg/m^3"`.
     #[arg(long, value_name = "DENSITY", value_parser = density)]
@@ -30,7 +30,7 @@ pub struct ImportArgs {
     pub no_meshes: bool,
     /// Overwrite a parameter file even if it was changed by hand.
     #[arg(long)]
-    pub force: bool,
+    pub yes: bool,
 }
 
 /// Kinds of file that can be imported.

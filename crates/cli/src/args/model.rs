@@ -39,7 +39,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub step: Option<f64>,
     /// Folder for the results, which must be new or empty; without it `runs/<time>_<model>`.
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Signals to keep, of those that the diagram records: parts of their paths or patterns with `*`, separated by
     /// commas. A rate may follow: `arm/**@10ms`, `arm/**@10rows`, or the least and largest value with `@minmax:10ms`.

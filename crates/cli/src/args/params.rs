@@ -24,7 +24,7 @@ pub struct ExportArgs {
     /// The set, such as params/irb2600.ron.
     pub set: PathBuf,
     /// The workbook; without it, the name of the set with .xlsx in the present folder.
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Replace a workbook that is there.
     #[arg(long)]
@@ -46,7 +46,7 @@ pub struct ImportArgs {
     /// The set.
     pub set: PathBuf,
     /// Write the changed set into this file and leave the set as it is.
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Change the set, or replace the file of `--out`.
     #[arg(long)]

@@ -29,7 +29,7 @@ pub struct PlanCommon {
     #[arg(long = "set", value_name = "TARGET=VALUE", value_parser = assignment)]
     pub set: Vec<String>,
     /// File for the move, which must be new.
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Replace a file that is there.
     #[arg(long)]

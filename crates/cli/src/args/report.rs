@@ -15,35 +15,27 @@ pub struct ReportArgs {
     pub run: String,
     /// The file; without it `report.html` in the folder of the run.
     #[arg(short, long, value_name = "FILE")]
-    pub output: Option<PathBuf>,
-    /// Keeps all values, however large the file becomes.
+    pub out: Option<PathBuf>,
+    /// Keep all values, however large the file becomes.
     #[arg(long)]
     pub full: bool,
-    /// Leaves the view in space away.
+    /// Leave the view in space away.
     #[arg(long = "no-3d")]
     pub no_3d: bool,
     /// A measurement to lay over the pictures, a CSV file; may be repeated.
     #[arg(long, value_name = "FILE")]
     pub overlay: Vec<PathBuf>,
-    /// Shows the file in the browser.
+    /// Show the file in the browser.
     #[arg(long)]
     pub open: bool,
-    /// Replaces a file that is there.
+    /// Replace a file that is there.
     #[arg(long)]
-    pub force: bool,
+    pub yes: bool,
 }
 
 impl ReportArgs {
     /// The page of a run in its folder, as it is without options.
     pub fn of(run: String) -> ReportArgs {
-        ReportArgs {
-            run,
-            output: None,
-            full: false,
-            no_3d: false,
-            overlay: Vec::new(),
-            open: false,
-            force: false,
-        }
+        ReportArgs { run, out: None, full: false, no_3d: false, overlay: Vec::new(), open: false, yes: false }
     }
 }

@@ -72,7 +72,7 @@ pub fn graph(args: &GraphArgs, console: Console) -> io::Result<Exit> {
                 return Ok(Exit::Files);
             }
         }
-        match write_pictures(&drawing, as_svg.as_deref(), as_png.as_deref(), args.scale, args.force) {
+        match write_pictures(&drawing, as_svg.as_deref(), as_png.as_deref(), args.scale, args.yes) {
             Ok(_) => {}
             Err(said) => {
                 console.say(&said);

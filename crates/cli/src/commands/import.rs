@@ -90,8 +90,7 @@ fn numbers_only(args: &ImportArgs, bytes: &[u8], console: Console) -> io::Result
     };
     data.notes.iter().for_each(|note| console.say(&format!("note: {note}")));
     let (provenance, stem) = about(args, bytes);
-    match bring(&args.out, &format!("{stem}.ron"), &smidata::parameters(&data, &provenance), None, args.force)
-    {
+    match bring(&args.out, &format!("{stem}.ron"), &smidata::parameters(&data, &provenance), None, args.yes) {
         Ok(told) => {
             console.data(&told)?;
             Ok(Exit::Done)
@@ -112,9 +111,15 @@ fn about(args: &ImportArgs, bytes: &[u8]) -> (Provenance, String) {
 }
 
 /// Writes a parameter file, or a newer one in its place; what is told about it.
-fn bring(folder: &Path, name: &str, text: &str, wired: Option<&str>, force: bool) -> Result<String, String> {
+fn bring(
+    folder: &Path,
+    name: &str,
+    text: &str,
+    wired: Option<&str>,
+    replace: bool,
+) -> Result<String, String> {
     fs::create_dir_all(folder).map_err(|error| format!("cannot create `{}`: {error}", folder.display()))?;
-    let before = old(&folder.join(name), force)?;
+    let before = old(&folder.join(name), replace)?;
     let fresh = seal(text);
     let path = put(folder, name, &fresh)?;
     Ok(match before {
@@ -136,7 +141,7 @@ fn write(
     let (provenance, stem) = about(args, bytes);
     let (numbers, model) = (format!("{stem}_parameters.ron"), format!("{stem}.ron"));
     // Refused before anything is written.
-    old(&args.out.join(&numbers), args.force)?;
+    old(&args.out.join(&numbers), args.yes)?;
     let wired = existing(&args.out.join(&model))?;
     let mut told = String::new();
     for file in files {
@@ -154,7 +159,7 @@ fn write(
         told.push_str(&format!("wrote {} meshes\n", files.len()));
     }
     let text = parameters(mechanism, &provenance);
-    told.push_str(&bring(&args.out, &numbers, &text, wired.as_deref(), args.force)?);
+    told.push_str(&bring(&args.out, &numbers, &text, wired.as_deref(), args.yes)?);
     match wired {
         None => {
             let text = diagram(mechanism, &numbers, &provenance.source);
@@ -180,18 +185,17 @@ fn existing(path: &PathBuf) -> Result<Option<String>, String> {
 }
 
 /// The parameter file of the last import, unless somebody has changed it since.
-fn old(path: &PathBuf, force: bool) -> Result<Option<String>, String> {
+fn old(path: &PathBuf, replace: bool) -> Result<Option<String>, String> {
     let Some(text) = existing(path)? else { return Ok(None) };
     let why = match sealed(&text) {
         Seal::Whole => return Ok(Some(text)),
         Seal::Broken => "was changed since the last import",
         Seal::Missing => "was not written by an import",
     };
-    if force {
+    if replace {
         return Ok(Some(text));
     }
-    let help =
-        "keep own numbers in another file, or overwrite this one with --force; nothing has been written";
+    let help = "keep own numbers in another file, or overwrite this one with --yes; nothing has been written";
     Err(format!("`{}` {why}\n  = help: {help}", path.display()))
 }
 

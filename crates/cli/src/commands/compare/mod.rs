@@ -64,7 +64,7 @@ fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), (Str
     let mut text = if args.json { format!("{}\n", outcome.json()) } else { outcome.text() };
     if args.svg.is_some() || args.png.is_some() {
         let drawing = svg(&outcome.figure().map_err(files)?, Theme::from(args.theme));
-        let written = write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), 2.0, args.force);
+        let written = write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), 2.0, args.yes);
         for file in written.map_err(files)? {
             let line = format!("{}\n", file.display());
             if args.json { console.say(line.trim_end()) } else { text.push_str(&line) }

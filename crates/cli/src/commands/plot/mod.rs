@@ -80,7 +80,7 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, (String, Exit)> {
         let figure = figure(panels, title, time, args.columns, args.width);
         let drawing = svg(&figure, Theme::from(args.theme));
         let written =
-            write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), args.scale, args.force);
+            write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), args.scale, args.yes);
         for file in written.map_err(files)? {
             text.push_str(&format!("{}\n", file.display()));
         }

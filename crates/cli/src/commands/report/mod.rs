@@ -61,7 +61,7 @@ pub fn written(args: &ReportArgs, console: Console) -> Result<PathBuf, String> {
 
 /// Folder and name of the file, which must not be there.
 fn target(args: &ReportArgs, run: &Path) -> Result<(PathBuf, String), String> {
-    let file = match &args.output {
+    let file = match &args.out {
         Some(file) => file.clone(),
         None if run.is_dir() => run.join(NAME),
         None => run.with_extension("html"),
@@ -78,8 +78,8 @@ fn target(args: &ReportArgs, run: &Path) -> Result<(PathBuf, String), String> {
         return refused("it is a folder", "add the name of a file");
     }
     // The report in the folder of its run is made of nothing but the run; a new one replaces no work.
-    if file.exists() && !args.force && args.output.is_some() {
-        return refused("it is there already", "choose another name, or replace it with --force");
+    if file.exists() && !args.yes && args.out.is_some() {
+        return refused("it is there already", "choose another name, or replace it with --yes");
     }
     Ok((folder.to_owned(), name.to_string_lossy().into_owned()))
 }
