@@ -8,6 +8,8 @@ pub enum Symbol {
     Text(&'static str),
     /// A box with a fraction: `Fraction("1", "s")`.
     Fraction(&'static str, &'static str),
+    /// A box with two lines of text: a pair of equations.
+    Lines(&'static str, &'static str),
     /// The fraction of the polynomials `num` and `den` in the given letter.
     Polynomials(&'static str),
     /// The value of a parameter, such as that of a constant.
@@ -76,24 +78,54 @@ pub enum Symbol {
     HardStop,
     /// Two wheels that mesh.
     Gear,
+    /// Two wheels that mesh, and a spring behind them.
+    ElasticGear,
+    /// Planets between a sun and a ring.
+    Planetary,
+    /// A wheel with an eccentric disc or an oval one inside.
+    WaveGear,
+    /// A worm and its wheel.
+    Worm,
+    /// Bevel wheels in a cage.
+    Differential,
     /// A screw with its nut.
     Screw,
     /// A wheel on a rack.
     Rack,
     /// Two plates.
     Clutch,
+    /// A plate that is pressed against what stands still.
+    Brake,
+    /// A shaft that another may overrun.
+    Freewheel,
     /// A curved arrow.
     Torque,
     /// A straight arrow.
     Force,
+    /// A source of motion: a circle with the letter of what it prescribes.
+    MotionSource(&'static str),
     /// A sensor of motion or effort, with a letter.
     Sensor(&'static str),
     /// A hinge.
     Hinge,
     /// A slide.
     Slide,
+    /// A slide that may turn as well.
+    Cylinder,
+    /// A plate that slides and turns on another.
+    Planar,
+    /// Two forks on a cross.
+    Universal,
     /// A ball in its cup.
     Ball,
+    /// A point above a plane.
+    Touch,
+    /// The star point of three phases.
+    Star,
+    /// Three lines that become one.
+    Phases,
+    /// A robot arm, with a formula of what is computed about it; empty for the robot itself.
+    Arm(&'static str),
     /// Two parts as one.
     Weld,
     /// A rigid body with its centre of mass.

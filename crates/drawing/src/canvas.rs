@@ -2,71 +2,66 @@
 
 use std::fmt::Write;
 
-use blocksim_block::physical::Domain;
-use blocksim_plot::{Palette, Theme};
+use crate::colours::{Colour, FONT, Fill};
+use crate::size::NAME;
 
-/// Font of all texts; the last one is what pictures in PNG are drawn with.
-const FONT: &str = "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif";
-
-/// Colours of a drawing.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Colours {
-    pub ground: &'static str,
-    pub ink: &'static str,
-    pub quiet: &'static str,
-    /// Inside of subsystems.
-    pub inside: &'static str,
-    series: [&'static str; 6],
-}
-
-impl Colours {
-    pub fn of(theme: Theme) -> Colours {
-        let Palette { ground, text, quiet, grid, series, .. } = Palette::of(theme);
-        let inside = match theme {
-            Theme::Light => "#F1F5F9",
-            Theme::Dark => grid,
-        };
-        Colours { ground, ink: text, quiet, inside, series }
-    }
-
-    pub fn domain(&self, domain: Option<Domain>) -> &'static str {
-        match domain {
-            None => self.ink,
-            Some(Domain::Frame) => self.series[0],
-            Some(Domain::ThreePhase) => self.series[1],
-            Some(Domain::Rotational) => self.series[2],
-            Some(Domain::Electrical) => self.series[4],
-            Some(Domain::Translational) => self.series[5],
-        }
-    }
-}
+/// Strokes of signs, which need not be said.
+pub(crate) const THIN: f64 = 1.2;
 
 /// The text of a drawing that grows.
 pub(crate) struct Canvas {
     pub out: String,
-    pub colours: Colours,
 }
 
 /// Stroke and fill of a shape.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Paint {
-    pub stroke: &'static str,
+    pub colour: Colour,
+    /// Of the line; 0 for none.
     pub width: f64,
-    pub fill: &'static str,
+    pub fill: Fill,
+}
+
+impl Paint {
+    /// The attributes that say it, with a class of the element itself.
+    fn attributes(self, class: &str) -> String {
+        let fill = match (self.fill, self.width > 0.0) {
+            (Fill::Solid, false) => "dot",
+            (Fill::Solid, true) => "solid",
+            (Fill::Ground, _) => "hollow",
+            (Fill::Inside, _) => "inside",
+            (Fill::Nothing, _) => "",
+        };
+        let mut out = classes(&[class, self.colour.class(), fill]);
+        if self.width > 0.0 && self.width != THIN {
+            let _ = write!(out, " stroke-width=\"{}\"", number(self.width));
+        }
+        out
+    }
+}
+
+/// ` class="..."` of those that are not empty.
+pub(crate) fn classes(names: &[&str]) -> String {
+    let names: Vec<&str> = names.iter().copied().filter(|name| !name.is_empty()).collect();
+    if names.is_empty() { String::new() } else { format!(" class=\"{}\"", names.join(" ")) }
 }
 
 impl Canvas {
-    pub fn begin(width: f64, height: f64, theme: Theme, title: &str) -> Canvas {
-        let colours = Colours::of(theme);
-        let mut canvas = Canvas { out: String::new(), colours };
+    /// A drawing with its own style sheet, or without one for a page that has it. There are no `id`s in it.
+    pub fn begin(width: f64, height: f64, style: Option<&str>, title: &str) -> Canvas {
+        let mut canvas = Canvas { out: String::new() };
         let _ = write!(
             canvas.out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"diagram\" role=\"img\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {width} {height}\" font-family=\"{FONT}\"><title>{}</title>\
-             <rect class=\"ground\" width=\"{width}\" height=\"{height}\" fill=\"{}\"/>",
-            escaped(title),
-            colours.ground
+             viewBox=\"0 0 {width} {height}\" font-family=\"{FONT}\" font-size=\"{}\" text-anchor=\"middle\">\
+             <title>{}</title>",
+            number(NAME),
+            escaped(title)
         );
+        if let Some(style) = style {
+            let _ = write!(canvas.out, "<style>{style}</style>");
+        }
+        let _ = write!(canvas.out, "<rect class=\"ground\" width=\"{width}\" height=\"{height}\"/>");
         canvas
     }
 
@@ -76,42 +71,50 @@ impl Canvas {
     }
 
     pub fn path(&mut self, data: &str, paint: Paint, class: &str) {
-        let class = if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") };
+        let _ = write!(self.out, "<path{} d=\"{data}\"/>", paint.attributes(class));
+    }
+
+    /// A path around a point, turned or mirrored.
+    pub fn path_at(&mut self, x: f64, y: f64, turn: &str, data: &str, paint: Paint) {
         let _ = write!(
             self.out,
-            "<path{class} d=\"{data}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"{}\"/>",
-            paint.fill,
-            paint.stroke,
-            number(paint.width)
+            "<path{} transform=\"translate({} {}){turn}\" d=\"{data}\"/>",
+            paint.attributes(""),
+            number(x),
+            number(y)
         );
     }
 
     pub fn circle(&mut self, x: f64, y: f64, r: f64, paint: Paint) {
         let _ = write!(
             self.out,
-            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"{}\"/>",
+            "<circle{} cx=\"{}\" cy=\"{}\" r=\"{}\"/>",
+            paint.attributes(""),
             number(x),
             number(y),
-            number(r),
-            paint.fill,
-            paint.stroke,
-            number(paint.width)
+            number(r)
         );
     }
 
     /// `anchor` is `start`, `middle` or `end`; `y` is the base line.
-    pub fn text(&mut self, x: f64, y: f64, size: f64, anchor: &str, colour: &str, text: &str) {
+    pub fn text(&mut self, x: f64, y: f64, size: f64, anchor: &str, colour: Colour, text: &str) {
         if text.is_empty() {
             return;
         }
         let _ = write!(
             self.out,
-            "<text x=\"{}\" y=\"{}\" font-size=\"{}\" text-anchor=\"{anchor}\" fill=\"{colour}\">{}</text>",
+            "<text{} x=\"{}\" y=\"{}\"",
+            classes(&[colour.class(), "text"]),
             number(x),
-            number(y),
-            number(size),
-            escaped(text)
+            number(y)
         );
+        if size != NAME {
+            let _ = write!(self.out, " font-size=\"{}\"", number(size));
+        }
+        if anchor != "middle" {
+            let _ = write!(self.out, " text-anchor=\"{anchor}\"");
+        }
+        let _ = write!(self.out, ">{}</text>", escaped(text));
     }
 }
 

@@ -117,7 +117,13 @@ pub(crate) fn figure_of(
     let many = |kind: &[PortKind]| ports.iter().filter(|port| kind.contains(&port.kind)).count();
     let named = match look {
         Look::Symbol(symbol, _) => match symbol {
-            Symbol::Bar | Symbol::Plain | Symbol::Plugin | Symbol::Text(_) | Symbol::Curve(_) => {
+            Symbol::Bar
+            | Symbol::Plain
+            | Symbol::Plugin
+            | Symbol::Text(_)
+            | Symbol::Curve(_)
+            | Symbol::Lines(..)
+            | Symbol::Arm(_) => {
                 many(&[PortKind::Input]) > 1
                     || many(&[PortKind::Output]) > 1
                     || (many(&[PortKind::Free]) > 0 && ports.len() > 2)
@@ -126,7 +132,20 @@ pub(crate) fn figure_of(
             Symbol::Machine(_) | Symbol::Converter(..) | Symbol::Sensor(_) | Symbol::Transistor => {
                 ports.len() > 2
             }
-            Symbol::Gear | Symbol::Hinge | Symbol::Slide | Symbol::Ball => ports.len() > 2,
+            Symbol::Gear
+            | Symbol::ElasticGear
+            | Symbol::Planetary
+            | Symbol::WaveGear
+            | Symbol::Worm
+            | Symbol::Differential
+            | Symbol::Hinge
+            | Symbol::Slide
+            | Symbol::Cylinder
+            | Symbol::Planar
+            | Symbol::Universal
+            | Symbol::Ball
+            | Symbol::Phases
+            | Symbol::Star => ports.len() > 2,
             _ => false,
         },
         Look::Subsystem(_) => true,

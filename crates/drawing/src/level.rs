@@ -34,6 +34,9 @@ pub struct Line {
     pub domain: Option<Domain>,
     /// The ports, `motor.r`, the source first.
     pub title: String,
+    /// Path of the output that it comes from, with the elements picked from a bus: `arm/link1.q`. None for conserving
+    /// connections and for what comes from an input of the level.
+    pub signal: Option<String>,
 }
 
 /// The level of a model. `buses` names the inputs of the level that carry buses.
@@ -232,7 +235,14 @@ impl Build<'_> {
                     Some((from, to)) if directed => format!("{from} -> {}", to.join(", ")),
                     _ => names.join(" <-> "),
                 };
+                let source = if self.model.path.is_empty() {
+                    block.clone()
+                } else {
+                    format!("{}/{block}", self.model.path)
+                };
+                let picked = if elements.is_empty() { String::new() } else { format!(".{elements}") };
                 Line {
+                    signal: (directed && block != "in").then(|| format!("{source}.{port}{picked}")),
                     thick: directed && is_bus(self.model, &reference, buses),
                     domain: if directed { None } else { domain() },
                     title,

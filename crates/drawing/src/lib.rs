@@ -10,6 +10,7 @@
 
 mod bus;
 mod canvas;
+mod colours;
 mod figure;
 mod level;
 mod size;
@@ -19,8 +20,9 @@ mod text;
 mod walk;
 
 pub use blocksim_plot::Theme;
+pub use colours::{style_sheet, style_variables};
 pub use figure::{Figure, Look, PortLook};
 pub use level::{Level, Line, level};
-pub use svg::svg;
+pub use svg::{inline, svg};
 pub use text::text;
 pub use walk::{PathError, all_levels, level_at};

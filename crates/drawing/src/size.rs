@@ -63,6 +63,7 @@ fn symbol_size(symbol: Symbol, texts: &[String]) -> (f64, f64) {
             let wide = text_width(above, TEXT).max(text_width(below, TEXT));
             ((wide + 18.0).max(40.0), 38.0)
         }
+        Symbol::Lines(first, second) => (text_width(first, NAME).max(text_width(second, NAME)) + 16.0, 40.0),
         Symbol::Polynomials(_) => ((text(TEXT) + 18.0).max(48.0), 40.0),
         Symbol::Value(_) => ((text(TEXT) + 16.0).max(40.0), 32.0),
         Symbol::Gain(_) => ((text(TEXT) * 1.5 + 20.0).max(42.0), 40.0),
@@ -81,7 +82,13 @@ fn symbol_size(symbol: Symbol, texts: &[String]) -> (f64, f64) {
         Symbol::Machine(_) => (60.0, 48.0),
         Symbol::Converter(..) => (46.0, 46.0),
         Symbol::Gear => (48.0, 46.0),
-        Symbol::Hinge | Symbol::Slide | Symbol::Ball => (46.0, 40.0),
+        Symbol::Hinge | Symbol::Slide | Symbol::Ball | Symbol::Universal => (46.0, 40.0),
+        Symbol::Cylinder | Symbol::Planar | Symbol::Touch => (46.0, 40.0),
+        Symbol::Planetary | Symbol::WaveGear | Symbol::Worm | Symbol::Differential | Symbol::ElasticGear => {
+            (48.0, 46.0)
+        }
+        Symbol::Arm("") => (60.0, 48.0),
+        Symbol::Arm(formula) => ((text_width(formula, NAME) + 14.0).max(56.0), 58.0),
         Symbol::Body | Symbol::Inertia | Symbol::Mass => (44.0, 36.0),
         Symbol::Frame => (46.0, 40.0),
         Symbol::Sensor(text) => ((text_width(text, TEXT) + 16.0).max(34.0), 34.0),

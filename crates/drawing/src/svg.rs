@@ -6,21 +6,34 @@ use blocksim_block::Symbol;
 use blocksim_layout::{Layout, Placed, PlacedPort, PortKind, Side};
 use blocksim_plot::Theme;
 
-use crate::canvas::{Canvas, Paint, escaped, number};
+use crate::canvas::{Canvas, Paint, THIN, classes, escaped, number};
+use crate::colours::{Colour, Fill, fixed};
 use crate::figure::{Figure, Look};
 use crate::level::Level;
 use crate::size::{NAME, PORT};
 use crate::symbols;
 
+/// Filled, without a line.
+const DOT: Paint = Paint { colour: Colour::Ink, width: 0.0, fill: Fill::Solid };
 /// Room around the drawing.
 const EDGE: f64 = 16.0;
 /// Room for the title.
 const HEAD: f64 = 26.0;
 
-/// Draws a level. Each block is a group with its path in `data-path`, its kind in `data-kind`, `data-inside` where
-/// there is a level inside it, and a title; wires are paths of the classes `wire`, `bus` and `conserving`. Colours
-/// are attributes, so that a style sheet can replace them.
+/// Draws a level as a file of its own. Each block is a group with its path in `data-path`, its kind in `data-kind`,
+/// `data-inside` where there is a level inside it, and a title; wires are groups of the classes `wire`, `bus` and
+/// `conserving`. Colours are said by classes and one style sheet, so that another one can replace them.
 pub fn svg(level: &Level, layout: &Layout, theme: Theme) -> String {
+    draw(level, layout, Some(&fixed(theme)))
+}
+
+/// Draws a level as a part of a page that has [`style_sheet`](crate::style_sheet): any number of them fit into one
+/// page, for light and dark.
+pub fn inline(level: &Level, layout: &Layout) -> String {
+    draw(level, layout, None)
+}
+
+fn draw(level: &Level, layout: &Layout, style: Option<&str>) -> String {
     let title = match (level.title.as_str(), level.path.as_str()) {
         ("", path) => path.to_owned(),
         (title, "") => title.to_owned(),
@@ -30,9 +43,8 @@ pub fn svg(level: &Level, layout: &Layout, theme: Theme) -> String {
     let wide = blocksim_picture::text_width(&title, 13.0).ceil();
     let width = (layout.width.max(wide) + 2.0 * EDGE).ceil();
     let height = (layout.height + head + 2.0 * EDGE).ceil();
-    let mut canvas = Canvas::begin(width, height, theme, &title);
-    let ink = canvas.colours.ink;
-    canvas.text(EDGE, EDGE + 10.0, 13.0, "start", ink, &title);
+    let mut canvas = Canvas::begin(width, height, style, &title);
+    canvas.text(EDGE, EDGE + 10.0, 13.0, "start", Colour::Ink, &title);
     let _ = write!(canvas.out, "<g transform=\"translate({EDGE} {})\">", number(EDGE + head));
     wires(&mut canvas, level, layout);
     for (figure, placed) in level.figures.iter().zip(&layout.nodes) {
@@ -61,22 +73,23 @@ fn wires(canvas: &mut Canvas, level: &Level, layout: &Layout) {
             (None, true) => "bus",
             (None, false) => "wire",
         };
-        let colour = canvas.colours.domain(line.domain);
+        let colour = Colour::of(line.domain);
         let width = match class {
             "bus" => 3.0,
             "conserving" => 1.6,
-            _ => 1.2,
+            _ => THIN,
         };
         let domain = line.domain.map_or(String::new(), |domain| format!(" data-domain=\"{domain}\""));
-        let _ = write!(
-            canvas.out,
-            "<g class=\"{class}\"{domain}><title>{}</title>\
-             <path d=\"{data}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linecap=\"square\"/>",
-            escaped(&line.title)
-        );
+        let signal = match &line.signal {
+            Some(signal) => format!(" data-signal=\"{}\"", escaped(signal)),
+            None => String::new(),
+        };
+        let group = classes(&[class, colour.class()]);
+        let _ = write!(canvas.out, "<g{group}{domain}{signal}><title>{}</title>", escaped(&line.title));
+        canvas.path(&data, Paint { colour: Colour::Ink, width, fill: Fill::Nothing }, "");
         for junction in &wire.junctions {
             let r = if line.thick { 3.6 } else { 2.6 };
-            canvas.circle(junction.x, junction.y, r, Paint { stroke: "none", width: 0.0, fill: colour });
+            canvas.circle(junction.x, junction.y, r, DOT);
         }
         canvas.out.push_str("</g>");
     }
@@ -97,11 +110,19 @@ fn block(canvas: &mut Canvas, figure: &Figure, placed: &Placed) {
     }
     let _ = write!(canvas.out, "<title>{}</title>", escaped(&figure.title));
     symbols::draw(canvas, figure, placed);
+    let arrows: String = figure
+        .ports
+        .iter()
+        .zip(&placed.ports)
+        .filter(|(look, _)| look.kind == PortKind::Input && figure.look != Look::Selector)
+        .map(|(_, port)| arrow(port))
+        .collect();
+    if !arrows.is_empty() {
+        canvas.path(&arrows, DOT, "");
+    }
     for (look, port) in figure.ports.iter().zip(&placed.ports) {
-        match look.kind {
-            PortKind::Input => arrow(canvas, figure, port),
-            PortKind::Output => {}
-            PortKind::Free => joint(canvas, figure, look.domain, port),
+        if look.kind == PortKind::Free {
+            joint(canvas, figure, look.domain, port);
         }
         let bar = matches!(figure.look, Look::Symbol(Symbol::Bar, _));
         // The whole bus has no name at its bar.
@@ -112,37 +133,23 @@ fn block(canvas: &mut Canvas, figure: &Figure, placed: &Placed) {
         }
     }
     let middle = placed.x + placed.width / 2.0;
-    let quiet = canvas.colours.quiet;
     if !figure.label.is_empty() {
         let y = if placed.label_above { placed.y - 4.0 } else { placed.y + placed.height + NAME + 1.0 };
-        canvas.text(middle, y, NAME, "middle", quiet, &figure.label);
+        canvas.text(middle, y, NAME, "middle", Colour::Quiet, &figure.label);
     }
     canvas.out.push_str("</g>");
 }
 
 /// The head of an arrow where a signal enters.
-fn arrow(canvas: &mut Canvas, figure: &Figure, port: &PlacedPort) {
-    let (x, y) = (port.at.x, port.at.y);
-    let (a, b) = match port.side {
-        Side::West => ((-7.0, -3.2), (-7.0, 3.2)),
-        Side::East => ((7.0, -3.2), (7.0, 3.2)),
-        Side::North => ((-3.2, -7.0), (3.2, -7.0)),
-        Side::South => ((-3.2, 7.0), (3.2, 7.0)),
+fn arrow(port: &PlacedPort) -> String {
+    let (x, y) = (number(port.at.x), number(port.at.y));
+    let sides = match port.side {
+        Side::West => "l-7-3.2v6.4",
+        Side::East => "l7-3.2v6.4",
+        Side::North => "l-3.2-7h6.4",
+        Side::South => "l-3.2 7h6.4",
     };
-    if figure.look == Look::Selector {
-        return;
-    }
-    let data = format!(
-        "M{} {}L{} {}L{} {}Z",
-        number(x),
-        number(y),
-        number(x + a.0),
-        number(y + a.1),
-        number(x + b.0),
-        number(y + b.1)
-    );
-    let fill = canvas.colours.ink;
-    canvas.path(&data, Paint { stroke: "none", width: 0.0, fill }, "");
+    format!("M{x} {y}{sides}Z")
 }
 
 /// A small square where a conserving port is.
@@ -156,23 +163,38 @@ fn joint(
         return;
     }
     let (x, y) = (port.at.x - 2.2, port.at.y - 2.2);
-    let paint = Paint { stroke: canvas.colours.domain(domain), width: 1.2, fill: canvas.colours.ground };
+    let paint = Paint { colour: Colour::of(domain), width: THIN, fill: Fill::Ground };
     canvas.path(&format!("M{} {}h4.4v4.4h-4.4Z", number(x), number(y)), paint, "");
 }
 
 fn port_name(canvas: &mut Canvas, figure: &Figure, placed: &Placed, port: &PlacedPort, name: &str) {
-    let quiet = canvas.colours.quiet;
     if figure.look == Look::Selector {
         // Beside the bar, above the wire.
         let (x, anchor) =
             if port.side == Side::East { (port.at.x + 4.0, "start") } else { (port.at.x - 4.0, "end") };
-        canvas.text(x, port.at.y - 3.0, PORT, anchor, quiet, name);
+        canvas.text(x, port.at.y - 3.0, PORT, anchor, Colour::Quiet, name);
         return;
     }
     let y = port.at.y + PORT * 0.35;
     match port.side {
-        Side::West => canvas.text(placed.x + 5.0, y, PORT, "start", quiet, name),
-        Side::East => canvas.text(placed.x + placed.width - 5.0, y, PORT, "end", quiet, name),
+        Side::West => canvas.text(placed.x + 5.0, y, PORT, "start", Colour::Quiet, name),
+        Side::East => canvas.text(placed.x + placed.width - 5.0, y, PORT, "end", Colour::Quiet, name),
         Side::North | Side::South => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_page_has_no_ids_and_no_colours_of_its_own() {
+        let graph = blocksim_layout::Graph::default();
+        let level =
+            Level { title: "A".into(), path: String::new(), graph, figures: Vec::new(), lines: Vec::new() };
+        let part = inline(&level, &Layout::default());
+        assert!(!part.contains("<style") && !part.contains('#') && !part.contains(" id="), "{part}");
+        let whole = svg(&level, &Layout::default(), Theme::Dark);
+        assert!(whole.contains("<style>.diagram{color:#F1F5F9;"), "{whole}");
     }
 }

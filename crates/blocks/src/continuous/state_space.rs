@@ -13,7 +13,7 @@ use blocksim_block::prelude::*;
 /// StateSpace(a: [[0.0, 1.0], [-25.0, -3.0]], b: [[0.0], [25.0]], c: [[1.0, 0.0]])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Continuous", symbol = Text("A B C D"))]
+#[block(category = "Continuous", symbol = Lines("ẋ = A x + B u","y = C x + D u"))]
 pub struct StateSpace {
     /// System matrix, states by states.
     pub a: Vec<Vec<f64>>,

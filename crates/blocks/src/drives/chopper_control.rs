@@ -12,7 +12,7 @@ use blocksim_block::prelude::*;
 /// ChopperControl(on_at: "700 V", off_at: "680 V")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Curve(Relay))]
 pub struct ChopperControl {
     /// Voltage at which the chopper is turned on.
     #[block(unit = "V")]

@@ -14,7 +14,7 @@ use blocksim_block::prelude::*;
 /// DirectionReverser(hysteresis: 1e-3, hold: "50 ms")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Text("±, |u|"))]
 pub struct DirectionReverser {
     /// Distance $h$ from zero, in the unit of the input, that the command must pass to change the direction.
     #[block(default = 1e-3)]

@@ -16,7 +16,7 @@ use super::transforms;
 /// PhaseReference
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Text("û, f → abc"))]
 pub struct PhaseReference {
     /// Angle at the start.
     #[block(unit = "rad", default = 0.0)]

@@ -12,7 +12,7 @@ use blocksim_block::prelude::*;
 /// PhaseSwap
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Text("b ↔ c"))]
 pub struct PhaseSwap;
 
 const REVERSE: usize = 1;

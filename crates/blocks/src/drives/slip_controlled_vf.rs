@@ -23,7 +23,7 @@ use crate::continuous::{AntiWindup, Form, Pid, Reset};
 /// SlipControlledVf(pole_pairs: 2, kp: 0.2, ki: 1.0, slip_limit: "3 Hz")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Text("V/f, slip"))]
 pub struct SlipControlledVf {
     /// Pole pairs $N$ of the machine, at least 1.
     pub pole_pairs: u32,

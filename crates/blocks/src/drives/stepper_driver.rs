@@ -25,7 +25,7 @@ use blocksim_block::prelude::*;
 /// StepperDriver(amplitude: "2.4 V", drive: Half, command: Angle(teeth: 50))
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Drives")]
+#[block(category = "Drives", symbol = Text("steps"))]
 pub struct StepperDriver {
     /// Command of a phase that conducts fully, $A$; the outputs have its unit.
     pub amplitude: f64,

@@ -30,7 +30,7 @@ use super::mesh::{Direction, Loss, Mesh};
 /// )
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Gears", symbol = Gear)]
+#[block(category = "Gears", symbol = WaveGear)]
 pub struct CycloidalDrive {
     /// Lobes of the disc.
     pub disc_teeth: u32,

@@ -12,7 +12,7 @@ use blocksim_block::prelude::*;
 /// Differential(ratio: 4.1)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Gears", symbol = Gear)]
+#[block(category = "Gears", symbol = Differential)]
 pub struct Differential {
     /// Speed of the drive shaft over the mean speed of the outputs, $i$; negative when it reverses.
     #[block(default = 1.0)]

@@ -21,7 +21,7 @@ use crate::mechanics::contact::SpringDamper;
 /// )
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Gears", symbol = Gear)]
+#[block(category = "Gears", symbol = ElasticGear)]
 pub struct ElasticGear {
     /// Teeth of the follower over teeth of the base: the reduction $i$.
     pub ratio: f64,

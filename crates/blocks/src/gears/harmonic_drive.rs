@@ -20,7 +20,7 @@ use super::mesh::{Direction, Loss, Mesh};
 /// HarmonicDrive(flexspline_teeth: 200, circular_teeth: 202, efficiency_forward: 0.75, efficiency_backward: 0.6)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Gears", symbol = Gear)]
+#[block(category = "Gears", symbol = WaveGear)]
 pub struct HarmonicDrive {
     /// Teeth of the flexible spline $n_E$.
     pub flexspline_teeth: u32,

@@ -14,7 +14,7 @@ use blocksim_block::prelude::*;
 /// PlanetaryGear(ring_teeth: 72, sun_teeth: 24)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Gears", symbol = Gear)]
+#[block(category = "Gears", symbol = Planetary)]
 pub struct PlanetaryGear {
     /// Teeth of the ring $n_R$, more than the sun has.
     pub ring_teeth: u32,

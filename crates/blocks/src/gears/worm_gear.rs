@@ -27,7 +27,7 @@ use super::mesh::Direction;
 ///
 /// Source: balance of forces on the flank of a thread with Coulomb's friction, as in textbooks of machine elements.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Gears", symbol = Gear)]
+#[block(category = "Gears", symbol = Worm)]
 pub struct WormGear {
     /// Teeth of the wheel over threads of the worm: the reduction $i$.
     pub ratio: f64,

@@ -14,7 +14,7 @@ use super::axis::{direction, finite_start, spring, spring_energy, unit};
 /// CylindricalJoint(axis: [0.0, 0.0, 1.0], position: "0.1 m", angle: "30 deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody", symbol = Slide)]
+#[block(category = "Multibody", symbol = Cylinder)]
 pub struct CylindricalJoint {
     /// Direction of the axis in `base`; its length does not matter.
     #[block(default = [0.0, 0.0, 1.0])]

@@ -12,7 +12,7 @@ use super::axis::{finite_start, spring, spring_energy, vector_input, vector_outp
 /// PlanarJoint(position: ["0.1 m", "0 m"], angle: "30 deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody", symbol = Text("planar"))]
+#[block(category = "Multibody", symbol = Planar)]
 pub struct PlanarJoint {
     /// Position x, y at the start. Where none is given it is zero, or in a closed loop what closes it.
     #[block(unit = "m", default = None)]

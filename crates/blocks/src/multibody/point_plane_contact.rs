@@ -20,7 +20,7 @@ use super::vector::{add, between, dot, scale, sub, to_world, velocity_seen};
 /// PointPlaneContact(stiffness: "1e5 N/m", damping: "200 N*s/m", friction: 0.3)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody", symbol = HardStop)]
+#[block(category = "Multibody", symbol = Touch)]
 pub struct PointPlaneContact {
     /// Stiffness $k$.
     #[block(unit = "N/m", default = 1e6)]

@@ -12,7 +12,7 @@ use super::axis::{direction, spring, spring_energy, unit, vector_input, vector_o
 /// UniversalJoint(first: [1.0, 0.0, 0.0], second: [0.0, 1.0, 0.0], position: ["20 deg", "-10 deg"])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody", symbol = Ball)]
+#[block(category = "Multibody", symbol = Universal)]
 pub struct UniversalJoint {
     /// Direction of the first axis in `base`.
     #[block(default = [1.0, 0.0, 0.0])]

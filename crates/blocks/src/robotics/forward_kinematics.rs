@@ -22,7 +22,7 @@ use super::arm::{Arm, End};
 /// ))
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Robotics")]
+#[block(category = "Robotics", symbol = Arm("T(q)"))]
 pub struct ForwardKinematics {
     /// The robot: links with axes and limits, frames and tool.
     pub robot: RobotDescription,

@@ -19,7 +19,7 @@ use super::arm::Arm;
 /// ))
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Robotics")]
+#[block(category = "Robotics", symbol = Arm("g(q)"))]
 pub struct GravityCompensation {
     /// The robot: links with axes and bodies.
     pub robot: RobotDescription,

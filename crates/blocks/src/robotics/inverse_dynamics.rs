@@ -27,7 +27,7 @@ use super::arm::Arm;
 ///
 /// Source: R. Featherstone, Rigid Body Dynamics Algorithms, 2008, table 5.1.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Robotics")]
+#[block(category = "Robotics", symbol = Arm("M q̈ + h"))]
 pub struct InverseDynamics {
     /// The robot: links with axes, bodies and drives.
     pub robot: RobotDescription,

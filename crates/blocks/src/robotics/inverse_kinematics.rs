@@ -37,7 +37,7 @@ use super::arm::Arm;
 /// Source: M. Brandstötter, A. Angerer, M. Hofbaur, An analytical solution of the inverse kinematics problem of
 /// industrial serial manipulators with an ortho-parallel basis and a spherical wrist, 2014.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Robotics")]
+#[block(category = "Robotics", symbol = Arm("q(T)"))]
 pub struct InverseKinematics {
     /// The robot: links with axes and limits, frames and tool.
     pub robot: RobotDescription,

@@ -23,7 +23,7 @@ use super::arm::{Arm, End};
 /// ))
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Robotics")]
+#[block(category = "Robotics", symbol = Arm("J(q)"))]
 pub struct Jacobian {
     /// The robot: links with axes and limits, frames and tool.
     pub robot: RobotDescription,

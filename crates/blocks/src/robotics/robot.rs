@@ -27,7 +27,7 @@ use crate::multibody::joint_limit::JointLimit;
 /// ))
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Robotics")]
+#[block(category = "Robotics", symbol = Arm(""))]
 pub struct Robot {
     /// The robot: links with axes, limits and bodies.
     pub robot: RobotDescription,

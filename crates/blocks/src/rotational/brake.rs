@@ -21,7 +21,7 @@ use crate::mechanics::friction_model::{FrictionModel, Pressed};
 /// Brake(torque: "25 N*m")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational", symbol = Clutch)]
+#[block(category = "Rotational", symbol = Brake)]
 pub struct Brake {
     /// Torque that it transmits while slipping, fully applied.
     #[block(unit = "N*m")]

@@ -17,7 +17,7 @@ use blocksim_block::prelude::*;
 /// IdealAngleSource(f: "50 Hz")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational", symbol = Torque)]
+#[block(category = "Rotational", symbol = MotionSource("φ"))]
 pub struct IdealAngleSource {
     /// Corner frequency of the filter.
     #[block(unit = "Hz", default = 50.0)]

@@ -11,7 +11,7 @@ use crate::mechanics::quantities::ROTATION;
 /// IdealSpeedSource
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational", symbol = Torque)]
+#[block(category = "Rotational", symbol = MotionSource("ω"))]
 pub struct IdealSpeedSource;
 
 impl Block for IdealSpeedSource {

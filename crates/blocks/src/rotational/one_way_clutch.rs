@@ -19,7 +19,7 @@ use crate::mechanics::friction_model::FrictionModel;
 /// OneWayClutch()
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational", symbol = Clutch)]
+#[block(category = "Rotational", symbol = Freewheel)]
 pub struct OneWayClutch {
     /// `Stiction` (true locking) or `Smooth`.
     #[block(default = FrictionModel::Stiction)]

@@ -8,7 +8,7 @@ use blocksim_block::prelude::*;
 /// Selector(indices: [2, 0])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Routing")]
+#[block(category = "Routing", symbol = Text("u[i]"))]
 pub struct Selector {
     /// Indices, counted from 0.
     pub indices: Vec<usize>,

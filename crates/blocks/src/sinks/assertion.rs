@@ -8,7 +8,7 @@ use blocksim_block::prelude::*;
 /// Assertion(message: "the arm touches the floor")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Sinks")]
+#[block(category = "Sinks", symbol = Text("✓"))]
 pub struct Assertion {
     /// What is wrong when the input is false.
     pub message: String,

@@ -8,7 +8,7 @@ use blocksim_block::prelude::*;
 /// FloatingNeutral
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Three-phase", symbol = Terminator)]
+#[block(category = "Three-phase", symbol = Star)]
 pub struct FloatingNeutral;
 
 impl Block for FloatingNeutral {

@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 /// NeutralPoint
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Three-phase")]
+#[block(category = "Three-phase", symbol = Star)]
 pub struct NeutralPoint;
 
 impl Block for NeutralPoint {

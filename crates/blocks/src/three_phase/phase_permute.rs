@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 /// PhasePermute
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Three-phase")]
+#[block(category = "Three-phase", symbol = Text("abc → bca"))]
 pub struct PhasePermute;
 
 impl Block for PhasePermute {

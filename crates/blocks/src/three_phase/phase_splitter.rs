@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 /// PhaseSplitter
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Three-phase")]
+#[block(category = "Three-phase", symbol = Phases)]
 pub struct PhaseSplitter;
 
 impl Block for PhaseSplitter {

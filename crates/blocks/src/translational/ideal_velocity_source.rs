@@ -11,7 +11,7 @@ use crate::mechanics::quantities::TRANSLATION;
 /// IdealVelocitySource
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational", symbol = Force)]
+#[block(category = "Translational", symbol = MotionSource("v"))]
 pub struct IdealVelocitySource;
 
 impl Block for IdealVelocitySource {

@@ -4,6 +4,7 @@ use blocksim_block::Curve;
 
 use super::Pen;
 use crate::canvas::Paint;
+use crate::colours::{Colour, Fill};
 
 pub(super) fn draw(pen: &mut Pen, curve: Curve) {
     let over_input = matches!(
@@ -18,7 +19,7 @@ pub(super) fn draw(pen: &mut Pen, curve: Curve) {
             | Curve::RateLimit
     );
     let axes = if over_input { "M-15 0H15M0 -12V12" } else { "M-14 11H15M-14 11V-12" };
-    let paint = Paint { stroke: pen.canvas.colours.quiet, width: 0.7, fill: "none" };
+    let paint = Paint { colour: Colour::Quiet, width: 0.7, fill: Fill::Nothing };
     pen.shape(axes, paint);
     let data = match curve {
         Curve::Step => "M-14 8H-3V-8H13",

@@ -4,42 +4,37 @@ mod curves;
 mod parts;
 mod two_pins;
 
-use std::fmt::Write;
-
 use blocksim_block::Symbol;
 use blocksim_layout::{Placed, PortKind, Side};
 use blocksim_picture::text_width;
 
-use crate::canvas::{Canvas, Paint, number};
+use crate::canvas::{Canvas, Paint, THIN, number};
+use crate::colours::{Colour, Fill};
 use crate::figure::{Figure, Look};
 use crate::size::{NAME, PORT, TEXT};
 
-/// Strokes of signs.
-pub(crate) const THIN: f64 = 1.2;
+/// Strokes of what is heavier than the rest.
 const THICK: f64 = 1.6;
 
 /// Draws the sign of a block into its box.
 pub(crate) fn draw(canvas: &mut Canvas, figure: &Figure, placed: &Placed) {
-    let ink = canvas.colours.ink;
-    let ground = canvas.colours.ground;
-    let box_paint = Paint { stroke: ink, width: THIN, fill: ground };
+    let box_paint = Paint { colour: Colour::Ink, width: THIN, fill: Fill::Ground };
     let (cx, cy) = (placed.x + placed.width / 2.0, placed.y + placed.height / 2.0);
     match &figure.look {
         Look::Pill => pill(canvas, figure, placed),
         Look::Selector => {
             let data = rectangle(placed.x, placed.y, placed.width, placed.height, 0.0);
-            canvas.path(&data, Paint { fill: ink, ..box_paint }, "");
+            canvas.path(&data, Paint { fill: Fill::Solid, ..box_paint }, "");
         }
         Look::Subsystem(variant) => {
-            let fill = canvas.colours.inside;
             let data = rectangle(placed.x, placed.y, placed.width, placed.height, 3.0);
-            canvas.path(&data, Paint { stroke: ink, width: THICK, fill }, "frame");
+            canvas.path(&data, Paint { width: THICK, fill: Fill::Inside, ..box_paint }, "frame");
             if let Some(chosen) = variant {
                 // At the lower edge, where no names of ports are.
                 let wide = text_width(chosen, PORT) + 8.0;
                 let y = placed.y + placed.height;
                 canvas.path(&rectangle(cx - wide / 2.0, y - 7.0, wide, 13.0, 6.0), box_paint, "");
-                canvas.text(cx, y + 2.5, PORT, "middle", ink, chosen);
+                canvas.text(cx, y + 2.5, PORT, "middle", Colour::Ink, chosen);
             }
         }
         Look::Symbol(symbol, texts) => {
@@ -54,7 +49,7 @@ fn pill(canvas: &mut Canvas, figure: &Figure, placed: &Placed) {
     let (x, y, w, h) = (placed.x, placed.y, placed.width, placed.height);
     let port = figure.ports.first();
     let conserving = port.is_some_and(|port| port.kind == PortKind::Free);
-    let stroke = canvas.colours.domain(port.and_then(|port| port.domain));
+    let colour = Colour::of(port.and_then(|port| port.domain));
     let data = if conserving {
         format!(
             "M{} {}h{}l6 {}l-6 {}h-{}l-6 -{}Z",
@@ -69,9 +64,8 @@ fn pill(canvas: &mut Canvas, figure: &Figure, placed: &Placed) {
     } else {
         rectangle(x, y, w, h, h / 2.0)
     };
-    canvas.path(&data, Paint { stroke, width: THIN, fill: canvas.colours.inside }, "frame");
-    let ink = canvas.colours.ink;
-    canvas.text(x + w / 2.0, y + h / 2.0 + NAME * 0.35, NAME, "middle", ink, &figure.name);
+    canvas.path(&data, Paint { colour, width: THIN, fill: Fill::Inside }, "frame");
+    canvas.text(x + w / 2.0, y + h / 2.0 + NAME * 0.35, NAME, "middle", Colour::Ink, &figure.name);
 }
 
 pub(crate) fn rectangle(x: f64, y: f64, w: f64, h: f64, r: f64) -> String {
@@ -104,15 +98,15 @@ pub(crate) struct Pen<'a> {
 
 impl Pen<'_> {
     pub fn ink(&self) -> Paint {
-        Paint { stroke: self.canvas.colours.ink, width: THIN, fill: "none" }
+        Paint { colour: Colour::Ink, width: THIN, fill: Fill::Nothing }
     }
 
     pub fn solid(&self) -> Paint {
-        Paint { fill: self.canvas.colours.ink, ..self.ink() }
+        Paint { fill: Fill::Solid, ..self.ink() }
     }
 
     pub fn hollow(&self) -> Paint {
-        Paint { fill: self.canvas.colours.ground, ..self.ink() }
+        Paint { fill: Fill::Ground, ..self.ink() }
     }
 
     /// A path around the middle of the box.
@@ -126,16 +120,7 @@ impl Pen<'_> {
     }
 
     pub fn turned(&mut self, data: &str, paint: Paint, turn: &str) {
-        let _ = write!(
-            self.canvas.out,
-            "<path transform=\"translate({} {}){turn}\" d=\"{data}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"{}\" \
-             stroke-linejoin=\"round\"/>",
-            number(self.cx),
-            number(self.cy),
-            paint.fill,
-            paint.stroke,
-            number(paint.width)
-        );
+        self.canvas.path_at(self.cx, self.cy, turn, data, paint);
     }
 
     pub fn disc(&mut self, x: f64, y: f64, r: f64, paint: Paint) {
@@ -144,8 +129,7 @@ impl Pen<'_> {
 
     /// Text whose middle is `(x, y)` from the middle of the box.
     pub fn word(&mut self, x: f64, y: f64, size: f64, text: &str) {
-        let ink = self.canvas.colours.ink;
-        self.canvas.text(self.cx + x, self.cy + y + size * 0.36, size, "middle", ink, text);
+        self.canvas.text(self.cx + x, self.cy + y + size * 0.36, size, "middle", Colour::Ink, text);
     }
 
     /// The box.
@@ -158,7 +142,7 @@ impl Pen<'_> {
     /// A box of its own light line, for signs that would otherwise stand free.
     pub fn light_frame(&mut self) {
         let Placed { x, y, width, height, .. } = *self.placed;
-        let paint = Paint { stroke: self.canvas.colours.quiet, width: 0.8, fill: self.canvas.colours.ground };
+        let paint = Paint { colour: Colour::Quiet, width: 0.8, fill: Fill::Ground };
         self.canvas.path(&rectangle(x, y, width, height, 3.0), paint, "frame");
     }
 
@@ -195,6 +179,12 @@ impl Pen<'_> {
                 self.word(0.0, 0.0, TEXT, own);
             }
             Symbol::Fraction(above, below) => self.fraction(above, below),
+            Symbol::Lines(first, second) => {
+                self.frame();
+                self.between_names();
+                self.word(0.0, -8.0, NAME, first);
+                self.word(0.0, 7.0, NAME, second);
+            }
             Symbol::Polynomials(_) => self.fraction(text(0), text(1)),
             Symbol::Gain(_) => self.gain(text(0)),
             Symbol::Sum => self.sum(text(0)),
@@ -287,7 +277,7 @@ impl Pen<'_> {
         if self.placed.height < 40.0 {
             self.cy = kept_y;
         }
-        let screen = Paint { fill: self.canvas.colours.inside, ..self.ink() };
+        let screen = Paint { fill: Fill::Inside, ..self.ink() };
         self.shape("M-15 -11H15V11H-15Z", screen);
         self.shape("M-12 7C-8 7 -8 -7 -3 -7S2 4 5 2S8 -2 12 -2", self.ink());
         (self.cx, self.cy) = (kept_x, kept_y);
@@ -300,7 +290,7 @@ impl Pen<'_> {
         // A plug in the corner.
         let (x, y) = (self.placed.x + self.placed.width, self.placed.y);
         let data = format!("M{} {}h-9v-3h-3v-6h3v-3h9", number(x), number(y + 12.0));
-        let paint = Paint { stroke: self.canvas.colours.quiet, width: 1.0, fill: "none" };
+        let paint = Paint { colour: Colour::Quiet, width: 1.0, fill: Fill::Nothing };
         self.canvas.path(&data, paint, "");
     }
 
@@ -348,7 +338,7 @@ impl Pen<'_> {
         let turn = self.turn_of_port();
         let reach = if turn.is_empty() { self.placed.height } else { self.placed.width } / 2.0;
         let data = format!("M0 -{}V-2M-10 -2H10M-6.5 2H6.5M-3 6H3", number(reach));
-        let paint = Paint { stroke: self.colour(0), width: THICK, fill: "none" };
+        let paint = Paint { colour: self.colour(0), width: THICK, fill: Fill::Nothing };
         self.turned(&data, paint, turn);
     }
 
@@ -357,12 +347,12 @@ impl Pen<'_> {
         let reach = if turn.is_empty() { self.placed.height } else { self.placed.width } / 2.0;
         let data =
             format!("M0 -{}V0M-12 0H12M-10 0l-4 6M-4 0l-4 6M2 0l-4 6M8 0l-4 6M12 0l-3 4.5", number(reach));
-        let paint = Paint { stroke: self.colour(0), width: THIN, fill: "none" };
+        let paint = Paint { colour: self.colour(0), width: THIN, fill: Fill::Nothing };
         self.turned(&data, paint, turn);
     }
 
     /// Colour of what a port carries.
-    pub fn colour(&self, port: usize) -> &'static str {
-        self.canvas.colours.domain(self.figure.ports.get(port).and_then(|port| port.domain))
+    pub fn colour(&self, port: usize) -> Colour {
+        Colour::of(self.figure.ports.get(port).and_then(|port| port.domain))
     }
 }

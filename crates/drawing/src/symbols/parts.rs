@@ -4,12 +4,13 @@ use blocksim_block::Symbol;
 
 use super::Pen;
 use crate::canvas::Paint;
+use crate::colours::{Colour, Fill};
 
 pub(super) fn draw(pen: &mut Pen, symbol: Symbol) {
     let ink = pen.ink();
     let bold = Paint { width: 1.6, ..ink };
     let (hollow, solid) = (pen.hollow(), pen.solid());
-    let quiet = Paint { stroke: pen.canvas.colours.quiet, ..ink };
+    let quiet = Paint { colour: Colour::Quiet, ..ink };
     match symbol {
         Symbol::Machine(letters) => {
             pen.disc(0.0, 0.0, 19.0, Paint { width: 1.6, ..hollow });
@@ -41,6 +42,41 @@ pub(super) fn draw(pen: &mut Pen, symbol: Symbol) {
             wheel(pen, -7.0, 2.0, 9.0, 10, bold);
             wheel(pen, 9.5, -4.0, 6.0, 7, bold);
         }
+        Symbol::ElasticGear => {
+            wheel(pen, -9.0, -3.0, 8.0, 9, bold);
+            wheel(pen, 5.5, -7.0, 5.0, 6, bold);
+            pen.shape("M-15 13H-10L-8 9L-4 17L0 9L4 17L8 9L10 13H15", ink);
+        }
+        Symbol::Planetary => {
+            pen.disc(0.0, 0.0, 16.0, Paint { fill: Fill::Inside, ..bold });
+            for (x, y) in [(0.0, -10.3), (8.9, 5.1), (-8.9, 5.1)] {
+                pen.disc(x, y, 5.0, hollow);
+            }
+            pen.disc(0.0, 0.0, 5.2, hollow);
+            pen.disc(0.0, 0.0, 1.4, solid);
+        }
+        Symbol::WaveGear => {
+            pen.disc(0.0, 0.0, 16.0, Paint { fill: Fill::Inside, ..bold });
+            pen.turned("M-14.5 0A14.5 10.5 0 0 1 14.5 0A14.5 10.5 0 0 1 -14.5 0Z", hollow, " rotate(-30)");
+            pen.turned("M-9 0A9 6 0 0 1 9 0A9 6 0 0 1 -9 0Z", hollow, " rotate(-30)");
+            pen.disc(0.0, 0.0, 1.6, solid);
+        }
+        Symbol::Worm => {
+            wheel(pen, 0.0, 6.0, 9.0, 11, bold);
+            pen.shape(
+                "M-17 -14H17V-6H-17ZM-14 -6L-10 -14M-8 -6L-4 -14M-2 -6L2 -14M4 -6L8 -14M10 -6L14 -14",
+                hollow,
+            );
+        }
+        Symbol::Differential => {
+            let inside = Paint { fill: Fill::Inside, ..bold };
+            pen.shape("M-18 0H-10M10 0H18M0 -18V-12", Paint { width: 2.2, ..ink });
+            pen.shape("M-13 -12H13V12H-13Z", ink);
+            pen.shape(
+                "M-10 -8L-4 -4V4L-10 8ZM10 -8L4 -4V4L10 8ZM-8 -10L-4 -5H4L8 -10ZM-8 10L-4 5H4L8 10Z",
+                inside,
+            );
+        }
         Symbol::Screw => {
             pen.shape(
                 "M-18 -4H18V4H-18ZM-14 -4L-11 4M-9 -4L-6 4M-4 -4L-1 4M1 -4L4 4M6 -4L9 4M11 -4L14 4",
@@ -53,11 +89,11 @@ pub(super) fn draw(pen: &mut Pen, symbol: Symbol) {
             pen.shape("M-18 6l3 -2l3 2l3 -2l3 2l3 -2l3 2l3 -2l3 2l3 -2l3 2l3 -2l3 2V11H-18Z", ink);
         }
         Symbol::Inertia => {
-            pen.shape("M-3 -13H5V13H-3Z", Paint { fill: pen.canvas.colours.inside, ..bold });
+            pen.shape("M-3 -13H5V13H-3Z", Paint { fill: Fill::Inside, ..bold });
             pen.shape("M-16 0H-3M5 0H12", bold);
         }
         Symbol::Mass => {
-            pen.shape("M-14 -9H14V9H-14Z", Paint { fill: pen.canvas.colours.inside, ..bold });
+            pen.shape("M-14 -9H14V9H-14Z", Paint { fill: Fill::Inside, ..bold });
             pen.word(0.0, 0.0, 11.0, "m");
         }
         Symbol::Sensor(text) => pen.word(0.0, 0.0, 11.0, text),
@@ -72,6 +108,29 @@ pub(super) fn draw(pen: &mut Pen, symbol: Symbol) {
             pen.shape("M-8 -6H8V6H-8Z", Paint { width: 1.6, ..hollow });
             pen.shape("M-10 -11H10M7 -13.5L10 -11L7 -8.5M-7 -13.5L-10 -11L-7 -8.5", ink);
         }
+        Symbol::Cylinder => {
+            pen.shape("M-20 0H20", Paint { width: 2.2, ..ink });
+            pen.shape("M-9 -6H9V6H-9Z", Paint { width: 1.6, ..hollow });
+            pen.shape("M-10 -12H10M7 -14.5L10 -12L7 -9.5M-7 -14.5L-10 -12L-7 -9.5M-6 10A7 4 0 0 0 6 10M2 11L6 10L7 14", ink);
+        }
+        Symbol::Planar => {
+            pen.shape("M-18 10L-8 -2H18L8 10Z", Paint { fill: Fill::Inside, ..bold });
+            pen.shape("M-5 4H9M6 1.5L9 4L6 6.5M-1 7L5 0M5 0L1.5 1M5 0L4.6 3.6", ink);
+            pen.shape("M-7 -7A7 4 0 0 1 7 -7M3.5 -9L7 -7L8 -11", ink);
+        }
+        Symbol::Universal => {
+            pen.shape(
+                "M-20 0H-11M-4 -8A8 8 0 0 0 -4 8M11 0H20M4 -8A8 8 0 0 1 4 8",
+                Paint { width: 2.2, ..ink },
+            );
+            pen.shape("M-4 -8L4 8M-4 8L4 -8", bold);
+            pen.disc(0.0, 0.0, 2.2, solid);
+        }
+        Symbol::Touch => {
+            pen.shape("M-17 9H17M-14 9l-4 5M-6 9l-4 5M2 9l-4 5M10 9l-4 5M17 9l-3 4", bold);
+            pen.disc(0.0, -2.0, 8.0, Paint { fill: Fill::Inside, ..bold });
+            pen.disc(0.0, 6.0, 2.0, solid);
+        }
         Symbol::Ball => {
             pen.shape("M-20 0H-8M6 0H20", Paint { width: 2.2, ..ink });
             pen.disc(0.0, 0.0, 6.0, solid);
@@ -81,7 +140,7 @@ pub(super) fn draw(pen: &mut Pen, symbol: Symbol) {
         Symbol::Body => {
             pen.shape(
                 "M-15 4C-17 -8 -6 -12 2 -11S17 -6 15 3S2 12 -5 11S-14 9 -15 4Z",
-                Paint { fill: pen.canvas.colours.inside, ..bold },
+                Paint { fill: Fill::Inside, ..bold },
             );
             pen.disc(0.0, 0.0, 5.0, hollow);
             pen.shape("M0 0V-5A5 5 0 0 1 5 0ZM0 0V5A5 5 0 0 1 -5 0Z", solid);
@@ -99,6 +158,34 @@ pub(super) fn draw(pen: &mut Pen, symbol: Symbol) {
         }
         Symbol::Force => pen.shape("M-16 -3H4V-8L14 0L4 8V3H-16Z", hollow),
         Symbol::Torque => pen.shape("M-8 7A11 11 0 1 1 8 7M12 4L8 8L5 3", bold),
+        Symbol::Star => {
+            pen.shape("M-15 -11H-8L0 0M15 -11H8L0 0V13", bold);
+            pen.disc(0.0, 0.0, 2.4, solid);
+        }
+        Symbol::Phases => pen
+            .shape("M-18 0H-5L7 -11H18M-5 0H18M-5 0L7 11H18M-15 4L-12 -4M-12.5 4L-9.5 -4M-10 4L-7 -4", bold),
+        Symbol::Arm(formula) => {
+            let shift = if formula.is_empty() { 0.0 } else { -7.0 };
+            pen.cy += shift;
+            arm(pen, bold, hollow, solid);
+            pen.cy -= shift;
+            pen.word(0.0, 19.0, 10.0, formula);
+        }
+        Symbol::Brake => {
+            pen.shape(
+                "M-18 0H-1M-1 -10V14M-9 -17H9M-8 -17l3 -3M-2 -17l3 -3M4 -17l3 -3M-6 -17V-9M6 -17V-9",
+                bold,
+            );
+            pen.shape("M-6 -13H-3V-3H-6ZM1 -13H6V-3H1Z", solid);
+        }
+        Symbol::Freewheel => {
+            pen.shape("M-18 0H-3M-3 -10V10M3 -10V10M3 0H18", Paint { width: 2.2, ..ink });
+            pen.shape("M-7 -14H7M4 -16.5L7 -14L4 -11.5", ink);
+        }
+        Symbol::MotionSource(letter) => {
+            pen.disc(0.0, 0.0, 13.0, Paint { width: 1.6, ..hollow });
+            pen.word(0.0, 0.0, 12.0, letter);
+        }
         Symbol::Clutch => pen.shape("M-18 0H-3M-3 -10V10M3 -10V10M3 0H18", Paint { width: 2.2, ..ink }),
         Symbol::Contact => pen.shape("M-18 -8H-8L7 -14M8 -8H18M-18 8H-8L7 2M8 8H18", bold),
         Symbol::Capacitor => pen.shape("M0 -14V-3M0 3V14M-10 -3H10M-10 3H10", bold),
@@ -139,6 +226,17 @@ pub(super) fn draw(pen: &mut Pen, symbol: Symbol) {
     }
 }
 
+/// An arm of two links on its base, with a gripper.
+fn arm(pen: &mut Pen, bold: Paint, hollow: Paint, solid: Paint) {
+    let links = Paint { width: 3.4, ..bold };
+    pen.shape("M-15 16L-12 9H-2L1 16Z", solid);
+    pen.shape("M-7 8L-9 -8M-9 -8L8 -12", links);
+    pen.shape("M8 -12L13 -9M13 -9L11 -4L13 0M13 -9L18 -7L19 -2", bold);
+    for (x, y) in [(-7.0, 7.0), (-9.0, -8.0), (8.0, -12.0)] {
+        pen.disc(x, y, 3.4, hollow);
+    }
+}
+
 /// A wheel with teeth.
 fn wheel(pen: &mut Pen, x: f64, y: f64, r: f64, teeth: u32, paint: Paint) {
     let mut data = String::new();
@@ -156,7 +254,6 @@ fn wheel(pen: &mut Pen, x: f64, y: f64, r: f64, teeth: u32, paint: Paint) {
         }
     }
     data.push('Z');
-    let fill = pen.canvas.colours.inside;
-    pen.shape(&data, Paint { width: 1.1, fill, ..paint });
+    pen.shape(&data, Paint { width: 1.1, fill: Fill::Inside, ..paint });
     pen.disc(x, y, 2.0, Paint { width: 1.0, ..paint });
 }

@@ -5,6 +5,7 @@ use blocksim_layout::{PlacedPort, PortKind, Side};
 
 use super::Pen;
 use crate::canvas::{Paint, number};
+use crate::colours::Fill;
 use crate::figure::Figure;
 
 /// Half the length of a sign.
@@ -33,6 +34,9 @@ pub(super) fn draws(symbol: Symbol, figure: &Figure) -> bool {
                 | Symbol::Friction
                 | Symbol::HardStop
                 | Symbol::Clutch
+                | Symbol::Brake
+                | Symbol::Freewheel
+                | Symbol::MotionSource(_)
                 | Symbol::Torque
                 | Symbol::Force
                 | Symbol::Weld
@@ -52,7 +56,7 @@ pub(super) fn draw(pen: &mut Pen, symbol: Symbol) {
     } else {
         " rotate(180)"
     };
-    let paint = Paint { stroke: colour, width: 1.6, fill: "none" };
+    let paint = Paint { colour, width: 1.6, fill: Fill::Nothing };
     for port in [a, b] {
         let data = lead(pen, &port, upright, if upright { a.at.y.min(b.at.y) == port.at.y } else { false });
         pen.shape(&data, paint);
@@ -74,9 +78,8 @@ fn lead(pen: &Pen, port: &PlacedPort, upright: bool, upper: bool) -> String {
 
 /// The sign itself, from (-17, 0) to (17, 0).
 fn sign(pen: &mut Pen, symbol: Symbol, turn: &str, paint: Paint) {
-    let fill = pen.canvas.colours.ground;
-    let hollow = Paint { fill, ..paint };
-    let filled = Paint { fill: paint.stroke, ..paint };
+    let hollow = Paint { fill: Fill::Ground, ..paint };
+    let filled = Paint { fill: Fill::Solid, ..paint };
     match symbol {
         Symbol::Resistor => pen.turned("M-17 0H-13M13 0H17M-13 -5H13V5H-13Z", paint, turn),
         Symbol::Capacitor => pen.turned("M-17 0H-3M3 0H17M-3 -9V9M3 -9V9", paint, turn),
@@ -133,6 +136,19 @@ fn sign(pen: &mut Pen, symbol: Symbol, turn: &str, paint: Paint) {
         Symbol::HardStop => pen.turned("M-17 0H-3M-3 -5V5M3 -9V9M-9 -9V-4M-9 4V9M3 0H17", paint, turn),
         Symbol::Clutch => {
             pen.turned("M-17 0H-3M-3 -10V10M3 -10V10M3 0H17", Paint { width: 2.2, ..paint }, turn)
+        }
+        Symbol::Freewheel => {
+            pen.turned("M-17 0H-3M-3 -10V10M3 -10V10M3 0H17", Paint { width: 2.2, ..paint }, turn);
+            pen.turned("M-7 -14H7M4 -16.5L7 -14L4 -11.5", paint, turn);
+        }
+        Symbol::Brake => {
+            // The disc turns with the first pin, the pads belong to the second.
+            pen.turned("M-17 0H0M0 -13V8M17 0H10V-9H5M-10 0", Paint { width: 2.0, ..paint }, turn);
+            pen.turned("M-6 -14H-2V-4H-6ZM2 -14H6V-4H2Z", filled, turn);
+        }
+        Symbol::MotionSource(letter) => {
+            circle(pen, turn, hollow);
+            pen.word(0.0, 0.0, 11.0, letter);
         }
         Symbol::Torque => {
             circle(pen, turn, hollow);

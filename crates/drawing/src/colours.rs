@@ -1,0 +1,107 @@
+//! Colours of a drawing: elements say their role by a class, one style sheet says what a role looks like.
+
+use blocksim_block::physical::Domain;
+use blocksim_plot::{Palette, Theme};
+
+/// Font of all texts; the last one is what pictures in PNG are drawn with.
+pub(crate) const FONT: &str = "system-ui,'Segoe UI','DejaVu Sans',sans-serif";
+
+/// The colour of a line, a letter or a sign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Colour {
+    /// As what is around it: blocks and signals.
+    Ink,
+    /// Names and axes.
+    Quiet,
+    /// What a conserving connection carries.
+    Of(Domain),
+}
+
+impl Colour {
+    pub fn of(domain: Option<Domain>) -> Colour {
+        domain.map_or(Colour::Ink, Colour::Of)
+    }
+
+    /// The class of the style sheet.
+    pub fn class(self) -> &'static str {
+        match self {
+            Colour::Ink => "",
+            Colour::Quiet => "quiet",
+            Colour::Of(Domain::Frame) => "frames",
+            Colour::Of(Domain::ThreePhase) => "phases",
+            Colour::Of(Domain::Rotational) => "turning",
+            Colour::Of(Domain::Electrical) => "electric",
+            Colour::Of(Domain::Translational) => "sliding",
+        }
+    }
+}
+
+/// What a shape is filled with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fill {
+    Nothing,
+    /// The ground of the drawing.
+    Ground,
+    /// The inside of subsystems and bodies.
+    Inside,
+    /// The colour of its lines.
+    Solid,
+}
+
+/// Names of the variables of a page and the colours of a theme, in the order of the rules below.
+fn roles(theme: Theme) -> [(&'static str, &'static str); 9] {
+    let Palette { ground, text, quiet, grid, series, .. } = Palette::of(theme);
+    let inside = if theme == Theme::Light { "#F1F5F9" } else { grid };
+    [
+        ("ground", ground),
+        ("ink", text),
+        ("quiet", quiet),
+        ("inside", inside),
+        ("frames", series[0]),
+        ("phases", series[1]),
+        ("turning", series[2]),
+        ("electric", series[4]),
+        ("sliding", series[5]),
+    ]
+}
+
+/// The rules for all drawings, with the colour of each role.
+fn rules(colour: impl Fn(&str) -> String) -> String {
+    let mut out = format!(
+        ".diagram{{color:{};fill:none;stroke:currentColor;stroke-width:1.2;stroke-linejoin:round}}\
+         .diagram .text,.diagram .dot{{fill:currentColor;stroke:none}}\
+         .diagram .solid{{fill:currentColor}}\
+         .diagram .wire,.diagram .bus,.diagram .conserving{{stroke-linecap:square}}\
+         .diagram .ground{{fill:{};stroke:none}}\
+         .diagram .hollow{{fill:{}}}\
+         .diagram .inside{{fill:{}}}",
+        colour("ink"),
+        colour("ground"),
+        colour("ground"),
+        colour("inside")
+    );
+    for role in ["quiet", "frames", "phases", "turning", "electric", "sliding"] {
+        out.push_str(&format!(".diagram .{role}{{color:{}}}", colour(role)));
+    }
+    out
+}
+
+/// The style sheet of a drawing of its own.
+pub(crate) fn fixed(theme: Theme) -> String {
+    let roles = roles(theme);
+    rules(|role| {
+        roles.iter().find(|(name, _)| *name == role).map_or_else(String::new, |(_, c)| (*c).to_owned())
+    })
+}
+
+/// The style sheet for a page that holds drawings made by [`inline`](crate::inline). Each colour is a variable of the
+/// page, `--diagram-ink`, `--diagram-ground`, `--diagram-quiet`, `--diagram-inside`, `--diagram-frames`,
+/// `--diagram-phases`, `--diagram-turning`, `--diagram-electric`, `--diagram-sliding`; see [`style_variables`].
+pub fn style_sheet() -> String {
+    rules(|role| format!("var(--diagram-{role})"))
+}
+
+/// The colours of a theme as declarations of the variables that [`style_sheet`] needs: `--diagram-ink:#0F172A;...`.
+pub fn style_variables(theme: Theme) -> String {
+    roles(theme).iter().map(|(role, colour)| format!("--diagram-{role}:{colour};")).collect()
+}
