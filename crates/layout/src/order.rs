@@ -9,6 +9,10 @@ use crate::sides::Sides;
 const LENGTH: f64 = 1e-3;
 /// What a block below a wire that leads back costs.
 const ABOVE: f64 = 0.4;
+/// What two blocks cost that stand otherwise than in the file: the order of the text stays unless crossings fall.
+const AGAINST_TEXT: f64 = 0.2;
+/// By how much another beginning must be better than the order of the text.
+const WORTH: f64 = 0.5;
 
 /// Sorts the rows of a plan by the means of their neighbours, from several beginnings, and exchanges neighbours as long
 /// as it helps. Returns places of all items that keep to the order.
@@ -27,6 +31,8 @@ pub(crate) fn order(plan: &mut Plan, sides: &mut Sides) -> Vec<f64> {
             improve(plan, sides, &mut y);
         }
         let cost = total(plan, sides, &y);
+        // The first beginning is the text.
+        let cost = if start == 0 { cost - WORTH } else { cost };
         if best.as_ref().is_none_or(|(least, _)| cost < least - 1e-9) {
             best = Some((cost, plan.rows.clone()));
         }
@@ -157,17 +163,28 @@ fn total(plan: &Plan, sides: &Sides, y: &[f64]) -> f64 {
     channels.sum::<f64>() + (0..plan.rows.len()).map(|at| order_cost(plan, at)).sum::<f64>()
 }
 
-/// Blocks below wires that lead back.
+/// Blocks below wires that lead back, and blocks against the order of the text.
 fn order_cost(plan: &Plan, at: usize) -> f64 {
     let (mut above, mut cost) = (0, 0.0);
-    for unit in &plan.rows[at] {
-        if unit.len() == 1 && plan.back[unit[0]] {
+    for (place, unit) in plan.rows[at].iter().enumerate() {
+        let Some(block) = block_of(plan, unit) else {
+            above += i32::from(unit.iter().all(|item| plan.back[*item]));
+            continue;
+        };
+        if plan.back[block] {
             above += 1;
-        } else if unit.iter().any(|item| matches!(plan.items[*item], Item::Node(_))) {
-            cost += ABOVE * f64::from(above);
+            continue;
         }
+        cost += ABOVE * f64::from(above);
+        let earlier = plan.rows[at][..place].iter().filter_map(|unit| block_of(plan, unit));
+        cost += AGAINST_TEXT * earlier.filter(|other| *other > block && !plan.back[*other]).count() as f64;
     }
     cost
+}
+
+/// The block of a unit.
+fn block_of(plan: &Plan, unit: &[usize]) -> Option<usize> {
+    unit.iter().copied().find(|item| matches!(plan.items[*item], Item::Node(_)))
 }
 
 /// A net in a channel: its trunk and its taps.

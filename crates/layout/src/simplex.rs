@@ -12,12 +12,16 @@ pub(crate) struct Edge {
     pub weight: i64,
 }
 
-/// Numbers `x` for `n` variables. The edges must not contain a circle; what lies on one keeps its start value.
+/// Numbers `x` for `n` variables: of all best answers the one with the least numbers, which is unique, so that a small
+/// change of the problem does not change what it has nothing to do with. The edges must not contain a circle; what lies
+/// on one keeps its start value.
 pub(crate) fn solve(n: usize, edges: &[Edge]) -> Vec<i64> {
-    // A root below all of them makes the graph connected and costs nothing.
+    // A root below all of them makes the graph connected, and pulls so weakly that it decides between equals only.
     let root = n;
-    let mut edges = edges.to_vec();
-    edges.extend((0..n).map(|head| Edge { tail: root, head, length: 0, weight: 0 }));
+    let scale = n as i64 + 1;
+    let mut edges: Vec<Edge> =
+        edges.iter().map(|edge| Edge { weight: edge.weight * scale, ..*edge }).collect();
+    edges.extend((0..n).map(|head| Edge { tail: root, head, length: 0, weight: 1 }));
     let mut x = longest_paths(n + 1, &edges);
     let mut tree = tight_tree(n + 1, &edges, &mut x);
     let mut balance = vec![0; n + 1];
