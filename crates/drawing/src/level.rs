@@ -198,9 +198,15 @@ impl Build<'_> {
             self.wire(source, to);
         }
         for (name, inside) in &model.ast.ports {
-            let ends =
+            let mut ends =
                 [self.end("block", &inside.block, &inside.port), self.end("port", &name.text, &name.text)];
-            groups.push(ends.into_iter().flatten().collect());
+            // A chain of bodies begins at its base.
+            if name.text == "base" {
+                ends.reverse();
+                groups.insert(0, ends.into_iter().flatten().collect());
+            } else {
+                groups.push(ends.into_iter().flatten().collect());
+            }
         }
         for (i, ends) in merged(groups).into_iter().enumerate() {
             if ends.len() > 1 {

@@ -5,6 +5,7 @@ use blocksim_layout::{Form, PortKind};
 use blocksim_picture::text_width;
 
 use crate::figure::{Figure, Look};
+use crate::symbols::two_pins;
 
 /// Font sizes: names below blocks, texts in signs, names of ports.
 pub(crate) const NAME: f64 = 10.0;
@@ -15,11 +16,13 @@ pub(crate) const PORT: f64 = 8.5;
 pub(crate) fn size_of(figure: &Figure) -> (f64, f64) {
     let (width, height) = match &figure.look {
         Look::Pill => (text_width(&figure.name, NAME) + 20.0, 18.0),
-        Look::Selector => (6.0, 26.0),
+        Look::Selector => (6.0, 18.0),
         Look::Subsystem(variant) => {
             let chosen = variant.as_ref().map_or(0.0, |name| text_width(name, PORT) + 24.0);
             (chosen.max(64.0), 44.0)
         }
+        // In the line of its wire; ports on one side make it as high as they need.
+        Look::Symbol(symbol, _) if figure.ports.len() == 2 && two_pins::draws(*symbol, figure) => (50.0, 28.0),
         Look::Symbol(symbol, texts) => symbol_size(*symbol, texts),
     };
     let names =
@@ -104,7 +107,12 @@ pub(crate) fn label_size(figure: &Figure) -> (f64, f64) {
         let beside = if figure.look == Look::Selector { 2.0 * port_names_width(figure) + 16.0 } else { 0.0 };
         return (beside, 0.0);
     }
-    (text_width(&figure.label, NAME).ceil(), NAME + 4.0)
+    (text_width(&figure.label, NAME).ceil(), NAME + 4.0 + tag_height(&figure.look))
+}
+
+/// How far the name of the chosen alternative hangs below the box.
+pub(crate) fn tag_height(look: &Look) -> f64 {
+    if matches!(look, Look::Subsystem(Some(_))) { 6.0 } else { 0.0 }
 }
 
 pub(crate) fn form_of(figure: &Figure) -> Form {

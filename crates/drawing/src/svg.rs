@@ -10,7 +10,7 @@ use crate::canvas::{Canvas, Paint, THIN, classes, escaped, number};
 use crate::colours::{Colour, Fill, fixed};
 use crate::figure::{Figure, Look};
 use crate::level::Level;
-use crate::size::{NAME, PORT};
+use crate::size::{NAME, PORT, tag_height};
 use crate::symbols;
 
 /// Filled, without a line.
@@ -134,7 +134,8 @@ fn block(canvas: &mut Canvas, figure: &Figure, placed: &Placed) {
     }
     let middle = placed.x + placed.width / 2.0;
     if !figure.label.is_empty() {
-        let y = if placed.label_above { placed.y - 4.0 } else { placed.y + placed.height + NAME + 1.0 };
+        let below = placed.y + placed.height + NAME + 1.0 + tag_height(&figure.look);
+        let y = if placed.label_above { placed.y - 4.0 } else { below };
         canvas.text(middle, y, NAME, "middle", Colour::Quiet, &figure.label);
     }
     canvas.out.push_str("</g>");

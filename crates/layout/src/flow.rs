@@ -40,7 +40,7 @@ fn siso(graph: &Graph, node: usize) -> bool {
 
 /// Whether a node is to be mirrored and is not yet.
 fn turns(graph: &Graph, flow: &Flow, node: usize) -> bool {
-    if flow.mirrored[node] || !siso(graph, node) || graph.nodes[node].form != Form::Box {
+    if flow.mirrored[node] || !siso(graph, node) || !matches!(graph.nodes[node].form, Form::Box | Form::Bar) {
         return false;
     }
     let back = |net: usize, end: usize| {

@@ -31,6 +31,8 @@ pub struct Node {
 pub enum Form {
     /// Inputs left, outputs right.
     Box,
+    /// The same, thin: its ends are close to its ports.
+    Bar,
     /// A circle: feedback enters from below, a second input from above.
     Circle,
     /// Hangs from a wire by its only port, such as ground.

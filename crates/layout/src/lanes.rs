@@ -62,7 +62,7 @@ impl Plan {
         let gap = match (self.items[above], self.items[below]) {
             (Item::Node(_), Item::Node(_)) => 22.0,
             (Item::Lane(_), Item::Lane(_)) => 12.0,
-            _ => 14.0,
+            _ => 12.0,
         };
         (self.extent[above].1 + gap + self.extent[below].0).ceil()
     }

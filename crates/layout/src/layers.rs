@@ -1,13 +1,14 @@
 //! The layer of each node: forward wires go right, and all wires are short.
 
 use crate::flow::Flow;
-use crate::graph::{Graph, PortKind, Standing};
+use crate::graph::{Form, Graph, PortKind, Standing};
 use crate::simplex::{Edge, solve};
 
 const SIGNAL: i64 = 4;
 const TO_SINK: i64 = 2;
 const BACK: i64 = 2;
 const CONSERVING: i64 = 3;
+const RAIL: i64 = 1;
 const PINNED: i64 = 64;
 
 /// Layers from 0, left to right.
@@ -30,12 +31,20 @@ pub(crate) fn layers(graph: &Graph, flow: &Flow) -> Vec<usize> {
         }
     }
     for net in graph.nets.iter().filter(|net| !net.directed) {
-        let Some(first) = net.ends.iter().map(|end| end.node).min() else { continue };
-        for to in net.ends.iter().map(|end| end.node).filter(|to| *to != first) {
+        // The text is written in the direction of the drawing. A net with a reference is a rail: all of it may stand
+        // one above the other.
+        let hangs = |node: usize| graph.nodes[node].form == Form::Hanging;
+        let nodes: Vec<usize> = net.ends.iter().map(|end| end.node).collect();
+        let rail = nodes.iter().any(|node| hangs(*node));
+        let Some(first) = nodes.iter().copied().find(|node| !hangs(*node)).or(nodes.first().copied()) else {
+            continue;
+        };
+        for to in nodes.iter().copied().filter(|to| *to != first) {
+            let (length, weight) = if rail && !hangs(to) { (0, RAIL) } else { (1, CONSERVING) };
             if wishes.leads(to, first) {
-                wishes.add(to, first, 1, CONSERVING);
+                wishes.add(to, first, length, weight);
             } else {
-                wishes.add(first, to, 1, CONSERVING);
+                wishes.add(first, to, length, weight);
             }
         }
     }

@@ -11,6 +11,7 @@ const LENGTH: f64 = 1e-3;
 const ABOVE: f64 = 0.4;
 /// What two blocks cost that stand otherwise than in the file: the order of the text stays unless crossings fall.
 const AGAINST_TEXT: f64 = 0.2;
+fn against_text() -> f64 { std::env::var("AT").ok().and_then(|x| x.parse().ok()).unwrap_or(AGAINST_TEXT) }
 /// By how much another beginning must be better than the order of the text.
 const WORTH: f64 = 0.5;
 
@@ -177,7 +178,7 @@ fn order_cost(plan: &Plan, at: usize) -> f64 {
         }
         cost += ABOVE * f64::from(above);
         let earlier = plan.rows[at][..place].iter().filter_map(|unit| block_of(plan, unit));
-        cost += AGAINST_TEXT * earlier.filter(|other| *other > block && !plan.back[*other]).count() as f64;
+        cost += against_text() * earlier.filter(|other| *other > block && !plan.back[*other]).count() as f64;
     }
     cost
 }

@@ -60,7 +60,11 @@ pub(crate) fn sides(graph: &Graph, flow: &Flow, layer: &[usize]) -> Sides {
         .map(|v| {
             let most = order[v].iter().map(Vec::len).max().unwrap_or(0) as f64;
             let node = &graph.nodes[v];
-            if node.form == Form::Box { node.height.max(most * PITCH + 6.0) } else { node.height }
+            match node.form {
+                Form::Box => node.height.max(most * PITCH + 6.0),
+                Form::Bar => node.height.max(most * PITCH - 6.0),
+                Form::Circle | Form::Hanging => node.height,
+            }
         })
         .collect();
     let width = graph.nodes.iter().map(|node| node.width).collect();

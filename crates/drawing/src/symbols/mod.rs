@@ -2,7 +2,7 @@
 
 mod curves;
 mod parts;
-mod two_pins;
+pub(crate) mod two_pins;
 
 use blocksim_block::Symbol;
 use blocksim_layout::{Placed, PortKind, Side};

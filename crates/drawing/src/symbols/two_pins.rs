@@ -11,10 +11,11 @@ use crate::figure::Figure;
 /// Half the length of a sign.
 const HALF: f64 = 17.0;
 
-/// Whether a block is drawn so.
-pub(super) fn draws(symbol: Symbol, figure: &Figure) -> bool {
+/// Whether a block is drawn so: not where names of ports would stand in the way of its leads.
+pub(crate) fn draws(symbol: Symbol, figure: &Figure) -> bool {
     let pins = figure.ports.iter().filter(|port| port.kind == PortKind::Free).count();
     pins == 2
+        && !figure.port_names
         && matches!(
             symbol,
             Symbol::Resistor
