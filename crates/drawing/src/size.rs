@@ -22,7 +22,9 @@ pub(crate) fn size_of(figure: &Figure) -> (f64, f64) {
             (chosen.max(64.0), 44.0)
         }
         // In the line of its wire; ports on one side make it as high as they need.
-        Look::Symbol(symbol, _) if figure.ports.len() == 2 && two_pins::draws(*symbol, figure) => (50.0, 28.0),
+        Look::Symbol(symbol, _) if figure.ports.len() == 2 && two_pins::draws(*symbol, figure) => {
+            (50.0, 28.0)
+        }
         Look::Symbol(symbol, texts) => symbol_size(*symbol, texts),
     };
     let names =

@@ -2,10 +2,10 @@
 
 use crate::channels::{Run, runs};
 use crate::flow::{Flow, flow};
-use crate::graph::{End, Graph, Layout, Net, Placed, PlacedPort, Point, Segment, Side, Wire};
-use crate::lanes::{Item, Plan, label_above, plan};
+use crate::graph::{End, Graph, Layout, Net, Node, Placed, PlacedPort, Point, Segment, Side, Wire};
+use crate::lanes::{Item, Plan, label_above, plan, settle};
 use crate::layers::layers;
-use crate::order::{improve, order};
+use crate::order::{improve, insert, order};
 use crate::rows::rows;
 use crate::sides::{Sides, sides};
 use crate::wires::Lines;
@@ -108,16 +108,35 @@ fn connected(graph: &Graph) -> Layout {
     let flow = flow(graph);
     let layer = layers(graph, &flow);
     let mut sides = sides(graph, &flow, &layer);
+    // First all that signals go through, so that a scope more or less moves nothing else; then the sinks.
+    let core = without_sinks(graph);
+    let mut core = plan(&core, &flow, &layer, &sides);
+    for row in &mut core.rows {
+        row.retain(|unit| !unit.iter().any(|item| graph.nodes.get(*item).is_some_and(Node::is_sink)));
+    }
+    order(&mut core, &mut sides);
+    let mut y = rows(graph, &flow, &core, &sides);
+    improve(&mut core, &mut sides, &mut y);
     let mut plan = plan(graph, &flow, &layer, &sides);
-    order(&mut plan, &mut sides);
+    settle(&mut plan, &core);
+    insert(&mut plan, &sides);
     let mut y = rows(graph, &flow, &plan, &sides);
     // Once more with the true heights.
-    let before = (plan.rows.clone(), sides.order.clone());
+    let before = plan.rows.clone();
     improve(&mut plan, &mut sides, &mut y);
-    if before != (plan.rows.clone(), sides.order.clone()) {
+    if before != plan.rows {
         y = rows(graph, &flow, &plan, &sides);
     }
     draw(graph, &flow, &plan, &sides, &y)
+}
+
+/// The same nodes, with wires to sinks left out.
+fn without_sinks(graph: &Graph) -> Graph {
+    let mut core = graph.clone();
+    for net in core.nets.iter_mut().filter(|net| net.directed) {
+        net.ends.retain(|end| !graph.nodes[end.node].is_sink());
+    }
+    core
 }
 
 /// Columns and tracks, then everything in its place.

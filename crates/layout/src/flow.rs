@@ -27,7 +27,8 @@ pub(crate) fn flow(graph: &Graph) -> Flow {
             .collect(),
         mirrored: vec![false; graph.nodes.len()],
     };
-    while let Some(node) = (0..graph.nodes.len()).find(|node| turns(graph, &flow, *node)) {
+    // What is written last is the most likely to lead back.
+    while let Some(node) = (0..graph.nodes.len()).rev().find(|node| turns(graph, &flow, *node)) {
         flow.mirrored[node] = true;
     }
     flow
@@ -38,7 +39,7 @@ fn siso(graph: &Graph, node: usize) -> bool {
     ports.iter().filter(|port| **port == PortKind::Input).count() == 1 && !ports.contains(&PortKind::Free)
 }
 
-/// Whether a node is to be mirrored and is not yet.
+/// Whether a node is to be mirrored and is not yet. What only looks at its signal matters where nothing else decides.
 fn turns(graph: &Graph, flow: &Flow, node: usize) -> bool {
     if flow.mirrored[node] || !siso(graph, node) || !matches!(graph.nodes[node].form, Form::Box | Form::Bar) {
         return false;
@@ -47,11 +48,14 @@ fn turns(graph: &Graph, flow: &Flow, node: usize) -> bool {
         let to = graph.nets[net].ends[end].node;
         flow.feedback[net][end] || flow.mirrored[to]
     };
-    let mut outputs = 0;
+    let sink = |net: usize, end: &usize| graph.nodes[graph.nets[net].ends[*end].node].is_sink();
+    let (mut outputs, mut watched) = (0, false);
     for (n, net) in graph.nets.iter().enumerate().filter(|(_, net)| net.directed && net.ends[0].node == node)
     {
-        outputs += net.ends.len() - 1;
-        if !(1..net.ends.len()).all(|end| back(n, end)) {
+        let ends = || (1..net.ends.len()).filter(|end| !sink(n, end));
+        outputs += ends().count();
+        watched |= ends().count() + 1 < net.ends.len();
+        if !ends().all(|end| back(n, end)) {
             return false;
         }
     }
@@ -61,10 +65,11 @@ fn turns(graph: &Graph, flow: &Flow, node: usize) -> bool {
             let feeds = net.directed && net.ends[1..].iter().any(|end| end.node == node);
             let source = net.ends.first().map_or(0, |end| end.node);
             let goes_on = || {
-                (1..net.ends.len()).any(|end| net.ends[end].node != node && !back(n, end))
-                    || flow.mirrored[source]
+                let mut others =
+                    (1..net.ends.len()).filter(|end| net.ends[*end].node != node && !sink(n, end));
+                others.any(|end| !back(n, end)) || flow.mirrored[source]
             };
-            feeds && source != node && (goes_on() || !siso(graph, source))
+            feeds && source != node && (goes_on() || !watched && !siso(graph, source))
         })
 }
 

@@ -26,6 +26,15 @@ pub struct Node {
     pub ports: Vec<PortKind>,
 }
 
+impl Node {
+    /// Whether signals only end here, as in a scope. Such a block stands where there is room and moves nothing else.
+    pub(crate) fn is_sink(&self) -> bool {
+        self.standing == Standing::Free
+            && !self.ports.is_empty()
+            && self.ports.iter().all(|port| *port == PortKind::Input)
+    }
+}
+
 /// What a block looks like, as far as ports depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use crate::flow::Flow;
-use crate::graph::{Graph, Side};
+use crate::graph::{Graph, Node, Side};
 use crate::sides::{Sides, position};
 
 /// What has a place in the order of a layer.
@@ -46,6 +46,12 @@ pub(crate) struct Plan {
     pub groups: Vec<Vec<Range<usize>>>,
     /// The lane of a net in a layer.
     pub lanes: Vec<Vec<(usize, usize)>>,
+    /// The block is a sink.
+    pub sink: Vec<bool>,
+    /// The block has a name beside it.
+    pub named: Vec<bool>,
+    /// Items that may still change places with others.
+    pub loose: Vec<bool>,
 }
 
 impl Plan {
@@ -60,6 +66,8 @@ impl Plan {
     /// Least distance between the upper edges of two items, the second below the first.
     pub fn distance(&self, above: usize, below: usize) -> f64 {
         let gap = match (self.items[above], self.items[below]) {
+            // Where no name stands between them.
+            (Item::Node(_), Item::Node(_)) if !self.named[above] && !self.named[below] => 18.0,
             (Item::Node(_), Item::Node(_)) => 22.0,
             (Item::Lane(_), Item::Lane(_)) => 12.0,
             _ => 12.0,
@@ -84,6 +92,9 @@ pub(crate) fn plan(graph: &Graph, flow: &Flow, layer: &[usize], sides: &Sides) -
         channels: vec![Vec::new(); count + 1],
         groups: Vec::new(),
         lanes: vec![Vec::new(); graph.nets.len()],
+        sink: graph.nodes.iter().map(Node::is_sink).collect(),
+        named: graph.nodes.iter().map(|node| node.label_height > 0.0).collect(),
+        loose: Vec::new(),
     };
     for (n, net) in graph.nets.iter().enumerate().filter(|(_, net)| net.ends.len() > 1) {
         let places = || net.ends.iter().map(|end| position(layer[end.node], sides.side[end.node][end.port]));
@@ -120,7 +131,34 @@ pub(crate) fn plan(graph: &Graph, flow: &Flow, layer: &[usize], sides: &Sides) -
         .for_each(|taps| taps.sort_by_key(|tap| (tap.net, tap.right, tap.item, tap.port)));
     plan.groups = plan.channels.iter().map(|taps| groups(taps)).collect();
     units(graph, sides, &mut plan);
+    plan.loose = vec![true; plan.items.len()];
     plan
+}
+
+/// Takes over the order of a plan without sinks; only sinks and their lanes stay loose, at the end of their rows.
+pub(crate) fn settle(plan: &mut Plan, core: &Plan) {
+    let lane_in_core = |net: usize, at: usize| {
+        let lane = core.lanes[net].iter().find(|(layer, _)| *layer == at);
+        lane.map(|(_, lane)| *lane)
+    };
+    for at in 0..plan.rows.len() {
+        let settled: Vec<usize> = core.rows[at].iter().flatten().copied().collect();
+        let place = |item: usize| {
+            let known = match plan.items[item] {
+                Item::Node(node) => Some(node),
+                Item::Lane(net) => lane_in_core(net, at),
+            };
+            known.and_then(|known| settled.iter().position(|item| *item == known))
+        };
+        let mut row: Vec<(usize, Vec<usize>)> = Vec::new();
+        for unit in std::mem::take(&mut plan.rows[at]) {
+            let first = unit.iter().find_map(|item| place(*item));
+            unit.iter().for_each(|item| plan.loose[*item] = first.is_none());
+            row.push((first.unwrap_or(usize::MAX), unit));
+        }
+        row.sort_by_key(|(place, _)| *place);
+        plan.rows[at] = row.into_iter().map(|(_, unit)| unit).collect();
+    }
 }
 
 fn extent(graph: &Graph, sides: &Sides, node: usize) -> (f64, f64) {

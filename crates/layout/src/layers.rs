@@ -1,11 +1,10 @@
 //! The layer of each node: forward wires go right, and all wires are short.
 
 use crate::flow::Flow;
-use crate::graph::{Form, Graph, PortKind, Standing};
+use crate::graph::{Form, Graph, Standing};
 use crate::simplex::{Edge, solve};
 
 const SIGNAL: i64 = 4;
-const TO_SINK: i64 = 2;
 const BACK: i64 = 2;
 const CONSERVING: i64 = 3;
 const RAIL: i64 = 1;
@@ -24,8 +23,8 @@ pub(crate) fn layers(graph: &Graph, flow: &Flow) -> Vec<usize> {
                 (false, true) => wishes.add(to, from, 0, BACK),
                 (false, false) if *back => {}
                 (false, false) => {
-                    let sink = !graph.nodes[to].ports.contains(&PortKind::Output);
-                    wishes.add(from, to, 1, if sink { TO_SINK } else { SIGNAL });
+                    // A sink follows the last of its sources and pulls at none.
+                    wishes.add(from, to, 1, if graph.nodes[to].is_sink() { 0 } else { SIGNAL });
                 }
             }
         }
@@ -36,9 +35,9 @@ pub(crate) fn layers(graph: &Graph, flow: &Flow) -> Vec<usize> {
         let hangs = |node: usize| graph.nodes[node].form == Form::Hanging;
         let nodes: Vec<usize> = net.ends.iter().map(|end| end.node).collect();
         let rail = nodes.iter().any(|node| hangs(*node));
-        let Some(first) = nodes.iter().copied().find(|node| !hangs(*node)).or(nodes.first().copied()) else {
-            continue;
-        };
+        let standing = || nodes.iter().copied().filter(|node| !hangs(*node));
+        let first = if rail { standing().min() } else { standing().next() };
+        let Some(first) = first.or(nodes.first().copied()) else { continue };
         for to in nodes.iter().copied().filter(|to| *to != first) {
             let (length, weight) = if rail && !hangs(to) { (0, RAIL) } else { (1, CONSERVING) };
             if wishes.leads(to, first) {

@@ -10,14 +10,13 @@ const LENGTH: f64 = 1e-3;
 /// What a block below a wire that leads back costs.
 const ABOVE: f64 = 0.4;
 /// What two blocks cost that stand otherwise than in the file: the order of the text stays unless crossings fall.
-const AGAINST_TEXT: f64 = 0.2;
-fn against_text() -> f64 { std::env::var("AT").ok().and_then(|x| x.parse().ok()).unwrap_or(AGAINST_TEXT) }
+const AGAINST_TEXT: f64 = 0.6;
 /// By how much another beginning must be better than the order of the text.
 const WORTH: f64 = 0.5;
 
 /// Sorts the rows of a plan by the means of their neighbours, from several beginnings, and exchanges neighbours as long
-/// as it helps. Returns places of all items that keep to the order.
-pub(crate) fn order(plan: &mut Plan, sides: &mut Sides) -> Vec<f64> {
+/// as it helps.
+pub(crate) fn order(plan: &mut Plan, sides: &mut Sides) {
     let mut best: Option<(f64, Vec<Vec<Vec<usize>>>)> = None;
     let begin = plan.rows.clone();
     for start in 0..4 {
@@ -41,7 +40,104 @@ pub(crate) fn order(plan: &mut Plan, sides: &mut Sides) -> Vec<f64> {
     if let Some((_, rows)) = best {
         plan.rows = rows;
     }
-    stack(plan)
+    run_together(plan, sides);
+}
+
+/// Brings each loose unit to the best place in its row, the others kept; among equals as far below as it may be. A wire
+/// over several layers runs above all or below all at first, whichever is better.
+pub(crate) fn insert(plan: &mut Plan, sides: &Sides) {
+    for net in 0..plan.lanes.len() {
+        let lanes: Vec<(usize, usize)> =
+            plan.lanes[net].iter().copied().filter(|(_, lane)| plan.loose[*lane]).collect();
+        if lanes.len() < 2 {
+            continue;
+        }
+        let below = (total(plan, sides, &stack(plan)), plan.rows.clone());
+        for (at, lane) in lanes {
+            if let Some(place) = plan.rows[at].iter().position(|unit| unit[0] == lane) {
+                let unit = plan.rows[at].remove(place);
+                plan.rows[at].insert(0, unit);
+            }
+        }
+        if total(plan, sides, &stack(plan)) > below.0 - 1e-9 {
+            plan.rows = below.1;
+        }
+    }
+    let mut y = stack(plan);
+    for at in (0..plan.rows.len()).chain(0..plan.rows.len()) {
+        let loose: Vec<Vec<usize>> =
+            plan.rows[at].iter().filter(|unit| plan.loose[unit[0]]).cloned().collect();
+        for unit in loose {
+            relocate(plan, sides, &mut y, at, unit);
+        }
+    }
+    run_together(plan, sides);
+}
+
+/// Brings the lanes of a net above or below those of another one, in all layers at once: a wire that changes sides on its
+/// way crosses twice, and no lane alone can mend that.
+fn run_together(plan: &mut Plan, sides: &Sides) {
+    let movable = |plan: &Plan, net: usize| -> Vec<(usize, usize)> {
+        let lanes = plan.lanes[net].iter().copied();
+        lanes
+            .filter(|(at, lane)| plan.loose[*lane] && plan.rows[*at].iter().any(|unit| **unit == [*lane]))
+            .collect()
+    };
+    let mut least = total(plan, sides, &stack(plan));
+    for net in 0..plan.lanes.len() {
+        let lanes = movable(plan, net);
+        if lanes.len() < 2 {
+            continue;
+        }
+        for other in 0..plan.lanes.len() {
+            for below in [0, 1] {
+                let kept = plan.rows.clone();
+                let mut shared = 0;
+                for &(at, lane) in &lanes {
+                    let Some((_, beside)) = plan.lanes[other].iter().find(|(layer, _)| *layer == at) else {
+                        continue;
+                    };
+                    let beside = *beside;
+                    let row = &mut plan.rows[at];
+                    if beside == lane || !row.iter().any(|unit| *unit == [beside]) {
+                        continue;
+                    }
+                    shared += 1;
+                    row.retain(|unit| *unit != [lane]);
+                    let place = row.iter().position(|unit| *unit == [beside]).unwrap_or(0);
+                    row.insert(place + below, vec![lane]);
+                }
+                let cost = if shared > 1 { total(plan, sides, &stack(plan)) } else { f64::INFINITY };
+                if cost < least - 1e-9 {
+                    least = cost;
+                } else {
+                    plan.rows = kept;
+                }
+            }
+        }
+    }
+}
+
+/// Brings one unit of a row to its best place.
+fn relocate(plan: &mut Plan, sides: &Sides, y: &mut [f64], at: usize, unit: Vec<usize>) {
+    let rest: Vec<Vec<usize>> = plan.rows[at].iter().filter(|other| other[0] != unit[0]).cloned().collect();
+    let row_with = |place: usize| {
+        let mut row = rest.clone();
+        row.insert(place, unit.clone());
+        row
+    };
+    let mut best: Option<(f64, usize)> = None;
+    for place in (0..=rest.len()).rev() {
+        plan.rows[at] = row_with(place);
+        stack_row(plan, &plan.rows[at], y);
+        let channels = channel_cost(plan, sides, y, at) + channel_cost(plan, sides, y, at + 1);
+        let cost = channels + order_cost(plan, at);
+        if best.is_none_or(|(least, _)| cost < least - 1e-9) {
+            best = Some((cost, place));
+        }
+    }
+    plan.rows[at] = row_with(best.map_or(0, |(_, place)| place));
+    stack_row(plan, &plan.rows[at], y);
 }
 
 /// Places of all items, each layer stacked around zero.
@@ -102,6 +198,9 @@ pub(crate) fn improve(plan: &mut Plan, sides: &mut Sides, y: &mut [f64]) {
         let mut better = false;
         for at in 0..plan.rows.len() {
             for place in 1..plan.rows[at].len() {
+                if !plan.rows[at][place - 1..=place].iter().any(|unit| plan.loose[unit[0]]) {
+                    continue;
+                }
                 let before = costs[at] + costs[at + 1] + order_cost(plan, at);
                 let kept: Vec<(usize, f64)> =
                     plan.rows[at][place - 1..=place].iter().flatten().map(|item| (*item, y[*item])).collect();
@@ -116,7 +215,9 @@ pub(crate) fn improve(plan: &mut Plan, sides: &mut Sides, y: &mut [f64]) {
                 }
             }
         }
-        better |= exchange_ports(plan, sides, y, &mut costs);
+        if plan.loose.iter().all(|loose| *loose) {
+            better |= exchange_ports(plan, sides, y, &mut costs);
+        }
         if !better {
             break;
         }
@@ -177,8 +278,10 @@ fn order_cost(plan: &Plan, at: usize) -> f64 {
             continue;
         }
         cost += ABOVE * f64::from(above);
-        let earlier = plan.rows[at][..place].iter().filter_map(|unit| block_of(plan, unit));
-        cost += against_text() * earlier.filter(|other| *other > block && !plan.back[*other]).count() as f64;
+        // The order of the text holds among blocks of one sort, sinks or others.
+        let alike = |other: &usize| plan.sink[*other] == plan.sink[block];
+        let earlier = plan.rows[at][..place].iter().filter_map(|unit| block_of(plan, unit)).filter(alike);
+        cost += AGAINST_TEXT * earlier.filter(|other| *other > block && !plan.back[*other]).count() as f64;
     }
     cost
 }

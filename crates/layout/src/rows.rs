@@ -1,15 +1,16 @@
 //! The height of everything: in the given order, with wires as straight as possible.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use crate::flow::Flow;
 use crate::graph::{Graph, PortKind};
 use crate::lanes::{Item, Plan, Tap};
 use crate::sides::Sides;
-use crate::simplex::{Edge, solve};
+use crate::simplex::{Edge, solve_pulled};
 
 /// Weights of a straight line between two taps.
-const MAIN: i64 = 24;
+const MAIN: i64 = 80;
+const CHAIN: i64 = 16;
 const LANES: i64 = 8;
 const PLAIN: i64 = 4;
 const TO_SINK: i64 = 2;
@@ -17,7 +18,7 @@ const SAME_SIDE: i64 = 1;
 
 /// Places of the upper edges of all items, whole numbers.
 pub(crate) fn rows(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides) -> Vec<f64> {
-    let main = main_chain(graph, flow);
+    let chains = chains(graph, flow, &plan.layer_of);
     let mut edges = Vec::new();
     for row in &plan.rows {
         let items: Vec<usize> = row.iter().flatten().copied().collect();
@@ -40,10 +41,14 @@ pub(crate) fn rows(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides) -> Ve
         }
     }
     let mut n = plan.items.len();
+    // What sinks wish decides only where nothing else does.
+    let settled = plan.loose.iter().any(|loose| !loose);
+    let of_sink = |item: usize| settled && plan.loose[item];
+    let mut light = vec![false; edges.len()];
     for (channel, groups) in plan.channels.iter().zip(&plan.groups) {
         for group in groups {
             for (a, b) in pairs(&channel[group.clone()]) {
-                let weight = weight(graph, plan, &main, &a, &b);
+                let weight = weight(graph, plan, &chains, &a, &b);
                 // The new variable lies above both taps, as close as it may be.
                 for tap in [a, b] {
                     let offset = match plan.items[tap.item] {
@@ -51,12 +56,27 @@ pub(crate) fn rows(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides) -> Ve
                         Item::Lane(_) => 0,
                     };
                     edges.push(Edge { tail: n, head: tap.item, length: -offset, weight });
+                    light.push(of_sink(a.item) || of_sink(b.item));
                 }
                 n += 1;
             }
         }
     }
-    let mut y = solve(n, &edges);
+    let scale = n as i64 + 1;
+    let lightest: i64 =
+        edges.iter().zip(&light).filter(|(_, light)| **light).map(|(edge, _)| edge.weight).sum();
+    let pull = scale * (lightest + 1);
+    for (edge, light) in edges.iter_mut().zip(&light) {
+        edge.weight *= if *light { scale } else { pull * scale };
+    }
+    let pulls: Vec<i64> = (0..n)
+        .map(|item| match item {
+            item if item >= plan.items.len() => 0,
+            item if of_sink(item) => 1,
+            _ => pull,
+        })
+        .collect();
+    let mut y = solve_pulled(&edges, &pulls);
     y.truncate(plan.items.len());
     y.into_iter().map(|y| y as f64).collect()
 }
@@ -78,49 +98,62 @@ fn pairs(taps: &[Tap]) -> Vec<(Tap, Tap)> {
     }
 }
 
-fn weight(graph: &Graph, plan: &Plan, main: &BTreeSet<(usize, usize)>, a: &Tap, b: &Tap) -> i64 {
+fn weight(graph: &Graph, plan: &Plan, chains: &BTreeMap<(usize, usize), i64>, a: &Tap, b: &Tap) -> i64 {
     if a.right == b.right {
         return SAME_SIDE;
     }
     match (plan.items[a.item], plan.items[b.item]) {
         (Item::Lane(_), Item::Lane(_)) => LANES,
-        (Item::Node(a), Item::Node(b)) if main.contains(&(a, b)) || main.contains(&(b, a)) => MAIN,
-        (Item::Node(_), Item::Node(b)) if !graph.nodes[b].ports.contains(&PortKind::Output) => TO_SINK,
+        (Item::Node(a), Item::Node(b)) => match chains.get(&(a.min(b), a.max(b))) {
+            Some(weight) => *weight,
+            None if graph.nodes[b].is_sink() => TO_SINK,
+            None => PLAIN,
+        },
         _ => PLAIN,
     }
 }
 
-/// The longest forward path, which should be a straight line: its pairs of neighbours.
-fn main_chain(graph: &Graph, flow: &Flow) -> BTreeSet<(usize, usize)> {
+/// Paths that should be straight lines, as pairs of neighbours with their weights: each begins at the first block of the
+/// file that no path has, and goes on where the way ahead is longest. The first one counts most.
+fn chains(graph: &Graph, flow: &Flow, layer: &[usize]) -> BTreeMap<(usize, usize), i64> {
     let n = graph.nodes.len();
-    // In the order of the file forward wires mostly lead on, and those that do not are left out.
-    let mut length = vec![0_usize; n];
-    let mut from = vec![None; n];
-    let mut wires: Vec<(usize, usize)> = Vec::new();
+    let mut next: Vec<Vec<usize>> = vec![Vec::new(); n];
+    let mut fed = vec![false; n];
+    let free = |v: usize| !flow.mirrored[v] && !graph.nodes[v].is_sink();
     for (net, feedback) in graph.nets.iter().zip(&flow.feedback).filter(|(net, _)| net.ends.len() > 1) {
-        let source = net.ends[0].node;
-        for (end, back) in net.ends.iter().zip(feedback).skip(1) {
-            let (a, b) =
-                if net.directed || source < end.node { (source, end.node) } else { (end.node, source) };
-            if !back && a < b && !flow.mirrored[a] && !flow.mirrored[b] {
-                wires.push((a, b));
+        for (i, from) in net.ends.iter().enumerate().filter(|(i, _)| *i == 0 || !net.directed) {
+            let others = net.ends.iter().zip(feedback).enumerate().filter(|(other, _)| *other != i);
+            for (_, (to, back)) in others {
+                let (a, b) = (from.node, to.node);
+                if !back && layer[a] < layer[b] && free(a) && free(b) && !next[a].contains(&b) {
+                    next[a].push(b);
+                    fed[b] = true;
+                }
             }
         }
     }
-    wires.sort_unstable();
-    for (a, b) in wires {
-        if length[a] + 1 > length[b] {
-            length[b] = length[a] + 1;
-            from[b] = Some(a);
+    let mut by_layer: Vec<usize> = (0..n).collect();
+    by_layer.sort_by_key(|v| std::cmp::Reverse(layer[*v]));
+    let mut ahead = vec![0_usize; n];
+    for v in by_layer {
+        ahead[v] = next[v].iter().map(|to| ahead[*to] + 1).max().unwrap_or(0);
+    }
+    let mut used = vec![false; n];
+    let mut chains = BTreeMap::new();
+    let mut weight = MAIN;
+    for start in (0..n).filter(|v| !fed[*v]).chain((0..n).filter(|v| fed[*v])) {
+        let (mut at, mut length) = (start, 0);
+        while !std::mem::replace(&mut used[at], true) {
+            let gives = |v: usize| graph.nodes[v].ports.contains(&PortKind::Output);
+            let key = |v: &usize| (ahead[*v], gives(*v), std::cmp::Reverse(*v));
+            let Some(to) = next[at].iter().copied().filter(|to| !used[*to]).max_by_key(key) else { break };
+            chains.insert((at.min(to), at.max(to)), weight);
+            (at, length) = (to, length + 1);
+        }
+        // A constant beside the path does not make one.
+        if length > 1 {
+            weight = CHAIN;
         }
     }
-    let mut chain = BTreeSet::new();
-    let mut at = (0..n).rev().max_by_key(|v| length[*v]);
-    while let Some(b) = at {
-        at = from[b];
-        if let Some(a) = at {
-            chain.insert((a, b));
-        }
-    }
-    chain
+    chains
 }

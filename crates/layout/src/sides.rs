@@ -106,17 +106,23 @@ fn signal_sides(graph: &Graph, flow: &Flow, v: usize) -> Vec<Side> {
     if let Some(below) = below {
         sides[below] = Side::South;
     }
-    // One input stays in line with the output.
+    // One input stays in line with the output; what is written before it enters from above, what is written after it
+    // from below as long as there is room, so that sources may stand in the order of the text.
     let rest: Vec<usize> = inputs.into_iter().filter(|port| Some(*port) != below).collect();
-    let straight = rest.iter().copied().find(|port| !back(*port)).or(rest.first().copied());
-    let mut others = rest.into_iter().filter(|port| Some(*port) != straight);
-    if let Some(above) = others.next() {
-        sides[above] = Side::North;
-    }
-    if below.is_none()
-        && let Some(third) = others.next()
-    {
-        sides[third] = Side::South;
+    let forward: Vec<usize> = rest.iter().copied().filter(|port| !back(*port)).collect();
+    let straight = match forward.as_slice() {
+        [_, middle, _] => Some(*middle),
+        [first, ..] => Some(*first),
+        [] => rest.first().copied(),
+    };
+    let (mut north, mut south) = (true, below.is_none());
+    for port in rest.into_iter().filter(|port| Some(*port) != straight) {
+        let after = straight.is_some_and(|straight| port > straight);
+        if south && (after || !north) {
+            (sides[port], south) = (Side::South, false);
+        } else if north {
+            (sides[port], north) = (Side::North, false);
+        }
     }
     sides
 }

@@ -16,12 +16,24 @@ pub(crate) struct Edge {
 /// change of the problem does not change what it has nothing to do with. The edges must not contain a circle; what lies
 /// on one keeps its start value.
 pub(crate) fn solve(n: usize, edges: &[Edge]) -> Vec<i64> {
-    // A root below all of them makes the graph connected, and pulls so weakly that it decides between equals only.
-    let root = n;
+    // The pull is so weak that it decides between equals only.
     let scale = n as i64 + 1;
-    let mut edges: Vec<Edge> =
-        edges.iter().map(|edge| Edge { weight: edge.weight * scale, ..*edge }).collect();
-    edges.extend((0..n).map(|head| Edge { tail: root, head, length: 0, weight: 1 }));
+    let edges: Vec<Edge> = edges.iter().map(|edge| Edge { weight: edge.weight * scale, ..*edge }).collect();
+    solve_pulled(&edges, &vec![1; n])
+}
+
+/// Numbers for as many variables as there are pulls: each is worth being small by its pull.
+pub(crate) fn solve_pulled(edges: &[Edge], pull: &[i64]) -> Vec<i64> {
+    let n = pull.len();
+    // A root below all of them makes the graph connected.
+    let root = n;
+    let mut edges = edges.to_vec();
+    edges.extend(pull.iter().enumerate().map(|(head, weight)| Edge {
+        tail: root,
+        head,
+        length: 0,
+        weight: *weight,
+    }));
     let mut x = longest_paths(n + 1, &edges);
     let mut tree = tight_tree(n + 1, &edges, &mut x);
     let mut balance = vec![0; n + 1];

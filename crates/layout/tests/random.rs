@@ -13,7 +13,8 @@ fn graphs_made_at_random_are_drawn_without_faults() {
         let n = 2 + random(14);
         let mut graph = Graph::default();
         for _ in 0..n {
-            let form = match random(6) {
+            let form = match random(7) {
+                6 => Form::Bar,
                 0 => Form::Circle,
                 1 => Form::Hanging,
                 _ => Form::Box,
@@ -21,7 +22,7 @@ fn graphs_made_at_random_are_drawn_without_faults() {
             let ports = match form {
                 Form::Circle => vec![PortKind::Input, PortKind::Input, PortKind::Output],
                 Form::Hanging => vec![PortKind::Free],
-                Form::Box => (0..1 + random(5))
+                Form::Box | Form::Bar => (0..1 + random(5))
                     .map(|_| [PortKind::Input, PortKind::Output, PortKind::Free][random(3)])
                     .collect(),
             };
