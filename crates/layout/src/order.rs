@@ -77,43 +77,58 @@ pub(crate) fn insert(plan: &mut Plan, sides: &Sides) {
 /// Brings the lanes of a net above or below those of another one, in all layers at once: a wire that changes sides on its
 /// way crosses twice, and no lane alone can mend that.
 fn run_together(plan: &mut Plan, sides: &Sides) {
-    let movable = |plan: &Plan, net: usize| -> Vec<(usize, usize)> {
-        let lanes = plan.lanes[net].iter().copied();
-        lanes
-            .filter(|(at, lane)| plan.loose[*lane] && plan.rows[*at].iter().any(|unit| **unit == [*lane]))
-            .collect()
-    };
-    let mut least = total(plan, sides, &stack(plan));
-    for net in 0..plan.lanes.len() {
-        let lanes = movable(plan, net);
-        if lanes.len() < 2 {
+    // A lane that a block hangs from stays with it.
+    let mut alone = vec![false; plan.items.len()];
+    plan.rows.iter().flatten().filter(|unit| unit.len() == 1).for_each(|unit| alone[unit[0]] = true);
+    let lanes: Vec<Vec<(usize, usize)>> = plan
+        .lanes
+        .iter()
+        .map(|lanes| lanes.iter().copied().filter(|(_, lane)| alone[*lane]).collect())
+        .collect();
+    let mut y = stack(plan);
+    for net in 0..lanes.len() {
+        let mine: Vec<(usize, usize)> =
+            lanes[net].iter().copied().filter(|(_, lane)| plan.loose[*lane]).collect();
+        if mine.len() < 2 {
             continue;
         }
-        for other in 0..plan.lanes.len() {
-            for below in [0, 1] {
-                let kept = plan.rows.clone();
-                let mut shared = 0;
-                for &(at, lane) in &lanes {
-                    let Some((_, beside)) = plan.lanes[other].iter().find(|(layer, _)| *layer == at) else {
-                        continue;
-                    };
-                    let beside = *beside;
-                    let row = &mut plan.rows[at];
-                    if beside == lane || !row.iter().any(|unit| *unit == [beside]) {
-                        continue;
-                    }
-                    shared += 1;
-                    row.retain(|unit| *unit != [lane]);
-                    let place = row.iter().position(|unit| *unit == [beside]).unwrap_or(0);
-                    row.insert(place + below, vec![lane]);
-                }
-                let cost = if shared > 1 { total(plan, sides, &stack(plan)) } else { f64::INFINITY };
-                if cost < least - 1e-9 {
-                    least = cost;
-                } else {
-                    plan.rows = kept;
-                }
+        for other in (0..lanes.len()).filter(|other| *other != net) {
+            let beside =
+                |at: usize| lanes[other].iter().find(|(layer, _)| *layer == at).map(|(_, lane)| *lane);
+            let pairs: Vec<(usize, usize, usize)> =
+                mine.iter().filter_map(|(at, lane)| Some((*at, *lane, beside(*at)?))).collect();
+            if pairs.len() < 2 {
+                continue;
             }
+            for below in [0, 1] {
+                follow(plan, sides, &mut y, &pairs, below);
+            }
+        }
+    }
+}
+
+/// Brings each first lane of (layer, lane, lane) beside the second, if that is better as a whole.
+fn follow(plan: &mut Plan, sides: &Sides, y: &mut [f64], pairs: &[(usize, usize, usize)], below: usize) {
+    let mut channels: Vec<usize> = pairs.iter().flat_map(|(at, ..)| [*at, at + 1]).collect();
+    channels.dedup();
+    let price = |plan: &Plan, y: &[f64]| {
+        let wires: f64 = channels.iter().map(|channel| channel_cost(plan, sides, y, *channel)).sum();
+        wires + pairs.iter().map(|(at, ..)| order_cost(plan, *at)).sum::<f64>()
+    };
+    let before = price(plan, y);
+    let mut kept = Vec::with_capacity(pairs.len());
+    for &(at, lane, beside) in pairs {
+        let mut row = plan.rows[at].clone();
+        row.retain(|unit| *unit != [lane]);
+        let place = row.iter().position(|unit| *unit == [beside]).unwrap_or(0);
+        row.insert(place + below, vec![lane]);
+        stack_row(plan, &row, y);
+        kept.push(std::mem::replace(&mut plan.rows[at], row));
+    }
+    if price(plan, y) > before - 1e-9 {
+        for (&(at, ..), row) in pairs.iter().zip(kept) {
+            stack_row(plan, &row, y);
+            plan.rows[at] = row;
         }
     }
 }

@@ -35,15 +35,11 @@ pub(crate) fn solve_pulled(edges: &[Edge], pull: &[i64]) -> Vec<i64> {
         weight: *weight,
     }));
     let mut x = longest_paths(n + 1, &edges);
-    let mut tree = tight_tree(n + 1, &edges, &mut x);
-    let mut balance = vec![0; n + 1];
-    for edge in &edges {
-        balance[edge.tail] += edge.weight;
-        balance[edge.head] -= edge.weight;
-    }
+    let tree = tight_tree(n + 1, &edges, &mut x);
+    let mut tree = Tree::new(n + 1, &edges, &tree);
     // Every exchange but a degenerate one brings the sum down; the limit keeps those from going round for ever.
     for _ in 0..20 * n + 200 {
-        if !exchange(&edges, &mut tree, &balance, &mut x, root) {
+        if !tree.exchange(&mut x, root) {
             break;
         }
     }
@@ -108,61 +104,112 @@ fn tight_tree(n: usize, edges: &[Edge], x: &mut [i64]) -> Vec<usize> {
     }
 }
 
-/// Replaces the edge of the tree that is worth most; `false` when there is none.
-fn exchange(edges: &[Edge], tree: &mut [usize], balance: &[i64], x: &mut [i64], root: usize) -> bool {
-    let n = x.len();
-    let mut near = vec![Vec::new(); n];
-    for (place, &i) in tree.iter().enumerate() {
-        near[edges[i].tail].push((place, edges[i].head));
-        near[edges[i].head].push((place, edges[i].tail));
+/// A spanning tree of tight edges, with room for what each exchange needs.
+struct Tree<'a> {
+    edges: &'a [Edge],
+    balance: Vec<i64>,
+    /// Edges at each variable: all of them, and those of the tree.
+    all: Vec<Vec<usize>>,
+    near: Vec<Vec<usize>>,
+    /// The edge and the variable above each, seen from the root.
+    above: Vec<(usize, usize)>,
+    order: Vec<usize>,
+    below: Vec<i64>,
+    /// What hangs from the edge that leaves.
+    side: Vec<bool>,
+}
+
+impl<'a> Tree<'a> {
+    fn new(n: usize, edges: &'a [Edge], tree: &[usize]) -> Tree<'a> {
+        let mut new = Tree {
+            edges,
+            balance: vec![0; n],
+            all: vec![Vec::new(); n],
+            near: vec![Vec::new(); n],
+            above: vec![(usize::MAX, usize::MAX); n],
+            order: Vec::with_capacity(n),
+            below: Vec::with_capacity(n),
+            side: vec![false; n],
+        };
+        for (i, edge) in edges.iter().enumerate() {
+            new.balance[edge.tail] += edge.weight;
+            new.balance[edge.head] -= edge.weight;
+            new.all[edge.tail].push(i);
+            new.all[edge.head].push(i);
+        }
+        tree.iter().for_each(|edge| new.join(*edge));
+        new
     }
-    let mut parent = vec![(usize::MAX, usize::MAX); n];
-    let mut order = vec![root];
-    let mut next = 0;
-    while next < order.len() {
-        let v = order[next];
-        next += 1;
-        for &(place, other) in &near[v] {
-            if other != parent[v].1 {
-                parent[other] = (place, v);
-                order.push(other);
+
+    fn join(&mut self, edge: usize) {
+        self.near[self.edges[edge].tail].push(edge);
+        self.near[self.edges[edge].head].push(edge);
+    }
+
+    fn part(&mut self, edge: usize) {
+        let Edge { tail, head, .. } = self.edges[edge];
+        self.near[tail].retain(|known| *known != edge);
+        self.near[head].retain(|known| *known != edge);
+    }
+
+    /// The variable below the edge that is worth most to be replaced.
+    fn worst(&mut self, root: usize) -> Option<usize> {
+        self.order.clear();
+        self.order.push(root);
+        self.above[root] = (usize::MAX, usize::MAX);
+        let mut next = 0;
+        while let Some(&v) = self.order.get(next) {
+            next += 1;
+            for &i in &self.near[v] {
+                if i != self.above[v].0 {
+                    let other = if self.edges[i].tail == v { self.edges[i].head } else { self.edges[i].tail };
+                    self.above[other] = (i, v);
+                    self.order.push(other);
+                }
             }
         }
-    }
-    let mut below = balance.to_vec();
-    let mut best: Option<(i64, usize)> = None;
-    for &v in order.iter().skip(1).rev() {
-        let (place, above) = parent[v];
-        let cut = if edges[tree[place]].tail == v { below[v] } else { -below[v] };
-        if cut < best.map_or(0, |(cut, _)| cut) {
-            best = Some((cut, v));
+        self.below.clone_from(&self.balance);
+        let mut best: Option<(i64, usize)> = None;
+        for &v in self.order.iter().skip(1).rev() {
+            let (edge, above) = self.above[v];
+            let cut = if self.edges[edge].tail == v { self.below[v] } else { -self.below[v] };
+            if cut < best.map_or(0, |(cut, _)| cut) {
+                best = Some((cut, v));
+            }
+            self.below[above] += self.below[v];
         }
-        below[above] += below[v];
+        best.map(|(_, child)| child)
     }
-    let Some((_, child)) = best else { return false };
-    let place = parent[child].0;
-    // The side of the child.
-    let mut side = vec![false; n];
-    side[child] = true;
-    for &v in &order {
-        if parent[v].1 != usize::MAX && side[parent[v].1] {
-            side[v] = true;
+
+    /// Replaces the edge that is worth most; `false` when there is none.
+    fn exchange(&mut self, x: &mut [i64], root: usize) -> bool {
+        let Some(child) = self.worst(root) else { return false };
+        let leaves = self.above[child].0;
+        self.side.iter_mut().for_each(|side| *side = false);
+        self.side[child] = true;
+        let mut count = 1;
+        for &v in &self.order {
+            if self.above[v].1 != usize::MAX && self.side[self.above[v].1] {
+                self.side[v] = true;
+                count += 1;
+            }
         }
+        // The new edge must come from the side of the head of the old one. It ends in the smaller side, too.
+        let from = self.side[self.edges[leaves].head];
+        let smaller = 2 * count < x.len();
+        let members = self.order.iter().filter(|v| self.side[**v] == smaller);
+        let entering = members
+            .flat_map(|v| &self.all[*v])
+            .copied()
+            .filter(|i| self.side[self.edges[*i].tail] == from && self.side[self.edges[*i].head] != from)
+            .min_by_key(|i| (slack(&self.edges[*i], x), *i));
+        let Some(enters) = entering else { return false };
+        let step = slack(&self.edges[enters], x) * if smaller == from { 1 } else { -1 };
+        self.order.iter().filter(|v| self.side[**v] == smaller).for_each(|v| x[*v] += step);
+        self.part(leaves);
+        self.join(enters);
+        true
     }
-    // Side from which the new edge must come: that of the head of the old one.
-    let head_side = side[edges[tree[place]].head];
-    let entering = edges
-        .iter()
-        .enumerate()
-        .filter(|(_, edge)| side[edge.tail] == head_side && side[edge.head] != head_side)
-        .min_by_key(|(_, edge)| slack(edge, x));
-    let Some((enters, edge)) = entering else { return false };
-    let step = slack(edge, x);
-    for v in (0..n).filter(|v| side[*v] == head_side) {
-        x[v] += step;
-    }
-    tree[place] = enters;
-    true
 }
 
 #[cfg(test)]
