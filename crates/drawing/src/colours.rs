@@ -51,17 +51,21 @@ pub(crate) enum Fill {
 /// Names of the variables of a page and the colours of a theme, in the order of the rules below.
 fn roles(theme: Theme) -> [(&'static str, &'static str); 9] {
     let Palette { ground, text, quiet, grid, series, .. } = Palette::of(theme);
-    let inside = if theme == Theme::Light { "#F1F5F9" } else { grid };
+    // Thin lines on a dark ground want brighter colours than plots have.
+    let (inside, frames, electric, sliding) = match theme {
+        Theme::Light => ("#F1F5F9", series[0], series[4], series[5]),
+        Theme::Dark => (grid, "#B69CFF", "#1E9BFF", "#FF8A5C"),
+    };
     [
         ("ground", ground),
         ("ink", text),
         ("quiet", quiet),
         ("inside", inside),
-        ("frames", series[0]),
+        ("frames", frames),
         ("phases", series[1]),
         ("turning", series[2]),
-        ("electric", series[4]),
-        ("sliding", series[5]),
+        ("electric", electric),
+        ("sliding", sliding),
     ]
 }
 

@@ -23,9 +23,9 @@ fn level(n: usize) -> Graph {
         if !sink {
             ports.extend([PortKind::Output, PortKind::Free]);
         }
-        for port in 0..ports.len() {
+        for (port, kind) in ports.iter().enumerate() {
             let end = End { node, port };
-            match ports[port] {
+            match kind {
                 PortKind::Output => outputs.push(vec![end]),
                 PortKind::Input if !outputs.is_empty() => {
                     // Mostly what stands near in the text.
