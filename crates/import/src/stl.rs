@@ -1,109 +1,24 @@
 //! Triangles in STL files, binary and as text.
-//!
-//! The format has no units: a factor makes metres of its numbers.
 
 use std::path::Path;
 
-use crate::fault::{Fault, shown};
-use crate::numbers::numbers;
+use blocksim_scene::mesh::stl;
+pub use blocksim_scene::mesh::stl::Triangle;
 
-/// Three corners, counter-clockwise seen from outside.
-pub type Triangle = [[f64; 3]; 3];
-
-const HEADER: usize = 84;
-const RECORD: usize = 50;
+use crate::fault::Fault;
 
 /// Reads an STL file; corners in the numbers of the file.
 ///
 /// # Errors
 /// A file that is cut off or has more than it says, numbers that are not finite, text that is no STL, no triangles.
 pub fn read(file: &Path, bytes: &[u8]) -> Result<Vec<Triangle>, Fault> {
-    let triangles = match count(bytes) {
-        // Some binary files begin with the word of the text format; their length tells.
-        Some(n) if bytes.len() == HEADER + n * RECORD => binary(file, bytes)?,
-        _ if bytes.trim_ascii_start().starts_with(b"solid") => ascii(file, bytes)?,
-        Some(n) => {
-            let reason = format!(
-                "the header promises {n} triangles, {} bytes, but the file has {}",
-                HEADER + n * RECORD,
-                bytes.len()
-            );
-            return Err(Fault::new(file, reason, "the file is damaged or cut off; export it again"));
+    stl::read(bytes).map_err(|fault| {
+        let told = Fault::new(file, fault.reason, fault.remedy);
+        match fault.line {
+            Some(line) => told.at(line),
+            None => told,
         }
-        None => {
-            let reason = format!("{} bytes are too few for an STL file", bytes.len());
-            return Err(Fault::new(file, reason, "the file is damaged or cut off; export it again"));
-        }
-    };
-    match triangles.is_empty() {
-        true => Err(Fault::new(file, "the file has no triangles", "export the part again")),
-        false => Ok(triangles),
-    }
-}
-
-/// Triangles that the header of a binary file promises.
-fn count(bytes: &[u8]) -> Option<usize> {
-    let four: [u8; 4] = bytes.get(80..HEADER)?.try_into().ok()?;
-    usize::try_from(u32::from_le_bytes(four)).ok()
-}
-
-fn binary(file: &Path, bytes: &[u8]) -> Result<Vec<Triangle>, Fault> {
-    let mut triangles = Vec::with_capacity((bytes.len() - HEADER) / RECORD);
-    for (i, record) in bytes[HEADER..].chunks_exact(RECORD).enumerate() {
-        let mut triangle = [[0.0; 3]; 3];
-        // Twelve bytes of the normal come first, which follows from the corners.
-        for (value, four) in triangle.iter_mut().flatten().zip(record[12..48].chunks_exact(4)) {
-            *value = f64::from(f32::from_le_bytes([four[0], four[1], four[2], four[3]]));
-        }
-        if triangle.iter().flatten().any(|x| !x.is_finite()) {
-            let reason = format!("triangle {} has a corner that is not finite", i + 1);
-            return Err(Fault::new(file, reason, "export the part again"));
-        }
-        triangles.push(triangle);
-    }
-    Ok(triangles)
-}
-
-fn ascii(file: &Path, bytes: &[u8]) -> Result<Vec<Triangle>, Fault> {
-    let mut triangles = Vec::new();
-    let mut corners: Vec<[f64; 3]> = Vec::with_capacity(3);
-    let mut ended = false;
-    let fault = |line: usize, reason: String, remedy: &str| {
-        Err(Fault::new(file, reason, remedy).at(u32::try_from(line + 1).unwrap_or(u32::MAX)))
-    };
-    for (i, line) in bytes.split(|b| *b == b'\n').enumerate() {
-        // Names of solids may be in any code; all else is ASCII.
-        let line = String::from_utf8_lossy(line);
-        let line = line.trim();
-        let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        match word.to_ascii_lowercase().as_str() {
-            "vertex" => match numbers(rest) {
-                Ok(corner) if corners.len() < 3 => corners.push(corner),
-                Ok(_) => return fault(i, "a facet has a fourth vertex".into(), "STL has triangles only"),
-                Err((reason, remedy)) => return fault(i, reason, &remedy),
-            },
-            "endfacet" => {
-                let [a, b, c] = corners[..] else {
-                    return fault(
-                        i,
-                        format!("a facet has {} vertices", corners.len()),
-                        "export the part again",
-                    );
-                };
-                triangles.push([a, b, c]);
-                corners.clear();
-            }
-            "endsolid" => ended = true,
-            "" | "solid" | "facet" | "outer" | "endloop" => {}
-            _ => return fault(i, format!("`{}` is no word of STL", shown(word)), "export the part again"),
-        }
-    }
-    match ended && corners.is_empty() {
-        true => Ok(triangles),
-        false => {
-            Err(Fault::new(file, "the file ends before `endsolid`", "the file is cut off; export it again"))
-        }
-    }
+    })
 }
 
 #[cfg(test)]
@@ -120,8 +35,7 @@ pub(crate) mod tests {
     }
 
     pub(crate) fn as_binary(triangles: &[Triangle]) -> Vec<u8> {
-        let mut bytes = b"solid made by a test".to_vec();
-        bytes.resize(80, b' ');
+        let mut bytes = vec![b' '; 80];
         bytes.extend((triangles.len() as u32).to_le_bytes());
         for triangle in triangles {
             bytes.extend([0; 12]);
@@ -131,46 +45,10 @@ pub(crate) mod tests {
         bytes
     }
 
-    pub(crate) fn as_text(triangles: &[Triangle]) -> String {
-        let mut text = "solid cuboid\n".to_owned();
-        for triangle in triangles {
-            text.push_str("  facet normal 0 0 0\n    outer loop\n");
-            triangle.iter().for_each(|[x, y, z]| text.push_str(&format!("      vertex {x} {y} {z}\n")));
-            text.push_str("    endloop\n  endfacet\n");
-        }
-        text + "endsolid cuboid\n"
-    }
-
-    fn refused(bytes: &[u8]) -> Fault {
-        read(Path::new("a.stl"), bytes).unwrap_err()
-    }
-
     #[test]
-    fn both_forms_hold_the_same_triangles() {
-        let triangles = cuboid([0.5, -1.0, 0.25], [1.0, 2.0, 0.5]);
-        assert_eq!(read(Path::new("a"), &as_binary(&triangles)), Ok(triangles.clone()));
-        assert_eq!(read(Path::new("a"), as_text(&triangles).as_bytes()), Ok(triangles));
-    }
-
-    #[test]
-    fn damaged_files_are_refused_with_the_reason() {
-        let triangles = cuboid([0.0; 3], [1.0; 3]);
-        let mut bytes = as_binary(&triangles);
-        bytes[0] = b'x';
-        assert!(refused(&bytes[..bytes.len() - 1]).reason.contains("promises 12 triangles"));
-        assert!(refused(&bytes[..50]).reason.contains("too few"));
-        let mut more = bytes.clone();
-        more[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
-        assert!(refused(&more).reason.contains("promises 4294967295"));
-        let mut nan = bytes.clone();
-        nan[84 + 50 + 12..84 + 50 + 16].copy_from_slice(&f32::NAN.to_le_bytes());
-        assert!(refused(&nan).reason.contains("triangle 2"));
-        assert!(refused(&as_binary(&[])).reason.contains("no triangles"));
-        let text = as_text(&triangles);
-        assert!(refused(&text.as_bytes()[..text.len() - 16]).reason.contains("endsolid"));
-        assert_eq!(refused(text.replacen("vertex 0 0 0", "vertex 0 nan 0", 1).as_bytes()).line, Some(4));
-        assert!(
-            refused(text.replacen("    endloop", "vertex 1 2 3", 1).as_bytes()).reason.contains("fourth")
-        );
+    fn a_fault_of_a_mesh_has_its_file_and_line() {
+        let fault = read(Path::new("a.stl"), b"solid a\nvertex 1 2\nendsolid").unwrap_err();
+        assert_eq!((fault.file.as_path(), fault.line), (Path::new("a.stl"), Some(2)));
+        assert_eq!(read(Path::new("a.stl"), &as_binary(&cuboid([0.0; 3], [1.0; 3]))).unwrap().len(), 12);
     }
 }

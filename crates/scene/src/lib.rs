@@ -4,6 +4,7 @@
 //! their joints, the shapes, masses and named frames on them, and the names of the recorded signals that tell where
 //! every body is; [`Scene::poses`] computes that. A scene is written as JSON, for programs that draw it.
 
+pub mod mesh;
 mod place;
 mod read;
 mod scene;
