@@ -16,6 +16,7 @@ const R = {
   /** @type {any} */ Overlay: null,
   /** @type {any} */ Space: null,
   /** @type {any} */ Shapes: null,
+  /** @type {any} */ Meshes: null,
   /** @type {any} */ Draw3d: null,
 
   /** A list of numbers from the block. @param {[number, number, number]} where @returns {Float64Array} */
@@ -24,6 +25,7 @@ const R = {
     for (let byte = 0; byte < width; byte++) {
       for (let n = 0, from = byte * count; n < count; n++) whole[n * width + byte] = bytes[from + n];
     }
+    if (width === 2) return Float64Array.from(new Uint16Array(whole.buffer));
     return width === 8 ? new Float64Array(whole.buffer) : Float64Array.from(new Float32Array(whole.buffer));
   },
 

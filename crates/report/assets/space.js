@@ -151,7 +151,7 @@ R.Space = (() => {
     let left = 0;
     for (const shape of scene.shapes) {
       if (shape.use === 'collision') continue;
-      const mesh = S.mesh(shape);
+      const mesh = S.mesh(shape) ?? R.Meshes.mesh(shape, data.surfaces);
       if (mesh) parts.push({ shape, mesh, local: S.placed(shape) }); else left++;
     }
     canvas = R.make('canvas', { tabindex: '0', 'aria-label': 'The mechanism in space; drag turns, Shift and drag moves, the wheel zooms' });
@@ -178,7 +178,7 @@ R.Space = (() => {
     if (!data.pen) throw new Error('this browser has no canvas');
     /** @type {any} */ (window).__m.space = data.pen.name;
     document.documentElement.dataset.space = data.pen.name;
-    const notes = [data.pen.name === 'WebGL' ? '' : 'No WebGL here: drawn as a wire frame.', left ? `${left} meshes are not shown.` : ''].filter(Boolean).join(' ');
+    const notes = [data.pen.name === 'WebGL' ? '' : 'No WebGL here: drawn as a wire frame.', left ? `Not shown: ${left === 1 ? 'one mesh' : `${left} meshes`}.` : ''].filter(Boolean).join(' ');
     place.append(R.make('div', { class: 'space-bar' }, ...views, ...switches, R.make('span', { class: 'note' }, notes)), canvas, pose);
     trace();
     fit();

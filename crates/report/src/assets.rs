@@ -29,8 +29,9 @@ pub(crate) const SCRIPTS: [&str; 4] = [
 ];
 
 /// Scripts of the view in space.
-pub(crate) const SPACE: [&str; 3] = [
+pub(crate) const SPACE: [&str; 4] = [
     include_str!("../assets/shapes.js"),
+    include_str!("../assets/meshes.js"),
     include_str!("../assets/draw3d.js"),
     include_str!("../assets/space.js"),
 ];

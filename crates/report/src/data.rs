@@ -2,6 +2,8 @@
 
 use serde_json::Value;
 
+use crate::surface::Surface;
+
 /// A run, ready to be shown.
 #[derive(Debug, Clone, Default)]
 pub struct Report {
@@ -113,6 +115,8 @@ pub struct Animation {
     pub positions: Vec<Vec<f64>>,
     /// The same of the set values; where a joint has none, its position.
     pub set: Option<Vec<Vec<f64>>>,
+    /// Meshes; a shape names the one it has by its number, `"surface": 0`.
+    pub surfaces: Vec<Surface>,
 }
 
 /// A measurement.

@@ -11,12 +11,14 @@ mod data;
 mod escape;
 mod pack;
 mod page;
+mod surface;
 mod thin;
 
 pub use assets::{VENDORED, Vendored};
 pub use data::{Animation, Event, Level, Overlay, Panel, Report, Role, Rows, Series};
 pub use escape::escape;
 pub use page::html;
+pub use surface::Surface;
 
 /// Bytes that a page is made to fit into unless all values are asked for.
 pub const BUDGET: usize = 500_000;

@@ -28,6 +28,12 @@ impl Pack {
         self.list(&all, 4)
     }
 
+    /// Adds a list of whole numbers with 16 bits each; returns where it is.
+    pub fn whole(&mut self, values: &[u16]) -> Value {
+        let all: Vec<[u8; 2]> = values.iter().map(|x| x.to_le_bytes()).collect();
+        self.list(&all, 2)
+    }
+
     fn list<const N: usize>(&mut self, numbers: &[[u8; N]], width: usize) -> Value {
         let at = self.bytes.len();
         for byte in 0..N {

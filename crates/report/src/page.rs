@@ -135,7 +135,10 @@ fn movement(animation: &Animation, pack: &mut Pack) -> Value {
     let positions: Vec<Value> = animation.positions.iter().map(|values| pack.narrow(&pick(values))).collect();
     let set: Option<Vec<Value>> =
         animation.set.as_ref().map(|set| set.iter().map(|values| pack.narrow(&pick(values))).collect());
-    json!({ "scene": animation.scene, "time": time, "positions": positions, "set": set })
+    let surfaces: Vec<Value> = animation.surfaces.iter().map(|surface| surface.data(pack)).collect();
+    json!({
+        "scene": animation.scene, "time": time, "positions": positions, "set": set, "surfaces": surfaces,
+    })
 }
 
 /// Rows at about equal distances in time.

@@ -2,7 +2,9 @@
 
 use std::io::Write;
 
-use blocksim_report::{Animation, BUDGET, Event, Level, Panel, Report, Role, Rows, Series, VENDORED, html};
+use blocksim_report::{
+    Animation, BUDGET, Event, Level, Panel, Report, Role, Rows, Series, Surface, VENDORED, html,
+};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
@@ -37,6 +39,17 @@ fn example(panels: usize, rows: usize) -> Report {
     Report { title: "arm".to_owned(), panels, ..Report::default() }
 }
 
+/// Half a metre along each axis.
+fn tetrahedron() -> Surface {
+    let most = u16::MAX;
+    Surface {
+        low: [0.0; 3],
+        step: [0.5 / f64::from(most); 3],
+        corners: vec![0, most, 0, 0, 0, 0, most, 0, 0, 0, 0, most],
+        triangles: vec![0, 0, 0, 1, 2, 1, 3, 2, 1, 3, 2, 3],
+    }
+}
+
 fn mechanism() -> Animation {
     let scene = json!({
         "bodies": [
@@ -46,6 +59,7 @@ fn mechanism() -> Animation {
         "shapes": [
             { "body": 0, "owner": "base", "use": "both", "kind": "cylinder", "radius": 0.1, "length": 1.0, "translation": [0, 0, 0.5], "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "colour": null },
             { "body": 1, "owner": "arm", "use": "both", "kind": "box", "size": [0.1, 0.1, 0.8], "translation": [0, 0, 0.4], "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "colour": null },
+            { "body": 1, "owner": "arm", "use": "visual", "kind": "mesh", "file": "horn.stl", "scale": [1, 1, 1], "surface": 0, "translation": [0, 0, 0.4], "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "colour": [0.2, 0.5, 0.3, 1] },
         ],
         "masses": [{ "body": 1, "owner": "arm", "mass": 2.0, "com": [0, 0, 0.4] }],
         "frames": [{ "body": 1, "name": "tcp", "translation": [0, 0, 0.8], "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]] }],
@@ -57,6 +71,7 @@ fn mechanism() -> Animation {
         set: Some(vec![angle.iter().map(|q| q + 0.1).collect()]),
         time,
         positions: vec![angle],
+        surfaces: vec![tetrahedron()],
     }
 }
 

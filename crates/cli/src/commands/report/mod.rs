@@ -1,6 +1,7 @@
 //! `blocksim report`: a run as one HTML file.
 
 mod facts;
+mod meshes;
 mod movement;
 mod pictures;
 
@@ -96,7 +97,7 @@ fn gathered(args: &ReportArgs, path: &Path, console: Console) -> Result<Report, 
     let books = [book];
     pictures::add(&books, &mut report)?;
     if !args.no_3d && path.is_dir() {
-        match movement::read(path, &run) {
+        match movement::read(path, &run, args.full, &mut report.warnings) {
             Ok(animation) => report.animation = animation,
             Err(reason) => {
                 report.warnings.push(format!("The view in space is missing: {reason}."));

@@ -7,13 +7,21 @@ use blocksim_report::Animation;
 use blocksim_results::{ALWAYS, Run};
 use serde_json::Value;
 
-/// What moves, and where it is over time; `None` where the run has no mechanism.
+use super::meshes::surfaces;
+
+/// What moves, and where it is over time; `None` where the run has no mechanism. Parts that cannot be drawn become
+/// `warnings`.
 ///
 /// # Errors
 /// Why there is a mechanism that cannot be shown, in words.
-pub fn read(folder: &Path, run: &Run) -> Result<Option<Animation>, String> {
+pub fn read(
+    folder: &Path,
+    run: &Run,
+    full: bool,
+    warnings: &mut Vec<String>,
+) -> Result<Option<Animation>, String> {
     let Ok(text) = fs::read_to_string(folder.join("scene.json")) else { return Ok(None) };
-    let scene: Value = serde_json::from_str(&text).map_err(|error| format!("scene.json: {error}"))?;
+    let mut scene: Value = serde_json::from_str(&text).map_err(|error| format!("scene.json: {error}"))?;
     let list = |name: &str| scene[name].as_array().is_some();
     if !["bodies", "shapes", "masses", "frames"].iter().all(|name| list(name)) {
         return Err("scene.json is no scene".to_owned());
@@ -30,7 +38,8 @@ pub fn read(folder: &Path, run: &Run) -> Result<Option<Animation>, String> {
     let recording = run.read_together(&places, &ALWAYS).map_err(|error| error.reason())?;
     let positions: Vec<Vec<f64>> = recording.signals.into_iter().map(|signal| signal.values).collect();
     let set = set_values(run, &positions);
-    Ok(Some(Animation { scene, time: recording.time, positions, set }))
+    let surfaces = surfaces(&mut scene, full, warnings);
+    Ok(Some(Animation { scene, surfaces, time: recording.time, positions, set }))
 }
 
 /// Signals of all joints in the order of the bodies.
