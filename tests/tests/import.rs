@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use blocksim_import::{Mechanism, Provenance, diagram, model, parameters, urdf};
+use blocksim_import::{Files, Mechanism, Provenance, diagram, model, parameters, urdf};
 use blocksim_multibody::{Inertia, Joint, Model, ModelBuilder, Placement, bias, crba, rnea};
 use blocksim_tests::{Desk, compile_with, root, run};
+
+const FILES: Files = Files { source: "a.urdf", diagram: "a.ron", parameters: "p.ron", robot: None };
 
 fn read(name: &str) -> Mechanism {
     let file = root().join("tests/data").join(name);
@@ -30,13 +32,13 @@ impl Random {
 fn accelerations(mechanism: &Mechanism, change: impl Fn(String) -> String, signals: &[&str]) -> Vec<f64> {
     let provenance =
         Provenance { source: "a.urdf".into(), fingerprint: "0".into(), date: "2026-11-21".into() };
-    let text = diagram(mechanism, "p.ron", "a.urdf");
+    let text = diagram(mechanism, &FILES);
     let (compiled, problems) = compile_with(&Desk::new().with("a.ron", &text), Path::new("a.ron"), &[]);
     assert!(compiled.schedule.is_none() && problems.contains("missing_file"), "{problems}");
     let text = change(text)
         .replace("stop_time: \"1 s\"", "stop_time: \"1 us\"")
         .replace("    blocks: {\n", "    record: [\"*.*\"],\n    blocks: {\n");
-    let desk = Desk::new().with("a.ron", &text).with("p.ron", &parameters(mechanism, &provenance));
+    let desk = Desk::new().with("a.ron", &text).with("p.ron", &parameters(mechanism, None, &provenance));
     let (compiled, problems) = compile_with(&desk, Path::new("a.ron"), &[]);
     let schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}{text}"));
     assert_eq!(problems, "");
@@ -288,8 +290,8 @@ fn imported_shapes_are_seen_on_the_bodies_that_they_belong_to() {
     let provenance =
         Provenance { source: "a.urdf".into(), fingerprint: "0".into(), date: "2026-11-21".into() };
     let desk = Desk::new()
-        .with("a.ron", &diagram(&mechanism, "p.ron", "a.urdf"))
-        .with("p.ron", &parameters(&mechanism, &provenance));
+        .with("a.ron", &diagram(&mechanism, &FILES))
+        .with("p.ron", &parameters(&mechanism, None, &provenance));
     let (compiled, problems) = compile_with(&desk, Path::new("a.ron"), &[]);
     let scene = compiled.scene.unwrap_or_else(|| panic!("{problems}"));
     let expected: usize = mechanism.bodies.iter().map(|body| body.shapes.len()).sum();
@@ -311,4 +313,158 @@ fn imported_shapes_are_seen_on_the_bodies_that_they_belong_to() {
     let expected = turned * Placement::from_translation([0.0, 0.0, 0.2]);
     assert!((found.translation - expected.translation).norm() < 1e-12, "{found:?}");
     assert!((found.rotation - expected.rotation).abs().max() < 1e-12, "{found:?}");
+}
+
+/// The description of the robot in an imported diagram.
+fn described(name: &str) -> blocksim_blocks::robotics::RobotDescription {
+    use blocksim_import::{chain, robot};
+    let mechanism = read(name);
+    let chain = chain(&mechanism, None).expect("a chain of axes");
+    assert_eq!(chain.notes, [""; 0]);
+    let files = Files { robot: Some("r.ron"), ..FILES };
+    let (text, assumed) = robot(&mechanism, &chain, &files);
+    assert_eq!(assumed, ["accelerations", "how fast the tool may be"]);
+    let provenance =
+        Provenance { source: "a.urdf".into(), fingerprint: "0".into(), date: "2026-11-21".into() };
+    let desk = Desk::new()
+        .with("a.ron", &diagram(&mechanism, &files))
+        .with("p.ron", &parameters(&mechanism, Some(&chain), &provenance))
+        .with("r.ron", &text);
+    let (compiled, problems) = compile_with(&desk, Path::new("a.ron"), &[]);
+    assert!(compiled.schedule.is_some() && problems.is_empty(), "{problems}");
+    let sources = blocksim_diagram::Sources::new(&desk);
+    blocksim_diagram::parameter(&sources, Path::new("a.ron"), &[], "manipulator")
+        .unwrap_or_else(|problems| panic!("{problems:?}\n{text}"))
+}
+
+#[test]
+fn the_imported_description_has_the_kinematics_and_dynamics_of_the_one_that_ships() {
+    use blocksim_blocks::robotics::RobotDescription;
+    let disk = Desk::new();
+    let sources = blocksim_diagram::Sources::new(&disk);
+    let file = root().join("diagrams/irb2600/irb2600.ron");
+    let mut ships: RobotDescription =
+        blocksim_diagram::parameter(&sources, &file, &[], "manipulator").expect("the description");
+    let imported = described("irb2600.urdf");
+    // The file has no torch, and gravity is that of the standard.
+    ships.load.clear();
+    ships.tool = Default::default();
+    ships.gravity = imported.gravity;
+    let [ships, imported] = [ships, imported].map(|description| description.robot("robot").expect("a robot"));
+    assert!(imported.closed_form().is_some(), "inverse kinematics in closed form");
+    for (a, b) in imported.limits().iter().zip(ships.limits()) {
+        let gaps = [a.lower - b.lower, a.upper - b.upper, a.speed - b.speed];
+        assert!(gaps.iter().all(|gap| gap.abs() < 1e-9), "{a:?} is not {b:?}");
+    }
+    let mut random = Random(17);
+    let (mut one, mut other) = (imported.model().data(), ships.model().data());
+    for _ in 0..50 {
+        let (q, v, a) = (random.list(6), random.list(6), random.list(6));
+        let gap = imported.tcp(&mut one, &q).translation - ships.tcp(&mut other, &q).translation;
+        assert!(gap.norm() < 1e-9, "{gap}");
+        let (mut needed, mut expected) = (vec![0.0; 6], vec![0.0; 6]);
+        imported.joint_torques(&mut one, &q, &v, &a, &mut needed);
+        ships.joint_torques(&mut other, &q, &v, &a, &mut expected);
+        for (needed, expected) in needed.iter().zip(&expected) {
+            assert!(
+                (needed - expected).abs() <= 1e-9 * expected.abs().max(1.0),
+                "{needed} is not {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_chain_through_welds_and_turned_frames_is_described_as_it_is_built() {
+    use blocksim_import::{chain, robot};
+    // Welds before, between and behind the axes, a body on a weld, and two fingers that count as fixed.
+    let text = r#"<robot name="welded">
+  <link name="world"/>
+  <joint name="stand" type="fixed"><parent link="world"/><child link="base"/><origin xyz="1 2 0.5" rpy="0.1 0.2 0.3"/></joint>
+  <link name="base"/>
+  <joint name="a" type="revolute"><parent link="base"/><child link="one"/><origin xyz="0 0.1 0.4" rpy="0.3 0 0"/>
+    <axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="1" effort="1"/><dynamics damping="0.7"/></joint>
+  <link name="one"><inertial><origin xyz="0.1 0 0.2" rpy="0.5 0 0"/><mass value="3"/>
+    <inertia ixx="0.05" ixy="0.002" ixz="-0.001" iyy="0.06" iyz="0.003" izz="0.03"/></inertial></link>
+  <joint name="bend" type="fixed"><parent link="one"/><child link="elbow"/><origin xyz="0.2 0 0.1" rpy="0 0.7 0"/></joint>
+  <link name="elbow"><inertial><origin xyz="0 0.05 0"/><mass value="1"/>
+    <inertia ixx="0.01" ixy="0.001" ixz="0" iyy="0.02" iyz="0" izz="0.015"/></inertial></link>
+  <joint name="b" type="continuous"><parent link="elbow"/><child link="two"/><origin xyz="0.3 0 0" rpy="0 0 0.4"/>
+    <axis xyz="0 1 0"/></joint>
+  <link name="two"><inertial><origin xyz="0.2 0 0"/><mass value="0.8"/>
+    <inertia ixx="0.002" ixy="0" ixz="0" iyy="0.003" iyz="0" izz="0.0025"/></inertial></link>
+  <joint name="finger" type="prismatic"><parent link="two"/><child link="jaw"/><origin xyz="0.25 0 0" rpy="0 0 1"/>
+    <axis xyz="1 0 0"/><limit lower="0.01" upper="0.05" velocity="1" effort="1"/></joint>
+  <link name="jaw"><inertial><origin xyz="0.02 0.01 0"/><mass value="0.1"/>
+    <inertia ixx="0.0001" ixy="0" ixz="0" iyy="0.0001" iyz="0" izz="0.0001"/></inertial></link>
+  <joint name="thumb" type="prismatic"><parent link="two"/><child link="other"/><origin xyz="0.25 0.1 0" rpy="0 0 -1"/>
+    <axis xyz="1 0 0"/><limit lower="0.01" upper="0.05" velocity="1" effort="1"/></joint>
+  <link name="other"><inertial><origin xyz="0.02 -0.01 0"/><mass value="0.1"/>
+    <inertia ixx="0.0001" ixy="0" ixz="0" iyy="0.0001" iyz="0" izz="0.0001"/></inertial></link>
+  <joint name="end" type="fixed"><parent link="two"/><child link="grip"/><origin xyz="0.3 0 0.1" rpy="1 0 0"/></joint>
+  <link name="grip"/>
+</robot>"#;
+    let mechanism = urdf::read(Path::new("w.urdf"), text.as_bytes(), false).expect("a mechanism");
+    let branches = chain(&mechanism, None).expect_err("two joints on one link");
+    assert!(
+        (branches.contains("finger") || branches.contains("thumb")) && branches.contains("--tip"),
+        "{branches}"
+    );
+    let chain = chain(&mechanism, Some("grip")).expect("a chain");
+    let fixed = ["finger", "thumb"].map(|name| format!("`{name}` counts as fixed in the robot description"));
+    assert_eq!(chain.notes, fixed);
+    let files = Files { robot: Some("r.ron"), ..FILES };
+    let (robot_text, assumed) = robot(&mechanism, &chain, &files);
+    assert_eq!(
+        assumed,
+        ["accelerations", "how fast the tool may be", "the range of `b`", "the speed of `b`"]
+    );
+    let provenance = Provenance { source: "w".into(), fingerprint: "0".into(), date: "2026-11-21".into() };
+    let desk = Desk::new()
+        .with("a.ron", &diagram(&mechanism, &files))
+        .with("p.ron", &parameters(&mechanism, Some(&chain), &provenance))
+        .with("r.ron", &robot_text);
+    let sources = blocksim_diagram::Sources::new(&desk);
+    let described: blocksim_blocks::robotics::RobotDescription =
+        blocksim_diagram::parameter(&sources, Path::new("a.ron"), &[], "manipulator")
+            .unwrap_or_else(|problems| panic!("{problems:?}\n{robot_text}"));
+    let robot = described.robot("robot").expect("a robot");
+    // The whole mechanism, its fingers held where they start.
+    let bodies = model(&mechanism).expect("masses").expect("a tree").model;
+    let mut random = Random(23);
+    let (mut one, mut other) = (robot.model().data(), bodies.data());
+    for _ in 0..20 {
+        let (q, v, a) = (random.list(2), random.list(2), random.list(2));
+        let mut needed = vec![0.0; 2];
+        robot.joint_torques(&mut one, &q, &v, &a, &mut needed);
+        let with_fingers = |list: &[f64], finger: f64| [list[0], list[1], finger, finger];
+        let mut expected = vec![0.0; 4];
+        rnea(
+            &bodies,
+            &mut other,
+            &with_fingers(&q, 0.01),
+            &with_fingers(&v, 0.0),
+            &with_fingers(&a, 0.0),
+            &mut expected,
+        );
+        for (needed, expected) in needed.iter().zip(&expected) {
+            assert!(
+                (needed - expected).abs() < 1e-10 * expected.abs().max(1.0),
+                "{needed} is not {expected}"
+            );
+        }
+    }
+    // The flange: by the places of the file, one behind the other.
+    let q = [0.3, -0.8];
+    let turn = |axis: [f64; 3], angle: f64| Placement::from_axis_angle([0.0; 3], axis, angle);
+    let grip = Placement::from_rpy([1.0, 2.0, 0.5], [0.1, 0.2, 0.3])
+        * Placement::from_rpy([0.0, 0.1, 0.4], [0.3, 0.0, 0.0])
+        * turn([0.0, 0.0, 1.0], q[0])
+        * Placement::from_rpy([0.2, 0.0, 0.1], [0.0, 0.7, 0.0])
+        * Placement::from_rpy([0.3, 0.0, 0.0], [0.0, 0.0, 0.4])
+        * turn([0.0, 1.0, 0.0], q[1])
+        * Placement::from_rpy([0.3, 0.0, 0.1], [1.0, 0.0, 0.0]);
+    let tcp = robot.parts().base * robot.tcp(&mut one, &q);
+    assert!((tcp.translation - grip.translation).norm() < 1e-11, "{tcp:?}");
+    assert!((tcp.rotation - grip.rotation).abs().max() < 1e-11, "{tcp:?}");
 }

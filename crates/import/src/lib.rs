@@ -2,11 +2,12 @@
 //! Multibody) and their data files.
 //!
 //! Three steps, from plain data to plain data: a reader makes a [`Mechanism`] of the bytes of a file ([`urdf::read`], [`simscape::read`]),
-//! [`diagram`] and [`parameters`] make text of it. Nothing here opens or writes a file, and nothing knows blocks: the
+//! [`diagram`] and [`parameters`] make text of it; where its axes make a [`chain`], [`robot`] describes it as one. Nothing here opens or writes a file, and nothing knows blocks: the
 //! diagram is text.
 //!
 //! Faults have a file, a line, a reason and a remedy ([`Fault`]); all of a file are told at once.
 
+mod chain;
 mod fault;
 mod mechanism;
 mod meshes;
@@ -22,6 +23,7 @@ mod volume;
 mod write;
 mod xml;
 
+pub use chain::{Chain, ChainLink, chain};
 pub use fault::Fault;
 pub use mechanism::{Body, Form, Joint, Mechanism, Motion, Role, Shape, Start};
 pub use meshes::{MeshFile, meshes};
@@ -29,4 +31,4 @@ pub use model::{Tree, model};
 pub use names::file_name;
 pub use update::{Differences, differences, named_in};
 pub use volume::{Solid, solid};
-pub use write::{Provenance, diagram, parameters};
+pub use write::{Files, Provenance, diagram, parameters, robot};

@@ -30,7 +30,8 @@ const LARGEST: usize = 512 << 20;
 /// `read` gets a path and returns the bytes; `file` is the file that names the meshes.
 ///
 /// # Errors
-/// Meshes that do not exist or are damaged, bodies that a mesh does not enclose.
+/// Meshes that are damaged or of an unknown kind, bodies that a mesh does not enclose. A mesh that does not exist is a note,
+/// unless the mass of its body is wanted.
 pub fn meshes(
     mechanism: &mut Mechanism,
     file: &Path,
@@ -40,15 +41,35 @@ pub fn meshes(
     let mut faults = Vec::new();
     let mut found: BTreeMap<String, (String, PathBuf, Vec<u8>)> = BTreeMap::new();
     let mut names = std::collections::BTreeSet::new();
+    let mut missing_names: BTreeMap<String, String> = BTreeMap::new();
     let mut total = 0;
     let mut notes = Vec::new();
     for body in &mut mechanism.bodies {
         let mut measured: Vec<(Role, Solid)> = Vec::new();
         for shape in &mut body.shapes {
             let Form::Mesh { file: named, scale, line } = &mut shape.form else { continue };
+            if let Some(name) = missing_names.get(named) {
+                *named = name.clone();
+                continue;
+            }
             if !found.contains_key(named) {
                 let fault = |fault: Fault| fault.at(*line);
-                let Some((path, bytes)) = keep(open(file, named, read).map_err(fault), &mut faults) else {
+                let Some(opened) = keep(open(file, named, read).map_err(fault), &mut faults) else {
+                    continue;
+                };
+                let Some((path, bytes)) = opened else {
+                    // All else is drawn and moves without it, unless its mass is wanted.
+                    let name = place(Path::new(named.as_str()), &mut names);
+                    let missing = format!("there is no mesh `{named}`, which `{}` looks like", body.original);
+                    if density.is_some() && body.inertia.is_none() {
+                        let remedy = "put it there, or state mass and inertia";
+                        let _ = keep::<()>(Err(fault(Fault::new(file, missing, remedy))), &mut faults);
+                    } else {
+                        let at = file.display();
+                        notes.push(format!("{at}:{line}: {missing}: put it to {name} beside the diagram"));
+                    }
+                    missing_names.insert(named.clone(), name.clone());
+                    *named = name;
                     continue;
                 };
                 total += bytes.len();
@@ -100,12 +121,12 @@ fn place(path: &Path, names: &mut std::collections::BTreeSet<String>) -> String 
     first.chain(numbered).find(|name| names.insert(name.clone())).unwrap_or_default()
 }
 
-/// Finds a mesh and reads it.
+/// Finds a mesh and reads it; `None` if there is none.
 fn open(
     file: &Path,
     named: &str,
     read: &dyn Fn(&Path) -> io::Result<Vec<u8>>,
-) -> Result<(PathBuf, Vec<u8>), Fault> {
+) -> Result<Option<(PathBuf, Vec<u8>)>, Fault> {
     const KNOWN: [&str; 6] = ["stl", "dae", "obj", "step", "stp", "ply"];
     let ending = Path::new(named).extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     if !ending.is_some_and(|ending| KNOWN.contains(&ending.as_str())) {
@@ -115,7 +136,7 @@ fn open(
     let places = places(file, named);
     for path in &places {
         match read(path) {
-            Ok(bytes) => return Ok((path.clone(), bytes)),
+            Ok(bytes) => return Ok(Some((path.clone(), bytes))),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => {
                 let reason = format!("the mesh `{}` cannot be read: {error}", path.display());
@@ -123,9 +144,7 @@ fn open(
             }
         }
     }
-    let first = places.first().map(|path| path.display().to_string()).unwrap_or_default();
-    let remedy = format!("put it there ({first}), or leave meshes out with --no-meshes");
-    Err(Fault::new(file, format!("there is no mesh `{named}`"), remedy))
+    Ok(None)
 }
 
 /// Where a mesh may be: beside the file; one of a ROS package below a folder around the file.
@@ -244,10 +263,17 @@ mod tests {
     #[test]
     fn a_mesh_that_does_not_exist_is_told_with_its_line() {
         let file = Path::new("elsewhere/r.urdf");
-        let mut robot = crate::urdf::read(file, ROBOT.as_bytes(), true).unwrap();
-        let faults = meshes(&mut robot, file, None, &disk).unwrap_err();
+        let urdf = |text: &str| crate::urdf::read(file, text.as_bytes(), true).unwrap();
+        let robot = urdf(ROBOT);
+        assert_eq!(meshes(&mut robot.clone(), file, None, &disk), Ok(Vec::new()), "nothing to write");
+        let faults = meshes(&mut robot.clone(), file, Some(1000.0), &disk).unwrap_err();
         assert_eq!(faults[0].line, Some(7));
-        assert!(faults[0].remedy.contains("--no-meshes"));
+        let mut known = urdf(&ROBOT.replace("<visual>", "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial><visual>"));
+        meshes(&mut known, file, Some(1000.0), &disk).unwrap();
+        let told = "elsewhere/r.urdf:7: there is no mesh `package://robot/meshes/arm.STL`, which `arm` looks like: put it to meshes/arm.stl beside the diagram";
+        assert_eq!(known.notes, [told]);
+        let Form::Mesh { file: named, .. } = &known.bodies[1].shapes[0].form else { panic!("a mesh") };
+        assert_eq!(named, "meshes/arm.stl");
     }
 
     #[test]

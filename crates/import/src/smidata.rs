@@ -12,19 +12,46 @@ use crate::fault::{Fault, keep, shown};
 use crate::names::Names;
 use crate::numbers::numbers;
 use crate::simscape::units::{length, mass};
-use crate::write::{Provenance, mass_entries, place_entries};
+use crate::write::{Provenance, mass_entries, place_entries, start_entries};
 use crate::xml;
 
-/// Solids and transforms, in SI units.
+/// Solids, transforms and starts of joints, in SI units.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SmiData {
-    /// Masses of solids: name, identification in the file, properties.
-    pub solids: Vec<(String, String, Inertia)>,
-    /// Rigid transforms: name, identification in the file, placement.
-    pub transforms: Vec<(String, String, Placement)>,
+    /// Masses of solids.
+    pub solids: Vec<Entry<Inertia>>,
+    /// Rigid transforms.
+    pub transforms: Vec<Entry<Placement>>,
+    /// Where joints start.
+    pub joints: Vec<Entry<JointStart>>,
     /// What was left out.
     pub notes: Vec<String>,
 }
+
+/// Something with a name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry<T> {
+    /// Name of parameters: letters, digits and `_`, each once among its kind.
+    pub name: String,
+    /// Identification in the file.
+    pub id: String,
+    /// Line of the first number that counts, from 1.
+    pub line: u32,
+    /// What the file says.
+    pub value: T,
+}
+
+/// Where a joint starts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointStart {
+    /// Kind of joint as in the file, `RevoluteJoint`.
+    pub kind: String,
+    /// Translation along x, y and z and rotation about z of the joint, m and rad, as far as the file gives them.
+    pub coordinates: [Option<f64>; 4],
+}
+
+/// Fields of the coordinates of a joint.
+const COORDINATES: [&str; 4] = ["Px.Pos", "Py.Pos", "Pz.Pos", "Rz.Pos"];
 
 /// A value with its unit and line.
 type Value<'a> = (&'a str, &'a str, u32);
@@ -57,22 +84,28 @@ pub fn read(file: &Path, bytes: &[u8]) -> Result<SmiData, Vec<Fault>> {
         groups.entry(group).or_default().entry(index).or_default().insert(field, (value.0, value.1, number));
     }
     let mut data = SmiData::default();
+    // Joints of all kinds are one group.
+    let mut joints = Names::new(&[]);
     for (group, members) in &groups {
         match *group {
             "Solid" => {
                 let mut names = Names::new(&[]);
                 for fields in members.values() {
-                    let id = id(fields);
                     let solid = keep(solid(file, fields), &mut faults).flatten();
-                    data.solids.extend(solid.map(|solid| (names.give(&id), id, solid)));
+                    data.solids.extend(solid.map(|solid| entry(fields, &mut names, solid)));
                 }
             }
             "RigidTransform" => {
                 let mut names = Names::new(&[]);
                 for fields in members.values() {
-                    let id = id(fields);
                     let place = keep(transform(file, fields), &mut faults);
-                    data.transforms.extend(place.map(|place| (names.give(&id), id, place)));
+                    data.transforms.extend(place.map(|place| entry(fields, &mut names, place)));
+                }
+            }
+            kind if kind.ends_with("Joint") => {
+                for fields in members.values() {
+                    let start = keep(joint(file, kind, fields, &mut data.notes), &mut faults);
+                    data.joints.extend(start.map(|start| entry(fields, &mut joints, start)));
                 }
             }
             other => data.notes.push(format!("left out: smiData.{other} ({} entries)", members.len())),
@@ -101,8 +134,10 @@ fn assignment(line: &str) -> Option<(&str, u32, &str, (&str, &str))> {
     Some((group.trim(), index.trim().parse().ok()?, field.trim(), (value.trim(), unit)))
 }
 
-fn id(fields: &BTreeMap<&str, Value>) -> String {
-    fields.get("ID").map_or("", |(value, ..)| value.trim_matches(['\'', '"'])).to_owned()
+fn entry<T>(fields: &BTreeMap<&str, Value>, names: &mut Names, value: T) -> Entry<T> {
+    let id = fields.get("ID").map_or("", |(value, ..)| value.trim_matches(['\'', '"'])).to_owned();
+    let line = fields.iter().filter(|(name, _)| **name != "ID").map(|(_, (_, _, line))| *line).min();
+    Entry { name: names.give(&id), id, line: line.unwrap_or(1), value }
 }
 
 /// Numbers of a field with a factor for their unit.
@@ -138,6 +173,33 @@ fn inertia_unit(unit: &str) -> Option<f64> {
     Some(mass(kilograms)? * length(metres.trim().strip_suffix("^2")?)?.powi(2))
 }
 
+fn angle_unit(unit: &str) -> Option<f64> {
+    match unit {
+        "rad" => Some(1.0),
+        "deg" => Some(1.0_f64.to_radians()),
+        _ => None,
+    }
+}
+
+fn joint(
+    file: &Path,
+    kind: &str,
+    fields: &BTreeMap<&str, Value>,
+    notes: &mut Vec<String>,
+) -> Result<JointStart, Fault> {
+    let mut coordinates = [None; 4];
+    for (coordinate, name) in coordinates.iter_mut().zip(COORDINATES) {
+        if fields.contains_key(name) {
+            let unit = if name.starts_with('R') { angle_unit } else { length };
+            let [value] = field(file, fields, name, unit)?;
+            *coordinate = Some(value);
+        }
+    }
+    let others = fields.iter().filter(|(name, _)| !COORDINATES.contains(name) && **name != "ID");
+    notes.extend(others.map(|(name, (_, _, line))| format!("line {line}: left out: `{name}` of a {kind}")));
+    Ok(JointStart { kind: kind.to_owned(), coordinates })
+}
+
 /// `None` for a solid without mass.
 fn solid(file: &Path, fields: &BTreeMap<&str, Value>) -> Result<Option<Inertia>, Fault> {
     let line = fields.get("mass").map_or(1, |(_, _, line)| *line);
@@ -159,69 +221,65 @@ fn solid(file: &Path, fields: &BTreeMap<&str, Value>) -> Result<Option<Inertia>,
 
 fn transform(file: &Path, fields: &BTreeMap<&str, Value>) -> Result<Placement, Fault> {
     let translation: [f64; 3] = field(file, fields, "translation", length)?;
-    let [angle] = field(file, fields, "angle", |unit| match unit {
-        "rad" => Some(1.0),
-        "deg" => Some(1.0_f64.to_radians()),
-        _ => None,
-    })?;
+    let [angle] = field(file, fields, "angle", angle_unit)?;
     let axis: [f64; 3] = field(file, fields, "axis", |_| Some(1.0))?;
     let place = Placement::from_axis_angle(translation, axis, angle);
     let clean = |x: f64| if (x - x.round()).abs() < 1e-12 { x.round() } else { x };
     Ok(Placement { rotation: place.rotation.map(clean), ..place })
 }
 
-/// The text of a parameter file: `solids` and `transforms`.
+/// The text of a parameter file: `solids`, `transforms` and, where the file has any, `joints`.
 pub fn parameters(data: &SmiData, provenance: &Provenance) -> String {
-    let mut out = provenance.comment("Solids and transforms");
-    let group = |name: &str, entries: Vec<(&str, &str, String)>| {
-        let mut text = format!("    {name}: (\n");
-        for (name, original, members) in entries {
-            if name != original {
-                text.push_str(&format!("        // {}\n", crate::write::line(original)));
-            }
-            text.push_str(&format!("        {name}: (\n{members}        ),\n"));
-        }
-        text.push_str("    ),\n");
-        text
+    let solids = group("solids", &data.solids, |solid, out| mass_entries(solid, 12, out));
+    let transforms = group("transforms", &data.transforms, |place, out| place_entries(place, 12, out));
+    let joints = match data.joints.is_empty() {
+        true => String::new(),
+        false => group("joints", &data.joints, |start, out| start_entries(start, 12, out)),
     };
-    let solids = data.solids.iter().map(|(name, id, solid)| {
-        let mut members = String::new();
-        mass_entries(solid, 12, &mut members);
-        (name.as_str(), id.as_str(), members)
-    });
-    let transforms = data.transforms.iter().map(|(name, id, place)| {
-        let mut members = String::new();
-        place_entries(place, 12, &mut members);
-        (name.as_str(), id.as_str(), members)
-    });
-    let (solids, transforms) = (group("solids", solids.collect()), group("transforms", transforms.collect()));
-    out.push_str(&format!("(\n{solids}{transforms})\n"));
-    out
+    format!("{}(\n{solids}{transforms}{joints})\n", provenance.comment("Solids and transforms"))
+}
+
+fn group<T>(name: &str, entries: &[Entry<T>], members: impl Fn(&T, &mut String)) -> String {
+    let mut text = format!("    {name}: (\n");
+    for Entry { name, id, value, .. } in entries {
+        if name != id {
+            text.push_str(&format!("        // {}\n", crate::write::line(id)));
+        }
+        text.push_str(&format!("        {name}: (\n"));
+        members(value, &mut text);
+        text.push_str("        ),\n");
+    }
+    text.push_str("    ),\n");
+    text
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::FRAC_PI_2;
 
-    const TORCH: &str = "% a comment\n%%%VariableName:smiData\n\nsmiData.Solid(1).mass = 0.0;\nsmiData.Solid(1).CoM = [0.0 0.0 0.0];\nsmiData.Solid(1).MoI = [0.0 0.0 0.0];\nsmiData.Solid(1).PoI = [0.0 0.0 0.0];\nsmiData.Solid(1).ID = '';\nsmiData.Solid(1).mass = 5;  % kg\nsmiData.Solid(1).CoM = [-6.5981 89.2022 112.7592];  % mm\nsmiData.Solid(1).MoI = [11039.939 1894.567 11790.502];  % kg*mm^2\nsmiData.Solid(1).PoI = [414.197 89.323 -2574.717];  % kg*mm^2\nsmiData.Solid(1).opacity = 1;\nsmiData.Solid(1).ID = 'Welding_End_Effector*:*Standard';\nsmiData.RigidTransform(2).translation = [0 1 2];  % in\nsmiData.RigidTransform(2).angle = 2.0943951023931953;  % rad\nsmiData.RigidTransform(2).axis = [1 1 1];\nsmiData.RigidTransform(2).ID = \"B[a-1:-:b-1]; % no comment\";\nsmiData.RevoluteJoint(1).Rz.Pos = 0.0;  % deg\n";
+    const TORCH: &str = "% a comment\n%%%VariableName:smiData\n\nsmiData.Solid(1).mass = 0.0;\nsmiData.Solid(1).CoM = [0.0 0.0 0.0];\nsmiData.Solid(1).MoI = [0.0 0.0 0.0];\nsmiData.Solid(1).PoI = [0.0 0.0 0.0];\nsmiData.Solid(1).ID = '';\nsmiData.Solid(1).mass = 5;  % kg\nsmiData.Solid(1).CoM = [-6.5981 89.2022 112.7592];  % mm\nsmiData.Solid(1).MoI = [11039.939 1894.567 11790.502];  % kg*mm^2\nsmiData.Solid(1).PoI = [414.197 89.323 -2574.717];  % kg*mm^2\nsmiData.Solid(1).opacity = 1;\nsmiData.Solid(1).ID = 'Welding_End_Effector*:*Standard';\nsmiData.RigidTransform(2).translation = [0 1 2];  % in\nsmiData.RigidTransform(2).angle = 2.0943951023931953;  % rad\nsmiData.RigidTransform(2).axis = [1 1 1];\nsmiData.RigidTransform(2).ID = \"B[a-1:-:b-1]; % no comment\";\nsmiData.RevoluteJoint(1).Rz.Pos = 90.0;  % deg\nsmiData.Solver(1).step = 1;\n";
 
     #[test]
     fn numbers_become_si_and_later_lines_win() {
         let data = read(Path::new("a.m"), TORCH.as_bytes()).unwrap();
-        let (name, id, torch) = &data.solids[0];
+        let Entry { name, id, line, value: torch } = &data.solids[0];
         assert_eq!(
-            (name.as_str(), id.as_str()),
-            ("Welding_End_Effector_Standard", "Welding_End_Effector*:*Standard")
+            (name.as_str(), id.as_str(), *line),
+            ("Welding_End_Effector_Standard", "Welding_End_Effector*:*Standard", 9)
         );
         assert_eq!(torch.mass, 5.0);
         assert!((torch.com.z - 0.1127592).abs() < 1e-15);
         assert!((torch.about_com[(0, 1)] + 2574.717e-6).abs() < 1e-15);
-        let (_, id, place) = &data.transforms[0];
+        let Entry { id, value: place, .. } = &data.transforms[0];
         assert_eq!(id, "B[a-1:-:b-1]; % no comment");
         assert!((place.translation.y - 0.0254).abs() < 1e-15);
         // A third of a turn about the diagonal takes x to y.
         assert_eq!(place.rotation.column(0).as_slice(), [0.0, 1.0, 0.0]);
-        assert_eq!(data.notes, ["left out: smiData.RevoluteJoint (1 entries)"]);
+        let start =
+            JointStart { kind: "RevoluteJoint".into(), coordinates: [None, None, None, Some(FRAC_PI_2)] };
+        assert_eq!(data.joints[0].value, start);
+        assert_eq!(data.notes, ["left out: smiData.Solver (1 entries)"]);
     }
 
     #[test]

@@ -4,7 +4,8 @@ use std::io;
 use std::path::Path;
 
 use blocksim_import::{
-    Mechanism, Provenance, diagram, meshes, model, parameters, simscape, smidata, stl, urdf,
+    Files, Mechanism, Provenance, chain, diagram, meshes, model, parameters, robot, simscape, smidata, stl,
+    urdf,
 };
 
 /// Numbers that look random, the same in every run.
@@ -96,8 +97,13 @@ fn use_up(mut mechanism: Mechanism) {
     let _ = meshes(&mut mechanism, Path::new("a"), Some(1000.0), &nothing);
     let _ = model(&mechanism);
     let provenance = Provenance { source: "a".into(), fingerprint: "0".into(), date: "2026-11-21".into() };
-    assert!(parameters(&mechanism, &provenance).ends_with(")\n"));
-    assert!(diagram(&mechanism, "p.ron", "a").ends_with(")\n"));
+    let chain = chain(&mechanism, None).ok();
+    let files = Files { source: "a", diagram: "a.ron", parameters: "p.ron", robot: None };
+    assert!(parameters(&mechanism, chain.as_ref(), &provenance).ends_with(")\n"));
+    assert!(diagram(&mechanism, &files).ends_with(")\n"));
+    for chain in chain.iter() {
+        assert!(robot(&mechanism, chain, &files).0.ends_with(")\n"));
+    }
 }
 
 #[test]

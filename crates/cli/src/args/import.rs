@@ -10,8 +10,10 @@ use super::values::NoNames;
 /// `blocksim import`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Writes a diagram and a file of its numbers. Where the diagram exists it is left alone, and only \
-                        the numbers are brought up to date.\n\nExample:\n  blocksim import arm.urdf --out arm"
+    after_help = "Writes a diagram, a file of its numbers and, where axes follow each other, a description of the robot. \
+                  Where they exist only the numbers are brought up to date; the others are yours.\n\nExamples:\n  \
+                  blocksim import arm.urdf --out arm\n  blocksim import arm.urdf --out arm --tip tool0\n  \
+                  blocksim import arm.xml --data arm_DataFile.m --out arm"
 )]
 pub struct ImportArgs {
     /// The file.
@@ -22,6 +24,12 @@ pub struct ImportArgs {
     /// Folder for the diagram and its parameters.
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Data file (`*_DataFile.m`) that was exported with an assembly: its numbers count.
+    #[arg(long, value_name = "FILE")]
+    pub data: Option<PathBuf>,
+    /// Body at the end of the robot, where joints branch or several frames end it.
+    #[arg(long, value_name = "BODY")]
+    pub tip: Option<String>,
     /// Density for links without mass, which then is that of their mesh, such as `2700` or `"7850 kg/m^3"`.
     #[arg(long, value_name = "DENSITY", value_parser = density)]
     pub density: Option<f64>,

@@ -3,9 +3,12 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use blocksim_multibody::Placement;
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::Vector3;
 
 use super::Ties;
+use super::data::SAME;
+use super::framed::{Framed, sorted};
+use super::frames::{at_body, clean, gap, z_to};
 use super::freedom::{Left, Row, left};
 use super::instances::Instances;
 use super::joints::Stated;
@@ -27,6 +30,7 @@ pub(super) fn assemble(
     instances: &Instances,
     body_of: &[Option<usize>],
     ties: Ties,
+    framed: Vec<Framed>,
 ) {
     let mut group: Vec<usize> = (0..instances.nodes.len()).collect();
     rigid(&mut group, instances, &ties.flexible);
@@ -48,8 +52,9 @@ pub(super) fn assemble(
     links.extend(
         ties.stated.into_iter().filter(|s| s.motion != Motion::Weld).map(|s| stated_link(s, instances)),
     );
+    let framed = sorted(framed, &group, &mut mechanism.notes);
     let mut writer =
-        Writer { mechanism, instances, body_of, group: &group, speaker: &speaker, names: taken() };
+        Writer { mechanism, instances, body_of, group: &group, speaker: &speaker, framed, names: taken() };
     writer.names.take(writer.mechanism.bodies.iter().map(|body| body.name.clone()));
     writer.welds();
     writer.joints(links);
@@ -135,14 +140,6 @@ fn stated_link(stated: Stated, instances: &Instances) -> Link {
     Link { name: stated.name, motion: stated.motion, between: stated.between, frames }
 }
 
-/// A rotation that takes z to an axis; the axis may point either way, that with the larger positive part is taken.
-fn z_to(axis: Vector3<f64>) -> Matrix3<f64> {
-    let largest = axis[axis.iamax()];
-    let axis = (axis * largest.signum()).map(|x| if x.abs() < 1e-9 { 0.0 } else { x }).normalize();
-    let turn = Rotation3::rotation_between(&Vector3::z(), &axis).map(Rotation3::into_inner);
-    turn.unwrap_or_else(Matrix3::identity).map(|x| if (x - x.round()).abs() < 1e-12 { x.round() } else { x })
-}
-
 struct Writer<'w, 'a> {
     mechanism: &'w mut Mechanism,
     instances: &'w Instances<'a>,
@@ -150,6 +147,8 @@ struct Writer<'w, 'a> {
     group: &'w [usize],
     /// The instance that speaks for a group.
     speaker: &'w BTreeMap<usize, usize>,
+    /// What a data file says of joints, by the groups between which they are.
+    framed: BTreeMap<[usize; 2], Framed>,
     names: Names,
 }
 
@@ -240,16 +239,38 @@ impl Writer<'_, '_> {
         let own = format!("{base_name}_to_{}", self.mechanism.bodies[follower].name);
         let original = if link.name.is_empty() { own } else { link.name.clone() };
         let name = self.names.give_joint(&original);
-        let in_base = clean(base_place.inverse() * link.frames[a]);
-        let in_follower = clean(follower_place.inverse() * link.frames[b]);
-        let now = link.frames[a].inverse() * link.frames[b];
-        let start = match link.motion {
-            _ if link.frames[0] == link.frames[1] && !one_axis(link.motion) => Start::Open,
+        let sides = [a, b].map(|side| find(self.group, link.between[side]));
+        let from_data =
+            self.framed.get(&[sides[0].min(sides[1]), sides[0].max(sides[1])]).and_then(|framed| {
+                framed.of(sides, link.motion, &link.frames[a], self.group, &mut self.mechanism.notes)
+            });
+        let (motion, frames, given) = match from_data {
+            Some((frames, given)) => (link.motion, frames, given),
+            None if link.name.is_empty() => {
+                let (motion, frame) = at_body(link.motion, &link.frames[b], &follower_place);
+                (motion, [frame, frame], None)
+            }
+            None => (link.motion, [link.frames[a], link.frames[b]], None),
+        };
+        let in_base = clean(base_place.inverse() * frames[0]);
+        let in_follower = clean(follower_place.inverse() * frames[1]);
+        let now = frames[0].inverse() * frames[1];
+        let drawn = match motion {
+            _ if frames[0] == frames[1] && !one_axis(link.motion) => Start::Open,
             Motion::Revolute { .. } => Start::Position(now.rotation[(1, 0)].atan2(now.rotation[(0, 0)])),
             Motion::Prismatic { .. } => Start::Position(now.translation.z),
             _ => Start::Placement(now),
         };
-        self.push(name, original, link.motion, (base, follower), in_base, Some(in_follower), start);
+        if let (Some(Start::Position(given)), Start::Position(drawn)) = (given, drawn)
+            && gap(motion, given - drawn) > SAME
+        {
+            self.mechanism.notes.push(format!(
+                "`{name}` starts at {given:.6} by the data file and was drawn at {drawn:.6}; the data file counts"
+            ));
+        }
+        let start = given.unwrap_or(drawn);
+        let in_follower = (in_follower != Placement::identity()).then_some(in_follower);
+        self.push(name, original, motion, (base, follower), in_base, in_follower, start);
         there
     }
 
@@ -283,11 +304,4 @@ impl Writer<'_, '_> {
 
 fn one_axis(motion: Motion) -> bool {
     matches!(motion, Motion::Revolute { .. } | Motion::Prismatic { .. })
-}
-
-/// Without the last digits of rounding: lengths to 1e-13 m, rotations where they are zeros and ones.
-fn clean(place: Placement) -> Placement {
-    let length = |x: f64| if x.abs() < 1e-13 { 0.0 } else { x };
-    let turn = |x: f64| if (x - x.round()).abs() < 1e-12 { x.round() } else { x };
-    Placement { rotation: place.rotation.map(turn), translation: place.translation.map(length) }
 }

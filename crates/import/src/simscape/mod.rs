@@ -4,6 +4,9 @@
 //! fast together becomes one group of welded bodies; what they leave free between two groups becomes a joint.
 
 mod constraints;
+mod data;
+mod framed;
+mod frames;
 mod freedom;
 mod groups;
 mod instances;
@@ -20,6 +23,7 @@ use crate::names::Names;
 use crate::urdf::TAKEN;
 use crate::xml::{self, Element};
 use constraints::Constraint;
+pub use data::DataFile;
 use instances::Instances;
 use joints::Stated;
 use units::Units;
@@ -33,6 +37,15 @@ const MOST: usize = 10_000;
 /// All faults of the file: what is no such XML, units that are not known, impossible masses, paths to instances that
 /// do not exist.
 pub fn read(file: &Path, bytes: &[u8]) -> Result<Mechanism, Vec<Fault>> {
+    read_with(file, bytes, None)
+}
+
+/// Reads an import XML file with the data file that was exported with it: numbers of the data file count, and notes tell
+/// where they differ from those of the assembly.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_with(file: &Path, bytes: &[u8], data: Option<DataFile>) -> Result<Mechanism, Vec<Fault>> {
     let one = |fault| vec![fault];
     let text = xml::text(file, bytes).map_err(one)?;
     let document = xml::parse(file, text).map_err(one)?;
@@ -48,16 +61,16 @@ pub fn read(file: &Path, bytes: &[u8]) -> Result<Mechanism, Vec<Fault>> {
     }
     let mut faults = Vec::new();
     let mut notes = Vec::new();
-    let data = keep(units::read(root, "DataUnits"), &mut faults).flatten();
+    let own = keep(units::read(root, "DataUnits"), &mut faults).flatten();
     let model = keep(units::read(root, "ModelUnits"), &mut faults).flatten();
     let Some(assembly) = keep(root.need("RootAssembly"), &mut faults) else { return Err(faults) };
-    let Some(units) = data.or(model) else {
+    let Some(units) = own.or(model) else {
         faults.push(
             root.fault("the units of the file are not stated", "add <ModelUnits mass=\"kg\" length=\"mm\"/>"),
         );
         return Err(faults);
     };
-    let parts = parts::read(root, data, model, &mut faults);
+    let mut parts = parts::read(root, own, model, &mut faults);
     let instances = instances::read(assembly, units, &mut faults);
     let mut ties = Ties::default();
     ties.read(assembly, 0, &instances, units, &mut notes, &mut faults);
@@ -74,10 +87,17 @@ pub fn read(file: &Path, bytes: &[u8]) -> Result<Mechanism, Vec<Fault>> {
     if !faults.is_empty() {
         return Err(faults);
     }
+    let framed = match data {
+        Some(data) => {
+            data.weigh(&mut parts, &mut notes);
+            data.joints(&instances, &mut notes)
+        }
+        None => Vec::new(),
+    };
     let (bodies, body_of) = bodies(&instances, &parts, &mut notes);
     let name = assembly.attribute("name").unwrap_or("assembly").to_owned();
     let mut mechanism = Mechanism { name, bodies, joints: Vec::new(), notes };
-    groups::assemble(&mut mechanism, &instances, &body_of, ties);
+    groups::assemble(&mut mechanism, &instances, &body_of, ties, framed);
     Ok(mechanism)
 }
 

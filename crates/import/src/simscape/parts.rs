@@ -13,6 +13,7 @@ use crate::xml::Element;
 /// A part, in SI units.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Part {
+    pub name: String,
     pub inertia: Option<Inertia>,
     pub shapes: Vec<Shape>,
 }
@@ -58,7 +59,7 @@ fn part(element: Element, data: Option<Units>, model: Option<Units>) -> Result<P
             colour: colour(element)?,
         });
     }
-    Ok(Part { inertia, shapes })
+    Ok(Part { name: element.attribute("name").unwrap_or_default().to_owned(), inertia, shapes })
 }
 
 /// Inertia elements are Ixx, Iyy, Izz, Iyz, Izx, Ixy about the centre of mass; `None` for a part without mass.

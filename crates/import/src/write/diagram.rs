@@ -3,12 +3,24 @@
 use super::call;
 use crate::mechanism::{Body, Joint, Mechanism, Motion, Start};
 
-/// The text of a diagram; `parameters` is the file of its numbers, `source` the file that was imported.
+/// Files that belong to a diagram.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Files<'a> {
+    /// The file that was imported.
+    pub source: &'a str,
+    /// The diagram itself.
+    pub diagram: &'a str,
+    /// Its numbers.
+    pub parameters: &'a str,
+    /// The description of the robot, where there is one.
+    pub robot: Option<&'a str>,
+}
+
+/// The text of a diagram.
 ///
 /// The diagram is for its user to change: it names numbers, and holds none.
-pub fn diagram(mechanism: &Mechanism, parameters: &str, source: &str) -> String {
+pub fn diagram(mechanism: &Mechanism, files: &Files) -> String {
     let mut blocks = vec![("world".to_owned(), "World".to_owned())];
-    let mut wires = Vec::new();
     // Ports that meet at the world and at each body.
     let mut world = vec!["world.frame".to_owned()];
     let mut frames: Vec<Vec<String>> = vec![Vec::new(); mechanism.bodies.len()];
@@ -25,45 +37,50 @@ pub fn diagram(mechanism: &Mechanism, parameters: &str, source: &str) -> String 
             Some(base) => frames[base].push(first),
             None => world.push(first),
         }
-        frames[joint.follower].push(last);
+        frames[joint.follower].insert(0, last);
     }
     let looped = mechanism.has_loop();
+    // Outwards from the world: what meets at a body, and then the joints that it carries.
+    let mut wires: Vec<Vec<String>> = vec![Vec::new(); 1 + mechanism.bodies.len()];
     for joint in mechanism.joints.iter().filter(|joint| joint.base.is_none()) {
-        joint_blocks(joint, looped, &mut blocks, &mut wires);
+        joint_blocks(joint, looped, &mut blocks, &mut wires[0]);
     }
     for (i, body) in mechanism.bodies.iter().enumerate() {
         if is_block(body) {
             blocks.push((body.name.clone(), body_block(body)));
         }
         for joint in mechanism.joints.iter().filter(|joint| joint.base == Some(i)) {
-            joint_blocks(joint, looped, &mut blocks, &mut wires);
+            joint_blocks(joint, looped, &mut blocks, &mut wires[i + 1]);
         }
         if !moved[i] {
             world.append(&mut frames[i]);
         }
     }
     let mut connections: Vec<String> = Vec::new();
-    connections.extend(meeting(&world));
-    connections.extend(frames.iter().flat_map(|ports| meeting(ports)));
-    connections.append(&mut wires);
+    for (ports, wires) in std::iter::once(&world).chain(&frames).zip(wires) {
+        connections.extend(meeting(ports));
+        connections.extend(wires);
+    }
     scopes(mechanism, &mut blocks, &mut connections);
-    text(mechanism, parameters, source, &blocks, &connections)
+    text(mechanism, files, &blocks, &connections)
 }
 
-fn text(
-    mechanism: &Mechanism,
-    parameters: &str,
-    source: &str,
-    blocks: &[(String, String)],
-    connections: &[String],
-) -> String {
+fn text(mechanism: &Mechanism, files: &Files, blocks: &[(String, String)], connections: &[String]) -> String {
+    let parameters = files.parameters;
     let mut out = format!(
         "// {}, imported from {}.\n//\n// The numbers are in {parameters}. Importing again brings new numbers into that file and leaves this one\n// alone: add drives, controllers and sensors here.\n",
         line(&mechanism.name),
-        line(source),
+        line(files.source),
     );
     out.push_str(&format!("Diagram(\n    title: {},\n", quoted(&mechanism.name)));
-    out.push_str(&format!("    parameters: {{ \"model\": File({}) }},\n", quoted(parameters)));
+    match files.robot {
+        None => out.push_str(&format!("    parameters: {{ \"model\": File({}) }},\n", quoted(parameters))),
+        Some(robot) => out.push_str(&format!(
+            "    parameters: {{\n        \"model\": File({}),\n        \"manipulator\": File({}),\n    }},\n",
+            quoted(parameters),
+            quoted(robot)
+        )),
+    }
     out.push_str("    simulation: (stop_time: \"1 s\", output: Every(\"10 ms\")),\n    blocks: {\n");
     blocks.iter().for_each(|(name, block)| out.push_str(&format!("        \"{name}\": {block},\n")));
     out.push_str("    },\n    connections: [\n");

@@ -25,6 +25,16 @@ pub(super) fn angle(radians: f64) -> String {
     in_degrees(radians, 1e-9)
 }
 
+/// A speed: in deg/s where that is a short number, in rad/s otherwise.
+pub(super) fn angular(speed: f64) -> String {
+    let degrees = speed.to_degrees();
+    let round = (degrees * 1e3).round() / 1e3;
+    match (degrees - round).abs() < 1e-8 {
+        true => with_unit(round, "deg/s"),
+        false => with_unit(speed, "rad/s"),
+    }
+}
+
 /// Roll, pitch and yaw, `["0 deg", "90 deg", "0.3 rad"]`: exact but for the last digits, for masses hang on them.
 pub(super) fn angles(radians: [f64; 3]) -> String {
     format!("[{}]", radians.map(|angle| in_degrees(angle, 1e-12)).join(", "))
@@ -40,8 +50,11 @@ fn in_degrees(radians: f64, off: f64) -> String {
     }
 }
 
-/// The shortest digits that give back the same number, with a power of ten where that is shorter.
-pub(super) fn short(value: f64) -> String {
+/// The shortest digits that give back the same number, with a power of ten where that is shorter. What is off by the last
+/// bits from a number of twelve digits was that number before its unit was converted.
+pub(crate) fn short(value: f64) -> String {
+    let round: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    let value = if (value - round).abs() <= 2.0 * f64::EPSILON * value.abs() { round } else { value };
     // Neither -0 nor -0.0.
     let value = if value == 0.0 { 0.0 } else { value };
     let (plain, power) = (format!("{value}"), format!("{value:e}"));
@@ -87,10 +100,15 @@ mod tests {
             (1000.0, "1000"),
             (1e12, "1e12"),
             (-0.0003098, "-3.098e-4"),
-            (0.1 + 0.2, "0.30000000000000004"),
+            (1.0 / 3.0, "0.3333333333333333"),
+            (3.005, "3.005"),
         ] {
             assert_eq!(short(value), text);
             assert_eq!(short(value).parse::<f64>(), Ok(value));
+        }
+        // 0.7 in other units.
+        for (value, text) in [(0.1 + 0.2, "0.3"), (7e5 * 1e-9, "7e-4"), (21.0 * 0.01, "0.21")] {
+            assert_eq!(short(value), text);
         }
     }
 
@@ -100,6 +118,8 @@ mod tests {
         assert_eq!(angle(FRAC_PI_2), "\"90 deg\"");
         assert_eq!(angle(2.70526034059), "\"155 deg\"");
         assert_eq!(angle(0.3), "\"0.3 rad\"");
+        assert_eq!(angular(3.05432619099), "\"175 deg/s\"");
+        assert_eq!(angular(1.5), "\"1.5 rad/s\"");
         assert_eq!(angles([0.0, FRAC_PI_2, 0.3]), "[\"0 deg\", \"90 deg\", \"0.3 rad\"]");
     }
 

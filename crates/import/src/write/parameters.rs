@@ -3,8 +3,10 @@
 use blocksim_multibody::{Inertia, Placement};
 
 use super::diagram::{line, quoted};
-use super::number::{angle, angles, plain, rpy, vector, with_unit};
+use super::number::{angle, angles, angular, plain, rpy, vector, with_unit};
+use crate::chain::{Chain, ChainLink};
 use crate::mechanism::{Body, Form, Joint, Mechanism, Motion, Role, Shape, Start};
+use crate::smidata::JointStart;
 
 /// Where the numbers of a file come from.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,15 +34,70 @@ impl Provenance {
 
 /// The text of a parameter file: `bodies` and `joints` with the names of their blocks.
 ///
-/// `shapes` of a body are for drawing and collisions; lengths of meshes become metres by `scale`.
-pub fn parameters(mechanism: &Mechanism, provenance: &Provenance) -> String {
+/// `shapes` of a body are for drawing and collisions; lengths of meshes become metres by `scale`. `chain` gets what a
+/// [`robot`](crate::robot) needs besides.
+pub fn parameters(mechanism: &Mechanism, chain: Option<&Chain>, provenance: &Provenance) -> String {
     let mut out = provenance.comment(&mechanism.name);
     out.push_str("(\n    // com in the frame of the body; moi (Ixx, Iyy, Izz) and poi (Iyz, Izx, Ixy) about the centre of mass, as\n    // elements of the tensor.\n    bodies: (\n");
     mechanism.bodies.iter().for_each(|body| body_group(body, &mut out));
     out.push_str("    ),\n    // translation and rpy: the frame of the joint in the body that carries it.\n    joints: (\n");
     mechanism.joints.iter().for_each(|joint| joint_group(joint, &mut out));
-    out.push_str("    ),\n)\n");
+    out.push_str("    ),\n");
+    if let Some(chain) = chain {
+        chain_group(mechanism, chain, &mut out);
+    }
+    out.push_str(")\n");
     out
+}
+
+/// What does not sit in the frame of an axis in the file, brought there.
+fn chain_group(mechanism: &Mechanism, chain: &Chain, out: &mut String) {
+    let mut members = String::new();
+    let seat = |name: &str, at: &Placement, indent: usize, out: &mut String| {
+        let space = " ".repeat(indent);
+        out.push_str(&format!("{space}{name}: (\n"));
+        place(at, indent + 4, out);
+        out.push_str(&format!("{space}),\n"));
+    };
+    if chain.base != Placement::identity() {
+        seat("base", &chain.base, 8, &mut members);
+    }
+    let mut axes = String::new();
+    for link in &chain.links {
+        let joint = &mechanism.joints[link.joint];
+        let mut own = String::new();
+        if !stands_in_file(link, joint) {
+            seat("origin", &link.origin, 16, &mut own);
+        }
+        let mut bodies = String::new();
+        for (body, at) in link.bodies.iter().filter(|(_, at)| *at != Placement::identity()) {
+            let body = &mechanism.bodies[*body];
+            bodies.push_str(&format!("                    {}: (\n", body.name));
+            body.inertia.iter().for_each(|inertia| mass(&inertia.placed(at), 24, &mut bodies));
+            bodies.push_str("                    ),\n");
+        }
+        if !bodies.is_empty() {
+            own.push_str(&format!("                bodies: (\n{bodies}                ),\n"));
+        }
+        if !own.is_empty() {
+            axes.push_str(&format!("            {}: (\n{own}            ),\n", joint.name));
+        }
+    }
+    if !axes.is_empty() {
+        members.push_str(&format!("        axes: (\n{axes}        ),\n"));
+    }
+    if chain.flange != Placement::identity() {
+        seat("flange", &chain.flange, 8, &mut members);
+    }
+    if !members.is_empty() {
+        out.push_str("    // For the robot description: places and bodies in the frame of the axis that carries them.\n");
+        out.push_str(&format!("    chain: (\n{members}    ),\n"));
+    }
+}
+
+/// Whether the place of an axis is the one that the file gives it.
+pub(super) fn stands_in_file(link: &ChainLink, joint: &Joint) -> bool {
+    link.origin == joint.in_base
 }
 
 fn entry(out: &mut String, indent: usize, name: &str, value: &str) {
@@ -87,6 +144,17 @@ pub(crate) fn place(place: &Placement, indent: usize, out: &mut String) {
     entry(out, indent, "rpy", &angles(rpy(&place.rotation)));
 }
 
+/// Coordinates of a joint that a data file gives.
+pub(crate) fn coordinates(start: &JointStart, indent: usize, out: &mut String) {
+    for (name, value) in ["px", "py", "pz", "rz"].iter().zip(start.coordinates) {
+        match value {
+            Some(value) if *name == "rz" => entry(out, indent, name, &angle(value)),
+            Some(value) => entry(out, indent, name, &with_unit(value, "m")),
+            None => {}
+        }
+    }
+}
+
 fn shape_set(shape: &Shape) -> String {
     let role = if shape.role == Role::Visual { "visual" } else { "collision" };
     let mut members = vec![format!("use: Text(\"{role}\")")];
@@ -120,7 +188,7 @@ fn joint_group(joint: &Joint, out: &mut String) {
     let turns = !matches!(joint.motion, Motion::Prismatic { .. });
     let one = |value: f64, rest: &str| match turns {
         true if rest.is_empty() => angle(value),
-        true => with_unit(value, &format!("rad{rest}")),
+        true => angular(value),
         false => with_unit(value, &format!("m{rest}")),
     };
     if let Motion::Revolute { axis } | Motion::Prismatic { axis } = joint.motion {

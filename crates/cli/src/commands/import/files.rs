@@ -1,0 +1,229 @@
+//! Writing what was imported: files of numbers are written anew, those of the user are left alone.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use blocksim_import::smidata::{self, SmiData};
+use blocksim_import::{
+    Chain, Differences, Files, Mechanism, MeshFile, Provenance, diagram, differences, file_name, named_in,
+    parameters, robot,
+};
+use blocksim_results::{clock::iso, hash::fingerprint, write_whole};
+
+use crate::args::import::ImportArgs;
+use crate::seal::{Seal, seal, sealed};
+use crate::terminal::console::Console;
+
+/// A file that is imported.
+#[derive(Debug, Clone, Copy)]
+pub struct Source<'a> {
+    pub file: &'a Path,
+    pub bytes: &'a [u8],
+}
+
+/// Where the numbers come from, and what files of them are called.
+fn about(sources: &[Source]) -> (Provenance, String) {
+    let name = |source: &Source| {
+        source.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+    };
+    let stem = sources.first().and_then(|source| source.file.file_stem()).unwrap_or_default();
+    let join = |all: Vec<String>| all.join(" and ");
+    let provenance = Provenance {
+        source: join(sources.iter().map(name).collect()),
+        fingerprint: join(sources.iter().map(|source| fingerprint(source.bytes)).collect()),
+        date: iso(SystemTime::now())[..10].to_owned(),
+    };
+    (provenance, file_name(&stem.to_string_lossy()))
+}
+
+/// Writes the numbers of a data file alone; what is told about it.
+///
+/// # Errors
+/// Why they cannot be written.
+pub fn numbers(args: &ImportArgs, data: &SmiData, sources: &[Source]) -> Result<String, String> {
+    let (provenance, stem) = about(sources);
+    let text = smidata::parameters(data, &provenance);
+    bring(&args.out, &format!("{stem}.ron"), &text, &[], args.yes)
+}
+
+/// A file that names numbers: its name and its text.
+type Wired = (String, String);
+
+/// Writes a parameter file, or a newer one in its place; what is told about it.
+fn bring(folder: &Path, name: &str, text: &str, wired: &[Wired], replace: bool) -> Result<String, String> {
+    fs::create_dir_all(folder).map_err(|error| format!("cannot create `{}`: {error}", folder.display()))?;
+    let before = old(&folder.join(name), replace)?;
+    let fresh = seal(text);
+    let path = put(folder, name, &fresh)?;
+    Ok(match before {
+        None => format!("wrote {path}\n"),
+        Some(before) => {
+            let found = differences(&before, &fresh);
+            format!("updated {path}: {}\n{}", counts(&found), listed(&found, &before, &fresh, wired))
+        }
+    })
+}
+
+/// Writes diagram, parameters and description, and brings those that exist up to date; what is told about it.
+///
+/// # Errors
+/// Why nothing, or not all, could be written.
+pub fn write(
+    args: &ImportArgs,
+    mechanism: &Mechanism,
+    chain: Option<&Chain>,
+    meshes: &[MeshFile],
+    sources: &[Source],
+    console: Console,
+) -> Result<String, String> {
+    let (provenance, stem) = about(sources);
+    let [numbers, model, described] =
+        ["_parameters", "", "_robot"].map(|ending| format!("{stem}{ending}.ron"));
+    // Refused before anything is written.
+    old(&args.out.join(&numbers), args.yes)?;
+    let [wired, robotic] = [&model, &described].map(|name| existing(&args.out.join(name)));
+    let (wired, robotic) = (wired?, robotic?);
+    let mut told = put_meshes(&args.out, meshes)?;
+    let text = parameters(mechanism, chain, &provenance);
+    let own = [(&model, &wired), (&described, &robotic)];
+    let own: Vec<Wired> =
+        own.iter().filter_map(|(name, text)| Some(((*name).clone(), (*text).clone()?))).collect();
+    told.push_str(&bring(&args.out, &numbers, &text, &own, args.yes)?);
+    let files = Files {
+        source: &provenance.source,
+        diagram: &model,
+        parameters: &numbers,
+        robot: chain.map(|_| described.as_str()),
+    };
+    match (chain, &robotic) {
+        (_, Some(_)) => told.push_str(&left(&args.out, &described)),
+        (None, None) => {}
+        (Some(chain), None) => {
+            let (text, assumed) = robot(mechanism, chain, &files);
+            console.say(&format!(
+                "note: {} does not state {}: {described} assumes them, look through it",
+                provenance.source,
+                listed_in_words(&assumed)
+            ));
+            told.push_str(&format!("wrote {}\n", put(&args.out, &described, &text)?));
+        }
+    }
+    match &wired {
+        None => told.push_str(&format!("wrote {}\n", put(&args.out, &model, &diagram(mechanism, &files))?)),
+        Some(text) => {
+            told.push_str(&left(&args.out, &model));
+            if files.robot.is_some_and(|robot| !text.contains(robot)) {
+                told.push_str(&format!(
+                    "  it does not name the robot description: add \"manipulator\": File(\"{described}\") to its parameters\n"
+                ));
+            }
+        }
+    }
+    Ok(told)
+}
+
+fn left(folder: &Path, name: &str) -> String {
+    format!("left {} as it is\n", folder.join(name).display())
+}
+
+/// Puts meshes beside the diagram; what is told about them.
+fn put_meshes(out: &Path, files: &[MeshFile]) -> Result<String, String> {
+    let (mut new, mut replaced) = (0, 0);
+    for file in files {
+        let (folder, name) = file.name.split_once('/').unwrap_or(("", &file.name));
+        let folder = out.join(folder);
+        fs::create_dir_all(&folder)
+            .map_err(|error| format!("cannot create `{}`: {error}", folder.display()))?;
+        match fs::read(folder.join(name)) {
+            Ok(there) if there == file.bytes => continue,
+            Ok(_) => replaced += 1,
+            Err(_) => new += 1,
+        }
+        write_whole(&folder, name, |out| out.write_all(&file.bytes)).map_err(|error| error.to_string())?;
+    }
+    Ok(match (new, replaced) {
+        (0, 0) => String::new(),
+        (new, 0) => format!("wrote {}\n", plural(new, "mesh", "meshes")),
+        (0, replaced) => format!("updated {}\n", plural(replaced, "mesh", "meshes")),
+        (new, replaced) => format!("wrote {}, updated {replaced}\n", plural(new, "mesh", "meshes")),
+    })
+}
+
+fn plural(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
+/// `a, b and c`, the end of long lists counted.
+fn listed_in_words(words: &[String]) -> String {
+    const MOST: usize = 4;
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        _ if words.len() > MOST => {
+            format!("{} and {} more", words[..MOST].join(", "), words.len() - MOST)
+        }
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+fn put(folder: &Path, name: &str, text: &str) -> Result<String, String> {
+    let written = write_whole(folder, name, |out| out.write_all(text.as_bytes()));
+    written.map(|path| path.display().to_string()).map_err(|error| error.to_string())
+}
+
+/// The text of a file; `None` if there is none.
+fn existing(path: &PathBuf) -> Result<Option<String>, String> {
+    match fs::read_to_string(path) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(format!("cannot read `{}`: {error}", path.display())),
+    }
+}
+
+/// The parameter file of the last import, unless somebody has changed it since.
+fn old(path: &PathBuf, replace: bool) -> Result<Option<String>, String> {
+    let Some(text) = existing(path)? else { return Ok(None) };
+    let why = match sealed(&text) {
+        Seal::Whole => return Ok(Some(text)),
+        Seal::Broken => "was changed since the last import",
+        Seal::Missing => "was not written by an import",
+    };
+    if replace {
+        return Ok(Some(text));
+    }
+    let help = "keep own numbers in another file, or overwrite this one with --yes; nothing has been written";
+    Err(format!("`{}` {why}\n  = help: {help}", path.display()))
+}
+
+fn counts(found: &Differences) -> String {
+    let Differences { added, removed, changed } = found;
+    match (added.len(), removed.len(), changed.len()) {
+        (0, 0, 0) => "no number differs".to_owned(),
+        (a, r, c) => format!("{c} changed, {a} new, {r} gone"),
+    }
+}
+
+/// What came and what went, with the lines of the files that need a hand.
+fn listed(found: &Differences, before: &str, fresh: &str, wired: &[Wired]) -> String {
+    let mut told = String::new();
+    for path in Differences::groups(&found.added, before) {
+        let known = wired.iter().any(|(_, text)| !named_in(text, &path).is_empty());
+        told.push_str(&match known || wired.is_empty() {
+            true => format!("  new: {path}\n"),
+            false => format!("  new: {path}; the diagram does not know it\n"),
+        });
+    }
+    for path in Differences::groups(&found.removed, fresh) {
+        told.push_str(&format!("  gone: {path}"));
+        for (file, text) in wired {
+            let lines: Vec<String> = named_in(text, &path).iter().map(ToString::to_string).collect();
+            if !lines.is_empty() {
+                told.push_str(&format!("; {file} still names it, line {}", lines.join(", ")));
+            }
+        }
+        told.push('\n');
+    }
+    told
+}
