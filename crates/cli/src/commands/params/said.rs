@@ -80,8 +80,7 @@ pub fn tell_hindrances(found: &Comparison, console: Console) -> bool {
     if !found.conflicts.is_empty() {
         let said = conflicts(&found.conflicts);
         console.say(&format!(
-            "error: changed in the workbook and in the set since the export:\n{said}\
-               = help: write the number that shall hold into the cell or into the set, so that both agree"
+            "error: changed in the workbook and in the set since the export:\n{said}  = help: write the number that shall hold into the cell or into the set, so that both agree"
         ));
     }
     let count = found.faults.len() + found.conflicts.len();
