@@ -202,7 +202,7 @@ fn wider_blocks_and_more_or_fewer_scopes_leave_the_others_where_they_are() {
 
 /// Share of the wires into which a block cannot be put without disturbing the drawing: it makes a path longer, and then
 /// others begin earlier.
-const SHIFTING: f64 = 0.1;
+const SHIFTING: f64 = 0.08;
 
 #[test]
 fn a_block_in_a_wire_mostly_leaves_the_others_where_they_are() {

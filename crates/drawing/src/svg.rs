@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use blocksim_block::Symbol;
 use blocksim_layout::{Layout, Placed, PlacedPort, PortKind, Side};
+use blocksim_picture::text_width;
 use blocksim_plot::Theme;
 
 use crate::canvas::{Canvas, Paint, THIN, classes, escaped, number};
@@ -17,8 +18,8 @@ use crate::symbols;
 const DOT: Paint = Paint { colour: Colour::Ink, width: 0.0, fill: Fill::Solid };
 /// Room around the drawing.
 const EDGE: f64 = 16.0;
-/// Room for the title.
-const HEAD: f64 = 26.0;
+/// Room for a line above the drawing.
+const LINE: f64 = 16.0;
 
 /// Draws a level as a file of its own. Each block is a group with its path in `data-path`, its kind in `data-kind`,
 /// `data-inside` where there is a level inside it, and a title; wires are groups of the classes `wire`, `bus` and
@@ -39,12 +40,17 @@ fn draw(level: &Level, layout: &Layout, style: Option<&str>) -> String {
         (title, "") => title.to_owned(),
         (title, path) => format!("{title} ({path})"),
     };
-    let head = if title.is_empty() { 0.0 } else { HEAD };
-    let wide = blocksim_picture::text_width(&title, 13.0).ceil();
+    // The path stands below the title.
+    let lines = [(level.title.as_str(), 13.0, Colour::Ink), (level.path.as_str(), NAME, Colour::Quiet)];
+    let lines: Vec<_> = lines.into_iter().filter(|(text, ..)| !text.is_empty()).collect();
+    let head = lines.len() as f64 * LINE + if lines.is_empty() { 0.0 } else { 10.0 };
+    let wide = lines.iter().map(|(text, size, _)| text_width(text, *size).ceil()).fold(0.0, f64::max);
     let width = (layout.width.max(wide) + 2.0 * EDGE).ceil();
     let height = (layout.height + head + 2.0 * EDGE).ceil();
     let mut canvas = Canvas::begin(width, height, style, &title);
-    canvas.text(EDGE, EDGE + 10.0, 13.0, "start", Colour::Ink, &title);
+    for (i, (text, size, colour)) in lines.into_iter().enumerate() {
+        canvas.text(EDGE, EDGE + 10.0 + i as f64 * LINE, size, "start", colour, text);
+    }
     let _ = write!(canvas.out, "<g transform=\"translate({EDGE} {})\">", number(EDGE + head));
     wires(&mut canvas, level, layout);
     for (figure, placed) in level.figures.iter().zip(&layout.nodes) {

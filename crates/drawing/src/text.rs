@@ -5,6 +5,7 @@
 
 use std::collections::BTreeSet;
 
+use blocksim_block::Symbol;
 use blocksim_layout::{Layout, Placed, Point, PortKind, Side};
 
 use crate::figure::{Figure, Look};
@@ -81,7 +82,8 @@ fn words(figure: &Figure) -> Vec<String> {
         Look::Selector => Vec::new(),
         Look::Subsystem(Some(chosen)) => vec![name, format!("[{chosen}]")],
         Look::Subsystem(None) => vec![name],
-        Look::Symbol(blocksim_block::Symbol::Sum, texts) => vec![texts.join("")],
+        Look::Symbol(Symbol::Sum, texts) => vec![texts.join("")],
+        Look::Symbol(Symbol::Ground | Symbol::Housing | Symbol::World, _) => vec![name],
         Look::Symbol(..) => vec![name, figure.kind.clone()],
     }
 }
@@ -110,6 +112,13 @@ impl Axis {
             let wide = words(figure).iter().map(|word| word.chars().count()).max().unwrap_or(0);
             let wide = if figure.look == Look::Selector { 0 } else { wide };
             needs.push((placed.x, placed.x + placed.width, wide + 3));
+        }
+        // A straight wire between two blocks can be seen.
+        let is_port = |at: Point| layout.nodes.iter().any(|node| node.ports.iter().any(|port| port.at == at));
+        for segment in layout.wires.iter().flat_map(|wire| &wire.segments) {
+            if segment.from.y == segment.to.y && is_port(segment.from) && is_port(segment.to) {
+                needs.push((segment.from.x, segment.to.x, 3));
+            }
         }
         let ports = layout.nodes.iter().flat_map(|node| node.ports.iter().map(|port| port.at.x));
         let wires = layout.wires.iter().flat_map(|wire| &wire.segments);

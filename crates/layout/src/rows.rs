@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::flow::Flow;
-use crate::graph::{Graph, PortKind};
+use crate::graph::{End, Form, Graph, PortKind, Side};
 use crate::lanes::{Item, Plan, Tap};
 use crate::sides::Sides;
 use crate::simplex::{Edge, solve_pulled};
@@ -18,7 +18,7 @@ const SAME_SIDE: i64 = 1;
 
 /// Places of the upper edges of all items, whole numbers.
 pub(crate) fn rows(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides) -> Vec<f64> {
-    let chains = chains(graph, flow, &plan.layer_of);
+    let chains = chains(graph, flow, plan, sides);
     let mut edges = Vec::new();
     for row in &plan.rows {
         let items: Vec<usize> = row.iter().flatten().copied().collect();
@@ -114,19 +114,28 @@ fn weight(graph: &Graph, plan: &Plan, chains: &BTreeMap<(usize, usize), i64>, a:
 }
 
 /// Paths that should be straight lines, as pairs of neighbours with their weights: each begins at the first block of the
-/// file that no path has, and goes on where the way ahead is longest. The first one counts most.
-fn chains(graph: &Graph, flow: &Flow, layer: &[usize]) -> BTreeMap<(usize, usize), i64> {
+/// file that no path has, and goes on along a shaft or a circuit rather than a signal, and where the way ahead is longest.
+/// The first one counts most.
+fn chains(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides) -> BTreeMap<(usize, usize), i64> {
     let n = graph.nodes.len();
-    let mut next: Vec<Vec<usize>> = vec![Vec::new(); n];
+    let layer = &plan.layer_of;
+    // Whether one of the wires is conserving.
+    let mut next: Vec<BTreeMap<usize, bool>> = vec![BTreeMap::new(); n];
     let mut fed = vec![false; n];
-    let free = |v: usize| !flow.mirrored[v] && !graph.nodes[v].is_sink();
+    let free = |end: &End| {
+        let node = &graph.nodes[end.node];
+        !flow.mirrored[end.node]
+            && !node.is_sink()
+            && node.form != Form::Hanging
+            && matches!(sides.side[end.node][end.port], Side::West | Side::East)
+    };
     for (net, feedback) in graph.nets.iter().zip(&flow.feedback).filter(|(net, _)| net.ends.len() > 1) {
         for (i, from) in net.ends.iter().enumerate().filter(|(i, _)| *i == 0 || !net.directed) {
             let others = net.ends.iter().zip(feedback).enumerate().filter(|(other, _)| *other != i);
             for (_, (to, back)) in others {
                 let (a, b) = (from.node, to.node);
-                if !back && layer[a] < layer[b] && free(a) && free(b) && !next[a].contains(&b) {
-                    next[a].push(b);
+                if !back && layer[a] < layer[b] && free(from) && free(to) {
+                    *next[a].entry(b).or_default() |= !net.directed;
                     fed[b] = true;
                 }
             }
@@ -136,7 +145,7 @@ fn chains(graph: &Graph, flow: &Flow, layer: &[usize]) -> BTreeMap<(usize, usize
     by_layer.sort_by_key(|v| std::cmp::Reverse(layer[*v]));
     let mut ahead = vec![0_usize; n];
     for v in by_layer {
-        ahead[v] = next[v].iter().map(|to| ahead[*to] + 1).max().unwrap_or(0);
+        ahead[v] = next[v].keys().map(|to| ahead[*to] + 1).max().unwrap_or(0);
     }
     let mut used = vec![false; n];
     let mut chains = BTreeMap::new();
@@ -145,8 +154,10 @@ fn chains(graph: &Graph, flow: &Flow, layer: &[usize]) -> BTreeMap<(usize, usize
         let (mut at, mut length) = (start, 0);
         while !std::mem::replace(&mut used[at], true) {
             let gives = |v: usize| graph.nodes[v].ports.contains(&PortKind::Output);
-            let key = |v: &usize| (ahead[*v], gives(*v), std::cmp::Reverse(*v));
-            let Some(to) = next[at].iter().copied().filter(|to| !used[*to]).max_by_key(key) else { break };
+            let key = |(v, conserving): &(&usize, &bool)| {
+                (**conserving && ahead[**v] > 0, ahead[**v], gives(**v), std::cmp::Reverse(**v))
+            };
+            let Some((&to, _)) = next[at].iter().filter(|(to, _)| !used[**to]).max_by_key(key) else { break };
             chains.insert((at.min(to), at.max(to)), weight);
             (at, length) = (to, length + 1);
         }
