@@ -189,6 +189,8 @@ pub struct Discrete {
 pub struct Recorded {
     /// Unit to show them in; SI when absent.
     pub display: Option<String>,
+    /// What each input is called in legends; empty where the names of the inputs do.
+    pub legend: Vec<String>,
 }
 
 /// What a block looks like from outside.
@@ -347,8 +349,8 @@ impl Interface {
     }
 
     /// Records all inputs.
-    pub fn records(mut self, display: Option<String>) -> Self {
-        self.recorded = Some(Recorded { display });
+    pub fn records(mut self, recorded: Recorded) -> Self {
+        self.recorded = Some(recorded);
         self
     }
 

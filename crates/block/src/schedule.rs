@@ -160,6 +160,11 @@ pub struct Recorded {
     pub dimension: Option<Dimension>,
     /// Unit to show it in, if the diagram says one.
     pub display: Option<String>,
+    /// What its scope is called by `label`, behind the labels of the subsystems around it, the outermost first; empty
+    /// where nothing has a label.
+    pub title: Vec<String>,
+    /// What it is called in legends, where that is not the name of the input.
+    pub legend: Option<String>,
 }
 
 /// How to run a diagram.

@@ -103,6 +103,37 @@ fn a_run_is_drawn_in_the_terminal_with_its_error() {
 }
 
 #[test]
+fn titles_and_legends_are_those_of_the_diagram() {
+    let inner = r#"Diagram(
+        inputs: { "u": (unit: "1") },
+        blocks: { "speed": Scope(inputs: ["w"], label: "Axis 1"), "lag": LowPass(tau: 1), "spare": Scope(inputs: ["y"]) },
+        connections: ["in.u -> speed.w, lag.u", "lag.y -> spare.y"],
+    )"#;
+    let model = r#"Diagram(
+        simulation: (stop_time: "1 s", output: Every("10 ms")),
+        blocks: {
+            "step": Step, "lag": LowPass(tau: 0.1),
+            "a": Subsystem(file: "inner.ron", label: "Speeds"),
+            "b": Subsystem(file: "inner.ron", label: "Torques"),
+            "plain": Scope(inputs: ["set", "actual"]),
+            "named": Scope(inputs: ["set", "actual"], label: "Antwort", legend: ["Sollwert", "Istwert"]),
+        },
+        connections: ["step.y -> lag.u, a.u, plain.set, named.set", "lag.y -> b.u, plain.actual, named.actual"],
+    )"#;
+    let desk = Desk::with(&[("m.ron", model), ("inner.ron", inner)]);
+    assert_eq!(desk.call(&["run", "m.ron", "--out", "r", "--quiet"]).0, 0);
+    let (code, _, err) = desk.call(&["plot", "r", "--svg", "r.svg"]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    let drawing = desk.read("r.svg");
+    for text in ["Speeds: Axis 1", "Torques: Axis 1", "Speeds: spare", "Antwort", "Sollwert", "Istwert"] {
+        assert!(drawing.contains(text), "{text}");
+    }
+    // The scope without labels shows the same as the one with them.
+    assert!(!drawing.contains(">plain") && !drawing.contains(">actual"), "{drawing}");
+    assert!(desk.said(&["plot", "r", "plain"]).contains("plain"));
+}
+
+#[test]
 fn the_numbers_of_a_first_order_lag_are_those_of_its_closed_form() {
     let desk = Desk::with(&[("lag.ron", LAG)]);
     desk.call(&["run", "lag.ron", "-q"]);

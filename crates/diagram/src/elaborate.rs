@@ -76,6 +76,7 @@ pub(crate) fn elaborate(flat: Flat, problems: &mut Problems) -> (Flat, Scene) {
         blocks.push(FlatBlock {
             path: format!("network({})", members[0].path),
             kind: "Network".to_owned(),
+            title: Vec::new(),
             place: members[0].place.clone(),
             parts: members.iter().map(|m| Part { path: m.path.clone(), place: m.place.clone() }).collect(),
             output_names: interface.outputs.iter().map(|output| output.name.clone()).collect(),

@@ -29,6 +29,7 @@ mod table;
 mod terminal;
 mod thin;
 pub mod ticks;
+mod titles;
 
 pub use csv::{ReadLimits, read_csv, read_csv_file, read_events};
 pub use csv_write::{write_events, write_signals};
@@ -46,3 +47,4 @@ pub use store::{Layout, Rate, SignalInfo, Store, StoreWriter, Stream, Take, writ
 pub use summary::done_line;
 pub use table::{Align, Table};
 pub use terminal::{PlotOptions, Series, plot};
+pub use titles::titles;

@@ -1,4 +1,5 @@
 use crate::routing::names::check_names;
+use blocksim_block::Recorded;
 use blocksim_block::prelude::*;
 use blocksim_signal::Unit;
 
@@ -6,8 +7,10 @@ use blocksim_signal::Unit;
 ///
 /// Signals of any kind and shape are recorded in SI units; `display` only says in which unit they are shown.
 ///
+/// `label` gives the picture a title, `legend` names the signals in it as people call them.
+///
 /// ```ron
-/// Scope(inputs: ["set", "actual"], display: "deg")
+/// Scope(inputs: ["set", "actual"], display: "deg", legend: ["set angle", "measured angle"])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Sinks", symbol = Scope)]
@@ -18,11 +21,19 @@ pub struct Scope {
     /// Unit in which numbers are shown; SI without.
     #[block(default = None)]
     pub display: Option<String>,
+    /// A text for each input, for legends; the names of the inputs without.
+    #[block(default = Vec::new())]
+    pub legend: Vec<String>,
 }
 
 impl Block for Scope {
     fn check(&self) -> Result<(), ParamError> {
         check_names("inputs", self.inputs.iter().map(String::as_str))?;
+        if !self.legend.is_empty() && self.legend.len() != self.inputs.len() {
+            let (texts, inputs) = (self.legend.len(), self.inputs.len());
+            return Err(ParamError::new("legend", format!("{texts} texts do not fit {inputs} inputs"))
+                .help("write one text for each input, in the same order, or leave `legend` away"));
+        }
         let Some(display) = &self.display else { return Ok(()) };
         Unit::parse(display).map(|_| ()).map_err(|error| ParamError {
             param: "display".to_owned(),
@@ -45,7 +56,7 @@ impl Block for Scope {
                     .help("use one Scope for each unit, or leave `display` away"));
             }
         }
-        Ok(interface.records(self.display.clone()))
+        Ok(interface.records(Recorded { display: self.display.clone(), legend: self.legend.clone() }))
     }
 }
 
@@ -58,6 +69,7 @@ mod tests {
         Scope {
             inputs: inputs.iter().map(ToString::to_string).collect(),
             display: display.map(str::to_owned),
+            legend: Vec::new(),
         }
     }
 
@@ -88,5 +100,18 @@ mod tests {
         assert_eq!(scope(&["a", "a"], None).check().unwrap_err().param, "inputs");
         assert_eq!(scope(&["a"], Some("degg")).check().unwrap_err().param, "display");
         assert!(scope(&["a"], Some("deg")).check().is_ok());
+    }
+
+    #[test]
+    fn a_legend_has_a_text_for_each_input() {
+        let with = |legend: &[&str]| Scope {
+            legend: legend.iter().map(ToString::to_string).collect(),
+            ..scope(&["set", "actual"], None)
+        };
+        assert!(with(&["Sollwert", "Istwert"]).check().is_ok());
+        let error = with(&["Sollwert"]).check().unwrap_err();
+        assert_eq!((error.param.as_str(), error.message.as_str()), ("legend", "1 texts do not fit 2 inputs"));
+        let interface = with(&["Sollwert", "Istwert"]).interface(&Given::nothing()).unwrap();
+        assert_eq!(interface.recorded.unwrap().legend, ["Sollwert", "Istwert"]);
     }
 }

@@ -101,6 +101,8 @@ mod tests {
             kind: blocksim_signal::Kind::Real,
             dimension: None,
             display: None,
+            title: Vec::new(),
+            legend: None,
         }
     }
 

@@ -51,6 +51,8 @@ pub fn layout(recorded: &[Recorded]) -> Layout {
         path: r.path.clone(),
         unit: si_unit(r),
         display: Some(display_unit(r).to_string()),
+        title: r.title.clone(),
+        legend: r.legend.clone(),
         kind: kind(r),
         base: 0,
     };
@@ -108,6 +110,8 @@ pub mod tests {
                 kind: blocksim_signal::Kind::Real,
                 dimension: Unit::parse(unit).ok().map(|unit| unit.dimension),
                 display: (!display.is_empty()).then(|| (*display).to_owned()),
+                title: Vec::new(),
+                legend: None,
             })
             .collect();
         let mut recording = recording(&recorded);

@@ -51,6 +51,8 @@ pub struct FlatBlock {
     pub path: String,
     /// Kind.
     pub kind: String,
+    /// What it is called in pictures: see [`Recorded::title`](blocksim_block::schedule::Recorded::title).
+    pub title: Vec<String>,
     /// Where it is declared.
     pub place: Option<Place>,
     /// The blocks that became this one, if it is a physical network.
@@ -100,6 +102,7 @@ pub(crate) fn flatten(model: &Model, problems: &mut Problems) -> Flat {
         flat.blocks.push(FlatBlock {
             path: block.path.clone(),
             kind: block.kind.clone(),
+            title: view.title(*level, block),
             place: Some(block.place.clone()),
             parts: Vec::new(),
             block: built.clone(),

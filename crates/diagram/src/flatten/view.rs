@@ -93,6 +93,25 @@ impl<'m> View<'m> {
         }
     }
 
+    /// The labels of the subsystems around a block and its own, the outermost first. A block without a label of its own
+    /// goes by its name, unless that is `scope`; where nothing has a label, there is no title.
+    pub(super) fn title(&self, level: usize, block: &ModelBlock) -> Vec<String> {
+        let mut labels = Vec::new();
+        let mut outer = self.levels[level].parent.as_ref();
+        while let Some((level, name)) = outer {
+            let subsystem = self.levels[*level].blocks.get(name.as_str());
+            labels.extend(subsystem.and_then(|subsystem| subsystem.label.clone()));
+            outer = self.levels[*level].parent.as_ref();
+        }
+        labels.reverse();
+        match &block.label {
+            Some(label) => labels.push(label.clone()),
+            None if !labels.is_empty() && block.name != "scope" => labels.push(block.name.clone()),
+            None => {}
+        }
+        labels
+    }
+
     pub(super) fn input(
         &self,
         level: usize,

@@ -52,7 +52,7 @@ pub(super) fn lay_out(
         let mut gather = Vec::new();
         let mut inputs = Vec::new();
         let mut at = 0;
-        for (input, source) in interface.inputs.iter().zip(&block.inputs) {
+        for (number, (input, source)) in interface.inputs.iter().zip(&block.inputs).enumerate() {
             let (cell, length) = match source {
                 Some(source) => {
                     let signal = &signals[first_signal[source.block].0 + source.output];
@@ -71,7 +71,12 @@ pub(super) fn lay_out(
             if let (Some(wanted), Some(source)) = (&interface.recorded, source) {
                 let signal = &signals[first_signal[source.block].0 + source.output];
                 let name = format!("{}.{}", block.path, input.name);
-                recorded.push(&name, signal, wanted.display.as_deref());
+                let called = Called {
+                    display: wanted.display.as_deref(),
+                    title: &block.title,
+                    legend: wanted.legend.get(number).map(String::as_str),
+                };
+                recorded.push(&name, signal, &called);
             }
         }
         let (first, y) = first_signal[index];
@@ -102,7 +107,7 @@ pub(super) fn lay_out(
     }
     for (name, source) in &flat.recorded {
         let signal = &signals[first_signal[source.block].0 + source.output];
-        recorded.push(name, signal, None);
+        recorded.push(name, signal, &Called::default());
     }
     let steps = sorted
         .iter()
@@ -128,6 +133,14 @@ pub(super) fn lay_out(
     }
 }
 
+/// How a recorded signal is shown.
+#[derive(Default)]
+struct Called<'a> {
+    display: Option<&'a str>,
+    title: &'a [String],
+    legend: Option<&'a str>,
+}
+
 /// What is recorded, each name once.
 #[derive(Default)]
 struct Columns {
@@ -136,10 +149,12 @@ struct Columns {
 }
 
 impl Columns {
-    fn push(&mut self, name: &str, signal: &Signal, display: Option<&str>) {
+    fn push(&mut self, name: &str, signal: &Signal, called: &Called) {
         let length = signal.shape.len();
         for element in 0..length {
-            let path = if length == 1 { name.to_owned() } else { format!("{name}[{element}]") };
+            let numbered =
+                |name: &str| if length == 1 { name.to_owned() } else { format!("{name}[{element}]") };
+            let path = numbered(name);
             if !self.names.insert(path.clone()) {
                 continue;
             }
@@ -148,7 +163,9 @@ impl Columns {
                 cell: signal.offset + element,
                 kind: signal.kind,
                 dimension: signal.dimension,
-                display: display.map(str::to_owned),
+                display: called.display.map(str::to_owned),
+                title: called.title.to_vec(),
+                legend: called.legend.map(numbered),
             });
         }
     }

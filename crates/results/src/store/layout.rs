@@ -28,7 +28,7 @@ pub enum Rate {
 }
 
 /// A signal of a recording. Values are in SI units, whatever it is shown in.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct SignalInfo {
     /// Where it comes from: `control/joint1/scope.set`; elements of vectors end in their number: `arm.q[2]`.
     pub path: String,
@@ -37,6 +37,13 @@ pub struct SignalInfo {
     /// Unit to show it in, such as `deg`; without one that is `unit`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub display: Option<String>,
+    /// What its scope and the subsystems around it are called by their labels, the outermost first: `["Joint velocities",
+    /// "Axes 1 - 3"]`. Empty where they have none; [`titles`](crate::titles) makes headings of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub title: Vec<String>,
+    /// What legends call it; without, that is the name of the port.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub legend: Option<String>,
     /// What the values are.
     #[serde(default)]
     pub kind: Kind,
@@ -59,9 +66,8 @@ impl Layout {
         let info = |signal: &crate::Signal| SignalInfo {
             path: signal.path.clone(),
             unit: signal.unit.clone(),
-            display: None,
             kind: signal.kind,
-            base: 0,
+            ..SignalInfo::default()
         };
         Layout { rates: vec![Rate::All], signals: recording.signals.iter().map(info).collect() }
     }

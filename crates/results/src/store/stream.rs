@@ -220,9 +220,9 @@ mod tests {
         let signal = |base: usize| SignalInfo {
             path: format!("s{base}"),
             unit: "1".into(),
-            display: None,
             kind: Kind::Real,
             base,
+            ..SignalInfo::default()
         };
         Layout { rates: rates.to_vec(), signals: (0..rates.len()).map(signal).collect() }
     }

@@ -13,6 +13,7 @@ fn layout() -> Layout {
         display: (base == 0).then(|| "deg".into()),
         kind,
         base,
+        ..SignalInfo::default()
     };
     Layout {
         rates: vec![Rate::All, Rate::Every(0.1)],

@@ -156,6 +156,8 @@ impl Bench {
             kind: blocksim_signal::Kind::Real,
             dimension: None,
             display: None,
+            title: Vec::new(),
+            legend: None,
         };
         let measured: Vec<&Axis> = experiment.measured.iter().map(|index| &self.axes[*index]).collect();
         let cells = measured.iter().flat_map(|axis| {

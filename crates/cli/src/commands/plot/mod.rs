@@ -1,6 +1,7 @@
 //! `blocksim plot`: signals of runs and tables over time, in the terminal and as files.
 
 pub mod following;
+pub mod labels;
 pub mod panels;
 mod terminal;
 
@@ -11,7 +12,8 @@ use std::path::{Path, PathBuf};
 use blocksim_plot::{Theme, svg};
 use blocksim_signal::closest;
 
-use self::panels::{Drawn, chosen, figure, groups, is_same, panel, read};
+use self::labels::add;
+use self::panels::{Drawn, chosen, figure, groups, panel, read};
 use crate::args::plot::PlotArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
@@ -62,11 +64,7 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, (String, Exit)> {
     let groups = groups(&books[0], &selected, args.layout);
     let left = groups.len().saturating_sub(PANELS);
     for group in groups.into_iter().take(PANELS) {
-        let drawn = read(group, &books, &range).map_err(files)?;
-        // Two scopes may show the same.
-        if !all.iter().any(|other| is_same(other, &drawn)) {
-            all.push(drawn);
-        }
+        add(&mut all, read(group, &books, &range).map_err(files)?);
     }
     if left > 0 {
         console.say(&format!("note: {left} more pictures are left out; choose signals to see them"));

@@ -8,6 +8,7 @@ use blocksim_plot::{Figure, Line, Panel, Strip, Style, pairs, thinned};
 use blocksim_results::format::{count, significant};
 use blocksim_results::{Column, Kind};
 
+use super::labels::label;
 use crate::args::plot::Layout;
 use crate::signals::naming::{fits, name_number, short_names};
 use crate::signals::traces::Book;
@@ -26,8 +27,14 @@ pub struct Group {
     pub unit: String,
     /// Positions of the signals.
     pub traces: Vec<usize>,
-    /// Names of the signals.
+    /// Names of the signals in the legend.
     pub names: Vec<String>,
+    /// Their names without what the diagram says for legends.
+    pub ports: Vec<String>,
+    /// The colour of each.
+    pub colours: Vec<usize>,
+    /// Whether the diagram says the title.
+    pub is_labelled: bool,
     /// Set value and actual value, as positions in `traces`.
     pub pairs: Vec<(usize, usize)>,
 }
@@ -89,13 +96,28 @@ pub fn groups(book: &Book, chosen: &[usize], layout: Layout) -> Vec<Group> {
             };
             let pairs = pairs(&names.iter().map(String::as_str).collect::<Vec<_>>());
             let traces = traces.to_vec();
-            groups.push(Group { title: title.clone(), unit: unit.clone(), traces, names, pairs });
+            groups.push(Group {
+                title: title.clone(),
+                unit: unit.clone(),
+                traces,
+                ports: names.clone(),
+                names,
+                pairs,
+                colours: Vec::new(),
+                is_labelled: false,
+            });
         }
     }
     if layout == Layout::Scopes {
         by_number(&mut groups);
     }
     entitle(&mut groups);
+    for group in &mut groups {
+        group.colours = colours(group);
+    }
+    if layout == Layout::Scopes {
+        label(&mut groups, book);
+    }
     groups
 }
 
@@ -175,18 +197,18 @@ pub fn read(group: Group, books: &[Book], range: &RangeInclusive<f64>) -> Result
     Ok(drawn)
 }
 
-/// Whether two groups show the same values by the same names.
+/// Whether two groups show the same values at ports of the same names.
 pub fn is_same(a: &Drawn, b: &Drawn) -> bool {
     let same = |x: &Column, y: &Column| x.time == y.time && x.values == y.values;
     a.group.unit == b.group.unit
-        && a.group.names == b.group.names
+        && a.group.ports == b.group.ports
         && a.columns.iter().zip(&b.columns).all(|(x, y)| same(x, y))
 }
 
 /// The panel of a group; `names` are those of the books.
 pub fn panel(drawn: &Drawn, books: &[Book], range: &RangeInclusive<f64>) -> Panel {
     let Drawn { group, columns, steps, others } = drawn;
-    let colours = colours(group);
+    let colours = &group.colours;
     let is_set = |n: usize| group.pairs.iter().any(|pair| pair.0 == n);
     let courses = |column: &Column, step: bool| thinned(&column.time, &column.values, range, SCREEN, step);
     let mut lines: Vec<Line> = (0..columns.len())

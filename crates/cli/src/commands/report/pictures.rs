@@ -7,7 +7,8 @@ use blocksim_results::{ALWAYS, Kind};
 
 use crate::args::plot::Layout;
 use crate::commands::plot::following::{Row, rows};
-use crate::commands::plot::panels::{Drawn, chosen, groups, is_same};
+use crate::commands::plot::labels;
+use crate::commands::plot::panels::{Drawn, chosen, groups};
 use crate::signals::traces::Book;
 
 /// Most pictures in a page.
@@ -37,12 +38,11 @@ pub fn add(books: &[Book; 1], report: &mut Report) -> Result<(), String> {
             drawn.columns.push(column);
             drawn.steps.push(trace.kind != Kind::Real);
         }
-        // Two scopes may show the same.
-        if !all.iter().any(|other| is_same(other, &drawn)) {
-            report.panels.extend(panels(&drawn, book));
-            report.warnings.extend(not_finite(&drawn));
-            all.push(drawn);
-        }
+        labels::add(&mut all, drawn);
+    }
+    for drawn in &all {
+        report.panels.extend(panels(drawn, book));
+        report.warnings.extend(not_finite(drawn));
     }
     report.metrics = table(&rows(&all, books));
     Ok(())

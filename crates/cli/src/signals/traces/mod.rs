@@ -25,6 +25,10 @@ pub struct Trace {
     pub has_unit: bool,
     /// Real, Bool or Int.
     pub kind: Kind,
+    /// Labels of its scope and of the subsystems around it, the outermost first; empty without.
+    pub title: Vec<String>,
+    /// What the diagram calls it in legends, if it does.
+    pub legend: Option<String>,
 }
 
 impl Trace {
@@ -71,7 +75,14 @@ impl Book {
                 let si = Unit::parse(&info.unit).ok();
                 let display = info.display.as_deref().and_then(|text| Unit::parse(text).ok());
                 let unit = shown_in(si.clone(), display);
-                Trace { path: info.path.clone(), unit, has_unit: si.is_some(), kind: info.kind }
+                Trace {
+                    path: info.path.clone(),
+                    unit,
+                    has_unit: si.is_some(),
+                    kind: info.kind,
+                    title: info.title.clone(),
+                    legend: info.legend.clone(),
+                }
             });
             let (name, traces, shortfall) = (run.name(), traces.collect(), run.shortfall());
             return Ok(Book { name, is_run: true, traces, shortfall, source: Source::Run(Box::new(run)) });

@@ -170,6 +170,8 @@ impl Toy {
             kind: Kind::Real,
             dimension: None,
             display: None,
+            title: Vec::new(),
+            legend: None,
         });
         Arc::new(Schedule {
             title: "toy".to_owned(),
