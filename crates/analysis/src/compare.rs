@@ -17,6 +17,18 @@ pub struct Rule {
     pub time: f64,
     /// What signals are between their values.
     pub interpolation: Interpolation,
+    /// At which instants they are compared.
+    pub instants: Instants,
+}
+
+/// At which instants two signals are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Instants {
+    /// Where either has a value.
+    #[default]
+    Union,
+    /// Where both have one.
+    Intersection,
 }
 
 /// Values of both signals at one instant.
@@ -45,7 +57,7 @@ impl Deviation {
 pub struct Comparison {
     /// First and last instant that both signals have, s; none where they do not overlap.
     pub span: Option<(f64, f64)>,
-    /// Instants looked at: all at which either signal has a value.
+    /// Instants looked at.
     pub points: u64,
     /// Those of them with a difference beyond the tolerance.
     pub outside: u64,
@@ -69,7 +81,7 @@ impl Comparison {
     }
 }
 
-/// Compares two signals at all instants, within what they both cover, at which either has a value.
+/// Compares two signals at the instants of the rule, within what they both cover.
 ///
 /// At each instant the tolerance is `max(absolute, relative * |baseline|)`; with a time tolerance the signal must lie
 /// between the least and the largest value, widened by their tolerances, that the baseline has within that time. Where
@@ -88,6 +100,10 @@ pub fn compare(baseline: Series, other: Series, rule: &Rule) -> Comparison {
     let mut squares = (0.0, 0_u64);
     for t in Union::new(baseline.time, other.time, from, to.max(from)) {
         let at = |series: &Series| series.at(t, rule.interpolation, slack);
+        let both = || has_value(&baseline, t, slack) && has_value(&other, t, slack);
+        if rule.instants == Instants::Intersection && !both() {
+            continue;
+        }
         let (Some(base), Some(new)) = (at(&baseline), at(&other)) else { continue };
         found.points += 1;
         let around = window.as_mut().and_then(|window| window.around(t));
@@ -114,6 +130,12 @@ pub fn compare(baseline: Series, other: Series, rule: &Rule) -> Comparison {
     }
     found.rms = if squares.1 > 0 { (squares.0 / squares.1 as f64).sqrt() } else { 0.0 };
     found
+}
+
+/// Whether a signal has a value at a time, but for rounding.
+fn has_value(series: &Series, t: f64, slack: f64) -> bool {
+    let next = series.time.partition_point(|&x| x < t - slack);
+    series.time.get(next).is_some_and(|&x| x <= t + slack)
 }
 
 fn tolerance(baseline: f64, rule: &Rule) -> f64 {

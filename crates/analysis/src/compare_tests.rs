@@ -32,6 +32,21 @@ fn straight_lines_agree_on_any_time_base_between_their_values() {
 }
 
 #[test]
+fn only_common_instants_are_compared_where_that_is_asked_for() {
+    // Every third value of the finer one is one of the coarser; between them the two have nothing to do with each other.
+    let (mut a, b) = (ramp(31, 0.1, 1.0, 0.0), ramp(11, 0.3, 1.0, 0.0));
+    for (k, value) in a.1.iter_mut().enumerate().filter(|(k, _)| k % 3 != 0) {
+        *value += if k % 2 == 0 { 5.0 } else { -5.0 };
+    }
+    let rule = Rule { absolute: 1e-9, ..Rule::default() };
+    assert!(!compared(&a, &b, rule).is_within());
+    let found = compared(&a, &b, Rule { instants: Instants::Intersection, ..rule });
+    assert!(found.is_within() && found.points == 11, "{found:?}");
+    let apart = (b.0.iter().map(|t| t + 0.05).collect(), b.1.clone());
+    assert_eq!(compared(&a, &apart, Rule { instants: Instants::Intersection, ..rule }).points, 0);
+}
+
+#[test]
 fn the_tolerance_is_the_larger_of_both() {
     // Differs by 1 % of the baseline 0 to 10, plus nothing.
     let (a, b) = (ramp(101, 0.1, 1.0, 0.0), ramp(101, 0.1, 1.01, 0.0));

@@ -10,6 +10,6 @@ mod metrics;
 mod series;
 
 pub use align::lag;
-pub use compare::{Comparison, Deviation, Rule, compare};
+pub use compare::{Comparison, Deviation, Instants, Rule, compare};
 pub use metrics::{Metrics, metrics};
 pub use series::{Interpolation, Series};

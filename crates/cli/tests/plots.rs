@@ -207,7 +207,7 @@ fn measured_values_lie_over_a_run_once_their_columns_are_mapped() {
     ]);
     desk.call(&["run", "lag.ron", "-q", "--out", "runs/lag"]);
     expect![[r#"
-        error: `m.csv` has none of the signals that are drawn
+        error: `m.csv` has none of the signals that are asked for
           = help: it has `Winkel`, `Strom`; say what they are, such as --map 'Winkel=scope.set'
         exit code 2
     "#]]

@@ -130,6 +130,9 @@ pub struct CompareArgs {
     /// What signals are between their values; without it numbers are joined, whole and truth values are held.
     #[arg(long, value_enum, value_name = "KIND")]
     pub interpolation: Option<Between>,
+    /// Where signals are compared: at each instant at which either has a value, or only where both have one.
+    #[arg(long, value_enum, default_value_t = Sync::Union, value_name = "WHERE")]
+    pub sync: Sync,
     /// Moves the other recording in time: so that both start together, or agree best.
     #[arg(long, value_enum, value_name = "HOW", conflicts_with = "shift")]
     pub align: Option<Align>,
@@ -178,6 +181,15 @@ pub enum Between {
     Linear,
     /// The earlier one, held.
     Zoh,
+}
+
+/// At which instants signals are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Sync {
+    /// Where either has a value.
+    Union,
+    /// Where both have one.
+    Intersection,
 }
 
 /// How recordings are brought together in time.

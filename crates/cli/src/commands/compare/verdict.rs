@@ -1,10 +1,10 @@
 //! What is found about each signal.
 
-use blocksim_analysis::{Comparison, Interpolation, Rule, Series, compare};
+use blocksim_analysis::{Comparison, Instants, Interpolation, Rule, Series, compare};
 use blocksim_results::{ALWAYS, Column, Kind};
 use blocksim_signal::Unit;
 
-use crate::args::plot::{Between, CompareArgs};
+use crate::args::plot::{Between, CompareArgs, Sync};
 use crate::signals::traces::{Book, Trace};
 
 /// What is said of a signal.
@@ -71,6 +71,10 @@ pub fn rule(args: &CompareArgs, trace: &Trace) -> Rule {
     Rule {
         absolute: absolute.map_or(0.0, |tolerance| tolerance.value),
         relative: args.relative,
+        instants: match args.sync {
+            Sync::Union => Instants::Union,
+            Sync::Intersection => Instants::Intersection,
+        },
         time: args.time_tolerance,
         interpolation: match args.interpolation {
             Some(Between::Linear) => Interpolation::Linear,

@@ -149,7 +149,7 @@ pub fn nothing_common(book: &Book, example: &str) -> String {
     let names: Vec<String> = book.traces.iter().take(8).map(|trace| format!("`{}`", trace.path)).collect();
     let column = book.traces.first().map_or("COLUMN", |trace| trace.path.as_str());
     format!(
-        "error: `{}` has none of the signals that are drawn\n  = help: it has {}; say what they are, such as --map \
+        "error: `{}` has none of the signals that are asked for\n  = help: it has {}; say what they are, such as --map \
          '{column}={example}'",
         book.name,
         names.join(", ")
