@@ -84,7 +84,7 @@ impl Head {
         let mut entries = Vec::with_capacity(self.columns as usize);
         for entry in directory.chunks_exact(ENTRY) {
             let (form, length) = (u32_at(entry, 0), u32_at(entry, 4));
-            if column::length(form, self.rows as usize) != Some(length as usize) {
+            if !column::can_have(form, self.rows as usize, length as usize) {
                 return None;
             }
             entries.push(Entry { at, length, form, sum: u32_at(entry, 8) });

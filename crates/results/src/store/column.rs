@@ -1,5 +1,6 @@
 //! The values of one signal in one chunk, as bytes: the shortest of a few forms that gives back the same bits.
 
+use super::predict;
 use crate::recording::Kind;
 
 /// Eight bytes a value.
@@ -14,6 +15,8 @@ pub const INT8: u32 = 3;
 pub const INT16: u32 = 4;
 /// Four bytes a value, signed.
 pub const INT32: u32 = 5;
+/// Differences from a prediction, see [`predict`].
+pub const PREDICTED: u32 = 6;
 
 /// Adds the values to `out`; returns the form.
 pub fn encode(values: &[f64], kind: Kind, out: &mut Vec<u8>) -> u32 {
@@ -23,6 +26,9 @@ pub fn encode(values: &[f64], kind: Kind, out: &mut Vec<u8>) -> u32 {
         return CONSTANT;
     }
     let form = if kind == Kind::Real { REAL } else { narrowest(values) };
+    if form == REAL && predict::encode(values, out) {
+        return PREDICTED;
+    }
     match form {
         BITS => out.extend(values.chunks(8).map(|eight| {
             eight.iter().enumerate().fold(0, |byte, (at, &value)| byte | u8::from(value == 1.0) << at)
@@ -57,21 +63,22 @@ fn narrowest(values: &[f64]) -> u32 {
     }
 }
 
-/// Bytes that `rows` values take in a form; `None` for an unknown one.
-pub fn length(form: u32, rows: usize) -> Option<usize> {
+/// Whether `rows` values can take so many bytes in a form; unknown forms cannot.
+pub fn can_have(form: u32, rows: usize, bytes: usize) -> bool {
     match form {
-        REAL => Some(8 * rows),
-        CONSTANT => Some(8),
-        BITS => Some(rows.div_ceil(8)),
-        INT8 => Some(rows),
-        INT16 => Some(2 * rows),
-        INT32 => Some(4 * rows),
-        _ => None,
+        REAL => bytes == 8 * rows,
+        CONSTANT => bytes == 8,
+        BITS => bytes == rows.div_ceil(8),
+        INT8 => bytes == rows,
+        INT16 => bytes == 2 * rows,
+        INT32 => bytes == 4 * rows,
+        PREDICTED => bytes < 8 * rows,
+        _ => false,
     }
 }
 
-/// Adds `rows` values to `out`. The bytes must have the [`length`] of their form.
-pub fn decode(form: u32, bytes: &[u8], rows: usize, out: &mut Vec<f64>) {
+/// Adds `rows` values to `out`; returns whether the bytes were such. There must be as many as the form [`can_have`].
+pub fn decode(form: u32, bytes: &[u8], rows: usize, out: &mut Vec<f64>) -> bool {
     let real = |bytes: &[u8]| f64::from_le_bytes(bytes.try_into().unwrap_or_default());
     match form {
         CONSTANT => out.resize(out.len() + rows, real(bytes)),
@@ -82,8 +89,10 @@ pub fn decode(form: u32, bytes: &[u8], rows: usize, out: &mut Vec<f64>) {
             let whole = |b: &[u8]| f64::from(i32::from_le_bytes([b[0], b[1], b[2], b[3]]));
             out.extend(bytes.chunks_exact(4).map(whole));
         }
+        PREDICTED => return predict::decode(bytes, rows, out),
         _ => out.extend(bytes.chunks_exact(8).map(real)),
     }
+    true
 }
 
 #[cfg(test)]
@@ -92,7 +101,7 @@ mod tests {
 
     #[test]
     fn every_form_gives_back_the_same_bits_and_is_chosen_where_it_fits() {
-        let cases: [(&[f64], Kind, u32); 11] = [
+        let cases: [(&[f64], Kind, u32); 12] = [
             (&[0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], Kind::Bool, BITS),
             (&[-128.0, 127.0], Kind::Int, INT8),
             (&[-129.0, 127.0], Kind::Int, INT16),
@@ -101,16 +110,17 @@ mod tests {
             (&[0.0, 2147483648.0], Kind::Int, REAL),
             (&[0.0, -0.0], Kind::Int, REAL),
             (&[1.0, f64::NAN], Kind::Bool, REAL),
-            (&[0.5, 1e300, f64::NEG_INFINITY, 5e-324], Kind::Real, REAL),
+            (&[0.5, 1e300, f64::NEG_INFINITY, -5e-324], Kind::Real, REAL),
             (&[-0.0, -0.0, -0.0], Kind::Real, CONSTANT),
+            (&[2.0, 3.0, 2.5, 2.0, 1.5, 1.0, 0.5, 0.25], Kind::Real, PREDICTED),
             (&[], Kind::Real, REAL),
         ];
         for (values, kind, form) in cases {
             let mut bytes = Vec::new();
             assert_eq!(encode(values, kind, &mut bytes), form, "{values:?}");
-            assert_eq!(length(form, values.len()), Some(bytes.len()), "{values:?}");
+            assert!(can_have(form, values.len(), bytes.len()), "{values:?}");
             let mut back = Vec::new();
-            decode(form, &bytes, values.len(), &mut back);
+            assert!(decode(form, &bytes, values.len(), &mut back), "{values:?}");
             let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
             assert_eq!(bits(&back), bits(values));
         }

@@ -9,6 +9,7 @@ mod chunk;
 mod column;
 mod index;
 mod layout;
+mod predict;
 mod reader;
 mod sieve;
 mod stream;
@@ -24,8 +25,8 @@ pub use writer::{StoreWriter, write_store};
 const MAGIC: [u8; 8] = *b"\x89BLKSIM\n";
 /// Last bytes of a file that was closed.
 const END: [u8; 8] = *b"BLKSEND\n";
-/// Version of the format.
-const VERSION: u32 = 1;
+/// Version of the format. Recordings of version 1, which have no predicted values, are read as well.
+const VERSION: u32 = 2;
 /// Most rows of a chunk that are read; the writer keeps far below.
 const MOST_ROWS: u32 = 1 << 20;
 

@@ -59,10 +59,10 @@ impl Store {
         if prefix.len() < PREFIX || prefix[..8] != MAGIC {
             return Err(damaged("it is no recording of blocksim, or only the first bytes of one"));
         }
-        if u32_at(&prefix, 8) != VERSION {
-            let version = u32_at(&prefix, 8);
+        let version = u32_at(&prefix, 8);
+        if !(1..=VERSION).contains(&version) {
             return Err(damaged(&format!(
-                "it is a recording of version {version}; this program reads version {VERSION}"
+                "it is a recording of version {version}; this program reads versions 1 to {VERSION}"
             )));
         }
         let header_length = u32_at(&prefix, 12);
@@ -239,7 +239,9 @@ fn read_columns(
             return Err(Failed::Damaged);
         }
         values.clear();
-        column::decode(entry.form, &bytes, head.rows as usize, values);
+        if !column::decode(entry.form, &bytes, head.rows as usize, values) {
+            return Err(Failed::Damaged);
+        }
     }
     if values[0].is_sorted() { Ok(()) } else { Err(Failed::Damaged) }
 }

@@ -202,7 +202,7 @@ fn mistakes_are_told_with_a_reason() {
     );
     let mut newer = bytes();
     newer[8] = 9;
-    assert_eq!(reason(&newer), "it is a recording of version 9; this program reads version 1");
+    assert_eq!(reason(&newer), "it is a recording of version 9; this program reads versions 1 to 2");
     assert_eq!(reason(&bytes()[..30]), "it ends within its header");
     let mut damaged = bytes();
     damaged[25] ^= 1;
