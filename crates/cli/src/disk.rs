@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use blocksim_diagram::Reader;
@@ -113,7 +113,7 @@ pub fn write_file(path: &Path, bytes: &[u8], replace: bool, console: Console) ->
         .filter(|folder| !folder.as_os_str().is_empty())
         .map_or(PathBuf::from("."), Path::to_path_buf);
     let name = target.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    write_whole(&folder, &name, |out: &mut dyn Write| out.write_all(bytes)).map(|_| ()).map_err(|error| {
+    write_whole(&folder, &name, |out| out.write_all(bytes)).map(|_| ()).map_err(|error| {
         console.say(&format!("error: {error}"));
         Exit::Files
     })

@@ -34,7 +34,7 @@ mod titles;
 pub use csv::{ReadLimits, read_csv, read_csv_file, read_events};
 pub use csv_write::{write_events, write_signals};
 pub use error::{CsvError, RecordingError, ResultsError};
-pub use export::{resampled, write_mat, write_run_csv};
+pub use export::{resampled, write_mat, write_parquet, write_run_csv};
 pub use foreign::{Foreign, ForeignColumn, read_foreign, read_foreign_file};
 pub use history::{Kept, history, locate};
 pub use manifest::{Choice, Counts, Ended, FileUsed, Manifest, Override, Program, SolverUsed};

@@ -33,7 +33,7 @@ pub fn probe(parent: &Path) -> Result<(), ResultsError> {
 pub fn write_whole(
     folder: &Path,
     name: &str,
-    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    content: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
 ) -> Result<PathBuf, ResultsError> {
     let target = folder.join(name);
     let temporary = folder.join(format!("{name}.tmp"));

@@ -116,7 +116,7 @@ impl RunFolder {
         name: &str,
         content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), ResultsError> {
-        write_whole(&self.partial, name, content).map(|_| ())
+        write_whole(&self.partial, name, |out| content(out)).map(|_| ())
     }
 
     /// Writes `signals.csv`.

@@ -22,8 +22,9 @@ pub struct RunsArgs {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Values are in SI units. An existing file is not overwritten.\n\nExamples:\n  \
                   blocksim export latest --csv arm.csv --signals 'arm/**' --every 10ms\n  \
-                  blocksim export servo --mat servo.mat")]
-#[command(group(clap::ArgGroup::new("format").required(true).args(["csv", "mat"])))]
+                  blocksim export servo --mat servo.mat\n  \
+                  blocksim export servo --parquet servo.parquet")]
+#[command(group(clap::ArgGroup::new("format").required(true).args(["csv", "mat", "parquet"])))]
 pub struct ExportArgs {
     /// Folder or recording of the run, part of the name of a run in `runs/`, or `latest`.
     pub run: String,
@@ -33,6 +34,9 @@ pub struct ExportArgs {
     /// A MAT-file for MATLAB, Octave and SciPy; signals of all rates go into it.
     #[arg(long, value_name = "FILE")]
     pub mat: Option<PathBuf>,
+    /// A Parquet file for pandas, DuckDB, MATLAB and others; signals of other rates go to files of their own.
+    #[arg(long, value_name = "FILE")]
+    pub parquet: Option<PathBuf>,
     /// Signals to write: parts of their paths or patterns with `*`, separated by commas.
     #[arg(long, value_name = "PATTERN", value_delimiter = ',')]
     pub signals: Vec<String>,

@@ -58,7 +58,7 @@ pub enum Command {
     Check(CheckArgs),
     /// List the runs that were kept.
     Runs(RunsArgs),
-    /// Write the signals of a run for other programs: CSV, MATLAB.
+    /// Write the signals of a run for other programs: CSV, MATLAB, Parquet.
     Export(ExportArgs),
     /// Print what a step of the compiler makes of a model.
     Emit(EmitArgs),

@@ -2,7 +2,9 @@ use std::io::{self, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use blocksim_results::{ResultsError, Run, locate, resampled, write_mat, write_run_csv, write_whole};
+use blocksim_results::{
+    ResultsError, Run, locate, resampled, write_mat, write_parquet, write_run_csv, write_whole,
+};
 
 use crate::args::export::ExportArgs;
 use crate::args::values::RUNS;
@@ -17,7 +19,7 @@ use crate::terminal::render::plural;
 /// If the standard output cannot be written.
 pub fn export(args: &ExportArgs, console: Console) -> io::Result<Exit> {
     let refuse = |error: &ResultsError| {
-        console.say(&format!("error: {error}"));
+        console.say(&told(error));
         Ok(Exit::Files)
     };
     let run = match locate(&args.run, Path::new(RUNS)).and_then(|path| Run::open(&path)) {
@@ -53,6 +55,22 @@ pub fn export(args: &ExportArgs, console: Console) -> io::Result<Exit> {
     }
 }
 
+/// What to tell of a failure: place, reason, remedy.
+fn told(error: &ResultsError) -> String {
+    let ResultsError::Io { path, doing: "write", source } = error else { return format!("error: {error}") };
+    let (reason, remedy) = match source.kind() {
+        io::ErrorKind::NotFound => {
+            ("there is no such folder".to_owned(), "make the folder, or name another file")
+        }
+        io::ErrorKind::AlreadyExists => (error.reason(), "name another file"),
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            (error.reason(), "free some space, write fewer signals, or name a file elsewhere")
+        }
+        _ => (error.reason(), "name a file elsewhere"),
+    };
+    format!("error: cannot write `{}`: {reason}\n  = help: {remedy}", path.display())
+}
+
 /// Positions of the signals that fit one of the patterns, all if there are none.
 fn chosen(run: &Run, patterns: &[String]) -> Result<Vec<usize>, String> {
     let paths = || run.signals().iter().map(|signal| signal.path.as_str());
@@ -75,7 +93,7 @@ fn write(
     if let Some(file) = &args.mat {
         return Ok(vec![fresh(file, |w| write_mat(w, run, signals, range))?]);
     }
-    let Some(file) = &args.csv else { return Ok(Vec::new()) };
+    let Some(file) = args.csv.as_ref().or(args.parquet.as_ref()) else { return Ok(Vec::new()) };
     let mut bases: Vec<usize> = signals.iter().map(|&at| run.signals()[at].base).collect();
     bases.sort_unstable();
     bases.dedup();
@@ -87,7 +105,10 @@ fn write(
         let of_base: Vec<usize> =
             signals.iter().copied().filter(|&at| run.signals()[at].base == base).collect();
         let file = if number == 0 { file.clone() } else { numbered(file, number + 1) };
-        files.push(fresh(&file, |w| write_run_csv(w, run, base, &of_base, range))?);
+        files.push(fresh(&file, |w| match args.parquet {
+            Some(_) => write_parquet(w, run, base, &of_base, range),
+            None => write_run_csv(w, run, base, &of_base, range),
+        })?);
     }
     Ok(files)
 }
@@ -102,7 +123,7 @@ fn numbered(file: &Path, number: usize) -> PathBuf {
 /// Writes a file that is not there yet, whole or not at all.
 fn fresh(
     file: &Path,
-    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    content: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
 ) -> Result<PathBuf, ResultsError> {
     if file.exists() {
         return Err(ResultsError::io("write", file, io::ErrorKind::AlreadyExists.into()));

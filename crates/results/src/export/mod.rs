@@ -1,11 +1,13 @@
-//! Runs for other programs: CSV, MAT.
+//! Runs for other programs: CSV, MAT, Parquet.
 
 mod csv;
 mod mat;
+mod parquet;
 mod resample;
 
 pub use csv::write_run_csv;
 pub use mat::write_mat;
+pub use parquet::write_parquet;
 pub use resample::resampled;
 
 use crate::error::ResultsError;
