@@ -165,6 +165,22 @@ pub struct Recorded {
     pub title: Vec<String>,
     /// What it is called in legends, where that is not the name of the input.
     pub legend: Option<String>,
+    /// Which rows are kept, as far as the diagram says it.
+    pub keep: Keep,
+}
+
+/// Which rows of a run are kept of a signal.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Keep {
+    /// All.
+    #[default]
+    All,
+    /// The first one at or behind each multiple of this time, s.
+    Every(f64),
+    /// Every so manieth row.
+    Rows(u32),
+    /// The least and the largest value within each stretch of this time, s.
+    Extremes(f64),
 }
 
 /// How to run a diagram.

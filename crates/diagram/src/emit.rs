@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use blocksim_block::PortType;
-use blocksim_block::schedule::{Schedule, Solver, When};
+use blocksim_block::schedule::{Keep, Schedule, Solver, When};
 
 use crate::ast::{Ast, ConnectionAst, Reference};
 use crate::flatten::Flat;
@@ -86,8 +86,14 @@ pub(crate) fn ast(ast: &Ast) -> String {
             }
         };
     }
-    for pattern in &ast.record {
-        let _ = writeln!(out, "record {}", pattern.text);
+    for entry in &ast.record {
+        let rate = entry
+            .rate
+            .as_ref()
+            .map_or(String::new(), |(word, value)| format!(" {} {}", word.text, written(value)));
+        for pattern in &entry.signals {
+            let _ = writeln!(out, "record {}{rate}", pattern.text);
+        }
     }
     out
 }
@@ -227,7 +233,13 @@ pub(crate) fn schedule(schedule: &Schedule) -> String {
         let _ = writeln!(out, "{:<12} {} ({}): {}", when, block.path, block.kind, outputs.join(", "));
     }
     for recorded in &schedule.recorded {
-        let _ = writeln!(out, "record {}", recorded.path);
+        let kept = match recorded.keep {
+            Keep::All => String::new(),
+            Keep::Every(time) => format!(" every {time} s"),
+            Keep::Rows(n) => format!(" every {n} rows"),
+            Keep::Extremes(time) => format!(" extremes of {time} s"),
+        };
+        let _ = writeln!(out, "record {}{kept}", recorded.path);
     }
     out
 }

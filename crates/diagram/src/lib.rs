@@ -20,6 +20,7 @@ mod model;
 mod overrides;
 mod parameter;
 mod problems;
+mod rates;
 mod resolve;
 mod scope;
 mod settings;
@@ -36,13 +37,14 @@ use blocksim_block::problem::Problem;
 use blocksim_block::schedule::Schedule;
 use blocksim_scene::Scene;
 
-pub use ast::{Ast, BlockAst, ConnectionAst, Reference};
+pub use ast::{Ast, BlockAst, ConnectionAst, RATES, RecordAst, Reference};
 pub use emit::{Stage, Stages};
 pub use example::{example_block, example_interface};
 pub use flatten::{Declared, Flat, FlatBlock, Source};
 pub use infer::Typed;
 pub use model::{Content, Model, ModelBlock, PortKind, VariantChoice};
 pub use parameter::parameter;
+pub use rates::off_grid;
 pub use resolve::HIERARCHY;
 pub use source::{Reader, SourceFile, Sources};
 pub use tree::{Name, Node, Shape, SyntaxError, read as read_tree};
@@ -114,6 +116,7 @@ pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled
         connect::check(&model, &mut problems);
         let flat = flatten::flatten(&model, &mut problems);
         let settings = settings::settings(&model.ast, &scope, sort::end_time(&flat), &mut problems);
+        let rates = rates::rates(&model.ast, &scope, &settings, &mut problems);
         let title = model.ast.title.clone().unwrap_or_else(|| {
             root.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
         });
@@ -127,6 +130,9 @@ pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled
                 compiled.stages.types = Some(emit::types(&flat, &typed));
                 if !problems.any_error() {
                     compiled.schedule = sort::sort(title, &flat, &typed, settings, &mut problems);
+                    if let Some(schedule) = &mut compiled.schedule {
+                        rates::assign(&model.ast, &rates, &mut schedule.recorded);
+                    }
                     compiled.stages.schedule = compiled.schedule.as_ref().map(emit::schedule);
                 }
             }

@@ -1,5 +1,17 @@
 //! Numbers for people. Files get all digits; see [`crate::write_signals`].
 
+/// A number as the place in a row: `1st`, `2nd`, `3rd`, `4th`, `11th`, `21st`.
+pub fn ordinal(n: u64) -> String {
+    let ending = match (n % 10, n % 100) {
+        (_, 11..=13) => "th",
+        (1, _) => "st",
+        (2, _) => "nd",
+        (3, _) => "rd",
+        _ => "th",
+    };
+    format!("{}{ending}", count(n))
+}
+
 /// A fixed number of decimals, never `-0.00`; `NaN` and infinities as words.
 pub fn fixed(value: f64, decimals: usize) -> String {
     if !value.is_finite() {

@@ -37,7 +37,9 @@ pub use error::{CsvError, RecordingError, ResultsError};
 pub use export::{resampled, write_mat, write_parquet, write_run_csv};
 pub use foreign::{Foreign, ForeignColumn, read_foreign, read_foreign_file};
 pub use history::{Kept, history, locate};
-pub use manifest::{Choice, Counts, Ended, FileUsed, Manifest, Override, Program, SolverUsed};
+pub use manifest::{
+    BaseUsed, Choice, Counts, Ended, FileUsed, Manifest, Override, Program, RecordedUsed, SolverUsed,
+};
 pub use place::{probe, write_whole};
 pub use recording::{EventRow, Kind, Recording, Signal};
 pub use run::{ALWAYS, Column, Run, STORE};

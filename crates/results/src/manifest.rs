@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::store::{Layout, Rate};
+
 /// The manifest of a run. Enough to repeat it and to know whether a repetition used the same inputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
@@ -19,6 +21,9 @@ pub struct Manifest {
     pub variants: Vec<Choice>,
     /// Solver and its settings.
     pub solver: SolverUsed,
+    /// What was recorded; `None` in manifests that do not tell it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recorded: Option<RecordedUsed>,
     /// Start in UTC, ISO 8601: `2026-11-21T14:03:22Z`.
     pub started: String,
     /// Duration of the run on the clock on the wall, s.
@@ -83,6 +88,25 @@ pub struct SolverUsed {
     pub step: Option<f64>,
 }
 
+/// What was recorded, and who said so.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RecordedUsed {
+    /// Patterns of the command line with their rates, as written; without any the diagram has said what is recorded.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub patterns: Vec<String>,
+    /// The time bases in their order.
+    pub bases: Vec<BaseUsed>,
+}
+
+/// Signals that have the same times.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BaseUsed {
+    /// Which rows of the run they have.
+    pub rate: Rate,
+    /// How many they are.
+    pub signals: usize,
+}
+
 /// Work of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Counts {
@@ -119,6 +143,14 @@ pub enum Ended {
         /// Why.
         reason: String,
     },
+}
+
+impl RecordedUsed {
+    /// What a layout says, chosen by patterns of the command line if there are any.
+    pub fn of(layout: &Layout, patterns: Vec<String>) -> RecordedUsed {
+        let base = |(base, &rate)| BaseUsed { rate, signals: layout.of_base(base).count() };
+        RecordedUsed { patterns, bases: layout.rates.iter().enumerate().map(base).collect() }
+    }
 }
 
 impl Manifest {
@@ -175,6 +207,13 @@ pub(crate) mod tests {
             overrides: vec![Override { path: "axis1.control.kp".into(), value: "2.5".into() }],
             variants: vec![Choice { variant: "drive".into(), choice: "dc".into() }],
             solver: SolverUsed { name: "rk45".into(), rtol: Some(1e-6), atol: Some(1e-9), step: None },
+            recorded: Some(RecordedUsed {
+                patterns: vec!["arm/**@10ms".into(), "drive".into()],
+                bases: vec![
+                    BaseUsed { rate: Rate::Every(0.01), signals: 12 },
+                    BaseUsed { rate: Rate::All, signals: 3 },
+                ],
+            }),
             started: "2026-11-21T14:03:22Z".into(),
             wall_time: 0.42,
             simulated_time: 10.0,
@@ -218,6 +257,24 @@ pub(crate) mod tests {
                 "name": "rk45",
                 "rtol": 1e-6,
                 "atol": 1e-9
+              },
+              "recorded": {
+                "patterns": [
+                  "arm/**@10ms",
+                  "drive"
+                ],
+                "bases": [
+                  {
+                    "rate": {
+                      "every": 0.01
+                    },
+                    "signals": 12
+                  },
+                  {
+                    "rate": "all",
+                    "signals": 3
+                  }
+                ]
               },
               "started": "2026-11-21T14:03:22Z",
               "wall_time": 0.42,

@@ -4,7 +4,9 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use blocksim_block::schedule::Recorded;
+use blocksim_results::format::ordinal;
 use blocksim_results::{Ended, ResultsError, Run, RunFolder, STORE, Store, clock, probe};
+use blocksim_scene::Scene;
 use blocksim_sim::Simulation;
 
 use super::tell;
@@ -22,7 +24,7 @@ use crate::running::{interrupt, manifest, solver};
 use crate::scene;
 use crate::terminal::console::Console;
 use crate::terminal::progress::{Progress, Telling};
-use crate::terminal::render;
+use crate::terminal::render::{self, plural};
 
 /// Simulates a model, keeps the results and shows them.
 ///
@@ -41,7 +43,9 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
         console.say(&format!("error: {mistake}"));
         return Ok(Exit::Usage);
     }
-    let selection = match select(&schedule.recorded, &args.signals) {
+    let scene = loaded.compiled.scene.as_ref().filter(|scene| !scene.shapes.is_empty());
+    let poses = scene.map(Scene::signals).unwrap_or_default();
+    let selection = match select(&schedule.recorded, &args.signals, &poses, &schedule.settings) {
         Ok(selection) => selection,
         Err(mistake) => {
             console.say(&format!("error: {mistake}"));
@@ -77,6 +81,7 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
             args,
             loaded: &loaded,
             schedule: &schedule,
+            layout: &selection.layout,
             simulation,
             started: clock::iso(started),
             wall_time,
@@ -144,7 +149,6 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
         rows,
     };
     let log = log(&report, &loaded, &events);
-    let scene = loaded.compiled.scene.as_ref().filter(|scene| !scene.shapes.is_empty());
     for file in scene.into_iter().flat_map(scene::missing_meshes) {
         console.say(&format!(
             "warning: the mesh `{file}` is missing and will not be drawn\n  = help: put it there, or correct `file` of the shape"
@@ -184,7 +188,13 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
         console.say(&warning);
     }
     if seen.stride > 1 {
-        console.say(&format!("note: pictures and tables are of every {}th row", seen.stride));
+        console.say(&format!("note: pictures and tables are of every {} row", ordinal(seen.stride)));
+    }
+    if selection.unasked > 0 {
+        console.say(&format!(
+            "note: {} of joints are recorded as well, for the view in space",
+            plural(selection.unasked, "position")
+        ));
     }
     if csv == Csv::Sensibly && !is_csv_written(&run, csv) {
         console.say(&format!(

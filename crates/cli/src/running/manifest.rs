@@ -2,7 +2,9 @@
 
 use blocksim_block::schedule::Schedule;
 use blocksim_diagram::SourceFile;
-use blocksim_results::{Choice, Counts, Ended, FileUsed, Manifest, Override, Program, hash};
+use blocksim_results::{
+    Choice, Counts, Ended, FileUsed, Layout, Manifest, Override, Program, RecordedUsed, hash,
+};
 use blocksim_sim::Simulation;
 
 use crate::args::model::RunArgs;
@@ -17,6 +19,8 @@ pub struct Facts<'a> {
     pub loaded: &'a Loaded,
     /// What was run.
     pub schedule: &'a Schedule,
+    /// What is recorded.
+    pub layout: &'a Layout,
     /// The run.
     pub simulation: &'a Simulation,
     /// Start in UTC.
@@ -45,6 +49,10 @@ pub fn of(facts: &Facts) -> Manifest {
         overrides: facts.args.model.set.iter().map(|text| override_of(text)).collect(),
         variants: facts.loaded.compiled.variants.iter().map(|(path, v)| choice(path, &v.chosen)).collect(),
         solver: solver::used(facts.schedule.settings.solver),
+        recorded: Some(RecordedUsed::of(
+            facts.layout,
+            facts.args.signals.iter().map(|wanted| wanted.text.clone()).collect(),
+        )),
         started: facts.started.clone(),
         wall_time: facts.wall_time,
         simulated_time: facts.simulation.time(),

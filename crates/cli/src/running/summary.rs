@@ -100,6 +100,7 @@ mod tests {
             overrides: Vec::new(),
             variants: Vec::new(),
             solver: SolverUsed { name: "RosW3".into(), rtol: Some(1e-6), atol: Some(1e-6), step: None },
+            recorded: None,
             started: "2026-11-21T14:03:22Z".into(),
             wall_time: 0.42,
             simulated_time: 1.724,

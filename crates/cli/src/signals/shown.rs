@@ -95,6 +95,7 @@ fn kind(recorded: &Recorded) -> Kind {
 #[cfg(test)]
 pub mod tests {
     use super::*;
+    use blocksim_block::schedule::Keep;
 
     /// A column of a recording: path, unit and display unit (both may be empty), values in SI.
     pub type Column<'a> = (&'a str, &'a str, &'a str, Vec<f64>);
@@ -112,6 +113,7 @@ pub mod tests {
                 display: (!display.is_empty()).then(|| (*display).to_owned()),
                 title: Vec::new(),
                 legend: None,
+                keep: Keep::All,
             })
             .collect();
         let mut recording = recording(&recorded);

@@ -2,6 +2,7 @@
 
 mod connection;
 mod parse;
+mod record;
 
 use std::ops::Range;
 
@@ -32,8 +33,8 @@ pub struct Ast {
     pub blocks: Vec<BlockAst>,
     /// Connections in the order of the file.
     pub connections: Vec<ConnectionAst>,
-    /// Patterns of signals to record.
-    pub record: Vec<Name>,
+    /// Signals to record.
+    pub record: Vec<RecordAst>,
     /// The word `Diagram`, for problems of the whole.
     pub span: Range<usize>,
 }
@@ -52,6 +53,18 @@ pub struct BlockAst {
     /// The whole value.
     pub span: Range<usize>,
 }
+
+/// Signals to record: `"arm/**"`, or `(signals: ["arm/**"], every: "10 ms")`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordAst {
+    /// Patterns of their names.
+    pub signals: Vec<Name>,
+    /// Which rows are kept: a word of [`RATES`] and its value; all without.
+    pub rate: Option<(Name, Node)>,
+}
+
+/// The words for which rows are kept.
+pub const RATES: [&str; 3] = ["every", "rows", "minmax"];
 
 /// A port of a block, or an element of a bus behind it.
 #[derive(Debug, Clone, PartialEq, Eq)]

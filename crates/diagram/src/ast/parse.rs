@@ -56,7 +56,7 @@ pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Optio
             "ports" => ast.ports = reader.references(node, "port"),
             "blocks" => ast.blocks = reader.blocks(node),
             "connections" => ast.connections = reader.connections(node),
-            "record" => ast.record = reader.texts(node),
+            "record" => ast.record = reader.record(node),
             other => {
                 let mut problem =
                     Problem::error("unknown_parameter", format!("a diagram has no section `{other}`"))
@@ -73,7 +73,7 @@ pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Optio
 }
 
 /// Reports names that stand twice.
-fn unique(file: FileId, members: &[(Name, Node)], what: &str, problems: &mut Problems) {
+pub(super) fn unique(file: FileId, members: &[(Name, Node)], what: &str, problems: &mut Problems) {
     let mut first: HashMap<&str, &Name> = HashMap::new();
     for (name, _) in members {
         if let Some(other) = first.insert(&name.text, name) {
@@ -106,23 +106,12 @@ impl Section<'_> {
         );
     }
 
-    fn text(&mut self, node: &Node) -> Option<String> {
+    pub(super) fn text(&mut self, node: &Node) -> Option<String> {
         if let Shape::Text(text) = &node.value {
             return Some(text.clone());
         }
         self.expected("a text", node);
         None
-    }
-
-    fn texts(&mut self, node: &Node) -> Vec<Name> {
-        let Shape::List(items) = &node.value else {
-            self.expected("a list of texts", node);
-            return Vec::new();
-        };
-        items
-            .iter()
-            .filter_map(|item| self.text(item).map(|text| Name { text, span: item.span.clone() }))
-            .collect()
     }
 
     fn named(&mut self, node: &Node, what: &str) -> Vec<(Name, Node)> {

@@ -2,7 +2,7 @@
 
 mod declared;
 mod nodes;
-mod record;
+pub(crate) mod record;
 mod view;
 
 use std::collections::HashMap;

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use blocksim_block::problem::Problem;
+use blocksim_signal::closest;
 
 use super::view::{Asked, Tree, View};
 use super::{Flat, Source};
@@ -30,15 +31,23 @@ pub(super) fn record(
             }
         }
     }
+    // What scopes show is recorded anyway; a pattern may still say its rate.
+    let shown: Vec<String> = flat
+        .blocks
+        .iter()
+        .filter(|block| block.interface.recorded.is_some())
+        .flat_map(|block| block.interface.inputs.iter().map(|input| format!("{}.{}", block.path, input.name)))
+        .collect();
     let mut seen: BTreeSet<&String> = BTreeSet::new();
-    for pattern in &model.ast.record {
+    for pattern in model.ast.record.iter().flat_map(|entry| &entry.signals) {
         let place = model.ast.place(&pattern.span);
         let matching: Vec<_> = candidates.iter().filter(|(name, _)| matches(&pattern.text, name)).collect();
-        if matching.is_empty() {
+        if matching.is_empty() && !shown.iter().any(|name| matches(&pattern.text, name)) {
+            let names: Vec<&str> = candidates.keys().chain(&shown).map(String::as_str).collect();
             problems.push(
                 Problem::error("unknown_signal", format!("no signal matches `{}`", pattern.text))
                     .at(&place, "matches nothing")
-                    .help("`*` stands for any part of a name, `**` for any number of subsystems: `arm/**.Angle`"),
+                    .help(advice(&pattern.text, &names)),
             );
         }
         for (name, (block, output)) in matching {
@@ -47,6 +56,22 @@ pub(super) fn record(
                     Source { block: *block, output: *output, target: place.clone(), place: place.clone() };
                 flat.recorded.push((name.clone(), source));
             }
+        }
+    }
+}
+
+/// What may have been meant by a pattern that matches nothing: a wider one, or a name that is spelt much like it.
+fn advice(pattern: &str, names: &[&str]) -> String {
+    let fits = |pattern: &str| names.iter().any(|name| matches(pattern, name));
+    let across = pattern.replace("**", "*").replace('*', "**");
+    let below = format!("{}/**", pattern.trim_end_matches('/'));
+    let ports = format!("{pattern}.*");
+    let within = format!("**{}**", pattern.trim_matches('*'));
+    let wider = [across, ports, below, within].into_iter().find(|wider| wider != "****" && fits(wider));
+    match wider.or_else(|| closest(pattern, names.iter().copied()).map(str::to_owned)) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => {
+            "`*` stands for any part of a name, `**` for any number of subsystems: `arm/**.Angle`".to_owned()
         }
     }
 }
@@ -67,7 +92,7 @@ fn name_leaves(name: &str, tree: &Tree, out: &mut BTreeMap<String, (usize, usize
 
 /// `*` stands for any text without `/` and `.`, `**` for any text. Takes time in proportion to the product of the lengths,
 /// whatever the pattern is.
-fn matches(pattern: &str, name: &str) -> bool {
+pub(crate) fn matches(pattern: &str, name: &str) -> bool {
     let name = name.as_bytes();
     // Whether the pattern so far matches the first bytes of the name.
     let mut reached = vec![false; name.len() + 1];
@@ -92,7 +117,7 @@ fn matches(pattern: &str, name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::matches;
+    use super::{advice, matches};
 
     #[test]
     fn patterns_match_within_and_across_levels() {
@@ -103,6 +128,18 @@ mod tests {
         assert!(!matches("arm", "arm.y"));
         assert!(matches("*.y", "g.y") && matches("", "") && matches("g.y*", "g.y"));
         assert!(!matches("", "g") && !matches("g.y", "") && !matches("ag.y", "g.y"));
+    }
+
+    #[test]
+    fn a_pattern_that_is_too_narrow_is_widened() {
+        let names = ["arm/base/joint.q", "control.y", "arm/out.y.Angle"];
+        let meant = |pattern: &str| advice(pattern, &names).replace("did you mean `", "").replace("`?", "");
+        assert_eq!(meant("arm/*.q"), "arm/**.q");
+        assert_eq!(meant("control"), "control.*");
+        assert_eq!(meant("arm"), "arm/**");
+        assert_eq!(meant("joint"), "**joint**");
+        assert_eq!(meant("contrl.y"), "control.y");
+        assert!(advice("leg/*", &names).starts_with("`*` stands for") && advice("", &[]).starts_with("`*`"));
     }
 
     #[test]

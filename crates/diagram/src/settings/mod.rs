@@ -1,6 +1,6 @@
 //! `simulation: (...)`: stop time, method, tolerances, output.
 
-mod written;
+pub(crate) mod written;
 
 use std::rc::Rc;
 

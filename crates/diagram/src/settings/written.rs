@@ -17,7 +17,7 @@ pub(super) struct Simulation {
 }
 
 /// A time in s with its unit checked.
-pub(super) struct Seconds(pub f64);
+pub(crate) struct Seconds(pub f64);
 
 impl<'de> Deserialize<'de> for Seconds {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -26,7 +26,7 @@ impl<'de> Deserialize<'de> for Seconds {
 }
 
 /// A number without unit.
-pub(super) struct Plain(pub f64);
+pub(crate) struct Plain(pub f64);
 
 impl<'de> Deserialize<'de> for Plain {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use blocksim_block::schedule::{Clock, Instance, Recorded, Schedule, Settings, Signal, Step};
+use blocksim_block::schedule::{Clock, Instance, Keep, Recorded, Schedule, Settings, Signal, Step};
 
 use super::clock::rate_of;
 use super::order::Order;
@@ -166,6 +166,7 @@ impl Columns {
                 display: called.display.map(str::to_owned),
                 title: called.title.to_vec(),
                 legend: called.legend.map(numbered),
+                keep: Keep::All,
             });
         }
     }

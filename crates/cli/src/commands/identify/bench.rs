@@ -158,6 +158,7 @@ impl Bench {
             display: None,
             title: Vec::new(),
             legend: None,
+            keep: blocksim_block::schedule::Keep::All,
         };
         let measured: Vec<&Axis> = experiment.measured.iter().map(|index| &self.axes[*index]).collect();
         let cells = measured.iter().flat_map(|axis| {

@@ -1,8 +1,8 @@
 use std::sync::Arc;
 
 use blocksim_block::schedule::{
-    Clock, FixedMethod, Instance, OutputTimes, Rate, Recorded, Schedule, Settings, Signal, Solver, Step,
-    VariableMethod, When,
+    Clock, FixedMethod, Instance, Keep, OutputTimes, Rate, Recorded, Schedule, Settings, Signal, Solver,
+    Step, VariableMethod, When,
 };
 use blocksim_block::{Block, Given, Interface, ParamUnits};
 use blocksim_signal::{Kind, SampleTime, Shape};
@@ -172,6 +172,7 @@ impl Toy {
             display: None,
             title: Vec::new(),
             legend: None,
+            keep: Keep::All,
         });
         Arc::new(Schedule {
             title: "toy".to_owned(),
