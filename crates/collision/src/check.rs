@@ -5,9 +5,12 @@ use blocksim_scene::{Scene, Shape};
 
 use crate::distance::{Distance, distance};
 use crate::solid::Solid;
+use crate::walk::Walk;
 
 /// Distance at rest up to which two solids count as touching, m.
 const TOUCHING: f64 = 1e-3;
+/// Parts that are nearer than this at rest are near by construction, m.
+const CLOSE: f64 = 0.02;
 
 /// A solid on a body.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,11 +56,27 @@ pub struct Course {
 /// All solids of a mechanism and of its surroundings, and which pairs of them are looked at.
 #[derive(Debug, Clone)]
 pub struct Check {
-    items: Vec<Item>,
-    reach: Vec<f64>,
-    pairs: Vec<[usize; 2]>,
+    pub(crate) items: Vec<Item>,
+    pub(crate) reach: Vec<f64>,
+    pub(crate) pairs: Vec<Pair>,
     left_out: Vec<[String; 2]>,
     unchecked: Vec<String>,
+}
+
+/// Two solids that are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Pair {
+    /// Indices.
+    pub of: [usize; 2],
+    /// Whether they are close at rest: then their distance says nothing of a pose, unless they touch.
+    pub close: bool,
+}
+
+impl Pair {
+    /// The distance from which on nothing is to be told of the pair, where only what is nearer than `bound` is.
+    pub fn bound(&self, bound: f64) -> f64 {
+        if self.close { bound.min(f64::MIN_POSITIVE) } else { bound }
+    }
 }
 
 impl Check {
@@ -66,7 +85,8 @@ impl Check {
     ///
     /// Pairs on one body and on neighbours are left out: a body and the next one towards the world that has solids. What
     /// stands in the world is a neighbour where it touches the body at rest, as the base of a robot does. Other pairs that
-    /// are within 1 mm at rest are left out as well, obstacles excepted.
+    /// are within 1 mm at rest are left out as well, obstacles excepted. Of those within 20 mm at rest collisions are told, but
+    /// no distances: they would hide all others.
     pub fn new(items: Vec<Item>, parents: &[Option<usize>], rest: &[Placement], rules: &Rules) -> Self {
         let check = Check {
             reach: items.iter().map(|item| item.solid.reach()).collect(),
@@ -116,7 +136,9 @@ impl Check {
                     }
                 };
                 if look {
-                    pairs.push([i, k]);
+                    let own = check.items[i].body.is_some() && check.items[k].body.is_some();
+                    let close = own && check.between(i, k, &places).distance <= CLOSE;
+                    pairs.push(Pair { of: [i, k], close });
                 }
             }
         }
@@ -152,6 +174,21 @@ impl Check {
         &self.unchecked
     }
 
+    /// The same of some of its pairs: obstacles with bodies, or bodies among themselves.
+    pub fn with_obstacles(&self, obstacles: bool) -> Check {
+        let is_one = |pair: &Pair| pair.of.iter().any(|i| self.items[*i].body.is_none());
+        let pairs = self.pairs.iter().copied().filter(|pair| is_one(pair) == obstacles).collect();
+        Check { pairs, ..self.clone() }
+    }
+
+    /// The names of all solids, each once.
+    pub fn names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.items.iter().map(|item| item.name.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
     /// Number of pairs that are looked at.
     pub fn pairs(&self) -> usize {
         self.pairs.len()
@@ -165,9 +202,9 @@ impl Check {
     /// First collision and least distance when the bodies go through `poses`, one after another.
     pub fn along<P: AsRef<[Placement]>>(&self, poses: impl IntoIterator<Item = P>) -> Course {
         let mut course = Course::default();
+        let mut walk = Walk::new(self);
         for (row, poses) in poses.into_iter().enumerate() {
-            let least = course.least.as_ref().map_or(f64::INFINITY, |(_, least)| least.distance.distance);
-            let Some(found) = self.nearer(poses.as_ref(), least) else { continue };
+            let Some(found) = walk.step(poses.as_ref()) else { continue };
             if found.distance.distance <= 0.0 && course.first.is_none() {
                 course.first = Some((row, found.clone()));
             }
@@ -176,30 +213,40 @@ impl Check {
         course
     }
 
+    /// What touches when the bodies are at `poses`, with the least distance; `None` where nothing does.
+    pub fn touches(&self, poses: &[Placement]) -> Option<Clearance> {
+        self.nearer(poses, f64::MIN_POSITIVE)
+    }
+
     /// The nearest pair, if it is nearer than a bound.
     fn nearer(&self, poses: &[Placement], mut bound: f64) -> Option<Clearance> {
         let places = self.places(poses);
         let mut best = None;
-        for pair @ [i, k] in &self.pairs {
-            let centres = (places[*i].translation - places[*k].translation).norm();
-            if centres - self.reach[*i] - self.reach[*k] >= bound {
+        for pair in &self.pairs {
+            let [i, k] = pair.of;
+            let centres = (places[i].translation - places[k].translation).norm();
+            if centres - self.reach[i] - self.reach[k] >= pair.bound(bound) {
                 continue;
             }
-            let found = self.between(*i, *k, &places);
-            if found.distance < bound {
+            let found = self.between(i, k, &places);
+            if found.distance < pair.bound(bound) {
                 bound = found.distance;
-                best = Some((*pair, found));
+                best = Some((pair.of, found));
             }
         }
-        best.map(|(pair, distance)| Clearance { names: pair.map(|i| self.items[i].name.clone()), distance })
+        best.map(|(pair, distance)| self.clearance_of(pair, distance))
     }
 
-    fn between(&self, i: usize, k: usize, places: &[Placement]) -> Distance {
+    pub(crate) fn clearance_of(&self, pair: [usize; 2], distance: Distance) -> Clearance {
+        Clearance { names: pair.map(|i| self.items[i].name.clone()), distance }
+    }
+
+    pub(crate) fn between(&self, i: usize, k: usize, places: &[Placement]) -> Distance {
         distance(&self.items[i].solid, &places[i], &self.items[k].solid, &places[k])
     }
 
     /// Where all solids are in the world.
-    fn places(&self, poses: &[Placement]) -> Vec<Placement> {
+    pub(crate) fn places(&self, poses: &[Placement]) -> Vec<Placement> {
         let of = |item: &Item| match item.body.and_then(|body| poses.get(body)) {
             Some(pose) => *pose * item.place,
             None => item.place,

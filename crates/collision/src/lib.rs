@@ -8,9 +8,12 @@
 
 mod check;
 mod convex;
+mod depth;
 mod distance;
 mod solid;
+mod walk;
 
 pub use check::{Check, Clearance, Course, Item, Rules};
 pub use distance::{Distance, distance};
 pub use solid::Solid;
+pub use walk::Walk;

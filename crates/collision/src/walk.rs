@@ -1,0 +1,116 @@
+//! A mechanism on its way through many poses.
+
+use blocksim_multibody::Placement;
+
+use crate::check::{Check, Clearance};
+
+/// Goes through poses and finds where solids are nearest, measuring only what may matter.
+///
+/// Of each pair a distance is kept that it has at least. From pose to pose this shrinks by what both solids move by at
+/// most; a pair is measured anew only where it may have come nearer than the nearest so far.
+#[derive(Debug)]
+pub struct Walk<'c> {
+    check: &'c Check,
+    places: Vec<Placement>,
+    /// What each pair is apart at least, m.
+    apart: Vec<f64>,
+    /// The least distance so far, m.
+    least: f64,
+}
+
+impl<'c> Walk<'c> {
+    /// Before the first pose.
+    pub fn new(check: &'c Check) -> Self {
+        let apart = vec![f64::NEG_INFINITY; check.pairs.len()];
+        Walk { check, places: Vec::new(), apart, least: f64::INFINITY }
+    }
+
+    /// The next pose, with the world first: the nearest pair, if it is nearer than any before.
+    pub fn step(&mut self, poses: &[Placement]) -> Option<Clearance> {
+        let check = self.check;
+        let places = check.places(poses);
+        let moved: Vec<f64> = match self.places.is_empty() {
+            true => vec![0.0; places.len()],
+            false => (0..places.len()).map(|i| self.moved(i, &places[i])).collect(),
+        };
+        let mut best = None;
+        for (pair, apart) in check.pairs.iter().zip(&mut self.apart) {
+            let ([i, k], enough) = (pair.of, pair.bound(self.least));
+            *apart -= moved[i] + moved[k];
+            if *apart >= enough {
+                continue;
+            }
+            let centres = (places[i].translation - places[k].translation).norm();
+            let bound = centres - check.reach[i] - check.reach[k];
+            if bound >= enough {
+                *apart = bound;
+                continue;
+            }
+            let found = check.between(i, k, &places);
+            *apart = found.distance;
+            if found.distance < enough {
+                self.least = found.distance;
+                best = Some((pair.of, found));
+            }
+        }
+        self.places = places;
+        best.map(|(pair, found)| check.clearance_of(pair, found))
+    }
+
+    /// How far the points of a solid have come at most.
+    fn moved(&self, item: usize, to: &Placement) -> f64 {
+        let from = &self.places[item];
+        match self.check.items[item].body {
+            None | Some(0) => 0.0,
+            // a turn by φ moves a point at the distance r by 2 r sin(φ/2); the norm of the difference is √2 times that of r = 1
+            Some(_) => {
+                let turned = (to.rotation - from.rotation).norm() / std::f64::consts::SQRT_2;
+                (to.translation - from.translation).norm() + turned * self.check.reach[item]
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::{Item, Rules};
+    use crate::solid::Solid;
+
+    /// The same as when each pose is measured by itself.
+    #[test]
+    fn leaving_pairs_out_changes_nothing() {
+        let item = |name: &str, body, solid, x: f64| Item {
+            name: name.to_owned(),
+            body,
+            solid,
+            place: Placement::from_translation([x, 0.0, 0.0]),
+        };
+        let items = vec![
+            item("post", None, Solid::cylinder(0.1, 2.0), 0.2),
+            item("floor", None, Solid::half_space(), 0.0),
+            item("upper", Some(1), Solid::cuboid([0.6, 0.1, 0.2]), 0.3),
+            item("fore", Some(2), Solid::capsule(0.05, 0.3), 0.1),
+            item("hand", Some(3), Solid::sphere(0.1), 0.0),
+        ];
+        let rest: Vec<Placement> =
+            (0..4).map(|i| Placement::from_translation([0.0, 0.0, 2.0 * f64::from(i)])).collect();
+        let check = Check::new(items, &[None, Some(0), Some(1), Some(2)], &rest, &Rules::default());
+        let poses = |t: f64| -> Vec<Placement> {
+            let at = |k: f64| {
+                let (sin, cos) = (k * t).sin_cos();
+                Placement::from_rpy([sin, 0.9 * cos - 0.3 * k, 0.6 + 0.9 * cos * sin], [t, k * sin, t * k])
+            };
+            vec![Placement::identity(), at(1.0), at(1.7), at(2.3)]
+        };
+        let way: Vec<Vec<Placement>> = (0..3000).map(|row| poses(f64::from(row) * 1e-3)).collect();
+        let course = check.along(&way);
+        let each: Vec<f64> =
+            way.iter().map(|poses| check.clearance(poses).expect("pairs").distance.distance).collect();
+        let least = each.iter().copied().fold(f64::INFINITY, f64::min);
+        let first = each.iter().position(|distance| *distance <= 0.0);
+        assert!(first.is_some_and(|row| row > 10), "{first:?}");
+        assert_eq!(course.first.as_ref().map(|(row, _)| *row), first);
+        assert_eq!(course.least.expect("pairs").1.distance.distance, least);
+    }
+}
