@@ -3,7 +3,9 @@
 #[path = "../tests/moves/arm.rs"]
 mod arm;
 
-use blocksim_planner::{CartesianMove, CartesianRequest, Orientation, Speeds, Start, Timing, inspect};
+use blocksim_planner::{
+    CartesianMove, CartesianRequest, Orientation, Speeds, Start, Timing, Turning, inspect,
+};
 use nalgebra::Vector3;
 
 fn main() {
@@ -12,27 +14,55 @@ fn main() {
 
 const Q: [f64; 6] = [0.1, 0.2, 0.1, 0.3, 0.8, -0.2];
 
-/// Planned and inspected.
-#[divan::bench(args = ["free", "fixed", "axis", "time-optimal"])]
-fn line_of_1233_waypoints(bencher: divan::Bencher, kind: &str) {
-    let robot = arm::robot();
-    let (orientation, timing) = match kind {
-        "free" => (Orientation::Free, Timing::Sin2),
-        "fixed" => (Orientation::Fixed, Timing::Sin2),
-        "axis" => (Orientation::Axis, Timing::Sin2),
-        _ => (Orientation::Fixed, Timing::TimeOptimal),
-    };
+const ORIENTATIONS: [&str; 4] = ["free", "fixed", "interpolated", "axis"];
+const TIMINGS: [&str; 4] = ["sin2", "trapezoid", "s-curve", "time-optimal"];
+
+fn request(robot: &Robot, orientation: &str, timing: &str) -> CartesianRequest {
     let by = Vector3::new(0.1, -0.45, -0.35);
-    let request = CartesianRequest {
+    let start = arm::tool(robot, &Q);
+    let turned = EulerZyx { alpha: 0.3, beta: 0.2, gamma: -0.25 }.rotation() * start.rotation;
+    CartesianRequest {
         start: Start::Joints(Q.to_vec()),
         via: None,
-        target: arm::tool(&robot, &Q).translation + by,
-        orientation,
-        speeds: Speeds { velocity: 0.25, acceleration: 0.4, timing },
+        target: start.translation + by,
+        orientation: match orientation {
+            "free" => Orientation::Free,
+            "fixed" => Orientation::Fixed,
+            "interpolated" => Orientation::Interpolated(turned),
+            _ => Orientation::Axis,
+        },
+        speeds: Speeds {
+            velocity: 0.25,
+            acceleration: 0.4,
+            timing: match timing {
+                "sin2" => Timing::Sin2,
+                "trapezoid" => Timing::Trapezoid,
+                "s-curve" => Timing::SCurve { jerk: 40.0 },
+                _ => Timing::TimeOptimal,
+            },
+        },
+        turning: Turning::default(),
         resolution: by.norm() / 1232.0,
-    };
+    }
+}
+
+/// Planned and inspected, of each orientation with each law.
+#[divan::bench(args = ORIENTATIONS.iter().flat_map(|o| TIMINGS.map(|t| format!("{o} {t}"))))]
+fn line_of_1233_waypoints(bencher: divan::Bencher, kind: &str) {
+    let robot = arm::robot();
+    let (orientation, timing) = kind.split_once(' ').expect("two words");
+    let request = request(&robot, orientation, timing);
     bencher.bench(|| {
         let planned = CartesianMove::plan(&robot, &request).expect("a move");
         inspect(&robot, &planned, 1233)
     });
+}
+
+/// Only the choice of the configuration at a start that is given by the place of the tool.
+#[divan::bench]
+fn configuration_of_1233_waypoints(bencher: divan::Bencher) {
+    let robot = arm::robot();
+    let mut request = request(&robot, "fixed", "sin2");
+    request.start = Start::Pose(arm::tool(&robot, &Q));
+    bencher.bench(|| choose(&robot, &request, None).expect("a start"));
 }

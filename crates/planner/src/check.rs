@@ -7,7 +7,7 @@ use blocksim_robot::Robot;
 use nalgebra::{DVector, Vector3};
 
 use crate::arm::Arm;
-use crate::course::{Course, Narrow};
+use crate::course::{Course, Narrow, Way, place};
 use crate::error::short;
 
 /// What counts as exceeding a limit, relative: above the rounding of the planning.
@@ -15,11 +15,11 @@ const TOLERANCE: f64 = 1e-6;
 /// Positions may be this far outside, rad.
 const POSITION_TOLERANCE: f64 = 1e-7;
 /// Nearer than this to a singular pose, m and rad, a move does not go without being told.
-const NARROW: f64 = 0.01;
+pub(crate) const NARROW: f64 = 0.01;
 /// No axis may move by more from one waypoint to the next, rad.
 const JUMP: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Fewest waypoints in time.
-const FEWEST: usize = 500;
+pub(crate) const FEWEST: usize = 500;
 
 /// What is bounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,8 +51,8 @@ pub struct Violation {
     pub t: f64,
     /// Share of the time.
     pub share: f64,
-    /// Length of the path and way along it, m, where the tool follows one.
-    pub way: Option<(f64, f64)>,
+    /// Where the tool is on its path, if it follows one.
+    pub way: Option<Way>,
     /// Value there.
     pub value: f64,
     /// The value that is furthest beyond on the whole move.
@@ -96,9 +96,7 @@ pub fn inspect(robot: &Robot, course: &dyn Course, waypoints: usize) -> Findings
     let limits = robot.limits();
     let duration = course.duration();
     let count = waypoints.max(FEWEST);
-    let even = (0..=count).map(|k| duration * (k as f64 / count as f64));
-    let mut times: Vec<f64> = even.chain(course.seams()).collect();
-    times.sort_by(f64::total_cmp);
+    let times = course.times(count);
     let none = |limits: &AxisLimits| AxisExtremes {
         lowest: f64::INFINITY,
         highest: f64::NEG_INFINITY,
@@ -198,6 +196,8 @@ impl Violation {
     /// What helps. `velocity` is the speed along the path that was asked for, m/s, where there is one.
     pub fn help(&self, velocity: Option<f64>) -> String {
         let ratio = self.limit / self.worst;
+        // of a turn on the spot it is not the speed along the path that counts
+        let velocity = velocity.filter(|_| !self.way.is_some_and(|way| way.turn));
         match self.quantity {
             Quantity::Lower | Quantity::Upper => {
                 "move start or target, choose another orientation, or start in another configuration".into()
@@ -227,13 +227,7 @@ impl Violation {
 
     /// Its place on the move.
     pub fn place(&self) -> String {
-        let time = format!("t = {} s, {} % of the time", short(self.t), short(100.0 * self.share));
-        match self.way {
-            Some((length, s)) => {
-                format!("at {} % of the path (s = {} mm, {time})", short(100.0 * s / length), short(1e3 * s))
-            }
-            None => format!("at {} % of the time (t = {} s)", short(100.0 * self.share), short(self.t)),
-        }
+        place(self.t, self.share, self.way)
     }
 }
 

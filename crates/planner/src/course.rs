@@ -2,6 +2,8 @@
 
 use blocksim_motion::JointMove;
 
+use crate::error::short;
+
 /// Position (rad), speed (rad/s) and acceleration (rad/s²) of an axis.
 pub type State = [f64; 3];
 
@@ -12,6 +14,40 @@ pub struct Narrow {
     pub margin: f64,
     /// Time, s.
     pub t: f64,
+}
+
+/// How far the tool is on its path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Way {
+    /// Length of the path, m; of a turn on the spot its angle, rad.
+    pub length: f64,
+    /// How much of it is done.
+    pub done: f64,
+    /// Whether it is a turn on the spot.
+    pub turn: bool,
+}
+
+impl Way {
+    /// What is done, with its unit.
+    pub fn text(&self) -> String {
+        match self.turn {
+            true => format!("{} deg turned", short(self.done.to_degrees())),
+            false => format!("s = {} mm", short(1e3 * self.done)),
+        }
+    }
+}
+
+/// A place on a move in words.
+pub(crate) fn place(t: f64, share: f64, way: Option<Way>) -> String {
+    let (time, percent) = (short(t), short(100.0 * share));
+    match way {
+        Some(way) => format!(
+            "at {} % of the path ({}, t = {time} s, {percent} % of the time)",
+            short(100.0 * way.done / way.length),
+            way.text()
+        ),
+        None => format!("at {percent} % of the time (t = {time} s)"),
+    }
 }
 
 /// A planned move of all axes from rest to rest.
@@ -31,9 +67,17 @@ pub trait Course: std::fmt::Debug + Send + Sync {
     /// Times at which the acceleration or its slope jumps, in ascending order, from 0 to the end.
     fn seams(&self) -> Vec<f64>;
 
-    /// Length of the path and way along it after `t` s, m, where the tool follows one.
-    fn way(&self, _t: f64) -> Option<(f64, f64)> {
+    /// How far the tool is on its path after `t` s, where it follows one.
+    fn way(&self, _t: f64) -> Option<Way> {
         None
+    }
+
+    /// The seams and `count` equal parts of the time, in ascending order.
+    fn times(&self, count: usize) -> Vec<f64> {
+        let even = (0..=count).map(|k| self.duration() * (k as f64 / count as f64));
+        let mut times: Vec<f64> = even.chain(self.seams()).collect();
+        times.sort_by(f64::total_cmp);
+        times
     }
 
     /// Where the axes are nearest to a singular pose, if the tool follows a path.

@@ -7,7 +7,8 @@ use blocksim_motion::MoveError;
 /// A refusal: which member of the request it is about, what is wrong, and what helps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanError {
-    /// Member of the request: `start`, `target`, `via`, `velocity`, `acceleration`, `jerk`, `resolution`.
+    /// Member of the request: `start`, `configuration`, `target`, `via`, `velocity`, `acceleration`, `rotation_velocity`,
+    /// `rotation_acceleration`, `jerk`, `resolution`.
     pub member: &'static str,
     /// What is wrong.
     pub reason: Reason,
@@ -85,6 +86,20 @@ pub enum Reason {
         /// Way from the start, m.
         way: f64,
     },
+    /// No positions of the axes within their limits have the tool at the start.
+    NoneStarts {
+        /// Why the nearest ones do not.
+        reason: String,
+    },
+    /// The arm does not have the configuration at the start that was asked for.
+    OtherConfigurations {
+        /// The word for it.
+        wanted: String,
+        /// Words of those that it has.
+        has: Vec<String>,
+    },
+    /// The arm is not of the kind that has configurations.
+    NoConfigurations,
     /// A joint move is wrong.
     Joint(MoveError),
 }
@@ -98,7 +113,7 @@ impl PlanError {
     pub fn help(&self) -> String {
         match &self.reason {
             Reason::NotFinite => "give a finite number".into(),
-            Reason::WrongLength { axes, .. } => format!("give {axes} angles, one for each axis"),
+            Reason::WrongLength { axes, .. } => format!("give {axes} angles, one for each axis; a decimal comma is written as a point"),
             Reason::OutOfRange { lower, upper, unit, .. } => {
                 format!("choose from {} to {} {unit}", short(*lower), short(*upper))
             }
@@ -108,9 +123,17 @@ impl PlanError {
                 short(lower.to_degrees()),
                 short(upper.to_degrees())
             ),
-            Reason::Nothing => "give a target at another place, or plan a joint move to turn the tool".into(),
+            Reason::Nothing => {
+                "give a target at another place, or another orientation (interpolated) to turn on the spot".into()
+            }
             Reason::Straight => "choose a point beside the way, or plan a linear move".into(),
             Reason::TooManyWaypoints { .. } => "choose a coarser resolution".into(),
+            Reason::Unreachable { at, .. } if *at == 1.0 => {
+                "move the target nearer to the robot; axes, tool and base of its description say what it reaches".into()
+            }
+            Reason::NoneStarts { .. } => "begin at another place, or with another orientation".into(),
+            Reason::OtherConfigurations { has, .. } => format!("choose {}", has.join(", ")),
+            Reason::NoConfigurations => "leave the configuration out, and give the positions of the axes".into(),
             Reason::Unreachable { .. } => {
                 "move start or target nearer to the robot, turn the tool, or let its orientation be free".into()
             }
@@ -165,8 +188,21 @@ impl fmt::Display for PlanError {
             Reason::TooManyWaypoints { count, most } => {
                 write!(f, "the path would have {count:.0} waypoints, at most {most} can be planned")
             }
+            Reason::NoneStarts { reason } => {
+                write!(f, "no positions of the axes within their limits have the tool at the start: {reason}")
+            }
+            Reason::OtherConfigurations { wanted, .. } => {
+                write!(f, "the arm cannot begin in the configuration {wanted}")
+            }
+            Reason::NoConfigurations => {
+                write!(f, "the arm is not of the kind that has configurations: six axes with a wrist")
+            }
             Reason::Unreachable { at, way, distance } => {
-                write!(f, "the arm does not reach the path {}", place(*at, *way))?;
+                match *at {
+                    0.0 => write!(f, "the arm does not reach the start")?,
+                    1.0 => write!(f, "the arm does not reach the target")?,
+                    at => write!(f, "the arm does not reach the path {}", place(at, *way))?,
+                }
                 match distance {
                     Some(distance) => {
                         write!(f, ": the wrist would be {} mm out of reach", short(1e3 * distance))

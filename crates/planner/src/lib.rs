@@ -3,16 +3,20 @@
 //! | step | where |
 //! |---|---|
 //! | what is asked, checked before anything is solved | [`CartesianRequest`] |
+//! | in which configuration of the arm it begins | [`choose`] |
 //! | joint positions along the path, with their derivatives by its length | [`JointPath`] |
 //! | length over time: sin², trapezoid, S-curve, time-optimal | [`TimeLaw`] |
 //! | the move | [`CartesianMove`] |
 //! | moves behind each other, corners rounded | [`Sequence`] |
 //! | limits along the whole move, first violation with its place | [`inspect`] |
+//! | collisions along the whole move, and the least distance | [`encounters`] |
 //!
 //! Lengths are in m, angles in rad, times in s; targets are in the reference frame of the robot.
 
 mod arm;
 mod check;
+mod collide;
+mod configuration;
 mod course;
 mod error;
 mod joint_path;
@@ -23,13 +27,18 @@ mod request;
 mod sequence;
 mod start;
 mod task;
+mod workspace;
 
+pub use blocksim_collision::Rules;
+pub use blocksim_kinematics::Configuration;
 pub use check::{AxisExtremes, Findings, Quantity, Violation, inspect};
-pub use course::{Course, Narrow, State};
+pub use collide::{Encounter, Encounters, RobotShapes, Space, Surroundings, encounters};
+pub use configuration::{Chosen, Tried, choose, configuration_word, configurations};
+pub use course::{Course, Narrow, State, Way};
 pub use error::{PlanError, Reason};
 pub use joint_path::JointPath;
 pub use law::TimeLaw;
 pub use phase_plane::{Bounds, Knot, time_optimal};
 pub use plan::{CartesianMove, pose};
-pub use request::{CartesianRequest, Orientation, Speeds, Start, Timing};
+pub use request::{CartesianRequest, Orientation, Speeds, Start, Timing, Turning};
 pub use sequence::{Sequence, SequenceError, Step};

@@ -55,7 +55,23 @@ pub struct Speeds {
     pub timing: Timing,
 }
 
-/// A move of the tool along a line or an arc, from rest to rest.
+/// Speed and acceleration of a turn on the spot, where the tool keeps its place and only its orientation changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turning {
+    /// Largest speed, rad/s.
+    pub velocity: f64,
+    /// Largest acceleration, rad/s².
+    pub acceleration: f64,
+}
+
+impl Default for Turning {
+    /// 90 deg/s and 180 deg/s².
+    fn default() -> Self {
+        Turning { velocity: std::f64::consts::FRAC_PI_2, acceleration: std::f64::consts::PI }
+    }
+}
+
+/// A move of the tool along a line or an arc, or a turn on the spot, from rest to rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CartesianRequest {
     /// Where it begins.
@@ -68,6 +84,8 @@ pub struct CartesianRequest {
     pub orientation: Orientation,
     /// How fast.
     pub speeds: Speeds,
+    /// How fast a turn on the spot is.
+    pub turning: Turning,
     /// Largest distance of two waypoints, m.
     pub resolution: f64,
 }

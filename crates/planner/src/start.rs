@@ -7,6 +7,8 @@ use blocksim_robot::Robot;
 use crate::arm::Arm;
 use crate::error::{PlanError, Reason};
 use crate::request::Start;
+use crate::task::Task;
+use crate::workspace::Workspace;
 
 /// An angle that went through degrees and back is off by a few 1e-16.
 const SLACK: f64 = 1e-9;
@@ -27,8 +29,14 @@ pub(crate) fn begin(robot: &Robot, start: &Start) -> Result<(Vec<f64>, Placement
             return fail(Reason::WrongLength { given: q.len(), axes: robot.axes() });
         }
         Start::Joints(q) => q.clone(),
-        Start::Pose(at) => posed(robot, at)?,
-        Start::Point(at) => solved(robot, &[Constraint::position(robot.tool(), robot.reference(), *at)])?,
+        Start::Pose(at) => {
+            within(robot, &Task::Pose, at)?;
+            posed(robot, at)?
+        }
+        Start::Point(at) => {
+            within(robot, &Task::Point, &Placement { translation: *at, ..Placement::identity() })?;
+            solved(robot, &[Constraint::position(robot.tool(), robot.reference(), *at)])?
+        }
     };
     for (axis, (value, limits)) in q.iter().zip(robot.limits()).enumerate() {
         let (lower, upper) = (limits.lower, limits.upper);
@@ -39,6 +47,18 @@ pub(crate) fn begin(robot: &Robot, start: &Start) -> Result<(Vec<f64>, Placement
     let mut arm = Arm::new(robot);
     arm.look(&q);
     Ok((q, arm.tool))
+}
+
+/// Whether a place is in the workspace of the arm, whatever the limits of the axes.
+fn within(robot: &Robot, task: &Task, at: &Placement) -> Result<(), PlanError> {
+    let distance = Workspace::of(robot).shortage(task, at);
+    match distance > 1e-9 {
+        true => {
+            let reason = Reason::Unreachable { at: 0.0, way: 0.0, distance: Some(distance) };
+            Err(PlanError::new("start", reason))
+        }
+        false => Ok(()),
+    }
 }
 
 fn posed(robot: &Robot, at: &Placement) -> Result<Vec<f64>, PlanError> {

@@ -1,5 +1,6 @@
 use crate::arm::{robot, tool};
 use crate::lines::{BENT, request};
+use blocksim_kinematics::InverseError;
 use blocksim_multibody::{EulerZyx, Placement};
 use blocksim_planner::{CartesianMove, CartesianRequest, Orientation, Reason, Start, Timing};
 use nalgebra::Vector3;
@@ -56,19 +57,56 @@ fn a_way_without_length_and_a_straight_arc_are_refused() {
 }
 
 #[test]
-fn places_out_of_reach_are_told_with_their_place() {
-    let (message, _, reason) = refused(|r| r.target = Vector3::new(3.0, 0.0, 1.0));
+fn a_target_out_of_reach_is_told_as_such_with_its_distance() {
+    let far = Vector3::new(3.0, 0.0, 1.0);
+    let (message, member, reason) = refused(|r| r.target = far);
     let Reason::Unreachable { at, distance: Some(distance), .. } = reason else { panic!("{message}") };
-    assert!(at > 0.0 && at < 1.0 && distance > 0.0, "{message}");
-    let free = refused(|r| {
-        r.target = Vector3::new(3.0, 0.0, 1.0);
-        r.orientation = Orientation::Free;
-    });
-    assert!(free.0.contains("% of the path"), "{}", free.0);
-    let far =
+    assert_eq!((at, member), (1.0, "target"), "{message}");
+    // as the closed form has it
+    let robot = robot();
+    let place = Placement { translation: far, ..tool(&robot, &BENT) };
+    let target = robot.reference().placement * place;
+    let Err(InverseError::Unreachable { distance: expected }) =
+        robot.closed_form().expect("one").inverse(&target, &BENT)
+    else {
+        panic!("in reach")
+    };
+    assert!((distance - expected).abs() < 1e-9, "{distance} {expected}");
+    for orientation in [Orientation::Free, Orientation::Axis] {
+        let (message, member, _) = refused(|r| (r.target, r.orientation) = (far, orientation));
+        assert!(
+            member == "target" && message.starts_with("the arm does not reach the target: "),
+            "{message}"
+        );
+    }
+    let start =
         Placement { rotation: EulerZyx::default().rotation(), translation: Vector3::new(9.0, 0.0, 0.0) };
-    assert!(refused(|r| r.start = Start::Pose(far)).0.contains("out of reach"));
-    assert!(matches!(refused(|r| r.start = Start::Point(far.translation)).2, Reason::Unreachable { .. }));
+    for start in [Start::Pose(start), Start::Point(start.translation)] {
+        let (message, member, _) = refused(|r| r.start = start.clone());
+        assert!(member == "start" && message.contains("mm out of reach"), "{message}");
+    }
+}
+
+#[test]
+fn a_free_tip_reaches_as_far_as_the_stretched_arm() {
+    // Straight out from axis 2, in the plane of axis 1: upper arm, forearm with its offset, hand.
+    let robot = robot();
+    let shoulder = Vector3::new(0.15, 0.0, 0.445);
+    let out = Vector3::new(3.0, 0.0, 1.0).normalize();
+    let hand = 0.1195_f64.hypot(0.352 + 0.085);
+    let reach = 0.9 + 0.115_f64.hypot(0.795) + hand;
+    let by = |more: f64| {
+        let mut request = request(&robot, [0.0; 3], Orientation::Free, Timing::Sin2);
+        request.target = shoulder + out * (reach + more);
+        CartesianMove::plan(&robot, &request)
+    };
+    let error = by(1e-3).expect_err("too far");
+    let Reason::Unreachable { at: 1.0, distance: Some(distance), .. } = error.reason else {
+        panic!("{error}")
+    };
+    assert!((distance - 1e-3).abs() < 1e-9, "{distance}");
+    let near = by(-1e-3).map_or_else(|error| error.reason, |_| Reason::Nothing);
+    assert!(!matches!(near, Reason::Unreachable { distance: Some(_), .. }), "{near:?}");
 }
 
 #[test]

@@ -2,7 +2,7 @@ use crate::arm::{robot, tool};
 use crate::lines::{BENT, request};
 use blocksim_multibody::EulerZyx;
 use blocksim_planner::{
-    CartesianMove, CartesianRequest, Course, Orientation, Quantity, Speeds, Start, Timing, inspect,
+    CartesianMove, CartesianRequest, Course, Orientation, Quantity, Speeds, Start, Timing, Turning, inspect,
 };
 use nalgebra::Vector3;
 
@@ -41,6 +41,7 @@ fn a_line_that_leaves_the_range_of_an_axis_is_told_with_its_place() {
         target: tool(&robot, &q).translation + Vector3::new(0.3, 0.1, 0.25),
         orientation: Orientation::Axis,
         speeds: Speeds { velocity: 0.1, acceleration: 0.2, timing: Timing::Sin2 },
+        turning: Turning::default(),
         resolution: 0.001,
     };
     let planned = CartesianMove::plan(&robot, &request).unwrap();
@@ -79,6 +80,7 @@ fn near_a_singular_pose_a_line_is_told() {
         target: tool(&robot, &q).translation + Vector3::new(0.0, 0.0, by),
         orientation: Orientation::Fixed,
         speeds: Speeds { velocity: 0.05, acceleration: 0.2, timing: Timing::Sin2 },
+        turning: Turning::default(),
         resolution: 0.001,
     };
     let told = [-0.3, 0.3].iter().any(|by| match CartesianMove::plan(&robot, &down(*by)) {

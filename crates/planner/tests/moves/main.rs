@@ -1,6 +1,8 @@
 //! Moves against forward kinematics, differences, and other ways to plan them.
 
 mod arm;
+mod collisions;
+mod configurations;
 mod errors;
 mod limits;
 mod lines;
