@@ -43,7 +43,7 @@ pub use example::{example_block, example_interface};
 pub use flatten::{Declared, Flat, FlatBlock, Source};
 pub use infer::Typed;
 pub use model::{Content, Model, ModelBlock, PortKind, VariantChoice};
-pub use parameter::parameter;
+pub use parameter::{has_parameter, parameter};
 pub use rates::off_grid;
 pub use resolve::HIERARCHY;
 pub use source::{Reader, SourceFile, Sources};

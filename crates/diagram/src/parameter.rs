@@ -63,6 +63,16 @@ pub fn parameter<T: DeserializeOwned>(
     read(Reading::new(scope, file, None), &node).map_err(one)
 }
 
+/// Whether the file at `root` is a diagram that has a parameter `name`. A file that cannot be read has none.
+pub fn has_parameter(sources: &Sources, root: &Path, name: &str) -> bool {
+    let Ok(file) = sources.open(root) else { return false };
+    let is_diagram = read_tree(sources, file)
+        .is_ok_and(|tree| matches!(&tree.value, Shape::Struct(Some(kind), _) if kind.text == "Diagram"));
+    let declared = || Resolver::new(sources, Vec::new()).parameters(file);
+    is_diagram
+        && declared().is_some_and(|(ast, _)| ast.parameters.iter().any(|(known, _)| known.text == name))
+}
+
 fn read<T: DeserializeOwned>(reading: Reading, node: &Node) -> Result<T, Problem> {
     T::deserialize(Written::new(&reading, node)).map_err(|noted| {
         let place = blocksim_block::problem::Place { file: reading.file, span: node.span.clone() };
