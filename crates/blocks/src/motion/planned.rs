@@ -116,7 +116,7 @@ fn segment(
 pub fn refused(error: &PlanError, param: &str) -> ParamError {
     let place = match (&error.reason, error.member) {
         (Reason::StartOutside { axis, .. }, _) => format!("{param}.start[{axis}]"),
-        (_, "start") => format!("{param}.start"),
+        (_, "start" | "configuration") => format!("{param}.start"),
         (_, "path" | "tcp_limits.acceleration") => format!("{param}.tool"),
         (_, member) => format!("{param}.tool.{member}"),
     };

@@ -3,7 +3,7 @@
 use blocksim_block::in_unit;
 use blocksim_block::prelude::*;
 use blocksim_multibody::EulerZyx;
-use blocksim_planner::{CartesianRequest, Orientation, Speeds, Start, Timing};
+use blocksim_planner::{CartesianRequest, Orientation, Speeds, Start, Timing, Turning};
 use nalgebra::Vector3;
 
 /// A line or an arc of the tool, in the reference frame of the robot.
@@ -28,6 +28,12 @@ pub struct ToolPath {
     /// Share of the largest acceleration of the tool.
     #[serde(deserialize_with = "in_unit::share")]
     pub acceleration: f64,
+    /// Speed of a turn on the spot, rad/s: where the target is where the tool is already, with another rotation.
+    #[serde(default = "turn_velocity", deserialize_with = "in_unit::speed")]
+    pub rotation_velocity: f64,
+    /// Acceleration of a turn on the spot, rad/s^2.
+    #[serde(default = "turn_acceleration", deserialize_with = "in_unit::acceleration")]
+    pub rotation_acceleration: f64,
     /// How the speed rises and falls: `sin2`, `trapezoid`, `s-curve` or `time-optimal`.
     #[serde(default = "sin2")]
     pub profile: String,
@@ -67,6 +73,14 @@ fn sin2() -> String {
 
 fn millimetre() -> f64 {
     1e-3
+}
+
+fn turn_velocity() -> f64 {
+    Turning::default().velocity
+}
+
+fn turn_acceleration() -> f64 {
+    Turning::default().acceleration
 }
 
 /// The words for orientations.
@@ -129,6 +143,7 @@ impl ToolPath {
             target: Vector3::from(self.target),
             orientation,
             speeds: Speeds { velocity: self.velocity, acceleration: self.acceleration, timing },
+            turning: Turning { velocity: self.rotation_velocity, acceleration: self.rotation_acceleration },
             resolution: self.resolution,
         })
     }

@@ -4,6 +4,7 @@ use blocksim_block::in_unit;
 use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
 use blocksim_multibody::{Inertia, Placement};
+use blocksim_planner::RobotShapes;
 use blocksim_robot::{Drive, Friction, Link, Parts, Robot, RobotError, Solid, TcpLimits};
 use serde::de::IgnoredAny;
 
@@ -34,6 +35,9 @@ pub struct RobotDescription {
     /// The base in the world.
     #[serde(default)]
     pub base: Seat,
+    /// What stands still below the first axis, in the base: its shapes can be hit.
+    #[serde(default)]
+    pub pedestal: Vec<BodyData>,
     /// The frame of targets in the base.
     #[serde(default)]
     pub reference: Seat,
@@ -51,6 +55,9 @@ pub struct RobotDescription {
     /// What the tool centre point can do; no limits if none are given.
     #[serde(default)]
     pub tcp_limits: TcpData,
+    /// Pairs of parts that may touch each other, by their names: those of the links, `base` and `tool`.
+    #[serde(default)]
+    pub may_touch: Vec<[String; 2]>,
 }
 
 /// Where a frame is in another.
@@ -91,7 +98,7 @@ pub struct JointLink {
     pub drive: DriveData,
 }
 
-/// Mass properties of a rigid body. Its shapes are for drawing and say nothing of its dynamics.
+/// Mass properties of a rigid body, and its shapes, which are drawn and can collide, but say nothing of its dynamics.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyData {
@@ -109,8 +116,9 @@ pub struct BodyData {
     pub poi: [f64; 3],
     #[serde(default, rename = "shape")]
     _shape: Unread,
-    #[serde(default, rename = "shapes")]
-    _shapes: Unread,
+    /// What it looks like, in the frame of the link; written as in the block `Body`.
+    #[serde(default)]
+    pub shapes: Shapes,
 }
 
 /// A member that may be there and is not read.
@@ -242,6 +250,16 @@ impl RobotDescription {
     /// A member that makes no robot, with its path below `param` and a remedy.
     pub fn robot(&self, param: &str) -> Result<Robot, ParamError> {
         self.parts(param).and_then(|parts| Robot::new(parts).map_err(|error| refusal(param, &error)))
+    }
+
+    /// The shapes of its parts.
+    pub fn shapes(&self) -> RobotShapes {
+        let of = |bodies: &[BodyData]| bodies.iter().flat_map(|body| body.shapes.0.clone()).collect();
+        RobotShapes {
+            base: of(&self.pedestal),
+            links: self.links.iter().map(|link| of(&link.bodies)).collect(),
+            tool: of(&self.load),
+        }
     }
 
     fn parts(&self, param: &str) -> Result<Parts, ParamError> {

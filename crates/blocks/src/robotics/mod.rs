@@ -8,6 +8,7 @@ mod inverse_dynamics;
 mod inverse_kinematics;
 mod jacobian;
 mod robot;
+mod surroundings;
 
 pub use arm::End;
 pub use description::{
@@ -19,3 +20,4 @@ pub use inverse_dynamics::InverseDynamics;
 pub use inverse_kinematics::InverseKinematics;
 pub use jacobian::Jacobian;
 pub use robot::Robot;
+pub use surroundings::{Height, Surroundings, Thing};
