@@ -28,6 +28,10 @@ pub struct PlanCommon {
     /// Sets a parameter of the diagram for this call, as in `blocksim run`; may be repeated.
     #[arg(long = "set", value_name = "TARGET=VALUE", value_parser = assignment)]
     pub set: Vec<String>,
+    /// What stands around the robot: a file with its shapes, or a diagram with the parameter `surroundings`; without it, that of
+    /// the model, where it has one.
+    #[arg(long, value_name = "FILE")]
+    pub surroundings: Option<PathBuf>,
     /// File for the move, which must be new.
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -42,7 +46,8 @@ pub struct PlanCommon {
 /// Where a move begins.
 #[derive(Debug, Args)]
 pub struct FromArgs {
-    /// Positions of the axes at the start, such as "0 deg, 10 deg, ..."; without it those of the description.
+    /// Positions of the axes at the start, such as "0 deg, 10 deg, ..." (bare numbers are degrees); without it those of the
+    /// description.
     #[arg(long, value_name = "POSITIONS", allow_hyphen_values = true)]
     pub from: Option<String>,
 }
@@ -58,13 +63,13 @@ pub struct JointArgs {
     pub common: PlanCommon,
     #[command(flatten)]
     pub from: FromArgs,
-    /// Positions of the axes at the end.
+    /// Positions of the axes at the end; bare numbers are degrees.
     #[arg(long, value_name = "POSITIONS", allow_hyphen_values = true)]
     pub to: String,
-    /// Share of the largest speed of each axis.
+    /// Share of the largest speed of each axis; a bare number is per cent.
     #[arg(long, value_name = "SHARE", default_value = "40 %")]
     pub velocity: String,
-    /// Share of the move time spent accelerating.
+    /// Share of the move time spent accelerating; a bare number is per cent.
     #[arg(long, value_name = "SHARE", default_value = "30 %")]
     pub acceleration: String,
 }
@@ -76,31 +81,41 @@ pub struct ToolArgs {
     pub common: PlanCommon,
     #[command(flatten)]
     pub from: FromArgs,
-    /// Where the tool begins, such as "1 m, 100 mm, 1.3 m", in the place of `--from`.
+    /// Where the tool begins, such as "1 m, 100 mm, 1.3 m" (bare numbers are mm), in the place of `--from`.
     #[arg(long, value_name = "POINT", allow_hyphen_values = true, conflicts_with = "from")]
     pub from_point: Option<String>,
-    /// ZYX Euler angles of the tool there; without them they are left to the axes.
+    /// ZYX Euler angles of the tool there, bare numbers in degrees; without them they are left to the axes.
     #[arg(long, value_name = "ANGLES", allow_hyphen_values = true, requires = "from_point")]
     pub from_rotation: Option<String>,
-    /// Where the tool goes, in the reference frame of the robot.
+    /// The configuration in which the arm begins: shoulder, elbow and wrist, such as `front-up-plain`. Without it, `--from`
+    /// keeps its positions, and of a point the nearest configuration is taken that can go the whole way.
+    #[arg(long, value_name = "WORD")]
+    pub configuration: Option<String>,
+    /// Where the tool goes, in the reference frame of the robot; bare numbers are mm.
     #[arg(long, value_name = "POINT", allow_hyphen_values = true)]
     pub to: String,
     /// What its orientation does: free, fixed, interpolated or tool-axis.
     #[arg(long, value_name = "WORD", default_value = "free")]
     pub orientation: String,
-    /// ZYX Euler angles at the target, for `--orientation interpolated`.
+    /// ZYX Euler angles at the target, for `--orientation interpolated`; bare numbers are degrees.
     #[arg(long, value_name = "ANGLES", allow_hyphen_values = true)]
     pub rotation: Option<String>,
-    /// Speed of the tool.
+    /// Speed of the tool; a bare number is mm/s.
     #[arg(long, value_name = "SPEED", default_value = "250 mm/s")]
     pub velocity: String,
-    /// Share of the largest acceleration of the tool.
+    /// Share of the largest acceleration of the tool; a bare number is per cent.
     #[arg(long, value_name = "SHARE", default_value = "40 %")]
     pub acceleration: String,
+    /// Speed of a turn on the spot, where only the orientation changes; 90 deg/s if not given. A bare number is deg/s.
+    #[arg(long, value_name = "SPEED")]
+    pub rotation_velocity: Option<String>,
+    /// Acceleration of a turn on the spot; 180 deg/s^2 if not given. A bare number is deg/s^2.
+    #[arg(long, value_name = "ACCELERATION")]
+    pub rotation_acceleration: Option<String>,
     /// How the speed rises and falls: sin2, trapezoid, s-curve or time-optimal.
     #[arg(long, value_name = "WORD", default_value = "sin2")]
     pub profile: String,
-    /// Distance of waypoints.
+    /// Distance of waypoints; a bare number is mm.
     #[arg(long, value_name = "LENGTH", default_value = "1 mm")]
     pub resolution: String,
 }
@@ -121,7 +136,7 @@ pub struct LinearArgs {
 pub struct CircularArgs {
     #[command(flatten)]
     pub tool: ToolArgs,
-    /// A point that the arc passes.
+    /// A point that the arc passes; bare numbers are mm.
     #[arg(long, value_name = "POINT", allow_hyphen_values = true)]
     pub via: String,
 }

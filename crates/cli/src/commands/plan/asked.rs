@@ -5,60 +5,81 @@ use crate::args::plan::{JointArgs, ToolArgs};
 /// A move as text, without its start.
 ///
 /// # Errors
-/// A number without its unit.
+/// An empty value, or another number of them.
 pub fn joint(args: &JointArgs) -> Result<String, String> {
     Ok(format!(
         "    target: {},\n    velocity: {},\n    acceleration: {},\n",
         list("--to", &args.to, "deg")?,
-        quoted(&args.velocity),
-        quoted(&args.acceleration)
+        quoted(&united(&args.velocity, "%")),
+        quoted(&united(&args.acceleration, "%"))
     ))
 }
 
 /// A path of the tool as text, without its start; an arc with `via`.
 ///
 /// # Errors
-/// A number without its unit.
+/// An empty value, or another number of them.
 pub fn tool(args: &ToolArgs, via: Option<&str>) -> Result<String, String> {
-    let mut text = format!("    tool: (\n        target: {},\n", list("--to", &args.to, "mm")?);
+    let mut text = format!("    tool: (\n        target: {},\n", three("--to", &args.to, "mm")?);
     if let Some(via) = via {
-        text += &format!("        via: {},\n", list("--via", via, "mm")?);
+        text += &format!("        via: {},\n", three("--via", via, "mm")?);
     }
     text += &format!("        orientation: Text({}),\n", quoted(&args.orientation));
     if let Some(rotation) = &args.rotation {
-        text += &format!("        rotation: {},\n", list("--rotation", rotation, "deg")?);
+        text += &format!("        rotation: {},\n", three("--rotation", rotation, "deg")?);
+    }
+    for (member, value, unit) in [
+        ("rotation_velocity", &args.rotation_velocity, "deg/s"),
+        ("rotation_acceleration", &args.rotation_acceleration, "deg/s^2"),
+    ] {
+        if let Some(value) = value {
+            text += &format!("        {member}: {},\n", quoted(&united(value, unit)));
+        }
     }
     text += &format!(
         "        velocity: {},\n        acceleration: {},\n        profile: Text({}),\n        resolution: {},\n    ),\n",
-        quoted(&args.velocity),
-        quoted(&args.acceleration),
+        quoted(&united(&args.velocity, "mm/s")),
+        quoted(&united(&args.acceleration, "%")),
         quoted(&args.profile),
-        quoted(&args.resolution)
+        quoted(&united(&args.resolution, "mm"))
     );
     Ok(text)
 }
 
-/// Values between commas as a list of texts. A number other than zero must say its unit, because a bare one would
-/// silently be taken for rad or m.
+/// A value as it was typed; a bare number gets the unit that the help of its option names. A file keeps the unit, so that
+/// nothing is left to be guessed there, where a bare number is one in SI.
+fn united(value: &str, unit: &str) -> String {
+    let value = value.trim();
+    match value.parse::<f64>() {
+        Ok(number) if number.is_finite() => format!("{value} {unit}"),
+        _ => value.to_owned(),
+    }
+}
+
+/// Values between commas as a list of texts.
 ///
 /// # Errors
-/// The option, the number and a remedy.
+/// An empty value: the option and a remedy.
 pub fn list(option: &str, values: &str, unit: &str) -> Result<String, String> {
     let items: Vec<&str> = values.split(',').map(str::trim).collect();
-    for item in &items {
-        if item.is_empty() {
-            return Err(format!(
-                "error: {option} has an empty value\n  = help: write \"1 {unit}, 2 {unit}\""
-            ));
-        }
-        if item.parse::<f64>().is_ok_and(|number| number != 0.0) {
-            return Err(format!(
-                "error: `{item}` of {option} has no unit\n  = help: write `{item} {unit}`; a decimal comma is written as a \
-                 point"
-            ));
-        }
+    if items.iter().any(|item| item.is_empty()) {
+        return Err(format!("error: {option} has an empty value\n  = help: write \"1 {unit}, 2 {unit}\""));
     }
-    Ok(format!("[{}]", items.iter().map(|item| quoted(item)).collect::<Vec<_>>().join(", ")))
+    Ok(format!("[{}]", items.iter().map(|item| quoted(&united(item, unit))).collect::<Vec<_>>().join(", ")))
+}
+
+/// Three values between commas.
+///
+/// # Errors
+/// As [`list`], and another number of values.
+pub fn three(option: &str, values: &str, unit: &str) -> Result<String, String> {
+    match values.split(',').count() {
+        3 => list(option, values, unit),
+        count => Err(format!(
+            "error: {option} has {count} values, but needs three\n  = help: write \"1 {unit}, 2 {unit}, 3 {unit}\"; a \
+             decimal comma is written as a point"
+        )),
+    }
 }
 
 /// A text of RON.
@@ -71,10 +92,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_become_texts_and_bare_numbers_are_refused() {
-        assert_eq!(list("--to", "1 m,-20 mm, 0", "mm").as_deref(), Ok(r#"["1 m", "-20 mm", "0"]"#));
-        assert!(list("--to", "60, 30 deg", "deg").unwrap_err().contains("`60` of --to has no unit"));
-        assert!(list("--to", "1,05 m", "mm").unwrap_err().contains("decimal comma"));
+    fn values_become_texts_and_bare_numbers_get_the_unit_of_their_option() {
+        assert_eq!(list("--to", "1 m,-20 mm, 0", "mm").as_deref(), Ok(r#"["1 m", "-20 mm", "0 mm"]"#));
+        assert_eq!(
+            list("--to", "60, -3e1 ,1 rad", "deg").as_deref(),
+            Ok(r#"["60 deg", "-3e1 deg", "1 rad"]"#)
+        );
+        assert_eq!(list("--to", "NaN, inf", "mm").as_deref(), Ok(r#"["NaN", "inf"]"#));
+        assert!(three("--to", "1,05 m, 0, 1", "mm").unwrap_err().contains("decimal comma"));
         assert!(list("--to", "1 m,", "mm").unwrap_err().contains("empty"));
     }
 }

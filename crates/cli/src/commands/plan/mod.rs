@@ -1,19 +1,25 @@
 //! `blocksim plan`: moves of a robot, checked along their whole way, as files for diagrams.
 
 mod asked;
+mod meeting;
 mod said;
+mod space;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use blocksim_block::ParamError;
-use blocksim_blocks::motion::{JointPath, Rule, planned, refused};
+use blocksim_blocks::motion::{JointPath, Rule, ToolPath, planned, refused};
 use blocksim_blocks::robotics::RobotDescription;
 use blocksim_diagram::{Reader, Sources, parameter};
 use blocksim_multibody::{EulerZyx, Placement};
-use blocksim_planner::{CartesianMove, Course, Start, inspect};
+use blocksim_planner::{
+    CartesianRequest, Chosen, Configuration, Findings, Quantity, Start, choose, configurations, encounters,
+    inspect,
+};
 use blocksim_robot::Robot;
 use nalgebra::Vector3;
+use serde_json::Value;
 
 use super::tell;
 use crate::args::model::Format;
@@ -51,13 +57,14 @@ pub fn plan(command: &PlanCommand, console: Console) -> io::Result<Exit> {
         PlanCommand::Circular(args) => &args.tool.common,
         PlanCommand::Sequence(args) => &args.common,
     };
-    let made = robot(common, console).and_then(|robot| {
-        let (text, path) = ask(command, &robot, console)?;
-        let course = planned(&path, &robot.limits(), Rule::Feasible, Some(&robot), "move")
+    let made = robot(common, console).and_then(|(robot, description)| {
+        let space = space::read(common, &robot, &description, console)?;
+        let asked = ask(command, &robot, console)?;
+        let course = planned(&asked.path, &robot.limits(), Rule::Feasible, Some(&robot), "move")
             .map_err(|error| told(&error))?;
-        Ok((robot, text, path, course))
+        Ok((robot, space, asked, course))
     });
-    let (robot, text, path, course) = match made {
+    let (robot, space, Asked { text, path, chosen, kept }, course) = match made {
         Ok(made) => made,
         Err(Stop::Told(exit)) => return Ok(exit),
         Err(Stop::Say(said, exit)) => {
@@ -66,12 +73,26 @@ pub fn plan(command: &PlanCommand, console: Console) -> io::Result<Exit> {
         }
     };
     let findings = inspect(&robot, course.as_ref(), WAYPOINTS);
+    let met = space.as_ref().map(|space| (space, encounters(&robot, course.as_ref(), space, WAYPOINTS)));
     let velocity = path.tool.as_ref().map(|tool| tool.velocity);
     match common.json {
-        true => console.data(&format!("{}\n", said::data(course.as_ref(), &findings, velocity)))?,
-        false => console.data(&said::text(&robot, course.as_ref(), &findings, velocity))?,
+        true => {
+            let mut data = said::data(course.as_ref(), &findings, velocity);
+            data["configuration"] = said::choice(chosen.as_ref());
+            data["collisions"] = met.as_ref().map_or(Value::Null, |(space, met)| meeting::data(space, met));
+            console.data(&format!("{data}\n"))?;
+        }
+        false => {
+            console.data(&said::text(&robot, course.as_ref(), &findings, velocity))?;
+            console.data(&said::chosen(chosen.as_ref()))?;
+            if let Some(word) = kept.filter(|_| stuck(&findings)).and_then(|kept| other(&robot, &kept)) {
+                console.data(&format!("           --configuration {word} can go the whole way\n"))?;
+            }
+            console.data(&meeting::text(met.as_ref().map(|(space, met)| (*space, met))))?;
+        }
     }
-    if !findings.violations.is_empty() {
+    let hits = met.as_ref().is_some_and(|(_, met)| met.first.is_some());
+    if hits || !findings.violations.is_empty() {
         if common.out.is_some() {
             console.say("nothing was written");
         }
@@ -89,11 +110,25 @@ pub fn plan(command: &PlanCommand, console: Console) -> io::Result<Exit> {
     Ok(Exit::Done)
 }
 
+/// Whether another configuration of the arm may help.
+fn stuck(findings: &Findings) -> bool {
+    let of_pose = [Quantity::Lower, Quantity::Upper, Quantity::Jump, Quantity::Singularity];
+    findings.violations.iter().any(|violation| of_pose.contains(&violation.quantity))
+}
+
+/// A configuration that keeps all limits on the whole path.
+fn other(robot: &Robot, request: &CartesianRequest) -> Option<String> {
+    let passes =
+        |configuration| choose(robot, request, Some(configuration)).is_ok_and(|chosen| chosen.passes);
+    configurations().into_iter().find(|(_, configuration)| passes(*configuration)).map(|(word, _)| word)
+}
+
 /// The robot that the move is for.
-fn robot(common: &PlanCommon, console: Console) -> Result<Robot, Stop> {
+fn robot(common: &PlanCommon, console: Console) -> Result<(Robot, RobotDescription), Stop> {
     let disk = Disk::default();
     let read: RobotDescription = read(&disk, &common.robot, &common.set, "manipulator", console)?;
-    read.robot("manipulator").map_err(|error| told(&error))
+    let robot = read.robot("manipulator").map_err(|error| told(&error))?;
+    Ok((robot, read))
 }
 
 /// Reads a value out of a file.
@@ -118,23 +153,38 @@ fn read<T: serde::de::DeserializeOwned>(
     })
 }
 
+/// What was asked.
+struct Asked {
+    /// As the text of a move.
+    text: String,
+    path: JointPath,
+    /// How the start was chosen, where there was a choice.
+    chosen: Option<Chosen>,
+    /// What was asked of the tool, where the positions at the start are kept.
+    kept: Option<CartesianRequest>,
+}
+
 /// What was asked: as text of a move and as the move.
-fn ask(command: &PlanCommand, robot: &Robot, console: Console) -> Result<(String, JointPath), Stop> {
-    let (start, rest) = match command {
+fn ask(command: &PlanCommand, robot: &Robot, console: Console) -> Result<Asked, Stop> {
+    let (start, rest, chosen) = match command {
         PlanCommand::Sequence(args) => {
             let disk = Disk::default();
             let path = read(&disk, &args.file, &[], "move", console)?;
             let text =
                 disk.read(&args.file).map_err(|said| Stop::Say(format!("error: {said}"), Exit::Files))?;
-            return Ok((text, path));
+            return Ok(Asked { text, path, chosen: None, kept: None });
         }
-        PlanCommand::Joint(args) => (start(args.from.from.as_deref(), robot)?, asked::joint(args)?),
+        PlanCommand::Joint(args) => (start(args.from.from.as_deref(), robot)?, asked::joint(args)?, None),
         PlanCommand::Linear(args) => tool(&args.tool, None, robot, console)?,
         PlanCommand::Circular(args) => tool(&args.tool, Some(&args.via), robot, console)?,
     };
     let text = format!("JointMove(\n    start: {start},\n{rest})\n");
-    let path = on_command_line(&text, console)?;
-    Ok((text, path))
+    let path: JointPath = on_command_line(&text, console)?;
+    let acceleration = robot.tcp_limits().acceleration;
+    let request =
+        |tool: &ToolPath| tool.request(Start::Joints(path.start.clone()), acceleration, "move.tool");
+    let kept = path.tool.as_ref().filter(|_| chosen.is_none()).and_then(|tool| request(tool).ok());
+    Ok(Asked { text, path, chosen, kept })
 }
 
 /// Positions at the start as text.
@@ -151,38 +201,56 @@ fn degrees(q: &[f64]) -> String {
     format!("[{}]", items.join(", "))
 }
 
-/// Start and path of the tool as texts. A start at a point is solved for the positions of the axes.
+/// Start and path of the tool as texts, and how the start was chosen. A start at a point, or in a configuration that is
+/// asked for, is solved for the positions of the axes.
 fn tool(
     args: &ToolArgs,
     via: Option<&str>,
     robot: &Robot,
     console: Console,
-) -> Result<(String, String), Stop> {
+) -> Result<(String, String, Option<Chosen>), Stop> {
     let rest = asked::tool(args, via)?;
-    let Some(point) = &args.from_point else { return Ok((start(args.from.from.as_deref(), robot)?, rest)) };
+    let wanted = args.configuration.as_deref().map(configuration).transpose()?;
+    let given = start(args.from.from.as_deref(), robot)?;
+    if args.from_point.is_none() && wanted.is_none() {
+        return Ok((given, rest, None));
+    }
+    let path: JointPath = on_command_line(&format!("JointMove(start: {given},\n{rest})"), console)?;
+    let Some(tool) = &path.tool else { return Err("error: no path of the tool".to_owned().into()) };
+    let from = begin(args, &path.start, console)?;
+    let request =
+        tool.request(from, robot.tcp_limits().acceleration, "move.tool").map_err(|error| told(&error))?;
+    let chosen = choose(robot, &request, wanted).map_err(|error| told(&refused(&error, "move")))?;
+    Ok((degrees(&chosen.q), rest, Some(chosen)))
+}
+
+/// Where the tool begins.
+fn begin(args: &ToolArgs, q: &[f64], console: Console) -> Result<Start, Stop> {
+    let Some(point) = &args.from_point else { return Ok(Start::Joints(q.to_vec())) };
     let point: Vec<f64> =
         on_command_line(&format!("({})", coordinates("--from-point", point, "mm")?), console)
             .map(|Triple { at }| at.to_vec())?;
     let point = Vector3::new(point[0], point[1], point[2]);
-    let start = match &args.from_rotation {
-        None => Start::Point(point),
-        Some(angles) => {
-            let text = coordinates("--from-rotation", angles, "deg")?.replacen("at", "angles", 1);
-            let Angles { angles: [alpha, beta, gamma] } = on_command_line(&format!("({text})"), console)?;
-            let rotation = EulerZyx { alpha, beta, gamma }.rotation();
-            Start::Pose(Placement { rotation, translation: point })
-        }
-    };
-    let path: JointPath = on_command_line(&format!("JointMove(start: [],\n{rest})"), console)?;
-    let Some(tool) = &path.tool else { return Err("error: no path of the tool".to_owned().into()) };
-    let request =
-        tool.request(start, robot.tcp_limits().acceleration, "move.tool").map_err(|error| told(&error))?;
-    let planned = CartesianMove::plan(robot, &request).map_err(|error| told(&refused(&error, "move")))?;
-    Ok((degrees(&planned.positions(0.0)), rest))
+    let Some(angles) = &args.from_rotation else { return Ok(Start::Point(point)) };
+    let text = coordinates("--from-rotation", angles, "deg")?.replacen("at", "angles", 1);
+    let Angles { angles: [alpha, beta, gamma] } = on_command_line(&format!("({text})"), console)?;
+    let rotation = EulerZyx { alpha, beta, gamma }.rotation();
+    Ok(Start::Pose(Placement { rotation, translation: point }))
+}
+
+/// The configuration that a word names.
+fn configuration(word: &str) -> Result<Configuration, Stop> {
+    let all = configurations();
+    let words: Vec<&str> = all.iter().map(|(word, _)| word.as_str()).collect();
+    let found = all.iter().find(|(known, _)| known == word);
+    found.map(|(_, configuration)| *configuration).ok_or_else(|| {
+        let known = words.join(", ");
+        format!("error: there is no configuration `{word}`\n  = help: choose {known}").into()
+    })
 }
 
 fn coordinates(option: &str, values: &str, unit: &str) -> Result<String, String> {
-    asked::list(option, values, unit).map(|list| format!("at: {list}"))
+    asked::three(option, values, unit).map(|list| format!("at: {list}"))
 }
 
 /// A point.

@@ -1,6 +1,6 @@
 //! What is told of a planned move, and the file that is written.
 
-use blocksim_planner::{Course, Findings};
+use blocksim_planner::{Chosen, Course, Findings, Tried, configuration_word};
 use blocksim_results::format::significant;
 use blocksim_robot::Robot;
 use serde_json::{Value, json};
@@ -45,6 +45,34 @@ pub fn text(robot: &Robot, course: &dyn Course, findings: &Findings, velocity: O
         text += &format!("exceeded   {violation}{source}\n  = help: {}\n", violation.help(velocity));
     }
     text
+}
+
+/// For people: how the start was chosen.
+pub fn chosen(chosen: Option<&Chosen>) -> String {
+    let Some(Chosen { configuration: Some(configuration), passes, tried, .. }) = chosen else {
+        return String::new();
+    };
+    let mut text = format!("starts     in the configuration {}", configuration_word(*configuration));
+    text += match (passes, tried.is_empty()) {
+        (true, true) => "\n",
+        (true, false) => ", the nearest that can go the whole way\n",
+        (false, _) => ", though none can go the whole way\n",
+    };
+    for tried in tried {
+        text += &format!("           not {}: {}\n", configuration_word(tried.configuration), tried.reason);
+    }
+    text
+}
+
+/// For programs: the same.
+pub fn choice(chosen: Option<&Chosen>) -> Value {
+    let Some(chosen) = chosen else { return Value::Null };
+    let not =
+        |tried: &Tried| json!({ "word": configuration_word(tried.configuration), "reason": tried.reason });
+    json!({
+        "word": chosen.configuration.map(configuration_word), "start": chosen.q, "passes": chosen.passes,
+        "not": chosen.tried.iter().map(not).collect::<Vec<_>>(),
+    })
 }
 
 fn fixed(value: f64) -> String {
