@@ -90,53 +90,82 @@ fn what_is_exceeded_is_told_with_place_and_remedy_and_nothing_is_written() {
     assert!(err.contains("nothing was written") && !file.0.exists());
 }
 
+/// Each call with what it says: what is refused before anything is solved, and what is found on the way.
 #[test]
-fn wrong_requests_are_refused_before_anything_is_solved() {
-    let mut wrong = Vec::new();
-    let near = ["--from-point", "1.2 m, 0, 1 m"];
-    let line = |arguments: &[&'static str]| ["linear"].iter().chain(arguments).copied().collect::<Vec<_>>();
-    for (arguments, code, reason) in [
-        (vec!["joint", "--to", "60, 30"], 3, "6 axes"),
-        (vec!["joint", "--to", "1,5 deg, 30 deg, 0, 0, 0, 0"], 3, "7 positions"),
-        (vec!["joint", "--to", "200 deg, 0, 0, 0, 0, 0"], 3, "180"),
-        (vec!["joint", "--to", "NaN, 0, 0, 0, 0, 0"], 3, "NaN"),
-        (vec!["joint", "--to", "0, 0, 0, 0, 0, 0"], 3, "start and target are the same"),
-        (vec!["joint", "--to", "0,, 0"], 2, "--to has an empty value"),
-        (vec!["joint", "--to", TARGET, "--from", "0, 0, 80 deg, 0, 0, 0"], 3, "75"),
-        (vec!["joint", "--to", TARGET, "--velocity", "40 mm/s"], 3, "expected a value in 1"),
-        (vec!["joint", "--to", TARGET, "--velocity", "1,5"], 3, "1,5"),
-        (vec!["joint", "--to", TARGET, "--velocity", "140"], 3, "140"),
-        (line(&["--to", "1 s, 0 m, 1 m"]), 3, "expected a value in m"),
-        (line(&["--to", "1 m, 0 m"]), 2, "--to has 2 values, but needs three"),
-        (line(&["--to", "1,2 m, 0, 1 m"]), 2, "a decimal comma is written as a point"),
-        (line(&["--to", "1.2 m, inf, 1 m"]), 3, "inf"),
-        (line(&["--to", "3 m, 0 m, 1 m"]), 3, "the arm does not reach the target: the wrist would be"),
-        (line(&["--from-point", "9 m, 0, 0", "--to", "1 m, 0 m, 1 m"]), 3, "does not reach the start"),
-        (line(&[near[0], near[1], "--to", "1.2 m, 0, 1 m"]), 3, "start and target are the same place"),
-        (line(&["--from", "0, 0, 80, 0, 0, 0", "--to", "1 m, 0 m, 1 m"]), 3, "axis 3 starts at 80 deg"),
-        (line(&["--to", "1.2 m, 0 m, 1 m", "--profile", "fast"]), 3, "choose sin2, trapezoid"),
-        (line(&["--to", "1.2 m, 0 m, 1 m", "--velocity", "0"]), 3, "the velocity is 0 mm/s"),
-        (line(&["--to", "1.2 m, 0 m, 1 m", "--acceleration", "150"]), 3, "the acceleration is 150 %"),
-        (line(&["--to", "1.2 m, 0 m, 1 m", "--resolution", "1e-9"]), 3, "resolution"),
-        (line(&["--to", "1.2 m, 0 m, 1 m", "--orientation", "interpolated"]), 3, "rotation"),
-        (line(&["--to", "1.2 m, 0 m, 1 m", "--configuration", "front"]), 2, "front-up-plain"),
-        (line(&["--to", "1.2 m, 0 m, 1 m", "--surroundings", "no.ron"]), 4, "no.ron"),
-        (vec!["circular", "--to", "1.2 m, 0, 1 m", "--via", "1.3 m, 0"], 2, "--via has 2 values"),
-        (
-            vec!["circular", near[0], near[1], "--via", "1.2 m, 0.1 m, 1 m", "--to", "1.2 m, 0.2 m, 1 m"],
-            3,
-            "lie on a line",
-        ),
-        (vec!["sequence", "no-such-file.ron"], 4, "no-such-file.ron"),
-        (vec!["joint", "--to", TARGET, "--robot", "diagrams/servo.ron"], 3, "no parameter `manipulator`"),
-    ] {
-        let (found, out, err) = plan(&arguments);
-        wrong.extend(
-            (found != code || !err.contains(reason)).then(|| format!("{arguments:?}: {found} {out} {err}")),
-        );
-        assert!(!err.contains("panicked"), "{arguments:?}: {err}");
+fn wrong_requests_are_answered_with_place_reason_and_remedy() {
+    let home = "0, 0, 0, 0, 0, 0";
+    let at = ["--from-point", "1.2 m, 0, 1 m"];
+    let linear = |more: &[&'static str]| [&["linear"], more].concat();
+    let to = |more: &[&'static str]| [&["linear", "--to", "1.2 m, 0 m, 1 m"], more].concat();
+    let calls: Vec<Vec<&str>> = vec![
+        // numbers
+        vec!["joint", "--to", "60, 30"],
+        vec!["joint", "--to", "1,5 deg, 30 deg, 0, 0, 0, 0"],
+        vec!["joint", "--to", "NaN, 0, 0, 0, 0, 0"],
+        vec!["joint", "--to", "0,, 0"],
+        vec!["joint", "--to", TARGET, "--velocity", "40 mm/s"],
+        vec!["joint", "--to", TARGET, "--velocity", "1,5"],
+        vec!["joint", "--to", TARGET, "--velocity", "140"],
+        linear(&["--to", "1 s, 0 m, 1 m"]),
+        linear(&["--to", "1 m, 0 m"]),
+        linear(&["--to", "1,2 m, 0, 1 m"]),
+        linear(&["--to", "1.2 m, inf, 1 m"]),
+        to(&["--velocity", "0"]),
+        to(&["--velocity", "-250"]),
+        to(&["--acceleration", "150"]),
+        to(&["--resolution", "1e-9"]),
+        // words and members
+        to(&["--profile", "fast"]),
+        to(&["--orientation", "loose"]),
+        to(&["--orientation", "interpolated"]),
+        to(&["--rotation", "0, 90, 0"]),
+        to(&["--configuration", "front"]),
+        to(&["--surroundings", "no.ron"]),
+        vec!["joint", "--to", TARGET, "--robot", "diagrams/servo.ron"],
+        // places
+        vec!["joint", "--to", home],
+        vec!["joint", "--to", "200, 0, 0, 0, 0, 0"],
+        vec!["joint", "--to", TARGET, "--from", "0, 0, 80, 0, 0, 0"],
+        linear(&["--from", "0, 0, 80, 0, 0, 0", "--to", "1 m, 0 m, 1 m"]),
+        linear(&[at[0], at[1], "--to", "1.2 m, 0, 1 m"]),
+        linear(&["--to", "3 m, 0 m, 1 m"]),
+        linear(&["--to", "3 m, 0 m, 1 m", "--orientation", "fixed"]),
+        linear(&["--from-point", "9 m, 0, 0", "--to", "1 m, 0 m, 1 m"]),
+        vec!["circular", at[0], at[1], "--via", "1.2 m, 0.1 m, 1 m", "--to", "1.2 m, 0.2 m, 1 m"],
+        vec!["circular", at[0], at[1], "--via", "1.2 m, 0.1 m, 3 m", "--to", "1.2 m, 0.2 m, 1 m"],
+        // on the way: through the base, from and through a pose with axes 4 and 6 in line
+        linear(&[at[0], at[1], "--to", "-1.2 m, 0, 1 m"]),
+        linear(&[at[0], at[1], "--to", "-1.2 m, 0, 1 m", "--orientation", "fixed"]),
+        linear(&["--from", home, "--to", "1.1 m, 0.4 m, 1.2 m", "--orientation", "fixed"]),
+        linear(&[
+            "--from-point",
+            "1382, -400, 1340.5",
+            "--from-rotation",
+            "0, 144.2, 0",
+            "--to",
+            "1382, 400, 1340.5",
+            "--orientation",
+            "fixed",
+            "--configuration",
+            "front-up-plain",
+        ]),
+    ];
+    let mut said = String::new();
+    for call in calls {
+        let (code, out, err) = plan(&call);
+        assert!(!err.contains("panicked"), "{call:?}: {err}");
+        let kept =
+            |line: &&str| ["exceeded", "collision", "  = help"].iter().any(|word| line.starts_with(word));
+        let found: Vec<&str> = out.lines().filter(kept).collect();
+        let words: Vec<String> = call
+            .iter()
+            .map(|word| if word.contains(' ') { format!("{word:?}") } else { word.to_string() })
+            .collect();
+        said += &format!("$ blocksim plan {}\n{err}", words.join(" "));
+        said += &found.iter().map(|line| format!("{line}\n")).collect::<String>();
+        said += &format!("exit code {code}\n\n");
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    expect_test::expect_file!["plan_answers.txt"].assert_eq(&said);
 }
 
 /// Commands of the page with what stands below them.

@@ -111,7 +111,7 @@ impl fmt::Display for MoveError {
             MoveError::NoAxes => write!(f, "there is no axis to move; give the limits of at least one"),
             MoveError::WrongLength { endpoint, given, axes } => write!(
                 f,
-                "the {endpoint} has {given} positions, but there are {axes} axes; give one position per axis"
+                "the {endpoint} has {given} positions, but there are {axes} axes; give one position per axis, decimals with a point"
             ),
             MoveError::NotFinite { endpoint, axis, value } => write!(
                 f,

@@ -224,11 +224,11 @@ fn refusals_name_axis_value_limit_and_remedy() {
     };
     check(
         &|r, _| r.start.truncate(5),
-        "the start has 5 positions, but there are 6 axes; give one position per axis",
+        "the start has 5 positions, but there are 6 axes; give one position per axis, decimals with a point",
     );
     check(
         &|r, _| r.target.push(0.0),
-        "the target has 7 positions, but there are 6 axes; give one position per axis",
+        "the target has 7 positions, but there are 6 axes; give one position per axis, decimals with a point",
     );
     check(
         &|r, _| r.target[2] = f64::NAN,

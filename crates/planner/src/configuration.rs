@@ -10,7 +10,7 @@ use blocksim_robot::Robot;
 use crate::check::NARROW;
 use crate::error::{PlanError, Reason, short};
 use crate::joint_path::JointPath;
-use crate::plan::{check, path, task};
+use crate::plan::{check, path, reachable, task};
 use crate::request::{CartesianRequest, Start};
 use crate::start::begin;
 use crate::task::Task;
@@ -87,6 +87,7 @@ pub fn choose(
     };
     let path = path(&start, request)?;
     let task = task(request, &start);
+    reachable(robot, &task, &path)?;
     let target = robot.reference().placement * start;
     let found = closed_form
         .inverse(&target, &near)
@@ -151,7 +152,10 @@ fn pass(
     turned(&q.map(|q| (q, q)), near, limits)
         .map_err(|axis| format!("{} at the start", outside(axis, q[axis], &limits[axis])))?;
     let spacing = if path.is_turn() { crate::plan::TURN_SPACING } else { resolution };
-    let joints = JointPath::follow(robot, task, path, q, spacing).map_err(|error| error.to_string())?;
+    let joints = JointPath::follow(robot, task, path, q, spacing).map_err(|error| match error.reason {
+        Reason::Singular { at, .. } => format!("the arm is singular at {} % of the path", short(100.0 * at)),
+        _ => error.to_string(),
+    })?;
     let knots = 0..=joints.intervals();
     let range = |axis: usize| {
         let all = knots.clone().map(|k| joints.knot(k, axis)[0]);

@@ -180,7 +180,7 @@ pub(crate) fn path(start: &Placement, request: &CartesianRequest) -> Result<Path
 }
 
 /// Whether the target is in the workspace, and all places on the way there; whatever the limits of the axes.
-fn reachable(robot: &Robot, task: &Task, path: &Path) -> Result<(), PlanError> {
+pub(crate) fn reachable(robot: &Robot, task: &Task, path: &Path) -> Result<(), PlanError> {
     const SLACK: f64 = 1e-9;
     let workspace = Workspace::of(robot);
     let length = path.length();

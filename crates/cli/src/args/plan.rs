@@ -67,10 +67,10 @@ pub struct JointArgs {
     #[arg(long, value_name = "POSITIONS", allow_hyphen_values = true)]
     pub to: String,
     /// Share of the largest speed of each axis; a bare number is per cent.
-    #[arg(long, value_name = "SHARE", default_value = "40 %")]
+    #[arg(long, allow_hyphen_values = true, value_name = "SHARE", default_value = "40 %")]
     pub velocity: String,
     /// Share of the move time spent accelerating; a bare number is per cent.
-    #[arg(long, value_name = "SHARE", default_value = "30 %")]
+    #[arg(long, allow_hyphen_values = true, value_name = "SHARE", default_value = "30 %")]
     pub acceleration: String,
 }
 
@@ -101,22 +101,22 @@ pub struct ToolArgs {
     #[arg(long, value_name = "ANGLES", allow_hyphen_values = true)]
     pub rotation: Option<String>,
     /// Speed of the tool; a bare number is mm/s.
-    #[arg(long, value_name = "SPEED", default_value = "250 mm/s")]
+    #[arg(long, allow_hyphen_values = true, value_name = "SPEED", default_value = "250 mm/s")]
     pub velocity: String,
     /// Share of the largest acceleration of the tool; a bare number is per cent.
-    #[arg(long, value_name = "SHARE", default_value = "40 %")]
+    #[arg(long, allow_hyphen_values = true, value_name = "SHARE", default_value = "40 %")]
     pub acceleration: String,
     /// Speed of a turn on the spot, where only the orientation changes; 90 deg/s if not given. A bare number is deg/s.
-    #[arg(long, value_name = "SPEED")]
+    #[arg(long, allow_hyphen_values = true, value_name = "SPEED")]
     pub rotation_velocity: Option<String>,
     /// Acceleration of a turn on the spot; 180 deg/s^2 if not given. A bare number is deg/s^2.
-    #[arg(long, value_name = "ACCELERATION")]
+    #[arg(long, allow_hyphen_values = true, value_name = "ACCELERATION")]
     pub rotation_acceleration: Option<String>,
     /// How the speed rises and falls: sin2, trapezoid, s-curve or time-optimal.
     #[arg(long, value_name = "WORD", default_value = "sin2")]
     pub profile: String,
     /// Distance of waypoints; a bare number is mm.
-    #[arg(long, value_name = "LENGTH", default_value = "1 mm")]
+    #[arg(long, allow_hyphen_values = true, value_name = "LENGTH", default_value = "1 mm")]
     pub resolution: String,
 }
 

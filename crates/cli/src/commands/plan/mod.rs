@@ -40,6 +40,18 @@ enum Stop {
     Told(Exit),
 }
 
+impl Stop {
+    /// The same with more lines behind it.
+    fn and(self, more: &str) -> Stop {
+        match self {
+            Stop::Say(said, exit) if !more.is_empty() => {
+                Stop::Say(format!("{said}\n{}", more.trim_end()), exit)
+            }
+            other => other,
+        }
+    }
+}
+
 impl From<String> for Stop {
     fn from(said: String) -> Self {
         Stop::Say(said, Exit::Usage)
@@ -61,7 +73,7 @@ pub fn plan(command: &PlanCommand, console: Console) -> io::Result<Exit> {
         let space = space::read(common, &robot, &description, console)?;
         let asked = ask(command, &robot, console)?;
         let course = planned(&asked.path, &robot.limits(), Rule::Feasible, Some(&robot), "move")
-            .map_err(|error| told(&error))?;
+            .map_err(|error| told(&error).and(&said::chosen(asked.chosen.as_ref())))?;
         Ok((robot, space, asked, course))
     });
     let (robot, space, Asked { text, path, chosen, kept }, course) = match made {
