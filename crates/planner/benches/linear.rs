@@ -3,9 +3,11 @@
 #[path = "../tests/moves/arm.rs"]
 mod arm;
 
+use blocksim_multibody::EulerZyx;
 use blocksim_planner::{
-    CartesianMove, CartesianRequest, Orientation, Speeds, Start, Timing, Turning, inspect,
+    CartesianMove, CartesianRequest, Orientation, Speeds, Start, Timing, Turning, choose, inspect,
 };
+use blocksim_robot::Robot;
 use nalgebra::Vector3;
 
 fn main() {

@@ -75,7 +75,7 @@ pub enum Command {
     Identify(IdentifyCommand),
     /// Plan a move of a robot, check it along its whole way, and write it as a file.
     #[command(subcommand)]
-    Plan(PlanCommand),
+    Plan(Box<PlanCommand>),
     /// Sets of parameters as workbooks for Excel and LibreOffice, and back.
     #[command(subcommand)]
     Params(ParamsCommand),
