@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::graph::Side;
 use crate::lanes::{Item, Plan, Tap};
 use crate::sides::Sides;
 
@@ -17,10 +18,11 @@ const WORTH: f64 = 0.5;
 /// Sorts the rows of a plan by the means of their neighbours, from several beginnings, and exchanges neighbours as long
 /// as it helps.
 pub(crate) fn order(plan: &mut Plan, sides: &mut Sides) {
-    let mut best: Option<(f64, Vec<Vec<Vec<usize>>>)> = None;
-    let begin = plan.rows.clone();
+    let mut best: Option<(f64, Vec<Vec<Vec<usize>>>, Sides)> = None;
+    let begin = (plan.rows.clone(), sides.clone());
     for start in 0..4 {
-        plan.rows.clone_from(&begin);
+        plan.rows.clone_from(&begin.0);
+        sides.clone_from(&begin.1);
         let mut y = stack(plan);
         for sweep in 0..3 * usize::from(start > 0) {
             sort_by_means(plan, sides, &mut y, (sweep + start) % 2 == 0);
@@ -33,12 +35,13 @@ pub(crate) fn order(plan: &mut Plan, sides: &mut Sides) {
         let cost = total(plan, sides, &y);
         // The first beginning is the text.
         let cost = if start == 0 { cost - WORTH } else { cost };
-        if best.as_ref().is_none_or(|(least, _)| cost < least - 1e-9) {
-            best = Some((cost, plan.rows.clone()));
+        if best.as_ref().is_none_or(|(least, ..)| cost < least - 1e-9) {
+            best = Some((cost, plan.rows.clone(), sides.clone()));
         }
     }
-    if let Some((_, rows)) = best {
+    if let Some((_, rows, best)) = best {
         plan.rows = rows;
+        *sides = best;
     }
     run_together(plan, sides);
 }
@@ -232,6 +235,7 @@ pub(crate) fn improve(plan: &mut Plan, sides: &mut Sides, y: &mut [f64]) {
         }
         if plan.loose.iter().all(|loose| *loose) {
             better |= exchange_ports(plan, sides, y, &mut costs);
+            better |= turn_inputs(plan, sides, y, &mut costs);
         }
         if !better {
             break;
@@ -269,6 +273,35 @@ fn exchange_ports(plan: &Plan, sides: &mut Sides, y: &[f64], costs: &mut [f64]) 
                 } else {
                     sides.order[node][side].swap(place - 1, place);
                 }
+            }
+        }
+    }
+    better
+}
+
+/// An input of a sum may enter from above or below.
+fn turn_inputs(plan: &mut Plan, sides: &mut Sides, y: &mut [f64], costs: &mut [f64]) -> bool {
+    let mut better = false;
+    for at in 0..plan.rows.len() {
+        for place in 0..plan.rows[at].len() {
+            let Some(node) = block_of(plan, &plan.rows[at][place]) else { continue };
+            let Some(port) = sides.either[node].filter(|_| plan.rows[at][place].len() == 2) else { continue };
+            let kept: Vec<(usize, f64)> = plan.rows[at][place].iter().map(|item| (*item, y[*item])).collect();
+            let turn = |plan: &mut Plan, sides: &mut Sides| {
+                plan.rows[at][place].reverse();
+                let side = &mut sides.side[node][port];
+                *side = if *side == Side::North { Side::South } else { Side::North };
+            };
+            turn(plan, sides);
+            let (top, [first, second]) = (kept[0].1, [plan.rows[at][place][0], plan.rows[at][place][1]]);
+            y[first] = top;
+            y[second] = top + plan.distance(first, second);
+            let (left, right) = (channel_cost(plan, sides, y, at), channel_cost(plan, sides, y, at + 1));
+            if left + right < costs[at] + costs[at + 1] - 0.5 {
+                (costs[at], costs[at + 1], better) = (left, right, true);
+            } else {
+                turn(plan, sides);
+                kept.iter().for_each(|(item, place)| y[*item] = *place);
             }
         }
     }

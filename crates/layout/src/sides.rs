@@ -13,6 +13,8 @@ pub(crate) struct Sides {
     pub order: Vec<[Vec<usize>; 2]>,
     /// Conserving ports, which may change places.
     pub free: Vec<Vec<bool>>,
+    /// An input of a circle that may enter from above as well as from below.
+    pub either: Vec<Option<usize>>,
     pub width: Vec<f64>,
     pub height: Vec<f64>,
 }
@@ -73,7 +75,27 @@ pub(crate) fn sides(graph: &Graph, flow: &Flow, layer: &[usize]) -> Sides {
         .iter()
         .map(|node| node.ports.iter().map(|port| *port == PortKind::Free).collect())
         .collect();
-    Sides { side, order, free, width, height }
+    let either = (0..n).map(|node| either(graph, flow, &side[node], node)).collect();
+    Sides { side, order, free, either, width, height }
+}
+
+/// The only input of a circle that enters from above or below, if it is no feedback.
+fn either(graph: &Graph, flow: &Flow, side: &[Side], v: usize) -> Option<usize> {
+    let node = &graph.nodes[v];
+    if node.form != Form::Circle || node.label_height > 0.0 {
+        return None;
+    }
+    let mut ports = (0..side.len()).filter(|port| matches!(side[*port], Side::North | Side::South));
+    let port = ports.next()?;
+    (ports.next().is_none() && !is_feedback(graph, flow, v, port)).then_some(port)
+}
+
+/// Whether feedback enters at a port.
+fn is_feedback(graph: &Graph, flow: &Flow, v: usize, port: usize) -> bool {
+    graph.nets.iter().zip(&flow.feedback).any(|(net, feedback)| {
+        let mut ends = net.ends.iter().zip(feedback).skip(1);
+        ends.any(|(end, back)| *back && end.node == v && end.port == port)
+    })
 }
 
 /// Inputs left, outputs right, or the other way round; a circle takes feedback from below.
@@ -92,15 +114,7 @@ fn signal_sides(graph: &Graph, flow: &Flow, v: usize) -> Vec<Side> {
     if node.form != Form::Circle {
         return sides;
     }
-    let back = |port: usize| {
-        graph.nets.iter().zip(&flow.feedback).any(|(net, feedback)| {
-            net.ends
-                .iter()
-                .zip(feedback)
-                .skip(1)
-                .any(|(end, back)| *back && end.node == v && end.port == port)
-        })
-    };
+    let back = |port: usize| is_feedback(graph, flow, v, port);
     let inputs: Vec<usize> = (0..sides.len()).filter(|port| node.ports[*port] == PortKind::Input).collect();
     let below = inputs.iter().copied().find(|port| back(*port));
     if let Some(below) = below {
