@@ -50,7 +50,7 @@ pub fn svg(figure: &Figure, theme: Theme) -> String {
             let number = row * columns + column;
             let left = MARGIN + column as f64 * (cell + MARGIN) + gutter;
             let mut pen = Pen { out: &mut body, palette: &palette, time: &time };
-            height = height.max(pen.panel(panel, &axes[number], number, (left, top), plot_width));
+            height = height.max(pen.panel(panel, &axes[number], (left, top), plot_width));
         }
         top += height + MARGIN;
     }
@@ -127,7 +127,7 @@ struct Pen<'a> {
 
 impl Pen<'_> {
     /// Draws a panel with title, legend, strip and time axis; returns its height.
-    fn panel(&mut self, panel: &Panel, axes: &Axes, number: usize, at: (f64, f64), width: f64) -> f64 {
+    fn panel(&mut self, panel: &Panel, axes: &Axes, at: (f64, f64), width: f64) -> f64 {
         let (left, top) = at;
         let unit = pretty_unit(&panel.unit);
         let heading = match (panel.title.as_str(), unit.as_str()) {
@@ -160,7 +160,7 @@ impl Pen<'_> {
             self.text((entry.x + SAMPLE + 5.0, y), SIZE, text, "", &name);
         }
         let mut area = Area { x: left, y: top + TITLE + 8.0 + below, width, height: HIGH };
-        self.plot(&panel.lines, axes.main.as_ref(), area, &format!("p{number}"));
+        self.plot(&panel.lines, axes.main.as_ref(), area);
         for (n, note) in panel.notes.iter().enumerate() {
             let y = area.y + 14.0 + n as f64 * 13.0;
             let note = fitted(note, SIZE, width - 12.0);
@@ -168,7 +168,7 @@ impl Pen<'_> {
         }
         if let Some(strip) = &panel.strip {
             area = Area { y: area.bottom() + GAP, height: LOW, ..area };
-            self.plot(&strip.lines, axes.strip.as_ref(), area, &format!("s{number}"));
+            self.plot(&strip.lines, axes.strip.as_ref(), area);
             // In the gap above it, where no line goes.
             self.text((left + 2.0, area.y - 4.0), NUMBER, self.palette.quiet, "", &strip.name);
         }
@@ -177,7 +177,7 @@ impl Pen<'_> {
     }
 
     /// Frame, grid, numbers and lines.
-    fn plot(&mut self, lines: &[Line], axis: Option<&Axis>, area: Area, name: &str) {
+    fn plot(&mut self, lines: &[Line], axis: Option<&Axis>, area: Area) {
         let Palette { grid, frame, quiet, .. } = *self.palette;
         let Area { x, y, width, height } = area;
         let mut ruling = String::new();
@@ -195,14 +195,13 @@ impl Pen<'_> {
         }
         let _ = writeln!(self.out, "<path d=\"{ruling}\" stroke=\"{grid}\" fill=\"none\"/>");
         if let Some(axis) = axis {
+            // A drawing within the drawing cuts off what leaves it, and unlike a clip path it needs no name, which
+            // would clash where a page holds two drawings.
+            let [x, y, width, height] = [x, y, width, height].map(round);
             let _ = writeln!(
                 self.out,
-                "<clipPath id=\"{name}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>\n\
-                 <g clip-path=\"url(#{name})\" stroke-linejoin=\"round\">",
-                round(x),
-                round(y),
-                round(width),
-                round(height)
+                "<svg class=\"courses\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
+                 viewBox=\"{x} {y} {width} {height}\" stroke-linejoin=\"round\">"
             );
             // What should be is drawn over what is, which would hide it where both agree.
             let is_set = |line: &&Line| line.style == Style::Dashed;
@@ -211,7 +210,7 @@ impl Pen<'_> {
                     line.courses.iter().map(|course| self.course(course, &axis.range, area)).collect();
                 self.path(&data, line);
             }
-            self.out.push_str("</g>\n");
+            self.out.push_str("</svg>\n");
         }
         let _ = writeln!(
             self.out,
