@@ -222,6 +222,7 @@ impl Build<'_> {
             let (figure, port) = (&self.figures[end.node], &self.figures[end.node].ports[end.port]);
             match figure.look {
                 Look::Pill => port.name.clone(),
+                _ if port.name.is_empty() => figure.name.clone(),
                 _ => format!("{}.{}", figure.name, port.name),
             }
         };

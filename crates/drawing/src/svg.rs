@@ -22,8 +22,9 @@ const EDGE: f64 = 16.0;
 const LINE: f64 = 16.0;
 
 /// Draws a level as a file of its own. Each block is a group with its path in `data-path`, its kind in `data-kind`,
-/// `data-inside` where there is a level inside it, and a title; wires are groups of the classes `wire`, `bus` and
-/// `conserving`. Colours are said by classes and one style sheet, so that another one can replace them.
+/// `data-inside` where there is a level inside it, its place among the figures in `data-node`, and a title; wires are
+/// groups of the classes `wire`, `bus` and `conserving` with their place among the nets in `data-net`. Colours are said
+/// by classes and one style sheet, so that another one can replace them.
 pub fn svg(level: &Level, layout: &Layout, theme: Theme) -> String {
     draw(level, layout, Some(&fixed(theme)))
 }
@@ -53,15 +54,15 @@ fn draw(level: &Level, layout: &Layout, style: Option<&str>) -> String {
     }
     let _ = write!(canvas.out, "<g transform=\"translate({EDGE} {})\">", number(EDGE + head));
     wires(&mut canvas, level, layout);
-    for (figure, placed) in level.figures.iter().zip(&layout.nodes) {
-        block(&mut canvas, figure, placed);
+    for (node, (figure, placed)) in level.figures.iter().zip(&layout.nodes).enumerate() {
+        block(&mut canvas, node, figure, placed);
     }
     canvas.out.push_str("</g>");
     canvas.end()
 }
 
 fn wires(canvas: &mut Canvas, level: &Level, layout: &Layout) {
-    for (line, wire) in level.lines.iter().zip(&layout.wires) {
+    for (net, (line, wire)) in level.lines.iter().zip(&layout.wires).enumerate() {
         let mut data = String::new();
         for segment in &wire.segments {
             let _ = write!(data, "M{} {}", number(segment.from.x), number(segment.from.y));
@@ -91,7 +92,11 @@ fn wires(canvas: &mut Canvas, level: &Level, layout: &Layout) {
             None => String::new(),
         };
         let group = classes(&[class, colour.class()]);
-        let _ = write!(canvas.out, "<g{group}{domain}{signal}><title>{}</title>", escaped(&line.title));
+        let _ = write!(
+            canvas.out,
+            "<g{group}{domain}{signal} data-net=\"{net}\"><title>{}</title>",
+            escaped(&line.title)
+        );
         canvas.path(&data, Paint { colour: Colour::Ink, width, fill: Fill::Nothing }, "");
         for junction in &wire.junctions {
             let r = if line.thick { 3.6 } else { 2.6 };
@@ -101,18 +106,20 @@ fn wires(canvas: &mut Canvas, level: &Level, layout: &Layout) {
     }
 }
 
-fn block(canvas: &mut Canvas, figure: &Figure, placed: &Placed) {
+fn block(canvas: &mut Canvas, node: usize, figure: &Figure, placed: &Placed) {
     match &figure.path {
         Some(path) => {
             let inside = if matches!(figure.look, Look::Subsystem(_)) { " data-inside=\"true\"" } else { "" };
             let _ = write!(
                 canvas.out,
-                "<g class=\"block\" data-path=\"{}\" data-kind=\"{}\"{inside}>",
+                "<g class=\"block\" data-node=\"{node}\" data-path=\"{}\" data-kind=\"{}\"{inside}>",
                 escaped(path),
                 escaped(&figure.kind)
             );
         }
-        None => canvas.out.push_str("<g class=\"port\">"),
+        None => {
+            let _ = write!(canvas.out, "<g class=\"port\" data-node=\"{node}\">");
+        }
     }
     let _ = write!(canvas.out, "<title>{}</title>", escaped(&figure.title));
     symbols::draw(canvas, figure, placed);
