@@ -40,7 +40,7 @@ use blocksim_scene::Scene;
 pub use ast::{Ast, BlockAst, ConnectionAst, RATES, RecordAst, Reference};
 pub use emit::{Stage, Stages};
 pub use example::{example_block, example_interface};
-pub use flatten::{Declared, Flat, FlatBlock, Source};
+pub use flatten::{Declared, Flat, FlatBlock, Source, origins};
 pub use infer::Typed;
 pub use model::{Content, Model, ModelBlock, PortKind, VariantChoice};
 pub use parameter::{has_parameter, parameter};

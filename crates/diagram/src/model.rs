@@ -59,6 +59,8 @@ pub enum Content {
         block: Arc<dyn Block>,
         /// Units of the parameters as written.
         units: ParamUnits,
+        /// Numbers of the parameters in SI by name, at most a few of each.
+        numbers: Vec<(String, Vec<f64>)>,
         /// Ports, as far as they do not depend on the inputs.
         interface: Box<Interface>,
     },

@@ -76,6 +76,7 @@ fn toy(ast: &Ast, block: &BlockAst) -> ModelBlock {
         content: Content::Block {
             block: Arc::new(built),
             units: ParamUnits::default(),
+            numbers: Vec::new(),
             interface: Box::new(interface),
         },
     }

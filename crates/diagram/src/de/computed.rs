@@ -52,6 +52,9 @@ impl Computed<'_, '_> {
             }
             (None, None) => {}
         }
+        if let Some(field) = field {
+            self.written.reading.keep(field, quantity.value);
+        }
         Ok(quantity.value)
     }
 

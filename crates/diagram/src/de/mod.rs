@@ -32,16 +32,39 @@ pub(crate) struct Reading<'a> {
     pub info: Option<&'static BlockInfo>,
     pub problem: RefCell<Option<Problem>>,
     pub units: RefCell<ParamUnits>,
+    /// Numbers of the parameters in SI, as far as they are few.
+    pub numbers: RefCell<Numbers>,
 }
+
+/// Numbers by parameter, in the order in which they were read.
+pub(crate) type Numbers = Vec<(String, Vec<f64>)>;
 
 impl<'a> Reading<'a> {
     pub(crate) fn new(scope: Rc<Scope<'a>>, file: FileId, info: Option<&'static BlockInfo>) -> Self {
-        Self { scope, file, info, problem: RefCell::default(), units: RefCell::default() }
+        Self {
+            scope,
+            file,
+            info,
+            problem: RefCell::default(),
+            units: RefCell::default(),
+            numbers: RefCell::default(),
+        }
     }
 
     fn note(&self, problem: Problem) -> Noted {
         self.problem.borrow_mut().get_or_insert(problem);
         Noted(String::new())
+    }
+
+    /// Keeps a number of a parameter. Tables are not looked at number by number.
+    fn keep(&self, field: &str, number: f64) {
+        const MOST: usize = 16;
+        let mut numbers = self.numbers.borrow_mut();
+        match numbers.iter_mut().find(|(known, _)| known == field) {
+            Some((_, list)) if list.len() <= MOST => list.push(number),
+            Some(_) => {}
+            None => numbers.push((field.to_owned(), vec![number])),
+        }
     }
 
     fn place(&self, node: &Node) -> Place {

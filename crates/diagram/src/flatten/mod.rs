@@ -2,6 +2,7 @@
 
 mod declared;
 mod nodes;
+mod origins;
 pub(crate) mod record;
 mod view;
 
@@ -15,6 +16,7 @@ use blocksim_signal::Dimension;
 
 use crate::model::{Content, Model, ModelBlock};
 use crate::problems::Problems;
+pub use origins::origins;
 use record::record;
 use view::View;
 
@@ -94,7 +96,7 @@ pub(crate) fn flatten(model: &Model, problems: &mut Problems) -> Flat {
         view.index.insert((*level, block.name.clone()), index);
     }
     for (level, block) in executed {
-        let Content::Block { block: built, units, interface } = &block.content else { continue };
+        let Content::Block { block: built, units, interface, .. } = &block.content else { continue };
         let mut inputs = Vec::new();
         for input in &interface.inputs {
             inputs.push(view.input(*level, &block.name, &input.name, problems));

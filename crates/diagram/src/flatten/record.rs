@@ -76,7 +76,8 @@ fn advice(pattern: &str, names: &[&str]) -> String {
     }
 }
 
-fn name_leaves(name: &str, tree: &Tree, out: &mut BTreeMap<String, (usize, usize)>) {
+/// Gives a name to each signal of a bus.
+pub(super) fn name_leaves(name: &str, tree: &Tree, out: &mut BTreeMap<String, (usize, usize)>) {
     match tree {
         Tree::Leaf { block, output } => {
             out.insert(name.to_owned(), (*block, *output));

@@ -277,7 +277,7 @@ impl<'m> View<'m> {
         })
     }
 
-    fn driven(
+    pub(super) fn driven(
         &self,
         level: usize,
         block: &str,

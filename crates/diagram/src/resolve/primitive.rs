@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use super::Resolver;
 use crate::ast::{Ast, BlockAst};
-use crate::de::{Reading, Tagged, Written};
+use crate::de::{Numbers, Reading, Tagged, Written};
 use crate::model::Content;
 use crate::scope::Scope;
 use crate::source::BlockFiles;
@@ -47,7 +47,7 @@ impl<'a> Resolver<'a> {
             }
         };
         let mut built = kind.into_block();
-        let units = reading.units.take();
+        let (units, numbers) = (reading.units.take(), reading.numbers.take());
         let place_of = |param: &str| {
             let name = param.split(['.', '[']).next().unwrap_or(param);
             let parameter = block.parameters.iter().find(|(known, _)| known.text == name);
@@ -66,12 +66,19 @@ impl<'a> Resolver<'a> {
             self.report(with_help(problem, error.help));
             return Content::Unknown;
         }
-        self.interface(ast, block, Arc::from(built), units)
+        self.interface(ast, block, Arc::from(built), units, numbers)
     }
 
-    fn interface(&self, ast: &Ast, block: &BlockAst, built: Arc<dyn Block>, units: ParamUnits) -> Content {
+    fn interface(
+        &self,
+        ast: &Ast,
+        block: &BlockAst,
+        built: Arc<dyn Block>,
+        units: ParamUnits,
+        numbers: Numbers,
+    ) -> Content {
         match built.interface(&Given::new(Vec::new(), units.clone())) {
-            Ok(interface) => Content::Block { block: built, units, interface: Box::new(interface) },
+            Ok(interface) => Content::Block { block: built, units, numbers, interface: Box::new(interface) },
             Err(error) => {
                 let problem = Problem::error(error.code, error.message).at(&ast.place(&block.span), "");
                 self.report(with_help(problem, error.help));
