@@ -118,7 +118,7 @@ fn a_run_is_told_and_kept() {
     assert_eq!(runs.len(), 1);
     assert!(runs[0].ends_with("_lag") && answer.out.contains(&format!("runs/{}", runs[0])), "{runs:?}");
     let run = format!("runs/{}", runs[0]);
-    let files = ["events.csv", "log.txt", "manifest.json", "signals.csv", "signals.rec"];
+    let files = ["events.csv", "log.txt", "manifest.json", "model.json", "signals.csv", "signals.rec"];
     assert_eq!(names(&desk.0.join(&run)), files);
     let manifest = desk.read(&format!("{run}/manifest.json"));
     for part in ["\"how\": \"complete\"", "\"path\": \"lag.ron\"", "\"hash\": \"fnv1a64:", "\"files\": []"] {
@@ -394,7 +394,15 @@ fn runs_are_listed_and_exported_at_the_rates_that_were_asked_for() {
     let answer = desk.call(&["run", "lag.ron", "--quiet", "--signals", signals]);
     assert_eq!(answer.code, Some(0), "{answer:?}");
     let run = answer.out.trim();
-    let files = ["events.csv", "log.txt", "manifest.json", "signals-100ms.csv", "signals.csv", "signals.rec"];
+    let files = [
+        "events.csv",
+        "log.txt",
+        "manifest.json",
+        "model.json",
+        "signals-100ms.csv",
+        "signals.csv",
+        "signals.rec",
+    ];
     assert_eq!(names(&desk.0.join(run)), files);
     assert!(desk.read(&format!("{run}/signals.csv")).starts_with("time [s],scope.set [rad]\n"));
     // The start, ten multiples of 100 ms, of which the last is the end.
@@ -432,7 +440,10 @@ fn runs_are_listed_and_exported_at_the_rates_that_were_asked_for() {
     assert_eq!(desk.call(&["run", "lag.ron", "--signals", "*@fast"]).code, Some(2));
     let bare = desk.call(&["run", "lag.ron", "--quiet", "--no-csv", "--out", "bare"]);
     assert_eq!(bare.code, Some(0));
-    assert_eq!(names(&desk.0.join("bare")), ["events.csv", "log.txt", "manifest.json", "signals.rec"]);
+    assert_eq!(
+        names(&desk.0.join("bare")),
+        ["events.csv", "log.txt", "manifest.json", "model.json", "signals.rec"]
+    );
     assert_eq!(desk.call(&["runs", "none"]).code, Some(0));
 }
 

@@ -17,6 +17,7 @@ use crate::exit::Exit;
 use crate::loaded::load;
 use crate::running::blame::{failure, reason};
 use crate::running::keep::{self, Csv, Rest, is_csv_written, keep};
+use crate::running::model_text::{self, MODEL};
 use crate::running::recorder::Recorder;
 use crate::running::report::{Report, log};
 use crate::running::selection::select;
@@ -93,6 +94,7 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
     let partial = folder.partial_path().display().to_string();
     let stream = folder
         .write_manifest(&begun)
+        .and_then(|()| folder.write(MODEL, |out| out.write_all(model_text::json(&loaded.on_disk).as_bytes())))
         .and_then(|()| folder.record(&selection.layout, &selection.sources, schedule.recorded.len()));
     let stream = match stream {
         Ok(stream) => stream,

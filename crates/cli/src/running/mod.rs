@@ -4,6 +4,7 @@ pub mod blame;
 pub mod interrupt;
 pub mod keep;
 pub mod manifest;
+pub mod model_text;
 pub mod recorder;
 pub mod report;
 pub mod selection;
