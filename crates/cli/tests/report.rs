@@ -71,3 +71,65 @@ fn what_is_wrong_is_said_and_nothing_is_overwritten() {
     assert!(!folder.join("r/report.html").exists());
     fs::remove_dir_all(folder).unwrap();
 }
+
+#[test]
+fn the_diagram_of_a_page_is_that_of_the_run_whatever_became_of_the_files() {
+    let folder = folder("kept");
+    let model = MODEL.replace("display: \"deg\")", "display: \"deg\", label: \"Angle of the servo\")");
+    fs::write(folder.join("servo.ron"), model).unwrap();
+    assert!(
+        call(&folder, &["run", "servo.ron", "--out", "r", "--quiet", "--set", "plant.tau=20 ms"])
+            .status
+            .success()
+    );
+    let page = |name: &str| {
+        let report = call(&folder, &["report", "r", "--out", name]);
+        assert!(report.status.success(), "{}", said(&report));
+        (fs::read_to_string(folder.join(name)).unwrap(), said(&report))
+    };
+    let has_diagram =
+        |page: &str| page.contains("id=\"diagram-view\"") && page.contains("id=\"report-texts\"");
+
+    fs::remove_file(folder.join("servo.ron")).unwrap();
+    let (kept, _) = page("kept.html");
+    assert!(has_diagram(&kept) && !kept.contains("as they are now"));
+    assert!(kept.contains("\"title\":\"Angle of the servo\""), "scopes bear their labels");
+    assert!(kept.contains("set for this run") && kept.contains("plant.tau"));
+
+    // A run of an earlier version: the files tell as well, and the page says so.
+    fs::remove_file(folder.join("r/model.json")).unwrap();
+    assert!(!has_diagram(&page("without.html").0), "neither a copy nor a file");
+    fs::write(folder.join("servo.ron"), MODEL.replace("50 ms", "70 ms")).unwrap();
+    let (now, warned) = page("now.html");
+    assert!(has_diagram(&now) && now.contains("as they are now"));
+    assert!(warned.contains("Changed since the run: servo.ron"), "{warned}");
+
+    fs::write(folder.join("r/model.json"), "{\"files\": [").unwrap();
+    let (broken, warned) = page("broken.html");
+    assert!(!has_diagram(&broken) && warned.contains("model.json cannot be read"), "{warned}");
+    fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn two_runs_stand_in_one_page_with_a_verdict_on_each_signal() {
+    let folder = folder("both");
+    assert!(call(&folder, &["run", "servo.ron", "--out", "a", "--quiet"]).status.success());
+    assert!(
+        call(&folder, &["run", "servo.ron", "--out", "b", "--quiet", "--set", "plant.tau=80 ms"])
+            .status
+            .success()
+    );
+    let compared = call(&folder, &["compare", "a", "b", "--abs", "1 deg", "--html", "both.html"]);
+    assert_eq!(compared.status.code(), Some(1), "{}", said(&compared));
+    assert!(String::from_utf8_lossy(&compared.stdout).ends_with("both.html\n"));
+    let page = fs::read_to_string(folder.join("both.html")).unwrap();
+    for part in
+        ["Compared with b", "DIFFERS", "1 of 2 signals", "\"other\":[", "\"marks\":[[0,\"angle.actual\""]
+    {
+        assert!(page.contains(part), "{part}");
+    }
+    let again = call(&folder, &["compare", "a", "b", "--html", "both.html"]);
+    assert_eq!(again.status.code(), Some(4));
+    assert!(said(&again).contains("it is there already"), "{}", said(&again));
+    fs::remove_dir_all(folder).unwrap();
+}

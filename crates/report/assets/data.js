@@ -18,6 +18,8 @@ const R = {
   /** @type {any} */ Shapes: null,
   /** @type {any} */ Meshes: null,
   /** @type {any} */ Draw3d: null,
+  /** @type {any} */ Diagram: null,
+  /** @type {any} */ Tables: null,
 
   /** A list of numbers from the block. @param {[number, number, number]} where @returns {Float64Array} */
   list([at, count, width]) {
@@ -29,13 +31,15 @@ const R = {
     return width === 8 ? new Float64Array(whole.buffer) : Float64Array.from(new Float32Array(whole.buffer));
   },
 
-  /** Unpacks the block. */
-  async unpack() {
-    const text = atob(document.getElementById('report-numbers')?.textContent || '');
+  /** Bytes of a compressed block. @param {string} id @returns {Promise<ArrayBuffer|null>} */
+  async unpack(id) {
+    const place = document.getElementById(id);
+    if (!place) return null;
+    const text = atob(place.textContent || '');
     const packed = new Uint8Array(text.length);
     for (let n = 0; n < text.length; n++) packed[n] = text.charCodeAt(n);
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
-    R.bytes = await new Response(stream).arrayBuffer();
+    return new Response(stream).arrayBuffer();
   },
 
   /** @param {number} t */

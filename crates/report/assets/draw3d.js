@@ -5,11 +5,19 @@
 
 R.Draw3d = (() => {
   const VERTEX = 'attribute vec3 p; attribute vec3 n; uniform mat4 view; uniform mat4 place; varying vec3 normal; void main() { normal = mat3(place) * n; gl_Position = view * place * vec4(p, 1.0); }';
-  const FRAGMENT = 'precision mediump float; varying vec3 normal; uniform vec4 colour; uniform float lit; void main() { vec3 d = normalize(normal); float light = lit > 0.5 ? 0.42 + 0.26 * d.z + 0.38 * max(dot(d, normalize(vec3(0.5, -0.65, 0.55))), 0.0) : 1.0; gl_FragColor = vec4(colour.rgb * light, colour.a); }';
+  const FRAGMENT = 'precision mediump float; varying vec3 normal; uniform vec4 colour; uniform float lit; uniform vec3 sun; void main() { vec3 d = normalize(normal); float light = lit > 0.5 ? 0.42 + 0.16 * d.z + 0.48 * max(dot(d, sun), 0.0) : 1.0; gl_FragColor = vec4(colour.rgb * light, colour.a); }';
+
+  /** Whether there is no graphics card: smooth edges would cost most of the time. */
+  const isSlow = () => {
+    const gl = document.createElement('canvas').getContext('webgl'), about = gl?.getExtension('WEBGL_debug_renderer_info');
+    const name = gl ? String(gl.getParameter(about ? about.UNMASKED_RENDERER_WEBGL : gl.RENDERER)) : '';
+    gl?.getExtension('WEBGL_lose_context')?.loseContext();
+    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+  };
 
   /** @param {HTMLCanvasElement} canvas */
   const webgl = (canvas) => {
-    const gl = canvas.getContext('webgl', { antialias: true, alpha: true, preserveDrawingBuffer: true });
+    const gl = canvas.getContext('webgl', { antialias: !isSlow(), alpha: true, preserveDrawingBuffer: true });
     if (!gl) return null;
     const program = gl.createProgram();
     for (const [kind, text] of /** @type {[number, string][]} */ ([[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]])) {
@@ -25,7 +33,7 @@ R.Draw3d = (() => {
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) return null;
     gl.useProgram(program);
-    const where = Object.fromEntries(['view', 'place', 'colour', 'lit'].map((name) => [name, gl.getUniformLocation(program, name)]));
+    const where = Object.fromEntries(['view', 'place', 'colour', 'lit', 'sun'].map((name) => [name, gl.getUniformLocation(program, name)]));
     const buffers = new WeakMap();
     /** @param {object} key @param {number[]|Float32Array} numbers */
     const buffer = (key, numbers) => {
@@ -43,13 +51,17 @@ R.Draw3d = (() => {
     gl.enableVertexAttribArray(0);
     return {
       name: 'WebGL',
-      /** @param {ArrayLike<number>} view */
-      begin(view) {
+      /** @param {ArrayLike<number>} view @param {number[]} sun Where the light comes from, of length one. */
+      begin(view, sun) {
+        gl.enable(gl.DEPTH_TEST);
+        gl.uniform3fv(where.sun, sun);
         gl.viewport(0, 0, canvas.width, canvas.height);
         gl.clearColor(0, 0, 0, 0);
         gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
         gl.uniformMatrix4fv(where.view, false, Float32Array.from(view));
       },
+      /** What follows shines through all that was drawn. */
+      through() { gl.disable(gl.DEPTH_TEST); },
       /** @param {any} mesh @param {ArrayLike<number>} place @param {number[]} colour */
       solid(mesh, place, colour) {
         const ghost = colour[3] < 1;
@@ -106,6 +118,7 @@ R.Draw3d = (() => {
       name: 'wire frame',
       /** @param {ArrayLike<number>} view */
       begin(view) { looking = view; context.clearRect(0, 0, canvas.width, canvas.height); },
+      through() {},
       /** @param {any} mesh @param {ArrayLike<number>} place @param {number[]} colour */
       solid(mesh, place, colour) { stroke(mesh.lines, place, colour, 1); },
       /** @param {number[]} lines @param {ArrayLike<number>} place @param {number[]} colour */

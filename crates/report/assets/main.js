@@ -6,12 +6,16 @@
 (() => {
   const KEYS = [
     ['Space', 'play and stop'], ['← →', 'one step back and on (Shift: ten)'], ['Home, End', 'begin and end'],
-    ['A, B', 'set cursor A or B to the present time, again to take it away'], ['+ −', 'zoom in and out in time'], ['[ ]', 'move the range'],
+    ['A, B', 'set cursor A or B to the present time, again to take it away; with the mouse they can be drawn along'], ['+ −', 'zoom in and out in time'], ['[ ]', 'move the range'],
     ['0', 'all times'], ['1 – 6', '3D: oblique, front, back, left, right, above'], ['F', '3D: fit'], ['G, P, M, C', '3D: set value, path, frames, centres of mass'],
-    ['Backspace', 'diagram: one level up'], ['O', 'lay a measurement over'], ['D', 'light or dark'], ['?', 'this list'],
+    ...(R.data.compared ? [['N', 'next place where the runs differ (Shift: the one before)']] : []), ['Enter, Backspace', 'diagram: into a block, one level up'], ['arrows', 'diagram: along the wires, where a block is chosen'], ['V, /', 'diagram: values on wires, find a block'], ['O', 'lay a measurement over'], ['D', 'light or dark'], ['?', 'this list'],
   ];
-  let playing = false, speed = 1, before = 0;
-  /** @type {any} */ let slider, clock, play, readout, said = 0;
+  let playing = false, speed = 1, before = 0, single = true;
+  /** @type {any} */ let slider = null;
+  /** @type {any} */ let clock = null;
+  /** @type {any} */ let play = null;
+  /** @type {any} */ let readout = null;
+  let said = 0;
 
   const timeline = () => {
     const foot = document.getElementById('timeline');
@@ -63,6 +67,27 @@
   /** @param {0|1} which */
   const mark = (which) => R.setCursor(which, R.cursors[which] === R.now ? null : R.now);
 
+  /** Where the second run leaves the first: from one signal to the next. */
+  let difference = -1;
+  const differ = (/** @type {number} */ by) => {
+    const marks = R.data.compared?.marks ?? [];
+    if (!marks.length) return;
+    difference = (difference + by + marks.length) % marks.length;
+    const [row, path, t] = marks[difference];
+    document.querySelectorAll('#compared tbody tr').forEach((line, n) => line.classList.toggle('chosen', n === row));
+    R.setTime(t);
+    R.Plots.find(path);
+    const place = document.getElementById('said');
+    if (place) place.textContent = `${path} differs from ${t} s on`;
+  };
+  const compared = () => {
+    const table = document.querySelector('#compared .wide');
+    if (!table || !R.data.compared.marks.length) return;
+    const next = R.make('button', { type: 'button', class: 'screen' }, 'Next difference (N)');
+    next.addEventListener('click', () => differ(1));
+    table.before(next);
+  };
+
   const dark = () => document.documentElement.dataset.theme ? document.documentElement.dataset.theme === 'dark' : matchMedia('(prefers-color-scheme: dark)').matches;
   const theme = () => {
     document.documentElement.dataset.theme = dark() ? 'light' : 'dark';
@@ -76,51 +101,19 @@
     if (!dialog.firstChild) {
       const close = R.make('button', { type: 'button' }, 'Close (Esc)');
       close.addEventListener('click', () => dialog.close());
-      dialog.append(R.make('h2', {}, 'Keys'), R.make('dl', {}, ...KEYS.flatMap(([key, does]) => [R.make('dt', {}, R.make('kbd', {}, key)), R.make('dd', {}, does)])), close);
+      const letters = R.make('input', { type: 'checkbox' });
+      letters.checked = single;
+      letters.addEventListener('change', () => { single = letters.checked; });
+      dialog.append(R.make('h2', {}, 'Keys'), R.make('p', {}, R.make('label', {}, letters, ' single letters act as keys')), R.make('dl', {}, ...KEYS.flatMap(([key, does]) => [R.make('dt', {}, R.make('kbd', {}, key)), R.make('dd', {}, does)])), close);
     }
     dialog.showModal();
-  };
-
-  const levels = () => {
-    const figures = /** @type {HTMLElement[]} */ ([...document.querySelectorAll('.level')]);
-    const crumbs = document.getElementById('crumbs');
-    if (!figures.length || !crumbs) return;
-    const paths = figures.map((figure) => figure.dataset.path ?? '');
-    let here = '';
-    /** @param {string} path @param {boolean} [focus] */
-    const go = (path, focus) => {
-      here = path;
-      figures.forEach((figure, n) => { figure.hidden = paths[n] !== path; });
-      const parts = path ? path.split('/') : [];
-      crumbs.replaceChildren(...['', ...parts].flatMap((name, n) => {
-        const target = parts.slice(0, n).join('/');
-        const link = R.make('button', { type: 'button', ...(target === path ? { 'aria-current': 'page' } : {}) }, name || 'top');
-        link.addEventListener('click', () => go(target, true));
-        return n ? [' / ', link] : [link];
-      }));
-      if (focus) /** @type {HTMLElement|null} */ (figures[paths.indexOf(path)]?.querySelector('[data-level]'))?.focus();
-    };
-    for (const figure of figures) {
-      for (const block of figure.querySelectorAll('[data-path]')) {
-        const path = block.getAttribute('data-path') ?? '';
-        if (!paths.includes(path)) continue;
-        block.setAttribute('tabindex', '0');
-        block.setAttribute('role', 'button');
-        block.setAttribute('data-level', '');
-        block.setAttribute('aria-label', `${path}: go inside`);
-        block.addEventListener('click', () => go(path));
-        block.addEventListener('keydown', (event) => { if (/** @type {KeyboardEvent} */ (event).key === 'Enter') go(path, true); });
-      }
-    }
-    document.addEventListener('keydown', (event) => { if (event.key === 'Backspace' && here && !typing(event)) { event.preventDefault(); go(here.split('/').slice(0, -1).join('/'), true); } });
-    go('');
   };
 
   /** @param {KeyboardEvent} event */
   const typing = (event) => event.target instanceof HTMLElement && (event.target.matches('select, textarea, input:not([type=range])'));
   /** @param {KeyboardEvent} event */
   const key = (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || typing(event)) return;
+    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || typing(event)) return;
     const dialog = /** @type {HTMLDialogElement} */ (document.getElementById('keys'));
     if (dialog.open && event.key !== '?') return;
     const small = (R.span[1] - R.span[0]) / 1000 * (event.shiftKey ? 10 : 1);
@@ -128,10 +121,12 @@
     const does = {
       ' ': toggle, ArrowLeft: () => R.setTime(R.now - small), ArrowRight: () => R.setTime(R.now + small), Home: () => R.setTime(R.span[0]), End: () => R.setTime(R.span[1]),
       a: () => mark(0), b: () => mark(1), '+': () => R.Plots.zoom(0.5), '=': () => R.Plots.zoom(0.5), '-': () => R.Plots.zoom(2), '[': () => R.Plots.pan(-0.25), ']': () => R.Plots.pan(0.25), '0': () => R.Plots.all(),
-      d: theme, '?': help, o: () => document.getElementById('overlay-file')?.click(),
+      Backspace: () => R.Diagram?.out(), n: () => differ(event.shiftKey ? -1 : 1), d: theme, '?': help, o: () => document.getElementById('overlay-file')?.click(),
     };
-    const space = R.Space?.keys?.[event.key.toLowerCase()];
-    const action = does[event.key] ?? does[event.key.toLowerCase()] ?? space;
+    const letter = event.key.toLowerCase();
+    // Who speaks to the computer, or types by accident, can switch them off.
+    if (!single && /^[a-z0-9]$/.test(letter)) return;
+    const action = does[event.key] ?? does[letter] ?? R.Space?.keys?.[letter] ?? R.Diagram?.keys?.[letter];
     if (!action || (event.key === ' ' && event.target instanceof HTMLButtonElement)) return;
     if (!play && [' ', 'a', 'b'].includes(event.key.toLowerCase())) return;
     event.preventDefault();
@@ -142,14 +137,20 @@
     document.getElementById('theme')?.addEventListener('click', theme);
     document.getElementById('help')?.addEventListener('click', help);
     document.addEventListener('keydown', key);
-    R.guarded('The diagram', levels);
-    await R.unpack();
+    R.bytes = await R.unpack('report-numbers') ?? R.bytes;
     const m = /** @type {any} */ (window).__m;
     m.unpacked = performance.now();
     R.guarded('The scopes', R.Plots.build);
     R.guarded('The measurements', R.Overlay.build);
     R.guarded('The time line', timeline);
+    R.guarded('The comparison', compared);
     R.guarded('The 3D view', () => R.Space?.build());
+    const texts = await R.unpack('report-texts');
+    if (texts) {
+      const read = JSON.parse(new TextDecoder().decode(texts));
+      R.guarded('The diagram', () => R.Diagram.build(read));
+      R.guarded('The parameters', () => R.Tables.build(read));
+    }
     R.setTime(R.span[0]);
     for (const tell of R.onCursors) tell();
     m.ready = performance.now();

@@ -56,19 +56,20 @@ R.Overlay = (() => {
   const factor = (from, to) => {
     const [a, b] = [plain(from), plain(to)];
     if (a === b || !a || !b) return 1;
-    const degrees = 180 / Math.PI;
-    if (a.startsWith('rad') && b.startsWith('°')) return degrees;
-    if (a.startsWith('°') && b.startsWith('rad')) return 1 / degrees;
-    if (a.startsWith('mm') && b.startsWith('m')) return 1e-3;
-    if (a.startsWith('m') && b.startsWith('mm')) return 1e3;
+    for (const [one, other, times] of /** @type {[string, string, number][]} */ ([['rad', '°', 180 / Math.PI], ['mm', 'm', 1e-3]])) {
+      const same = (/** @type {string} */ x, /** @type {string} */ y) => x.startsWith(one) && y.startsWith(other) && x.slice(one.length) === y.slice(other.length);
+      if (same(a, b)) return times;
+      if (same(b, a)) return 1 / times;
+    }
     return 1;
   };
 
-  /** The picture whose signal is named most like a column. @param {string} name */
-  const meant = (name) => {
+  /** The picture whose signal is named most like a column, with a unit of its kind. @param {string} name @param {string} unit */
+  const meant = (name, unit) => {
     const key = (/** @type {string} */ text) => text.toLowerCase().replace(/[^a-z0-9]/g, '');
     const wanted = key(name), digits = /(\d+)/.exec(name)?.[1];
-    const all = R.data.panels;
+    const fits = (/** @type {any} */ p) => !unit || !p.unit || plain(unit) === plain(p.unit) || factor(unit, p.unit) !== 1;
+    const all = R.data.panels.map((/** @type {any} */ p) => fits(p) ? p : { title: '', series: [], pair: null });
     let found = all.findIndex((/** @type {any} */ p) => p.series.some((/** @type {any} */ s) => key(s.path) === wanted));
     if (found < 0) found = all.findIndex((/** @type {any} */ p) => key(p.title) === wanted || p.series.some((/** @type {any} */ s) => key(s.name) === wanted));
     if (found < 0 && digits && /^(q|a|axis|joint|angle|j)/i.test(name)) found = all.findIndex((/** @type {any} */ p) => p.pair && /(\d+)\D*$/.exec(p.title)?.[1] === digits);
@@ -77,7 +78,7 @@ R.Overlay = (() => {
 
   /** @param {string} file @param {string} name @param {string} unit @param {Float64Array} time @param {Float64Array} values */
   const add = (file, name, unit, time, values) => {
-    const panel = meant(name);
+    const panel = meant(name, unit);
     courses.push({ name, file, time, values, unit, panel, factor: panel < 0 ? 1 : factor(unit, R.data.panels[panel].unit), shift: 0 });
   };
 

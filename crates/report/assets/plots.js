@@ -9,6 +9,11 @@ R.Plots = (() => {
   /** @type {any[]} */ const plots = [];
   /** @type {any[]} */ const panels = [];
   let together = false;
+  /** Numbers beside the pictures change no more often than can be read, ms. */
+  const READ = 100;
+  let told = 0, waiting = 0;
+  /** Times that are shown. */
+  let range = [0, 1];
 
   /** @param {number} n */
   const series = (n) => () => R.colour('s' + (n % 6 + 1));
@@ -47,12 +52,18 @@ R.Plots = (() => {
     return null;
   };
 
+  /** @param {any} panel */
+  const scale = (panel) => {
+    panel.stale = false;
+    together = true;
+    for (const u of [panel.main, panel.strip]) u?.setScale('x', { min: range[0], max: range[1] });
+    together = false;
+  };
   /** Shows a range of time in all pictures. @param {number} min @param {number} max */
   const show = (min, max) => {
     if (!(max > min)) return;
-    together = true;
-    for (const u of plots) u.setScale('x', { min, max });
-    together = false;
+    range = [min, max];
+    for (const panel of panels) if (panel.seen) scale(panel); else panel.stale = true;
   };
 
   /** @param {any} panel @param {any[]} drawn @param {any[]} columns @param {HTMLElement} place @param {number} height @param {boolean} last */
@@ -82,6 +93,18 @@ R.Plots = (() => {
       u.over.append(line);
       return line;
     });
+    u.lines.slice(0, 2).forEach((/** @type {HTMLElement} */ line, /** @type {number} */ which) => {
+      // The picture itself would begin to zoom.
+      line.addEventListener('mousedown', (event) => event.stopPropagation());
+      line.addEventListener('pointerdown', (event) => {
+        event.preventDefault();
+        line.setPointerCapture(event.pointerId);
+        const left = u.over.getBoundingClientRect().left;
+        const move = (/** @type {PointerEvent} */ to) => R.setCursor(/** @type {0|1} */ (which), Math.min(Math.max(u.posToVal(to.clientX - left, 'x'), R.span[0]), R.span[1]));
+        line.addEventListener('pointermove', move);
+        line.addEventListener('pointerup', () => line.removeEventListener('pointermove', move), { once: true });
+      });
+    });
     plots.push(u);
     return u;
   };
@@ -97,11 +120,13 @@ R.Plots = (() => {
         const shown = row.getAttribute('aria-pressed') !== 'true';
         row.setAttribute('aria-pressed', String(shown));
         panel.main.setSeries(at + 1, { show: shown });
+        if (s.second) panel.main.setSeries(s.second, { show: shown });
       });
       s.tell = () => {
         value.textContent = R.say(R.at(panel.time, s.values, R.now, s.held));
         const [a, b] = R.cursors.map((t) => t === null ? null : R.at(panel.time, s.values, t, s.held));
         const parts = [];
+        if (s.other) parts.push(`${R.data.compared.name}: ${R.say(R.at(panel.time, s.other, R.now, s.held))}`);
         if (a !== null) parts.push('A ' + R.say(a));
         if (b !== null) parts.push('B ' + R.say(b));
         if (a !== null && b !== null) parts.push('Δ ' + R.say(b - a));
@@ -120,12 +145,14 @@ R.Plots = (() => {
     for (const panel of R.data.panels) {
       panel.time = R.list(panel.time);
       for (const s of panel.series) if (s.values) s.values = R.list(s.values);
+      for (const s of panel.series) if (s.other) s.other = R.list(s.other);
       for (const s of panel.series) {
         if (!s.error) continue;
         s.error = R.list(s.error);
         const set = panel.series[panel.pair[0]].values;
         s.values = s.error.map((/** @type {number} */ e, /** @type {number} */ n) => set[n] - e);
       }
+      panel.byOrder = [...panel.series];
       if (panel.pair) {
         // Set values come last and so on top: dashes stay visible where both agree.
         const [set, actual] = panel.pair.map((/** @type {number} */ at) => panel.series[at]);
@@ -139,6 +166,7 @@ R.Plots = (() => {
       panels.push(panel);
     }
     if (end > begin) R.span = [begin, end];
+    range = [...R.span];
     // NaN is what is missing; the plots want null for it.
     const column = (/** @type {Float64Array} */ all) => all.some((x) => !Number.isFinite(x)) ? Array.from(all, (x) => Number.isFinite(x) ? x : null) : all;
     // All cards are laid out before anything is drawn: a row that is not full yet is wider.
@@ -155,30 +183,63 @@ R.Plots = (() => {
       const card = R.make('figure', { class: 'card', tabindex: '0', 'aria-label': title },
         R.make('figcaption', {}, R.make('span', { class: 'title' }, title), legend(panel)), canvas);
       box.append(card);
+      panel.card = card;
       const drawn = panel.series.map((/** @type {any} */ s, /** @type {number} */ at) => ({
-        label: s.name, stroke: s.role === 'set' ? () => R.colour('text') : series(tint(panel, at)), width: s.role === 'set' ? 1.4 : 2.2, dash: s.role === 'set' ? [7, 5] : undefined,
+        label: s.name, stroke: s.role === 'set' ? () => R.colour('text') : series(tint(panel, at)), width: (s.role === 'set' ? 1.4 : 2.2) * (matchMedia('(prefers-contrast: more)').matches ? 1.4 : 1), dash: s.role === 'set' ? [7, 5] : undefined,
         points: { show: false }, paths: s.held ? uPlot.paths.stepped?.({ align: 1 }) : undefined,
       }));
-      draw.push(() => { panel.main = plot(panel, drawn, [panel.time, ...panel.series.map((/** @type {any} */ s) => column(s.values))], canvas, panel.pair ? 200 : 230, !panel.pair); });
+      const columns = [panel.time, ...panel.series.map((/** @type {any} */ s) => column(s.values))];
+      panel.series.forEach((/** @type {any} */ s, /** @type {number} */ at) => {
+        if (!s.other) return;
+        s.second = columns.length;
+        columns.push(column(s.other));
+        drawn.push({ ...drawn[at], label: `${s.name} of ${R.data.compared.name}`, width: 1.1, dash: s.role === 'set' ? [2, 4] : undefined });
+      });
+      draw.push(() => { panel.main = plot(panel, drawn, columns, canvas, panel.pair ? 200 : 230, !panel.pair); });
       if (panel.pair) {
-        strip.append(R.make('span', { class: 'strip-name' }, `set − actual [${panel.unit || '1'}]`));
-        card.append(strip);
+        card.append(R.make('div', { class: 'strip-name' }, `set − actual [${panel.unit || '1'}]`), strip);
         const actual = panel.series[panel.pair[1]];
         const red = { label: 'error', stroke: () => R.colour('quiet'), width: 1.25, points: { show: false }, fill: () => R.colour('shade') };
-        draw.push(() => { panel.strip = plot(panel, [red], [panel.time, column(actual.error)], strip, 96, true); });
+        const errors = [column(actual.error)], wanted = panel.series[panel.pair[0]].other;
+        /** @type {any[]} */ const looks = [red];
+        if (wanted && actual.other) {
+          errors.push(column(wanted.map((/** @type {number} */ x, /** @type {number} */ n) => x - actual.other[n])));
+          looks.push({ ...red, label: `error of ${R.data.compared.name}`, stroke: series(tint(panel, panel.pair[1])), width: 1, fill: undefined });
+        }
+        draw.push(() => { panel.strip = plot(panel, looks, [panel.time, ...errors], strip, 96, true); });
       }
     }
+    together = true;
     for (const one of draw) one();
-    R.onTime.push(() => { for (const u of plots) lines(u); tell(); });
-    R.onCursors.push(() => { for (const u of plots) lines(u); tell(); });
+    together = false;
+    for (const panel of panels) panel.stale = panel.time[0] !== R.span[0] || panel.time[panel.time.length - 1] !== R.span[1];
+    // What is out of sight is brought up to date when it comes into sight.
+    const watch = new IntersectionObserver((all) => {
+      for (const one of all) {
+        const panel = panels.find((candidate) => candidate.card === one.target);
+        panel.seen = one.isIntersecting;
+        if (panel.seen) refresh(panel);
+      }
+    }, { rootMargin: '200px' });
+    for (const panel of panels) watch.observe(panel.card);
+    R.onTime.push(() => { for (const panel of panels) if (panel.seen) mark(panel); tell(); });
+    R.onCursors.push(() => { for (const panel of panels) if (panel.seen) mark(panel); told = 0; tell(); });
     R.onTheme.push(redraw);
     let wait = 0;
     window.addEventListener('resize', () => { clearTimeout(wait); wait = setTimeout(fit, 80); });
-    window.addEventListener('beforeprint', () => { document.documentElement.classList.add('printing'); fit(); redraw(); });
+    window.addEventListener('beforeprint', () => { for (const panel of panels) if (panel.stale) scale(panel); document.documentElement.classList.add('printing'); fit(); redraw(); });
     window.addEventListener('afterprint', () => { document.documentElement.classList.remove('printing'); fit(); redraw(); });
   };
 
-  const tell = () => { for (const panel of panels) for (const s of panel.series) s.tell(); };
+  const mark = (/** @type {any} */ panel) => { lines(panel.main); if (panel.strip) lines(panel.strip); };
+  const refresh = (/** @type {any} */ panel) => { if (panel.stale) scale(panel); mark(panel); for (const s of panel.series) s.tell(); };
+  const tell = () => {
+    clearTimeout(waiting);
+    const left = told + READ - performance.now();
+    if (left > 0) { waiting = setTimeout(tell, left); return; }
+    told = performance.now();
+    for (const panel of panels) if (panel.seen) for (const s of panel.series) s.tell();
+  };
   const redraw = () => { for (const u of plots) u.redraw(false, true); };
   const fit = () => {
     for (const u of plots) {
@@ -189,14 +250,20 @@ R.Plots = (() => {
 
   /** Widens or narrows the range around the present time. @param {number} factor */
   const zoom = (factor) => {
-    const { min, max } = plots[0]?.scales.x ?? { min: 0, max: 1 };
+    const [min, max] = range;
     const centre = R.now > min && R.now < max ? R.now : (min + max) / 2;
     show(Math.max(R.span[0], centre - (centre - min) * factor), Math.min(R.span[1], centre + (max - centre) * factor));
   };
   /** Moves the range. @param {number} share */
   const pan = (share) => {
-    const { min, max } = plots[0]?.scales.x ?? { min: 0, max: 1 };
+    const [min, max] = range;
     show(min + (max - min) * share, max + (max - min) * share);
   };
-  return { build, plots, panels, show, zoom, pan, redraw, all: () => show(...R.span) };
+  /** Shows the picture of a signal. @param {string} path */
+  const find = (path) => {
+    const card = panels.find((panel) => panel.series.some((/** @type {any} */ s) => s.path === path))?.card;
+    card?.scrollIntoView({ block: 'center' });
+    card?.focus({ preventScroll: true });
+  };
+  return { build, plots, panels, show, zoom, pan, redraw, find, all: () => show(...R.span) };
 })();

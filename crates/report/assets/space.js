@@ -9,11 +9,16 @@ R.Space = (() => {
   /** Azimuth and elevation of the standard views. @type {Record<string, [number, number, string]>} */
   const VIEWS = { 1: [-0.65, 0.4, 'oblique'], 2: [0, 0, 'front'], 3: [Math.PI, 0, 'back'], 4: [Math.PI / 2, 0, 'left'], 5: [-Math.PI / 2, 0, 'right'], 6: [0, Math.PI / 2 - 1e-3, 'above'] };
   const one = S.placed({ translation: [0, 0, 0], rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] });
-  /** @type {any} */ let data, scene, tool, canvas, pose, view = { azimuth: -0.65, elevation: 0.4, distance: 4, target: [0, 0, 0.8] };
+  /** @type {any} */ let data = null;
+  /** @type {any} */ let scene = null;
+  /** @type {any} */ let tool = null;
+  /** @type {any} */ let canvas = null;
+  /** @type {any} */ let pose = null;
+  const view = { azimuth: -0.65, elevation: 0.4, distance: 4, target: [0, 0, 0.8] };
   /** @type {{shape: any, mesh: any, local: Float64Array}[]} */ let parts = [];
   /** @type {number[][]} */ let path = [];
   /** @type {Record<string, any>} */ const shown = {};
-  let asked = false, frame = 0, slow = 0, fine = 1, last = 0;
+  let asked = false, seen = true, frame = 0, slow = 0, fine = 1, last = 0, rest = 0;
   const triad = (/** @type {number} */ size) => [[0, 0, 0, size, 0, 0], [0, 0, 0, 0, size, 0], [0, 0, 0, 0, 0, size]];
   const small = triad(0.12), large = triad(0.4), AXES = [[0.85, 0.2, 0.2, 1], [0.1, 0.6, 0.25, 1], [0.15, 0.4, 0.95, 1]];
   const ball = S.mesh({ kind: 'sphere', radius: 0.03 });
@@ -38,33 +43,45 @@ R.Space = (() => {
     return S.times(Float64Array.of(f / wide, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0), eye);
   };
 
+  /** The light comes over the shoulder of who looks, so that no view is dark. */
+  const sun = () => {
+    const [ca, sa, ce, se] = [Math.cos(view.azimuth), Math.sin(view.azimuth), Math.cos(view.elevation), Math.sin(view.elevation)];
+    const [back, right, up] = [[ce * ca, ce * sa, se], [-sa, ca, 0], [-se * ca, -se * sa, ce]];
+    return [0, 1, 2].map((k) => 0.72 * back[k] + 0.42 * up[k] - 0.55 * right[k]);
+  };
+
   /** @param {string} name */
   const rgb = (name) => { const c = R.colour(name); return [1, 3, 5].map((n) => parseInt(c.slice(n, n + 2), 16) / 255); };
 
   const paint = () => {
     asked = false;
+    if (!seen) return;
     const pen = data.pen, begin = performance.now();
     // Where pictures follow each other slowly, as without a graphics card, half the dots will do.
     slow = begin - last > 60 && begin - last < 1000 ? slow + 1 : 0;
     last = begin;
     if (slow >= 4) fine = 0.5;
+    clearTimeout(rest);
+    // What stands still is drawn with all dots.
+    if (fine < 1) rest = setTimeout(() => { fine = 1; slow = 0; last = 0; ask(); }, 300);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((size) => Math.round(size * devicePixelRatio * fine));
     if (width > 0 && (canvas.width !== width || canvas.height !== height)) { canvas.width = width; canvas.height = height; }
-    pen.begin(looking());
+    pen.begin(looking(), sun());
     pen.lines(floor, one, [...rgb('grid'), 1]);
     large.forEach((line, n) => pen.lines(line, one, AXES[n]));
     const here = poses(false);
     if (path.length && shown.path.checked) for (const line of path) pen.lines(line, one, [...rgb('s1'), 1]);
     for (const { shape, mesh, local } of parts) pen.solid(mesh, S.times(here[shape.body], local), [...(shape.colour?.slice(0, 3) ?? LINKS[Math.min(shape.body, 6)]), 1]);
+    if (data.set && shown.ghost.checked) {
+      const there = poses(true);
+      for (const { shape, mesh, local } of parts) pen.solid(mesh, S.times(there[shape.body], local), [...rgb('s5'), 0.3]);
+    }
+    pen.through();
     if (shown.frames.checked) {
       for (const f of scene.frames) small.forEach((line, n) => pen.lines(line, S.times(here[f.body], f.matrix), AXES[n]));
       for (const at of here.slice(1)) small.forEach((line, n) => pen.lines(line, at, AXES[n]));
     }
     if (shown.masses.checked) for (const mass of scene.masses) pen.solid(ball, S.times(here[mass.body], S.placed({ translation: mass.com, rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] })), [...rgb('alarm'), 1]);
-    if (data.set && shown.ghost.checked) {
-      const there = poses(true);
-      for (const { shape, mesh, local } of parts) pen.solid(mesh, S.times(there[shape.body], local), [...rgb('s5'), 0.3]);
-    }
     const at = toolAt(here);
     pose.textContent = at ? `${tool ? tool.name : scene.bodies[scene.bodies.length - 1].name}\nx ${(at[12] * 1000).toFixed(1)} mm\ny ${(at[13] * 1000).toFixed(1)} mm\nz ${(at[14] * 1000).toFixed(1)} mm` : '';
     frame++;
@@ -103,7 +120,7 @@ R.Space = (() => {
     }
     if (!Number.isFinite(low[0])) return;
     view.target = low.map((x, k) => (x + high[k]) / 2);
-    view.distance = Math.max(Math.hypot(...low.map((x, k) => high[k] - x)) * 1.45, 0.05);
+    view.distance = Math.max(Math.hypot(...low.map((x, k) => high[k] - x)) * 1.2, 0.05);
   };
 
   /** @param {string} number */
@@ -183,8 +200,22 @@ R.Space = (() => {
     trace();
     fit();
     mouse();
+    // What is out of sight is not drawn.
+    new IntersectionObserver((all) => { seen = all[all.length - 1].isIntersecting; if (seen) ask(); }).observe(canvas);
     R.onTime.push(ask);
     R.onTheme.push(ask);
+    // Paper takes a picture of the view.
+    canvas.classList.add('drawn');
+    /** @type {HTMLCanvasElement|null} */ let still = null;
+    window.addEventListener('beforeprint', () => {
+      seen = true;
+      paint();
+      still ??= /** @type {HTMLCanvasElement} */ (R.make('canvas', { class: 'still' }));
+      [still.width, still.height] = [canvas.width, canvas.height];
+      still.getContext('2d')?.drawImage(canvas, 0, 0);
+      place.append(still);
+    });
+    window.addEventListener('afterprint', () => still?.remove());
     window.addEventListener('resize', ask);
     paint();
   };

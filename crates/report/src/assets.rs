@@ -36,5 +36,9 @@ pub(crate) const SPACE: [&str; 4] = [
     include_str!("../assets/space.js"),
 ];
 
+/// Scripts of the block diagram and the tables of parameters.
+pub(crate) const DIAGRAM: [&str; 2] =
+    [include_str!("../assets/diagram.js"), include_str!("../assets/tables.js")];
+
 /// What comes last: keys, playback, drawings.
 pub(crate) const MAIN: &str = include_str!("../assets/main.js");

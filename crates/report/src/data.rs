@@ -17,16 +17,20 @@ pub struct Report {
     pub panels: Vec<Panel>,
     /// How actual values follow their set values.
     pub metrics: Rows,
-    /// Parameters, variants and files that the run used.
+    /// What was set for the run, variants and files.
     pub parameters: Rows,
-    /// Drawings of the diagram, the top first.
-    pub levels: Vec<Level>,
+    /// Parameters of the model, a table for each set.
+    pub tables: Vec<(String, Rows)>,
+    /// The block diagram, level by level.
+    pub diagram: Diagram,
     /// What happened, by time.
     pub events: Vec<Event>,
     /// Mechanism and its movement.
     pub animation: Option<Animation>,
     /// Measurements to be laid over the pictures.
     pub overlays: Vec<Overlay>,
+    /// A second run beside this one.
+    pub compared: Option<Compared>,
     /// Whether all values are kept.
     pub full: bool,
 }
@@ -68,6 +72,21 @@ pub struct Series {
     pub held: bool,
     /// One value for each time, in the unit of the picture.
     pub values: Vec<f64>,
+    /// The same signal of the second run at the same times; not a number where that one has no value.
+    pub other: Option<Vec<f64>>,
+}
+
+/// A second run and what differs.
+#[derive(Debug, Clone, Default)]
+pub struct Compared {
+    /// Name of the second run.
+    pub name: String,
+    /// What came out, in a sentence or two.
+    pub summary: String,
+    /// Verdict for each signal.
+    pub rows: Rows,
+    /// Where signals differ for the first time: row of the table, path and time in s, by time.
+    pub marks: Vec<(usize, String, f64)>,
 }
 
 /// What a signal is to the others of its picture.
@@ -82,15 +101,89 @@ pub enum Role {
     Actual,
 }
 
-/// A drawing of a level of the diagram.
-#[derive(Debug, Clone)]
+/// The block diagram. Levels that look alike share a drawing.
+#[derive(Debug, Clone, Default)]
+pub struct Diagram {
+    /// What the reader must know, such as that the model was changed since.
+    pub note: String,
+    /// Style sheet of the drawings. Its colours are variables `--diagram-ink` and so on, which the page sets.
+    pub style: String,
+    /// Drawings, each once.
+    pub drawings: Vec<Drawing>,
+    /// All levels, the top first.
+    pub levels: Vec<Level>,
+    /// What is known of each kind of block.
+    pub kinds: Vec<Kind>,
+}
+
+/// A drawing.
+#[derive(Debug, Clone, Default)]
+pub struct Drawing {
+    /// SVG from a source that escapes its texts. Blocks are groups with `data-node`, wires groups with `data-net`.
+    pub svg: String,
+    /// The wires in the order of `data-net`.
+    pub nets: Vec<Net>,
+}
+
+/// A wire of a drawing.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Net {
+    /// What it is called: its ports, the source first.
+    pub title: String,
+    /// Nodes at its ends, the source first.
+    pub nodes: Vec<usize>,
+    /// Whether it has a direction, as signals have.
+    pub directed: bool,
+}
+
+/// A level of the diagram.
+#[derive(Debug, Clone, Default)]
 pub struct Level {
     /// Path of the subsystem; empty for the top.
     pub path: String,
     /// Its title.
     pub title: String,
-    /// The drawing, from a source that escapes its texts.
-    pub svg: String,
+    /// Place of its drawing in [`Diagram::drawings`].
+    pub drawing: usize,
+    /// The blocks in the order of `data-node`; none for what is no block.
+    pub blocks: Vec<Option<Inspected>>,
+    /// What the wires carry, in the order of `data-net`, as far as it was recorded.
+    pub probes: Vec<Vec<Probe>>,
+}
+
+/// What is told of a block.
+#[derive(Debug, Clone, Default)]
+pub struct Inspected {
+    /// Name in its level.
+    pub name: String,
+    /// Kind as written.
+    pub kind: String,
+    /// File and line.
+    pub place: String,
+    /// The chosen alternative and the others, if it is a variant.
+    pub variant: String,
+    /// Name, text as written, and value with unit of each parameter.
+    pub parameters: Vec<[String; 3]>,
+}
+
+/// What is known of a kind.
+#[derive(Debug, Clone, Default)]
+pub struct Kind {
+    /// Its name.
+    pub name: String,
+    /// What it does, in a sentence.
+    pub does: String,
+    /// Name and meaning of its parameters.
+    pub parameters: Vec<(String, String)>,
+}
+
+/// A recorded signal on a wire.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Probe {
+    /// Element of the bus; empty for a signal that is alone.
+    pub element: String,
+    /// Path of a signal in one of the pictures.
+    pub path: String,
 }
 
 /// Something that happened.

@@ -8,6 +8,7 @@
 
 mod assets;
 mod data;
+mod diagram;
 mod escape;
 mod pack;
 mod page;
@@ -15,7 +16,10 @@ mod surface;
 mod thin;
 
 pub use assets::{VENDORED, Vendored};
-pub use data::{Animation, Event, Level, Overlay, Panel, Report, Role, Rows, Series};
+pub use data::{
+    Animation, Compared, Diagram, Drawing, Event, Inspected, Kind, Level, Net, Overlay, Panel, Probe, Report,
+    Role, Rows, Series,
+};
 pub use escape::escape;
 pub use page::html;
 pub use surface::Surface;

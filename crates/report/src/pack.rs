@@ -44,11 +44,16 @@ impl Pack {
 
     /// All lists, compressed (zlib), as base64.
     pub fn finish(&self) -> String {
-        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
-        // Writing into memory does not fail.
-        let compressed = encoder.write_all(&self.bytes).and_then(|()| encoder.finish()).unwrap_or_default();
-        STANDARD.encode(compressed)
+        compressed(&self.bytes)
     }
+}
+
+/// Bytes, compressed (zlib), as base64.
+pub fn compressed(bytes: &[u8]) -> String {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
+    // Writing into memory does not fail.
+    let compressed = encoder.write_all(bytes).and_then(|()| encoder.finish()).unwrap_or_default();
+    STANDARD.encode(compressed)
 }
 
 #[cfg(test)]

@@ -5,11 +5,11 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use crate::assets::{MAIN, SCRIPTS, SPACE, STYLES};
+use crate::assets::{DIAGRAM, MAIN, SCRIPTS, SPACE, STYLES};
 use crate::data::{Animation, Panel, Report, Role, Rows};
 use crate::escape::{escape, json as safe_json};
-use crate::pack::Pack;
-use crate::{BUDGET, thin};
+use crate::pack::{Pack, compressed};
+use crate::{BUDGET, diagram, thin};
 
 /// Stretches of time that each picture is thinned to at first; fewer where the page would be too large.
 const COLUMNS: usize = 1200;
@@ -24,8 +24,14 @@ const EVENTS: usize = 200;
 /// larger, or there are very many pictures.
 pub fn html(report: &Report) -> String {
     let mut columns = COLUMNS;
+    let texts = diagram::texts(&report.diagram, &report.tables, &report.panels).to_string();
+    let texts = if report.diagram.levels.is_empty() && report.tables.is_empty() {
+        String::new()
+    } else {
+        compressed(texts.as_bytes())
+    };
     loop {
-        let page = with_columns(report, columns);
+        let page = with_columns(report, columns, &texts);
         if report.full || page.len() <= BUDGET || columns <= FEWEST {
             return page;
         }
@@ -33,7 +39,7 @@ pub fn html(report: &Report) -> String {
     }
 }
 
-fn with_columns(report: &Report, columns: usize) -> String {
+fn with_columns(report: &Report, columns: usize, texts: &str) -> String {
     let mut pack = Pack::default();
     let panels: Vec<Value> =
         report.panels.iter().map(|panel| picture(panel, report.full, columns, &mut pack)).collect();
@@ -51,10 +57,14 @@ fn with_columns(report: &Report, columns: usize) -> String {
             json!({ "name": overlay.name, "time": pack.wide(&overlay.time), "columns": columns })
         })
         .collect();
-    let data = json!({ "v": 1, "panels": panels, "space": space, "overlays": overlays, "thinned": thinned });
+    let compared = report.compared.as_ref().map(|other| json!({ "name": other.name, "marks": other.marks }));
+    let data = json!({
+        "v": 1, "panels": panels, "space": space, "overlays": overlays, "thinned": thinned, "compared": compared,
+    });
     let scripts: Vec<&str> = SCRIPTS
         .into_iter()
         .chain(SPACE.into_iter().filter(|_| report.animation.is_some()))
+        .chain(DIAGRAM.into_iter().filter(|_| !texts.is_empty()))
         .chain([MAIN])
         .collect();
     let hashes: Vec<String> = scripts
@@ -74,6 +84,9 @@ fn with_columns(report: &Report, columns: usize) -> String {
     for style in STYLES {
         page.push_str(&format!("<style>\n{style}</style>\n"));
     }
+    if !report.diagram.style.is_empty() {
+        page.push_str(&format!("<style>\n{}</style>\n", report.diagram.style.replace('<', "")));
+    }
     page.push_str("</head>\n<body>\n");
     page.push_str(&body(report, thinned));
     page.push_str(&format!(
@@ -81,6 +94,9 @@ fn with_columns(report: &Report, columns: usize) -> String {
         safe_json(&data)
     ));
     page.push_str(&format!("<script type=\"text/plain\" id=\"report-numbers\">{}</script>\n", pack.finish()));
+    if !texts.is_empty() {
+        page.push_str(&format!("<script type=\"text/plain\" id=\"report-texts\">{texts}</script>\n"));
+    }
     for script in scripts {
         page.push_str(&format!("<script>{script}</script>\n"));
     }
@@ -91,7 +107,9 @@ fn with_columns(report: &Report, columns: usize) -> String {
 /// Data of a picture. Where there are a set and an actual value, the difference is kept instead of the actual value:
 /// so it keeps all its digits.
 fn picture(panel: &Panel, full: bool, columns: usize, pack: &mut Pack) -> Value {
-    let signals: Vec<&[f64]> = panel.series.iter().map(|series| series.values.as_slice()).collect();
+    let own = panel.series.iter().map(|series| series.values.as_slice());
+    let others = panel.series.iter().filter_map(|series| series.other.as_deref());
+    let signals: Vec<&[f64]> = own.chain(others).collect();
     let rows: Vec<usize> =
         if full { (0..panel.time.len()).collect() } else { thin::rows(&panel.time, &signals, columns) };
     let pick = |values: &[f64]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
@@ -115,6 +133,9 @@ fn picture(panel: &Panel, full: bool, columns: usize, pack: &mut Pack) -> Value 
                     entry["error"] = pack.narrow(&pick(&off.collect::<Vec<f64>>()));
                 }
                 _ => entry["values"] = pack.narrow(&pick(&series.values)),
+            }
+            if let Some(other) = &series.other {
+                entry["other"] = pack.narrow(&pick(other));
             }
             entry
         })
@@ -160,9 +181,10 @@ fn body(report: &Report, thinned: bool) -> String {
         ("summary", "Summary", true),
         ("scopes", "Scopes", !report.panels.is_empty()),
         ("space", "3D", report.animation.is_some()),
-        ("diagram", "Diagram", !report.levels.is_empty()),
+        ("diagram", "Diagram", !report.diagram.levels.is_empty()),
+        ("compared", "Compared", report.compared.is_some()),
         ("numbers", "Following", !report.metrics.rows.is_empty()),
-        ("parameters", "Parameters", !report.parameters.rows.is_empty()),
+        ("parameters", "Parameters", !report.parameters.rows.is_empty() || !report.tables.is_empty()),
         ("events", "Events", !report.events.is_empty()),
     ];
     out.push_str("<a class=\"skip\" href=\"#summary\">To the content</a>\n<header class=\"bar\"><strong class=\"brand\">blocksim</strong><nav aria-label=\"Sections\">");
@@ -199,18 +221,12 @@ fn body(report: &Report, thinned: bool) -> String {
         out.push_str(&format!("<p class=\"note screen\">{note} Drag to zoom, double click for all, drag with Shift to move.</p>\n"));
         out.push_str("<div id=\"overlay-bar\"></div><div id=\"plots\"></div></section>\n");
     }
-    if !report.levels.is_empty() {
-        out.push_str("<section id=\"diagram\"><h2>Diagram</h2><nav id=\"crumbs\" aria-label=\"Level of the diagram\"></nav>\n");
-        for (at, level) in report.levels.iter().enumerate() {
-            out.push_str(&format!(
-                "<figure class=\"level\" data-path=\"{}\"{}><figcaption>{}</figcaption>{}</figure>\n",
-                escape(&level.path),
-                if at == 0 { "" } else { " hidden" },
-                escape(&level.title),
-                level.svg
-            ));
+    if !report.diagram.levels.is_empty() {
+        out.push_str("<section id=\"diagram\"><h2>Diagram</h2>\n");
+        if !report.diagram.note.is_empty() {
+            out.push_str(&format!("<p class=\"note\">{}</p>\n", escape(&report.diagram.note)));
         }
-        out.push_str("</section>\n");
+        out.push_str("<div id=\"diagram-view\"></div></section>\n");
     }
     let section = |id: &str, title: &str, rows: &Rows| {
         if rows.rows.is_empty() {
@@ -218,8 +234,26 @@ fn body(report: &Report, thinned: bool) -> String {
         }
         format!("<section id=\"{id}\"><h2>{title}</h2>{}</section>\n", table(rows))
     };
+    if let Some(other) = &report.compared {
+        out.push_str(&format!(
+            "<section id=\"compared\"><h2>Compared with {}</h2><p>{}</p>{}</section>\n",
+            escape(&other.name),
+            escape(&other.summary),
+            table(&other.rows)
+        ));
+    }
     out.push_str(&section("numbers", "Following", &report.metrics));
-    out.push_str(&section("parameters", "Parameters", &report.parameters));
+    if !report.parameters.rows.is_empty() || !report.tables.is_empty() {
+        out.push_str("<section id=\"parameters\"><h2>Parameters</h2>");
+        if report.parameters.rows.is_empty() {
+            out.push_str(
+                "<p class=\"note\">Nothing was set for this run: all parameters are those of the files.</p>",
+            );
+        } else {
+            out.push_str(&table(&report.parameters));
+        }
+        out.push_str("<div id=\"tables\"></div></section>\n");
+    }
     let listed = report.events.iter().take(EVENTS);
     let rows = listed.map(|event| vec![format!("{:.6}", event.time), event.path.clone(), event.what.clone()]);
     let events =
@@ -237,14 +271,18 @@ fn body(report: &Report, thinned: bool) -> String {
 
 fn table(rows: &Rows) -> String {
     let mut out = String::from("<div class=\"wide\"><table><thead><tr>");
-    for head in &rows.head {
-        out.push_str(&format!("<th scope=\"col\">{}</th>", escape(head)));
+    let is_number = |cell: &str| cell.starts_with(|c: char| c.is_ascii_digit() || "-−–".contains(c));
+    for (column, head) in rows.head.iter().enumerate() {
+        let numbers =
+            column > 0 && rows.rows.iter().all(|row| row.get(column).is_some_and(|cell| is_number(cell)));
+        let class = if numbers { " class=\"n\"" } else { "" };
+        out.push_str(&format!("<th scope=\"col\"{class}>{}</th>", escape(head)));
     }
     out.push_str("</tr></thead><tbody>");
     for row in &rows.rows {
         out.push_str("<tr>");
         for (column, cell) in row.iter().enumerate() {
-            let number = column > 0 && cell.starts_with(|c: char| c.is_ascii_digit() || "-−–".contains(c));
+            let number = column > 0 && is_number(cell);
             out.push_str(&format!("<td{}>{}</td>", if number { " class=\"n\"" } else { "" }, escape(cell)));
         }
         out.push_str("</tr>");

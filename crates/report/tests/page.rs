@@ -3,7 +3,8 @@
 use std::io::Write;
 
 use blocksim_report::{
-    Animation, BUDGET, Event, Level, Panel, Report, Role, Rows, Series, Surface, VENDORED, html,
+    Animation, BUDGET, Diagram, Drawing, Event, Inspected, Kind, Level, Net, Overlay, Panel, Probe, Report,
+    Role, Rows, Series, Surface, VENDORED, html,
 };
 use serde_json::json;
 use sha2::{Digest, Sha256};
@@ -26,6 +27,7 @@ fn example(panels: usize, rows: usize) -> Report {
                 role,
                 held: false,
                 values,
+                other: None,
             };
             Panel {
                 group: "joints".to_owned(),
@@ -84,30 +86,114 @@ fn a_page_with_six_times_a_hundred_thousand_values_and_a_robot_stays_within_its_
     assert!(full.len() > page.len());
 }
 
+/// Two levels; the wire of the top carries the set value of the first picture.
+fn diagram() -> Diagram {
+    let svg = |label: &str| {
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"200\" height=\"60\" viewBox=\"0 0 200 60\">\
+             <g class=\"wire\" data-net=\"0\"><path d=\"M60 30H140\"/></g>\
+             <g class=\"block\" data-node=\"0\"><title>{label}</title><path d=\"M10 10h50v40h-50Z\"/></g>\
+             <g class=\"block\" data-node=\"1\"><path d=\"M140 10h50v40h-50Z\"/></g></svg>"
+        )
+    };
+    let block = |name: &str, kind: &str| {
+        Some(Inspected {
+            name: name.to_owned(),
+            kind: kind.to_owned(),
+            place: "arm.ron:7".to_owned(),
+            variant: String::new(),
+            parameters: vec![["k".to_owned(), "2 * kp".to_owned(), "3 rad/s".to_owned()]],
+        })
+    };
+    let level = |path: &str, drawing, probes| Level {
+        path: path.to_owned(),
+        title: "a level".to_owned(),
+        drawing,
+        blocks: vec![block("joint1", "Subsystem"), block("law", "Gain")],
+        probes,
+    };
+    let net = Net { title: "joint1.q -> law.u".to_owned(), nodes: vec![0, 1], directed: true };
+    let probe = Probe { element: String::new(), path: "axis1.set".to_owned() };
+    Diagram {
+        note: "as it was".to_owned(),
+        style: ".wire { stroke: var(--diagram-ink); }".to_owned(),
+        drawings: ["outer", "inner"].map(|name| Drawing { svg: svg(name), nets: vec![net.clone()] }).to_vec(),
+        levels: vec![level("", 0, vec![vec![probe]]), level("joint1", 1, vec![Vec::new()])],
+        kinds: vec![Kind {
+            name: "Gain".to_owned(),
+            does: "Multiplies.".to_owned(),
+            parameters: vec![("k".to_owned(), "Factor.".to_owned())],
+        }],
+    }
+}
+
+/// A report in which every text is `text`.
+fn all_texts(text: &str) -> Report {
+    let own = || text.to_owned();
+    let rows = Rows { head: vec![own()], rows: vec![vec![own()]] };
+    let mut report = Report { animation: Some(mechanism()), ..example(1, 10) };
+    report.title = own();
+    report.facts.push((own(), own()));
+    report.warnings.push(own());
+    let panel = &mut report.panels[0];
+    (panel.title, panel.group, panel.unit) = (own(), own(), own());
+    panel.series.iter_mut().for_each(|series| (series.name, series.path) = (own(), own()));
+    report.metrics = rows.clone();
+    report.parameters = rows.clone();
+    report.tables.push((own(), rows));
+    report.events.push(Event { time: 0.0, path: own(), what: own() });
+    report.overlays.push(Overlay {
+        name: own(),
+        time: vec![0.0, 1.0],
+        columns: vec![(own(), own(), vec![0.0, 1.0])],
+    });
+    let escaped = blocksim_report::escape(text);
+    let mut diagram = diagram();
+    diagram.note = own();
+    diagram.drawings[0].svg = diagram.drawings[0].svg.replace("outer", &escaped);
+    diagram.drawings[0].nets[0].title = own();
+    diagram.levels[0].title = own();
+    diagram.levels[0].probes[0][0] = Probe { element: own(), path: own() };
+    diagram.levels[1].path = own();
+    for block in diagram.levels[0].blocks.iter_mut().flatten() {
+        *block = Inspected {
+            name: own(),
+            kind: own(),
+            place: own(),
+            variant: own(),
+            parameters: vec![[own(), own(), own()]],
+        };
+    }
+    diagram.kinds[0] = Kind { name: own(), does: own(), parameters: vec![(own(), own())] };
+    report.diagram = diagram;
+    let animation = report.animation.as_mut().unwrap();
+    for list in ["bodies", "shapes", "masses", "frames"] {
+        for item in animation.scene[list].as_array_mut().unwrap() {
+            for name in ["name", "owner"] {
+                if item.get(name).is_some() {
+                    item[name] = own().into();
+                }
+            }
+        }
+    }
+    report
+}
+
+const EVIL: &str =
+    "</script><script>document.title='evil'</script><img src=x onerror=\"document.title='evil'\">\"'&]]><!--";
+
 #[test]
 fn no_text_of_a_model_becomes_markup_or_a_script() {
-    let evil = "</script><script>alert(1)</script><img src=x onerror=alert(1)>\"'&";
-    let mut report = example(1, 10);
-    report.title = evil.to_owned();
-    report.facts.push((evil.to_owned(), evil.to_owned()));
-    report.warnings.push(evil.to_owned());
-    report.panels[0].title = evil.to_owned();
-    report.panels[0].group = evil.to_owned();
-    report.panels[0].series[0].name = evil.to_owned();
-    report.metrics = Rows { head: vec![evil.to_owned()], rows: vec![vec![evil.to_owned()]] };
-    report.parameters = report.metrics.clone();
-    report.events.push(Event { time: 0.0, path: evil.to_owned(), what: evil.to_owned() });
-    report.levels.push(Level { path: evil.to_owned(), title: evil.to_owned(), svg: String::new() });
-    let page = html(&report);
-    assert!(!page.contains("<script>alert"));
+    let page = html(&all_texts(EVIL));
+    assert!(!page.contains("<script>document"));
     assert!(!page.contains("<img"));
-    let harmless = html(&example(1, 10)).matches("<script").count();
-    assert_eq!(page.matches("<script").count(), harmless);
+    let harmless = html(&all_texts("harmless"));
+    assert_eq!(page.matches("<script").count(), harmless.matches("<script").count());
 }
 
 #[test]
 fn the_policy_names_every_script_and_nothing_comes_from_elsewhere() {
-    let page = html(&Report { animation: Some(mechanism()), ..example(1, 10) });
+    let page = html(&Report { animation: Some(mechanism()), diagram: diagram(), ..example(1, 10) });
     let policy =
         page.split("Content-Security-Policy\" content=\"").nth(1).unwrap().split('"').next().unwrap();
     assert!(policy.starts_with("default-src 'none'; script-src 'sha256-"), "{policy}");
@@ -136,13 +222,15 @@ fn files_of_other_projects_are_listed_with_their_checksums() {
 }
 
 #[test]
-fn own_scripts_say_that_they_can_be_checked() {
+fn all_scripts_of_our_own_are_checked() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let checked = std::fs::read_to_string(folder.join("tsconfig.json")).unwrap();
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         if name.ends_with(".js") && !name.contains(".min.") {
             assert!(std::fs::read_to_string(&path).unwrap().starts_with("// @ts-check"), "{name}");
+            assert!(checked.contains(&format!("\"{name}\"")), "{name} is not in tsconfig.json");
         }
     }
 }
@@ -178,16 +266,30 @@ fn shown(program: &str, page: &str, name: &str, flags: &[&str]) -> (String, Stri
     (String::from_utf8_lossy(&out.stdout).into_owned(), String::from_utf8_lossy(&out.stderr).into_owned())
 }
 
-#[test]
-fn a_browser_shows_the_page_from_disk_without_complaint_with_and_without_webgl() {
-    let Some(program) = browser() else {
+/// The browser, or the notice that there is none.
+fn browser_or_notice() -> Option<&'static str> {
+    let found = browser();
+    if found.is_none() {
         let required = std::env::var("BLOCKSIM_BROWSER").is_ok_and(|value| value == "required");
         assert!(!required, "no Chromium is installed, and BLOCKSIM_BROWSER=required");
         let notice = "SKIPPED: no Chromium is installed; the page was not looked at in a browser";
         let _ = writeln!(std::io::stderr(), "{notice}");
-        return;
-    };
-    let page = html(&Report { animation: Some(mechanism()), ..example(2, 2_000) });
+    }
+    found
+}
+
+/// What the page complained about.
+fn complaints(said: &str) -> Vec<&str> {
+    said.lines().filter(|line| line.contains(":CONSOLE")).collect()
+}
+
+#[test]
+fn a_browser_shows_the_page_from_disk_without_complaint_with_and_without_webgl() {
+    let Some(program) = browser_or_notice() else { return };
+    let tables =
+        vec![("robot".to_owned(), Rows { head: vec!["name".to_owned()], rows: vec![vec!["m".to_owned()]] })];
+    let page =
+        html(&Report { animation: Some(mechanism()), diagram: diagram(), tables, ..example(2, 2_000) });
     let software = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
     for (name, flags, drawn_by) in [
         ("webgl", &software[..], "WebGL"),
@@ -198,7 +300,21 @@ fn a_browser_shows_the_page_from_disk_without_complaint_with_and_without_webgl()
         assert!(dom.contains(&format!("data-space=\"{drawn_by}\"")), "{name}");
         assert!(dom.contains("<div id=\"trouble\" role=\"alert\"></div>"), "{name}");
         assert_eq!(dom.matches("class=\"uplot").count(), 4, "{name}: two pictures and two strips");
-        let complaints: Vec<&str> = said.lines().filter(|line| line.contains(":CONSOLE")).collect();
-        assert!(complaints.is_empty(), "{name}: {complaints:?}");
+        assert!(dom.contains("joint1, Subsystem, Enter goes inside"), "{name}: blocks can be gone into");
+        assert!(dom.contains("class=\"value\""), "{name}: values on wires");
+        assert!(dom.contains("robot (1)"), "{name}: tables of parameters");
+        assert!(complaints(&said).is_empty(), "{name}: {:?}", complaints(&said));
     }
+}
+
+#[test]
+fn a_browser_takes_no_name_for_markup() {
+    let Some(program) = browser_or_notice() else { return };
+    let (dom, said) =
+        shown(program, &html(&all_texts(EVIL)), "evil", &["--disable-gpu", "--disable-3d-apis"]);
+    assert!(dom.contains("data-ready=\"true\""), "{said}");
+    assert!(dom.contains("<div id=\"trouble\" role=\"alert\"></div>"), "{dom}");
+    assert!(!dom.contains("<img"), "a name became an image");
+    assert!(!dom.contains("<title>evil"), "a name became a script");
+    assert!(complaints(&said).is_empty(), "{:?}", complaints(&said));
 }

@@ -154,6 +154,9 @@ pub struct CompareArgs {
     /// The same as a picture.
     #[arg(long, value_name = "FILE")]
     pub png: Option<PathBuf>,
+    /// Write a page with the baseline and, in thinner lines, the other one, as `blocksim report` makes it.
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Replace files that are there.
     #[arg(long)]
     pub yes: bool,

@@ -10,9 +10,12 @@ use blocksim_plot::{Theme, svg};
 use blocksim_results::{ALWAYS, Column};
 
 use self::told::Outcome;
-use self::verdict::{judge, other_values};
+use self::verdict::judge;
+pub(super) use self::verdict::other_values;
 use super::plot::{no_signal, nothing_common, open};
+use super::report::{Other, written_beside};
 use crate::args::plot::{Align, CompareArgs};
+use crate::args::report::ReportArgs;
 use crate::exit::Exit;
 use crate::picture_file::write_pictures;
 use crate::signals::naming::fits;
@@ -69,6 +72,14 @@ fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), (Str
             let line = format!("{}\n", file.display());
             if args.json { console.say(line.trim_end()) } else { text.push_str(&line) }
         }
+    }
+    if let Some(file) = &args.html {
+        let page =
+            ReportArgs { out: Some(file.clone()), yes: args.yes, ..ReportArgs::of(args.baseline.clone()) };
+        let other = Other { book: &books[1], shift, compared: outcome.compared() };
+        let file = written_beside(&page, &maps, other, console).map_err(files)?;
+        let line = format!("{}\n", file.display());
+        if args.json { console.say(line.trim_end()) } else { text.push_str(&line) }
     }
     Ok((text, if outcome.agrees() { Exit::Done } else { Exit::Failed }))
 }

@@ -2,6 +2,7 @@
 
 use blocksim_analysis::Deviation;
 use blocksim_plot::{Figure, Line, Panel, Strip, Style, thinned};
+use blocksim_report::{Compared, Rows};
 use blocksim_results::format::{count, significant};
 use blocksim_results::{ALWAYS, Align, Column, Table};
 use serde_json::{Value, json};
@@ -15,6 +16,17 @@ use crate::terminal::render::plural;
 /// Most signals in the table and in the drawing.
 const ROWS: usize = 60;
 const PANELS: usize = 24;
+/// Headings of the table; the first two are words.
+const COLUMNS: [&str; 8] = [
+    "signal",
+    "verdict",
+    "largest difference",
+    "at [s]",
+    "first beyond, at [s]",
+    "baseline",
+    "compared",
+    "allowed",
+];
 /// Columns of a screen to which courses are thinned.
 const SCREEN: usize = 1600;
 
@@ -44,43 +56,13 @@ impl Outcome<'_> {
 
     /// Table and summary.
     pub fn text(&self) -> String {
-        let mut table = Table::new(&[
-            ("signal", Align::Left),
-            ("verdict", Align::Left),
-            ("largest difference", Align::Right),
-            ("at [s]", Align::Right),
-            ("first beyond, at [s]", Align::Right),
-            ("baseline", Align::Right),
-            ("compared", Align::Right),
-            ("allowed", Align::Right),
-        ]);
-        let told = || self.found.iter().filter(|found| found.verdict != Verdict::Same);
-        // What is wrong comes first.
-        let mut rows: Vec<&Found> = told().filter(|found| !self.counts_as_agreeing(found)).collect();
-        rows.extend(told().filter(|found| self.counts_as_agreeing(found)));
+        let side = |head: &&'static str| {
+            (*head, if COLUMNS[..2].contains(head) { Align::Left } else { Align::Right })
+        };
+        let mut table = Table::new(&COLUMNS.iter().map(side).collect::<Vec<_>>());
+        let rows = self.worst_first(&|found| found.verdict != Verdict::Same);
         for found in rows.iter().take(ROWS) {
-            let unit = found.unit.to_string();
-            // However small it is, it is not shown as none.
-            let difference = |d: &Deviation| {
-                let number = significant(d.difference() / found.unit.scale, 4);
-                if unit == "1" { number } else { format!("{number} {unit}") }
-            };
-            let value = |x: f64| significant(found.unit.from_si(x), 6);
-            let dash = || "-".to_owned();
-            let cell = |d: Option<Deviation>, show: &dyn Fn(&Deviation) -> String| {
-                d.as_ref().map_or_else(dash, show)
-            };
-            let (largest, first) = (found.comparison.largest, found.comparison.first);
-            table.row([
-                self.books[0].traces[found.at].path.clone(),
-                words(&found.verdict),
-                cell(largest, &difference),
-                cell(largest, &|d| short_time(d.time)),
-                cell(first, &|d| short_time(d.time)),
-                cell(first, &|d| value(d.baseline)),
-                cell(first, &|d| value(d.compared)),
-                cell(first, &|d| significant(d.tolerance / found.unit.scale, 3)),
-            ]);
+            table.row(self.row(found));
         }
         let mut text = if rows.is_empty() { String::new() } else { format!("{}\n", table.render()) };
         if rows.len() > ROWS {
@@ -88,6 +70,59 @@ impl Outcome<'_> {
         }
         text.push_str(&self.summary());
         text
+    }
+
+    /// The signals that are wanted, those that do not agree first.
+    fn worst_first(&self, wanted: &dyn Fn(&Found) -> bool) -> Vec<&Found> {
+        let told = || self.found.iter().filter(|found| wanted(found));
+        let mut rows: Vec<&Found> = told().filter(|found| !self.counts_as_agreeing(found)).collect();
+        rows.extend(told().filter(|found| self.counts_as_agreeing(found)));
+        rows
+    }
+
+    /// A line of the table.
+    fn row(&self, found: &Found) -> [String; 8] {
+        let unit = found.unit.to_string();
+        // However small it is, it is not shown as none.
+        let difference = |d: &Deviation| {
+            let number = significant(d.difference() / found.unit.scale, 4);
+            if unit == "1" { number } else { format!("{number} {unit}") }
+        };
+        let value = |x: f64| significant(found.unit.from_si(x), 6);
+        let dash = || "-".to_owned();
+        let cell =
+            |d: Option<Deviation>, show: &dyn Fn(&Deviation) -> String| d.as_ref().map_or_else(dash, show);
+        let (largest, first) = (found.comparison.largest, found.comparison.first);
+        [
+            self.books[0].traces[found.at].path.clone(),
+            words(&found.verdict),
+            cell(largest, &difference),
+            cell(largest, &|d| short_time(d.time)),
+            cell(first, &|d| short_time(d.time)),
+            cell(first, &|d| value(d.baseline)),
+            cell(first, &|d| value(d.compared)),
+            cell(first, &|d| significant(d.tolerance / found.unit.scale, 3)),
+        ]
+    }
+
+    /// The same for a page.
+    pub fn compared(&self) -> Compared {
+        let told = self.worst_first(&|_| true);
+        let first = |(row, found): (usize, &&Found)| {
+            let first = found.comparison.first?;
+            Some((row, self.books[0].traces[found.at].path.clone(), first.time))
+        };
+        let mut marks: Vec<(usize, String, f64)> = told.iter().enumerate().filter_map(first).collect();
+        marks.sort_by(|a, b| a.2.total_cmp(&b.2));
+        Compared {
+            name: self.books[1].name.clone(),
+            summary: self.summary().lines().collect::<Vec<_>>().join("; "),
+            rows: Rows {
+                head: COLUMNS.map(str::to_owned).to_vec(),
+                rows: told.iter().map(|found| self.row(found).to_vec()).collect(),
+            },
+            marks,
+        }
     }
 
     fn summary(&self) -> String {

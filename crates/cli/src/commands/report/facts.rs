@@ -35,6 +35,7 @@ pub fn add(run: &Run, path: &Path, report: &mut Report) {
         fact("work", format!("{} steps, {} rejected", count(counts.steps), count(counts.rejected)));
         fact("program", format!("{} {}", manifest.program.name, manifest.program.version));
         report.parameters = parameters(manifest);
+        report.tables = lists(manifest);
         report.warnings.extend(changed(manifest));
     }
     let rows: u64 = (0..run.rates().len()).map(|base| run.rows(base)).max().unwrap_or(0);
@@ -58,16 +59,24 @@ fn ended(ended: &Ended) -> String {
 }
 
 fn parameters(manifest: &Manifest) -> Rows {
-    let row = |kind: &str, name: &str, value: &str| vec![kind.to_owned(), name.to_owned(), value.to_owned()];
-    let mut rows: Vec<Vec<String>> =
-        manifest.overrides.iter().map(|set| row("set for this run", &set.path, &set.value)).collect();
-    rows.extend(manifest.variants.iter().map(|variant| row("variant", &variant.variant, &variant.choice)));
-    rows.extend(
-        std::iter::once(&manifest.model)
-            .chain(&manifest.files)
-            .map(|file| row("file", &file.path, &file.hash)),
-    );
-    Rows { head: ["what", "name", "value"].map(str::to_owned).to_vec(), rows }
+    let rows = manifest.overrides.iter().map(|set| vec![set.path.clone(), set.value.clone()]).collect();
+    Rows { head: ["set for this run", "value"].map(str::to_owned).to_vec(), rows }
+}
+
+/// Variants and files, which are many.
+fn lists(manifest: &Manifest) -> Vec<(String, Rows)> {
+    let table = |title: &str, head: [&str; 2], rows: Vec<Vec<String>>| {
+        (title.to_owned(), Rows { head: head.map(str::to_owned).to_vec(), rows })
+    };
+    let variants = manifest.variants.iter().map(|v| vec![v.variant.clone(), v.choice.clone()]).collect();
+    let files = std::iter::once(&manifest.model).chain(&manifest.files);
+    let files = files.map(|file| vec![file.path.clone(), file.hash.clone()]).collect();
+    let mut lists = vec![
+        table("variants", ["variant", "choice"], variants),
+        table("files and their fingerprints", ["file", "fingerprint"], files),
+    ];
+    lists.retain(|(_, rows)| !rows.rows.is_empty());
+    lists
 }
 
 /// Files that are not what they were.

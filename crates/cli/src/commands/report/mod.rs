@@ -1,21 +1,30 @@
 //! `blocksim report`: a run as one HTML file.
 
+mod beside;
+mod drawn;
 mod facts;
 mod meshes;
+mod model;
 mod movement;
 mod pictures;
+mod tables;
+mod titles;
+
+pub use beside::Other;
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use blocksim_diagram::Sources;
 use blocksim_report::{BUDGET, Event, Overlay, Report, html};
 use blocksim_results::{Run, locate, read_foreign_file, write_whole};
 
+use self::titles::Titles;
 use crate::args::report::ReportArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
-use crate::signals::traces::{Book, told};
+use crate::signals::traces::{Book, Mapping, told};
 use crate::terminal::console::Console;
 
 /// Name of the file in the folder of its run.
@@ -45,19 +54,40 @@ pub fn report(args: &ReportArgs, console: Console) -> io::Result<Exit> {
 pub fn written(args: &ReportArgs, console: Console) -> Result<PathBuf, String> {
     let path = locate(&args.run, Path::new(RUNS)).map_err(told)?;
     let target = target(args, &path)?;
-    let page = html(&gathered(args, &path, console)?);
-    if !args.full && page.len() > BUDGET {
+    let file = kept(&gathered(args, &path, &[], console)?, &target, console)?;
+    if args.open {
+        open(&file, console);
+    }
+    Ok(file)
+}
+
+/// Writes the page of a recording with another one beside it; returns its place. Its columns are named by `maps`.
+///
+/// # Errors
+/// What to tell the person at the keyboard.
+pub fn written_beside(
+    args: &ReportArgs,
+    maps: &[Mapping],
+    other: Other,
+    console: Console,
+) -> Result<PathBuf, String> {
+    let path = locate(&args.run, Path::new(RUNS)).map_err(told)?;
+    let target = target(args, &path)?;
+    let mut report = gathered(args, &path, maps, console)?;
+    beside::add(&Book::open(&path, maps)?, other, &mut report)?;
+    kept(&report, &target, console)
+}
+
+/// Writes the page.
+fn kept(report: &Report, (folder, name): &(PathBuf, String), console: Console) -> Result<PathBuf, String> {
+    let page = html(report);
+    if !report.full && page.len() > BUDGET {
         console.say(&format!(
             "note: the page has {} kB\n  = help: `--no-3d` and fewer recorded signals make it smaller",
             page.len() / 1000
         ));
     }
-    let (folder, name) = target;
-    let file = write_whole(&folder, &name, |out| out.write_all(page.as_bytes())).map_err(told)?;
-    if args.open {
-        open(&file, console);
-    }
-    Ok(file)
+    write_whole(folder, name, |out| out.write_all(page.as_bytes())).map_err(told)
 }
 
 /// Folder and name of the file, which must not be there.
@@ -86,8 +116,8 @@ fn target(args: &ReportArgs, run: &Path) -> Result<(PathBuf, String), String> {
 }
 
 /// All that is shown.
-fn gathered(args: &ReportArgs, path: &Path, console: Console) -> Result<Report, String> {
-    let book = Book::open(path, &[])?;
+fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) -> Result<Report, String> {
+    let book = Book::open(path, maps)?;
     let run = Run::open(path).map_err(told)?;
     let mut report = Report { full: args.full, title: book.name.clone(), ..Report::default() };
     if let Some(shortfall) = run.shortfall() {
@@ -95,7 +125,15 @@ fn gathered(args: &ReportArgs, path: &Path, console: Console) -> Result<Report, 
     }
     facts::add(&run, path, &mut report);
     let books = [book];
-    pictures::add(&books, &mut report)?;
+    let text = run.manifest().and_then(|manifest| model::text(path, manifest, &mut report));
+    let sources = text.as_ref().map(|text| Sources::new(&*text.reader));
+    let known = text.as_ref().zip(sources.as_ref());
+    let model = known.and_then(|(text, sources)| model::read(text, sources, &mut report));
+    let titles = model.as_ref().map(Titles::of).unwrap_or_default();
+    pictures::add(&books, &titles, &movement::joints(path), &mut report)?;
+    if let Some((model, (text, sources))) = model.as_ref().zip(known) {
+        model::add(model, text, sources, &mut report);
+    }
     if !args.no_3d && path.is_dir() {
         match movement::read(path, &run, args.full, &mut report.warnings) {
             Ok(animation) => report.animation = animation,

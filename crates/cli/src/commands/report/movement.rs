@@ -42,6 +42,13 @@ pub fn read(
     Ok(Some(Animation { scene, surfaces, time: recording.time, positions, set }))
 }
 
+/// Signals that the view in space of a run needs; none where it has none.
+pub fn joints(folder: &Path) -> Vec<String> {
+    let scene = fs::read_to_string(folder.join("scene.json")).ok();
+    let scene: Option<Value> = scene.and_then(|text| serde_json::from_str(&text).ok());
+    scene.and_then(|scene| signals(&scene).ok()).unwrap_or_default()
+}
+
 /// Signals of all joints in the order of the bodies.
 fn signals(scene: &Value) -> Result<Vec<String>, String> {
     let mut paths = Vec::new();

@@ -3,26 +3,30 @@
 use blocksim_plot::pretty_unit;
 use blocksim_report::{Panel, Report, Role, Rows, Series};
 use blocksim_results::format::{fixed, significant};
-use blocksim_results::{ALWAYS, Kind};
+use blocksim_results::{ALWAYS, Column, Kind};
 
+use super::titles::Titles;
 use crate::args::plot::Layout;
 use crate::commands::plot::following::{Row, rows};
 use crate::commands::plot::labels;
-use crate::commands::plot::panels::{Drawn, chosen, groups};
+use crate::commands::plot::panels::{Drawn, Group, chosen, groups};
 use crate::signals::traces::Book;
 
 /// Most pictures in a page.
 const PANELS: usize = 60;
 
-/// Adds pictures and metrics.
+/// Adds pictures and metrics. `joints` are signals that the view in space needs; they have pictures of their own only
+/// where no other picture shows them.
 ///
 /// # Errors
 /// What to tell the person at the keyboard.
-pub fn add(books: &[Book; 1], report: &mut Report) -> Result<(), String> {
+pub fn add(books: &[Book; 1], titles: &Titles, joints: &[String], report: &mut Report) -> Result<(), String> {
     let book = &books[0];
     // Without a pattern everything fits.
     let selected = chosen(book, &[]).unwrap_or_default();
-    let groups = groups(book, &selected, Layout::Scopes);
+    let mut groups = groups(book, &selected, Layout::Scopes);
+    let block = |group: &Group| book.traces[group.traces[0]].block();
+    groups.sort_by_key(|group| titles.rank(block(group)));
     if groups.len() > PANELS {
         report
             .warnings
@@ -38,18 +42,28 @@ pub fn add(books: &[Book; 1], report: &mut Report) -> Result<(), String> {
             drawn.columns.push(column);
             drawn.steps.push(trace.kind != Kind::Real);
         }
-        labels::add(&mut all, drawn);
+        let is_joint = drawn.group.traces.iter().all(|&at| joints.contains(&book.traces[at].path));
+        let is_known = |column: &Column| all.iter().any(|other| is_shown(column, &drawn, other));
+        if !is_joint || !drawn.columns.iter().all(is_known) {
+            labels::add(&mut all, drawn);
+        }
     }
     for drawn in &all {
-        report.panels.extend(panels(drawn, book));
+        report.panels.extend(panels(drawn, book, titles));
         report.warnings.extend(not_finite(drawn));
     }
     report.metrics = table(&rows(&all, books));
     Ok(())
 }
 
+/// Whether a picture shows these values already.
+fn is_shown(column: &Column, drawn: &Drawn, other: &Drawn) -> bool {
+    let same = |known: &Column| known.time == column.time && known.values == column.values;
+    other.group.unit == drawn.group.unit && other.columns.iter().any(same)
+}
+
 /// A picture for each time base of a group.
-fn panels(drawn: &Drawn, book: &Book) -> Vec<Panel> {
+fn panels(drawn: &Drawn, book: &Book, titles: &Titles) -> Vec<Panel> {
     let group = &drawn.group;
     let mut panels: Vec<Panel> = Vec::new();
     for (n, column) in drawn.columns.iter().enumerate() {
@@ -70,11 +84,12 @@ fn panels(drawn: &Drawn, book: &Book) -> Vec<Panel> {
             role,
             held: drawn.steps[n],
             values: column.values.clone(),
+            other: None,
         };
         match panels.iter_mut().find(|panel| panel.time == column.time) {
             Some(panel) => panel.series.push(series),
             None => panels.push(Panel {
-                group: parent(trace.block()).to_owned(),
+                group: titles.parent(trace.block()).unwrap_or(parent(trace.block())).to_owned(),
                 title: if group.title.is_empty() { trace.path.clone() } else { group.title.clone() },
                 unit: pretty_unit(&group.unit),
                 time: column.time.clone(),
