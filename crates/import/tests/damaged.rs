@@ -8,6 +8,8 @@ use blocksim_import::{
     urdf,
 };
 
+use blocksim_scene::mesh;
+
 /// Numbers that look random, the same in every run.
 struct Random(u64);
 
@@ -175,8 +177,13 @@ fn damaged_meshes_are_read_or_refused() {
     for valid in [text.as_bytes(), &binary] {
         assert!(stl::read(Path::new("a.stl"), valid).is_ok());
         for _ in 0..2500 {
-            if let Ok(triangles) = stl::read(Path::new("a.stl"), &damaged(valid, &mut random)) {
+            let bytes = damaged(valid, &mut random);
+            if let Ok(triangles) = stl::read(Path::new("a.stl"), &bytes) {
                 let _ = blocksim_import::solid(&triangles, [1e-3; 3]).inertia(1000.0);
+            }
+            if let Ok(surface) = mesh::read("a.stl", &bytes, [1e-3, -1.0, 1e3]) {
+                let packed = mesh::Packed::of(&mesh::simplified(&surface, 1));
+                assert!(packed.triangles.len() <= 3 && packed.step.iter().all(|step| step.is_finite()));
             }
         }
     }

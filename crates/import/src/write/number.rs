@@ -1,5 +1,7 @@
 //! Numbers with units.
 
+use std::f64::consts::PI;
+
 use nalgebra::{Matrix3, Vector3};
 
 /// `"1.5 kg"`.
@@ -78,7 +80,10 @@ pub(super) fn rpy(r: &Matrix3<f64>) -> [f64; 3] {
     // y and z axes of the frame that the yaw is undone of
     let y = Vector3::new(-sin, cos, 0.0);
     let roll = (-y.dot(&r.column(2))).atan2(y.dot(&r.column(1)));
-    [roll, pitch, yaw].map(|angle| {
+    // Half turns on both sides of a pitch are a pitch on the other side.
+    let half = |angle: f64| (angle.abs() - PI).abs() < 1e-14;
+    let angles = if half(roll) && half(yaw) { [0.0, PI - pitch, 0.0] } else { [roll, pitch, yaw] };
+    angles.map(|angle| {
         // What was written with a few digits comes back so.
         let round = (angle * 1e12).round() / 1e12;
         if (angle - round).abs() < 2e-15 { round } else { angle }
@@ -89,7 +94,7 @@ pub(super) fn rpy(r: &Matrix3<f64>) -> [f64; 3] {
 mod tests {
     use super::*;
     use blocksim_multibody::Placement;
-    use std::f64::consts::{FRAC_PI_2, PI};
+    use std::f64::consts::FRAC_PI_2;
 
     #[test]
     fn numbers_are_short_and_exact() {
@@ -121,6 +126,12 @@ mod tests {
         assert_eq!(angular(3.05432619099), "\"175 deg/s\"");
         assert_eq!(angular(1.5), "\"1.5 rad/s\"");
         assert_eq!(angles([0.0, FRAC_PI_2, 0.3]), "[\"0 deg\", \"90 deg\", \"0.3 rad\"]");
+    }
+
+    #[test]
+    fn a_pitch_beyond_the_right_angle_needs_no_half_turns() {
+        let [roll, pitch, yaw] = rpy(&Placement::from_rpy([0.0; 3], [0.0, 2.5, 0.0]).rotation);
+        assert!(roll == 0.0 && yaw == 0.0 && (pitch - 2.5).abs() < 1e-14, "{roll} {pitch} {yaw}");
     }
 
     #[test]
