@@ -29,6 +29,9 @@ pub(crate) struct Tap {
     pub right: bool,
 }
 
+/// Layers of units of items.
+pub(crate) type Rows = Vec<Vec<Vec<usize>>>;
+
 /// All items and taps.
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {
@@ -39,7 +42,7 @@ pub(crate) struct Plan {
     /// Height above and below the upper edge of an item.
     pub extent: Vec<(f64, f64)>,
     /// Layers of units of items. A unit is a block with the lanes that it hangs from, or a lane.
-    pub rows: Vec<Vec<Vec<usize>>>,
+    pub rows: Rows,
     /// Taps of each channel, by net.
     pub channels: Vec<Vec<Tap>>,
     /// The taps of each net in a channel, as a range of them.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::graph::Side;
-use crate::lanes::{Item, Plan, Tap};
+use crate::lanes::{Item, Plan, Rows, Tap};
 use crate::sides::Sides;
 
 /// What a unit of length costs, in crossings: it decides between orders with the same crossings.
@@ -18,7 +18,7 @@ const WORTH: f64 = 0.5;
 /// Sorts the rows of a plan by the means of their neighbours, from several beginnings, and exchanges neighbours as long
 /// as it helps.
 pub(crate) fn order(plan: &mut Plan, sides: &mut Sides) {
-    let mut best: Option<(f64, Vec<Vec<Vec<usize>>>, Sides)> = None;
+    let mut best: Option<(f64, Rows, Sides)> = None;
     let begin = (plan.rows.clone(), sides.clone());
     for start in 0..4 {
         plan.rows.clone_from(&begin.0);
