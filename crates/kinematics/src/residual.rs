@@ -24,7 +24,15 @@ pub(crate) struct Rows {
 
 impl Rows {
     pub fn new(n: usize) -> Self {
-        Rows { n, frame: vec![0.0; 6 * n], ..Rows::default() }
+        // More than usual stacks have, so that a solver that runs along with a simulation takes no memory.
+        const USUAL: usize = 16;
+        Rows {
+            n,
+            r: Vec::with_capacity(USUAL),
+            j: Vec::with_capacity(USUAL * n),
+            excess: Vec::with_capacity(USUAL),
+            frame: vec![0.0; 6 * n],
+        }
     }
 
     /// Σ r²

@@ -7,6 +7,7 @@ use crate::random::Random;
 use crate::range::JointRange;
 use crate::residual::Rows;
 use blocksim_multibody::{Data, Joint, Model, forward_kinematics};
+use std::borrow::Borrow;
 use std::f64::consts::PI;
 
 /// Steps without much progress after which a descent is given up for another one.
@@ -72,7 +73,8 @@ pub struct Solved {
 /// Finds joint positions that fulfil a stack of [`Constraint`]s, for any tree of axes.
 ///
 /// Levenberg-Marquardt with a damping in proportion to the remaining error (Chan and Lawrence 1988), steps projected
-/// onto the ranges of the joints, restarts from random positions. The workspace is made once.
+/// onto the ranges of the joints, restarts from random positions. The workspace is made once; with [`Solver::solve_into`]
+/// nothing is allocated later. The model is borrowed (`Solver<&Model>`) or owned (`Solver<Model>`).
 ///
 /// ```
 /// use blocksim_kinematics::{Constraint, JointRange, Options, Solver, Status};
@@ -94,27 +96,32 @@ pub struct Solved {
 /// # }
 /// ```
 #[derive(Debug, Clone)]
-pub struct Solver<'m> {
-    model: &'m Model,
+pub struct Solver<M> {
+    model: M,
     ranges: Vec<JointRange>,
     data: Data,
     rows: Rows,
     trial: Rows,
     equations: NormalEquations,
+    /// Positions that are tried, from which a descent is at, and the best ones so far.
+    tried: Vec<f64>,
+    q: Vec<f64>,
+    best: Vec<f64>,
 }
 
-impl<'m> Solver<'m> {
+impl<M: Borrow<Model>> Solver<M> {
     /// A solver for a model of axes. `ranges` has one entry per joint, in the order of the bodies; they always hold.
     ///
     /// # Errors
     /// [`SolveError::NoJoint`], [`SolveError::Spherical`], [`SolveError::WrongLength`],
     /// [`SolveError::BoundsCrossed`].
-    pub fn new(model: &'m Model, ranges: &[JointRange]) -> Result<Self, SolveError> {
-        let n = model.dof();
+    pub fn new(model: M, ranges: &[JointRange]) -> Result<Self, SolveError> {
+        let known = model.borrow();
+        let n = known.dof();
         if n == 0 {
             return Err(SolveError::NoJoint);
         }
-        if let Some(body) = model.bodies().find(|body| *model.joint(*body) == Joint::Spherical) {
+        if let Some(body) = known.bodies().find(|body| *known.joint(*body) == Joint::Spherical) {
             return Err(SolveError::Spherical { body: body.index() });
         }
         if ranges.len() != n {
@@ -123,13 +130,17 @@ impl<'m> Solver<'m> {
         if let Some(entry) = ranges.iter().position(|range| !range.is_sound()) {
             return Err(SolveError::BoundsCrossed { constraint: None, entry });
         }
+        let data = known.data();
         Ok(Solver {
             model,
             ranges: ranges.to_vec(),
-            data: model.data(),
+            data,
             rows: Rows::new(n),
             trial: Rows::new(n),
             equations: NormalEquations::new(n),
+            tried: vec![0.0; n],
+            q: vec![0.0; n],
+            best: vec![0.0; n],
         })
     }
 
@@ -144,46 +155,90 @@ impl<'m> Solver<'m> {
         seed: &[f64],
         options: &Options,
     ) -> Result<Solved, SolveError> {
-        let n = self.model.dof();
-        if seed.len() != n {
-            return Err(SolveError::WrongLength { list: "start", given: seed.len(), joints: n });
+        let (iterations, restarts) = self.search(constraints, seed, options)?;
+        let reports = self.reports(constraints, options.accuracy);
+        let status = self.status(options.accuracy);
+        Ok(Solved { q: self.best.clone(), status, iterations, restarts, reports })
+    }
+
+    /// As [`Solver::solve`], into `q` and without allocating; stacks of more than sixteen rows may allocate once.
+    ///
+    /// # Errors
+    /// Those of [`Solver::solve`], or [`SolveError::WrongLength`] for `q`.
+    pub fn solve_into(
+        &mut self,
+        constraints: &[Constraint],
+        seed: &[f64],
+        options: &Options,
+        q: &mut [f64],
+    ) -> Result<Status, SolveError> {
+        let joints = self.model.borrow().dof();
+        if q.len() != joints {
+            return Err(SolveError::WrongLength { list: "result", given: q.len(), joints });
+        }
+        self.search(constraints, seed, options)?;
+        q.copy_from_slice(&self.best);
+        Ok(self.status(options.accuracy))
+    }
+
+    /// Leaves the best positions, and the rows there. Steps of all descents, descents after the first.
+    fn search(
+        &mut self,
+        constraints: &[Constraint],
+        seed: &[f64],
+        options: &Options,
+    ) -> Result<(usize, usize), SolveError> {
+        let joints = self.model.borrow().dof();
+        if seed.len() != joints {
+            return Err(SolveError::WrongLength { list: "start", given: seed.len(), joints });
         }
         if !seed.iter().all(|q| q.is_finite()) {
             return Err(SolveError::NotFinite { what: "a position", constraint: None });
         }
         for (i, constraint) in constraints.iter().enumerate() {
-            constraint.check(i, self.model)?;
+            constraint.check(i, self.model.borrow())?;
         }
         let mut random = Random(options.random_seed);
-        let mut q: Vec<f64> = seed.iter().zip(&self.ranges).map(|(q, range)| range.clamp(*q)).collect();
-        let (mut best, mut least) = (q.clone(), f64::INFINITY);
+        for (i, range) in self.ranges.iter().enumerate() {
+            self.q[i] = range.clamp(seed[i]);
+        }
+        self.best.copy_from_slice(&self.q);
+        let mut least = f64::INFINITY;
         let (mut iterations, mut restarts) = (0, 0);
         loop {
-            let (steps, cost) = self.descend(constraints, &mut q, options, PATIENCE);
+            let (steps, cost) = self.descend(constraints, options, PATIENCE);
             iterations += steps;
             let fulfilled = self.rows.worst() <= options.accuracy;
             if cost < least || fulfilled {
                 least = cost;
-                best.copy_from_slice(&q);
+                self.best.copy_from_slice(&self.q);
             }
             if fulfilled || restarts == options.restarts {
                 break;
             }
             restarts += 1;
-            for (i, q) in q.iter_mut().enumerate() {
-                let JointRange { lower, upper } = self.around(i, seed[i]);
-                *q = lower + (upper - lower) * random.unit();
+            for (i, seed) in seed.iter().enumerate() {
+                let JointRange { lower, upper } = self.around(i, *seed);
+                self.q[i] = lower + (upper - lower) * random.unit();
             }
         }
         if self.rows.worst() > options.accuracy {
             let thorough = Options { iterations: LAST, ..*options };
-            iterations += self.descend(constraints, &mut best, &thorough, LAST).0;
+            self.q.copy_from_slice(&self.best);
+            iterations += self.descend(constraints, &thorough, LAST).0;
+            self.best.copy_from_slice(&self.q);
         }
-        self.place(constraints, &best);
-        let reports = self.reports(constraints, options.accuracy);
-        let all = reports.iter().all(|report| report.satisfied);
-        let status = if all { Status::Success } else { Status::BestAvailable };
-        Ok(Solved { q: best, status, iterations, restarts, reports })
+        self.q.copy_from_slice(&self.best);
+        self.place(constraints);
+        Ok((iterations, restarts))
+    }
+
+    fn status(&self, accuracy: f64) -> Status {
+        // not so for NaN
+        match self.rows.worst() <= accuracy && self.rows.excess.iter().all(|e| !e.is_nan()) {
+            true => Status::Success,
+            false => Status::BestAvailable,
+        }
     }
 
     /// Where a restart may begin: an infinite range is searched half a turn (or three metres) around the seed.
@@ -196,24 +251,19 @@ impl<'m> Solver<'m> {
     }
 
     /// Placements and rows at q.
-    fn place(&mut self, constraints: &[Constraint], q: &[f64]) {
-        forward_kinematics(self.model, &mut self.data, q);
-        self.rows.fill(self.model, &self.data, q, constraints);
+    fn place(&mut self, constraints: &[Constraint]) {
+        let model = self.model.borrow();
+        forward_kinematics(model, &mut self.data, &self.q);
+        self.rows.fill(model, &self.data, &self.q, constraints);
     }
 
-    /// One descent; leaves the rows of its end. Steps and cost.
-    fn descend(
-        &mut self,
-        constraints: &[Constraint],
-        q: &mut [f64],
-        options: &Options,
-        patience: usize,
-    ) -> (usize, f64) {
-        self.place(constraints, q);
+    /// One descent from q; leaves q and the rows of its end. Steps and cost.
+    fn descend(&mut self, constraints: &[Constraint], options: &Options, patience: usize) -> (usize, f64) {
+        self.place(constraints);
         let mut cost = self.rows.cost();
-        let mut trial = q.to_vec();
+        let model = self.model.borrow();
         let (mut damping, mut idle) = (1e-2, 0);
-        self.equations.fill(&self.rows, q, &self.ranges);
+        self.equations.fill(&self.rows, &self.q, &self.ranges);
         for step in 0..options.iterations {
             if self.rows.worst() <= options.accuracy || self.equations.slope() < 1e-14 || idle == patience {
                 return (step, cost);
@@ -223,18 +273,18 @@ impl<'m> Solver<'m> {
                 continue;
             };
             for (i, range) in self.ranges.iter().enumerate() {
-                trial[i] = range.clamp(q[i] + move_by[i]);
+                self.tried[i] = range.clamp(self.q[i] + move_by[i]);
             }
-            forward_kinematics(self.model, &mut self.data, &trial);
-            self.trial.fill(self.model, &self.data, &trial, constraints);
+            forward_kinematics(model, &mut self.data, &self.tried);
+            self.trial.fill(model, &self.data, &self.tried, constraints);
             let next = self.trial.cost();
             // not so for NaN
             if next < cost {
                 idle = if next > 0.9 * cost { idle + 1 } else { 0 };
                 cost = next;
-                q.copy_from_slice(&trial);
+                self.q.copy_from_slice(&self.tried);
                 std::mem::swap(&mut self.rows, &mut self.trial);
-                self.equations.fill(&self.rows, q, &self.ranges);
+                self.equations.fill(&self.rows, &self.q, &self.ranges);
                 damping = (0.3 * damping).max(1e-6);
             } else {
                 idle += 1;
