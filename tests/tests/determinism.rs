@@ -165,7 +165,10 @@ fn diagrams_take_no_memory_while_they_run() {
     let table = String::from_utf8(output.expect("a run of this program").stdout).expect("text");
     let (counted, rest) =
         table.split_once("takes_memory").unwrap_or_else(|| panic!("the table is cut off:\n{table}"));
-    assert!(counted.contains("small") && counted.contains("robot"), "{table}");
+    assert!(
+        counted.contains("small") && counted.contains("robot") && counted.contains("robotics"),
+        "{table}"
+    );
     assert!(!counted.contains("alloc:"), "{table}");
     assert!(rest.contains("alloc:"), "the counting works\n{table}");
 }
@@ -199,6 +202,45 @@ fn robot(bencher: Bencher, set: &str) {
         let mut schedule = schedule("diagrams/irb2600/irb2600.ron", &[set]);
         schedule.settings.stop_time = 0.1;
         started(schedule)
+    };
+    bencher.with_inputs(diagram).bench_refs(|sim| sim.run(&mut Last(0.0)).is_ok());
+}
+
+/// All blocks of robots on a move, of an arm with a closed form and of one without.
+#[divan::bench(args = ["irb2600", "scara"])]
+fn robotics(bencher: Bencher, robot: &str) {
+    let (parameters, path) = match robot {
+        "scara" => ("", "File(\"pick.ron\")"),
+        _ => ("\"robot\": File(\"../../params/irb2600.ron\"),", "File(\"moves/demo_linear.ron\")"),
+    };
+    let text = format!(
+        "Diagram(
+            parameters: {{ {parameters} \"manipulator\": File(\"manipulator.ron\"), \"move\": {path} }},
+            simulation: (stop_time: \"0.3 s\", output: Every(\"10 ms\")),
+            record: [\"*.*\"],
+            blocks: {{
+                \"move\": RobotMove(robot: \"manipulator\", path: \"move\"),
+                \"before\": RobotMove(robot: \"manipulator\", path: \"move\", delay: \"20 ms\"),
+                \"forward\": ForwardKinematics(robot: \"manipulator\"),
+                \"inverse\": InverseKinematics(robot: \"manipulator\"),
+                \"jacobian\": Jacobian(robot: \"manipulator\"),
+                \"dynamics\": InverseDynamics(robot: \"manipulator\", drives: true),
+                \"gravity\": GravityCompensation(robot: \"manipulator\"),
+                \"error\": PathError,
+            }},
+            connections: [
+                \"move.q -> forward.q, jacobian.q, dynamics.q, gravity.q\",
+                \"before.q -> inverse.near\", \"move.qd -> dynamics.qd\", \"move.qdd -> dynamics.qdd\",
+                \"forward.p -> inverse.p, error.actual\", \"forward.zyx -> inverse.zyx\",
+                \"move.p -> error.set\", \"move.v -> error.v\",
+            ],
+        )"
+    );
+    let path = root().join(format!("diagrams/{robot}/all_blocks.ron"));
+    let diagram = || {
+        let desk = Desk::new().with(path.to_str().expect("a path"), &text);
+        let (compiled, problems) = compile_with(&desk, &path, &[]);
+        started(compiled.schedule.unwrap_or_else(|| panic!("{problems}")))
     };
     bencher.with_inputs(diagram).bench_refs(|sim| sim.run(&mut Last(0.0)).is_ok());
 }

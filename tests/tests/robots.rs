@@ -91,7 +91,7 @@ fn what_makes_no_robot_is_told_with_the_member_and_a_remedy() {
         `limits` is missing
         `tools` is not known here; known are `name`, `gravity`, `base`, `reference`, `links`, `flange`, `tool`, `load` and `tcp_limits`
         manipulator.links[0].start: the axis starts at 1.5707963267948966 rad, outside -1 rad to 1 rad; correct `links[0].start` in the description of the robot
-        expected a value in rad, found one in m
+        manipulator.links[0].start: axis 1 turns, but this has the unit of an axis that slides; give it with rad or deg in the place of m, such as 30 deg, 2 rad/s or 50 N*m
         manipulator.links[0].drive.gear: 10 lobes and 10 pins give no reduction; a disc has at least one lobe, its ring more pins than it has lobes
         manipulator.links[0].drive.gear.efficiency_forward: `drive.gear.efficiency_forward` is 1.2; it must be above 0 and at most 1; correct `links[0].drive.gear.efficiency_forward` in the description of the robot
         manipulator.links[0].bodies[0]: the mass is -1 kg, it must not be negative; moi are Ixx, Iyy, Izz, poi are Iyz, Izx, Ixy of the tensor about the centre of mass

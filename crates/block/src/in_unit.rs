@@ -138,6 +138,88 @@ triples_in! {
     acceleration_vector, "m/s^2";
 }
 
+/// A number of an axis: by its unit the axis turns or slides.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct AxisValue {
+    /// In SI.
+    pub value: f64,
+    /// Whether the unit is that of an axis that slides; unknown where no unit was written.
+    pub slides: Option<bool>,
+}
+
+/// Positions of axes, rad or m, as a parameter of a block.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct AxisPositions(pub Vec<AxisValue>);
+
+impl AxisValue {
+    /// A number that is meant in SI.
+    pub fn bare(value: f64) -> Self {
+        AxisValue { value, slides: None }
+    }
+
+    fn of<E: Error>(value: &Value, turning: &str, sliding: &str) -> Result<Self, E> {
+        let Value::Number(Quantity { value, dimension }) = value else {
+            return Err(E::custom(format!(
+                "expected a number in {turning} or {sliding}, found {}",
+                value.describe()
+            )));
+        };
+        let is_in = |unit: &str| Unit::parse(unit).is_ok_and(|unit| unit.dimension.compatible(*dimension));
+        let slides = match *dimension == Dimension::NONE {
+            true => None,
+            false if is_in(sliding) => Some(true),
+            false if is_in(turning) => Some(false),
+            false => {
+                let message = format!("expected a value in {turning} or {sliding}, found one in {dimension}");
+                return Err(E::custom(message));
+            }
+        };
+        Ok(AxisValue { value: *value, slides })
+    }
+}
+
+impl<'de> Deserialize<'de> for AxisPositions {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        axis_positions(deserializer).map(AxisPositions)
+    }
+}
+
+macro_rules! of_axes {
+    ($($(#[$doc:meta])* $name:ident, $turning:literal, $sliding:literal;)*) => {
+        $($(#[$doc])*
+        ///
+        /// # Errors
+        /// No number, or one in another unit.
+        pub fn $name<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<AxisValue, D::Error> {
+            AxisValue::of(&ParamValue::deserialize(deserializer)?.0, $turning, $sliding)
+        })*
+    };
+}
+
+of_axes! {
+    /// A position, rad or m.
+    axis_position, "rad", "m";
+    /// A speed, rad/s or m/s.
+    axis_speed, "rad/s", "m/s";
+    /// An acceleration, rad/s^2 or m/s^2.
+    axis_acceleration, "rad/s^2", "m/s^2";
+    /// A torque or a force, N*m or N.
+    axis_force, "N*m", "N";
+    /// A coefficient of viscous damping, N*m*s/rad or N*s/m.
+    axis_damping, "N*m*s/rad", "N*s/m";
+}
+
+/// Positions of axes, rad or m.
+///
+/// # Errors
+/// No list of numbers, or one in another unit.
+pub fn axis_positions<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<AxisValue>, D::Error> {
+    match ParamValue::deserialize(deserializer)?.0 {
+        Value::List(items) => items.iter().map(|item| AxisValue::of(item, "rad", "m")).collect(),
+        other => Err(D::Error::custom(format!("expected a list of numbers, found {}", other.describe()))),
+    }
+}
+
 /// A share that may be absent, with `#[serde(default)]`.
 ///
 /// # Errors
@@ -152,6 +234,24 @@ pub fn share_if_given<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Resu
 /// No number, or one in another unit.
 pub fn jerk_if_given<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     checked(&ParamValue::deserialize(deserializer)?.0, "m/s^3").map(Some)
+}
+
+/// A length, m, that may be absent, with `#[serde(default)]`.
+///
+/// # Errors
+/// No number, or one in another unit.
+pub fn length_if_given<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    length(deserializer).map(Some)
+}
+
+/// A direction, x, y, z without unit, that may be absent, with `#[serde(default)]`.
+///
+/// # Errors
+/// No list of three numbers, or one with a unit.
+pub fn direction_if_given<'de, D: serde::Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<[f64; 3]>, D::Error> {
+    direction(deserializer).map(Some)
 }
 
 /// A resistance or reactance, ohm, or something else without unit.

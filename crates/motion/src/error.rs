@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::limits::AxisKind;
+
 /// One of the two ends of a move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Endpoint {
@@ -21,7 +23,7 @@ impl fmt::Display for Endpoint {
 }
 
 /// Why a move cannot be planned. Axes are indices from 0 here and numbers from 1 in the message; values are
-/// in SI units here and in degrees in the message.
+/// in SI units here, in degrees or millimetres in the message.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MoveError {
     /// There is no axis to move.
@@ -41,6 +43,8 @@ pub enum MoveError {
         endpoint: Endpoint,
         /// Index of the axis.
         axis: usize,
+        /// How it moves.
+        kind: AxisKind,
         /// The position given.
         value: f64,
     },
@@ -50,11 +54,13 @@ pub enum MoveError {
         endpoint: Endpoint,
         /// Index of the axis.
         axis: usize,
-        /// The position given, rad.
+        /// How it moves.
+        kind: AxisKind,
+        /// The position given, rad or m.
         value: f64,
-        /// Lower limit, rad.
+        /// Lower limit, rad or m.
         lower: f64,
-        /// Upper limit, rad.
+        /// Upper limit, rad or m.
         upper: f64,
     },
     /// Start and target are the same on all axes.
@@ -73,30 +79,38 @@ pub enum MoveError {
     LimitsCrossed {
         /// Index of the axis.
         axis: usize,
-        /// Lower limit, rad.
+        /// How it moves.
+        kind: AxisKind,
+        /// Lower limit, rad or m.
         lower: f64,
-        /// Upper limit, rad.
+        /// Upper limit, rad or m.
         upper: f64,
     },
     /// The largest speed of an axis is not a positive number.
     SpeedLimit {
         /// Index of the axis.
         axis: usize,
-        /// The limit given, rad/s.
+        /// How it moves.
+        kind: AxisKind,
+        /// The limit given, rad/s or m/s.
         value: f64,
     },
     /// The largest acceleration of an axis is not positive.
     AccelerationLimit {
         /// Index of the axis.
         axis: usize,
-        /// The limit given, rad/s².
+        /// How it moves.
+        kind: AxisKind,
+        /// The limit given, rad/s² or m/s².
         value: f64,
     },
     /// The distances are so small or the times so long that they cannot be computed with.
     NotComputable {
         /// Index of the axis.
         axis: usize,
-        /// Distance, rad.
+        /// How it moves.
+        kind: AxisKind,
+        /// Distance, rad or m.
         distance: f64,
         /// Move time, s.
         duration: f64,
@@ -113,23 +127,30 @@ impl fmt::Display for MoveError {
                 f,
                 "the {endpoint} has {given} positions, but there are {axes} axes; give one position per axis, decimals with a point"
             ),
-            MoveError::NotFinite { endpoint, axis, value } => write!(
-                f,
-                "axis {}: the {endpoint} is {value}, which is no position; give a number with an angle unit",
-                axis + 1
-            ),
-            MoveError::OutsideLimits { endpoint, axis, value, lower, upper } => {
-                let (side, limit) = if value < lower { ("below", lower) } else { ("above", upper) };
+            MoveError::NotFinite { endpoint, axis, kind, value } => {
+                let quantity = match kind {
+                    AxisKind::Turning => "an angle unit",
+                    AxisKind::Sliding => "a unit of length",
+                };
                 write!(
                     f,
-                    "axis {}: the {endpoint} {} deg is {} deg {side} the limit {} deg; choose a position \
-                     from {} to {} deg",
+                    "axis {}: the {endpoint} is {value}, which is no position; give a number with {quantity}",
+                    axis + 1
+                )
+            }
+            MoveError::OutsideLimits { endpoint, axis, kind, value, lower, upper } => {
+                let (side, limit) = if value < lower { ("below", lower) } else { ("above", upper) };
+                let (text, unit) = (|value| kind.text(value), kind.unit());
+                write!(
+                    f,
+                    "axis {}: the {endpoint} {} {unit} is {} {unit} {side} the limit {} {unit}; choose a position \
+                     from {} to {} {unit}",
                     axis + 1,
-                    degrees(value),
-                    degrees((value - limit).abs()),
-                    degrees(limit),
-                    degrees(lower),
-                    degrees(upper)
+                    text(value),
+                    text((value - limit).abs()),
+                    text(limit),
+                    text(lower),
+                    text(upper)
                 )
             }
             MoveError::NothingToMove => {
@@ -146,43 +167,42 @@ impl fmt::Display for MoveError {
                  for braking takes as long",
                 short(100.0 * value)
             ),
-            MoveError::LimitsCrossed { axis, lower, upper } => write!(
+            MoveError::LimitsCrossed { axis, kind, lower, upper } => write!(
                 f,
-                "axis {}: the lower limit {} deg is not below the upper limit {} deg; correct the limits",
+                "axis {}: the lower limit {} {unit} is not below the upper limit {} {unit}; correct the limits",
                 axis + 1,
-                degrees(lower),
-                degrees(upper)
+                kind.text(lower),
+                kind.text(upper),
+                unit = kind.unit()
             ),
-            MoveError::SpeedLimit { axis, value } => write!(
+            MoveError::SpeedLimit { axis, kind, value } => write!(
                 f,
-                "axis {}: the largest speed is {} deg/s; give a positive number",
+                "axis {}: the largest speed is {} {}/s; give a positive number",
                 axis + 1,
-                degrees(value)
+                kind.text(value),
+                kind.unit()
             ),
-            MoveError::AccelerationLimit { axis, value } => write!(
+            MoveError::AccelerationLimit { axis, kind, value } => write!(
                 f,
-                "axis {}: the largest acceleration is {} deg/s^2; give a positive number",
+                "axis {}: the largest acceleration is {} {}/s^2; give a positive number",
                 axis + 1,
-                degrees(value)
+                kind.text(value),
+                kind.unit()
             ),
-            MoveError::NotComputable { axis, distance, duration } => write!(
+            MoveError::NotComputable { axis, kind, distance, duration } => write!(
                 f,
-                "axis {}: a distance of {} deg in {duration:e} s cannot be computed with; choose a larger \
+                "axis {}: a distance of {} {} in {duration:e} s cannot be computed with; choose a larger \
                  distance, velocity or share of acceleration",
                 axis + 1,
-                degrees(distance)
+                kind.text(distance),
+                kind.unit()
             ),
         }
     }
 }
 
-/// An angle in rad as degrees for people.
-pub(crate) fn degrees(angle: f64) -> String {
-    short(angle.to_degrees())
-}
-
 /// At most three decimals, no zeros at the end; numbers that would vanish in this are written in full.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     let rounded = format!("{value:.3}");
     if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e15) {
         return format!("{value:.3e}");

@@ -6,7 +6,7 @@ use crate::profile::Profile;
 use crate::request::{JointMoveRequest, Synchronisation};
 use crate::times::{Times, synchronise};
 
-/// How far outside its limits a position may be, rad. An angle that went through degrees and back is off by
+/// How far outside its limits a position may be, rad or m. An angle that went through degrees and back is off by
 /// a few 1e-16; nobody means an angle this small.
 const POSITION_TOLERANCE: f64 = 1e-9;
 
@@ -67,6 +67,7 @@ impl JointMove {
             .map(|(axis, &distance)| {
                 Profile::new(times.t_acc, times.t_dec, distance).ok_or(MoveError::NotComputable {
                     axis,
+                    kind: limits[axis].kind,
                     distance,
                     duration: times.t_acc + times.t_dec,
                 })
@@ -87,7 +88,7 @@ impl JointMove {
         self.profiles.len()
     }
 
-    /// Position (rad), velocity (rad/s) and acceleration (rad/s²) of an axis after `t` s. Before 0 the axis
+    /// Position (rad or m), velocity and acceleration of an axis after `t` s. Before 0 the axis
     /// rests at the start, after the end at the target, to the bit.
     ///
     /// # Panics
@@ -137,12 +138,12 @@ impl JointMove {
         &self.profiles
     }
 
-    /// Largest speed of each axis, rad/s.
+    /// Largest speed of each axis, rad/s or m/s.
     pub fn peak_velocities(&self) -> Vec<f64> {
         self.profiles.iter().map(|p| p.peak_velocity().abs()).collect()
     }
 
-    /// Largest acceleration of each axis, rad/s².
+    /// Largest acceleration of each axis, rad/s² or m/s².
     pub fn peak_accelerations(&self) -> Vec<f64> {
         self.profiles.iter().map(|p| p.peak_acceleration().abs()).collect()
     }
@@ -168,7 +169,7 @@ impl JointMove {
                 (Quantity::Acceleration, profile.peak_acceleration().abs(), limits.acceleration),
             ] {
                 if value > limit * (1.0 + LIMIT_TOLERANCE) {
-                    violations.push(Violation { axis, quantity, value, limit });
+                    violations.push(Violation { axis, kind: limits.kind, quantity, value, limit });
                 }
             }
         }
@@ -184,14 +185,14 @@ fn check_limits(limits: &[AxisLimits]) -> Result<(), MoveError> {
         // Written so that a NaN fails each of them.
         let ordered = l.lower < l.upper;
         if !ordered {
-            return Err(MoveError::LimitsCrossed { axis, lower: l.lower, upper: l.upper });
+            return Err(MoveError::LimitsCrossed { axis, kind: l.kind, lower: l.lower, upper: l.upper });
         }
         if !(l.speed > 0.0 && l.speed.is_finite()) {
-            return Err(MoveError::SpeedLimit { axis, value: l.speed });
+            return Err(MoveError::SpeedLimit { axis, kind: l.kind, value: l.speed });
         }
         let able = l.acceleration > 0.0;
         if !able {
-            return Err(MoveError::AccelerationLimit { axis, value: l.acceleration });
+            return Err(MoveError::AccelerationLimit { axis, kind: l.kind, value: l.acceleration });
         }
     }
     Ok(())
@@ -203,11 +204,11 @@ fn check_endpoint(endpoint: Endpoint, positions: &[f64], limits: &[AxisLimits]) 
     }
     for (axis, (&value, l)) in positions.iter().zip(limits).enumerate() {
         if !value.is_finite() {
-            return Err(MoveError::NotFinite { endpoint, axis, value });
+            return Err(MoveError::NotFinite { endpoint, axis, kind: l.kind, value });
         }
         if value < l.lower - POSITION_TOLERANCE || value > l.upper + POSITION_TOLERANCE {
-            let (lower, upper) = (l.lower, l.upper);
-            return Err(MoveError::OutsideLimits { endpoint, axis, value, lower, upper });
+            let (kind, lower, upper) = (l.kind, l.lower, l.upper);
+            return Err(MoveError::OutsideLimits { endpoint, axis, kind, value, lower, upper });
         }
     }
     Ok(())

@@ -1,4 +1,5 @@
 use super::*;
+use crate::limits::AxisKind;
 
 /// Limits of a six-axis arm of 12 kg payload; position limits wide.
 fn arm() -> Vec<AxisLimits> {
@@ -6,6 +7,7 @@ fn arm() -> Vec<AxisLimits> {
     let accelerations = [8.0, 6.0, 10.0, 25.0, 25.0, 35.0];
     (0..6)
         .map(|i| AxisLimits {
+            kind: AxisKind::Turning,
             lower: -3.2,
             upper: 3.2,
             speed: speeds[i].to_radians(),
@@ -151,8 +153,8 @@ fn the_printed_rule_breaks_a_limit_in_some_moves_and_says_so() {
 #[test]
 fn a_violation_reads_as_a_sentence() {
     let limits = [
-        AxisLimits { lower: -3.0, upper: 3.0, speed: 1.0, acceleration: 1e3 },
-        AxisLimits { lower: -3.0, upper: 3.0, speed: 2.0, acceleration: 4.0 },
+        AxisLimits { kind: AxisKind::Turning, lower: -3.0, upper: 3.0, speed: 1.0, acceleration: 1e3 },
+        AxisLimits { kind: AxisKind::Turning, lower: -3.0, upper: 3.0, speed: 2.0, acceleration: 4.0 },
     ];
     let request = JointMoveRequest {
         start: vec![0.0, 0.0],
@@ -205,6 +207,7 @@ fn half_the_time_is_the_longest_ramp_and_an_axis_may_stay() {
 #[test]
 fn limits_may_be_infinite() {
     let free = AxisLimits {
+        kind: AxisKind::Turning,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
         speed: 1.0,
@@ -283,4 +286,24 @@ fn a_position_off_by_rounding_is_within_its_limits() {
     let mut limits = arm();
     limits[0].upper = 60.0_f64.to_radians() - 1e-15;
     assert!(JointMove::plan(&demo(), &limits).is_ok());
+}
+
+#[test]
+fn what_is_said_of_an_axis_that_slides_is_in_millimetres() {
+    let slide = AxisLimits { kind: AxisKind::Sliding, lower: 0.0, upper: 0.5, speed: 0.2, acceleration: 1.0 };
+    let request = |target| JointMoveRequest {
+        start: vec![0.1],
+        target: vec![target],
+        velocity: 1.0,
+        acceleration: 0.5,
+        rule: Synchronisation::Feasible,
+    };
+    let error = JointMove::plan(&request(0.6), &[slide]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "axis 1: the target 600 mm is 100 mm above the limit 500 mm; choose a position from 0 to 500 mm"
+    );
+    // 0.3 m at 0.2 m/s: 1.5 s to the middle of braking.
+    let planned = JointMove::plan(&request(0.4), &[slide]).unwrap();
+    assert!((planned.t_dec() - 1.5).abs() < 1e-12 && planned.violations().is_empty());
 }

@@ -1,12 +1,11 @@
 //! Set values for moves: from a start, a target and limits to position, velocity and acceleration over time.
 //!
-//! All angles are in rad, times in s. A linear axis works as well: read m for rad, and ignore the degrees of
-//! the messages.
+//! Positions are in rad for axes that turn and in m for axes that slide, times in s.
 //!
 //! ```
-//! use blocksim_motion::{AxisLimits, JointMove, JointMoveRequest, Synchronisation};
+//! use blocksim_motion::{AxisKind, AxisLimits, JointMove, JointMoveRequest, Synchronisation};
 //!
-//! let limits = [AxisLimits { lower: -3.0, upper: 3.0, speed: 2.0, acceleration: 10.0 }];
+//! let limits = [AxisLimits { kind: AxisKind::Turning, lower: -3.0, upper: 3.0, speed: 2.0, acceleration: 10.0 }];
 //! let request = JointMoveRequest {
 //!     start: vec![0.0],
 //!     target: vec![1.0],
@@ -32,7 +31,7 @@ mod times;
 pub use error::{Endpoint, MoveError};
 pub use jerk_limited::{JerkLimited, ProfileLimits};
 pub use joint_move::JointMove;
-pub use limits::{AxisLimits, Margin, Quantity, Violation};
+pub use limits::{AxisKind, AxisLimits, Margin, Quantity, Violation};
 pub use path::{Path, PathError, PathPoint};
 pub use profile::Profile;
 pub use request::{JointMoveRequest, Synchronisation};

@@ -2,41 +2,84 @@
 
 use std::fmt;
 
-use crate::error::degrees;
+use crate::error::short;
 
-/// What one axis can do. Positions may be infinite for an axis that turns without end, and the acceleration
-/// may be infinite where no limit is known.
+/// How an axis moves, and so in which units its positions are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AxisKind {
+    /// It turns; rad.
+    #[default]
+    Turning,
+    /// It slides; m.
+    Sliding,
+}
+
+impl AxisKind {
+    /// SI unit of a position.
+    pub fn si(self) -> &'static str {
+        match self {
+            AxisKind::Turning => "rad",
+            AxisKind::Sliding => "m",
+        }
+    }
+
+    /// Unit of a position for people; `/s` and `/s^2` behind it make those of speed and acceleration.
+    pub fn unit(self) -> &'static str {
+        match self {
+            AxisKind::Turning => "deg",
+            AxisKind::Sliding => "mm",
+        }
+    }
+
+    /// A position, speed or acceleration in the unit for people.
+    pub fn shown(self, value: f64) -> f64 {
+        match self {
+            AxisKind::Turning => value.to_degrees(),
+            AxisKind::Sliding => 1e3 * value,
+        }
+    }
+
+    /// The same as text, with at most three decimals and no unit.
+    pub fn text(self, value: f64) -> String {
+        short(self.shown(value))
+    }
+}
+
+/// What one axis can do, in rad or m by its kind. Positions may be infinite for an axis that turns without end, and
+/// the acceleration may be infinite where no limit is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisLimits {
-    /// Lowest position, rad.
+    /// How it moves.
+    pub kind: AxisKind,
+    /// Lowest position, rad or m.
     pub lower: f64,
-    /// Highest position, rad.
+    /// Highest position, rad or m.
     pub upper: f64,
-    /// Largest speed, rad/s.
+    /// Largest speed, rad/s or m/s.
     pub speed: f64,
-    /// Largest acceleration, rad/s².
+    /// Largest acceleration, rad/s² or m/s².
     pub acceleration: f64,
 }
 
 /// What is left between a move and the limits of one axis; negative where a limit is exceeded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Margin {
-    /// From the lowest position of the move to the lower limit, rad.
+    /// From the lowest position of the move to the lower limit, rad or m.
     pub lower: f64,
-    /// From the highest position of the move to the upper limit, rad.
+    /// From the highest position of the move to the upper limit, rad or m.
     pub upper: f64,
-    /// From the largest speed of the move to the limit, rad/s.
+    /// From the largest speed of the move to the limit, rad/s or m/s.
     pub speed: f64,
-    /// From the largest acceleration of the move to the limit, rad/s².
+    /// From the largest acceleration of the move to the limit, rad/s² or m/s².
     pub acceleration: f64,
 }
 
 /// A quantity that a limit bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// Speed, rad/s.
+    /// Speed.
     Speed,
-    /// Acceleration, rad/s².
+    /// Acceleration.
     Acceleration,
 }
 
@@ -45,6 +88,8 @@ pub enum Quantity {
 pub struct Violation {
     /// Index of the axis, from 0.
     pub axis: usize,
+    /// How the axis moves.
+    pub kind: AxisKind,
     /// What is exceeded.
     pub quantity: Quantity,
     /// Largest value of the move, in SI units.
@@ -55,17 +100,18 @@ pub struct Violation {
 
 impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, unit) = match self.quantity {
-            Quantity::Speed => ("speed", "deg/s"),
-            Quantity::Acceleration => ("acceleration", "deg/s^2"),
+        let (name, per) = match self.quantity {
+            Quantity::Speed => ("speed", "/s"),
+            Quantity::Acceleration => ("acceleration", "/s^2"),
         };
+        let unit = format!("{}{per}", self.kind.unit());
         let percent = 100.0 * (self.value / self.limit - 1.0);
         write!(
             f,
             "axis {}: {name} {} {unit} exceeds its limit {} {unit} by {percent:.1} %",
             self.axis + 1,
-            degrees(self.value),
-            degrees(self.limit)
+            self.kind.text(self.value),
+            self.kind.text(self.limit)
         )
     }
 }

@@ -18,9 +18,9 @@ pub enum Synchronisation {
 /// A move of all axes from rest to rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointMoveRequest {
-    /// Positions at the start, one per axis, rad.
+    /// Positions at the start, one per axis, rad or m.
     pub start: Vec<f64>,
-    /// Positions at the end, one per axis, rad.
+    /// Positions at the end, one per axis, rad or m.
     pub target: Vec<f64>,
     /// Share of each axis' largest speed to use, above 0 and at most 1.
     pub velocity: f64,

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use blocksim_motion::AxisLimits;
+use blocksim_motion::{AxisKind, AxisLimits};
 use blocksim_robot::Robot;
 use nalgebra::{DVector, Vector3};
 
@@ -12,27 +12,34 @@ use crate::error::short;
 
 /// What counts as exceeding a limit, relative: above the rounding of the planning.
 const TOLERANCE: f64 = 1e-6;
-/// Positions may be this far outside, rad.
+/// Positions may be this far outside, rad or m.
 const POSITION_TOLERANCE: f64 = 1e-7;
 /// Nearer than this to a singular pose, m and rad, a move does not go without being told.
 pub(crate) const NARROW: f64 = 0.01;
-/// No axis may move by more from one waypoint to the next, rad.
-const JUMP: f64 = 10.0 * std::f64::consts::PI / 180.0;
+
+/// No axis may move by more from one waypoint to the next, rad or m.
+fn jump(kind: AxisKind) -> f64 {
+    match kind {
+        AxisKind::Turning => 10f64.to_radians(),
+        AxisKind::Sliding => 0.1,
+    }
+}
+
 /// Fewest waypoints in time.
 pub(crate) const FEWEST: usize = 500;
 
 /// What is bounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// Position below its lower limit, rad.
+    /// Position below its lower limit.
     Lower,
-    /// Position above its upper limit, rad.
+    /// Position above its upper limit.
     Upper,
-    /// Speed of an axis, rad/s.
+    /// Speed of an axis.
     Speed,
-    /// Acceleration of an axis, rad/s².
+    /// Acceleration of an axis.
     Acceleration,
-    /// Change of a position between two waypoints, rad.
+    /// Change of a position between two waypoints.
     Jump,
     /// Speed of the tool, m/s.
     ToolSpeed,
@@ -47,6 +54,8 @@ pub struct Violation {
     pub quantity: Quantity,
     /// Index of the axis, where it is about one.
     pub axis: Option<usize>,
+    /// How this axis moves.
+    pub kind: AxisKind,
     /// Time, s.
     pub t: f64,
     /// Share of the time.
@@ -64,13 +73,13 @@ pub struct Violation {
 /// What an axis does at most.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisExtremes {
-    /// Lowest position, rad.
+    /// Lowest position, rad or m by the kind of its limits.
     pub lowest: f64,
-    /// Highest position, rad.
+    /// Highest position.
     pub highest: f64,
-    /// Largest speed, rad/s.
+    /// Largest speed.
     pub speed: f64,
-    /// Largest acceleration, rad/s².
+    /// Largest acceleration.
     pub acceleration: f64,
     /// Its limits.
     pub limits: AxisLimits,
@@ -104,7 +113,8 @@ pub fn inspect(robot: &Robot, course: &dyn Course, waypoints: usize) -> Findings
         acceleration: 0.0,
         limits: *limits,
     };
-    let mut seen = Seen { course, duration, violations: Vec::new() };
+    let kinds: Vec<AxisKind> = limits.iter().map(|limits| limits.kind).collect();
+    let mut seen = Seen { course, duration, kinds, violations: Vec::new() };
     let mut axes: Vec<AxisExtremes> = limits.iter().map(none).collect();
     let mut arm = Arm::new(robot);
     let n = course.axes();
@@ -113,7 +123,7 @@ pub fn inspect(robot: &Robot, course: &dyn Course, waypoints: usize) -> Findings
         for (i, (extremes, limits)) in axes.iter_mut().zip(&limits).enumerate() {
             let [position, speed, acceleration] = course.at(i, *t);
             if k > 0 {
-                seen.see(Quantity::Jump, Some(i), *t, (position - q[i]).abs(), JUMP, TOLERANCE);
+                seen.see(Quantity::Jump, Some(i), *t, (position - q[i]).abs(), jump(limits.kind), TOLERANCE);
             }
             (q[i], v[i]) = (position, speed);
             extremes.lowest = extremes.lowest.min(position);
@@ -150,6 +160,7 @@ pub fn inspect(robot: &Robot, course: &dyn Course, waypoints: usize) -> Findings
 struct Seen<'c> {
     course: &'c dyn Course,
     duration: f64,
+    kinds: Vec<AxisKind>,
     violations: Vec<Violation>,
 }
 
@@ -173,7 +184,18 @@ impl Seen<'_> {
             None => {
                 let way = self.course.way(t);
                 let share = if self.duration > 0.0 { t / self.duration } else { 0.0 };
-                self.violations.push(Violation { quantity, axis, t, share, way, value, worst: value, limit });
+                let kind = axis.map(|axis| self.kinds[axis]).unwrap_or_default();
+                self.violations.push(Violation {
+                    quantity,
+                    axis,
+                    kind,
+                    t,
+                    share,
+                    way,
+                    value,
+                    worst: value,
+                    limit,
+                });
             }
         }
     }
@@ -239,40 +261,48 @@ fn floor(value: f64) -> String {
 
 impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let deg = |x: f64| short(x.to_degrees());
         let axis = self.axis.map_or(String::new(), |axis| format!("axis {} ", axis + 1));
         write!(f, "{} ", self.place())?;
         let (value, limit, worst) = (self.value, self.limit, self.worst);
+        let unit = self.kind.unit();
+        let text = |x: f64| self.kind.text(x);
         match self.quantity {
             Quantity::Lower | Quantity::Upper => {
                 let end = if self.quantity == Quantity::Lower { "lower" } else { "upper" };
                 write!(
                     f,
-                    "{axis}leaves its range: {} deg, {end} limit {} deg, up to {} deg",
-                    deg(value),
-                    deg(limit),
-                    deg(worst)
+                    "{axis}leaves its range: {} {unit}, {end} limit {} {unit}, up to {} {unit}",
+                    text(value),
+                    text(limit),
+                    text(worst)
                 )
             }
             Quantity::Speed => {
+                let moves = match self.kind {
+                    AxisKind::Turning => "turns",
+                    AxisKind::Sliding => "slides",
+                };
                 write!(
                     f,
-                    "{axis}turns with {} deg/s, limit {} deg/s, up to {} deg/s",
-                    deg(value),
-                    deg(limit),
-                    deg(worst)
+                    "{axis}{moves} with {} {unit}/s, limit {} {unit}/s, up to {} {unit}/s",
+                    text(value),
+                    text(limit),
+                    text(worst)
                 )
             }
             Quantity::Acceleration => write!(
                 f,
-                "{axis}accelerates with {} deg/s^2, limit {} deg/s^2, up to {} deg/s^2",
-                deg(value),
-                deg(limit),
-                deg(worst)
+                "{axis}accelerates with {} {unit}/s^2, limit {} {unit}/s^2, up to {} {unit}/s^2",
+                text(value),
+                text(limit),
+                text(worst)
             ),
-            Quantity::Jump => {
-                write!(f, "{axis}moves by {} deg between two waypoints, limit {} deg", deg(worst), deg(limit))
-            }
+            Quantity::Jump => write!(
+                f,
+                "{axis}moves by {} {unit} between two waypoints, limit {} {unit}",
+                text(worst),
+                text(limit)
+            ),
             Quantity::ToolSpeed => write!(
                 f,
                 "the tool moves with {} mm/s, limit {} mm/s, up to {} mm/s",

@@ -4,7 +4,7 @@ use blocksim_motion::JointMove;
 
 use crate::error::short;
 
-/// Position (rad), speed (rad/s) and acceleration (rad/s²) of an axis.
+/// Position (rad or m), speed and acceleration of an axis.
 pub type State = [f64; 3];
 
 /// A place on a move where axes lose a direction, or nearly do.

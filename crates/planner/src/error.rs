@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use blocksim_motion::MoveError;
+use blocksim_motion::{AxisKind, MoveError};
 
 /// A refusal: which member of the request it is about, what is wrong, and what helps.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,11 +41,13 @@ pub enum Reason {
     StartOutside {
         /// Index of the axis.
         axis: usize,
-        /// Position, rad.
+        /// How it moves.
+        kind: AxisKind,
+        /// Position, rad or m.
         value: f64,
-        /// Lower limit, rad.
+        /// Lower limit, rad or m.
         lower: f64,
-        /// Upper limit, rad.
+        /// Upper limit, rad or m.
         upper: f64,
     },
     /// Start and target are the same place.
@@ -113,15 +115,18 @@ impl PlanError {
     pub fn help(&self) -> String {
         match &self.reason {
             Reason::NotFinite => "give a finite number".into(),
-            Reason::WrongLength { axes, .. } => format!("give {axes} angles, one for each axis; a decimal comma is written as a point"),
+            Reason::WrongLength { axes, .. } => {
+                format!("give {axes} positions, one for each axis; a decimal comma is written as a point")
+            }
             Reason::OutOfRange { lower, upper, unit, .. } => {
                 format!("choose from {} to {} {unit}", short(*lower), short(*upper))
             }
-            Reason::StartOutside { axis, lower, upper, .. } => format!(
-                "start axis {} from {} to {} deg",
+            Reason::StartOutside { axis, kind, lower, upper, .. } => format!(
+                "start axis {} from {} to {} {}",
                 axis + 1,
-                short(lower.to_degrees()),
-                short(upper.to_degrees())
+                kind.text(*lower),
+                kind.text(*upper),
+                kind.unit()
             ),
             Reason::Nothing => {
                 "give a target at another place, or another orientation (interpolated) to turn on the spot".into()
@@ -173,14 +178,15 @@ impl fmt::Display for PlanError {
                 short(*lower),
                 short(*upper)
             ),
-            Reason::StartOutside { axis, value, lower, upper } => {
+            Reason::StartOutside { axis, kind, value, lower, upper } => {
                 let (side, limit) = if value < lower { ("below", lower) } else { ("above", upper) };
                 write!(
                     f,
-                    "axis {} starts at {} deg, which is {side} its limit {} deg",
+                    "axis {} starts at {} {unit}, which is {side} its limit {} {unit}",
                     axis + 1,
-                    short(value.to_degrees()),
-                    short(limit.to_degrees())
+                    kind.text(*value),
+                    kind.text(*limit),
+                    unit = kind.unit()
                 )
             }
             Reason::Nothing => write!(f, "start and target are the same place"),

@@ -139,10 +139,16 @@ impl<D: Fn(usize, usize) -> Knot, C: Fn(usize) -> f64> Plane<'_, D, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use blocksim_motion::AxisKind;
 
     fn bounds(speed: f64, acceleration: f64, axes: &[(f64, f64)]) -> Bounds {
-        let limits =
-            |&(speed, acceleration): &(f64, f64)| AxisLimits { lower: -9.0, upper: 9.0, speed, acceleration };
+        let limits = |&(speed, acceleration): &(f64, f64)| AxisLimits {
+            kind: AxisKind::Turning,
+            lower: -9.0,
+            upper: 9.0,
+            speed,
+            acceleration,
+        };
         Bounds { axes: axes.iter().map(limits).collect(), speed, acceleration }
     }
 

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Where a move begins.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Start {
-    /// Positions of all axes, rad.
+    /// Positions of all axes, rad or m.
     Joints(Vec<f64>),
     /// Placement of the tool in the reference; of the positions of the axes, those nearest to the start of the robot.
     Pose(Placement),

@@ -10,7 +10,7 @@ use crate::request::Start;
 use crate::task::Task;
 use crate::workspace::Workspace;
 
-/// An angle that went through degrees and back is off by a few 1e-16.
+/// A position that went through degrees or millimetres and back is off by a few 1e-16.
 const SLACK: f64 = 1e-9;
 
 /// Positions of the axes at the start, and where the tool then is.
@@ -41,7 +41,7 @@ pub(crate) fn begin(robot: &Robot, start: &Start) -> Result<(Vec<f64>, Placement
     for (axis, (value, limits)) in q.iter().zip(robot.limits()).enumerate() {
         let (lower, upper) = (limits.lower, limits.upper);
         if *value < lower - SLACK || *value > upper + SLACK {
-            return fail(Reason::StartOutside { axis, value: *value, lower, upper });
+            return fail(Reason::StartOutside { axis, kind: limits.kind, value: *value, lower, upper });
         }
     }
     let mut arm = Arm::new(robot);

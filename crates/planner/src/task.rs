@@ -6,8 +6,9 @@
 //! $$ q' = A^\top\lambda, \quad A A^\top \lambda = x', \qquad
 //!    q'' = A'^\top\lambda + A^\top (A A^\top)^{-1} (x'' - A' q' - A A'^\top \lambda) $$
 //!
-//! the second being the derivative of the first; where all of the tool is prescribed to six axes, $q' = A^{-1} x'$ and
-//! $q'' = A^{-1}(x'' - A' q')$.
+//! the second being the derivative of the first; where as much is prescribed as there are axes, $q' = A^{-1} x'$ and
+//! $q'' = A^{-1}(x'' - A' q')$, and where more is prescribed, which the axes can do or not, the pseudoinverse takes the
+//! place of the inverse.
 
 use blocksim_motion::PathPoint;
 use blocksim_multibody::{Placement, rotation_vector};
@@ -129,6 +130,12 @@ impl Task {
             let second = self.vector(&Vector3::zeros(), &point.curvature) - self.rows(&arm.slope) * &dq;
             return Some((dq, invert(&second)?));
         }
+        if m > n {
+            let dq = by_singular_values(&a, &first)?;
+            arm.look_moving(q, dq.as_slice());
+            let second = self.vector(&Vector3::zeros(), &point.curvature) - self.rows(&arm.slope) * &dq;
+            return Some((dq, by_singular_values(&a, &second)?));
+        }
         let gram = (&a * a.transpose()).cholesky()?;
         let lambda = gram.solve(&first);
         let dq = a.transpose() * &lambda;
@@ -145,13 +152,14 @@ impl Task {
     /// The smallest singular value of what is prescribed, m and rad: 0 where the arm is singular.
     pub fn margin(&self, arm: &Arm) -> f64 {
         let a = self.rows(&arm.jacobian);
-        let gram = &a * a.transpose();
+        let gram = if a.nrows() > a.ncols() { a.tr_mul(&a) } else { &a * a.transpose() };
         let least = gram.symmetric_eigenvalues().iter().fold(f64::INFINITY, |m, e| m.min(*e));
         least.max(0.0).sqrt()
     }
 }
 
-/// The least x with A x = b.
+/// The least x with A x = b. Where there are more rows than axes it is that of least squares: nearer to its end Newton's
+/// method tells whether the axes can do it.
 fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
     let (m, n) = a.shape();
     if m == n {
@@ -159,6 +167,9 @@ fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
             Some(x) if x.amax() < 1.0 && follows(a, &x, b) => Some(x),
             _ => by_singular_values(a, b),
         };
+    }
+    if m > n {
+        return a.clone().svd(true, true).solve(b, CUT).ok();
     }
     match (a * a.transpose()).cholesky() {
         Some(gram) => Some(a.transpose() * gram.solve(b)),

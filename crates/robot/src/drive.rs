@@ -1,4 +1,5 @@
-//! What the drive of an axis adds to the mechanism, all counted at the joint.
+//! What the drive of an axis adds to the mechanism, all counted at the joint. Of an axis that slides read m for rad, N for
+//! N m and kg for kg m²: the ratio is that of the motor's speed to the speed of the slide.
 
 /// Drive of an axis as the joint sees it: rotating masses, friction and losses. All zero and lossless by default.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,7 @@
 //!
 //! A [`Robot`] is made of plain data ([`Parts`]) and holds the mechanism as a
 //! [`Model`](blocksim_multibody::Model), so that kinematics, planning and dynamics work on one description. Positions
-//! are in rad, lengths in m.
+//! are in rad where an axis turns and in m where it slides, lengths in m.
 //!
 //! # Frames
 //! The **world** is that of the model. The **base** is the mounting surface of the robot in the world; the

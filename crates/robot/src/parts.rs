@@ -33,11 +33,12 @@ pub struct Link {
     pub name: String,
     /// Where its axis is on the link before, at position zero; its own frame is there, too.
     pub origin: Placement,
-    /// Direction of the axis in the frame of the link; the length does not matter.
+    /// Direction of the axis in the frame of the link, about which it turns or along which it slides; the length does
+    /// not matter.
     pub axis: [f64; 3],
-    /// What the axis can do.
+    /// What the axis can do, and whether it turns or slides.
     pub limits: AxisLimits,
-    /// Position at the start, rad.
+    /// Position at the start, rad or m.
     pub start: f64,
     /// Bodies that the link consists of.
     pub solids: Vec<Solid>,
@@ -99,12 +100,13 @@ impl Parts {
 impl Link {
     fn check(&self, link: usize) -> Result<(), RobotError> {
         let fail = |member, message| Err(RobotError::Number { link, member, message });
-        let AxisLimits { lower, upper, speed, acceleration } = self.limits;
+        let AxisLimits { kind, lower, upper, speed, acceleration } = self.limits;
+        let unit = kind.si();
         let ordered = lower < upper;
         if !ordered {
             return fail(
                 "limits.upper",
-                format!("the upper limit {upper} rad is not above the lower, {lower} rad"),
+                format!("the upper limit {upper} {unit} is not above the lower, {lower} {unit}"),
             );
         }
         for (member, value) in [("limits.speed", speed), ("limits.acceleration", acceleration)] {
@@ -116,7 +118,7 @@ impl Link {
         let inside = (lower..=upper).contains(&self.start);
         if !inside {
             let message =
-                format!("the axis starts at {} rad, outside {lower} rad to {upper} rad", self.start);
+                format!("the axis starts at {} {unit}, outside {lower} {unit} to {upper} {unit}", self.start);
             return fail("start", message);
         }
         let drive = &self.drive;

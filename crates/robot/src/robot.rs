@@ -4,19 +4,19 @@ use crate::drive::Drive;
 use crate::error::RobotError;
 use crate::parts::{Parts, TcpLimits};
 use blocksim_kinematics::{ClosedForm, JointRange};
-use blocksim_motion::AxisLimits;
+use blocksim_motion::{AxisKind, AxisLimits};
 use blocksim_multibody::{
     BodyId, Data, Frame, Inertia, Joint, Model, ModelBuilder, Placement, bias, forward_kinematics, rnea,
 };
 
-/// A chain of turning axes with frames, tool and drives.
+/// A chain of axes that turn or slide, with frames, tool and drives.
 ///
 /// ```
-/// use blocksim_motion::AxisLimits;
+/// use blocksim_motion::{AxisKind, AxisLimits};
 /// use blocksim_multibody::{Inertia, Placement};
 /// use blocksim_robot::{Drive, Link, Parts, Robot, Solid, TcpLimits};
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let limits = AxisLimits { lower: -3.0, upper: 3.0, speed: 2.0, acceleration: 10.0 };
+/// let limits = AxisLimits { kind: AxisKind::Turning, lower: -3.0, upper: 3.0, speed: 2.0, acceleration: 10.0 };
 /// let link = |name: &str, x: f64| -> Result<Link, Box<dyn std::error::Error>> {
 ///     let solid = Solid { placement: Placement::identity(), inertia: Inertia::point(1.0, [0.5, 0.0, 0.0])? };
 ///     let origin = Placement::from_translation([x, 0.0, 0.0]);
@@ -61,8 +61,11 @@ impl Robot {
         for (link, part) in parts.links.iter().enumerate() {
             let fail = |cause| RobotError::Link { link, cause };
             let origin = if link == 0 { parts.base * part.origin } else { part.origin };
-            let body =
-                builder.add_body(last, Joint::revolute(part.axis), origin, Inertia::zero()).map_err(fail)?;
+            let joint = match part.limits.kind {
+                AxisKind::Turning => Joint::revolute(part.axis),
+                AxisKind::Sliding => Joint::prismatic(part.axis),
+            };
+            let body = builder.add_body(last, joint, origin, Inertia::zero()).map_err(fail)?;
             for solid in &part.solids {
                 builder.add_inertia(body, solid.placement, solid.inertia).map_err(fail)?;
             }
@@ -107,7 +110,7 @@ impl Robot {
         self.limits().into_iter().map(range).collect()
     }
 
-    /// Positions of the axes at the start, rad.
+    /// Positions of the axes at the start, rad or m.
     pub fn start(&self) -> Vec<f64> {
         self.parts.links.iter().map(|link| link.start).collect()
     }
@@ -143,7 +146,7 @@ impl Robot {
         self.parts.links.iter().map(|link| &link.drive)
     }
 
-    /// Where the tool is in the reference at positions `q`, rad.
+    /// Where the tool is in the reference at positions `q`, rad or m.
     ///
     /// # Panics
     /// If `q` has not one entry for each axis, or `data` belongs to another model.
@@ -152,7 +155,7 @@ impl Robot {
         self.tool().relative_to(&self.reference(), data)
     }
 
-    /// Torques at the joints, N m, that move the mechanism with speeds `v` and accelerations `a` at positions `q`: the
+    /// Torques (N m) and forces (N) at the joints that move the mechanism with speeds `v` and accelerations `a` at positions `q`: the
     /// inverse dynamics without drives.
     ///
     /// # Panics
@@ -161,7 +164,7 @@ impl Robot {
         rnea(&self.model, data, q, v, a, tau);
     }
 
-    /// Torques at the joints, N m, that hold the mechanism at rest.
+    /// Torques (N m) and forces (N) at the joints that hold the mechanism at rest.
     ///
     /// # Panics
     /// As [`Robot::joint_torques`].
@@ -169,7 +172,7 @@ impl Robot {
         bias(&self.model, data, q, &self.rest, tau);
     }
 
-    /// Torques of the motors, counted at the joints, N m: [`Robot::joint_torques`] and what the drives need for
+    /// Torques (N m) and forces (N) of the motors, counted at the joints: [`Robot::joint_torques`] and what the drives need for
     /// themselves ([`Drive::motor_torque`]).
     ///
     /// # Panics

@@ -1,11 +1,13 @@
-use blocksim_block::in_unit;
+use blocksim_block::in_unit::{self, AxisValue};
 use blocksim_block::prelude::*;
-use blocksim_motion::AxisLimits;
+use blocksim_motion::AxisKind;
 use blocksim_planner::Course;
 use serde::de::IgnoredAny;
 use std::sync::Arc;
 
+use super::limits::Limits;
 use super::planned::planned;
+use super::timed::{check_path, few};
 use super::tool_path::ToolPath;
 use crate::robotics::RobotDescription;
 
@@ -44,7 +46,7 @@ use crate::robotics::RobotDescription;
 pub struct JointMove {
     /// The move of all axes: `(start, target, velocity, acceleration, resolution)`.
     pub path: JointPath,
-    /// What each axis can do: a list of `(lower, upper, speed, acceleration)`.
+    /// What each axis can do: a list of `(lower, upper, speed, acceleration)`, with lengths for axes that slide.
     pub limits: Vec<Limits>,
     /// The axis whose set values come out, counted from 1 as in the robot's manual.
     pub axis: usize,
@@ -69,12 +71,12 @@ pub struct JointMove {
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointPath {
-    /// Positions at the start, one for each axis, rad.
-    #[serde(deserialize_with = "in_unit::angles")]
-    pub start: Vec<f64>,
-    /// Positions at the end of a joint move, one for each axis, rad.
-    #[serde(default, deserialize_with = "in_unit::angles")]
-    pub target: Vec<f64>,
+    /// Positions at the start, one for each axis, rad or m.
+    #[serde(deserialize_with = "in_unit::axis_positions")]
+    pub start: Vec<AxisValue>,
+    /// Positions at the end of a joint move, one for each axis, rad or m.
+    #[serde(default, deserialize_with = "in_unit::axis_positions")]
+    pub target: Vec<AxisValue>,
     /// Share of each axis' largest speed, above 0 and at most 1; for joint moves.
     #[serde(default, deserialize_with = "in_unit::share_if_given")]
     pub velocity: Option<f64>,
@@ -101,9 +103,9 @@ pub struct JointPath {
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NextMove {
-    /// Positions at the end of a joint move, rad.
-    #[serde(default, deserialize_with = "in_unit::angles")]
-    pub target: Vec<f64>,
+    /// Positions at the end of a joint move, rad or m.
+    #[serde(default, deserialize_with = "in_unit::axis_positions")]
+    pub target: Vec<AxisValue>,
     /// Share of each axis' largest speed.
     #[serde(default, deserialize_with = "in_unit::share_if_given")]
     pub velocity: Option<f64>,
@@ -129,29 +131,17 @@ impl<'de> Deserialize<'de> for Unread {
 }
 
 impl JointPath {
-    /// A joint move.
+    /// A joint move; positions in rad or m.
     pub fn joint(start: Vec<f64>, target: Vec<f64>, velocity: f64, acceleration: f64) -> Self {
         let (velocity, acceleration) = (Some(velocity), Some(acceleration));
+        let [start, target] = [start, target].map(|all| all.into_iter().map(AxisValue::bare).collect());
         JointPath { start, target, velocity, acceleration, resolution: half_a_degree(), ..Self::default() }
     }
-}
 
-/// What one axis can do.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// Lowest position, rad.
-    #[serde(deserialize_with = "in_unit::angle")]
-    pub lower: f64,
-    /// Highest position, rad.
-    #[serde(deserialize_with = "in_unit::angle")]
-    pub upper: f64,
-    /// Largest speed, rad/s.
-    #[serde(deserialize_with = "in_unit::speed")]
-    pub speed: f64,
-    /// Largest acceleration, rad/s^2.
-    #[serde(deserialize_with = "in_unit::acceleration")]
-    pub acceleration: f64,
+    /// Positions at the start, rad or m.
+    pub fn start_values(&self) -> Vec<f64> {
+        self.start.iter().map(|position| position.value).collect()
+    }
 }
 
 /// How the axes are made to start, cruise and brake together.
@@ -180,21 +170,11 @@ impl JointMove {
     fn keep(&mut self) {
         // A move that cannot be planned is reported by `check`, with the parameter at fault.
         self.plan = self.planned().ok();
-        let all = self.plan.as_ref().map(|plan| plan.seams()).unwrap_or_default();
-        // The fastest course has a seam at each knot; only its ends are worth a stop.
-        const FEW: usize = 100;
-        self.seams = match (all.first(), all.last()) {
-            (Some(first), Some(last)) if all.len() > FEW => vec![*first, *last],
-            _ => all,
-        };
+        self.seams = self.plan.as_ref().map(|plan| few(plan.seams())).unwrap_or_default();
     }
 
     fn planned(&self) -> Result<Arc<dyn Course>, ParamError> {
-        let axis_limits = |limits: &Limits| {
-            let Limits { lower, upper, speed, acceleration } = *limits;
-            AxisLimits { lower, upper, speed, acceleration }
-        };
-        let limits: Vec<_> = self.limits.iter().map(axis_limits).collect();
+        let limits: Vec<_> = self.limits.iter().map(|limits| limits.of(limits.kind())).collect();
         let follows_path = self.path.tool.is_some() || !self.path.moves.is_empty();
         let robot = match &self.robot {
             Some(robot) if follows_path => Some(robot.robot("robot")?),
@@ -216,8 +196,7 @@ impl Block for JointMove {
         if !known {
             self.planned()?;
         }
-        positive("path.resolution", self.path.resolution)?;
-        not_negative("delay", self.delay)?;
+        check_path(&self.path, self.delay)?;
         let axes = self.limits.len();
         if !(1..=axes).contains(&self.axis) {
             return Err(ParamError::new(
@@ -230,10 +209,15 @@ impl Block for JointMove {
     }
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+        let limits = self.axis.checked_sub(1).and_then(|axis| self.limits.get(axis));
+        let [q, qd, qdd] = match limits.map(Limits::kind).unwrap_or_default() {
+            AxisKind::Turning => ["rad", "rad/s", "rad/s^2"],
+            AxisKind::Sliding => ["m", "m/s", "m/s^2"],
+        };
         Ok(Interface::new()
-            .output_from_state(Output::real("q").unit("rad").doc("Position."))
-            .output_from_state(Output::real("qd").unit("rad/s").doc("Velocity."))
-            .output_from_state(Output::real("qdd").unit("rad/s^2").doc("Acceleration."))
+            .output_from_state(Output::real("q").unit(q).doc("Position."))
+            .output_from_state(Output::real("qd").unit(qd).doc("Velocity."))
+            .output_from_state(Output::real("qdd").unit(qdd).doc("Acceleration."))
             .uses_time()
             .time_events())
     }

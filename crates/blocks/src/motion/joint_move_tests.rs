@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 /// Two axes over 1 rad and -0.5 rad, at most 1 rad/s and 10 rad/s^2.
 fn block(axis: usize) -> JointMove {
     let path = JointPath::joint(vec![0.0, 0.25], vec![1.0, -0.25], 0.5, 0.25);
-    let limits = vec![Limits { lower: -1.5, upper: 1.5, speed: 1.0, acceleration: 10.0 }; 2];
+    let limits = vec![Limits { lower: -1.5, upper: 1.5, speed: 1.0, acceleration: 10.0, slides: None }; 2];
     JointMove::new(path, limits, axis, 0.5, Rule::Feasible)
 }
 
@@ -93,7 +93,7 @@ fn outputs_bear_their_units() {
 
 #[test]
 fn a_target_beyond_a_limit_is_named_with_value_limit_and_remedy() {
-    let error = refused(|block| block.path.target[1] = 2.0);
+    let error = refused(|block| block.path.target[1].value = 2.0);
     assert_eq!(error.param, "path.target[1]");
     assert_eq!(error.message, "axis 2: the target 114.592 deg is 28.648 deg above the limit 85.944 deg");
     assert_eq!(error.help.unwrap(), "choose a position from -85.944 to 85.944 deg");
@@ -101,8 +101,8 @@ fn a_target_beyond_a_limit_is_named_with_value_limit_and_remedy() {
 
 #[test]
 fn each_mistake_is_blamed_on_its_parameter() {
-    assert_eq!(refused(|block| block.path.start = vec![0.0]).param, "path.start");
-    assert_eq!(refused(|block| block.path.start[0] = f64::NAN).param, "path.start[0]");
+    assert_eq!(refused(|block| block.path.start.truncate(1)).param, "path.start");
+    assert_eq!(refused(|block| block.path.start[0].value = f64::NAN).param, "path.start[0]");
     assert_eq!(refused(|block| block.path.target = block.path.start.clone()).param, "path.target");
     assert_eq!(refused(|block| block.path.velocity = Some(40.0)).param, "path.velocity");
     assert_eq!(refused(|block| block.path.acceleration = Some(0.6)).param, "path.acceleration");
@@ -130,8 +130,26 @@ fn the_rule_as_printed_can_be_chosen() {
         let mut limits = block(1).limits;
         limits[1].acceleration = 0.3;
         let mut path = block(1).path;
-        path.target = vec![1.4, -0.25];
+        path.target[0].value = 1.4;
         JointMove::new(path, limits, 1, 0.0, rule).end_time().unwrap()
     };
     assert!(with(Rule::AsPrinted) < with(Rule::Feasible));
+}
+
+#[test]
+fn an_axis_that_slides_has_lengths() {
+    let slide = Limits { lower: 0.0, upper: 0.4, speed: 0.5, acceleration: 2.0, slides: Some(true) };
+    let mut block = block(2);
+    block.limits[1] = slide;
+    block.path = JointPath::joint(vec![0.0, 0.1], vec![0.5, 0.3], 0.5, 0.25);
+    let units: Vec<_> = block.interface(&Given::nothing()).unwrap().outputs;
+    let units: Vec<_> = units.iter().filter_map(|y| Some(y.port_type.dimension?.to_string())).collect();
+    assert_eq!(units, ["m", "m/s", "m/s^2"]);
+    block.keep();
+    block.check().unwrap();
+    block.path.target[1] = AxisValue { value: 0.5, slides: Some(false) };
+    block.plan = None;
+    let error = block.check().unwrap_err();
+    assert_eq!(error.param, "path.target[1]");
+    assert_eq!(error.message, "axis 2 slides, but this has the unit of an axis that turns");
 }

@@ -1,8 +1,15 @@
 //! Blocks that give set values for moves.
 
 mod joint_move;
+pub(crate) mod limits;
+mod path_error;
 mod planned;
+mod robot_move;
+mod timed;
 mod tool_path;
-pub use joint_move::{JointMove, JointPath, Limits, NextMove, Rule};
+pub use joint_move::{JointMove, JointPath, NextMove, Rule};
+pub use limits::Limits;
+pub use path_error::PathError;
 pub use planned::{planned, refused};
+pub use robot_move::RobotMove;
 pub use tool_path::{ORIENTATIONS, PROFILES, Point, ToolPath, Turns};

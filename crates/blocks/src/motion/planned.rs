@@ -2,12 +2,16 @@
 
 use std::sync::Arc;
 
+use blocksim_block::in_unit::AxisValue;
 use blocksim_block::prelude::*;
-use blocksim_motion::{AxisLimits, Endpoint, JointMove, JointMoveRequest, MoveError, Synchronisation};
+use blocksim_motion::{
+    AxisKind, AxisLimits, Endpoint, JointMove, JointMoveRequest, MoveError, Synchronisation,
+};
 use blocksim_planner::{CartesianMove, Course, PlanError, Reason, Sequence, SequenceError, Start, Step};
 use blocksim_robot::Robot;
 
 use super::joint_move::{JointPath, NextMove, Rule};
+use super::limits::of_kinds;
 use super::tool_path::ToolPath;
 
 /// Plans what a file asks for. `limits` are those of joint moves; a robot is needed where its tool follows a path.
@@ -26,12 +30,13 @@ pub fn planned(
         Some(tool) => Segment::Tool(tool),
         None => Segment::Joint(&path.target, path.velocity, path.acceleration),
     };
+    let kinds: Vec<AxisKind> = limits.iter().map(|limits| limits.kind).collect();
+    let mut start = of_kinds(&path.start, &kinds, &format!("{param}.start"))?;
     if path.moves.is_empty() {
-        return Ok(Arc::from(segment(&first, &path.start, limits, rule, robot, param)?));
+        return Ok(Arc::from(segment(&first, &start, limits, rule, robot, param)?));
     }
     let robot = robot.ok_or_else(|| no_robot(&format!("{param}.moves")))?;
     let mut steps: Vec<Step> = Vec::new();
-    let mut start = path.start.clone();
     steps.push(Step { course: segment(&first, &start, limits, rule, Some(robot), param)?, zone: path.zone });
     for (i, next) in path.moves.iter().enumerate() {
         let place = format!("{param}.moves[{i}]");
@@ -54,7 +59,7 @@ pub fn planned(
 
 enum Segment<'a> {
     Tool(&'a ToolPath),
-    Joint(&'a [f64], Option<f64>, Option<f64>),
+    Joint(&'a [AxisValue], Option<f64>, Option<f64>),
 }
 
 impl NextMove {
@@ -96,9 +101,10 @@ fn segment(
             if target.is_empty() {
                 return Err(missing("target"));
             }
+            let kinds: Vec<AxisKind> = limits.iter().map(|limits| limits.kind).collect();
             let request = JointMoveRequest {
                 start: start.to_vec(),
-                target: target.to_vec(),
+                target: of_kinds(target, &kinds, &format!("{param}.target"))?,
                 velocity: velocity.ok_or_else(|| missing("velocity"))?,
                 acceleration: acceleration.ok_or_else(|| missing("acceleration"))?,
                 rule: match rule {

@@ -1,14 +1,18 @@
 //! A robot as a set in a diagram or in a file of its own.
 
-use blocksim_block::in_unit;
+use blocksim_block::Shapes;
+use blocksim_block::in_unit::{self, AxisValue};
 use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
+use blocksim_motion::AxisKind;
 use blocksim_multibody::{Inertia, Placement};
 use blocksim_planner::RobotShapes;
 use blocksim_robot::{Drive, Friction, Link, Parts, Robot, RobotError, Solid, TcpLimits};
+use blocksim_scene::Shape;
 use serde::de::IgnoredAny;
 
 use crate::motion::Limits;
+use crate::motion::limits::of_kind;
 
 /// A robot: links with axes, frames, tool, limits and drives, as one set.
 ///
@@ -82,14 +86,17 @@ pub struct JointLink {
     /// Where the axis is on the link before; the frame of the link is there at position zero.
     #[serde(default)]
     pub origin: Seat,
-    /// Direction of the axis in the frame of the link.
-    #[serde(deserialize_with = "in_unit::direction")]
-    pub axis: [f64; 3],
+    /// Direction of the axis about which the link turns, in its frame.
+    #[serde(default, deserialize_with = "in_unit::direction_if_given")]
+    pub axis: Option<[f64; 3]>,
+    /// Direction in which the link slides, in its frame; in the place of `axis`.
+    #[serde(default, deserialize_with = "in_unit::direction_if_given")]
+    pub slide: Option<[f64; 3]>,
     /// What the axis can do.
     pub limits: Limits,
-    /// Position at the start, rad.
-    #[serde(default, deserialize_with = "in_unit::angle")]
-    pub start: f64,
+    /// Position at the start, rad or m.
+    #[serde(default, deserialize_with = "in_unit::axis_position")]
+    pub start: AxisValue,
     /// What the link consists of, in its frame.
     #[serde(default)]
     pub bodies: Vec<BodyData>,
@@ -158,7 +165,8 @@ pub struct MotorData {
     pub damping: f64,
 }
 
-/// A gear: its reduction, or the teeth of a cycloidal drive, and its losses.
+/// A gear: its reduction, or the teeth of a cycloidal drive, and its losses. Where the axis slides, a screw or a rack with
+/// a `lead` makes travel of turns.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GearData {
@@ -171,6 +179,9 @@ pub struct GearData {
     /// Pins of its ring; more than lobes.
     #[serde(default)]
     pub ring_teeth: Option<u32>,
+    /// Travel of an axis that slides for one turn behind the reduction, m.
+    #[serde(default, deserialize_with = "in_unit::length_if_given")]
+    pub lead: Option<f64>,
     /// Share of the power that passes where the motor drives.
     #[serde(default = "one", deserialize_with = "in_unit::share")]
     pub efficiency_forward: f64,
@@ -191,6 +202,7 @@ impl Default for GearData {
             ratio: None,
             disc_teeth: None,
             ring_teeth: None,
+            lead: None,
             efficiency_forward: 1.0,
             efficiency_backward: 1.0,
             inertia: 0.0,
@@ -199,22 +211,22 @@ impl Default for GearData {
     }
 }
 
-/// Friction of a bearing, as of the block `RotationalFriction`.
+/// Friction of a bearing, as of the block `RotationalFriction`; of an axis that slides as of `TranslationalFriction`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BearingData {
-    /// Breakaway torque, N*m.
-    #[serde(deserialize_with = "in_unit::torque")]
-    pub breakaway: f64,
-    /// Speed of the breakaway torque, rad/s.
-    #[serde(deserialize_with = "in_unit::speed")]
-    pub breakaway_velocity: f64,
-    /// Coulomb torque, N*m.
-    #[serde(deserialize_with = "in_unit::torque")]
-    pub coulomb: f64,
-    /// Viscous coefficient, N*m*s/rad.
-    #[serde(deserialize_with = "in_unit::damping")]
-    pub viscous: f64,
+    /// Breakaway torque, N*m, or force, N.
+    #[serde(deserialize_with = "in_unit::axis_force")]
+    pub breakaway: AxisValue,
+    /// Speed of the breakaway torque, rad/s or m/s.
+    #[serde(deserialize_with = "in_unit::axis_speed")]
+    pub breakaway_velocity: AxisValue,
+    /// Coulomb torque, N*m, or force, N.
+    #[serde(deserialize_with = "in_unit::axis_force")]
+    pub coulomb: AxisValue,
+    /// Viscous coefficient, N*m*s/rad or N*s/m.
+    #[serde(deserialize_with = "in_unit::axis_damping")]
+    pub viscous: AxisValue,
 }
 
 /// What the tool centre point can do.
@@ -244,6 +256,18 @@ fn one() -> f64 {
 }
 
 impl RobotDescription {
+    /// All shapes of the bodies.
+    pub(super) fn shapes_mut(&mut self) -> impl Iterator<Item = &mut Shape> {
+        let links = self.links.iter_mut().flat_map(|link| &mut link.bodies);
+        let bodies = links.chain(&mut self.load).chain(&mut self.pedestal);
+        bodies.flat_map(|body| &mut body.shapes.0)
+    }
+
+    /// How the axes move.
+    pub fn kinds(&self) -> Vec<AxisKind> {
+        self.links.iter().map(JointLink::kind).collect()
+    }
+
     /// The robot.
     ///
     /// # Errors
@@ -275,16 +299,7 @@ impl RobotDescription {
                     solids.push(body.solid(self.flange.placement(), &format!("{param}.load[{k}]"))?);
                 }
             }
-            let Limits { lower, upper, speed, acceleration } = link.limits;
-            links.push(Link {
-                name: link.name.clone(),
-                origin: link.origin.placement(),
-                axis: link.axis,
-                limits: blocksim_motion::AxisLimits { lower, upper, speed, acceleration },
-                start: link.start,
-                solids,
-                drive: link.drive.drive(&format!("{param}.links[{i}].drive"))?,
-            });
+            links.push(link.link(solids, &format!("axis {}", i + 1), &format!("{param}.links[{i}]"))?);
         }
         let TcpData { speed, acceleration } = self.tcp_limits;
         Ok(Parts {
@@ -308,6 +323,47 @@ fn refusal(param: &str, error: &RobotError) -> ParamError {
     }
 }
 
+impl JointLink {
+    /// Whether its axis turns or slides.
+    pub fn kind(&self) -> AxisKind {
+        if self.slide.is_some() { AxisKind::Sliding } else { AxisKind::Turning }
+    }
+
+    /// Direction of the axis in the frame of the link; zero where none is given.
+    pub fn direction(&self) -> [f64; 3] {
+        self.axis.or(self.slide).unwrap_or_default()
+    }
+
+    /// Speed of the motor over that of the joint: turns for turns, or rad for metres.
+    ///
+    /// # Errors
+    /// A gear that has none.
+    pub fn transmission(&self, path: &str) -> Result<f64, ParamError> {
+        self.drive.gear.transmission(self.kind(), path)
+    }
+
+    fn link(&self, solids: Vec<Solid>, what: &str, path: &str) -> Result<Link, ParamError> {
+        if self.axis.is_some() == self.slide.is_some() {
+            let fact = if self.axis.is_some() { "both turns and slides" } else { "neither turns nor slides" };
+            return Err(ParamError::new(path, format!("{what} {fact}"))
+                .help("give `axis`, about which it turns, or `slide`, along which it slides"));
+        }
+        let kind = self.kind();
+        // The unit of one of them stands for all.
+        let unit = AxisValue { value: 0.0, slides: self.limits.slides };
+        of_kind(unit, kind, what, &format!("{path}.limits"))?;
+        Ok(Link {
+            name: self.name.clone(),
+            origin: self.origin.placement(),
+            axis: self.direction(),
+            limits: self.limits.of(kind),
+            start: of_kind(self.start, kind, what, &format!("{path}.start"))?,
+            solids,
+            drive: self.drive.drive(kind, what, &format!("{path}.drive"))?,
+        })
+    }
+}
+
 impl Seat {
     /// As a placement.
     pub fn placement(&self) -> Placement {
@@ -317,8 +373,13 @@ impl Seat {
 
 impl BodyData {
     /// The body at a frame of a component.
-    pub(super) fn element(&self, frame: usize) -> Element {
+    fn element(&self, frame: usize) -> Element {
         Element::Body { frame, mass: self.mass, com: self.com, moi: self.moi, poi: self.poi }
+    }
+
+    /// Body and shapes at a frame of a component.
+    pub(super) fn add_to(&self, part: Part, frame: usize) -> Part {
+        self.shapes.0.iter().fold(part, |part, shape| part.shape(frame, shape.clone())).element(self.element(frame))
     }
 
     fn solid(&self, placement: Placement, path: &str) -> Result<Solid, ParamError> {
@@ -352,15 +413,50 @@ impl GearData {
     }
 }
 
+impl GearData {
+    /// Turns of the motor for a turn of the joint, or rad of the motor for a metre.
+    fn transmission(&self, kind: AxisKind, path: &str) -> Result<f64, ParamError> {
+        let ratio = self.reduction(path)?;
+        match (kind, self.lead) {
+            (AxisKind::Turning, None) => Ok(ratio),
+            (AxisKind::Turning, Some(_)) => {
+                Err(ParamError::new(format!("{path}.lead"), "an axis that turns has no lead")
+                    .help("leave it out, or give the link `slide` in the place of `axis`"))
+            }
+            (AxisKind::Sliding, Some(lead)) if lead > 0.0 && lead.is_finite() => {
+                Ok(ratio * std::f64::consts::TAU / lead)
+            }
+            (AxisKind::Sliding, Some(lead)) => {
+                Err(ParamError::new(format!("{path}.lead"), format!("a lead of {lead} m moves nothing"))
+                    .help("give the travel for one turn, such as 10 mm"))
+            }
+            (AxisKind::Sliding, None) => {
+                Err(ParamError::new(format!("{path}.lead"), "a motor that moves a slide needs a lead")
+                    .help("give the travel for one turn of screw or pinion, such as lead: \"10 mm\""))
+            }
+        }
+    }
+}
+
 impl DriveData {
     /// All counted at the joint.
-    fn drive(&self, path: &str) -> Result<Drive, ParamError> {
-        let ratio = self.gear.reduction(&format!("{path}.gear"))?;
-        let BearingData { breakaway, breakaway_velocity, coulomb, viscous } = self.bearing;
+    fn drive(&self, kind: AxisKind, what: &str, path: &str) -> Result<Drive, ParamError> {
+        let number =
+            |value: AxisValue, member: &str| of_kind(value, kind, what, &format!("{path}.bearing.{member}"));
+        let friction = Friction {
+            breakaway: number(self.bearing.breakaway, "breakaway")?,
+            breakaway_velocity: number(self.bearing.breakaway_velocity, "breakaway_velocity")?,
+            coulomb: number(self.bearing.coulomb, "coulomb")?,
+            viscous: number(self.bearing.viscous, "viscous")?,
+        };
+        if self.motor == MotorData::default() && self.gear == GearData::default() {
+            return Ok(Drive { friction, ..Drive::default() });
+        }
+        let ratio = self.gear.transmission(kind, &format!("{path}.gear"))?;
         Ok(Drive {
             inertia: (self.motor.inertia + self.gear.inertia) * ratio * ratio,
             damping: self.motor.damping * ratio * ratio,
-            friction: Friction { breakaway, breakaway_velocity, coulomb, viscous },
+            friction,
             efficiency_forward: self.gear.efficiency_forward,
             efficiency_backward: self.gear.efficiency_backward,
             threshold: self.gear.threshold / ratio.abs(),

@@ -1,9 +1,10 @@
 use blocksim_block::prelude::*;
-use blocksim_multibody::{Data, EulerZyx, Frame, quaternion_of_rotation};
+use blocksim_multibody::{Data, Frame};
 use blocksim_robot::Robot;
 
 use super::RobotDescription;
-use super::arm::{Arm, End};
+use super::arm::{Arm, End, OfAxes};
+use super::pose::{Pose, pose_outputs};
 
 /// Where the tool of a robot is at given joint positions, in the reference frame of the robot.
 ///
@@ -45,12 +46,10 @@ impl Block for ForwardKinematics {
     }
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
-        Ok(Interface::new()
-            .input(Arm::positions("q", self.robot.links.len(), "positions of the joints"))
-            .output(Output::real("p").shape(Shape::Vector(3)).unit("m").doc("origin of the frame"))
-            .output(Output::real("zyx").shape(Shape::Vector(3)).unit("rad").doc("Euler angles α, β, γ"))
-            .output(Output::real("quaternion").shape(Shape::Vector(4)).unit("1").doc("w, x, y, z"))
-            .output(Output::real("r").shape(Shape::Matrix(3, 3)).unit("1").doc("rotation matrix")))
+        let q = OfAxes::Position.input(&self.robot, "q", "positions of the joints");
+        let interface = Interface::new().input(q);
+        let interface = pose_outputs("origin of the frame").into_iter().fold(interface, Interface::output);
+        Ok(interface.output(Output::real("r").shape(Shape::Matrix(3, 3)).unit("1").doc("rotation matrix")))
     }
 
     fn scratch(&self) -> Scratch {
@@ -60,12 +59,9 @@ impl Block for ForwardKinematics {
     fn outputs(&self, _group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
         let (Some(robot), Some(data)) = (self.arm.robot(c), w.get::<Data>()) else { return };
         let placement = place(robot, data, self.end.of(robot), c.input(0));
-        let EulerZyx { alpha, beta, gamma } = EulerZyx::from_rotation(&placement.rotation);
-        y[c.output(0)].copy_from_slice(placement.translation.as_slice());
-        y[c.output(1)].copy_from_slice(&[alpha, beta, gamma]);
-        y[c.output(2)].copy_from_slice(&quaternion_of_rotation(&placement.rotation));
+        Pose::of(&placement).write(&mut y[..Pose::LEN]);
         // Signals hold matrices row by row.
-        y[c.output(3)].copy_from_slice(placement.rotation.transpose().as_slice());
+        y[Pose::LEN..].copy_from_slice(placement.rotation.transpose().as_slice());
     }
 }
 

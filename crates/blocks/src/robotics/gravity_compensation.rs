@@ -2,7 +2,7 @@ use blocksim_block::prelude::*;
 use blocksim_multibody::Data;
 
 use super::RobotDescription;
-use super::arm::Arm;
+use super::arm::{Arm, OfAxes};
 
 /// Torques that hold a robot at rest against gravity: $\tau = g(q)$.
 ///
@@ -39,10 +39,13 @@ impl Block for GravityCompensation {
     }
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
-        let joints = self.robot.links.len();
-        Ok(Interface::new().input(Arm::positions("q", joints, "positions of the joints")).output(
-            Output::real("tau").shape(Shape::Vector(joints)).unit("N*m").doc("torques at the joints"),
-        ))
+        Ok(Interface::new()
+            .input(OfAxes::Position.input(&self.robot, "q", "positions of the joints"))
+            .output(OfAxes::Force.output(
+                &self.robot,
+                "tau",
+                "torques at the joints, forces where they slide",
+            )))
     }
 
     fn scratch(&self) -> Scratch {

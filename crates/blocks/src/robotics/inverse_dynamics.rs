@@ -2,7 +2,7 @@ use blocksim_block::prelude::*;
 use blocksim_multibody::Data;
 
 use super::RobotDescription;
-use super::arm::Arm;
+use super::arm::{Arm, OfAxes};
 
 /// Torques that a robot needs for a motion (inverse dynamics, computed torque).
 ///
@@ -50,14 +50,15 @@ impl Block for InverseDynamics {
     }
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
-        let joints = self.robot.links.len();
         Ok(Interface::new()
-            .input(Arm::positions("q", joints, "positions of the joints"))
-            .input(Arm::vector("qd", joints, "rad/s", "their speeds"))
-            .input(Arm::vector("qdd", joints, "rad/s^2", "their accelerations"))
-            .output(
-                Output::real("tau").shape(Shape::Vector(joints)).unit("N*m").doc("torques at the joints"),
-            ))
+            .input(OfAxes::Position.input(&self.robot, "q", "positions of the joints"))
+            .input(OfAxes::Speed.input(&self.robot, "qd", "their speeds"))
+            .input(OfAxes::Acceleration.input(&self.robot, "qdd", "their accelerations"))
+            .output(OfAxes::Force.output(
+                &self.robot,
+                "tau",
+                "torques at the joints, forces where they slide",
+            )))
     }
 
     fn scratch(&self) -> Scratch {

@@ -2,7 +2,7 @@ use blocksim_block::prelude::*;
 use blocksim_multibody::{Data, forward_kinematics, relative_jacobian};
 
 use super::RobotDescription;
-use super::arm::{Arm, End};
+use super::arm::{Arm, End, OfAxes};
 
 /// How the tool of a robot moves with its joints: $(\omega; v) = J \dot q$.
 ///
@@ -47,7 +47,8 @@ impl Block for Jacobian {
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let joints = self.robot.links.len();
-        Ok(Interface::new().input(Arm::positions("q", joints, "positions of the joints")).output(
+        let q = OfAxes::Position.input(&self.robot, "q", "positions of the joints");
+        Ok(Interface::new().input(q).output(
             Output::real("j").shape(Shape::Matrix(6, joints)).doc("rows: angular velocity, velocity"),
         ))
     }

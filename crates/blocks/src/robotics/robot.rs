@@ -1,18 +1,24 @@
+use blocksim_block::in_unit::AxisPositions;
 use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
+use blocksim_motion::AxisKind;
 use blocksim_multibody::Placement;
+use blocksim_scene::Form;
 
 use super::RobotDescription;
-use super::arm::Arm;
-use crate::multibody::axis::{Inside, unit, vector_input, vector_output};
+use super::arm::{Arm, OfAxes};
+use crate::motion::limits::of_kinds;
+use crate::multibody::axis::{Inside, unit};
 use crate::multibody::joint_limit::JointLimit;
 
 /// A robot arm as one block: bodies and joints of a description, a drive side for each axis.
 ///
-/// It is the same mechanism as a chain of `Transform`, `Body` and `RevoluteJoint`. The arm is mounted at `base`; at
+/// It is the same mechanism as a chain of `Transform`, `Body` and `RevoluteJoint` or `PrismaticJoint`. The arm is mounted at `base`; at
 /// `flange` more can be fixed to it, in the axes of the flange. `r1`, `c1`, `r2`, `c2` and so on are rod and case of the
-/// drive sides, so $w_{r_i} - w_{c_i} = \dot q_i$. An axis that nothing drives swings freely. The ends of
-/// travel are springs and dampers beyond the limits of the description; drives of the description are not built in.
+/// drive sides, rotational where the axis turns and translational where it slides, so $w_{r_i} - w_{c_i} = \dot q_i$. An
+/// axis that nothing drives swings freely. The ends of
+/// travel are springs and dampers beyond the limits of the description; drives of the description are not built in, shapes
+/// of its bodies are drawn.
 ///
 /// ```ron
 /// Robot(robot: (
@@ -31,18 +37,27 @@ use crate::multibody::joint_limit::JointLimit;
 pub struct Robot {
     /// The robot: links with axes, limits and bodies.
     pub robot: RobotDescription,
-    /// Positions at the start, one for each axis; those of the description unless given.
-    #[block(unit = "rad", default = None)]
-    pub position: Option<Vec<f64>>,
-    /// Stiffness of the ends of travel.
+    /// Positions at the start, one for each axis, rad or m; those of the description unless given.
+    #[block(default = None)]
+    pub position: Option<AxisPositions>,
+    /// Stiffness of the ends of travel of axes that turn.
     #[block(unit = "N*m/rad", default = 5.73e5)]
     pub limit_stiffness: f64,
-    /// Damping of the ends of travel.
+    /// Damping of the ends of travel of axes that turn.
     #[block(unit = "N*m*s/rad", default = 573.0)]
     pub limit_damping: f64,
-    /// Width over which the end of travel sets in.
+    /// Width over which the end of travel of an axis that turns sets in.
     #[block(unit = "rad", default = 1.745e-3)]
     pub limit_transition: f64,
+    /// Stiffness of the ends of travel of axes that slide.
+    #[block(unit = "N/m", default = 1e6)]
+    pub slide_limit_stiffness: f64,
+    /// Damping of the ends of travel of axes that slide.
+    #[block(unit = "N*s/m", default = 1e3)]
+    pub slide_limit_damping: f64,
+    /// Width over which the end of travel of an axis that slides sets in.
+    #[block(unit = "m", default = 1e-4)]
+    pub slide_limit_transition: f64,
 }
 
 /// Names of position and speed of each axis.
@@ -67,8 +82,8 @@ const MOST: usize = 12;
 impl Robot {
     fn start(&self, axis: usize) -> f64 {
         match &self.position {
-            Some(position) => position.get(axis).copied().unwrap_or_default(),
-            None => self.robot.links[axis].start,
+            Some(position) => position.0.get(axis).copied().unwrap_or_default().value,
+            None => self.robot.links[axis].start.value,
         }
     }
 
@@ -80,10 +95,17 @@ impl Robot {
             damping: 0.0,
             lower: Some(limits.lower),
             upper: Some(limits.upper),
-            limit: JointLimit {
-                stiffness: self.limit_stiffness,
-                damping: self.limit_damping,
-                transition: self.limit_transition,
+            limit: match self.robot.links[axis].kind() {
+                AxisKind::Turning => JointLimit {
+                    stiffness: self.limit_stiffness,
+                    damping: self.limit_damping,
+                    transition: self.limit_transition,
+                },
+                AxisKind::Sliding => JointLimit {
+                    stiffness: self.slide_limit_stiffness,
+                    damping: self.slide_limit_damping,
+                    transition: self.slide_limit_transition,
+                },
             },
         }
     }
@@ -104,6 +126,16 @@ fn transform(base: usize, follower: usize, placement: &Placement) -> Element {
 }
 
 impl Block for Robot {
+    fn load(&mut self, files: &dyn Files) -> Result<(), LoadError> {
+        for shape in self.robot.shapes_mut() {
+            if let Form::Mesh { file, .. } = &mut shape.form {
+                // Only who draws or measures it opens the file.
+                *file = files.folder().join(&*file).to_string_lossy().into_owned();
+            }
+        }
+        Ok(())
+    }
+
     fn check(&self) -> Result<(), ParamError> {
         Arm::check(&self.robot)?;
         let axes = self.axes();
@@ -111,13 +143,20 @@ impl Block for Robot {
             return Err(ParamError::new("robot.links", format!("{axes} axes are more than {MOST}"))
                 .help("build the arm of Transform, Body and RevoluteJoint"));
         }
-        if let Some(position) = &self.position
-            && position.len() != axes
-        {
-            return Err(ParamError::new("position", format!("{} positions for {axes} axes", position.len()))
+        if let Some(AxisPositions(position)) = &self.position {
+            if position.len() != axes {
+                return Err(ParamError::new(
+                    "position",
+                    format!("{} positions for {axes} axes", position.len()),
+                )
                 .help("give one for each axis"));
+            }
+            of_kinds(position, &self.robot.kinds(), "position")?;
         }
-        (0..axes).try_for_each(|axis| self.inside(axis).check(Some(self.start(axis)), "rad"))
+        (0..axes).try_for_each(|axis| {
+            let unit = self.robot.links[axis].kind().si();
+            self.inside(axis).check(Some(self.start(axis)), unit)
+        })
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -133,10 +172,16 @@ impl Component for Robot {
             Domain::Frame,
             "where the tool is fixed",
         );
-        for axis in 1..=axes {
-            part = part
-                .port(&format!("r{axis}"), Domain::Rotational, "rod of the drive side of the axis")
-                .port(&format!("c{axis}"), Domain::Rotational, "case of the drive side of the axis");
+        for (link, axis) in self.robot.links.iter().zip(1..) {
+            let domain = match link.kind() {
+                AxisKind::Turning => Domain::Rotational,
+                AxisKind::Sliding => Domain::Translational,
+            };
+            part = part.port(&format!("r{axis}"), domain, "rod of the drive side of the axis").port(
+                &format!("c{axis}"),
+                domain,
+                "case of the drive side of the axis",
+            );
         }
         let (rod, case) = (|axis: usize| 2 + 2 * axis, |axis: usize| 3 + 2 * axis);
         let inner = 2 + 2 * axes;
@@ -148,12 +193,12 @@ impl Component for Robot {
                 .inner(&format!("link{axis}"), Domain::Frame);
         }
         part = part
-            .input(vector_input("torque", axes, "N*m", "torques at the joints"))
-            .output(vector_output("q", axes, "rad", "positions"), Needs::State)
-            .output(vector_output("w", axes, "rad/s", "speeds"), Needs::State)
-            .output(vector_output("a", axes, "rad/s^2", "accelerations"), Needs::Motion)
+            .input(OfAxes::Force.input(&self.robot, "torque", "torques at the joints").default(0.0))
+            .output(OfAxes::Position.output(&self.robot, "q", "positions"), Needs::State)
+            .output(OfAxes::Speed.output(&self.robot, "w", "speeds"), Needs::State)
+            .output(OfAxes::Acceleration.output(&self.robot, "a", "accelerations"), Needs::Motion)
             .output(
-                vector_output("tau", axes, "N*m", "torques of the actuators: input and drive sides"),
+                OfAxes::Force.output(&self.robot, "tau", "torques of the actuators: input and drive sides"),
                 Needs::Motion,
             );
         for (axis, described) in self.robot.links.iter().enumerate() {
@@ -162,22 +207,25 @@ impl Component for Robot {
                 0 => transform(0, seat(0), &(self.robot.base.placement() * origin)),
                 _ => transform(link(axis - 1), seat(axis), &origin),
             });
-            let turn = Axis::new(NAMES[axis.min(MOST - 1)], unit(described.axis))
+            let moved = Axis::new(NAMES[axis.min(MOST - 1)], unit(described.direction()))
                 .driven(rod(axis), case(axis))
                 .starting(Some(self.start(axis)), None);
             part = part.element(Element::Joint {
                 base: seat(axis),
                 follower: link(axis),
-                freedoms: vec![Freedom::Turn(turn)],
+                freedoms: vec![match described.kind() {
+                    AxisKind::Turning => Freedom::Turn(moved),
+                    AxisKind::Sliding => Freedom::Slide(moved),
+                }],
             });
             for body in &described.bodies {
-                part = part.element(body.element(link(axis)));
+                part = body.add_to(part, link(axis));
             }
         }
         if let Some(last) = axes.checked_sub(1) {
             part = part.element(transform(link(last), 1, &self.robot.flange.placement()));
         }
-        self.robot.load.iter().fold(part, |part, body| part.element(body.element(1)))
+        self.robot.load.iter().fold(part, |part, body| body.add_to(part, 1))
     }
 
     fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {

@@ -1,6 +1,6 @@
 //! The arm of the tests: six axes with the lengths of a common industrial robot and a torch.
 
-use blocksim_motion::AxisLimits;
+use blocksim_motion::{AxisKind, AxisLimits};
 use blocksim_multibody::Placement;
 use blocksim_robot::{Drive, Friction, Link, Parts, Robot, TcpLimits};
 use std::f64::consts::FRAC_PI_2;
@@ -19,6 +19,7 @@ pub fn robot() -> Robot {
     let links = rows.iter().map(|row| {
         let (origin, axis, lower, upper, speed, acceleration) = *row;
         let limits = AxisLimits {
+            kind: AxisKind::Turning,
             lower: f64::to_radians(lower),
             upper: f64::to_radians(upper),
             speed: f64::to_radians(speed),

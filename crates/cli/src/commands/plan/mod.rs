@@ -12,6 +12,7 @@ use blocksim_block::ParamError;
 use blocksim_blocks::motion::{JointPath, Rule, ToolPath, planned, refused};
 use blocksim_blocks::robotics::RobotDescription;
 use blocksim_diagram::{Reader, Sources, parameter};
+use blocksim_motion::AxisLimits;
 use blocksim_multibody::{EulerZyx, Placement};
 use blocksim_planner::{
     CartesianRequest, Chosen, Configuration, Findings, Quantity, Start, choose, configurations, encounters,
@@ -194,7 +195,7 @@ fn ask(command: &PlanCommand, robot: &Robot, console: Console) -> Result<Asked, 
     let path: JointPath = on_command_line(&text, console)?;
     let acceleration = robot.tcp_limits().acceleration;
     let request =
-        |tool: &ToolPath| tool.request(Start::Joints(path.start.clone()), acceleration, "move.tool");
+        |tool: &ToolPath| tool.request(Start::Joints(path.start_values()), acceleration, "move.tool");
     let kept = path.tool.as_ref().filter(|_| chosen.is_none()).and_then(|tool| request(tool).ok());
     Ok(Asked { text, path, chosen, kept })
 }
@@ -203,13 +204,15 @@ fn ask(command: &PlanCommand, robot: &Robot, console: Console) -> Result<Asked, 
 fn start(from: Option<&str>, robot: &Robot) -> Result<String, String> {
     match from {
         Some(from) => asked::list("--from", from, "deg"),
-        None => Ok(degrees(&robot.start())),
+        None => Ok(positions(&robot.start(), robot)),
     }
 }
 
-/// Angles as a list of texts, with all digits.
-fn degrees(q: &[f64]) -> String {
-    let items: Vec<String> = q.iter().map(|q| format!("\"{} deg\"", q.to_degrees())).collect();
+/// Positions of the axes as a list of texts, with all digits.
+fn positions(q: &[f64], robot: &Robot) -> String {
+    let axes = q.iter().zip(robot.limits());
+    let items: Vec<String> =
+        axes.map(|(q, AxisLimits { kind, .. })| format!("\"{} {}\"", kind.shown(*q), kind.unit())).collect();
     format!("[{}]", items.join(", "))
 }
 
@@ -229,11 +232,11 @@ fn tool(
     }
     let path: JointPath = on_command_line(&format!("JointMove(start: {given},\n{rest})"), console)?;
     let Some(tool) = &path.tool else { return Err("error: no path of the tool".to_owned().into()) };
-    let from = begin(args, &path.start, console)?;
+    let from = begin(args, &path.start_values(), console)?;
     let request =
         tool.request(from, robot.tcp_limits().acceleration, "move.tool").map_err(|error| told(&error))?;
     let chosen = choose(robot, &request, wanted).map_err(|error| told(&refused(&error, "move")))?;
-    Ok((degrees(&chosen.q), rest, Some(chosen)))
+    Ok((positions(&chosen.q, robot), rest, Some(chosen)))
 }
 
 /// Where the tool begins.

@@ -1,5 +1,6 @@
 //! What is told of a planned move, and the file that is written.
 
+use blocksim_motion::AxisKind;
 use blocksim_planner::{Chosen, Course, Findings, Tried, configuration_word};
 use blocksim_results::format::significant;
 use blocksim_robot::Robot;
@@ -14,15 +15,22 @@ pub fn text(robot: &Robot, course: &dyn Course, findings: &Findings, velocity: O
         short_time(course.duration()),
         findings.waypoints
     );
-    text += "axis  from [deg]   to [deg]  to limits [deg]   speed  acceleration\n";
+    let slides = findings.axes.iter().any(|axis| axis.limits.kind == AxisKind::Sliding);
+    text += match slides {
+        false => "axis  from [deg]   to [deg]  to limits [deg]   speed  acceleration\n",
+        true => "axis        from         to        to limits   speed  acceleration\n",
+    };
     for (i, axis) in findings.axes.iter().enumerate() {
-        let margin = (axis.lowest - axis.limits.lower).min(axis.limits.upper - axis.highest).to_degrees();
+        let margin = (axis.lowest - axis.limits.lower).min(axis.limits.upper - axis.highest);
+        let kind = axis.limits.kind;
+        let unit = if slides { format!(" {}", kind.unit()) } else { String::new() };
+        let shown = |value| format!("{}{unit}", fixed(kind.shown(value)));
         text += &format!(
             "{:>4}  {:>10}  {:>9}  {:>15}  {:>4} %  {:>10} %\n",
             i + 1,
-            fixed(axis.lowest.to_degrees()),
-            fixed(axis.highest.to_degrees()),
-            fixed(margin),
+            shown(axis.lowest),
+            shown(axis.highest),
+            shown(margin),
             share(axis.speed, axis.limits.speed),
             share(axis.acceleration, axis.limits.acceleration),
         );

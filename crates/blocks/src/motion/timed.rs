@@ -1,0 +1,21 @@
+//! What the blocks of moves have in common.
+
+use blocksim_block::prelude::*;
+
+use super::joint_move::JointPath;
+
+/// The seams of a move at which a solver stops: all, or the ends alone where there are so many that stopping would
+/// cost more than it gains. The fastest course along a path has one at each knot.
+pub(super) fn few(seams: Vec<f64>) -> Vec<f64> {
+    const FEW: usize = 100;
+    match (seams.first(), seams.last()) {
+        (Some(first), Some(last)) if seams.len() > FEW => vec![*first, *last],
+        _ => seams,
+    }
+}
+
+/// What planning does not look at.
+pub(super) fn check_path(path: &JointPath, delay: f64) -> Result<(), ParamError> {
+    positive("path.resolution", path.resolution)?;
+    not_negative("delay", delay)
+}
