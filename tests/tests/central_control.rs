@@ -1,6 +1,10 @@
 //! Torques computed for the whole arm, fed forward to the controllers of its joints.
 
-use blocksim_tests::{Run, run_file};
+use blocksim_block::schedule::Recorded;
+use blocksim_blocks::robotics::RobotDescription;
+use blocksim_diagram::{Sources, parameter};
+use blocksim_signal::Kind;
+use blocksim_tests::{Desk, Run, compile_file, root, run, run_file};
 
 const ROBOT: &str = "diagrams/irb2600/irb2600.ron";
 const TWO_LINKS: &str = "diagrams/two_link_arm/two_link_arm.ron";
@@ -91,4 +95,58 @@ fn four_structures_of_control_follow_in_their_order() {
         assert!(errors.is_sorted_by(|a, b| a > b), "joint {}: {errors:?} degrees", joint + 1);
     }
     assert!(largest(&mimo) < 0.02 && largest(&siso) > 1.0, "{mimo:?}, {siso:?} degrees");
+}
+
+/// The plug-in gets its numbers one by one, commands and blocks get the description: both ask the same of the motors.
+#[test]
+fn the_plug_in_and_the_description_ask_the_same_torques_of_the_motors() {
+    let (compiled, problems) = compile_file(ROBOT, &["drive=torque", "control=central"]);
+    let mut schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+    let cell = |path: &str, element: usize| {
+        let signal = schedule.signals.iter().find(|signal| signal.path == path);
+        let cell = signal.unwrap_or_else(|| panic!("there is a signal {path}")).offset + element;
+        Recorded {
+            path: format!("{path}[{element}]"),
+            cell,
+            kind: Kind::Real,
+            dimension: None,
+            display: None,
+        }
+    };
+    let set =
+        |port: &str| (1..=6).map(|axis| cell(&format!("control/joint{axis}/reference.{port}"), 0)).collect();
+    let groups: [Vec<Recorded>; 4] = [
+        set("q"),
+        set("qd"),
+        set("qdd"),
+        (0..6).map(|axis| cell("control/feedforward/arm.tau", axis)).collect(),
+    ];
+    schedule.recorded = groups.concat();
+    let run = run(schedule);
+    assert!(run.error.is_none(), "{:?}", run.error);
+
+    let desk = Desk::new();
+    let read: Result<RobotDescription, _> =
+        parameter(&Sources::new(&desk), &root().join(ROBOT), &[], "manipulator");
+    let description = read.expect("a description");
+    let robot = description.robot("manipulator").expect("a robot");
+    let ratios: Vec<f64> =
+        description.links.iter().map(|link| link.transmission("manipulator").expect("a gear")).collect();
+    let (mut data, mut tau, mut rows, mut largest) = (robot.model().data(), [0.0; 6], 0, 0.0_f64);
+    for (row, t) in run.time.iter().enumerate() {
+        // What the plug-in gives is held between its samples.
+        if (t / 1e-3 - (t / 1e-3).round()).abs() > 1e-6 {
+            continue;
+        }
+        let of =
+            |group: usize| -> Vec<f64> { (0..6).map(|axis| run.columns[6 * group + axis][row]).collect() };
+        robot.motor_torques(&mut data, &of(0), &of(1), &of(2), &mut tau);
+        for (axis, given) in of(3).iter().enumerate() {
+            let wanted = tau[axis] / ratios[axis];
+            largest = largest.max(wanted.abs());
+            assert!((wanted - given).abs() < 1e-9, "axis {} at {t} s: {given} and {wanted} N*m", axis + 1);
+        }
+        rows += 1;
+    }
+    assert!(rows > 2000 && largest > 1.0, "{rows} rows, {largest} N*m");
 }
