@@ -66,21 +66,23 @@ impl Drive {
     /// The torque of the motor, counted at the joint (times the ratio), that gives the joint the torque `tau` (N m) at
     /// speed `w` (rad/s) and acceleration `a` (rad/s²).
     ///
-    /// What passes the gear is `tau` and the friction of the bearing; its loss turns with the sign of the power and sets
-    /// in with tanh(w / threshold), as in a gear of constant efficiency.
+    /// What passes the gear is `tau` and the friction of the bearing, $\tau_p$; its loss turns with the sign of the power and
+    /// sets in with the speed, by the law of the block `CycloidalDrive`
+    ///
+    /// $$ \tau = \tau_p + |\tau| \lambda \tanh(w / w_0), \qquad \lambda = 1 - \eta_f \text{ or } 1 / \eta_b - 1 $$
     pub fn motor_torque(&self, tau: f64, w: f64, a: f64) -> f64 {
         let passed = tau + self.friction.torque(w);
-        // Where the motor drives it gives passed / η; where it is driven it takes passed η.
-        let with_losses = if passed * w >= 0.0 {
-            passed / self.efficiency_forward
-        } else {
-            passed * self.efficiency_backward
-        };
-        let share = match self.threshold > 0.0 {
+        let onset = match self.threshold > 0.0 {
             true => (w.abs() / self.threshold).tanh(),
             false => 1.0,
         };
-        passed + (with_losses - passed) * share + self.inertia * a + self.damping * w
+        // Where the motor drives it gives passed / η; where it is driven it takes passed η.
+        let with_losses = if passed * w >= 0.0 {
+            passed / (1.0 - (1.0 - self.efficiency_forward) * onset)
+        } else {
+            passed / (1.0 + (1.0 / self.efficiency_backward - 1.0) * onset)
+        };
+        with_losses + self.inertia * a + self.damping * w
     }
 }
 
