@@ -483,8 +483,10 @@ fn a_move_out_of_its_limits_names_the_axis_and_the_limit() {
                   help: choose more than 0 % and at most 100 %
             "#]].assert_eq(&problems),
             path if path.contains("mm") => expect![[r#"
-                error[parameter]: `path`: expected a value in rad, found one in m
-                  model.ron:5:46 `["20 mm"]` 
+                error[parameter]: axis 1 turns, but this has the unit of an axis that slides
+                  model.ron:5:19 `(start: ["0 deg"], target: ["20 mm"], velocity: "40 %", acceleration: "30 %")` 
+                  note: in block `m` (JointMove)
+                  help: give it with rad or deg in the place of m, such as 30 deg, 2 rad/s or 50 N*m
             "#]].assert_eq(&problems),
             _ => expect![[r#"
                 error[parameter]: start and target are the same on all axes
