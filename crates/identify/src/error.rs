@@ -38,6 +38,13 @@ pub enum IdentifyError {
         /// The speed, rad/s.
         speed: f64,
     },
+    /// A cutoff that does not fit the time between two instants.
+    Cutoff {
+        /// The cutoff, Hz.
+        cutoff: f64,
+        /// What it must be below, Hz.
+        largest: f64,
+    },
     /// The iteration did not settle.
     NotSettled {
         /// Steps that were taken.
@@ -70,6 +77,12 @@ impl fmt::Display for IdentifyError {
                 write!(
                     f,
                     "the two speeds are both {speed} rad/s; two different ones of the same sense are needed"
+                )
+            }
+            Self::Cutoff { cutoff, largest } => {
+                write!(
+                    f,
+                    "a cutoff of {cutoff} Hz does not fit these instants; it must be below {largest:.4} Hz"
                 )
             }
             Self::NotSettled { steps } => write!(f, "the fit did not settle in {steps} steps"),

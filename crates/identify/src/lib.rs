@@ -8,23 +8,31 @@
 //! | which combinations of masses and inertias decide the torques | [`BaseParameters`] |
 //! | a motion that shows them well | [`excitation`] |
 //! | their values from torques along a motion | [`identify`], [`prediction_error`] |
+//! | samples of a recorded motion, with derivatives where they are missing | [`Recording`] |
+//! | gear, friction and inertia of a drive from a recorded motion | [`drive()`] |
 //!
 //! All angles are in rad, torques in N m.
 
 mod base_parameters;
+mod drive;
 mod dynamics;
 mod error;
 mod excitation;
 mod friction;
 mod least_squares;
 mod random;
+mod recording;
+mod smooth;
 mod student;
 
 pub use base_parameters::{BaseParameter, BaseParameters, inertial_name};
+pub use drive::{DriveFit, DriveSample, drive};
 pub use dynamics::{Identified, Sample, identify, prediction_error};
 pub use error::IdentifyError;
 pub use excitation::{Excitation, Fourier, JointRange, excitation};
 pub use friction::{Curve, CurveFit, Line, Point, Train, TwoPoint, curve, line, two_point};
 pub use least_squares::{Estimate, Fit, least_squares, nonlinear_least_squares};
 pub use random::Random;
+pub use recording::{Recording, Treated};
+pub use smooth::{derivative, low_pass, on_grid};
 pub use student::interval_95;

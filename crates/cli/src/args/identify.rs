@@ -39,16 +39,52 @@ pub struct Common {
     pub json: bool,
 }
 
+/// A recording in the place of experiments.
+#[derive(Debug, Args)]
+pub struct RecordedArgs {
+    /// Evaluate a recorded motion instead of making experiments: a run (its folder, `latest`) or a CSV file.
+    #[arg(long, value_name = "RUN")]
+    pub from: Option<String>,
+    /// Signals with the positions of the joints; `{}` stands for the number of the axis, `*` for anything.
+    #[arg(long, value_name = "PATTERN", default_value = "measurements/angles/axis{}.actual")]
+    pub q: String,
+    /// Signals with their speeds; where there are none of `measurements/velocities/*.axis{}` they are derived.
+    #[arg(long, value_name = "PATTERN", conflicts_with = "derive")]
+    pub qd: Option<String>,
+    /// Signals with their accelerations; where there are none of `measurements/accelerations/*.axis{}` they are derived.
+    #[arg(long, value_name = "PATTERN", conflicts_with = "derive")]
+    pub qdd: Option<String>,
+    /// Signals with the torques on the joints.
+    #[arg(long, value_name = "PATTERN", default_value = "measurements/torques/*.axis{}")]
+    pub tau: String,
+    /// Derive speeds and accelerations from the positions, as on a robot that measures nothing else.
+    #[arg(long)]
+    pub derive: bool,
+    /// Cutoff of the low pass that all signals go through where derivatives are made.
+    #[arg(long, value_name = "FREQUENCY", default_value = "15 Hz", value_parser = frequency)]
+    pub cutoff: f64,
+    /// Most instants that are evaluated; of more every second, third and so on is taken.
+    #[arg(long, value_name = "N", default_value_t = 2000)]
+    pub rows: usize,
+}
+
 /// `blocksim identify friction`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  blocksim identify friction\n  blocksim identify friction --axis 1,4 --out friction.ron\n  \
                   blocksim identify friction --axis 1 --speeds \"10 deg/s,20 deg/s,40 deg/s,80 deg/s\"\n\n\
-                  --out takes .csv (speed and torque of each move) or .ron (what was identified)."
+                  --out takes .csv (speed and torque of each move) or .ron (what was identified).\n\n\
+                  From a recording:\n  blocksim identify friction --from latest\n  \
+                  blocksim identify friction --from log.csv --q 'q{}' --tau 'joint_torque{}' --motor 'motor_torque{}'"
 )]
 pub struct FrictionArgs {
     #[command(flatten)]
     pub common: Common,
+    #[command(flatten)]
+    pub recorded: RecordedArgs,
+    /// Signals with the torques of the motors, on their shafts; for --from.
+    #[arg(long, value_name = "PATTERN", default_value = "measurements/torques/motors.motor{}")]
+    pub motor: String,
     /// Axes to measure, from 1, separated by commas; all if none is given.
     #[arg(long, value_name = "NUMBERS", value_delimiter = ',')]
     pub axis: Vec<usize>,
@@ -60,11 +96,18 @@ pub struct FrictionArgs {
 /// `blocksim identify dynamics`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  blocksim identify dynamics\n  blocksim identify dynamics --noise 0.05 --seed 7 --out base.csv"
+    after_help = "Examples:\n  blocksim identify dynamics\n  blocksim identify dynamics --noise 0.05 --seed 7 --out base.csv\n\n\
+                  From a recording:\n  blocksim identify dynamics --from latest --predict runs/other\n  \
+                  blocksim identify dynamics --from log.csv --q 'q{}' --tau 'torque{}' --cutoff \"8 Hz\""
 )]
 pub struct DynamicsArgs {
     #[command(flatten)]
     pub common: Common,
+    #[command(flatten)]
+    pub recorded: RecordedArgs,
+    /// Another recording, with the same signals, whose torques are predicted by what was found.
+    #[arg(long, value_name = "RUN", requires = "from")]
+    pub predict: Option<String>,
     /// Noise that is added to the torques: standard deviation as a share of their root mean square.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
     pub noise: f64,
@@ -92,6 +135,18 @@ fn harmonics(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(n) if (2..=50).contains(&n) => Ok(n),
         _ => Err("a whole number from 2 to 50".to_owned()),
+    }
+}
+
+/// A frequency above zero, Hz.
+fn frequency(text: &str) -> Result<f64, String> {
+    let value = evaluate(text, &NoNames).map_err(|error| error.message)?;
+    let quantity = value.as_number().ok_or("a frequency is a number, such as \"15 Hz\"")?;
+    let fits = Unit::parse("Hz").is_ok_and(|unit| quantity.dimension == unit.dimension);
+    match quantity.value {
+        _ if !fits && !quantity.dimension.is_none() => Err("a frequency has the unit Hz".to_owned()),
+        x if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("a frequency here is above zero".to_owned()),
     }
 }
 

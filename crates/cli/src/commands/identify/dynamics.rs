@@ -1,19 +1,17 @@
 //! `blocksim identify dynamics`.
 
-use std::fmt::Write;
 use std::io;
 use std::sync::Arc;
 
 use blocksim_identify::{
-    BaseParameters, Excitation, Fourier, Identified, JointRange, Random, Sample, excitation, identify,
-    prediction_error,
+    BaseParameters, Excitation, Fourier, JointRange, Random, Sample, excitation, identify, prediction_error,
 };
 use blocksim_results::format::significant;
-use blocksim_results::{Align, Table};
 use serde_json::json;
 
 use super::bench::{Bench, Experiment, Rows};
 use super::course::Course;
+use super::dynamics_said::{Outcome, as_json, counted, csv, text};
 use super::pose::range;
 use super::said::failed;
 use super::{load_bench, out};
@@ -25,9 +23,7 @@ use crate::terminal::console::Console;
 /// Rows of a motion.
 const ROWS: f64 = 400.0;
 /// Random motions from which the base parameters are found.
-const SAMPLES: usize = 60;
-/// Signs of a combination in a table.
-const WIDE: usize = 44;
+pub const SAMPLES: usize = 60;
 
 impl Course for Fourier {
     fn at(&self, t: f64) -> [f64; 3] {
@@ -86,16 +82,20 @@ pub fn dynamics(args: &DynamicsArgs, console: Console) -> io::Result<Exit> {
     };
     let values: Vec<f64> = found.fit.estimates.iter().map(|estimate| estimate.value).collect();
     let wrong = prediction_error(&bench.tree, &base, &values, second);
-    let prediction = wrong.unwrap_or_default();
+    let heading = format!(
+        "{}, from {} instants of a motion with condition number {}; noise {} % of the torques",
+        counted(&base),
+        first.len(),
+        significant(motions[0].condition, 3),
+        significant(100.0 * args.noise, 3)
+    );
     let result = Outcome {
+        heading,
         truth: base.values(&bench.tree.inertial_parameters()),
-        size: root_mean_square(second, bench.axes.len()),
-        condition: motions[0].condition,
-        rows: first.len(),
-        noise: args.noise,
+        prediction: Some((wrong.unwrap_or_default(), root_mean_square(second, bench.axes.len()))),
+        facts: json!({ "condition": motions[0].condition, "rows": first.len(), "noise": args.noise }),
         base,
         found,
-        prediction,
     };
     if let Some(path) = &args.common.out
         && let Err(error) = out::write(path, &csv(&result))
@@ -127,7 +127,7 @@ fn samples(bench: &Bench, rows: &Rows) -> Vec<Sample> {
 }
 
 /// Root mean square of the torques of each joint.
-fn root_mean_square(samples: &[Sample], joints: usize) -> Vec<f64> {
+pub fn root_mean_square(samples: &[Sample], joints: usize) -> Vec<f64> {
     let count = samples.len().max(1) as f64;
     let of = |joint: usize| samples.iter().map(|sample| sample.tau[joint].powi(2)).sum::<f64>();
     (0..joints).map(|joint| (of(joint) / count).sqrt()).collect()
@@ -143,118 +143,4 @@ fn add_noise(samples: &mut [Sample], share: f64, seed: u64) {
             *tau += share * size * random.normal();
         }
     }
-}
-
-/// What was found out.
-struct Outcome {
-    base: BaseParameters,
-    found: Identified,
-    truth: Vec<f64>,
-    /// Root mean square of the torques of the second motion.
-    size: Vec<f64>,
-    prediction: Vec<f64>,
-    condition: f64,
-    rows: usize,
-    noise: f64,
-}
-
-fn text(result: &Outcome) -> String {
-    let mut table = Table::new(&[
-        ("base parameter", Align::Left),
-        ("identified", Align::Right),
-        ("± 95 %", Align::Right),
-        ("parameters", Align::Right),
-        ("inside", Align::Left),
-    ]);
-    let mut inside = 0;
-    for (index, (found, truth)) in result.found.fit.estimates.iter().zip(&result.truth).enumerate() {
-        let holds = found.holds(*truth);
-        inside += usize::from(holds);
-        let name = result.base.name(index);
-        let name = if name.chars().count() > WIDE {
-            format!("{} ...", name.chars().take(WIDE - 4).collect::<String>())
-        } else {
-            name
-        };
-        table.row([
-            name,
-            significant(found.value, 5),
-            significant(found.interval, 2),
-            significant(*truth, 5),
-            if holds { "yes" } else { "no" }.to_owned(),
-        ]);
-    }
-    let mut out = format!(
-        "{} base parameters of {} inertial ones, from {} instants of a motion with condition number {}; noise {} % of the \
-         torques\n\n",
-        result.base.len(),
-        result.base.without_effect.len()
-            + result.base.len()
-            + result
-                .base
-                .parameters
-                .iter()
-                .flat_map(|p| &p.others)
-                .map(|(i, _)| i)
-                .collect::<std::collections::BTreeSet<_>>()
-                .len(),
-        result.rows,
-        significant(result.condition, 3),
-        significant(100.0 * result.noise, 3)
-    );
-    out.push_str(&table.render());
-    let _ = writeln!(
-        out,
-        "\n{inside} of {} intervals hold the value of the parameters (kg, kg*m, kg*m^2; the last digit of a name is the body)",
-        result.truth.len()
-    );
-    let mut joints = Table::new(&[
-        ("joint", Align::Right),
-        ("residual [N*m]", Align::Right),
-        ("another motion, error [N*m]", Align::Right),
-        ("of its torque", Align::Right),
-    ]);
-    let rows = result.found.residuals.iter().zip(&result.prediction).zip(&result.size);
-    for (joint, ((residual, wrong), size)) in rows.enumerate() {
-        joints.row([
-            format!("{}", joint + 1),
-            significant(*residual, 3),
-            significant(*wrong, 3),
-            format!("{} %", significant(100.0 * wrong / size, 2)),
-        ]);
-    }
-    let _ = write!(out, "\n{}", joints.render());
-    out
-}
-
-fn as_json(result: &Outcome) -> String {
-    let mut out = String::new();
-    for (index, (found, truth)) in result.found.fit.estimates.iter().zip(&result.truth).enumerate() {
-        let value = json!({
-            "base_parameter": result.base.name(index), "value": found.value, "standard_error": found.error,
-            "interval_95": found.interval, "set": truth, "inside": found.holds(*truth),
-        });
-        let _ = writeln!(out, "{value}");
-    }
-    let value = json!({
-        "residuals": result.found.residuals, "prediction_errors": result.prediction, "torques": result.size,
-        "condition": result.condition, "rows": result.rows, "noise": result.noise,
-    });
-    let _ = writeln!(out, "{value}");
-    out
-}
-
-fn csv(result: &Outcome) -> String {
-    let mut out = String::from("base parameter,value,standard error,interval 95 %,set\n");
-    for (index, (found, truth)) in result.found.fit.estimates.iter().zip(&result.truth).enumerate() {
-        let _ = writeln!(
-            out,
-            "{},{},{},{},{truth}",
-            result.base.name(index),
-            found.value,
-            found.error,
-            found.interval
-        );
-    }
-    out
 }

@@ -5,10 +5,14 @@ mod constant_speed;
 mod course;
 mod drive;
 mod dynamics;
+mod dynamics_recorded;
+mod dynamics_said;
 mod friction;
+mod friction_recorded;
 mod friction_said;
 mod out;
 mod pose;
+mod recorded;
 mod said;
 
 use std::io;
@@ -29,8 +33,14 @@ use crate::terminal::render;
 /// If the standard output cannot be written.
 pub fn identify(command: &IdentifyCommand, console: Console) -> io::Result<Exit> {
     match command {
-        IdentifyCommand::Friction(args) => friction::friction(args, console),
-        IdentifyCommand::Dynamics(args) => dynamics::dynamics(args, console),
+        IdentifyCommand::Friction(args) => match &args.recorded.from {
+            Some(from) => friction_recorded::friction(args, from, console),
+            None => friction::friction(args, console),
+        },
+        IdentifyCommand::Dynamics(args) => match &args.recorded.from {
+            Some(from) => dynamics_recorded::dynamics(args, from, console),
+            None => dynamics::dynamics(args, console),
+        },
     }
 }
 

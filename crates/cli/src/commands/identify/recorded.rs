@@ -1,0 +1,182 @@
+//! A recording of a run or a CSV file as what identification asks for, and the robot that it is of.
+
+use std::ops::RangeInclusive;
+
+use blocksim_blocks::robotics::RobotDescription;
+use blocksim_diagram::{Sources, parameter};
+use blocksim_identify::on_grid;
+use blocksim_results::ALWAYS;
+use blocksim_signal::{Unit, closest};
+
+use super::super::plot::open;
+use super::super::tell;
+use crate::args::identify::Common;
+use crate::args::model::Format;
+use crate::disk::Disk;
+use crate::exit::Exit;
+use crate::signals::naming::fits;
+use crate::signals::traces::Book;
+use crate::terminal::console::Console;
+
+/// Stands for the number of an axis in the name of a signal.
+const NUMBER: &str = "{}";
+
+/// Fewest instants of a recording.
+const FEWEST: usize = 10;
+
+/// Most instants that are kept.
+const MOST: usize = 4_000_000;
+
+/// A description with the robot that it makes.
+pub struct Arm {
+    /// As it is written.
+    pub description: RobotDescription,
+    /// Assembled.
+    pub robot: blocksim_robot::Robot,
+}
+
+/// The robot of the diagram, by its description.
+///
+/// # Errors
+/// What to say; nothing where it has been told.
+pub fn arm(common: &Common, console: Console) -> Result<Arm, (String, Exit)> {
+    let disk = Disk::default();
+    let sources = Sources::new(&disk);
+    let read: Result<RobotDescription, _> = parameter(&sources, &common.model, &common.set, "manipulator");
+    let description = read.map_err(|problems| {
+        let format = if common.json { Format::Json } else { Format::Full };
+        match tell(&problems, &sources.all(), format, console) {
+            Ok(()) => (String::new(), Exit::Model),
+            Err(error) => (format!("error: {error}"), Exit::Files),
+        }
+    })?;
+    match description.robot("manipulator") {
+        Ok(robot) => Ok(Arm { description, robot }),
+        Err(error) => {
+            let help = error.help.map(|help| format!("\n  = help: {help}")).unwrap_or_default();
+            Err((format!("error: {} (`{}`){help}", error.message, error.param), Exit::Model))
+        }
+    }
+}
+
+/// A recording with the instants at which it is looked at.
+pub struct Table {
+    book: Book,
+    /// First instant, s.
+    from: f64,
+    /// Time between two instants, s.
+    pub step: f64,
+    /// Number of instants.
+    pub count: usize,
+}
+
+impl Table {
+    /// Opens a run or a CSV file and looks at it at the instants of its own step: the median one.
+    ///
+    /// # Errors
+    /// What to say.
+    pub fn open(name: &str) -> Result<Table, (String, Exit)> {
+        let files = |message: String| (message, Exit::Files);
+        let book = open(name, &[]).map_err(files)?;
+        let none = || (format!("error: `{name}` has no values\n  = help: run the model again"), Exit::Files);
+        let (from, to) = book.span().ok_or_else(none)?;
+        let time = match book.traces.is_empty() {
+            true => return Err(none()),
+            false => book.read(0, &range()).map_err(files)?.time,
+        };
+        let mut steps: Vec<f64> =
+            time.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        let step = steps.get(steps.len() / 2).copied().ok_or_else(none)?;
+        let count = ((to - from) / step + 1e-6) as usize + 1;
+        if !(FEWEST..=MOST).contains(&count) {
+            return Err(files(format!(
+                "error: `{name}` has {count} instants, {step} s apart\n  = help: {FEWEST} to {MOST} can be evaluated"
+            )));
+        }
+        Ok(Table { book, from, step, count })
+    }
+
+    /// The signals of all axes whose names follow a pattern; `{}` in it stands for the number of the axis.
+    ///
+    /// # Errors
+    /// The signal that is missing, ambiguous or of another unit, and a remedy.
+    pub fn signals(
+        &self,
+        flag: &str,
+        pattern: &str,
+        units: &[&str],
+    ) -> Result<Vec<Vec<f64>>, (String, Exit)> {
+        (1..).zip(units).map(|(axis, unit)| self.signal(flag, pattern, axis, unit)).collect()
+    }
+
+    /// Whether there is a signal of the first axis.
+    pub fn has(&self, pattern: &str) -> bool {
+        let wanted = pattern.replace(NUMBER, "1");
+        self.book.traces.iter().any(|trace| whole(&trace.path, &wanted))
+    }
+
+    fn signal(&self, flag: &str, pattern: &str, axis: usize, unit: &str) -> Result<Vec<f64>, (String, Exit)> {
+        let wanted = pattern.replace(NUMBER, &axis.to_string());
+        let usage = |message: String| (message, Exit::Usage);
+        let all = || self.book.traces.iter().enumerate();
+        let found: Vec<usize> =
+            all().filter(|(_, trace)| whole(&trace.path, &wanted)).map(|(at, _)| at).collect();
+        let &[at] = &found[..] else {
+            let is_in = |dimension| Unit::parse(unit).is_ok_and(|unit| unit.dimension.compatible(dimension));
+            let could_be = all().filter(|(_, trace)| !trace.has_unit || is_in(trace.unit.dimension));
+            let paths = could_be.map(|(_, trace)| trace.path.as_str());
+            let help = match (found.len(), closest(&wanted, paths.clone())) {
+                (0, Some(meant)) => format!(
+                    "did you mean `{meant}`? {flag} names the signals, {NUMBER} stands for the number of the axis"
+                ),
+                (0, None) => format!(
+                    "name the signals with {flag}, {NUMBER} for the number of the axis; there are {}",
+                    paths.take(8).map(|path| format!("`{path}`")).collect::<Vec<_>>().join(", ")
+                ),
+                _ => format!(
+                    "choose one of {}",
+                    found
+                        .iter()
+                        .take(4)
+                        .map(|at| format!("`{}`", self.book.traces[*at].path))
+                        .collect::<Vec<_>>()
+                        .join(", ")
+                ),
+            };
+            let how_many = if found.is_empty() { "no signal" } else { "more than one signal" };
+            return Err(usage(format!(
+                "error: `{}` has {how_many} `{wanted}` for axis {axis}\n  = help: {help}",
+                self.book.name
+            )));
+        };
+        let trace = &self.book.traces[at];
+        let fits = Unit::parse(unit).is_ok_and(|unit| unit.dimension.compatible(trace.unit.dimension));
+        if trace.has_unit && !fits {
+            return Err(usage(format!(
+                "error: `{}` is in {}, but {flag} is for signals in {unit}\n  = help: name another signal",
+                trace.path, trace.unit
+            )));
+        }
+        let column = self.book.read(at, &range()).map_err(|message| (message, Exit::Files))?;
+        if let Some(at) = column.values.iter().position(|value| !value.is_finite()) {
+            return Err((
+                format!(
+                    "error: `{}` is {} at t = {} s\n  = help: leave such rows out of the table",
+                    trace.path, column.values[at], column.time[at]
+                ),
+                Exit::Files,
+            ));
+        }
+        Ok(on_grid(&column.time, &column.values, self.from, self.step, self.count))
+    }
+}
+
+/// A name, or a pattern with `*`; unlike elsewhere a part of a name is not enough.
+fn whole(path: &str, pattern: &str) -> bool {
+    if pattern.contains('*') { fits(path, pattern) } else { path == pattern }
+}
+
+fn range() -> RangeInclusive<f64> {
+    ALWAYS
+}
