@@ -379,7 +379,11 @@ impl BodyData {
 
     /// Body and shapes at a frame of a component.
     pub(super) fn add_to(&self, part: Part, frame: usize) -> Part {
-        self.shapes.0.iter().fold(part, |part, shape| part.shape(frame, shape.clone())).element(self.element(frame))
+        self.shapes
+            .0
+            .iter()
+            .fold(part, |part, shape| part.shape(frame, shape.clone()))
+            .element(self.element(frame))
     }
 
     fn solid(&self, placement: Placement, path: &str) -> Result<Solid, ParamError> {
