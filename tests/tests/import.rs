@@ -315,26 +315,26 @@ fn imported_shapes_are_seen_on_the_bodies_that_they_belong_to() {
     assert!((found.rotation - expected.rotation).abs().max() < 1e-12, "{found:?}");
 }
 
-/// The description of the robot in an imported diagram.
-fn described(name: &str) -> blocksim_blocks::robotics::RobotDescription {
+/// The description of the robot in an imported diagram, and what it assumes.
+fn described(
+    mechanism: &Mechanism,
+    tip: Option<&str>,
+) -> (blocksim_blocks::robotics::RobotDescription, Vec<String>) {
     use blocksim_import::{chain, robot};
-    let mechanism = read(name);
-    let chain = chain(&mechanism, None).expect("a chain of axes");
-    assert_eq!(chain.notes, [""; 0]);
+    let chain = chain(mechanism, tip).expect("a chain of axes");
     let files = Files { robot: Some("r.ron"), ..FILES };
-    let (text, assumed) = robot(&mechanism, &chain, &files);
-    assert_eq!(assumed, ["accelerations", "how fast the tool may be"]);
+    let (text, assumed) = robot(mechanism, &chain, &files);
     let provenance =
         Provenance { source: "a.urdf".into(), fingerprint: "0".into(), date: "2026-11-21".into() };
     let desk = Desk::new()
-        .with("a.ron", &diagram(&mechanism, &files))
-        .with("p.ron", &parameters(&mechanism, Some(&chain), &provenance))
+        .with("a.ron", &diagram(mechanism, &files))
+        .with("p.ron", &parameters(mechanism, Some(&chain), &provenance))
         .with("r.ron", &text);
     let (compiled, problems) = compile_with(&desk, Path::new("a.ron"), &[]);
     assert!(compiled.schedule.is_some() && problems.is_empty(), "{problems}");
     let sources = blocksim_diagram::Sources::new(&desk);
-    blocksim_diagram::parameter(&sources, Path::new("a.ron"), &[], "manipulator")
-        .unwrap_or_else(|problems| panic!("{problems:?}\n{text}"))
+    let read = blocksim_diagram::parameter(&sources, Path::new("a.ron"), &[], "manipulator");
+    (read.unwrap_or_else(|problems| panic!("{problems:?}\n{text}")), assumed)
 }
 
 #[test]
@@ -345,7 +345,8 @@ fn the_imported_description_has_the_kinematics_and_dynamics_of_the_one_that_ship
     let file = root().join("diagrams/irb2600/irb2600.ron");
     let mut ships: RobotDescription =
         blocksim_diagram::parameter(&sources, &file, &[], "manipulator").expect("the description");
-    let imported = described("irb2600.urdf");
+    let (imported, assumed) = described(&read("irb2600.urdf"), None);
+    assert_eq!(assumed, ["accelerations", "how fast the tool may be"]);
     // The file has no torch, and gravity is that of the standard.
     ships.load.clear();
     ships.tool = Default::default();
@@ -376,7 +377,7 @@ fn the_imported_description_has_the_kinematics_and_dynamics_of_the_one_that_ship
 
 #[test]
 fn a_chain_through_welds_and_turned_frames_is_described_as_it_is_built() {
-    use blocksim_import::{chain, robot};
+    use blocksim_import::chain;
     // Welds before, between and behind the axes, a body on a weld, and two fingers that count as fixed.
     let text = r#"<robot name="welded">
   <link name="world"/>
@@ -413,21 +414,9 @@ fn a_chain_through_welds_and_turned_frames_is_described_as_it_is_built() {
     let chain = chain(&mechanism, Some("grip")).expect("a chain");
     let fixed = ["finger", "thumb"].map(|name| format!("`{name}` counts as fixed in the robot description"));
     assert_eq!(chain.notes, fixed);
-    let files = Files { robot: Some("r.ron"), ..FILES };
-    let (robot_text, assumed) = robot(&mechanism, &chain, &files);
-    assert_eq!(
-        assumed,
-        ["accelerations", "how fast the tool may be", "the range of `b`", "the speed of `b`"]
-    );
-    let provenance = Provenance { source: "w".into(), fingerprint: "0".into(), date: "2026-11-21".into() };
-    let desk = Desk::new()
-        .with("a.ron", &diagram(&mechanism, &files))
-        .with("p.ron", &parameters(&mechanism, Some(&chain), &provenance))
-        .with("r.ron", &robot_text);
-    let sources = blocksim_diagram::Sources::new(&desk);
-    let described: blocksim_blocks::robotics::RobotDescription =
-        blocksim_diagram::parameter(&sources, Path::new("a.ron"), &[], "manipulator")
-            .unwrap_or_else(|problems| panic!("{problems:?}\n{robot_text}"));
+    let (described, assumed) = described(&mechanism, Some("grip"));
+    let expected = ["accelerations", "how fast the tool may be", "the range of `b`", "the speed of `b`"];
+    assert_eq!(assumed, expected);
     let robot = described.robot("robot").expect("a robot");
     // The whole mechanism, its fingers held where they start.
     let bodies = model(&mechanism).expect("masses").expect("a tree").model;
@@ -467,4 +456,29 @@ fn a_chain_through_welds_and_turned_frames_is_described_as_it_is_built() {
     let tcp = robot.parts().base * robot.tcp(&mut one, &q);
     assert!((tcp.translation - grip.translation).norm() < 1e-11, "{tcp:?}");
     assert!((tcp.rotation - grip.rotation).abs().max() < 1e-11, "{tcp:?}");
+}
+
+#[test]
+fn axes_that_slide_are_described_too() {
+    use blocksim_import::simscape;
+    let file = root().join("tests/data/crane.xml");
+    let bytes = std::fs::read(&file).expect("a file of the tests");
+    let mechanism = simscape::read(&file, &bytes).unwrap_or_else(|faults| panic!("{}", faults[0]));
+    let (described, assumed) = described(&mechanism, None);
+    assert!(assumed.contains(&"the range of `boom_1_to_trolley_1`".to_owned()), "{assumed:?}");
+    let (robot, typed) = (described.robot("robot").expect("a robot"), crane());
+    let (mut one, mut other) = (robot.model().data(), typed.data());
+    let mut random = Random(29);
+    for _ in 0..20 {
+        let (q, v, a) = (random.list(3), random.list(3), random.list(3));
+        let (mut needed, mut expected) = (vec![0.0; 3], vec![0.0; 3]);
+        robot.joint_torques(&mut one, &q, &v, &a, &mut needed);
+        rnea(&typed, &mut other, &q, &v, &a, &mut expected);
+        for (needed, expected) in needed.iter().zip(&expected) {
+            assert!(
+                (needed - expected).abs() < 1e-10 * expected.abs().max(1.0),
+                "{needed} is not {expected}"
+            );
+        }
+    }
 }

@@ -51,8 +51,8 @@ pub fn chain(mechanism: &Mechanism, tip: Option<&str>) -> Result<Chain, String> 
     let Some(last) = axes.last() else { return Err("nothing moves".to_owned()) };
     for axis in &axes {
         let joint = &mechanism.joints[*axis];
-        if !matches!(joint.motion, Motion::Revolute { .. }) {
-            return Err(format!("the joint `{}` is no turning axis", joint.original));
+        if !matches!(joint.motion, Motion::Revolute { .. } | Motion::Prismatic { .. }) {
+            return Err(format!("the joint `{}` has more than one axis", joint.original));
         }
     }
     let seats = seats(mechanism, &axes);

@@ -5,7 +5,7 @@ use blocksim_multibody::Placement;
 use super::diagram::{Files, line, quoted};
 use super::parameters::stands_in_file;
 use crate::chain::{Chain, ChainLink};
-use crate::mechanism::{Joint, Mechanism, Start};
+use crate::mechanism::{Joint, Mechanism, Motion, Start};
 
 /// The text of the description of a chain, and what it assumes because the file does not say it, in words for the user.
 ///
@@ -51,7 +51,8 @@ fn axis(mechanism: &Mechanism, link: &ChainLink, out: &mut String, assumed: &mut
         false => format!("\"{own}.origin\""),
     };
     entry("origin", &origin);
-    entry("axis", &format!("\"{path}.axis\""));
+    let slides = matches!(joint.motion, Motion::Prismatic { .. });
+    entry(if slides { "slide" } else { "axis" }, &format!("\"{path}.axis\""));
     entry("limits", &limits(joint, &path, assumed));
     if joint.start != Start::Open {
         entry("start", &format!("\"{path}.position\""));
@@ -69,18 +70,26 @@ fn axis(mechanism: &Mechanism, link: &ChainLink, out: &mut String, assumed: &mut
         .collect();
     entry("bodies", &super::between(["[", "]"], &bodies, 20, 12));
     if joint.damping != 0.0 {
-        let rest = "breakaway: 0, breakaway_velocity: \"0.1 rad/s\", coulomb: 0";
-        entry("drive", &format!("(bearing: ({rest}, viscous: \"{path}.damping\"))"));
+        let [zero, speed] = if slides { ["0 N", "0.1 m/s"] } else { ["0 N*m", "0.1 rad/s"] };
+        let bearing = [
+            format!("breakaway: \"{zero}\", breakaway_velocity: \"{speed}\", coulomb: \"{zero}\""),
+            format!("viscous: \"{path}.damping\""),
+        ];
+        entry("drive", &format!("({})", super::call("bearing: ", &bearing, 20, 12)));
     }
 }
 
 /// What the axis can do: as the file has it, and assumed where the file says nothing.
 fn limits(joint: &Joint, path: &str, assumed: &mut Vec<String>) -> String {
+    let [range, speed, acceleration] = match joint.motion {
+        Motion::Prismatic { .. } => ["1 m", "0.5 m/s", "1 m/s^2"],
+        _ => ["360 deg", "90 deg/s", "180 deg/s^2"],
+    };
     let mut members = match joint.range {
         Some(_) => ["lower", "upper"].map(|name| format!("{name}: \"{path}.{name}\"")).to_vec(),
         None => {
             assumed.push(format!("the range of `{}`", joint.original));
-            vec!["lower: \"-360 deg\"".to_owned(), "upper: \"360 deg\"".to_owned()]
+            vec![format!("lower: \"-{range}\""), format!("upper: \"{range}\"")]
         }
     };
     match joint.speed {
@@ -90,8 +99,8 @@ fn limits(joint: &Joint, path: &str, assumed: &mut Vec<String>) -> String {
         }
         None => {
             assumed.push(format!("the speed of `{}`", joint.original));
-            members.push("speed: \"90 deg/s\"".to_owned());
-            members.push("acceleration: \"180 deg/s^2\"".to_owned());
+            members.push(format!("speed: \"{speed}\""));
+            members.push(format!("acceleration: \"{acceleration}\""));
         }
     }
     super::call("", &members, 20, 12)
