@@ -1,6 +1,6 @@
 //! Torques computed for the whole arm, fed forward to the controllers of its joints.
 
-use blocksim_block::schedule::Recorded;
+use blocksim_block::schedule::{Keep, Recorded};
 use blocksim_blocks::robotics::RobotDescription;
 use blocksim_diagram::{Sources, parameter};
 use blocksim_signal::Kind;
@@ -111,6 +111,9 @@ fn the_plug_in_and_the_description_ask_the_same_torques_of_the_motors() {
             kind: Kind::Real,
             dimension: None,
             display: None,
+            title: Vec::new(),
+            legend: None,
+            keep: Keep::All,
         }
     };
     let set =

@@ -177,7 +177,7 @@ pub enum Keep {
     All,
     /// The first one at or behind each multiple of this time, s.
     Every(f64),
-    /// Every so manieth row.
+    /// Every so many rows one.
     Rows(u32),
     /// The least and the largest value within each stretch of this time, s.
     Extremes(f64),

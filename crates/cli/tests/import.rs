@@ -91,6 +91,39 @@ fn an_imported_robot_is_planned_and_solved_right_away() {
     desk.done(&["run", "arm/solved.ron", "--out", "r", "--quiet"]);
 }
 
+/// A robot with shapes: a foot, an upper arm on a weld, and a forearm that can hit the foot.
+const SHAPES: &str = r#"<robot name="shapes">
+  <link name="foot"><inertial><mass value="9"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <collision><origin xyz="0 0 0.1"/><geometry><box size="0.6 0.2 0.2"/></geometry></collision></link>
+  <joint name="a" type="revolute"><parent link="foot"/><child link="carrier"/><origin xyz="0 0 0.5"/><axis xyz="0 1 0"/>
+    <limit lower="-3" upper="3" velocity="2" effort="9"/></joint>
+  <link name="carrier"/>
+  <joint name="weld" type="fixed"><parent link="carrier"/><child link="upper"/><origin xyz="0 0 0.2" rpy="0 0 0.5"/></joint>
+  <link name="upper"><inertial><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
+    <collision><geometry><cylinder radius="0.04" length="0.4"/></geometry></collision></link>
+  <joint name="b" type="revolute"><parent link="carrier"/><child link="fore"/><origin xyz="0 0 0.5"/><axis xyz="0 1 0"/>
+    <limit lower="-3" upper="3" velocity="2" effort="9"/></joint>
+  <link name="fore"><inertial><origin xyz="0 0 0.3"/><mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
+    <collision><origin xyz="0 0 0.45"/><geometry><cylinder radius="0.03" length="0.8"/></geometry></collision></link>
+</robot>
+"#;
+
+#[test]
+fn an_imported_robot_that_hits_itself_is_told() {
+    let desk = Desk::with("shapes", &[("arm.urdf", SHAPES)]);
+    desk.done(&["import", "arm.urdf", "--out", "arm"]);
+    let (described, numbers) = (desk.read("arm/arm_robot.ron"), desk.read("arm/arm_parameters.ron"));
+    assert!(described.contains("pedestal: [\"model.bodies.foot\"]"), "{described}");
+    assert!(described.contains("\"model.chain.axes.a.bodies.upper\""), "{described}");
+    assert!(numbers.matches("kind: Text(\"cylinder\")").count() == 3, "upper stands twice: {numbers}");
+    let plan = |to: &str| desk.call(&["plan", "joint", "--robot", "arm/arm.ron", "--to", to]);
+    let (code, out, err) = plan("20 deg, 30 deg");
+    assert_eq!(code, 0, "{out}{err}");
+    // The forearm folds down onto the foot.
+    let (code, out, err) = plan("0 deg, 170 deg");
+    assert_eq!(code, 1, "{out}{err}");
+}
+
 /// A pendulum of two rods whose file somebody works on.
 const RODS: &str = r#"<robot name="rods">
   <link name="stand"/>

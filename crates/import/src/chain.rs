@@ -9,6 +9,8 @@ use crate::mechanism::{Body, Mechanism, Motion, Start};
 pub struct Chain {
     /// The mounting surface in the world: the frame of the body that carries the first axis.
     pub base: Placement,
+    /// Bodies with mass and shapes that stand still in the base, indices.
+    pub pedestal: Vec<usize>,
     /// From the base on.
     pub links: Vec<ChainLink>,
     /// The flange in the frame of the last axis.
@@ -56,6 +58,7 @@ pub fn chain(mechanism: &Mechanism, tip: Option<&str>) -> Result<Chain, String> 
         }
     }
     let seats = seats(mechanism, &axes);
+    let bodies = &mechanism.bodies;
     let in_front = |joint: usize| match mechanism.joints[joint].base {
         Some(body) => seats[body].place * mechanism.joints[joint].in_base,
         None => mechanism.joints[joint].in_base,
@@ -74,6 +77,9 @@ pub fn chain(mechanism: &Mechanism, tip: Option<&str>) -> Result<Chain, String> 
             .collect(),
     });
     let links = links.collect();
+    let stands = |body: &usize| seats[*body].axis.is_none() && seats[*body].place == base;
+    let solid = |body: &usize| bodies[*body].inertia.is_some() && !bodies[*body].shapes.is_empty();
+    let pedestal = (0..bodies.len()).filter(|body| stands(body) && solid(body)).collect();
     let mut notes = Vec::new();
     for (i, joint) in mechanism.joints.iter().enumerate() {
         if joint.motion != Motion::Weld && !axes.contains(&i) && seats[joint.follower].axis.is_some() {
@@ -82,7 +88,7 @@ pub fn chain(mechanism: &Mechanism, tip: Option<&str>) -> Result<Chain, String> 
     }
     let flange_body = tip.or_else(|| flange(mechanism, &seats, *last, &mut notes));
     let flange = flange_body.map_or_else(Placement::identity, |body| seats[body].place);
-    Ok(Chain { base, links, flange, flange_body, notes })
+    Ok(Chain { base, pedestal, links, flange, flange_body, notes })
 }
 
 fn named(mechanism: &Mechanism, name: &str) -> Result<usize, String> {

@@ -33,6 +33,8 @@ fn nothing() -> RobotDescription {
         tool: Seat::default(),
         load: Vec::new(),
         tcp_limits: TcpData::default(),
+        pedestal: Vec::new(),
+        may_touch: Vec::new(),
     }
 }
 

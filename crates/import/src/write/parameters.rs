@@ -74,6 +74,7 @@ fn chain_group(mechanism: &Mechanism, chain: &Chain, out: &mut String) {
             let body = &mechanism.bodies[*body];
             bodies.push_str(&format!("                    {}: (\n", body.name));
             body.inertia.iter().for_each(|inertia| mass(&inertia.placed(at), 24, &mut bodies));
+            shape_list(&body.shapes, at, 24, &mut bodies);
             bodies.push_str("                    ),\n");
         }
         if !bodies.is_empty() {
@@ -120,14 +121,22 @@ fn body_group(body: &Body, out: &mut String) {
     if let Some(inertia) = &body.inertia {
         mass(inertia, 12, out);
     }
-    if !body.shapes.is_empty() {
-        out.push_str("            shapes: [\n");
-        body.shapes
-            .iter()
-            .for_each(|shape| out.push_str(&format!("                {},\n", shape_set(shape))));
-        out.push_str("            ],\n");
-    }
+    shape_list(&body.shapes, &Placement::identity(), 12, out);
     out.push_str("        ),\n");
+}
+
+/// The shapes of a body that stands at `at`; nothing where there are none.
+fn shape_list(shapes: &[Shape], at: &Placement, indent: usize, out: &mut String) {
+    let space = " ".repeat(indent);
+    if shapes.is_empty() {
+        return;
+    }
+    out.push_str(&format!("{space}shapes: [\n"));
+    for shape in shapes {
+        let shape = Shape { place: *at * shape.place, ..shape.clone() };
+        out.push_str(&format!("{space}    {},\n", shape_set(&shape, indent + 4)));
+    }
+    out.push_str(&format!("{space}],\n"));
 }
 
 /// mass, com, moi and poi.
@@ -155,7 +164,7 @@ pub(crate) fn coordinates(start: &JointStart, indent: usize, out: &mut String) {
     }
 }
 
-fn shape_set(shape: &Shape) -> String {
+fn shape_set(shape: &Shape, indent: usize) -> String {
     let role = if shape.role == Role::Visual { "visual" } else { "collision" };
     let mut members = vec![format!("use: Text(\"{role}\")")];
     members.push(match &shape.form {
@@ -173,7 +182,7 @@ fn shape_set(shape: &Shape) -> String {
     members.push(format!("centre: {}", vector(shape.place.translation.as_slice(), "m")));
     members.push(format!("rpy: {}", angles(rpy(&shape.place.rotation))));
     members.extend(shape.colour.map(|colour| format!("colour: {}", plain(&colour))));
-    super::call("", &members, 17, 16)
+    super::call("", &members, indent + 1, indent)
 }
 
 fn joint_group(joint: &Joint, out: &mut String) {

@@ -24,6 +24,11 @@ pub fn robot(mechanism: &Mechanism, chain: &Chain, files: &Files) -> (String, Ve
     if chain.base != Placement::identity() {
         out.push_str("    base: \"model.chain.base\",\n");
     }
+    if !chain.pedestal.is_empty() {
+        let name = |body: &usize| format!("\"model.bodies.{}\"", mechanism.bodies[*body].name);
+        let names: Vec<String> = chain.pedestal.iter().map(name).collect();
+        out.push_str(&format!("    pedestal: {},\n", super::between(["[", "]"], &names, 14, 4)));
+    }
     out.push_str("    links: [\n");
     let mut assumed = vec!["accelerations".to_owned(), "how fast the tool may be".to_owned()];
     for link in &chain.links {
