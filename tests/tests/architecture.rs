@@ -157,7 +157,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("kinematics", &["block", "blocks", "ron", "serde"]),
         ("motion", &["block", "blocks", "ron", "serde"]),
         ("identify", &["block", "blocks", "ron", "serde", "diagram", "sim"]),
-        ("planner", &["block", "blocks", "ron", "serde"]),
+        ("planner", &["block", "blocks", "ron"]),
         ("robot", &["block", "blocks", "ron", "serde"]),
         ("block", &["blocks", "diagram", "ron"]),
         ("blocks", &["diagram", "network", "sim", "ron"]),

@@ -19,7 +19,8 @@ pub fn low_pass(values: &[f64], step: f64, cutoff: f64) -> Vec<f64> {
     }
     // Each pass has its -3 dB further out.
     let single = cutoff / (2f64.powf(1.0 / PASSES) - 1.0).powf(0.25);
-    let ahead = ((2.0 / (cutoff * step)).ceil() as usize).clamp(1, n - 1);
+    // The start from rest has died away by e^-27 where the values begin.
+    let ahead = ((5.0 / (cutoff * step)).ceil() as usize).clamp(1, n - 1);
     let mirrored = |end: f64, at: f64| 2.0 * end - at;
     let before = (1..=ahead).rev().map(|k| mirrored(values[0], values[k]));
     let behind = (1..=ahead).map(|k| mirrored(values[n - 1], values[n - 1 - k]));
