@@ -17,8 +17,8 @@ pub fn text(robot: &Robot, course: &dyn Course, findings: &Findings, velocity: O
     );
     let slides = findings.axes.iter().any(|axis| axis.limits.kind == AxisKind::Sliding);
     text += match slides {
-        false => "axis  from [deg]   to [deg]  to limits [deg]   speed  acceleration\n",
-        true => "axis        from         to        to limits   speed  acceleration\n",
+        false => "axis   low [deg] high [deg]  to limits [deg]   speed  acceleration\n",
+        true => "axis         low       high        to limits   speed  acceleration\n",
     };
     for (i, axis) in findings.axes.iter().enumerate() {
         let margin = (axis.lowest - axis.limits.lower).min(axis.limits.upper - axis.highest);

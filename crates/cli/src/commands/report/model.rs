@@ -56,6 +56,11 @@ pub fn read(text: &Text, sources: &Sources, report: &mut Report) -> Option<Model
 pub fn add(model: &Model, text: &Text, sources: &Sources, report: &mut Report) {
     report.tables.splice(0..0, tables::of(model, sources, &text.overrides));
     drawn::add(model, sources, &text.overrides, report);
+    // What the diagram calls itself says more than the name of its file.
+    let top = report.diagram.levels.iter().find(|level| level.path.is_empty() && !level.title.is_empty());
+    if let Some(title) = top.map(|level| level.title.clone()) {
+        report.title = title;
+    }
 }
 
 fn kept(folder: &Path) -> Result<Option<Kept>, String> {
