@@ -9,7 +9,7 @@ use blocksim_layout::layout;
 use blocksim_report::{Drawing, Inspected, Kind, Level, Net, Probe, Report};
 use blocksim_signal::Dimension;
 
-use super::model::{line, set_for, written};
+use super::source_text::{line, set_for, written};
 use crate::terminal::prose::first_sentence;
 
 /// Longest text of a parameter.

@@ -7,6 +7,7 @@ mod meshes;
 mod model;
 mod movement;
 mod pictures;
+mod source_text;
 mod tables;
 mod titles;
 

@@ -6,7 +6,7 @@ use blocksim_block::problem::{FileId, Place};
 use blocksim_diagram::{Model, Name, Node, Shape, Sources, read_tree};
 use blocksim_report::Rows;
 
-use super::model::{line, one_line, set_for};
+use super::source_text::{line, one_line, set_for};
 
 /// Most rows of a table.
 const MOST: usize = 3000;
