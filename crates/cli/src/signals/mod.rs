@@ -2,6 +2,7 @@
 
 pub mod charts;
 pub mod naming;
+pub mod other;
 pub mod shown;
 pub mod traces;
 pub mod tracking;

@@ -11,7 +11,6 @@ use blocksim_results::{ALWAYS, Column};
 
 use self::told::Outcome;
 use self::verdict::judge;
-pub(super) use self::verdict::other_values;
 use super::plot::{no_signal, nothing_common, open};
 use super::report::{Other, written_beside};
 use crate::args::plot::{Align, CompareArgs};
@@ -19,6 +18,7 @@ use crate::args::report::ReportArgs;
 use crate::exit::Exit;
 use crate::picture_file::write_pictures;
 use crate::signals::naming::fits;
+use crate::signals::other::other_values;
 use crate::signals::traces::{Book, check_mappings, mappings};
 use crate::terminal::console::Console;
 

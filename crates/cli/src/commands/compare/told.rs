@@ -7,8 +7,9 @@ use blocksim_results::format::{count, significant};
 use blocksim_results::{ALWAYS, Align, Column, Table};
 use serde_json::{Value, json};
 
-use super::verdict::{Found, Verdict, other_values, rule};
+use super::verdict::{Found, Verdict, rule};
 use crate::args::plot::CompareArgs;
+use crate::signals::other::other_values;
 use crate::signals::traces::Book;
 use crate::terminal::format::short_time;
 use crate::terminal::render::plural;

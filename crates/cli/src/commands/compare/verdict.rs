@@ -1,10 +1,11 @@
 //! What is found about each signal.
 
 use blocksim_analysis::{Comparison, Instants, Interpolation, Rule, Series, compare};
-use blocksim_results::{ALWAYS, Column, Kind};
+use blocksim_results::{ALWAYS, Kind};
 use blocksim_signal::Unit;
 
 use crate::args::plot::{Between, CompareArgs, Sync};
+use crate::signals::other::other_values;
 use crate::signals::traces::{Book, Trace};
 
 /// What is said of a signal.
@@ -83,22 +84,6 @@ pub fn rule(args: &CompareArgs, trace: &Trace) -> Rule {
             None => Interpolation::Linear,
         },
     }
-}
-
-/// The values of a signal of the other recording in SI, its times shifted. Where it has no unit it is taken to be in the
-/// one that the baseline is shown in.
-///
-/// # Errors
-/// What to tell the person at the keyboard.
-pub fn other_values(book: &Book, at: usize, baseline: &Trace, shift: f64) -> Result<Column, String> {
-    let mut column = book.read(at, &ALWAYS)?;
-    if !book.traces[at].has_unit && baseline.has_unit {
-        column.values.iter_mut().for_each(|value| *value = baseline.unit.to_si(*value));
-    }
-    if shift != 0.0 {
-        column.time.iter_mut().for_each(|t| *t += shift);
-    }
-    Ok(column)
 }
 
 /// Compares a signal of the baseline with that of the same path.

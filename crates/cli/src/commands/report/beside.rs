@@ -4,7 +4,7 @@ use blocksim_analysis::{Interpolation, Series};
 use blocksim_report::{Compared, Report};
 use blocksim_results::Kind;
 
-use crate::commands::compare::other_values;
+use crate::signals::other::other_values;
 use crate::signals::traces::Book;
 
 /// The second recording.
