@@ -133,3 +133,24 @@ fn two_runs_stand_in_one_page_with_a_verdict_on_each_signal() {
     assert!(said(&again).contains("it is there already"), "{}", said(&again));
     fs::remove_dir_all(folder).unwrap();
 }
+
+#[test]
+fn signals_without_a_scope_are_in_the_page_and_make_no_pictures_where_they_are_many() {
+    let folder = folder("unseen");
+    let filters: String =
+        (1..=14).map(|n| format!("\"filter{n}\": LowPass(tau: \"{n} ms\"),\n        ")).collect();
+    let wires: String = (1..=14).map(|n| format!("\"demand.y -> filter{n}.u\", ")).collect();
+    let model =
+        MODEL.replace("    blocks: {", &format!("    record: [\"**\"],\n    blocks: {{\n        {filters}"));
+    fs::write(folder.join("servo.ron"), model.replace("connections: [", &format!("connections: [{wires}")))
+        .unwrap();
+    assert!(call(&folder, &["run", "servo.ron", "--out", "r", "--quiet"]).status.success());
+    let report = call(&folder, &["report", "r"]);
+    assert!(report.status.success(), "{}", said(&report));
+    let page = fs::read_to_string(folder.join("r/report.html")).unwrap();
+    assert_eq!(page.matches("\"title\":").count(), 1, "the picture of the scope alone");
+    let counts = page.split("\"counts\":[").nth(1).unwrap().split(']').next().unwrap();
+    assert!(counts.split(',').count() >= 14, "{counts}");
+    assert!(counts.split(',').all(|count| count.parse::<usize>().unwrap() <= 300), "{counts}");
+    fs::remove_dir_all(folder).unwrap();
+}

@@ -8,18 +8,24 @@ const R = {
   /** @type {[number|null, number|null]} Cursors A and B, s. */ cursors: [null, null],
   /** @type {((t: number) => void)[]} */ onTime: [],
   /** @type {(() => void)[]} */ onCursors: [],
+  /** @type {(() => void)[]} What is shown has changed. */ onRange: [],
   /** @type {(() => void)[]} */ onTheme: [],
   /** @type {Record<string, string>} Colours that were asked for. */ colours: {},
   dark: matchMedia('(prefers-color-scheme: dark)'),
   /** @type {[number, number]} */ span: [0, 1],
   /** @type {any} */ Plots: null,
+  /** @type {any} */ Stretches: null,
+  /** @type {any} */ Readings: null,
   /** @type {any} */ Overlay: null,
   /** @type {any} */ Space: null,
   /** @type {any} */ Shapes: null,
   /** @type {any} */ Meshes: null,
   /** @type {any} */ Draw3d: null,
+  /** @type {any} */ Signals: null,
+  /** @type {any} */ Wires: null,
   /** @type {any} */ Diagram: null,
   /** @type {any} */ Tables: null,
+  /** @type {any} */ Search: null,
 
   /** A list of numbers from the block. @param {[number, number, number]} where @returns {Float64Array} */
   list([at, count, width]) {
@@ -75,8 +81,27 @@ const R = {
     if (!Number.isFinite(x)) return x > 0 ? '∞' : '−∞';
     if (x === 0) return '0';
     const size = Math.abs(x);
-    const text = size >= 1e6 || size < 1e-4 ? x.toExponential(digits - 2) : Number(x.toPrecision(digits)).toString();
-    return text.replace('-', '−');
+    if (size < 1e6 && size >= 1e-4) return String(Number(x.toPrecision(digits))).replace('-', '−');
+    const [front, power] = x.toExponential(digits - 2).split('e');
+    const raised = [...power.replace('+', '')].map((sign) => '⁰¹²³⁴⁵⁶⁷⁸⁹'[Number(sign)] ?? '⁻').join('');
+    return `${Number(front)}·10${raised}`.replace('-', '−');
+  },
+
+  /** A number with its unit, with the prefix that reads best: 733 µA for 0.000733 A. Digits that `off`, how far the
+   * number may be off, makes meaningless are left away. @param {number} x @param {string} unit @param {number} [digits] @param {number} [off] */
+  quantity(x, unit, digits = 4, off = 0) {
+    if (off > 0 && Number.isFinite(x) && x !== 0) {
+      const least = 10 ** Math.floor(Math.log10(off));
+      digits = Math.max(1, Math.min(digits, Math.floor(Math.log10(Math.abs(x) / least)) + 1));
+      if (Math.abs(x) < least) x = 0;
+    }
+    const size = Math.abs(x), own = /^([mµkMG]?)(A|V|W|N|m|Pa|J|H|F|Hz|C|T|Ω|Wb|s|rad|VA|var)(?![a-zA-Zµ²³⁴⁻])(.*)$/u.exec(unit);
+    if (!own || !(size > 0) || !Number.isFinite(x) || (size >= 0.1 && size < 1e4)) return unit ? `${R.say(x, digits)} ${unit}` : R.say(x, digits);
+    const [, prefix, base, rest] = own, steps = 'pnµm kMG', from = steps.indexOf(prefix || ' ');
+    // Nobody says kiloseconds or kiloradians.
+    const most = base === 's' || base === 'rad' ? 4 : 7;
+    const to = Math.max(0, Math.min(Math.floor(Math.log10(size) / 3) + from, Math.max(most, from)));
+    return `${R.say(x / 1000 ** (to - from), digits)} ${steps[to].trim()}${base}${rest}`;
   },
 
   /** A colour of the style sheet. @param {string} name */

@@ -4,14 +4,12 @@
 /* global R */
 
 R.Diagram = (() => {
-  const SVG = 'http://www.w3.org/2000/svg';
   /** @type {any} */ let texts = null;
   /** @type {Map<string, any>} */ const levels = new Map();
   /** @type {any} */ let level = null;
   /** @type {Map<number, Element>} */ let nodes = new Map();
-  /** @type {(() => void)[]} What shows values beside the drawing and in it. */ let labels = [];
-  /** @type {(() => void)[]} */ let lines = [];
-  let chosen = -1, seen = true, valued = true;
+  /** @type {(() => void)[]} What shows values beside the drawing. */ let lines = [];
+  let chosen = -1, wire = -1, seen = true, valued = true;
   /** @type {Record<'frame'|'crumbs'|'side'|'list', any>} */ const place = { frame: null, crumbs: null, side: null, list: null };
 
   /** A drawing of its own, as a part of this page. @param {number} at @returns {SVGSVGElement} */
@@ -32,50 +30,7 @@ R.Diagram = (() => {
     const block = level.blocks[n], path = block && (level.path ? `${level.path}/${block[0]}` : block[0]);
     return block && levels.has(path) ? path : null;
   };
-  /** Signals of a wire: element, values, unit. @param {number} net */
-  const signals = (net) => (level.probes[net] ?? []).map((/** @type {[string, number, number]} */ [element, at, place]) => {
-    const panel = R.data.panels[at], s = panel.byOrder[place];
-    return { element, panel, s, say: () => `${R.say(R.at(panel.time, s.values, R.now, s.held), 4)}${panel.unit ? ' ' + panel.unit : ''}` };
-  });
   const net = (/** @type {number} */ n) => texts.drawings[level.drawing].nets[n];
-
-  /** Where a value stands: above the middle of the longest level stretch of its wire. @param {string} data */
-  const spot = (data) => {
-    let best = null, x = 0, y = 0;
-    for (const [, letter, first, second] of data.matchAll(/([MHV])(-?[\d.]+)(?: (-?[\d.]+))?/g)) {
-      if (letter === 'M') [x, y] = [Number(first), Number(second)];
-      if (letter === 'H') {
-        const to = Number(first);
-        if (!best || Math.abs(to - x) > best.long) best = { long: Math.abs(to - x), x: (x + to) / 2, y: y - 3 };
-        x = to;
-      }
-      if (letter === 'V') y = Number(first);
-    }
-    return best;
-  };
-
-  /** Makes wires easy to hit and writes values on those that were recorded. @param {SVGSVGElement} svg */
-  const wire = (svg) => {
-    labels = [];
-    for (const group of svg.querySelectorAll('[data-net]')) {
-      const at = Number(group.getAttribute('data-net')), path = group.querySelector('path');
-      if (!path || !net(at)) continue;
-      const wide = /** @type {any} */ (path.cloneNode());
-      wide.setAttribute('style', 'stroke: transparent; stroke-width: 9px; fill: none');
-      group.append(wide);
-      group.addEventListener('click', (event) => { event.stopPropagation(); follow(at); });
-      const carried = signals(at), where = spot(path.getAttribute('d') ?? '');
-      group.classList.toggle('recorded', carried.length > 0);
-      // What a bus carries is told in the list beside the drawing.
-      if (carried.length !== 1 || carried[0].element || !where) continue;
-      const text = document.createElementNS(SVG, 'text');
-      text.setAttribute('class', 'value');
-      text.setAttribute('x', String(where.x));
-      text.setAttribute('y', String(where.y));
-      group.append(text);
-      labels.push(() => { text.textContent = carried[0].say(); });
-    }
-  };
 
   const middle = (/** @type {number} */ n) => {
     const box = /** @type {any} */ (nodes.get(n)).getBBox();
@@ -112,22 +67,39 @@ R.Diagram = (() => {
     return made;
   };
   /** Values of a wire that go with the time. @param {number} at */
-  const courses = (at) => signals(at).map((/** @type {any} */ { element, panel, s, say }) => {
-    const value = R.make('b', {}, say());
-    lines.push(() => { value.textContent = say(); });
-    const show = button('picture', () => { panel.card?.scrollIntoView({ block: 'center' }); panel.card?.focus(); });
-    show.setAttribute('aria-label', `show ${s.path} over time`);
-    return R.make('li', {}, element || s.path, ' ', value, ' ', show);
+  const courses = (at) => R.Wires.on(level, at).map((/** @type {any} */ { element, signal }) => {
+    const value = R.make('b', {}, signal.say());
+    lines.push(() => { value.textContent = signal.say(); });
+    const show = button('over time', () => R.Signals.show(signal));
+    show.setAttribute('aria-label', `show ${signal.path} over time`);
+    return R.make('li', {}, R.make('span', { title: signal.path }, element || signal.path), ' ', value, ' ', show);
   });
+  /** What to write into the diagram to see a signal that was not recorded. @param {number} at */
+  const unrecorded = (at) => {
+    const [title, , directed] = net(at), name = title.split(' ')[0];
+    if (!directed) return R.make('p', { class: 'note' }, 'A physical connection: it has no direction.');
+    return R.make('p', { class: 'note' }, 'This signal was not recorded. In the diagram ', R.make('code', {}, `record: ["${name}"]`), ' records it.');
+  };
 
-  /** Tells of a wire. @param {number} at */
-  const follow = (at) => {
+  /** Tells of a wire. @param {number} at @param {boolean} [focus] */
+  const follow = (at, focus) => {
     lines = [];
     for (const group of place.frame.querySelectorAll('.chosen')) group.classList.remove('chosen');
-    place.frame.querySelector(`[data-net="${at}"]`)?.classList.add('chosen');
+    const group = place.frame.querySelector(`[data-net="${at}"]`);
+    if (!group) return;
+    wire = at;
+    group.classList.add('chosen');
+    if (focus) group.focus();
     const carried = courses(at);
-    place.side.replaceChildren(R.make('h3', {}, net(at)[0]),
-      carried.length ? R.make('ul', { class: 'carried' }, ...carried) : R.make('p', { class: 'note' }, net(at)[2] ? 'This signal was not recorded.' : 'A physical connection: it has no direction.'));
+    place.side.replaceChildren(R.make('h3', {}, net(at)[0]), carried.length ? R.make('ul', { class: 'carried' }, ...carried) : unrecorded(at));
+  };
+  /** The next wire, or the one before. @param {number} by */
+  const walk = (by) => {
+    const count = texts.drawings[level.drawing].nets.length;
+    for (let n = 1, at = wire; n <= count; n++) {
+      at = (at + by + count + (at < 0 && by < 0 ? 1 : 0)) % count;
+      if (place.frame.querySelector(`[data-net="${at}"]`)) { follow(at, true); return; }
+    }
   };
 
   /** Tells of a block. @param {number} n @param {boolean} [focus] */
@@ -137,7 +109,7 @@ R.Diagram = (() => {
     nodes.get(chosen)?.setAttribute('tabindex', '-1');
     const group = /** @type {any} */ (nodes.get(n));
     if (!group) return;
-    chosen = n;
+    [chosen, wire] = [n, -1];
     group.setAttribute('tabindex', '0');
     group.classList.add('chosen');
     if (focus) group.focus();
@@ -177,18 +149,18 @@ R.Diagram = (() => {
       group.addEventListener('focus', () => { if (chosen !== n || !group.classList.contains('chosen')) choose(n); });
       group.addEventListener('dblclick', () => { const path = inside(n); if (path !== null) go(path, true); });
     }
-    wire(svg);
     svg.addEventListener('keydown', pressed);
     place.frame.replaceChildren(svg);
+    R.Wires.dress(svg, place.frame, level, texts.drawings[level.drawing].nets, (/** @type {number} */ at) => follow(at));
     place.crumbs.replaceChildren(...['', ...parts].flatMap((name, n) => {
       const target = parts.slice(0, n).join('/');
       const link = R.make('button', { type: 'button', ...(target === level.path ? { 'aria-current': 'page' } : {}) }, name || 'top');
       link.addEventListener('click', () => go(target, false, parts[n]));
       return n ? [' / ', link] : [link];
     }), R.make('span', { class: 'note' }, level.title && level.title !== parts[parts.length - 1] ? ` – ${level.title}` : ''));
-    chosen = -1;
+    chosen = wire = -1;
     lines = [];
-    place.side.replaceChildren(R.make('p', { class: 'note' }, 'A click on a block or a wire tells what it is; a double click or Enter goes inside, Backspace out again, arrows along the wires.'));
+    place.side.replaceChildren(R.make('p', { class: 'note' }, 'A click on a block or a wire tells what it is; a double click or Enter goes inside, Backspace out again, arrows along the wires, W from wire to wire.'));
     const all = [...nodes.keys()], at = all.find((n) => from !== undefined && level.blocks[n]?.[0] === from) ?? all.find((n) => level.blocks[n]);
     if (at !== undefined && (focus || from !== undefined)) choose(at, focus);
     else if (at !== undefined) { chosen = at; nodes.get(at)?.setAttribute('tabindex', '0'); }
@@ -201,6 +173,7 @@ R.Diagram = (() => {
     const path = event.key === 'Enter' ? inside(chosen) : null;
     if (path !== null) go(path, true);
     else if (event.key === 'Backspace' && level.path) out();
+    else if (wire >= 0 && /^Arrow(Left|Right)$/.test(event.key)) { const ends = net(wire)[1]; choose(event.key === 'ArrowLeft' ? ends[0] : ends[1] ?? ends[0], true); }
     else if (/^Arrow/.test(event.key)) { const next = beside(chosen, event.key); if (next >= 0) choose(next, true); }
     else if (event.key === 'Enter' || event.key === ' ') choose(chosen);
     else return;
@@ -214,15 +187,24 @@ R.Diagram = (() => {
     go(parts.slice(0, -1).join('/'), true, parts[parts.length - 1]);
   };
 
+  /** Shows a block, and one of its parameters. @param {string} path @param {string} name @param {string} [parameter] */
+  const show = (path, name, parameter) => {
+    document.getElementById('diagram')?.scrollIntoView();
+    go(path, true, name);
+    const line = parameter && [...place.side.querySelectorAll('tbody tr')].find((row) => row.firstChild?.textContent === parameter);
+    line?.classList.add('chosen');
+    line?.scrollIntoView({ block: 'nearest' });
+  };
+
   /** All wires as a table: the diagram for those who do not see it. */
   const table = () => {
-    const rows = texts.drawings[level.drawing].nets.map((/** @type {any} */ [title], /** @type {number} */ at) => R.make('tr', {}, R.make('td', {}, title), R.make('td', {}, signals(at).map((/** @type {any} */ one) => `${one.element} ${one.say()}`.trim()).join(', '))));
+    const rows = texts.drawings[level.drawing].nets.map((/** @type {any} */ [title], /** @type {number} */ at) => R.make('tr', {}, R.make('td', {}, title), R.make('td', {}, R.Wires.on(level, at).map((/** @type {any} */ one) => `${one.element} ${one.signal.say()}`.trim()).join(', '))));
     place.list.replaceChildren(place.list.firstChild, R.make('table', {}, R.make('thead', {}, R.make('tr', {}, R.make('th', { scope: 'col' }, 'connection'), R.make('th', { scope: 'col' }, `value at ${R.now.toFixed(3)} s`))), R.make('tbody', {}, ...rows)));
   };
 
   const tell = () => {
     if (!seen || !level) return;
-    if (valued) for (const one of labels) one();
+    R.Wires.tell(valued);
     for (const one of lines) one();
   };
 
@@ -254,13 +236,8 @@ R.Diagram = (() => {
     const values = R.make('input', { type: 'checkbox', id: 'wire-values' });
     values.checked = valued;
     values.addEventListener('change', () => { valued = values.checked; place.frame.classList.toggle('bare', !valued); tell(); });
-    const all = R.make('datalist', { id: 'all-blocks' }), find = R.make('input', { list: 'all-blocks', placeholder: 'find a block', 'aria-label': 'Find a block', size: '24', id: 'find-block' });
-    for (const one of texts.levels) for (const block of one.blocks) if (block) all.append(R.make('option', { value: one.path ? `${one.path}/${block[0]}` : block[0] }));
-    find.addEventListener('change', () => {
-      const parts = find.value.trim().split('/'), name = parts.pop(), path = parts.join('/');
-      if (name && levels.get(path)?.blocks.some((/** @type {any} */ b) => b?.[0] === name)) go(path, true, name);
-    });
-    view.append(R.make('div', { class: 'diagram-bar screen' }, place.crumbs, R.make('label', {}, values, ' values (V)'), find, all), R.make('div', { class: 'diagram-parts screen' }, place.frame, place.side), place.list);
+    const find = button('Find (/)', () => R.Search.open());
+    view.append(R.make('div', { class: 'diagram-bar screen' }, place.crumbs, R.make('label', {}, values, ' values (V)'), find), R.make('div', { class: 'diagram-parts screen' }, place.frame, place.side), place.list);
     new IntersectionObserver((all) => { seen = all.some((one) => one.isIntersecting); tell(); }).observe(place.frame);
     R.onTime.push(tell);
     /** @type {any} */ let paper = null;
@@ -268,5 +245,5 @@ R.Diagram = (() => {
     window.addEventListener('afterprint', () => { paper?.remove(); });
     go('');
   };
-  return { build, out, go, keys: { v: () => document.getElementById('wire-values')?.click(), '/': () => document.getElementById('find-block')?.focus() } };
+  return { build, out, go, show, walk, keys: { v: () => document.getElementById('wire-values')?.click() } };
 })();

@@ -6,9 +6,9 @@
 (() => {
   const KEYS = [
     ['Space', 'play and stop'], ['← →', 'one step back and on (Shift: ten)'], ['Home, End', 'begin and end'],
-    ['A, B', 'set cursor A or B to the present time, again to take it away; with the mouse they can be drawn along'], ['+ −', 'zoom in and out in time'], ['[ ]', 'move the range'],
+    ['A, B', 'set cursor A or B to the present time, again to take it away; with the mouse they can be drawn along'], ['T', 'table of values at the cursors and between them'], ['+ −', 'zoom in and out in time'], ['[ ]', 'move the range'],
     ['0', 'all times'], ['1 – 6', '3D: oblique, front, back, left, right, above'], ['F', '3D: fit'], ['G, P, M, C', '3D: set value, path, frames, centres of mass'],
-    ...(R.data.compared ? [['N', 'next place where the runs differ (Shift: the one before)']] : []), ['Enter, Backspace', 'diagram: into a block, one level up'], ['arrows', 'diagram: along the wires, where a block is chosen'], ['V, /', 'diagram: values on wires, find a block'], ['O', 'lay a measurement over'], ['D', 'light or dark'], ['?', 'this list'],
+    ...(R.data.compared ? [['N', 'next place where the runs differ (Shift: the one before)']] : []), ['Enter, Backspace', 'diagram: into a block, one level up'], ['arrows', 'diagram: along the wires, where a block is chosen'], ['W', 'diagram: from wire to wire (Shift: back)'], ['V', 'diagram: values on wires'], ['/', 'find a block, a signal, a picture, a parameter (also Ctrl K)'], ['O', 'lay a measurement over'], ['D', 'light or dark'], ['?', 'this list'],
   ];
   let playing = false, speed = 1, before = 0, single = true;
   /** @type {any} */ let slider = null;
@@ -121,14 +121,14 @@
     const does = {
       ' ': toggle, ArrowLeft: () => R.setTime(R.now - small), ArrowRight: () => R.setTime(R.now + small), Home: () => R.setTime(R.span[0]), End: () => R.setTime(R.span[1]),
       a: () => mark(0), b: () => mark(1), '+': () => R.Plots.zoom(0.5), '=': () => R.Plots.zoom(0.5), '-': () => R.Plots.zoom(2), '[': () => R.Plots.pan(-0.25), ']': () => R.Plots.pan(0.25), '0': () => R.Plots.all(),
-      Backspace: () => R.Diagram?.out(), n: () => differ(event.shiftKey ? -1 : 1), d: theme, '?': help, o: () => document.getElementById('overlay-file')?.click(),
+      Backspace: () => R.Diagram?.out(), n: () => differ(event.shiftKey ? -1 : 1), w: () => R.Diagram?.walk(event.shiftKey ? -1 : 1), t: () => R.Readings.toggle(), d: theme, '?': help, '/': () => R.Search?.open(), o: () => document.getElementById('overlay-file')?.click(),
     };
     const letter = event.key.toLowerCase();
     // Who speaks to the computer, or types by accident, can switch them off.
     if (!single && /^[a-z0-9]$/.test(letter)) return;
     const action = does[event.key] ?? does[letter] ?? R.Space?.keys?.[letter] ?? R.Diagram?.keys?.[letter];
     if (!action || (event.key === ' ' && event.target instanceof HTMLButtonElement)) return;
-    if (!play && [' ', 'a', 'b'].includes(event.key.toLowerCase())) return;
+    if (!play && [' ', 'a', 'b', 't'].includes(event.key.toLowerCase())) return;
     event.preventDefault();
     action();
   };
@@ -143,13 +143,16 @@
     R.guarded('The scopes', R.Plots.build);
     R.guarded('The measurements', R.Overlay.build);
     R.guarded('The time line', timeline);
+    R.guarded('The table', R.Readings.build);
     R.guarded('The comparison', compared);
     R.guarded('The 3D view', () => R.Space?.build());
     const texts = await R.unpack('report-texts');
     if (texts) {
       const read = JSON.parse(new TextDecoder().decode(texts));
+      R.guarded('The signals', () => R.Signals.build(read));
       R.guarded('The diagram', () => R.Diagram.build(read));
       R.guarded('The parameters', () => R.Tables.build(read));
+      R.guarded('The search', () => R.Search.build(read));
     }
     R.setTime(R.span[0]);
     for (const tell of R.onCursors) tell();

@@ -12,8 +12,9 @@ R.Plots = (() => {
   /** Numbers beside the pictures change no more often than can be read, ms. */
   const READ = 100;
   let told = 0, waiting = 0;
+  /** @type {IntersectionObserver|null} */ let watch = null;
   /** Times that are shown. */
-  let range = [0, 1];
+  /** @type {[number, number]} */ let range = [0, 1];
 
   /** @param {number} n */
   const series = (n) => () => R.colour('s' + (n % 6 + 1));
@@ -25,6 +26,9 @@ R.Plots = (() => {
     const all = panel.series.map((/** @type {any} */ s) => /(\d+)\D*$/.exec(s.name)?.[1]);
     return number && new Set(all).size === all.length && !all.includes(undefined) ? Number(number) - 1 : at;
   };
+
+  /** Colour of a signal in the style sheet. @param {any} panel @param {number} at */
+  const colour = (panel, at) => panel.series[at].role === 'set' ? 'var(--text)' : `var(--s${tint(panel, at) % 6 + 1})`;
 
   /** @param {any} u */
   const lines = (u) => {
@@ -63,6 +67,7 @@ R.Plots = (() => {
   const show = (min, max) => {
     if (!(max > min)) return;
     range = [min, max];
+    for (const tell of R.onRange) tell();
     for (const panel of panels) if (panel.seen) scale(panel); else panel.stale = true;
   };
 
@@ -113,12 +118,14 @@ R.Plots = (() => {
   const legend = (panel) => {
     const rows = panel.series.map((/** @type {any} */ s, /** @type {number} */ at) => {
       const mark = R.make('i', { class: 'mark' + (s.role === 'set' ? ' dashed' : '') });
-      mark.style.borderColor = s.role === 'set' ? 'var(--text)' : `var(--s${tint(panel, at) % 6 + 1})`;
+      mark.style.borderColor = colour(panel, at);
       const value = R.make('b'), marked = R.make('em');
       const row = R.make('button', { class: 'entry', type: 'button', 'aria-pressed': 'true', title: s.path }, mark, s.name, ' ', value, marked);
       row.addEventListener('click', () => {
         const shown = row.getAttribute('aria-pressed') !== 'true';
         row.setAttribute('aria-pressed', String(shown));
+        s.hidden = !shown;
+        for (const tell of R.onRange) tell();
         panel.main.setSeries(at + 1, { show: shown });
         if (s.second) panel.main.setSeries(s.second, { show: shown });
       });
@@ -135,6 +142,51 @@ R.Plots = (() => {
       return row;
     });
     return R.make('div', { class: 'legend' }, ...rows);
+  };
+
+  // NaN is what is missing; the plots want null for it.
+  const column = (/** @type {ArrayLike<number>} */ all) => Array.prototype.some.call(all, (x) => !Number.isFinite(x)) ? Array.from(all, (x) => Number.isFinite(x) ? x : null) : all;
+
+  /** Lays the card of a picture out; what draws it. @param {any} panel @param {HTMLElement} box */
+  const lay = (panel, box) => {
+    const canvas = R.make('div', { class: 'canvas' }), strip = R.make('div', { class: 'canvas' });
+    const title = panel.title + (panel.unit ? ` [${panel.unit}]` : '');
+    const card = R.make('figure', { class: 'card', tabindex: '0', 'aria-label': title },
+      R.make('figcaption', {}, R.make('span', { class: 'title' }, title), legend(panel)), canvas);
+    box.append(card);
+    /** @type {(() => void)[]} */ const draw = [];
+    panel.card = card;
+    const looks = panel.series.map((/** @type {any} */ s, /** @type {number} */ at) => ({
+      label: s.name, stroke: s.role === 'set' ? () => R.colour('text') : series(tint(panel, at)), width: (s.role === 'set' ? 1.4 : 2.2) * (matchMedia('(prefers-contrast: more)').matches ? 1.4 : 1), dash: s.role === 'set' ? [7, 5] : undefined,
+      points: { show: false }, paths: s.held ? uPlot.paths.stepped?.({ align: 1 }) : undefined,
+    }));
+    const columns = [panel.time, ...panel.series.map((/** @type {any} */ s) => column(s.values))];
+    panel.series.forEach((/** @type {any} */ s, /** @type {number} */ at) => {
+      if (!s.other) return;
+      s.second = columns.length;
+      columns.push(column(s.other));
+      looks.push({ ...looks[at], label: `${s.name} of ${R.data.compared.name}`, width: 1.1, dash: s.role === 'set' ? [2, 4] : undefined });
+    });
+    draw.push(() => { panel.main = plot(panel, looks, columns, canvas, panel.pair ? 200 : 230, !panel.pair); });
+    if (panel.pair) {
+      card.append(R.make('div', { class: 'strip-name' }, `set − actual [${panel.unit || '1'}]`), strip);
+      const actual = panel.series[panel.pair[1]];
+      const red = { label: 'error', stroke: () => R.colour('quiet'), width: 1.25, points: { show: false }, fill: () => R.colour('shade') };
+      const errors = [column(actual.error)], wanted = panel.series[panel.pair[0]].other;
+      /** @type {any[]} */ const strips = [red];
+      if (wanted && actual.other) {
+        errors.push(column(wanted.map((/** @type {number} */ x, /** @type {number} */ n) => x - actual.other[n])));
+        strips.push({ ...red, label: `error of ${R.data.compared.name}`, stroke: series(tint(panel, panel.pair[1])), width: 1, fill: undefined });
+      }
+      draw.push(() => { panel.strip = plot(panel, strips, [panel.time, ...errors], strip, 96, true); });
+    }
+    return draw;
+  };
+  /** @param {(() => void)[]} all */
+  const drawn = (all) => {
+    together = true;
+    for (const one of all) one();
+    together = false;
   };
 
   const build = () => {
@@ -167,8 +219,6 @@ R.Plots = (() => {
     }
     if (end > begin) R.span = [begin, end];
     range = [...R.span];
-    // NaN is what is missing; the plots want null for it.
-    const column = (/** @type {Float64Array} */ all) => all.some((x) => !Number.isFinite(x)) ? Array.from(all, (x) => Number.isFinite(x) ? x : null) : all;
     // All cards are laid out before anything is drawn: a row that is not full yet is wider.
     /** @type {(() => void)[]} */ const draw = [];
     for (const panel of panels) {
@@ -178,46 +228,16 @@ R.Plots = (() => {
         box = R.make('div', { class: 'grid' });
         place.append(box);
       }
-      const canvas = R.make('div', { class: 'canvas' }), strip = R.make('div', { class: 'canvas' });
-      const title = panel.title + (panel.unit ? ` [${panel.unit}]` : '');
-      const card = R.make('figure', { class: 'card', tabindex: '0', 'aria-label': title },
-        R.make('figcaption', {}, R.make('span', { class: 'title' }, title), legend(panel)), canvas);
-      box.append(card);
-      panel.card = card;
-      const drawn = panel.series.map((/** @type {any} */ s, /** @type {number} */ at) => ({
-        label: s.name, stroke: s.role === 'set' ? () => R.colour('text') : series(tint(panel, at)), width: (s.role === 'set' ? 1.4 : 2.2) * (matchMedia('(prefers-contrast: more)').matches ? 1.4 : 1), dash: s.role === 'set' ? [7, 5] : undefined,
-        points: { show: false }, paths: s.held ? uPlot.paths.stepped?.({ align: 1 }) : undefined,
-      }));
-      const columns = [panel.time, ...panel.series.map((/** @type {any} */ s) => column(s.values))];
-      panel.series.forEach((/** @type {any} */ s, /** @type {number} */ at) => {
-        if (!s.other) return;
-        s.second = columns.length;
-        columns.push(column(s.other));
-        drawn.push({ ...drawn[at], label: `${s.name} of ${R.data.compared.name}`, width: 1.1, dash: s.role === 'set' ? [2, 4] : undefined });
-      });
-      draw.push(() => { panel.main = plot(panel, drawn, columns, canvas, panel.pair ? 200 : 230, !panel.pair); });
-      if (panel.pair) {
-        card.append(R.make('div', { class: 'strip-name' }, `set − actual [${panel.unit || '1'}]`), strip);
-        const actual = panel.series[panel.pair[1]];
-        const red = { label: 'error', stroke: () => R.colour('quiet'), width: 1.25, points: { show: false }, fill: () => R.colour('shade') };
-        const errors = [column(actual.error)], wanted = panel.series[panel.pair[0]].other;
-        /** @type {any[]} */ const looks = [red];
-        if (wanted && actual.other) {
-          errors.push(column(wanted.map((/** @type {number} */ x, /** @type {number} */ n) => x - actual.other[n])));
-          looks.push({ ...red, label: `error of ${R.data.compared.name}`, stroke: series(tint(panel, panel.pair[1])), width: 1, fill: undefined });
-        }
-        draw.push(() => { panel.strip = plot(panel, looks, [panel.time, ...errors], strip, 96, true); });
-      }
+      draw.push(...lay(panel, box));
     }
-    together = true;
-    for (const one of draw) one();
-    together = false;
+    drawn(draw);
     for (const panel of panels) panel.stale = panel.time[0] !== R.span[0] || panel.time[panel.time.length - 1] !== R.span[1];
     // What is out of sight is brought up to date when it comes into sight.
-    const watch = new IntersectionObserver((all) => {
+    watch = new IntersectionObserver((all) => {
       for (const one of all) {
         const panel = panels.find((candidate) => candidate.card === one.target);
         panel.seen = one.isIntersecting;
+        for (const tell of R.onRange) tell();
         if (panel.seen) refresh(panel);
       }
     }, { rootMargin: '200px' });
@@ -259,11 +279,25 @@ R.Plots = (() => {
     const [min, max] = range;
     show(min + (max - min) * share, max + (max - min) * share);
   };
+  /** Adds a picture that was asked for. @param {any} panel */
+  const add = (panel) => {
+    const place = document.getElementById('plots');
+    if (!place) return;
+    panel.byOrder = panel.series;
+    const last = panels[panels.length - 1];
+    if (last?.group !== panel.group) place.append(R.make('h3', {}, panel.group), R.make('div', { class: 'grid' }));
+    panels.push(panel);
+    R.data.panels.push(panel);
+    drawn(lay(panel, /** @type {HTMLElement} */ (place.lastElementChild)));
+    panel.stale = true;
+    watch?.observe(panel.card);
+    for (const s of panel.series) s.tell();
+  };
   /** Shows the picture of a signal. @param {string} path */
   const find = (path) => {
     const card = panels.find((panel) => panel.series.some((/** @type {any} */ s) => s.path === path))?.card;
     card?.scrollIntoView({ block: 'center' });
     card?.focus({ preventScroll: true });
   };
-  return { build, plots, panels, show, zoom, pan, redraw, find, all: () => show(...R.span) };
+  return { build, add, plots, panels, colour, show, range: () => range, zoom, pan, redraw, find, all: () => show(...R.span) };
 })();

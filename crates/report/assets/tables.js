@@ -4,6 +4,7 @@
 /* global R */
 
 R.Tables = (() => {
+  /** @type {((row: number) => void)[]} Shows a row of each table. */ let shows = [];
   /** @param {string[]} head @param {string[][]} rows */
   const table = (head, rows) => R.make('div', { class: 'wide' }, R.make('table', {},
     R.make('thead', {}, R.make('tr', {}, ...head.map((name) => R.make('th', { scope: 'col' }, name)))),
@@ -24,11 +25,22 @@ R.Tables = (() => {
         if (box.open) box.replaceChildren(name, table(head, fit));
       };
       box.addEventListener('toggle', fill);
+      shows.push((row) => {
+        filter.value = '';
+        box.open = true;
+        for (const one of all) one.fill();
+        const line = box.querySelectorAll('tbody tr')[row];
+        line?.classList.add('chosen');
+        line?.scrollIntoView({ block: 'center' });
+        name.focus({ preventScroll: true });
+      });
       return { box, fill };
     });
     filter.addEventListener('input', () => { for (const { box, fill } of all) { if (filter.value.trim()) box.open = true; fill(); } });
     place.append(filter, ...all.map((/** @type {any} */ one) => one.box));
     for (const one of all) one.fill();
   };
-  return { build };
+  /** @param {number} at @param {number} row */
+  const show = (at, row) => shows[at]?.(row);
+  return { build, show };
 })();

@@ -21,10 +21,12 @@ pub(crate) const STYLES: [&str; 2] =
     [include_str!("../assets/uPlot.min.css"), include_str!("../assets/report.css")];
 
 /// Scripts that every page runs.
-pub(crate) const SCRIPTS: [&str; 4] = [
+pub(crate) const SCRIPTS: [&str; 6] = [
     include_str!("../assets/uPlot.iife.min.js"),
     include_str!("../assets/data.js"),
     include_str!("../assets/plots.js"),
+    include_str!("../assets/stretches.js"),
+    include_str!("../assets/readings.js"),
     include_str!("../assets/overlay.js"),
 ];
 
@@ -37,8 +39,13 @@ pub(crate) const SPACE: [&str; 4] = [
 ];
 
 /// Scripts of the block diagram and the tables of parameters.
-pub(crate) const DIAGRAM: [&str; 2] =
-    [include_str!("../assets/diagram.js"), include_str!("../assets/tables.js")];
+pub(crate) const DIAGRAM: [&str; 5] = [
+    include_str!("../assets/signals.js"),
+    include_str!("../assets/wires.js"),
+    include_str!("../assets/diagram.js"),
+    include_str!("../assets/tables.js"),
+    include_str!("../assets/search.js"),
+];
 
 /// What comes last: keys, playback, drawings.
 pub(crate) const MAIN: &str = include_str!("../assets/main.js");

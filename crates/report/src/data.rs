@@ -15,6 +15,8 @@ pub struct Report {
     pub warnings: Vec<String>,
     /// Pictures of signals over time.
     pub panels: Vec<Panel>,
+    /// Signals that were recorded and that no picture shows.
+    pub unseen: Vec<Unseen>,
     /// How actual values follow their set values.
     pub metrics: Rows,
     /// What was set for the run, variants and files.
@@ -74,6 +76,23 @@ pub struct Series {
     pub values: Vec<f64>,
     /// The same signal of the second run at the same times; not a number where that one has no value.
     pub other: Option<Vec<f64>>,
+}
+
+/// A signal that no picture shows: the diagram has its value on a wire, and the reader may ask for a picture.
+#[derive(Debug, Clone, Default)]
+pub struct Unseen {
+    /// Full path.
+    pub path: String,
+    /// Unit of the values as in print; empty for numbers without one.
+    pub unit: String,
+    /// Whether values hold until the next one.
+    pub held: bool,
+    /// Times, s, never falling.
+    pub time: Vec<f64>,
+    /// One value for each time.
+    pub values: Vec<f64>,
+    /// How far values between the times may be off, in the unit of the values.
+    pub tolerance: f64,
 }
 
 /// A second run and what differs.
@@ -182,7 +201,7 @@ pub struct Kind {
 pub struct Probe {
     /// Element of the bus; empty for a signal that is alone.
     pub element: String,
-    /// Path of a signal in one of the pictures.
+    /// Path of a signal that a picture shows, or of one in [`Report::unseen`].
     pub path: String,
 }
 

@@ -1,16 +1,20 @@
 //! The block diagram as data of the page.
 
+use std::collections::HashMap;
+
 use serde_json::{Value, json};
 
-use crate::data::{Diagram, Inspected, Panel, Rows};
+use crate::data::{Inspected, Report};
+use crate::unseen;
 
-/// Drawings, levels and tables as JSON, which is compressed with the page's numbers.
-pub(crate) fn texts(diagram: &Diagram, tables: &[(String, Rows)], panels: &[Panel]) -> Value {
+/// Drawings, levels, tables and names of signals as JSON, which is compressed.
+pub(crate) fn texts(report: &Report) -> Value {
+    let Report { diagram, tables, .. } = report;
     let drawings = diagram.drawings.iter().map(|drawing| {
         let nets = drawing.nets.iter().map(|net| json!([net.title, net.nodes, u8::from(net.directed)]));
         json!({ "svg": drawing.svg, "nets": nets.collect::<Vec<_>>() })
     });
-    let places = places(panels);
+    let places = places(report);
     let levels = diagram.levels.iter().map(|level| {
         let probes = level.probes.iter().map(|net| {
             let known = net.iter().filter_map(|probe| {
@@ -34,17 +38,20 @@ pub(crate) fn texts(diagram: &Diagram, tables: &[(String, Rows)], panels: &[Pane
         tables.iter().map(|(title, rows)| json!({ "title": title, "head": rows.head, "rows": rows.rows }));
     json!({
         "drawings": drawings.collect::<Vec<_>>(), "levels": levels.collect::<Vec<_>>(), "kinds": kinds,
-        "tables": tables.collect::<Vec<_>>(),
+        "tables": tables.collect::<Vec<_>>(), "unseen": unseen::names(&report.unseen),
     })
 }
 
-/// Picture and place in it of each signal.
-fn places(panels: &[Panel]) -> std::collections::HashMap<&str, (usize, usize)> {
-    let mut places = std::collections::HashMap::new();
-    for (at, panel) in panels.iter().enumerate() {
+/// Picture and place in it of each signal; −1 and the place among the others for those that no picture shows.
+fn places(report: &Report) -> HashMap<&str, (i64, usize)> {
+    let mut places = HashMap::new();
+    for (panel, at) in report.panels.iter().zip(0..) {
         for (place, series) in panel.series.iter().enumerate() {
             places.entry(series.path.as_str()).or_insert((at, place));
         }
+    }
+    for (place, signal) in report.unseen.iter().enumerate() {
+        places.entry(signal.path.as_str()).or_insert((-1, place));
     }
     places
 }

@@ -7,6 +7,7 @@
 //! scripts that a browser may run.
 
 mod assets;
+mod corridor;
 mod data;
 mod diagram;
 mod escape;
@@ -14,11 +15,13 @@ mod pack;
 mod page;
 mod surface;
 mod thin;
+mod unseen;
 
 pub use assets::{VENDORED, Vendored};
+pub use corridor::{Few, few};
 pub use data::{
     Animation, Compared, Diagram, Drawing, Event, Inspected, Kind, Level, Net, Overlay, Panel, Probe, Report,
-    Role, Rows, Series,
+    Role, Rows, Series, Unseen,
 };
 pub use escape::escape;
 pub use page::html;

@@ -6,17 +6,21 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::assets::{DIAGRAM, MAIN, SCRIPTS, SPACE, STYLES};
-use crate::data::{Animation, Panel, Report, Role, Rows};
+use crate::data::{Animation, Panel, Report, Role, Rows, Series};
 use crate::escape::{escape, json as safe_json};
 use crate::pack::{Pack, compressed};
-use crate::{BUDGET, diagram, thin};
+use crate::{BUDGET, diagram, thin, unseen};
 
 /// Stretches of time that each picture is thinned to at first; fewer where the page would be too large.
 const COLUMNS: usize = 1200;
 /// Fewer are never made.
 const FEWEST: usize = 75;
+/// Stretches of time for each point of a signal that no picture shows.
+const COARSER: usize = 4;
 /// Instants of the movement.
 const FRAMES: usize = 1200;
+/// Share of its range that the mean of a signal may be off before the page says so.
+const ROUGH: f64 = 0.005;
 /// Events that are listed.
 const EVENTS: usize = 200;
 
@@ -24,12 +28,10 @@ const EVENTS: usize = 200;
 /// larger, or there are very many pictures.
 pub fn html(report: &Report) -> String {
     let mut columns = COLUMNS;
-    let texts = diagram::texts(&report.diagram, &report.tables, &report.panels).to_string();
-    let texts = if report.diagram.levels.is_empty() && report.tables.is_empty() {
-        String::new()
-    } else {
-        compressed(texts.as_bytes())
-    };
+    let has_texts =
+        !report.diagram.levels.is_empty() || !report.tables.is_empty() || !report.unseen.is_empty();
+    let texts =
+        if has_texts { compressed(diagram::texts(report).to_string().as_bytes()) } else { String::new() };
     loop {
         let page = with_columns(report, columns, &texts);
         if report.full || page.len() <= BUDGET || columns <= FEWEST {
@@ -44,6 +46,8 @@ fn with_columns(report: &Report, columns: usize, texts: &str) -> String {
     let panels: Vec<Value> =
         report.panels.iter().map(|panel| picture(panel, report.full, columns, &mut pack)).collect();
     let thinned = !report.full && report.panels.iter().any(|panel| panel.time.len() > columns);
+    let most = (!report.full).then_some(columns / COARSER);
+    let unseen = unseen::courses(&report.unseen, most, &mut pack);
     let space = report.animation.as_ref().map(|animation| movement(animation, &mut pack));
     let overlays: Vec<Value> = report
         .overlays
@@ -60,6 +64,7 @@ fn with_columns(report: &Report, columns: usize, texts: &str) -> String {
     let compared = report.compared.as_ref().map(|other| json!({ "name": other.name, "marks": other.marks }));
     let data = json!({
         "v": 1, "panels": panels, "space": space, "overlays": overlays, "thinned": thinned, "compared": compared,
+        "unseen": unseen,
     });
     let scripts: Vec<&str> = SCRIPTS
         .into_iter()
@@ -134,6 +139,9 @@ fn picture(panel: &Panel, full: bool, columns: usize, pack: &mut Pack) -> Value 
                 }
                 _ => entry["values"] = pack.narrow(&pick(&series.values)),
             }
+            if is_rough(panel, series, &rows) {
+                entry["rough"] = true.into();
+            }
             if let Some(other) = &series.other {
                 entry["other"] = pack.narrow(&pick(other));
             }
@@ -145,6 +153,18 @@ fn picture(panel: &Panel, full: bool, columns: usize, pack: &mut Pack) -> Value 
         "pair": pair.map(|(set, actual)| [set, actual]),
         "time": pack.wide(&pick(&panel.time)), "series": series,
     })
+}
+
+/// Whether mean or root mean square of the rows that are kept tell little of those of all.
+fn is_rough(panel: &Panel, series: &Series, rows: &[usize]) -> bool {
+    if rows.len() == panel.time.len() {
+        return false;
+    }
+    let finite = || series.values.iter().copied().filter(|x| x.is_finite());
+    let range = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
+    let all = thin::means(&panel.time, &series.values, series.held, 0..panel.time.len());
+    let kept = thin::means(&panel.time, &series.values, series.held, rows.iter().copied());
+    (all.0 - kept.0).abs().max((all.1 - kept.1).abs()) > ROUGH * range
 }
 
 fn movement(animation: &Animation, pack: &mut Pack) -> Value {
@@ -192,7 +212,7 @@ fn body(report: &Report, thinned: bool) -> String {
         out.push_str(&format!("<a href=\"#{id}\">{name}</a>"));
     }
     out.push_str(
-        "</nav><span class=\"tools\"><button id=\"theme\" title=\"Light or dark (D)\">Theme</button>\
+        "</nav><span class=\"tools\"><button id=\"find\" hidden title=\"Find a block, a signal, a parameter (/)\">Find</button><button id=\"theme\" title=\"Light or dark (D)\">Theme</button>\
          <button id=\"help\" title=\"All keys (?)\">Keys</button></span></header>\n<main>\n",
     );
     out.push_str(&format!("<section id=\"summary\"><h1>{}</h1>\n", escape(&report.title)));

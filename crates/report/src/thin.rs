@@ -35,6 +35,24 @@ pub fn rows(time: &[f64], signals: &[&[f64]], columns: usize) -> Vec<usize> {
     kept
 }
 
+/// Mean and root mean square over time of a course of which some rows are kept: straight between them, or held.
+pub fn means(time: &[f64], values: &[f64], held: bool, rows: impl Iterator<Item = usize>) -> (f64, f64) {
+    let (mut known, mut area, mut square) = (0.0, 0.0, 0.0);
+    let mut before = None;
+    for row in rows {
+        if let Some(last) = before.replace(row) {
+            let wide: f64 = time[row] - time[last];
+            let (a, b): (f64, f64) = (values[last], if held { values[last] } else { values[row] });
+            if wide > 0.0 && a.is_finite() && b.is_finite() {
+                known += wide;
+                area += (a + b) / 2.0 * wide;
+                square += (a * a + a * b + b * b) / 3.0 * wide;
+            }
+        }
+    }
+    if known > 0.0 { (area / known, (square / known).sqrt()) } else { (0.0, 0.0) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,6 +70,14 @@ mod tests {
             assert!(rows.contains(&row), "{row}");
         }
         assert!(rows.is_sorted_by(|a, b| a < b));
+    }
+
+    #[test]
+    fn means_of_lines_are_exact_and_gaps_do_not_count() {
+        let (mean, rms) = means(&[0.0, 3.0], &[0.0, 6.0], false, 0..2);
+        assert!((mean - 3.0).abs() < 1e-12 && (rms - 12.0_f64.sqrt()).abs() < 1e-12, "{mean} {rms}");
+        assert_eq!(means(&[0.0, 1.0, 2.0], &[2.0, f64::NAN, 5.0], true, 0..3).0, 2.0);
+        assert_eq!(means(&[0.0, 1.0], &[f64::NAN; 2], false, 0..2), (0.0, 0.0));
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! The page: whole, small, harmless.
 
-use std::io::Write;
+mod browser;
 
 use blocksim_report::{
     Animation, BUDGET, Diagram, Drawing, Event, Inspected, Kind, Level, Net, Overlay, Panel, Probe, Report,
     Role, Rows, Series, Surface, VENDORED, html,
 };
+use browser::{complaints, program, shown};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
@@ -235,57 +236,9 @@ fn all_scripts_of_our_own_are_checked() {
     }
 }
 
-/// The program of the browser, if one is installed.
-fn browser() -> Option<&'static str> {
-    let works = |name: &&str| {
-        std::process::Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success())
-    };
-    ["chromium", "chromium-browser", "google-chrome"].into_iter().find(works)
-}
-
-/// The page after its scripts have run, and what the browser said.
-fn shown(program: &str, page: &str, name: &str, flags: &[&str]) -> (String, String) {
-    let folder = std::env::temp_dir().join(format!("blocksim-report-{}-{name}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let file = folder.join("page.html");
-    std::fs::write(&file, page).unwrap();
-    let out = std::process::Command::new(program)
-        .args([
-            "--headless",
-            "--no-sandbox",
-            "--enable-logging=stderr",
-            "--virtual-time-budget=20000",
-            "--dump-dom",
-        ])
-        .arg(format!("--user-data-dir={}", folder.join("profile").display()))
-        .args(flags)
-        .arg(format!("file://{}", file.display()))
-        .output()
-        .unwrap();
-    std::fs::remove_dir_all(&folder).unwrap();
-    (String::from_utf8_lossy(&out.stdout).into_owned(), String::from_utf8_lossy(&out.stderr).into_owned())
-}
-
-/// The browser, or the notice that there is none.
-fn browser_or_notice() -> Option<&'static str> {
-    let found = browser();
-    if found.is_none() {
-        let required = std::env::var("BLOCKSIM_BROWSER").is_ok_and(|value| value == "required");
-        assert!(!required, "no Chromium is installed, and BLOCKSIM_BROWSER=required");
-        let notice = "SKIPPED: no Chromium is installed; the page was not looked at in a browser";
-        let _ = writeln!(std::io::stderr(), "{notice}");
-    }
-    found
-}
-
-/// What the page complained about.
-fn complaints(said: &str) -> Vec<&str> {
-    said.lines().filter(|line| line.contains(":CONSOLE")).collect()
-}
-
 #[test]
 fn a_browser_shows_the_page_from_disk_without_complaint_with_and_without_webgl() {
-    let Some(program) = browser_or_notice() else { return };
+    let Some(program) = program() else { return };
     let tables =
         vec![("robot".to_owned(), Rows { head: vec!["name".to_owned()], rows: vec![vec!["m".to_owned()]] })];
     let page =
@@ -309,7 +262,7 @@ fn a_browser_shows_the_page_from_disk_without_complaint_with_and_without_webgl()
 
 #[test]
 fn a_browser_takes_no_name_for_markup() {
-    let Some(program) = browser_or_notice() else { return };
+    let Some(program) = program() else { return };
     let (dom, said) =
         shown(program, &html(&all_texts(EVIL)), "evil", &["--disable-gpu", "--disable-3d-apis"]);
     assert!(dom.contains("data-ready=\"true\""), "{said}");

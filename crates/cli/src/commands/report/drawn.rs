@@ -9,6 +9,7 @@ use blocksim_layout::layout;
 use blocksim_report::{Drawing, Inspected, Kind, Level, Net, Probe, Report};
 use blocksim_signal::Dimension;
 
+use super::numbers::shortest;
 use super::source_text::{line, set_for, written};
 use crate::terminal::prose::first_sentence;
 
@@ -115,7 +116,7 @@ fn inspected(block: &ModelBlock, model: &Model, sources: &Sources, overrides: &[
         if let (false, Some(default)) = (is_written, parameter.default) {
             let set = set_for(overrides, &format!("{}.{}", block.path, parameter.name));
             let text = set.map_or_else(|| "default".to_owned(), |set| format!("{set} (set for this run)"));
-            let number = default.parse::<f64>().map(|x| with_unit(&number(x), parameter.unit));
+            let number = default.parse::<f64>().map(|x| with_unit(&shortest(x), parameter.unit));
             let shown =
                 if set.is_some() { value(block, info, parameter.name) } else { number.unwrap_or_default() };
             parameters.push([parameter.name.to_owned(), text, shown]);
@@ -148,20 +149,13 @@ fn value(block: &ModelBlock, info: Option<&BlockInfo>, name: &str) -> String {
         (unit, _) => unit.to_owned(),
     };
     match list.as_slice() {
-        [one] => with_unit(&number(*one), &unit),
+        [one] => with_unit(&shortest(*one), &unit),
         several if several.len() <= 9 => {
-            let all: Vec<String> = several.iter().map(|x| number(*x)).collect();
+            let all: Vec<String> = several.iter().map(|x| shortest(*x)).collect();
             with_unit(&format!("[{}]", all.join(", ")), &unit)
         }
         _ => String::new(),
     }
-}
-
-/// A number with as many digits as it has, six at most.
-fn number(x: f64) -> String {
-    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
-    let text = format!("{rounded:?}");
-    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
 fn with_unit(number: &str, unit: &str) -> String {
@@ -174,7 +168,7 @@ fn with_unit(number: &str, unit: &str) -> String {
 struct Recorded {
     /// Output behind each name.
     origins: BTreeMap<String, String>,
-    /// Paths of signals in the page by output: what follows the name of the output, and the path.
+    /// Paths of recorded signals by output: what follows the name of the output, and the path.
     shown: HashMap<String, Vec<(String, String)>>,
 }
 
@@ -183,15 +177,16 @@ impl Recorded {
         let origins = origins(model);
         let mut shown: HashMap<String, Vec<(String, String)>> = HashMap::new();
         let mut seen = HashSet::new();
-        for series in report.panels.iter().flat_map(|panel| &panel.series) {
-            let (name, index) = match series.path.find('[') {
-                Some(at) => series.path.split_at(at),
-                None => (series.path.as_str(), ""),
+        let pictured = report.panels.iter().flat_map(|panel| &panel.series).map(|series| &series.path);
+        for path in pictured.chain(report.unseen.iter().map(|signal| &signal.path)) {
+            let (name, index) = match path.find('[') {
+                Some(at) => path.split_at(at),
+                None => (path.as_str(), ""),
             };
             let Some(origin) = origins.get(name) else { continue };
             // Several scopes may show the same.
             if seen.insert((origin.clone(), index.to_owned())) {
-                shown.entry(origin.clone()).or_default().push((index.to_owned(), series.path.clone()));
+                shown.entry(origin.clone()).or_default().push((index.to_owned(), path.clone()));
             }
         }
         Recorded { origins, shown }

@@ -6,10 +6,12 @@ mod facts;
 mod meshes;
 mod model;
 mod movement;
+mod numbers;
 mod pictures;
 mod source_text;
 mod tables;
 mod titles;
+mod unseen;
 
 pub use beside::Other;
 
@@ -132,6 +134,7 @@ fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) 
     let model = known.and_then(|(text, sources)| model::read(text, sources, &mut report));
     let titles = model.as_ref().map(Titles::of).unwrap_or_default();
     pictures::add(&books, &titles, &movement::joints(path), &mut report)?;
+    unseen::add(&books[0], &mut report)?;
     if let Some((model, (text, sources))) = model.as_ref().zip(known) {
         model::add(model, text, sources, &mut report);
     }

@@ -2,9 +2,10 @@
 
 use blocksim_plot::pretty_unit;
 use blocksim_report::{Panel, Report, Role, Rows, Series};
-use blocksim_results::format::{fixed, significant};
+use blocksim_results::format::fixed;
 use blocksim_results::{ALWAYS, Column, Kind};
 
+use super::numbers::readable;
 use super::titles::Titles;
 use crate::args::plot::Layout;
 use crate::commands::plot::following::{Row, rows};
@@ -14,6 +15,8 @@ use crate::signals::traces::Book;
 
 /// Most pictures in a page.
 const PANELS: usize = 60;
+/// Most pictures of what no scope shows, beside those of scopes; where there are more, each is made when it is asked for.
+const OTHERS: usize = 12;
 
 /// Adds pictures and metrics. `joints` are signals that the view in space needs; they have pictures of their own only
 /// where no other picture shows them.
@@ -27,6 +30,10 @@ pub fn add(books: &[Book; 1], titles: &Titles, joints: &[String], report: &mut R
     let mut groups = groups(book, &selected, Layout::Scopes);
     let block = |group: &Group| book.traces[group.traces[0]].block();
     groups.sort_by_key(|group| titles.rank(block(group)));
+    let scopes = groups.iter().filter(|group| titles.is_scope(block(group))).count();
+    if scopes > 0 && groups.len() - scopes > OTHERS {
+        groups.retain(|group| titles.is_scope(block(group)));
+    }
     if groups.len() > PANELS {
         report
             .warnings
@@ -117,7 +124,7 @@ fn not_finite(drawn: &Drawn) -> Vec<String> {
             Some(format!(
                 "{} {name} has values that are no finite numbers, first at {} s.",
                 drawn.group.title,
-                significant(column.time[at], 6)
+                readable(column.time[at], 6)
             ))
         })
         .collect()
@@ -141,13 +148,13 @@ fn table(rows: &[Row]) -> Rows {
         vec![
             name.clone(),
             pretty_unit(unit),
-            significant(m.step, 4),
+            readable(m.step, 4),
             seconds(m.rise),
             m.overshoot.map_or_else(|| "–".to_owned(), |x| format!("{} %", fixed(100.0 * x, 2))),
             seconds(m.settling),
-            significant(m.iae, 4),
-            significant(m.steady_state_error, 3),
-            significant(m.max_error, 3),
+            readable(m.iae, 4),
+            readable(m.steady_state_error, 3),
+            readable(m.max_error, 3),
             fixed(m.max_error_at, 3),
         ]
     };

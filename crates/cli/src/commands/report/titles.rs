@@ -14,6 +14,7 @@ pub struct Titles {
 struct Title {
     place: usize,
     label: Option<String>,
+    is_scope: bool,
     parent: Option<String>,
 }
 
@@ -28,7 +29,8 @@ impl Titles {
     fn gather(&mut self, model: &Model, parent: Option<&String>) {
         for block in &model.blocks {
             let place = self.blocks.len();
-            let title = Title { place, label: block.label.clone(), parent: parent.cloned() };
+            let (label, is_scope) = (block.label.clone(), block.kind == "Scope");
+            let title = Title { place, label, is_scope, parent: parent.cloned() };
             self.blocks.insert(block.path.clone(), title);
             if let Content::Diagram(inside) = &block.content {
                 self.gather(inside, block.label.as_ref());
@@ -39,6 +41,11 @@ impl Titles {
     /// The label of the subsystem that a block stands in.
     pub fn parent(&self, block: &str) -> Option<&str> {
         self.blocks.get(block)?.parent.as_deref()
+    }
+
+    /// Whether a block is a scope.
+    pub fn is_scope(&self, block: &str) -> bool {
+        self.blocks.get(block).is_some_and(|title| title.is_scope)
     }
 
     /// For sorting: what the author named stands before what has no label, each in the order of the files.
