@@ -30,9 +30,10 @@ pub(crate) fn at(values: &[f64], i: usize) -> f64 {
 /// What is combined to output element `i`: element `i` of each input, or, if there is one input only, all its
 /// elements.
 pub(crate) fn operands<'a>(c: &'a Context, i: usize) -> impl Iterator<Item = f64> + 'a {
-    let single = c.inputs.len() == 1;
-    let n = if single { c.input(0).len() } else { c.inputs.len() };
-    (0..n).map(move |k| if single { c.input(0)[k] } else { at(c.input(k), i) })
+    // Elements of one input, or scalars alone, lie one behind the other: most diagrams have nothing else.
+    let joined = c.inputs.len() == 1 || c.u.len() == c.inputs.len();
+    let n = if joined { c.u.len() } else { c.inputs.len() };
+    (0..n).map(move |k| if joined { c.u[k] } else { at(c.input(k), i) })
 }
 
 /// `u` between the limits; NaN stays NaN.
