@@ -8,8 +8,10 @@ mod bounds;
 mod compare;
 mod metrics;
 mod series;
+mod statistics;
 
 pub use align::lag;
 pub use compare::{Comparison, Deviation, Instants, Rule, compare};
 pub use metrics::{Metrics, metrics};
 pub use series::{Interpolation, Series};
+pub use statistics::{Statistics, statistics};

@@ -62,6 +62,7 @@ fn main() -> ExitCode {
         Some(Command::Compare(args)) => commands::compare(args, console),
         Some(Command::Check(args)) => commands::check(args, console),
         Some(Command::Runs(args)) => commands::runs(args, console),
+        Some(Command::Sweep(args)) => commands::sweep(args, console),
         Some(Command::Export(args)) => commands::export(args, console),
         Some(Command::Emit(args)) => commands::emit(args, console),
         Some(Command::Graph(args)) => commands::graph(args, console),

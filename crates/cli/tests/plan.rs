@@ -1,11 +1,11 @@
 //! `blocksim plan` as users call it.
 
-use std::path::{Path, PathBuf};
+mod support;
+
+use std::path::PathBuf;
 use std::process::Command;
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
+use support::{arguments, commands_of, root};
 
 /// Exit code, standard output and standard error.
 fn plan(arguments: &[&str]) -> (i32, String, String) {
@@ -168,36 +168,15 @@ fn wrong_requests_are_answered_with_place_reason_and_remedy() {
     expect_test::expect_file!["plan_answers.txt"].assert_eq(&said);
 }
 
-/// Commands of the page with what stands below them.
-fn shown() -> Vec<(String, String)> {
-    let page = std::fs::read_to_string(root().join("docs/moves.md")).unwrap();
-    let mut fences = page.split("```").skip(1).step_by(2).peekable();
-    let mut shown = Vec::new();
-    while let Some(fence) = fences.next() {
-        let answer = fences.peek().and_then(|next| next.strip_prefix("text\n"));
-        if let (Some(command), Some(answer)) = (fence.strip_prefix("sh\n"), answer) {
-            shown.push((command.trim().to_owned(), answer.to_owned()));
-        }
-    }
-    shown
-}
-
 #[test]
 fn the_page_shows_what_the_program_says() {
-    let shown = shown();
+    let shown = commands_of("moves.md");
     assert!(shown.len() >= 4, "{} commands with answers", shown.len());
     for (command, answer) in shown {
-        let words = command.replace("\\\n", " ");
-        let words = words.strip_prefix("blocksim plan ").unwrap_or_else(|| panic!("{command}"));
-        let arguments: Vec<&str> = words
-            .split('"')
-            .enumerate()
-            .flat_map(|(i, part)| match i % 2 {
-                1 => vec![part],
-                _ => part.split_whitespace().collect(),
-            })
-            .collect();
-        let (_, out, err) = plan(&arguments);
+        let words = arguments(&command);
+        assert_eq!(words[..2], ["blocksim", "plan"], "{command}");
+        let words: Vec<&str> = words[2..].iter().map(String::as_str).collect();
+        let (_, out, err) = plan(&words);
         assert_eq!(format!("{out}{err}"), answer, "{command}");
     }
 }

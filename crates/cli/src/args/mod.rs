@@ -10,6 +10,7 @@ pub mod params;
 pub mod plan;
 pub mod plot;
 pub mod report;
+pub mod sweep;
 pub mod values;
 
 use clap::{Parser, Subcommand};
@@ -24,6 +25,7 @@ use self::params::ParamsCommand;
 use self::plan::PlanCommand;
 use self::plot::{CompareArgs, PlotArgs};
 use self::report::ReportArgs;
+use self::sweep::SweepArgs;
 use crate::terminal::console::Colour;
 
 /// Simulate block diagrams written as text.
@@ -54,6 +56,8 @@ pub enum Command {
     Report(ReportArgs),
     /// Tell whether two runs or tables agree within tolerances.
     Compare(CompareArgs),
+    /// Run a model over values of its parameters, and table how it follows its set values.
+    Sweep(SweepArgs),
     /// Tell all problems of a model without running it.
     Check(CheckArgs),
     /// List the runs that were kept.

@@ -17,15 +17,9 @@ pub struct ModelArgs {
     pub set: Vec<String>,
 }
 
-/// `blocksim run`.
+/// How long a model is simulated, and by which method.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Examples:\n  blocksim run servo.ron\n  blocksim run servo.ron --set pid.kp=12 --until \"500 ms\"\n  \
-                        blocksim run servo.ron --plot 'angle.*' --out before\n  blocksim run servo.ron --signals 'angle.*,motor.**@10ms'"
-)]
-pub struct RunArgs {
-    #[command(flatten)]
-    pub model: ModelArgs,
+pub struct SolverArgs {
     /// End of the simulation, such as `10`, `10s` or `250ms`.
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub until: Option<f64>,
@@ -38,6 +32,19 @@ pub struct RunArgs {
     /// Step of a method of fixed step, or the largest one of a method of variable step.
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub step: Option<f64>,
+}
+
+/// `blocksim run`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  blocksim run servo.ron\n  blocksim run servo.ron --set pid.kp=12 --until \"500 ms\"\n  \
+                        blocksim run servo.ron --plot 'angle.*' --out before\n  blocksim run servo.ron --signals 'angle.*,motor.**@10ms'"
+)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    #[command(flatten)]
+    pub solver: SolverArgs,
     /// Folder for the results, which must be new or empty; without it `runs/<time>_<model>`.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -15,6 +15,7 @@ mod plot;
 mod report;
 mod run;
 mod runs;
+mod sweep;
 
 pub use blocks::blocks;
 pub use check::check;
@@ -31,6 +32,7 @@ pub use plot::plot;
 pub use report::report;
 pub use run::run;
 pub use runs::runs;
+pub use sweep::sweep;
 
 use blocksim_block::problem::Problem;
 use blocksim_diagram::SourceFile;

@@ -40,7 +40,7 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
         console.say(&format!("{}; nothing was run", render::tally(problems)));
         return Ok(Exit::Model);
     };
-    if let Err(mistake) = solver::apply(args, &mut schedule.settings) {
+    if let Err(mistake) = solver::apply(&args.solver, &mut schedule.settings) {
         console.say(&format!("error: {mistake}"));
         return Ok(Exit::Usage);
     }

@@ -5,6 +5,7 @@ pub mod interrupt;
 pub mod keep;
 pub mod manifest;
 pub mod model_text;
+pub mod parallel;
 pub mod recorder;
 pub mod report;
 pub mod selection;

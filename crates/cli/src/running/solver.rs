@@ -4,7 +4,7 @@ use blocksim_block::schedule::{FixedMethod, Settings, Solver, VariableMethod};
 use blocksim_results::SolverUsed;
 use blocksim_signal::closest;
 
-use crate::args::model::RunArgs;
+use crate::args::model::SolverArgs;
 
 /// A method by its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +33,7 @@ const RTOL: f64 = 1e-6;
 ///
 /// # Errors
 /// A sentence about the options, if they do not fit together.
-pub fn apply(args: &RunArgs, settings: &mut Settings) -> Result<(), String> {
+pub fn apply(args: &SolverArgs, settings: &mut Settings) -> Result<(), String> {
     if let Some(until) = args.until {
         settings.stop_time = until;
     }
@@ -140,7 +140,7 @@ mod tests {
         let args = Args::parse_from([&["blocksim", "run", "m.ron"], options].concat());
         let Some(Command::Run(args)) = args.command else { panic!("run was asked for") };
         let mut settings = Settings { stop_time: 1.0, solver, output: OutputTimes::Steps, seed: 0 };
-        apply(&args, &mut settings).map(|()| settings)
+        apply(&args.solver, &mut settings).map(|()| settings)
     }
 
     #[test]

@@ -39,7 +39,6 @@ impl Shown<'_> {
 }
 
 /// An empty recording of what a schedule wants recorded, in SI units.
-#[cfg(test)]
 pub fn recording(recorded: &[Recorded]) -> Recording {
     let signal = |r: &Recorded| Signal::new(&r.path, si_unit(r), kind(r));
     Recording::new(recorded.iter().map(signal).collect())

@@ -1,0 +1,305 @@
+//! The command line of `blocksim sweep`: which values parameters take, and what is measured.
+
+use std::path::PathBuf;
+
+use blocksim_signal::{Unit, closest};
+
+use super::model::{ModelArgs, SolverArgs};
+
+/// `blocksim sweep`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Values of a parameter are a list, or so many from one end to the other, evenly or by equal factors:\n  \
+                  pid.kp=4,8,16    drive=dc,asm    pid.kp=4..16/5    motor.l=\"1 mH..100 mH/5log\"\n\
+                  Of several parameters all combinations are run.\n\n\
+                  Numbers of how a set value is followed: rise, overshoot, settling, iae, ise, final_error, largest_error;\n\
+                  of any signal: min, max, peak, mean, rms, final. A part of a path or a pattern with `*` may follow.\n\n\
+                  Examples:\n  blocksim sweep servo.ron --over pid.kp=4..16/5 --over pid.kd=0.2,0.4\n  \
+                  blocksim sweep servo.ron --over inertia=\"0.1 kg*m^2..1 kg*m^2/10\" --metric settling,peak:motor.i\n  \
+                  blocksim sweep irb2600.ron --over drive=asm,dc,torque --out drives.csv"
+)]
+pub struct SweepArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// A parameter, named as for `--set`, and the values that it takes; may be repeated.
+    #[arg(long, value_name = "TARGET=VALUES", value_parser = over, required = true)]
+    pub over: Vec<Over>,
+    /// What to measure, separated by commas; without it how set values are followed.
+    #[arg(long, value_name = "METRIC[:SIGNALS]", value_parser = wanted, value_delimiter = ',')]
+    pub metric: Vec<Wanted>,
+    #[command(flatten)]
+    pub solver: SolverArgs,
+    /// Runs at the same time; without it as many as there are processors.
+    #[arg(long, short, value_name = "N")]
+    pub jobs: Option<std::num::NonZeroUsize>,
+    /// Write the table to a file, as CSV with a column for each parameter and each number.
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Replace the file if it is there.
+    #[arg(long, requires = "out")]
+    pub yes: bool,
+    /// Print the table as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A parameter and the values that it takes, as texts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Over {
+    /// Its name, as for `--set`.
+    pub target: String,
+    /// What stands behind it.
+    pub values: Vec<String>,
+}
+
+/// What is measured of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Metric {
+    /// Time from 10 % to 90 % of the step.
+    Rise,
+    /// How far the signal goes beyond its last set value.
+    Overshoot,
+    /// Time until it stays within 2 % of the step.
+    Settling,
+    /// Integral of the absolute error.
+    Iae,
+    /// Integral of the squared error.
+    Ise,
+    /// Mean error at the end.
+    FinalError,
+    /// Largest absolute error.
+    LargestError,
+    /// Least value.
+    Min,
+    /// Largest value.
+    Max,
+    /// Largest absolute value.
+    Peak,
+    /// Mean over time.
+    Mean,
+    /// Root of the mean square over time.
+    Rms,
+    /// Last value.
+    Final,
+}
+
+/// Names on the command line, and as headings.
+const METRICS: [(Metric, &str, &str); 13] = [
+    (Metric::Rise, "rise", "rise"),
+    (Metric::Overshoot, "overshoot", "overshoot"),
+    (Metric::Settling, "settling", "settling"),
+    (Metric::Iae, "iae", "IAE"),
+    (Metric::Ise, "ise", "ISE"),
+    (Metric::FinalError, "final_error", "final error"),
+    (Metric::LargestError, "largest_error", "largest error"),
+    (Metric::Min, "min", "min"),
+    (Metric::Max, "max", "max"),
+    (Metric::Peak, "peak", "peak"),
+    (Metric::Mean, "mean", "mean"),
+    (Metric::Rms, "rms", "rms"),
+    (Metric::Final, "final", "final"),
+];
+
+impl Metric {
+    /// Whether it needs a set value.
+    pub fn is_of_following(self) -> bool {
+        use Metric::*;
+        matches!(self, Rise | Overshoot | Settling | Iae | Ise | FinalError | LargestError)
+    }
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        METRICS.iter().find(|known| known.0 == self).map_or("", |known| known.1)
+    }
+
+    /// Its name in a heading.
+    pub fn heading(self) -> &'static str {
+        METRICS.iter().find(|known| known.0 == self).map_or("", |known| known.2)
+    }
+}
+
+/// A number that somebody wants to see.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Wanted {
+    /// Which.
+    pub metric: Metric,
+    /// Of which signals; without it of all that have a set value.
+    pub pattern: Option<String>,
+}
+
+/// `overshoot`, `peak:motor.i`.
+fn wanted(text: &str) -> Result<Wanted, String> {
+    let (name, pattern) = match text.split_once(':') {
+        Some((name, pattern)) => (name.trim(), Some(pattern.trim()).filter(|pattern| !pattern.is_empty())),
+        None => (text.trim(), None),
+    };
+    let Some((metric, ..)) = METRICS.iter().find(|known| known.1 == name) else {
+        let names = METRICS.map(|known| known.1);
+        let meant =
+            closest(name, names).map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"));
+        return Err(format!("there is no metric `{name}`{meant} There are {}", names.join(", ")));
+    };
+    if pattern.is_none() && !metric.is_of_following() {
+        return Err(format!("of which signal? Write {name}:SIGNAL, such as {name}:motor.i"));
+    }
+    Ok(Wanted { metric: *metric, pattern: pattern.map(str::to_owned) })
+}
+
+/// `pid.kp=4,8,16` or `pid.kp=4..16/5`.
+fn over(text: &str) -> Result<Over, String> {
+    let form = "write target=values, such as pid.kp=4,8,16 or pid.kp=4..16/5";
+    let (target, values) = text.split_once('=').ok_or(form)?;
+    let (target, values) = (target.trim(), values.trim());
+    if target.is_empty() || values.is_empty() {
+        return Err(form.to_owned());
+    }
+    // A name of a file may hold two points, too.
+    let is_range = values.contains("..") && !values.contains(['"', '(', '\'']);
+    let values = if is_range { range(values)? } else { list(values)? };
+    Ok(Over { target: target.to_owned(), values })
+}
+
+/// Parts between the commas that stand in no brackets and no quotes.
+fn list(text: &str) -> Result<Vec<String>, String> {
+    let (mut parts, mut depth, mut quoted) = (vec![String::new()], 0_usize, false);
+    for sign in text.chars() {
+        match sign {
+            '"' => quoted = !quoted,
+            '(' | '[' | '{' if !quoted => depth += 1,
+            ')' | ']' | '}' if !quoted => depth = depth.saturating_sub(1),
+            ',' if !quoted && depth == 0 => {
+                parts.push(String::new());
+                continue;
+            }
+            _ => {}
+        }
+        if let Some(part) = parts.last_mut() {
+            part.push(sign);
+        }
+    }
+    let parts: Vec<String> = parts.iter().map(|part| part.trim().to_owned()).collect();
+    match parts.iter().any(String::is_empty) {
+        true => Err("a value is missing between two commas".to_owned()),
+        false => Ok(parts),
+    }
+}
+
+/// Most values of one range.
+const MOST: usize = 100_000;
+
+/// `from..to/n`: n values from one end to the other, both of them included; `from..to/nlog`: by equal factors.
+fn range(text: &str) -> Result<Vec<String>, String> {
+    let form = "write from..to/n, such as 4..16/5, or from..to/nlog for equal factors";
+    let (from, rest) = text.split_once("..").ok_or(form)?;
+    let (to, count) = rest.rsplit_once('/').ok_or(form)?;
+    let (count, by_factors) = match count.trim().strip_suffix("log") {
+        Some(count) => (count, true),
+        None => (count, false),
+    };
+    let count: usize = count.trim().parse().map_err(|_| form)?;
+    if !(2..=MOST).contains(&count) {
+        return Err(format!("a range has 2 to {MOST} values, not {count}"));
+    }
+    let ((from, unit), (to, other)) = (number(from)?, number(to)?);
+    let unit = match (unit, other) {
+        (unit, other) if unit == other => unit,
+        ("", unit) | (unit, "") => unit,
+        (unit, other) => {
+            return Err(format!("both ends of a range have one unit, not `{unit}` and `{other}`"));
+        }
+    };
+    if by_factors && from * to <= 0.0 {
+        return Err("the ends of a range by equal factors have one sign and are not zero".to_owned());
+    }
+    let value = |n: usize| {
+        let share = n as f64 / (count - 1) as f64;
+        match n {
+            0 => from,
+            _ if n == count - 1 => to,
+            // Who asks for factors does not ask for more digits.
+            _ if by_factors => rounded(from * (to / from).powf(share), 4),
+            _ => from + (to - from) * share,
+        }
+    };
+    Ok((0..count).map(|n| format!("{} {unit}", rounded(value(n), 12)).trim_end().to_owned()).collect())
+}
+
+/// A number and its unit, which may be empty.
+fn number(text: &str) -> Result<(f64, &str), String> {
+    let text = text.trim();
+    let ends = text.char_indices().map(|(at, sign)| at + sign.len_utf8()).rev();
+    let mut found =
+        ends.filter_map(|end| Some((text[..end].trim_end().parse::<f64>().ok()?, text[end..].trim())));
+    let Some((number, unit)) = found.find(|(number, _)| number.is_finite()) else {
+        return Err(format!("`{text}` is no number with or without a unit"));
+    };
+    match unit.is_empty() || Unit::parse(unit).is_ok() {
+        true => Ok((number, unit)),
+        false => Err(format!("there is no unit `{unit}`")),
+    }
+}
+
+/// With so many digits; twelve leave no dust behind the steps of a range.
+fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn values(text: &str) -> Vec<String> {
+        over(text).unwrap().values
+    }
+
+    #[test]
+    fn a_list_is_cut_at_its_commas_but_not_within_brackets() {
+        assert_eq!(
+            over("drive = dc, asm").unwrap(),
+            Over { target: "drive".into(), values: vec!["dc".into(), "asm".into()] }
+        );
+        assert_eq!(
+            values(r#"motor=File("../a,b.ron"),File("c.ron")"#),
+            [r#"File("../a,b.ron")"#, r#"File("c.ron")"#]
+        );
+        assert_eq!(values("gains=[1, 2],[3, 4]"), ["[1, 2]", "[3, 4]"]);
+    }
+
+    #[test]
+    fn a_range_holds_both_ends_in_the_unit_of_the_user() {
+        assert_eq!(values("pid.kp=4..16/5"), ["4", "7", "10", "13", "16"]);
+        assert_eq!(values("l=1 mH..2 mH/3"), ["1 mH", "1.5 mH", "2 mH"]);
+        assert_eq!(values("v=-1..1 m/s/3"), ["-1 m/s", "0 m/s", "1 m/s"]);
+        assert_eq!(values("k=0.1..0.7/7"), ["0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7"]);
+        assert_eq!(values("k=1e-3..10/5log"), ["0.001", "0.01", "0.1", "1", "10"]);
+        assert_eq!(values("k=-1..-10/4log"), ["-1", "-2.154", "-4.642", "-10"]);
+    }
+
+    #[test]
+    fn what_cannot_be_meant_is_refused_with_the_form() {
+        for (wrong, said) in [
+            ("kp", "write target=values"),
+            ("kp=", "write target=values"),
+            ("kp=1,,2", "a value is missing"),
+            ("kp=1..2", "write from..to/n"),
+            ("v=1 m/s..2 m/s", "write from..to/n"),
+            ("kp=1..2/1", "2 to 100000 values"),
+            ("kp=1 m..2 s/3", "both ends"),
+            ("kp=one..2/3", "`one` is no number"),
+            ("kp=1 parsec..2 parsec/3", "no unit `parsec`"),
+            ("kp=0..2/3log", "one sign"),
+            ("kp=-1..2/3log", "one sign"),
+        ] {
+            let error = over(wrong).unwrap_err();
+            assert!(error.contains(said), "{wrong}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_metric_of_any_signal_needs_to_know_of_which() {
+        assert_eq!(wanted("overshoot").unwrap().metric, Metric::Overshoot);
+        assert_eq!(wanted("peak:motor.i").unwrap().pattern.as_deref(), Some("motor.i"));
+        assert!(wanted("peak").unwrap_err().contains("peak:SIGNAL"));
+        assert!(wanted("overshot").unwrap_err().contains("did you mean `overshoot`?"));
+    }
+}

@@ -1,0 +1,205 @@
+//! One run of a sweep: from the text of the model to a few numbers.
+
+use std::sync::Arc;
+
+use blocksim_analysis::{Metrics, metrics, statistics};
+use blocksim_block::schedule::{Recorded, Schedule};
+use blocksim_results::Recording;
+use blocksim_sim::{Control, Counts, Ended, Observer, SimError, Simulation};
+
+use crate::args::model::SolverArgs;
+use crate::args::sweep::{Metric, Wanted};
+use crate::running::blame::reason;
+use crate::running::{interrupt, solver};
+use crate::signals::naming::{fits, short_names};
+use crate::signals::shown::{Shown, recording, shown};
+use crate::signals::tracking::{Tracking, trackings};
+
+/// One number of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// What it is.
+    pub metric: Metric,
+    /// Path of the signal that it is of.
+    pub path: String,
+    /// Name of the signal, as far as it differs from others; empty where there is only one.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// The number; none where there is none, as of a step that is never reached.
+    pub value: Option<f64>,
+}
+
+/// Why a run has no numbers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Failure {
+    /// The command line does not fit the model.
+    Usage(String),
+    /// The simulation could not go on.
+    Simulation(String),
+    /// Ctrl-C.
+    Interrupted,
+}
+
+/// What is measured where nobody says it.
+const OF_ONE: [Metric; 5] =
+    [Metric::LargestError, Metric::FinalError, Metric::Overshoot, Metric::Settling, Metric::Iae];
+
+/// Runs a model and measures what is wanted.
+///
+/// # Errors
+/// [`Failure`].
+pub fn measure(
+    mut schedule: Schedule,
+    args: &SolverArgs,
+    wanted: &[Wanted],
+) -> Result<Vec<Measured>, Failure> {
+    solver::apply(args, &mut schedule.settings).map_err(Failure::Usage)?;
+    if schedule.recorded.is_empty() {
+        let help = "add a Scope, or `record: [\"...\"]` to the diagram";
+        return Err(Failure::Usage(format!(
+            "the model records nothing that could be measured\n  = help: {help}"
+        )));
+    }
+    let all: Vec<String> = schedule.recorded.iter().map(|recorded| recorded.path.clone()).collect();
+    schedule.recorded.retain(|recorded| is_needed(recorded, wanted));
+    let recorded = schedule.recorded.clone();
+    let mut rows = Rows(recording(&recorded));
+    let failed = |error: SimError| Failure::Simulation(reason(&error));
+    let mut simulation = Simulation::new(Arc::new(schedule)).map_err(failed)?;
+    if simulation.run(&mut rows).map_err(failed)? == Ended::Interrupted {
+        return Err(Failure::Interrupted);
+    }
+    let signals = shown(&recorded, &rows.0);
+    let found = numbers(&signals, &rows.0.time, wanted);
+    match wanted.iter().find(|wanted| !found.iter().any(|measured| measured.metric == wanted.metric)) {
+        Some(without) => Err(Failure::Usage(no_signal(without, &all))),
+        None if found.is_empty() => Err(Failure::Usage(
+            "no scope of the model has a set and an actual value\n  = help: say what to measure, such as \
+             --metric peak:motor.i"
+                .to_owned(),
+        )),
+        None => Ok(found),
+    }
+}
+
+/// Takes the rows as they come.
+struct Rows(Recording);
+
+impl Observer for Rows {
+    fn row(&mut self, t: f64, values: &[f64]) {
+        let pushed = self.0.push_row(t, values);
+        debug_assert!(pushed.is_ok(), "the engine gives rows in their order");
+    }
+
+    fn progress(&mut self, _t: f64, _counts: &Counts) -> Control {
+        if interrupt::is_requested() { Control::Stop } else { Control::Go }
+    }
+}
+
+/// Whether a signal is needed for anything that is wanted.
+fn is_needed(recorded: &Recorded, wanted: &[Wanted]) -> bool {
+    let port = recorded.path.split_once('.').map_or("", |(_, port)| port);
+    let follows = matches!(port, "set" | "actual");
+    let asked = |wanted: &Wanted| match &wanted.pattern {
+        _ if wanted.metric.is_of_following() => follows,
+        Some(pattern) => fits(&recorded.path, pattern),
+        None => false,
+    };
+    wanted.is_empty() && follows || wanted.iter().any(asked)
+}
+
+/// All numbers that are wanted, in that order.
+fn numbers(signals: &[Shown], time: &[f64], wanted: &[Wanted]) -> Vec<Measured> {
+    let pairs = trackings(signals);
+    let several = pairs.len() > 1;
+    let of_pairs = |metric: Metric, pattern: Option<&str>| -> Vec<Measured> {
+        let is_meant = |pair: &&Tracking| pattern.is_none_or(|pattern| fits(pair.actual.path, pattern));
+        let chosen: Vec<&Tracking> = pairs.iter().filter(is_meant).collect();
+        let names = short_names(&chosen.iter().map(|pair| pair.scope).collect::<Vec<_>>());
+        let measured = chosen.iter().zip(names).map(|(pair, name)| {
+            let unit = &pair.set.unit;
+            let values = |shown: &Shown| shown.si.iter().map(|&x| unit.from_si(x)).collect::<Vec<_>>();
+            let numbers = metrics(time, Some(&values(pair.set)), &values(pair.actual));
+            let (value, unit) = of_following(metric, numbers, &unit.to_string());
+            let name = if several { name.to_owned() } else { String::new() };
+            Measured { metric, path: pair.scope.to_owned(), name, unit, value }
+        });
+        measured.collect()
+    };
+    let of_signals = |metric: Metric, pattern: &str| -> Vec<Measured> {
+        let chosen = signals.iter().filter(|signal| fits(signal.path, pattern));
+        let measured = chosen.map(|signal| Measured {
+            metric,
+            path: signal.path.to_owned(),
+            name: signal.path.to_owned(),
+            unit: signal.unit.to_string(),
+            value: of_signal(metric, time, &signal.values()),
+        });
+        measured.collect()
+    };
+    if wanted.is_empty() {
+        let metrics = if several { &OF_ONE[..1] } else { &OF_ONE[..] };
+        return metrics.iter().flat_map(|metric| of_pairs(*metric, None)).collect();
+    }
+    let one = |wanted: &Wanted| match (&wanted.pattern, wanted.metric.is_of_following()) {
+        (Some(pattern), false) => of_signals(wanted.metric, pattern),
+        (pattern, _) => of_pairs(wanted.metric, pattern.as_deref()),
+    };
+    wanted.iter().flat_map(one).collect()
+}
+
+/// A number of how a set value is followed, and its unit, where the signals are in `unit`.
+fn of_following(metric: Metric, numbers: Option<Metrics>, unit: &str) -> (Option<f64>, String) {
+    let unit_and = |times: &str| if unit == "1" { times.to_owned() } else { format!("{unit}*{times}") };
+    let value = numbers.and_then(|m| match metric {
+        Metric::Rise => m.rise,
+        Metric::Overshoot => m.overshoot.map(|share| 100.0 * share),
+        Metric::Settling => m.settling,
+        Metric::Iae => Some(m.iae),
+        Metric::Ise => Some(m.ise),
+        Metric::FinalError => Some(m.steady_state_error),
+        _ => Some(m.max_error),
+    });
+    let unit = match metric {
+        Metric::Rise | Metric::Settling => "s".to_owned(),
+        Metric::Overshoot => "%".to_owned(),
+        Metric::Iae => unit_and("s"),
+        Metric::Ise if unit == "1" => "s".to_owned(),
+        Metric::Ise => format!("{unit}^2*s"),
+        _ => unit.to_owned(),
+    };
+    (value, unit)
+}
+
+/// A number of any signal.
+fn of_signal(metric: Metric, time: &[f64], values: &[f64]) -> Option<f64> {
+    let numbers = statistics(time, values)?;
+    Some(match metric {
+        Metric::Min => numbers.min,
+        Metric::Max => numbers.max,
+        Metric::Peak => numbers.peak(),
+        Metric::Mean => numbers.mean,
+        Metric::Rms => numbers.rms,
+        _ => numbers.last,
+    })
+}
+
+/// What to say where nothing fits.
+fn no_signal(wanted: &Wanted, recorded: &[String]) -> String {
+    let what = wanted.metric.name();
+    let Some(pattern) = &wanted.pattern else {
+        return format!(
+            "no scope of the model has a set and an actual value, of which there is a {what}\n  = help: name the inputs \
+             of a Scope `set` and `actual`"
+        );
+    };
+    let some: Vec<&str> = recorded.iter().take(5).map(String::as_str).collect();
+    let more = if recorded.len() > some.len() { ", ..." } else { "" };
+    let of = if wanted.metric.is_of_following() {
+        "no set and actual value fits"
+    } else {
+        "no recorded signal fits"
+    };
+    format!("{of} `{pattern}` of `{what}:{pattern}`\n  = help: recorded are {}{more}", some.join(", "))
+}

@@ -1,0 +1,181 @@
+//! `blocksim sweep`: a model over values of its parameters.
+
+mod measure;
+mod told;
+
+use std::io;
+
+use blocksim_block::problem::Severity;
+
+use self::measure::{Failure, Measured, measure};
+use super::tell;
+use crate::args::model::{Format, ModelArgs};
+use crate::args::sweep::{Over, SweepArgs};
+use crate::disk::write_file;
+use crate::exit::Exit;
+use crate::loaded::{Loaded, load};
+use crate::running::{interrupt, parallel};
+use crate::terminal::console::Console;
+use crate::terminal::render::{self, plural};
+
+/// Most runs of one sweep.
+const MOST: usize = 1_000_000;
+
+/// One run: a value for each parameter, and what became of it.
+pub struct Row<'a> {
+    /// The values, in the order of the parameters.
+    pub values: Vec<&'a str>,
+    /// Its numbers.
+    pub outcome: Result<Vec<Measured>, Failure>,
+}
+
+/// Runs a model over values of its parameters and tables what comes out.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn sweep(args: &SweepArgs, console: Console) -> io::Result<Exit> {
+    let runs = args.over.iter().map(|over| over.values.len()).try_fold(1_usize, usize::checked_mul);
+    let Some(runs) = runs.filter(|runs| *runs <= MOST) else {
+        console.say(&format!("error: that would be more than {MOST} runs\n  = help: take fewer values"));
+        return Ok(Exit::Usage);
+    };
+    if let Some(twice) = named_twice(&args.over) {
+        console.say(&format!(
+            "error: `{twice}` is varied twice\n  = help: write all its values behind one --over"
+        ));
+        return Ok(Exit::Usage);
+    }
+    if let Some(file) = args.out.as_ref().filter(|file| file.exists() && !args.yes) {
+        console.say(&format!(
+            "error: `{}` is there already\n  = help: name another file, or add --yes to replace it",
+            file.display()
+        ));
+        return Ok(Exit::Files);
+    }
+    // What is wrong with the model, and not with a value, is told once and before anything is run.
+    let Some(first) = load(&model(args, &values(&args.over, 0)), console) else { return Ok(Exit::Files) };
+    let format = if args.json { Format::Json } else { Format::Full };
+    tell(&first.compiled.problems, &first.files, format, console)?;
+    if first.compiled.schedule.is_none() {
+        console.say(&format!("{}; nothing was run", render::tally(&first.compiled.problems)));
+        return Ok(Exit::Model);
+    }
+    interrupt::take_over();
+    let numbers: Vec<usize> = (0..runs).collect();
+    let workers = args.jobs.map_or_else(parallel::processors, usize::from);
+    let live = console.live && !args.json;
+    let rows = parallel::all(
+        &numbers,
+        workers,
+        |number| one(args, *number, console),
+        |done| {
+            if live {
+                console.rewrite(&format!("  {done} of {}", plural(runs, "run")));
+            }
+        },
+    );
+    if live {
+        console.rewrite("");
+    }
+    finish(args, &rows, console)
+}
+
+/// Tells what came out of all runs.
+fn finish(args: &SweepArgs, rows: &[Row], console: Console) -> io::Result<Exit> {
+    let usage = rows.iter().find_map(|row| match &row.outcome {
+        Err(Failure::Usage(mistake)) => Some(mistake),
+        _ => None,
+    });
+    if let Some(mistake) = usage {
+        console.say(&format!("error: {mistake}"));
+        return Ok(Exit::Usage);
+    }
+    let interrupted = rows.iter().any(|row| row.outcome == Err(Failure::Interrupted));
+    let failed = rows.iter().filter(|row| matches!(row.outcome, Err(Failure::Simulation(_)))).count();
+    let table = told::Sheet::of(&args.over, rows);
+    console.data(&if args.json { format!("{}\n", table.json()) } else { table.text(console.width) })?;
+    if let Some(file) = &args.out {
+        if let Err(exit) = write_file(file, table.csv().as_bytes(), args.yes, console) {
+            return Ok(exit);
+        }
+        console.say(&format!("the table is in {}", file.display()));
+    }
+    if interrupted {
+        console.say("interrupted; runs without numbers were not finished");
+        return Ok(Exit::Interrupted);
+    }
+    if failed > 0 {
+        console.say(&format!("{} of {} could not go on", failed, plural(rows.len(), "run")));
+        return Ok(Exit::Failed);
+    }
+    Ok(Exit::Done)
+}
+
+/// Runs one combination.
+fn one<'a>(args: &'a SweepArgs, number: usize, console: Console) -> Row<'a> {
+    let values = values(&args.over, number);
+    if interrupt::is_requested() {
+        return Row { values, outcome: Err(Failure::Interrupted) };
+    }
+    let outcome = match load(&model(args, &values), console) {
+        Some(mut loaded) => match loaded.compiled.schedule.take() {
+            Some(schedule) => measure(schedule, &args.solver, &args.metric),
+            None => Err(Failure::Simulation(refused(&loaded))),
+        },
+        None => Err(Failure::Simulation("the model can no longer be read".to_owned())),
+    };
+    Row { values, outcome }
+}
+
+/// The first error of a model.
+fn refused(loaded: &Loaded) -> String {
+    let problems = &loaded.compiled.problems;
+    let first = problems.iter().find(|problem| problem.severity == Severity::Error).or(problems.first());
+    first.map_or_else(|| "the model has errors".to_owned(), |problem| problem.message.clone())
+}
+
+/// The values of a combination; those of the last parameter change first.
+fn values(over: &[Over], number: usize) -> Vec<&str> {
+    let mut rest = number;
+    let mut values: Vec<&str> = over
+        .iter()
+        .rev()
+        .map(|over| {
+            let value = &over.values[rest % over.values.len()];
+            rest /= over.values.len();
+            value.as_str()
+        })
+        .collect();
+    values.reverse();
+    values
+}
+
+/// The model with these values.
+fn model(args: &SweepArgs, values: &[&str]) -> ModelArgs {
+    let varied = args.over.iter().zip(values).map(|(over, value)| format!("{}={value}", over.target));
+    ModelArgs { model: args.model.model.clone(), set: args.model.set.iter().cloned().chain(varied).collect() }
+}
+
+fn named_twice(over: &[Over]) -> Option<&str> {
+    let twice =
+        over.iter().enumerate().find(|(n, one)| over[..*n].iter().any(|other| other.target == one.target));
+    twice.map(|(_, over)| over.target.as_str())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_combinations_come_and_the_last_parameter_changes_first() {
+        let over = |target: &str, values: &[&str]| Over {
+            target: target.to_owned(),
+            values: values.iter().map(|value| (*value).to_owned()).collect(),
+        };
+        let over = [over("a", &["1", "2"]), over("b", &["x", "y", "z"])];
+        let all: Vec<String> = (0..6).map(|n| values(&over, n).concat()).collect();
+        assert_eq!(all, ["1x", "1y", "1z", "2x", "2y", "2z"]);
+        assert_eq!(named_twice(&over), None);
+        assert_eq!(named_twice(&[over[0].clone(), over[1].clone(), over[0].clone()]), Some("a"));
+    }
+}

@@ -1,0 +1,137 @@
+//! `blocksim sweep` as users call it.
+
+mod support;
+
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use support::{arguments, commands_of, root};
+
+/// x' = (u - x) / tau: the answer to a step is 1 - exp(-t / tau).
+const LAG: &str = r#"Diagram(
+    parameters: { "tau": "0.1 s" },
+    simulation: (stop_time: "2 s", solver: Ode45(rtol: 1e-9), output: Every("0.5 ms")),
+    blocks: {
+        "demand": Step(time: "0.5 s", after: 2.0),
+        "lag": LowPass(tau: "tau"),
+        "scope": Scope(inputs: ["set", "actual"]),
+    },
+    connections: ["demand.y -> lag.u, scope.set", "lag.y -> scope.actual"],
+)
+"#;
+
+/// A folder with a model that is removed at the end.
+struct Desk(std::path::PathBuf);
+
+impl Desk {
+    fn new(name: &str) -> Desk {
+        let path = std::env::temp_dir().join(format!("blocksim-sweep-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&path).expect("a folder");
+        std::fs::write(path.join("lag.ron"), LAG).expect("a model");
+        Desk(path)
+    }
+
+    fn sweep(&self, words: &[&str]) -> Output {
+        sweep(&self.0, words)
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn sweep(folder: &std::path::Path, words: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+    command.current_dir(folder).env("NO_COLOR", "1").env_remove("COLUMNS").arg("sweep").args(words);
+    command.output().expect("the program runs")
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn numbers_of_a_lag_are_those_of_the_formula_whatever_the_number_of_jobs() {
+    let desk = Desk::new("formula");
+    let metrics = "--metric=rise,settling,iae,max:scope.actual,rms:scope.set";
+    let words = ["lag.ron", "--over", "tau=50 ms..100 ms/3", metrics, "--json"];
+    let output = desk.sweep(&words);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let one = desk.sweep(&[&words[..], &["--jobs", "1"]].concat());
+    assert_eq!(output.stdout, one.stdout, "runs do not disturb each other");
+    let sweep: Value = serde_json::from_slice(&output.stdout).expect("data");
+    let runs = sweep["runs"].as_array().expect("runs");
+    assert_eq!(runs.len(), 3);
+    for (run, tau) in runs.iter().zip([0.05, 0.075, 0.1]) {
+        assert_eq!(run["set"]["tau"], format!("{} ms", 1e3 * tau));
+        let number = |n: usize| run["metrics"][n]["value"].as_f64().expect("a number");
+        // 10 % at tau ln(10/9), 90 % at tau ln 10; 2 % are left at tau ln 50; rows are 0.5 ms apart.
+        assert!((number(0) - tau * 9.0_f64.ln()).abs() < 1e-5, "{run}");
+        assert!((number(1) - tau * 50.0_f64.ln()).abs() < 1e-5, "{run}");
+        let left = (-1.5 / tau).exp();
+        assert!((number(2) - 2.0 * tau * (1.0 - left)).abs() < 1e-5, "{run}");
+        assert!((number(3) - 2.0 * (1.0 - left)).abs() < 1e-8, "{run}");
+        assert!((number(4) - (4.0 * 1.5 / 2.0_f64).sqrt()).abs() < 1e-12, "{run}");
+    }
+}
+
+#[test]
+fn a_value_that_the_model_refuses_leaves_the_other_runs_alone() {
+    let desk = Desk::new("refused");
+    let output = desk.sweep(&["lag.ron", "--over", "tau=0.1 s,-0.1 s,0.2 s", "--out", "table.csv"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said(&output).contains("1 of 3 runs could not go on"), "{}", said(&output));
+    let table = std::fs::read_to_string(desk.0.join("table.csv")).expect("the table");
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines.len(), 4);
+    assert!(lines[0].starts_with("tau,largest error,") && lines[0].ends_with(",failed"), "{table}");
+    assert!(lines[2].starts_with("-0.1 s,,,,,,"), "{table}");
+    assert!(lines[1].ends_with(',') && lines[3].ends_with(','), "{table}");
+
+    let again = desk.sweep(&["lag.ron", "--over", "tau=0.1 s", "--out", "table.csv"]);
+    assert_eq!(again.status.code(), Some(4));
+    assert!(said(&again).contains("is there already"), "{}", said(&again));
+    assert_eq!(std::fs::read_to_string(desk.0.join("table.csv")).expect("the table"), table);
+    let replaced = desk.sweep(&["lag.ron", "--over", "tau=0.1 s", "--out", "table.csv", "--yes"]);
+    assert_eq!(replaced.status.code(), Some(0), "{}", said(&replaced));
+}
+
+#[test]
+fn mistakes_are_told_before_anything_is_run() {
+    let desk = Desk::new("mistakes");
+    for (words, code, expected) in [
+        (&["lag.ron", "--over", "tua=1 s,2 s"][..], 3, "did you mean `tau`?"),
+        (&["lag.ron", "--over", "tau=1 s..2 s"], 2, "write from..to/n"),
+        (&["lag.ron", "--over", "tau=1 s", "--over", "tau=2 s"], 2, "`tau` is varied twice"),
+        (
+            &["lag.ron", "--over", "tau=1 s", "--metric", "peak:lag"],
+            2,
+            "recorded are scope.set, scope.actual",
+        ),
+        (&["lag.ron", "--over", "tau=1 s", "--metric", "peak"], 2, "peak:SIGNAL"),
+        (&["lag.ron", "--over", "tau=1 s", "--solver", "ode4"], 2, "--step"),
+        (&["log.ron", "--over", "tau=1 s"], 4, "did you mean `lag.ron`?"),
+        (&["lag.ron"], 2, "--over"),
+        (&["lag.ron", "--over", "tau=1..2/100000", "--over", "demand.after=1..2/100000"], 2, "1000000 runs"),
+    ] {
+        let output = desk.sweep(words);
+        assert_eq!(output.status.code(), Some(code), "{words:?}: {}", said(&output));
+        assert!(said(&output).contains(expected), "{words:?}: {}", said(&output));
+        assert!(output.stdout.is_empty(), "{words:?}");
+    }
+}
+
+#[test]
+fn the_page_shows_what_the_program_says() {
+    let shown = commands_of("sweep.md");
+    assert!(shown.len() >= 3, "{} commands with answers", shown.len());
+    for (command, answer) in shown {
+        let words = arguments(&command);
+        assert_eq!(words[..2], ["blocksim", "sweep"], "{command}");
+        let words: Vec<&str> = words[2..].iter().map(String::as_str).collect();
+        let output = sweep(&root(), &words);
+        assert_eq!(String::from_utf8_lossy(&output.stdout), answer, "{command}: {}", said(&output));
+    }
+}
