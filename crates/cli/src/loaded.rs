@@ -21,16 +21,21 @@ pub struct Loaded {
     pub plugins: Vec<FileUsed>,
 }
 
+/// Lets whoever waits for the build of a plug-in know what for.
+pub fn tell_builds() {
+    blocksim_host::set_build_notice(|notice| {
+        use std::io::Write;
+        let _ = writeln!(std::io::stderr(), "  {notice}");
+    });
+}
+
 /// Reads and compiles a model; `None` if there is nothing to read, which has been told then.
 pub fn load(args: &ModelArgs, console: Console) -> Option<Loaded> {
     if let Some(refusal) = refusal(&args.model) {
         console.say(&refusal);
         return None;
     }
-    blocksim_host::set_build_notice(|notice| {
-        use std::io::Write;
-        let _ = writeln!(std::io::stderr(), "  {notice}");
-    });
+    tell_builds();
     let disk = Disk::default();
     let sources = Sources::new(&disk);
     let compiled = compile(&sources, &args.model, &args.set);

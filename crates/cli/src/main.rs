@@ -71,6 +71,7 @@ fn main() -> ExitCode {
         Some(Command::Explain(args)) => commands::explain(args, console),
         Some(Command::Identify(command)) => commands::identify(command, console),
         Some(Command::Plan(command)) => commands::plan(command, console),
+        Some(Command::Plugin(command)) => commands::plugin(command, console),
         Some(Command::Params(command)) => commands::params(command, console),
     };
     match outcome {

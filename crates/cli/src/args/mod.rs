@@ -9,6 +9,7 @@ pub mod model;
 pub mod params;
 pub mod plan;
 pub mod plot;
+pub mod plugin;
 pub mod report;
 pub mod sweep;
 pub mod values;
@@ -24,6 +25,7 @@ use self::model::{CheckArgs, EmitArgs, RunArgs};
 use self::params::ParamsCommand;
 use self::plan::PlanCommand;
 use self::plot::{CompareArgs, PlotArgs};
+use self::plugin::PluginCommand;
 use self::report::ReportArgs;
 use self::sweep::SweepArgs;
 use crate::terminal::console::Colour;
@@ -80,6 +82,9 @@ pub enum Command {
     /// Plan a move of a robot, check it along its whole way, and write it as a file.
     #[command(subcommand)]
     Plan(Box<PlanCommand>),
+    /// Controllers as dynamic libraries: make the crate of one, tell what one offers.
+    #[command(subcommand)]
+    Plugin(PluginCommand),
     /// Sets of parameters as workbooks for Excel and LibreOffice, and back.
     #[command(subcommand)]
     Params(ParamsCommand),

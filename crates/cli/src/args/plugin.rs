@@ -1,0 +1,41 @@
+//! The command lines of `blocksim plugin`.
+
+use std::path::PathBuf;
+
+use clap::Subcommand;
+
+/// `blocksim plugin`.
+#[derive(Debug, Subcommand)]
+pub enum PluginCommand {
+    /// Make the crate of a controller, with a diagram that runs it.
+    New(PluginNewArgs),
+    /// Build and load a plug-in, and tell which controllers it has.
+    Show(PluginShowArgs),
+}
+
+/// `blocksim plugin new`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  blocksim plugin new plugins/my_controller\n  \
+                        blocksim plugin new ~/lab/cruise --kind CruiseControl")]
+pub struct PluginNewArgs {
+    /// Folder of the crate, which must be new or empty; its name becomes that of the plug-in.
+    pub folder: PathBuf,
+    /// Name of the controller in diagrams; without it that of the plug-in in capitals, `MyController`.
+    #[arg(long, value_name = "NAME")]
+    pub kind: Option<String>,
+    /// Clone of blocksim that the crate is built against; without it the one around the folder, or the one that this
+    /// program was built from.
+    #[arg(long, value_name = "DIR")]
+    pub blocksim: Option<PathBuf>,
+}
+
+/// `blocksim plugin show`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  blocksim plugin show plugins/pid")]
+pub struct PluginShowArgs {
+    /// A built library, or the folder of its crate, which is built first.
+    pub library: String,
+    /// As JSON, an object for each controller.
+    #[arg(long)]
+    pub json: bool,
+}

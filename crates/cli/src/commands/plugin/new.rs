@@ -1,0 +1,162 @@
+//! `blocksim plugin new`: the crate of a controller.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::args::plugin::PluginNewArgs;
+use crate::exit::Exit;
+use crate::loaded::with_slashes;
+use crate::terminal::console::Console;
+
+/// Names in the template, which are replaced.
+const NAME: &str = "my_controller";
+const KIND: &str = "MyController";
+const PATH: &str = "PATH_OF_CONTROLLER";
+
+/// The files of a crate.
+const FILES: [(&str, &str); 3] = [
+    ("Cargo.toml", include_str!("template/manifest.toml")),
+    ("src/lib.rs", include_str!("template/controller.rs")),
+    ("demo.ron", include_str!("template/demo.ron")),
+];
+
+/// Makes the crate of a controller, with a diagram that runs it.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn new(args: &PluginNewArgs, console: Console) -> io::Result<Exit> {
+    let refuse = |(exit, message): (Exit, String)| {
+        console.say(&format!("error: {message}"));
+        Ok(exit)
+    };
+    let (name, kind) = match names(args) {
+        Ok(names) => names,
+        Err(message) => return refuse((Exit::Usage, message)),
+    };
+    match made(args, &name, &kind) {
+        Ok(()) => {}
+        Err(refusal) => return refuse(refusal),
+    }
+    let folder = args.folder.display();
+    console.data(&format!(
+        "{folder}\n  src/lib.rs   the controller `{kind}`: write your law here\n  demo.ron     a loop with it: \
+         blocksim run {folder}/demo.ron\n"
+    ))?;
+    Ok(Exit::Done)
+}
+
+/// Name of the crate and of the controller.
+fn names(args: &PluginNewArgs) -> Result<(String, String), String> {
+    let name = args.folder.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let is_name = name.starts_with(|c: char| c.is_ascii_lowercase())
+        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "_-".contains(c));
+    if !is_name {
+        return Err(format!(
+            "`{name}` is no name for a crate\n  = help: name a folder with small letters, digits and `_`, such as \
+             plugins/{NAME}"
+        ));
+    }
+    let kind = args.kind.clone().unwrap_or_else(|| capitals(&name));
+    let is_kind =
+        kind.starts_with(|c: char| c.is_ascii_uppercase()) && kind.chars().all(|c| c.is_ascii_alphanumeric());
+    if !is_kind {
+        return Err(format!(
+            "`{kind}` is no name for a controller\n  = help: write capitals, such as --kind {KIND}"
+        ));
+    }
+    Ok((name, kind))
+}
+
+/// `MyController` of `my_controller`.
+fn capitals(name: &str) -> String {
+    name.split(['_', '-'])
+        .flat_map(|word| {
+            let mut letters = word.chars();
+            letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+/// Writes the crate, whole or not at all.
+fn made(args: &PluginNewArgs, name: &str, kind: &str) -> Result<(), (Exit, String)> {
+    let folder = &args.folder;
+    let failed = |what: &str, error: &io::Error| {
+        (
+            Exit::Files,
+            format!("cannot {what} `{}`: {error}\n  = help: name a folder elsewhere", folder.display()),
+        )
+    };
+    if fs::read_dir(folder).map_or(folder.exists(), |mut entries| entries.next().is_some()) {
+        let help = "name a new folder; nothing was changed";
+        return Err((Exit::Files, format!("`{}` is there already\n  = help: {help}", folder.display())));
+    }
+    let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(parent).map_err(|error| failed("make", &error))?;
+    let parent = parent.canonicalize().map_err(|error| failed("make", &error))?;
+    let clone = clone(args, &parent).map_err(|message| (Exit::Usage, message))?;
+    let is_member = parent == clone.join("plugins");
+    let controller = if is_member { PathBuf::from("../..") } else { clone.clone() }.join("crates/controller");
+
+    let partial = parent.join(format!(".{name}.{}", std::process::id()));
+    let write = || -> io::Result<()> {
+        fs::create_dir_all(partial.join("src"))?;
+        for (file, text) in FILES {
+            let text = text.replace(NAME, name).replace(KIND, kind).replace(PATH, &with_slashes(&controller));
+            // Elsewhere than among the plug-ins of the clone the crate stands alone.
+            let alone = if file == "Cargo.toml" && !is_member { "\n[workspace]\n" } else { "" };
+            fs::write(partial.join(file), format!("{text}{alone}"))?;
+        }
+        if !is_member {
+            // The versions that this blocksim was built with, which are on the disk already.
+            fs::copy(clone.join("Cargo.lock"), partial.join("Cargo.lock"))?;
+        }
+        // An empty folder may stand there.
+        let _ = fs::remove_dir(folder);
+        fs::rename(&partial, folder)
+    };
+    write().map_err(|error| {
+        let _ = fs::remove_dir_all(&partial);
+        failed("write", &error)
+    })
+}
+
+/// The clone of blocksim that the crate is built against.
+fn clone(args: &PluginNewArgs, parent: &Path) -> Result<PathBuf, String> {
+    let is_clone = |folder: &Path| folder.join("crates/controller/Cargo.toml").is_file();
+    if let Some(named) = &args.blocksim {
+        return match named.canonicalize() {
+            Ok(named) if is_clone(&named) => Ok(named),
+            _ => Err(format!(
+                "`{}` is no clone of blocksim: it has no crates/controller\n  = help: name the folder that holds \
+                 `crates` and `plugins`",
+                named.display()
+            )),
+        };
+    }
+    let built = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize();
+    let around = parent.ancestors().map(Path::to_owned).chain(built).find(|folder| is_clone(folder));
+    around.ok_or_else(|| {
+        "the clone of blocksim that this program was built from is gone\n  = help: say where one is: --blocksim DIR".to_owned()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn args(folder: &str, kind: Option<&str>) -> PluginNewArgs {
+        PluginNewArgs { folder: folder.into(), kind: kind.map(str::to_owned), blocksim: None }
+    }
+
+    #[test]
+    fn names_follow_from_the_folder() {
+        assert_eq!(names(&args("a/low_pass2", None)), Ok(("low_pass2".into(), "LowPass2".into())));
+        assert_eq!(names(&args("pi-speed", Some("Speed"))), Ok(("pi-speed".into(), "Speed".into())));
+        for (folder, kind) in
+            [("a/..", None), ("2nd", None), ("a b", None), ("ok", Some("low")), ("ok", Some("A-b"))]
+        {
+            assert!(names(&args(folder, kind)).is_err(), "{folder} {kind:?}");
+        }
+    }
+}
