@@ -22,6 +22,11 @@ pub struct Disk {
 }
 
 impl Disk {
+    /// Files that were read.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.read.borrow().clone()
+    }
+
     /// Whether this file was read.
     pub fn has_read(&self, path: &Path) -> bool {
         self.read.borrow().iter().any(|known| known == path)

@@ -1,6 +1,6 @@
 //! A model, read and compiled.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use blocksim_diagram::{Compiled, SourceFile, Sources, compile};
 use blocksim_results::{FileUsed, hash};
@@ -44,6 +44,21 @@ pub fn load(args: &ModelArgs, console: Console) -> Option<Loaded> {
     // Hashed now, before anybody builds them anew.
     let plugins = blocksim_host::opened().into_iter().map(|library| library_used(&library.path));
     Some(Loaded { compiled, files, on_disk, plugins: plugins.collect() })
+}
+
+/// Files that a model is read from, and folders of crates whose plug-ins it has loaded; the file of the model itself in
+/// any case.
+pub fn files_of(args: &ModelArgs) -> Vec<PathBuf> {
+    let disk = Disk::default();
+    compile(&Sources::new(&disk), &args.model, &args.set);
+    let mut files = disk.files();
+    if !files.contains(&args.model) {
+        files.push(args.model.clone());
+    }
+    files.extend(blocksim_host::crates());
+    files.sort();
+    files.dedup();
+    files
 }
 
 /// The library of a plug-in. One that cannot be read any more has an empty hash.

@@ -19,6 +19,7 @@ mod scene;
 mod seal;
 mod signals;
 mod terminal;
+mod watch;
 
 use std::io;
 use std::process::ExitCode;
@@ -56,10 +57,16 @@ fn main() -> ExitCode {
     let console = Console::of_process(args.color, args.ascii);
     let outcome = match &args.command {
         None => console.data(HINTS).map(|()| Exit::Done),
+        Some(Command::Run(args)) if args.watch => {
+            watch::watch(&args.model, console, || commands::run(args, console))
+        }
         Some(Command::Run(args)) => commands::run(args, console),
         Some(Command::Report(args)) => commands::report(args, console),
         Some(Command::Plot(args)) => commands::plot(args, console),
         Some(Command::Compare(args)) => commands::compare(args, console),
+        Some(Command::Check(args)) if args.watch => {
+            watch::watch(&args.model, console, || commands::check(args, console))
+        }
         Some(Command::Check(args)) => commands::check(args, console),
         Some(Command::Runs(args)) => commands::runs(args, console),
         Some(Command::Sweep(args)) => commands::sweep(args, console),

@@ -33,6 +33,11 @@ pub fn set_build_notice(notice: fn(&str)) {
     *NOTICE.write().unwrap_or_else(PoisonError::into_inner) = Some(notice);
 }
 
+/// Folders of all crates that this process has built, whether they could be built or not.
+pub fn crates() -> Vec<PathBuf> {
+    SLOTS.lock().unwrap_or_else(PoisonError::into_inner).keys().cloned().collect()
+}
+
 /// The library of the crate in `folder`, up to date. `named` is how the diagram calls it.
 ///
 /// # Errors

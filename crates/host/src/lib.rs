@@ -32,7 +32,7 @@ mod parameters;
 mod plugin;
 mod table;
 
-pub use cargo::set_build_notice;
+pub use cargo::{crates, set_build_notice};
 pub use kind::{Kind, Quantity};
 pub use open::{Library, open, opened};
 pub use plugin::Plugin;

@@ -67,6 +67,9 @@ pub struct RunArgs {
     /// Make a page of the run, `report.html` in the folder of the results.
     #[arg(long)]
     pub report: bool,
+    /// Run again whenever a file of the model or a source of a plug-in changes, each time into a folder of its own.
+    #[arg(long, conflicts_with = "out")]
+    pub watch: bool,
     /// Say only what is wrong, and print the folder of the results.
     #[arg(long, short, conflicts_with = "json")]
     pub quiet: bool,
@@ -83,6 +86,9 @@ pub struct CheckArgs {
     /// How problems are told: with the text around them, a line each, or as JSON, an object a line.
     #[arg(long, value_enum, default_value_t = Format::Full, value_name = "FORMAT")]
     pub output_format: Format,
+    /// Check again whenever a file of the model or a source of a plug-in changes.
+    #[arg(long)]
+    pub watch: bool,
 }
 
 /// How problems are told.

@@ -1,0 +1,128 @@
+//! Does something again whenever a file of a model changes.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use crate::args::model::ModelArgs;
+use crate::exit::Exit;
+use crate::loaded::files_of;
+use crate::running::interrupt;
+use crate::terminal::console::Console;
+use crate::terminal::render::plural;
+
+/// How often files are looked at. A few hundred of them cost a millisecond.
+const EVERY: Duration = Duration::from_millis(100);
+/// Folders below the crate of a plug-in that are looked into.
+const DEEP: usize = 8;
+
+/// When a file was written last, and how long it is; none where there is none.
+type State = Vec<(PathBuf, Option<(SystemTime, u64)>)>;
+
+/// Does something, and again after every change of a file that the model was read from, until Ctrl-C. Ends as what was
+/// done last.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn watch(
+    model: &ModelArgs,
+    console: Console,
+    mut again: impl FnMut() -> io::Result<Exit>,
+) -> io::Result<Exit> {
+    interrupt::take_over();
+    loop {
+        // What is written while it runs has not been seen by it.
+        let places = files_of(model);
+        let before = state(&places);
+        let exit = again()?;
+        if interrupt::is_requested() {
+            return Ok(exit);
+        }
+        console.say(&format!("waiting for changes of {}; Ctrl-C ends", plural(before.len(), "file")));
+        let Some(changed) = change(&places, before) else { return Ok(exit) };
+        console.say(&format!("\n{} has changed", changed.display()));
+    }
+}
+
+/// Waits for a change and for its end; `None` after Ctrl-C.
+fn change(places: &[PathBuf], before: State) -> Option<PathBuf> {
+    let mut last = before.clone();
+    loop {
+        std::thread::sleep(EVERY);
+        if interrupt::is_requested() {
+            return None;
+        }
+        let now = state(places);
+        // An editor may write several files, or take one away before it writes it again.
+        let is_quiet = now == last && now.iter().all(|(_, file)| file.is_some());
+        match first_changed(&before, &now) {
+            Some(changed) if is_quiet => return Some(changed),
+            _ => last = now,
+        }
+    }
+}
+
+fn first_changed(before: &State, now: &State) -> Option<PathBuf> {
+    let changed = now.iter().find(|file| !before.contains(file));
+    let gone = || before.iter().find(|(path, _)| !now.iter().any(|(other, _)| other == path));
+    changed.or_else(gone).map(|(path, _)| path.clone())
+}
+
+/// Files, and of folders, which hold crates of plug-ins, their sources.
+fn state(places: &[PathBuf]) -> State {
+    let mut state = State::new();
+    for place in places {
+        if place.is_dir() {
+            push_file(&place.join("Cargo.toml"), &mut state);
+            push_folder(&place.join("src"), DEEP, &mut state);
+        } else {
+            push_file(place, &mut state);
+        }
+    }
+    state
+}
+
+fn push_file(path: &Path, state: &mut State) {
+    let written = path.metadata().ok().and_then(|data| Some((data.modified().ok()?, data.len())));
+    state.push((path.to_owned(), written));
+}
+
+fn push_folder(folder: &Path, deep: usize, state: &mut State) {
+    let Ok(entries) = folder.read_dir() else { return };
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    paths.sort();
+    for path in paths {
+        if path.is_dir() && deep > 0 {
+            push_folder(&path, deep - 1, state);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            push_file(&path, state);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources_of_a_plug_in_are_looked_at_and_what_changed_is_named() {
+        let folder = std::env::temp_dir().join(format!("blocksim-watch-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("src/deep")).unwrap();
+        for file in ["Cargo.toml", "src/lib.rs", "src/deep/law.rs", "src/notes.txt"] {
+            std::fs::write(folder.join(file), "a").unwrap();
+        }
+        let places = [folder.clone(), folder.join("none.ron")];
+        let before = state(&places);
+        let names: Vec<_> =
+            before.iter().map(|(path, _)| path.strip_prefix(&folder).unwrap().to_owned()).collect();
+        assert_eq!(names, ["Cargo.toml", "src/deep/law.rs", "src/lib.rs", "none.ron"].map(PathBuf::from));
+        assert_eq!(before[3].1, None);
+        assert_eq!(first_changed(&before, &before.clone()), None);
+
+        std::fs::write(folder.join("src/deep/law.rs"), "longer").unwrap();
+        assert_eq!(first_changed(&before, &state(&places)), Some(folder.join("src/deep/law.rs")));
+        std::fs::remove_file(folder.join("src/deep/law.rs")).unwrap();
+        assert_eq!(first_changed(&before, &state(&places)), Some(folder.join("src/deep/law.rs")));
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+}
