@@ -1,17 +1,24 @@
 //! What is seen of a model, for programs that draw it.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use blocksim_scene::{Form, Scene};
 use serde_json::{Map, Value};
 
-/// A scene as JSON, a line for each body, shape, mass and frame.
-pub fn json(scene: &Scene) -> String {
-    let lists: Map<String, Value> = match serde_json::to_value(scene) {
+/// A scene as JSON, a line for each body, shape, mass and frame. What is `kept` of the files of its meshes, by file, stands
+/// beside their names.
+pub fn json(scene: &Scene, kept: &HashMap<String, String>) -> String {
+    let mut lists: Map<String, Value> = match serde_json::to_value(scene) {
         Ok(Value::Object(lists)) => lists,
         // Plain data always becomes an object.
         _ => Map::new(),
     };
+    for shape in lists.get_mut("shapes").and_then(Value::as_array_mut).into_iter().flatten() {
+        if let Some(name) = shape["file"].as_str().and_then(|file| kept.get(file)) {
+            shape["kept"] = name.as_str().into();
+        }
+    }
     let lists: Vec<String> = lists
         .iter()
         .map(|(name, list)| {

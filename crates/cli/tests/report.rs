@@ -154,3 +154,81 @@ fn signals_without_a_scope_are_in_the_page_and_make_no_pictures_where_they_are_m
     assert!(counts.split(',').all(|count| count.parse::<usize>().unwrap() <= 300), "{counts}");
     fs::remove_dir_all(folder).unwrap();
 }
+
+/// A rod with a mesh, which swings through a wall.
+const SWING: &str = r#"Diagram(
+    title: "swing",
+    parameters: { "surroundings": File("around.ron") },
+    simulation: (stop_time: "1 s", solver: Ode4(step: "1 ms"), output: Every("10 ms")),
+    blocks: {
+        "world": World(gravity: ["0 m/s^2", "0 m/s^2", "-9.80665 m/s^2"]),
+        "pivot": RevoluteJoint(axis: [0, 1, 0], position: "90 deg"),
+        "rod": Body(mass: "1 kg", com: [0, 0, "-0.5 m"], moi: ["0.1 kg*m^2", "0.1 kg*m^2", "0 kg*m^2"], shapes: [
+            (kind: Text("mesh"), file: Text("rod.stl"), use: Text("visual")),
+            (kind: Text("capsule"), radius: "20 mm", from: [0, 0, 0], to: [0, 0, "-1 m"], use: Text("collision")),
+        ]),
+    },
+    connections: ["world.frame <-> pivot.base", "pivot.follower <-> rod.frame"],
+)
+"#;
+const ROD: &str =
+    "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 0 0 -1\nvertex 0 0.1 0\nendloop\nendfacet\nendsolid\n";
+const AROUND: &str = r#"(floor: "-2 m", things: [(name: Text("wall"), shapes: [
+    (kind: Text("box"), size: ["0.2 m", "1 m", "0.2 m"], centre: [0, 0, "-0.9 m"]),
+])])"#;
+
+#[test]
+fn a_run_that_was_moved_still_shows_its_meshes_and_surroundings_and_what_touched() {
+    let folder = folder("moved");
+    for (name, text) in [("swing.ron", SWING), ("rod.stl", ROD), ("around.ron", AROUND)] {
+        fs::write(folder.join(name), text).unwrap();
+    }
+    let run = call(&folder, &["run", "swing.ron", "--out", "r", "--quiet"]);
+    assert!(run.status.success(), "{}", said(&run));
+    let elsewhere = folder.join("elsewhere");
+    fs::create_dir(&elsewhere).unwrap();
+    fs::rename(folder.join("r"), elsewhere.join("r")).unwrap();
+    for name in ["swing.ron", "rod.stl", "around.ron"] {
+        fs::remove_file(folder.join(name)).unwrap();
+    }
+    let report = call(&elsewhere, &["report", "r"]);
+    assert!(report.status.success() && !said(&report).contains("not shown"), "{}", said(&report));
+    let page = fs::read_to_string(elsewhere.join("r/report.html")).unwrap();
+    for part in ["\"surface\":0", "\"around\":true", "\"floor\":-2.0", "\"owner\":\"wall\""] {
+        assert!(page.contains(part), "{part}");
+    }
+    let contacts = page.split("\"contacts\":[[").nth(1).unwrap().split(']').next().unwrap();
+    let begin: f64 = contacts.split(',').next().unwrap().parse().unwrap();
+    assert!(
+        contacts.contains("rod") && contacts.contains("wall") && begin > 0.1 && begin < 0.8,
+        "{contacts}"
+    );
+
+    // Without its copy the mesh is told, and all else is shown.
+    let kept = fs::read_dir(elsewhere.join("r")).unwrap().map(|entry| entry.unwrap().path());
+    let kept: Vec<PathBuf> =
+        kept.filter(|path| path.extension().is_some_and(|ending| ending == "stl")).collect();
+    assert_eq!(kept.len(), 1);
+    fs::remove_file(&kept[0]).unwrap();
+    let report = call(&elsewhere, &["report", "r"]);
+    assert!(
+        report.status.success() && said(&report).contains("rod.stl` of `rod` is not shown"),
+        "{}",
+        said(&report)
+    );
+
+    // Others than those of the model, and some that cannot be read.
+    fs::write(elsewhere.join("empty.ron"), "(things: [])").unwrap();
+    let other = call(&elsewhere, &["report", "r", "-o", "other.html", "--surroundings", "empty.ron"]);
+    assert!(other.status.success(), "{}", said(&other));
+    assert!(!fs::read_to_string(elsewhere.join("other.html")).unwrap().contains("\"around\":true"));
+    fs::write(elsewhere.join("broken.ron"), "(things: [(name: Text(\"wall\"))])").unwrap();
+    for file in ["broken.ron", "nothing.ron"] {
+        let refused = call(&elsewhere, &["report", "r", "-o", "refused.html", "--surroundings", file]);
+        let text = said(&refused);
+        assert_eq!(refused.status.code(), Some(4), "{text}");
+        assert!(text.contains(file) && text.contains("= help"), "{text}");
+        assert!(!elsewhere.join("refused.html").exists());
+    }
+    fs::remove_dir_all(folder).unwrap();
+}

@@ -26,6 +26,7 @@ const R = {
   /** @type {any} */ Diagram: null,
   /** @type {any} */ Tables: null,
   /** @type {any} */ Search: null,
+  /** @type {any} */ Measure: null,
 
   /** A list of numbers from the block. @param {[number, number, number]} where @returns {Float64Array} */
   list([at, count, width]) {

@@ -34,8 +34,15 @@
       button.addEventListener('click', () => mark(which));
       return button;
     };
-    foot.append(play, slider, clock, choice, cursor(0), cursor(1), readout);
     const full = R.span[1] - R.span[0];
+    // Where something touches is marked below the slider.
+    const marks = (R.data.space?.contacts ?? []).map((/** @type {[number, number, string, string]} */ [from, to, one, other]) => {
+      const mark = R.make('i', { title: `${one} touches ${other}` });
+      mark.style.left = `${(from - R.span[0]) / full * 100}%`;
+      mark.style.width = `max(3px, ${(to - from) / full * 100}%)`;
+      return mark;
+    });
+    foot.append(play, R.make('div', { class: 'rail' }, slider, ...marks), clock, choice, cursor(0), cursor(1), readout);
     R.onTime.push((t) => { slider.value = String((t - R.span[0]) / full * 1000); clock.textContent = `t = ${t.toFixed(3)} s of ${R.span[1].toFixed(3)} s`; slider.setAttribute('aria-valuetext', t.toFixed(3) + ' s'); });
     R.onCursors.push(() => {
       const [a, b] = R.cursors, parts = [];
@@ -158,6 +165,7 @@
     for (const tell of R.onCursors) tell();
     m.ready = performance.now();
     document.documentElement.dataset.ready = 'true';
+    if (location.hash === '#measure' && play) await R.Measure.run();
   };
   start().catch((error) => R.guarded('The page', () => { throw error; }));
 })();

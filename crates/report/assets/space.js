@@ -6,14 +6,19 @@
 R.Space = (() => {
   const S = R.Shapes;
   const LINKS = [[0.42, 0.46, 0.52], [0.95, 0.52, 0.16], [0.93, 0.55, 0.22], [0.95, 0.52, 0.16], [0.93, 0.55, 0.22], [0.95, 0.52, 0.16], [0.35, 0.38, 0.44]];
+  const AROUND = [0.6, 0.58, 0.54];
+  /** Distance at which two metres fill the height, m. */
+  const LENS = 2.4;
   /** Azimuth and elevation of the standard views. @type {Record<string, [number, number, string]>} */
   const VIEWS = { 1: [-0.65, 0.4, 'oblique'], 2: [0, 0, 'front'], 3: [Math.PI, 0, 'back'], 4: [Math.PI / 2, 0, 'left'], 5: [-Math.PI / 2, 0, 'right'], 6: [0, Math.PI / 2 - 1e-3, 'above'] };
   const one = S.placed({ translation: [0, 0, 0], rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] });
+  /** Where the floor is. */ let ground = one;
   /** @type {any} */ let data = null;
   /** @type {any} */ let scene = null;
   /** @type {any} */ let tool = null;
   /** @type {any} */ let canvas = null;
   /** @type {any} */ let pose = null;
+  /** @type {any} */ let alarm = null;
   const view = { azimuth: -0.65, elevation: 0.4, distance: 4, target: [0, 0, 0.8] };
   /** @type {{shape: any, mesh: any, local: Float64Array}[]} */ let parts = [];
   /** @type {number[][]} */ let path = [];
@@ -25,6 +30,9 @@ R.Space = (() => {
   /** @type {number[]} */ const floor = [];
   for (let k = -8; k <= 8; k++) floor.push(k / 4, -2, 0, k / 4, 2, 0, -2, k / 4, 0, 2, k / 4, 0);
 
+  /** What touches at a time. @param {number} t */
+  const touches = (t) => data.contacts?.find((/** @type {[number, number, string, string]} */ [from, to]) => from <= t && t <= to);
+
   /** @param {boolean} set */
   const poses = (set, t = R.now) => {
     const rows = set && data.set ? data.set : data.positions;
@@ -32,21 +40,24 @@ R.Space = (() => {
   };
   const toolAt = (/** @type {Float64Array[]} */ all) => tool ? S.times(all[tool.body], tool.matrix) : all[all.length - 1];
 
+  /** Directions of who looks: to the right, up, and back to the eye. */
+  const axes = () => {
+    const [ca, sa, ce, se] = [Math.cos(view.azimuth), Math.sin(view.azimuth), Math.cos(view.elevation), Math.sin(view.elevation)];
+    return { back: [ce * ca, ce * sa, se], right: [-sa, ca, 0], up: [-se * ca, -se * sa, ce] };
+  };
+
   /** From metres of the world to the screen. */
   const looking = () => {
-    const { azimuth: a, elevation: e, distance: d, target: t } = view;
-    const [ca, sa, ce, se] = [Math.cos(a), Math.sin(a), Math.cos(e), Math.sin(e)];
-    const back = [ce * ca, ce * sa, se], right = [-sa, ca, 0], up = [-se * ca, -se * sa, ce];
+    const { back, right, up } = axes(), { distance: d, target: t } = view;
     const dot = (/** @type {number[]} */ u) => u[0] * t[0] + u[1] * t[1] + u[2] * t[2];
     const eye = Float64Array.of(right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0, -dot(right), -dot(up), -dot(back) - d, 1);
-    const f = 2.4, near = d / 100, far = d * 10 + 20, wide = canvas.width / canvas.height;
-    return S.times(Float64Array.of(f / wide, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0), eye);
+    const near = d / 100, far = d * 10 + 20, wide = canvas.width / canvas.height;
+    return S.times(Float64Array.of(LENS / wide, 0, 0, 0, 0, LENS, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0), eye);
   };
 
   /** The light comes over the shoulder of who looks, so that no view is dark. */
   const sun = () => {
-    const [ca, sa, ce, se] = [Math.cos(view.azimuth), Math.sin(view.azimuth), Math.cos(view.elevation), Math.sin(view.elevation)];
-    const [back, right, up] = [[ce * ca, ce * sa, se], [-sa, ca, 0], [-se * ca, -se * sa, ce]];
+    const { back, right, up } = axes();
     return [0, 1, 2].map((k) => 0.72 * back[k] + 0.42 * up[k] - 0.55 * right[k]);
   };
 
@@ -67,14 +78,16 @@ R.Space = (() => {
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((size) => Math.round(size * devicePixelRatio * fine));
     if (width > 0 && (canvas.width !== width || canvas.height !== height)) { canvas.width = width; canvas.height = height; }
     pen.begin(looking(), sun());
-    pen.lines(floor, one, [...rgb('grid'), 1]);
+    pen.lines(floor, ground, [...rgb('grid'), 1]);
     large.forEach((line, n) => pen.lines(line, one, AXES[n]));
     const here = poses(false);
     if (path.length && shown.path.checked) for (const line of path) pen.lines(line, one, [...rgb('s1'), 1]);
-    for (const { shape, mesh, local } of parts) pen.solid(mesh, S.times(here[shape.body], local), [...(shape.colour?.slice(0, 3) ?? LINKS[Math.min(shape.body, 6)]), 1]);
+    for (const { shape, mesh, local } of parts) pen.solid(mesh, S.times(here[shape.body], local), [...(shape.colour?.slice(0, 3) ?? (shape.around ? AROUND : LINKS[Math.min(shape.body, 6)])), 1]);
     if (data.set && shown.ghost.checked) {
       const there = poses(true);
-      for (const { shape, mesh, local } of parts) pen.solid(mesh, S.times(there[shape.body], local), [...rgb('s5'), 0.3]);
+      // What is where it should be would only cover itself.
+      const apart = here.map((/** @type {Float64Array} */ at, /** @type {number} */ n) => at.some((x, k) => Math.abs(x - there[n][k]) > 4e-3));
+      for (const { shape, mesh, local } of parts) if (apart[shape.body]) pen.solid(mesh, S.times(there[shape.body], local), [...rgb('s5'), 0.3]);
     }
     pen.through();
     if (shown.frames.checked) {
@@ -83,6 +96,8 @@ R.Space = (() => {
     }
     if (shown.masses.checked) for (const mass of scene.masses) pen.solid(ball, S.times(here[mass.body], S.placed({ translation: mass.com, rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] })), [...rgb('alarm'), 1]);
     const at = toolAt(here);
+    const touching = touches(R.now);
+    alarm.textContent = touching ? `${touching[2]} touches ${touching[3]}` : '';
     pose.textContent = at ? `${tool ? tool.name : scene.bodies[scene.bodies.length - 1].name}\nx ${(at[12] * 1000).toFixed(1)} mm\ny ${(at[13] * 1000).toFixed(1)} mm\nz ${(at[14] * 1000).toFixed(1)} mm` : '';
     frame++;
     const m = /** @type {any} */ (window).__m;
@@ -105,22 +120,23 @@ R.Space = (() => {
     path = line.length ? [line] : [];
   };
 
+  /** As near as shows everything at the begin, in the middle and at the end, from where one looks. */
   const fit = () => {
-    let [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+    /** @type {number[][]} */ const all = [];
     for (const t of [R.span[0], (R.span[0] + R.span[1]) / 2, R.span[1]]) {
-      const all = poses(false, t);
+      const at = poses(false, t);
       for (const { shape, mesh, local } of parts) {
-        const m = S.times(all[shape.body], local);
-        for (let n = 0; n < mesh.lines.length; n += 12) {
-          const p = S.point(m, mesh.lines.slice(n, n + 3));
-          low = low.map((x, k) => Math.min(x, p[k]));
-          high = high.map((x, k) => Math.max(x, p[k]));
-        }
+        const m = S.times(at[shape.body], local);
+        for (let n = 0; n < mesh.lines.length; n += 12) all.push(S.point(m, mesh.lines.slice(n, n + 3)));
       }
     }
-    if (!Number.isFinite(low[0])) return;
+    if (!all.length) return;
+    const low = [0, 1, 2].map((k) => all.reduce((least, p) => Math.min(least, p[k]), Infinity)), high = [0, 1, 2].map((k) => all.reduce((most, p) => Math.max(most, p[k]), -Infinity));
     view.target = low.map((x, k) => (x + high[k]) / 2);
-    view.distance = Math.max(Math.hypot(...low.map((x, k) => high[k] - x)) * 1.2, 0.05);
+    const { right, up, back } = axes(), wide = canvas.clientWidth / canvas.clientHeight || 2;
+    const dot = (/** @type {number[]} */ u, /** @type {number[]} */ p) => u.reduce((sum, x, k) => sum + x * (p[k] - view.target[k]), 0);
+    const far = all.map((p) => dot(back, p) + LENS * Math.max(Math.abs(dot(right, p)) / wide, Math.abs(dot(up, p))));
+    view.distance = Math.max(1.06 * far.reduce((a, b) => Math.max(a, b), 0), 0.05);
   };
 
   /** @param {string} number */
@@ -153,6 +169,18 @@ R.Space = (() => {
     }, { passive: false });
   };
 
+  /** What touches when, each a way there. */
+  const contacts = () => {
+    const all = data.contacts ?? [];
+    if (!all.length) return [];
+    const ways = all.slice(0, 6).map((/** @type {[number, number, string, string]} */ [from, to, one, other]) => {
+      const button = R.make('button', { type: 'button', title: `until ${to.toFixed(3)} s` }, `${from.toFixed(3)} s: ${one} – ${other}`);
+      button.addEventListener('click', () => R.setTime(from));
+      return button;
+    });
+    return [R.make('p', { class: 'contacts' }, R.make('b', {}, 'Contacts.'), ' ', ...ways, all.length > 6 ? ` and ${all.length - 6} more, marked on the time line` : '')];
+  };
+
   const build = () => {
     const place = document.getElementById('space-view');
     data = R.data.space;
@@ -173,6 +201,8 @@ R.Space = (() => {
     }
     canvas = R.make('canvas', { tabindex: '0', 'aria-label': 'The mechanism in space; drag turns, Shift and drag moves, the wheel zooms' });
     pose = R.make('output', { class: 'pose' });
+    alarm = R.make('output', { class: 'touching' });
+    ground = S.placed({ translation: [0, 0, scene.floor ?? 0], rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] });
     const toggle = (/** @type {string} */ key, /** @type {string} */ name, /** @type {boolean} */ on) => {
       shown[key] = R.make('input', { type: 'checkbox' });
       shown[key].checked = on;
@@ -196,7 +226,7 @@ R.Space = (() => {
     /** @type {any} */ (window).__m.space = data.pen.name;
     document.documentElement.dataset.space = data.pen.name;
     const notes = [data.pen.name === 'WebGL' ? '' : 'No WebGL here: drawn as a wire frame.', left ? `Not shown: ${left === 1 ? 'one mesh' : `${left} meshes`}.` : ''].filter(Boolean).join(' ');
-    place.append(R.make('div', { class: 'space-bar' }, ...views, ...switches, R.make('span', { class: 'note' }, notes)), canvas, pose);
+    place.append(R.make('div', { class: 'space-bar' }, ...views, ...switches, R.make('span', { class: 'note' }, notes)), ...contacts(), canvas, pose, alarm);
     trace();
     fit();
     mouse();

@@ -21,13 +21,14 @@ pub(crate) const STYLES: [&str; 2] =
     [include_str!("../assets/uPlot.min.css"), include_str!("../assets/report.css")];
 
 /// Scripts that every page runs.
-pub(crate) const SCRIPTS: [&str; 6] = [
+pub(crate) const SCRIPTS: [&str; 7] = [
     include_str!("../assets/uPlot.iife.min.js"),
     include_str!("../assets/data.js"),
     include_str!("../assets/plots.js"),
     include_str!("../assets/stretches.js"),
     include_str!("../assets/readings.js"),
     include_str!("../assets/overlay.js"),
+    include_str!("../assets/measure.js"),
 ];
 
 /// Scripts of the view in space.

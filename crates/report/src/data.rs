@@ -229,6 +229,19 @@ pub struct Animation {
     pub set: Option<Vec<Vec<f64>>>,
     /// Meshes; a shape names the one it has by its number, `"surface": 0`.
     pub surfaces: Vec<Surface>,
+    /// When what touches, by time.
+    pub contacts: Vec<Contact>,
+}
+
+/// Two parts that touch each other for a while.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contact {
+    /// From this time on, s.
+    pub from: f64,
+    /// Until this time, s.
+    pub to: f64,
+    /// Names of both.
+    pub names: [String; 2],
 }
 
 /// A measurement.

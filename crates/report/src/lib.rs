@@ -20,8 +20,8 @@ mod unseen;
 pub use assets::{VENDORED, Vendored};
 pub use corridor::{Few, few};
 pub use data::{
-    Animation, Compared, Diagram, Drawing, Event, Inspected, Kind, Level, Net, Overlay, Panel, Probe, Report,
-    Role, Rows, Series, Unseen,
+    Animation, Compared, Contact, Diagram, Drawing, Event, Inspected, Kind, Level, Net, Overlay, Panel,
+    Probe, Report, Role, Rows, Series, Unseen,
 };
 pub use escape::escape;
 pub use page::html;

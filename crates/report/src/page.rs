@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::assets::{DIAGRAM, MAIN, SCRIPTS, SPACE, STYLES};
-use crate::data::{Animation, Panel, Report, Role, Rows, Series};
+use crate::data::{Animation, Contact, Panel, Report, Role, Rows, Series};
 use crate::escape::{escape, json as safe_json};
 use crate::pack::{Pack, compressed};
 use crate::{BUDGET, diagram, thin, unseen};
@@ -177,8 +177,10 @@ fn movement(animation: &Animation, pack: &mut Pack) -> Value {
     let set: Option<Vec<Value>> =
         animation.set.as_ref().map(|set| set.iter().map(|values| pack.narrow(&pick(values))).collect());
     let surfaces: Vec<Value> = animation.surfaces.iter().map(|surface| surface.data(pack)).collect();
+    let contact = |contact: &Contact| json!([contact.from, contact.to, contact.names[0], contact.names[1]]);
+    let contacts: Vec<Value> = animation.contacts.iter().map(contact).collect();
     json!({
-        "scene": animation.scene, "time": time, "positions": positions, "set": set, "surfaces": surfaces,
+        "scene": animation.scene, "contacts": contacts, "time": time, "positions": positions, "set": set, "surfaces": surfaces,
     })
 }
 
@@ -199,8 +201,8 @@ fn body(report: &Report, thinned: bool) -> String {
     let mut out = String::new();
     let sections = [
         ("summary", "Summary", true),
-        ("scopes", "Scopes", !report.panels.is_empty()),
         ("space", "3D", report.animation.is_some()),
+        ("scopes", "Scopes", !report.panels.is_empty()),
         ("diagram", "Diagram", !report.diagram.levels.is_empty()),
         ("compared", "Compared", report.compared.is_some()),
         ("numbers", "Following", !report.metrics.rows.is_empty()),

@@ -3,8 +3,8 @@
 mod browser;
 
 use blocksim_report::{
-    Animation, BUDGET, Diagram, Drawing, Event, Inspected, Kind, Level, Net, Overlay, Panel, Probe, Report,
-    Role, Rows, Series, Surface, VENDORED, html,
+    Animation, BUDGET, Contact, Diagram, Drawing, Event, Inspected, Kind, Level, Net, Overlay, Panel, Probe,
+    Report, Role, Rows, Series, Surface, VENDORED, html,
 };
 use browser::{complaints, program, shown};
 use serde_json::json;
@@ -75,6 +75,7 @@ fn mechanism() -> Animation {
         time,
         positions: vec![angle],
         surfaces: vec![tetrahedron()],
+        contacts: vec![Contact { from: 1.0, to: 1.5, names: ["arm", "bench"].map(str::to_owned) }],
     }
 }
 
@@ -168,6 +169,7 @@ fn all_texts(text: &str) -> Report {
     diagram.kinds[0] = Kind { name: own(), does: own(), parameters: vec![(own(), own())] };
     report.diagram = diagram;
     let animation = report.animation.as_mut().unwrap();
+    animation.contacts[0].names = [own(), own()];
     for list in ["bodies", "shapes", "masses", "frames"] {
         for item in animation.scene[list].as_array_mut().unwrap() {
             for name in ["name", "owner"] {

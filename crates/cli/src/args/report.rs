@@ -22,6 +22,10 @@ pub struct ReportArgs {
     /// Leave the view in space away.
     #[arg(long = "no-3d")]
     pub no_3d: bool,
+    /// What stands around the robot: a file with its shapes, or a diagram with the parameter `surroundings`; without it, that of
+    /// the model, where it has one.
+    #[arg(long, value_name = "FILE")]
+    pub surroundings: Option<PathBuf>,
     /// A measurement to lay over the pictures, a CSV file; may be repeated.
     #[arg(long, value_name = "FILE")]
     pub overlay: Vec<PathBuf>,
@@ -36,6 +40,15 @@ pub struct ReportArgs {
 impl ReportArgs {
     /// The page of a run in its folder, as it is without options.
     pub fn of(run: String) -> ReportArgs {
-        ReportArgs { run, out: None, full: false, no_3d: false, overlay: Vec::new(), open: false, yes: false }
+        ReportArgs {
+            run,
+            out: None,
+            full: false,
+            no_3d: false,
+            surroundings: None,
+            overlay: Vec::new(),
+            open: false,
+            yes: false,
+        }
     }
 }

@@ -1,3 +1,4 @@
+use std::collections::HashMap;
 use std::io;
 
 use blocksim_diagram::Stage;
@@ -25,7 +26,7 @@ pub fn emit(args: &EmitArgs, console: Console) -> io::Result<Exit> {
         StageName::Flat => stages.emit(Stage::Flat),
         StageName::Types => stages.emit(Stage::Types),
         StageName::Schedule => stages.emit(Stage::Schedule),
-        StageName::Scene => loaded.compiled.scene.as_ref().map(scene::json),
+        StageName::Scene => loaded.compiled.scene.as_ref().map(|scene| scene::json(scene, &HashMap::new())),
     };
     match text {
         Some(text) => console.data(&text)?,

@@ -7,6 +7,7 @@ use blocksim_results::{
 };
 use blocksim_scene::Scene;
 
+use super::meshes;
 use crate::scene;
 
 /// Most numbers that are written as text without being asked: about 200 MB.
@@ -56,7 +57,8 @@ pub fn keep(folder: RunFolder, run: &Run, rest: Rest) -> Result<PathBuf, Results
     folder.write_events(rest.events)?;
     folder.write_log(rest.log)?;
     if let Some(scene) = rest.scene {
-        folder.write("scene.json", |out| out.write_all(scene::json(scene).as_bytes()))?;
+        let kept = meshes::keep(&folder, scene)?;
+        folder.write("scene.json", |out| out.write_all(scene::json(scene, &kept).as_bytes()))?;
     }
     folder.write_manifest(rest.manifest)?;
     folder.finish()

@@ -4,6 +4,7 @@ pub mod blame;
 pub mod interrupt;
 pub mod keep;
 pub mod manifest;
+mod meshes;
 pub mod model_text;
 pub mod parallel;
 pub mod recorder;

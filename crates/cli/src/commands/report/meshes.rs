@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::path::{Path, PathBuf};
 
 use blocksim_report::Surface;
 use blocksim_scene::mesh::{self, Packed, simplified};
@@ -21,8 +22,8 @@ const LARGEST_TOGETHER: u64 = 512 << 20;
 const TOLD: usize = 5;
 
 /// Reads the meshes that are to be seen; each shape with one gets its number, `"surface": 0`. What cannot be drawn is
-/// told, and all else is drawn.
-pub fn surfaces(scene: &mut Value, full: bool, warnings: &mut Vec<String>) -> Vec<Surface> {
+/// told, and all else is drawn. A run keeps copies of its meshes in its `folder`; they count before the files themselves.
+pub fn surfaces(scene: &mut Value, folder: &Path, full: bool, warnings: &mut Vec<String>) -> Vec<Surface> {
     let mut found: BTreeMap<String, Option<usize>> = BTreeMap::new();
     let (mut read, mut failed, mut bytes) = (Vec::new(), Vec::new(), 0);
     for shape in scene["shapes"].as_array_mut().into_iter().flatten() {
@@ -31,7 +32,10 @@ pub fn surfaces(scene: &mut Value, full: bool, warnings: &mut Vec<String>) -> Ve
         }
         let file = shape["file"].as_str().unwrap_or_default().to_owned();
         let key = format!("{file} {}", shape["scale"]);
-        let number = *found.entry(key).or_insert_with(|| match open(&file, &shape["scale"], &mut bytes) {
+        let kept = shape["kept"].as_str().filter(|name| Path::new(name).file_name() == Some(name.as_ref()));
+        let kept = kept.map(|name| folder.join(name)).filter(|kept| kept.is_file());
+        let place = kept.unwrap_or_else(|| PathBuf::from(&file));
+        let number = *found.entry(key).or_insert_with(|| match open(&place, &shape["scale"], &mut bytes) {
             Ok(surface) => {
                 read.push(surface);
                 Some(read.len() - 1)
@@ -67,7 +71,7 @@ pub fn surfaces(scene: &mut Value, full: bool, warnings: &mut Vec<String>) -> Ve
 }
 
 /// Reads a mesh; `bytes` have been read so far.
-fn open(file: &str, scale: &Value, bytes: &mut u64) -> Result<mesh::Surface, String> {
+fn open(file: &Path, scale: &Value, bytes: &mut u64) -> Result<mesh::Surface, String> {
     let scale: Vec<f64> = scale.as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
     let [x, y, z] = scale[..] else { return Err("it has no scale".to_owned()) };
     let size = fs::metadata(file).map_err(|error| error.to_string())?.len();
@@ -76,7 +80,8 @@ fn open(file: &str, scale: &Value, bytes: &mut u64) -> Result<mesh::Surface, Str
         return Err(format!("it is too large, {} MiB", size >> 20));
     }
     let bytes = fs::read(file).map_err(|error| error.to_string())?;
-    mesh::read(file, &bytes, [x, y, z]).map_err(|fault| format!("{fault}; {}", fault.remedy))
+    mesh::read(&file.to_string_lossy(), &bytes, [x, y, z])
+        .map_err(|fault| format!("{fault}; {}", fault.remedy))
 }
 
 #[cfg(test)]
@@ -97,7 +102,7 @@ mod tests {
             shape("broken.stl", "visual"), shape("good.stl", "visual"), shape("other.stl", "collision"),
         ] });
         let mut warnings = Vec::new();
-        let surfaces = surfaces(&mut scene, false, &mut warnings);
+        let surfaces = surfaces(&mut scene, &folder, false, &mut warnings);
         assert_eq!(surfaces.len(), 1);
         let numbers: Vec<&Value> =
             scene["shapes"].as_array().unwrap().iter().map(|shape| &shape["surface"]).collect();

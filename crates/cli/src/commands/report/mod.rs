@@ -9,6 +9,7 @@ mod movement;
 mod numbers;
 mod pictures;
 mod source_text;
+mod surroundings;
 mod tables;
 mod titles;
 mod unseen;
@@ -19,6 +20,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use blocksim_blocks::robotics::Surroundings;
 use blocksim_diagram::Sources;
 use blocksim_report::{BUDGET, Event, Overlay, Report, html};
 use blocksim_results::{Run, locate, read_foreign_file, write_whole};
@@ -139,7 +141,8 @@ fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) 
         model::add(model, text, sources, &mut report);
     }
     if !args.no_3d && path.is_dir() {
-        match movement::read(path, &run, args.full, &mut report.warnings) {
+        let around = around(args, known, &mut report)?;
+        match movement::read(path, &run, &around, args.full, &mut report.warnings) {
             Ok(animation) => report.animation = animation,
             Err(reason) => {
                 report.warnings.push(format!("The view in space is missing: {reason}."));
@@ -169,6 +172,26 @@ fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) 
         console.say(&format!("warning: {warning}"));
     }
     Ok(report)
+}
+
+/// What stands around the mechanism. What the model says and cannot be read is a warning of the page.
+fn around(
+    args: &ReportArgs,
+    model: Option<(&model::Text, &Sources)>,
+    report: &mut Report,
+) -> Result<Surroundings, String> {
+    match (surroundings::read(args.surroundings.as_deref(), model), &args.surroundings) {
+        (Ok(around), _) => Ok(around.unwrap_or_default()),
+        (Err(reason), Some(file)) => Err(format!(
+            "error: cannot read the surroundings in `{}`: {reason}\n  = help: write them as in docs/moves.md, or name a \
+             diagram with the parameter `surroundings`",
+            file.display()
+        )),
+        (Err(reason), None) => {
+            report.warnings.push(format!("What stands around the mechanism is not shown: {reason}."));
+            Ok(Surroundings::default())
+        }
+    }
 }
 
 fn overlay(file: &Path) -> Result<Overlay, String> {

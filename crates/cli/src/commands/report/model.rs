@@ -16,9 +16,9 @@ pub struct Text {
     /// Where the files come from.
     pub reader: Box<dyn Reader>,
     /// The diagram itself.
-    root: PathBuf,
+    pub root: PathBuf,
     /// `target=value` as of `--set`.
-    overrides: Vec<String>,
+    pub overrides: Vec<String>,
 }
 
 /// The text of the model of a run. What cannot be had is told as a note or a warning of the page.

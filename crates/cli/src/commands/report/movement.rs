@@ -3,11 +3,14 @@
 use std::fs;
 use std::path::Path;
 
+use blocksim_blocks::robotics::Surroundings;
 use blocksim_report::Animation;
 use blocksim_results::{ALWAYS, Run};
+use blocksim_scene::Scene;
 use serde_json::Value;
 
 use super::meshes::surfaces;
+use super::surroundings;
 
 /// What moves, and where it is over time; `None` where the run has no mechanism. Parts that cannot be drawn become
 /// `warnings`.
@@ -17,6 +20,7 @@ use super::meshes::surfaces;
 pub fn read(
     folder: &Path,
     run: &Run,
+    around: &Surroundings,
     full: bool,
     warnings: &mut Vec<String>,
 ) -> Result<Option<Animation>, String> {
@@ -38,8 +42,16 @@ pub fn read(
     let recording = run.read_together(&places, &ALWAYS).map_err(|error| error.reason())?;
     let positions: Vec<Vec<f64>> = recording.signals.into_iter().map(|signal| signal.values).collect();
     let set = set_values(run, &positions);
-    let surfaces = surfaces(&mut scene, full, warnings);
-    Ok(Some(Animation { scene, surfaces, time: recording.time, positions, set }))
+    let mechanism =
+        serde_json::from_value::<Scene>(scene.clone()).ok().filter(|scene| scene.flaw().is_none());
+    surroundings::draw(around, &mut scene);
+    let surfaces = surfaces(&mut scene, folder, full, warnings);
+    let mut animation =
+        Animation { scene, surfaces, time: recording.time, positions, set, contacts: Vec::new() };
+    if let Some(mechanism) = mechanism {
+        animation.contacts = surroundings::contacts(&mechanism, around, &animation);
+    }
+    Ok(Some(animation))
 }
 
 /// Signals that the view in space of a run needs; none where it has none.
