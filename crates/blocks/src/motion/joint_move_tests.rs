@@ -1,6 +1,7 @@
 //! Tests of the block.
 
 use super::*;
+use blocksim_block::in_unit::AxisValue;
 use blocksim_block::testing::Bench;
 use std::f64::consts::PI;
 

@@ -1,13 +1,15 @@
 //! Blocks that give set values for moves.
 
 mod joint_move;
+mod joint_path;
 pub(crate) mod limits;
 mod path_error;
 mod planned;
 mod robot_move;
 mod timed;
 mod tool_path;
-pub use joint_move::{JointMove, JointPath, NextMove, Rule};
+pub use joint_move::JointMove;
+pub use joint_path::{JointPath, NextMove, Rule};
 pub use limits::Limits;
 pub use path_error::PathError;
 pub use planned::{planned, refused};

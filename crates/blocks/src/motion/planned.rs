@@ -10,7 +10,7 @@ use blocksim_motion::{
 use blocksim_planner::{CartesianMove, Course, PlanError, Reason, Sequence, SequenceError, Start, Step};
 use blocksim_robot::Robot;
 
-use super::joint_move::{JointPath, NextMove, Rule};
+use super::joint_path::{JointPath, NextMove, Rule};
 use super::limits::of_kinds;
 use super::tool_path::ToolPath;
 

@@ -3,7 +3,7 @@ use blocksim_multibody::{Data, forward_kinematics, relative_jacobian};
 use blocksim_planner::Course;
 use std::sync::Arc;
 
-use super::joint_move::{JointPath, Rule};
+use super::joint_path::{JointPath, Rule};
 use super::planned::planned;
 use super::timed::{check_path, few};
 use crate::robotics::RobotDescription;

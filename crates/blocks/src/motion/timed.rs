@@ -2,7 +2,7 @@
 
 use blocksim_block::prelude::*;
 
-use super::joint_move::JointPath;
+use super::joint_path::JointPath;
 
 /// The seams of a move at which a solver stops: all, or the ends alone where there are so many that stopping would
 /// cost more than it gains. The fastest course along a path has one at each knot.
