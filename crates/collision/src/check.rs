@@ -5,7 +5,6 @@ use blocksim_scene::{Scene, Shape};
 
 use crate::distance::{Distance, distance};
 use crate::solid::Solid;
-use crate::walk::Walk;
 
 /// Distance at rest up to which two solids count as touching, m.
 const TOUCHING: f64 = 1e-3;
@@ -42,15 +41,6 @@ pub struct Clearance {
     pub names: [String; 2],
     /// How far they are from each other and where, in the world.
     pub distance: Distance,
-}
-
-/// What happens on a way.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Course {
-    /// The first pose in which something touches, and what.
-    pub first: Option<(usize, Clearance)>,
-    /// The pose with the least distance, and of what; where something touches, as deep as it is known.
-    pub least: Option<(usize, Clearance)>,
 }
 
 /// All solids of a mechanism and of its surroundings, and which pairs of them are looked at.
@@ -197,20 +187,6 @@ impl Check {
     /// The nearest pair when the bodies are at `poses`, the world first; `None` where there is no pair.
     pub fn clearance(&self, poses: &[Placement]) -> Option<Clearance> {
         self.nearer(poses, f64::INFINITY)
-    }
-
-    /// First collision and least distance when the bodies go through `poses`, one after another.
-    pub fn along<P: AsRef<[Placement]>>(&self, poses: impl IntoIterator<Item = P>) -> Course {
-        let mut course = Course::default();
-        let mut walk = Walk::new(self);
-        for (row, poses) in poses.into_iter().enumerate() {
-            let Some(found) = walk.step(poses.as_ref()) else { continue };
-            if found.distance.distance <= 0.0 && course.first.is_none() {
-                course.first = Some((row, found.clone()));
-            }
-            course.least = Some((row, found));
-        }
-        course
     }
 
     /// What touches when the bodies are at `poses`, with the least distance; `None` where nothing does.

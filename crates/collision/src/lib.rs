@@ -13,7 +13,7 @@ mod distance;
 mod solid;
 mod walk;
 
-pub use check::{Check, Clearance, Course, Item, Rules};
+pub use check::{Check, Clearance, Item, Rules};
 pub use distance::{Distance, distance};
 pub use solid::Solid;
-pub use walk::Walk;
+pub use walk::{Course, Walk};

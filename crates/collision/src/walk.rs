@@ -4,6 +4,15 @@ use blocksim_multibody::Placement;
 
 use crate::check::{Check, Clearance};
 
+/// What happens on a way.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Course {
+    /// The first pose in which something touches, and what.
+    pub first: Option<(usize, Clearance)>,
+    /// The pose with the least distance, and of what; where something touches, as deep as it is known.
+    pub least: Option<(usize, Clearance)>,
+}
+
 /// Goes through poses and finds where solids are nearest, measuring only what may matter.
 ///
 /// Of each pair a distance is kept that it has at least. From pose to pose this shrinks by what both solids move by at
@@ -68,6 +77,22 @@ impl<'c> Walk<'c> {
                 (to.translation - from.translation).norm() + turned * self.check.reach[item]
             }
         }
+    }
+}
+
+impl Check {
+    /// First collision and least distance when the bodies go through `poses`, one after another.
+    pub fn along<P: AsRef<[Placement]>>(&self, poses: impl IntoIterator<Item = P>) -> Course {
+        let mut course = Course::default();
+        let mut walk = Walk::new(self);
+        for (row, poses) in poses.into_iter().enumerate() {
+            let Some(found) = walk.step(poses.as_ref()) else { continue };
+            if found.distance.distance <= 0.0 && course.first.is_none() {
+                course.first = Some((row, found.clone()));
+            }
+            course.least = Some((row, found));
+        }
+        course
     }
 }
 
