@@ -16,25 +16,33 @@ struct Axis {
     direction: Vector3<f64>,
 }
 
-pub(crate) fn closed_form(model: &Model, end: &Frame) -> Result<ClosedForm, ClassError> {
-    let last = end.body.ok_or(ClassError::NotSixAxes { axes: 0 })?;
-    let chain = model.chain(last);
-    if chain.len() != 6 {
-        return Err(ClassError::NotSixAxes { axes: chain.len() });
+impl ClosedForm {
+    /// Reads the dimensions off the six joints that carry `end`, a frame on the last of them or fixed to it: the flange
+    /// or a tool. The positions of the solutions are in the order of these joints. Angles and lengths that the closed
+    /// form takes for exact may deviate by 1e-6 (rad, m); the solutions are then off by as much.
+    ///
+    /// # Errors
+    /// [`ClassError`] names what does not fit.
+    pub fn of(model: &Model, end: &Frame) -> Result<Self, ClassError> {
+        let last = end.body.ok_or(ClassError::NotSixAxes { axes: 0 })?;
+        let chain = model.chain(last);
+        if chain.len() != 6 {
+            return Err(ClassError::NotSixAxes { axes: chain.len() });
+        }
+        let mut data = model.data();
+        forward_kinematics(model, &mut data, &home_positions(model));
+        let mut axes = [Axis { point: Vector3::zeros(), direction: Vector3::z() }; 6];
+        for (i, body) in chain.iter().enumerate() {
+            let Joint::Revolute { axis } = model.joint(*body) else {
+                return Err(ClassError::NotRevolute { axis: i });
+            };
+            let placement = data.placement(*body);
+            axes[i] = Axis { point: placement.translation, direction: placement.direction(axis) };
+        }
+        let home = end.in_world(&data);
+        check(&axes)?;
+        measure(&axes, &home)
     }
-    let mut data = model.data();
-    forward_kinematics(model, &mut data, &home_positions(model));
-    let mut axes = [Axis { point: Vector3::zeros(), direction: Vector3::z() }; 6];
-    for (i, body) in chain.iter().enumerate() {
-        let Joint::Revolute { axis } = model.joint(*body) else {
-            return Err(ClassError::NotRevolute { axis: i });
-        };
-        let placement = data.placement(*body);
-        axes[i] = Axis { point: placement.translation, direction: placement.direction(axis) };
-    }
-    let home = end.in_world(&data);
-    check(&axes)?;
-    measure(&axes, &home)
 }
 
 fn check(axes: &[Axis; 6]) -> Result<(), ClassError> {

@@ -1,11 +1,10 @@
 //! The closed form of an arm of a model, from world to tool.
 
-use crate::class;
-use crate::error::{ClassError, InverseError};
+use crate::error::InverseError;
 use crate::ortho_parallel::OrthoParallel;
 use crate::range::JointRange;
 use crate::solution::{Solution, Solutions};
-use blocksim_multibody::{Frame, Model, Placement};
+use blocksim_multibody::Placement;
 
 /// How far a rotation may be from orthonormal.
 const ROTATION_TOLERANCE: f64 = 1e-6;
@@ -46,16 +45,6 @@ pub struct ClosedForm {
 }
 
 impl ClosedForm {
-    /// Reads the dimensions off the six joints that carry `end`, a frame on the last of them or fixed to it: the flange
-    /// or a tool. The positions of the solutions are in the order of these joints. Angles and lengths that the closed
-    /// form takes for exact may deviate by 1e-6 (rad, m); the solutions are then off by as much.
-    ///
-    /// # Errors
-    /// [`ClassError`] names what does not fit.
-    pub fn of(model: &Model, end: &Frame) -> Result<Self, ClassError> {
-        class::closed_form(model, end)
-    }
-
     /// Placement of the end frame in the world at joint positions q (rad).
     pub fn forward(&self, q: &[f64; 6]) -> Placement {
         self.base * self.geometry.forward(q) * self.end
