@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::limits::AxisKind;
+use crate::axis_kind::{AxisKind, short};
 
 /// One of the two ends of a move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -198,31 +198,5 @@ impl fmt::Display for MoveError {
                 kind.unit()
             ),
         }
-    }
-}
-
-/// At most three decimals, no zeros at the end; numbers that would vanish in this are written in full.
-pub(crate) fn short(value: f64) -> String {
-    let rounded = format!("{value:.3}");
-    if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e15) {
-        return format!("{value:.3e}");
-    }
-    let trimmed = rounded.trim_end_matches('0').trim_end_matches('.');
-    (if trimmed.is_empty() || trimmed == "-0" { "0" } else { trimmed }).to_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_short_and_never_vanish() {
-        let cases = [(0.0, "0"), (-0.0, "0"), (60.0, "60"), (-7.5, "-7.5"), (1.23456, "1.235")];
-        for (value, expected) in cases {
-            assert_eq!(short(value), expected);
-        }
-        assert_eq!(short(1e-7), "1.000e-7");
-        assert_eq!(short(100.0), "100");
-        assert_eq!(short(f64::INFINITY), "inf");
     }
 }

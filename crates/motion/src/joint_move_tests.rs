@@ -1,5 +1,5 @@
 use super::*;
-use crate::limits::AxisKind;
+use crate::axis_kind::AxisKind;
 
 /// Limits of a six-axis arm of 12 kg payload; position limits wide.
 fn arm() -> Vec<AxisLimits> {

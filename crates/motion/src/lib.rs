@@ -19,6 +19,7 @@
 //! # Ok::<(), blocksim_motion::MoveError>(())
 //! ```
 
+mod axis_kind;
 mod error;
 mod jerk_limited;
 mod joint_move;
@@ -28,10 +29,11 @@ mod profile;
 mod request;
 mod times;
 
+pub use axis_kind::AxisKind;
 pub use error::{Endpoint, MoveError};
 pub use jerk_limited::{JerkLimited, ProfileLimits};
 pub use joint_move::JointMove;
-pub use limits::{AxisKind, AxisLimits, Margin, Quantity, Violation};
+pub use limits::{AxisLimits, Margin, Quantity, Violation};
 pub use path::{Path, PathError, PathPoint};
 pub use profile::Profile;
 pub use request::{JointMoveRequest, Synchronisation};

@@ -2,48 +2,7 @@
 
 use std::fmt;
 
-use crate::error::short;
-
-/// How an axis moves, and so in which units its positions are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum AxisKind {
-    /// It turns; rad.
-    #[default]
-    Turning,
-    /// It slides; m.
-    Sliding,
-}
-
-impl AxisKind {
-    /// SI unit of a position.
-    pub fn si(self) -> &'static str {
-        match self {
-            AxisKind::Turning => "rad",
-            AxisKind::Sliding => "m",
-        }
-    }
-
-    /// Unit of a position for people; `/s` and `/s^2` behind it make those of speed and acceleration.
-    pub fn unit(self) -> &'static str {
-        match self {
-            AxisKind::Turning => "deg",
-            AxisKind::Sliding => "mm",
-        }
-    }
-
-    /// A position, speed or acceleration in the unit for people.
-    pub fn shown(self, value: f64) -> f64 {
-        match self {
-            AxisKind::Turning => value.to_degrees(),
-            AxisKind::Sliding => 1e3 * value,
-        }
-    }
-
-    /// The same as text, with at most three decimals and no unit.
-    pub fn text(self, value: f64) -> String {
-        short(self.shown(value))
-    }
-}
+use crate::axis_kind::AxisKind;
 
 /// What one axis can do, in rad or m by its kind. Positions may be infinite for an axis that turns without end, and
 /// the acceleration may be infinite where no limit is known.
