@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use blocksim_multibody::{Inertia, Placement};
-use nalgebra::Vector3;
 
+use super::apart::{SAME, apart};
 use super::framed::Framed;
 use super::instances::Instances;
 use super::parts::Part;
@@ -28,8 +28,6 @@ pub struct DataFile<'d> {
 const MOST: usize = 20_000;
 /// Most bytes of paths to instances.
 const LARGEST: usize = 64 << 20;
-/// Lengths and angles that differ by less are equal: CAD programs write nine digits or more. m and rad.
-pub(super) const SAME: f64 = 1e-6;
 /// Masses and moments likewise, relative.
 const SAME_MASS: f64 = 1e-6;
 
@@ -206,24 +204,4 @@ fn differs(name: &str, before: &Inertia, now: &Inertia, at: &str) -> Option<Stri
         () => return None,
     };
     Some(format!("{at}: `{name}` has {what}; the data file counts"))
-}
-
-/// How far two places are apart, in words; `None` if they are the same.
-pub(super) fn apart(a: &Placement, b: &Placement) -> Option<String> {
-    let gap = (a.translation - b.translation).norm();
-    let turn = angle(&(a.rotation.transpose() * b.rotation));
-    (gap > SAME || turn > SAME).then(|| distance(gap, turn))
-}
-
-pub(super) fn distance(gap: f64, turn: f64) -> String {
-    match turn > SAME {
-        true => format!("{:.3} mm and {:.4} deg", 1e3 * gap, turn.to_degrees()),
-        false => format!("{:.3} mm", 1e3 * gap),
-    }
-}
-
-/// Angle of a rotation, exact also where it is small: from the skew part.
-fn angle(r: &nalgebra::Matrix3<f64>) -> f64 {
-    let skew = Vector3::new(r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]);
-    (0.5 * skew.norm()).atan2(0.5 * (r.trace() - 1.0))
 }

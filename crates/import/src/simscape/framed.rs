@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use blocksim_multibody::Placement;
 
-use super::data::{SAME, apart, distance};
+use super::apart::{SAME, apart, distance};
 use crate::mechanism::{Motion, Start, find};
 use crate::smidata::JointStart;
 

@@ -6,7 +6,7 @@ use blocksim_multibody::Placement;
 use nalgebra::Vector3;
 
 use super::Ties;
-use super::data::SAME;
+use super::apart::SAME;
 use super::framed::{Framed, sorted};
 use super::frames::{at_body, clean, gap, z_to};
 use super::freedom::{Left, Row, left};

@@ -3,6 +3,7 @@
 //! Parts have masses and geometry, instances have places, and constraints or joints tie them. What constraints hold
 //! fast together becomes one group of welded bodies; what they leave free between two groups becomes a joint.
 
+mod apart;
 mod constraints;
 mod data;
 mod framed;
