@@ -2,7 +2,7 @@
 
 use crate::joint::{Joint, MountedJoint};
 use crate::placement::Placement;
-use crate::spatial::SpatialInertia;
+use crate::spatial_inertia::SpatialInertia;
 use nalgebra::Vector3;
 
 /// Names a body of a [`Model`](crate::Model), and with it the joint that moves it.

@@ -1,9 +1,10 @@
 //! The workspace of the algorithms.
 
-use crate::aba::ArticulatedInertia;
+use crate::articulated::ArticulatedInertia;
 use crate::body::BodyId;
 use crate::placement::Placement;
-use crate::spatial::{Force, Motion, SpatialInertia};
+use crate::spatial::{Force, Motion};
+use crate::spatial_inertia::SpatialInertia;
 use crate::symmetric::Symmetric;
 use nalgebra::{Matrix3, Vector3};
 

@@ -2,7 +2,7 @@
 
 use crate::error::InertiaError;
 use crate::placement::Placement;
-use crate::spatial::SpatialInertia;
+use crate::spatial_inertia::SpatialInertia;
 use crate::symmetric::Symmetric;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Add;

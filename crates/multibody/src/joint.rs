@@ -2,7 +2,8 @@
 
 use crate::placement::Placement;
 use crate::quaternion;
-use crate::spatial::{Force, Motion, SpatialInertia};
+use crate::spatial::{Force, Motion};
+use crate::spatial_inertia::SpatialInertia;
 use nalgebra::{Matrix3, Vector3};
 
 /// How a body moves against its parent.

@@ -31,6 +31,7 @@
 //! * SI units throughout: m, kg, s, rad, N, N m.
 
 mod aba;
+mod articulated;
 mod body;
 mod crba;
 mod data;
@@ -50,6 +51,7 @@ mod quaternion;
 mod regressor;
 mod rnea;
 mod spatial;
+mod spatial_inertia;
 mod symmetric;
 
 pub use aba::aba;

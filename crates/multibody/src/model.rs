@@ -6,7 +6,7 @@ use crate::error::ModelError;
 use crate::inertia::Inertia;
 use crate::joint::{Joint, MountedJoint};
 use crate::placement::Placement;
-use crate::spatial::SpatialInertia;
+use crate::spatial_inertia::SpatialInertia;
 use nalgebra::Vector3;
 use std::ops::Range;
 

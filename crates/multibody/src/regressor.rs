@@ -3,7 +3,7 @@
 use crate::data::Data;
 use crate::kinematics::forward_accelerations;
 use crate::model::Model;
-use crate::spatial::SpatialInertia;
+use crate::spatial_inertia::SpatialInertia;
 use crate::symmetric::Symmetric;
 use nalgebra::Vector3;
 
