@@ -4,16 +4,15 @@
 use std::f64::consts::TAU;
 
 use blocksim_kinematics::{Configuration, Elbow, Shoulder, Wrist};
-use blocksim_motion::{AxisLimits, Path};
+use blocksim_motion::AxisLimits;
 use blocksim_robot::Robot;
 
 use crate::check::NARROW;
 use crate::error::{PlanError, Reason, short};
 use crate::joint_path::JointPath;
-use crate::plan::{check, path, reachable, task};
+use crate::prescribed::{Prescribed, check};
 use crate::request::{CartesianRequest, Start};
 use crate::start::begin;
-use crate::task::Task;
 
 /// All configurations by their words, such as `front-up-plain`.
 pub fn configurations() -> Vec<(String, Configuration)> {
@@ -85,9 +84,7 @@ pub fn choose(
         Start::Joints(_) => near,
         _ => robot.start().try_into().unwrap_or(near),
     };
-    let path = path(&start, request)?;
-    let task = task(request, &start);
-    reachable(robot, &task, &path)?;
+    let prescribed = Prescribed::of(robot, request, &start)?;
     let target = robot.reference().placement * start;
     let found = closed_form
         .inverse(&target, &near)
@@ -113,7 +110,7 @@ pub fn choose(
     let mut tried = Vec::new();
     let mut first = None;
     for (_, configuration, q) in candidates {
-        match pass(robot, &task, &path, &q, &near, &limits, request.resolution) {
+        match pass(robot, &prescribed, &q, &near, &limits) {
             Ok(q) => {
                 return Ok(Chosen { q, configuration: Some(configuration), passes: true, tried });
             }
@@ -142,17 +139,15 @@ fn shifted(q: &[f64], turns: &[f64]) -> Vec<f64> {
 /// The positions at the start, turned so that all axes keep their limits on the whole path; else why there are none.
 fn pass(
     robot: &Robot,
-    task: &Task,
-    path: &Path,
+    prescribed: &Prescribed,
     q: &[f64; 6],
     near: &[f64; 6],
     limits: &[AxisLimits],
-    resolution: f64,
 ) -> Result<Vec<f64>, String> {
     turned(&q.map(|q| (q, q)), near, limits)
         .map_err(|axis| format!("{} at the start", outside(axis, q[axis], &limits[axis])))?;
-    let spacing = if path.is_turn() { crate::plan::TURN_SPACING } else { resolution };
-    let joints = JointPath::follow(robot, task, path, q, spacing).map_err(|error| match error.reason {
+    let Prescribed { path, task, spacing } = prescribed;
+    let joints = JointPath::follow(robot, task, path, q, *spacing).map_err(|error| match error.reason {
         Reason::Singular { at, .. } => format!("the arm is singular at {} % of the path", short(100.0 * at)),
         _ => error.to_string(),
     })?;

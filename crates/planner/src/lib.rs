@@ -23,6 +23,7 @@ mod joint_path;
 mod law;
 mod phase_plane;
 mod plan;
+mod prescribed;
 mod request;
 mod sequence;
 mod start;

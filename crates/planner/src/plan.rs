@@ -1,25 +1,19 @@
 //! A move of the tool along a path.
 
-use blocksim_motion::{Path, PathError};
+use blocksim_motion::Path;
 use blocksim_multibody::{EulerZyx, Placement};
 use blocksim_robot::Robot;
 
 use crate::configuration::choose;
 use crate::course::{Course, Narrow, State, Way};
 use crate::error::{PlanError, Reason};
-use crate::joint_path::{JointPath, MOST};
+use crate::joint_path::JointPath;
 use crate::law::TimeLaw;
 use crate::phase_plane::{Bounds, Knot, time_optimal};
-use crate::request::{CartesianRequest, Orientation, Speeds, Start, Timing, Turning};
+use crate::prescribed::{PLACES, Prescribed, check};
+use crate::request::{CartesianRequest, Speeds, Start, Timing, Turning};
 use crate::start::{begin, reach, refusal};
 use crate::task::Task;
-use crate::workspace::Workspace;
-
-/// Places along the path that are tried before it is followed.
-const PLACES: usize = 200;
-
-/// Distance of waypoints of a turn on the spot, rad.
-pub(crate) const TURN_SPACING: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
 /// A move of the tool along a line or an arc, from rest to rest.
 ///
@@ -45,10 +39,7 @@ impl CartesianMove {
             Start::Joints(_) => begin(robot, &request.start)?,
             _ => begin(robot, &Start::Joints(choose(robot, request, None)?.q))?,
         };
-        let path = path(&start, request)?;
-        let spacing = if path.is_turn() { TURN_SPACING } else { request.resolution };
-        let task = task(request, &start);
-        reachable(robot, &task, &path)?;
+        let Prescribed { path, task, spacing } = Prescribed::of(robot, request, &start)?;
         if task == Task::Pose {
             try_out(robot, &path, &q)?;
         }
@@ -100,106 +91,6 @@ impl Course for CartesianMove {
     fn narrowest(&self) -> Option<Narrow> {
         Some(self.narrow)
     }
-}
-
-/// Checks what can be checked before anything is solved; the acceleration, m/s².
-pub(crate) fn check(robot: &Robot, request: &CartesianRequest) -> Result<f64, PlanError> {
-    let limits = robot.tcp_limits();
-    let range = |member, value: f64, lower: f64, upper: f64, unit: &'static str| {
-        if !value.is_finite() {
-            return Err(PlanError::new(member, Reason::NotFinite));
-        }
-        match value > 0.0 && value <= upper * (1.0 + 1e-12) {
-            true => Ok(()),
-            false => Err(PlanError::new(member, Reason::OutOfRange { value, lower, upper, unit })),
-        }
-    };
-    let Speeds { velocity, acceleration, timing } = request.speeds;
-    range("velocity", 1e3 * velocity, 1e-3, 1e3 * limits.speed, "mm/s")?;
-    range("acceleration", 1e2 * acceleration, 1e-3, 1e2, "%")?;
-    range("resolution", 1e3 * request.resolution, 1e-3, 1e4, "mm")?;
-    if let Timing::SCurve { jerk } = timing {
-        range("jerk", jerk, 1e-3, 1e9, "m/s^3")?;
-    }
-    range("rotation_velocity", request.turning.velocity.to_degrees(), 1e-3, 1e5, "deg/s")?;
-    range("rotation_acceleration", request.turning.acceleration.to_degrees(), 1e-3, 1e6, "deg/s^2")?;
-    let acceleration = acceleration * limits.acceleration;
-    if !acceleration.is_finite() {
-        return Err(PlanError::new("tcp_limits.acceleration", Reason::NotFinite));
-    }
-    let finite = |member, values: &[f64]| match values.iter().all(|x| x.is_finite()) {
-        true => Ok(()),
-        false => Err(PlanError::new(member, Reason::NotFinite)),
-    };
-    finite("target", request.target.as_slice())?;
-    if let Orientation::Interpolated(rotation) = request.orientation {
-        finite("target", rotation.as_slice())?;
-    }
-    finite("via", request.via.as_ref().map_or(&[], |via| via.as_slice()))?;
-    Ok(acceleration)
-}
-
-/// What of the tool is prescribed.
-pub(crate) fn task(request: &CartesianRequest, start: &Placement) -> Task {
-    match request.orientation {
-        Orientation::Free => Task::Point,
-        Orientation::Axis => Task::axis(start),
-        Orientation::Fixed | Orientation::Interpolated(_) => Task::Pose,
-    }
-}
-
-/// The path from where the tool is.
-pub(crate) fn path(start: &Placement, request: &CartesianRequest) -> Result<Path, PlanError> {
-    let rotation = match request.orientation {
-        Orientation::Interpolated(rotation) => rotation,
-        _ => start.rotation,
-    };
-    // A micrometre: less is the same place for a robot.
-    const SAME: f64 = 1e-6;
-    let rests = (request.target - start.translation).norm() < SAME;
-    let end = Placement { rotation, translation: if rests { start.translation } else { request.target } };
-    let path = match request.via {
-        Some(via) => Path::arc(*start, via, end),
-        None => Path::line(*start, end),
-    };
-    let path = path.map_err(|error| match error {
-        PathError::Nothing => PlanError::new("target", Reason::Nothing),
-        PathError::Straight => PlanError::new("via", Reason::Straight),
-        PathError::NotFinite => PlanError::new("target", Reason::NotFinite),
-    })?;
-    if path.length() < SAME {
-        return Err(PlanError::new("target", Reason::Nothing));
-    }
-    let count = path.length() / request.resolution;
-    // not so for NaN
-    let few = path.is_turn() || count <= MOST as f64;
-    match few {
-        true => Ok(path),
-        false => Err(PlanError::new("resolution", Reason::TooManyWaypoints { count, most: MOST })),
-    }
-}
-
-/// Whether the target is in the workspace, and all places on the way there; whatever the limits of the axes.
-pub(crate) fn reachable(robot: &Robot, task: &Task, path: &Path) -> Result<(), PlanError> {
-    const SLACK: f64 = 1e-9;
-    let workspace = Workspace::of(robot);
-    let length = path.length();
-    let shortage = |way: f64| workspace.shortage(task, &path.at(way).placement);
-    let distance = shortage(length);
-    if distance > SLACK {
-        let reason = Reason::Unreachable { at: 1.0, way: length, distance: Some(distance) };
-        return Err(PlanError::new("target", reason));
-    }
-    let place = |k: usize| length * (k as f64 / PLACES as f64);
-    let Some(first) = (0..=PLACES).find(|k| shortage(place(*k)) > SLACK) else { return Ok(()) };
-    let (mut inside, mut outside) = (place(first.saturating_sub(1)), place(first));
-    for _ in 0..30 {
-        let middle = 0.5 * (inside + outside);
-        if shortage(middle) > SLACK { outside = middle } else { inside = middle }
-    }
-    let furthest = (first..=PLACES).map(|k| shortage(place(k))).fold(0.0, f64::max);
-    let reason = Reason::Unreachable { at: outside / length, way: outside, distance: Some(furthest) };
-    Err(PlanError::new("path", reason))
 }
 
 /// Whether the arm reaches some places of the path at all, where there is a closed form.
