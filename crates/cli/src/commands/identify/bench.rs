@@ -1,10 +1,8 @@
 //! A robot of a diagram on the test bench: its axes, their drives, and experiments with them.
 
-use std::any::Any;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use blocksim_block::Block;
 use blocksim_block::schedule::{Instance, OutputTimes, Recorded, Schedule};
 use blocksim_blocks::motion::{JointMove, Limits};
 use blocksim_multibody::Model;
@@ -13,6 +11,7 @@ use blocksim_sim::{Control, Counts, Ended, Observer, SimError, Simulation};
 
 use super::course::{Course, Rest, SetValues};
 use super::drive::Drive;
+use super::look_into::look_into;
 use crate::running::interrupt;
 
 /// Why a diagram cannot stand on the bench.
@@ -228,11 +227,6 @@ impl Observer for Rows {
     fn progress(&mut self, _t: f64, _counts: &Counts) -> Control {
         if interrupt::is_requested() { Control::Stop } else { Control::Go }
     }
-}
-
-/// A block as what it is.
-pub fn look_into<T: Any>(block: &Arc<dyn Block>) -> Option<&T> {
-    (&**block as &dyn Any).downcast_ref()
 }
 
 /// Whether a block gets a cell as an input.

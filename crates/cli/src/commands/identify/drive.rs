@@ -8,7 +8,7 @@ use blocksim_blocks::rotational::{RotationalDamper, RotationalFriction};
 use blocksim_identify::{Curve, Train};
 use blocksim_network::{AxisView, Network};
 
-use super::bench::look_into;
+use super::look_into::look_into;
 
 /// Ratios that differ by less than this part are one.
 const SAME: f64 = 1e-9;

@@ -2,10 +2,12 @@
 
 use std::io;
 
-use blocksim_identify::{CurveFit, Line, Point, TwoPoint, curve, line, two_point};
+use blocksim_identify::{Point, TwoPoint, curve, line, two_point};
 
+use super::axis_friction::AxisFriction;
 use super::bench::{Bench, Experiment, Refusal};
 use super::constant_speed::{Measured, Move, fastest, fastest_for, fits, measure, plan, room};
+use super::friction_said::short;
 use super::pose::{Pose, find};
 use super::said::failed;
 use super::{friction_said, load_bench, out};
@@ -28,32 +30,6 @@ const LARGEST: f64 = 0.6;
 const LOOK: f64 = 0.01;
 /// Speed above which friction is a line, over the breakaway velocity: the rest of the bump is below 1e-10 there.
 const STRAIGHT: f64 = 8.0;
-
-/// What was found out about an axis.
-pub struct Result {
-    /// Number of the axis, from 1.
-    pub number: usize,
-    /// Path of the joint.
-    pub joint: String,
-    /// Where it was measured.
-    pub pose: Pose,
-    /// Each move, with what it brought.
-    pub measured: Vec<Measured>,
-    /// The straight part, at the motor.
-    pub line: std::result::Result<Line, String>,
-    /// From half and full speed.
-    pub two_point: Option<(TwoPoint, f64, f64)>,
-    /// The bearing alone.
-    pub curve: std::result::Result<CurveFit, String>,
-    /// Straight part by the parameters: viscous and Coulomb.
-    pub set_line: Option<(f64, f64)>,
-    /// Bearing by the parameters.
-    pub set_bearing: Option<blocksim_identify::Curve>,
-    /// What stands between.
-    pub train: blocksim_identify::Train,
-    /// Turns of the motor for one of the joint.
-    pub ratio: f64,
-}
 
 /// An axis with its place and its speeds.
 struct Setup {
@@ -139,7 +115,7 @@ pub fn friction(args: &FrictionArgs, console: Console) -> io::Result<Exit> {
 }
 
 /// Indices of the axes that were asked for.
-fn chosen(bench: &Bench, numbers: &[usize]) -> std::result::Result<Vec<usize>, Refusal> {
+fn chosen(bench: &Bench, numbers: &[usize]) -> Result<Vec<usize>, Refusal> {
     let count = bench.axes.len();
     if numbers.is_empty() {
         return Ok((0..count).collect());
@@ -164,7 +140,7 @@ enum Trouble {
     Failed(blocksim_sim::SimError),
 }
 
-fn setup(bench: &Bench, axis: usize, args: &FrictionArgs) -> std::result::Result<Setup, Trouble> {
+fn setup(bench: &Bench, axis: usize, args: &FrictionArgs) -> Result<Setup, Trouble> {
     let it = &bench.axes[axis];
     let number = it.number;
     let refuse = |message: String, help: &str| Trouble::Refused(Refusal::new(message, help));
@@ -200,10 +176,10 @@ fn setup(bench: &Bench, axis: usize, args: &FrictionArgs) -> std::result::Result
                 return Err(refuse(
                     format!(
                         "axis {number} cannot keep {} deg/s long enough {}",
-                        friction_said::short(speed.to_degrees()),
+                        short(speed.to_degrees()),
                         if pose.slope == 0.0 { "within its limits" } else { "where gravity is balanced" }
                     ),
-                    &format!("choose speeds up to {} deg/s", friction_said::short(top.to_degrees())),
+                    &format!("choose speeds up to {} deg/s", short(top.to_degrees())),
                 ));
             }
         }
@@ -216,7 +192,7 @@ fn setup(bench: &Bench, axis: usize, args: &FrictionArgs) -> std::result::Result
 
 /// Half the window in which gravity stays well below friction, so that the motor drives the gear in both directions and
 /// gravity drops out of their difference: from a first pair of moves.
-fn widest_under_gravity(bench: &Bench, axis: usize, pose: &Pose) -> std::result::Result<f64, Trouble> {
+fn widest_under_gravity(bench: &Bench, axis: usize, pose: &Pose) -> Result<f64, Trouble> {
     let it = &bench.axes[axis];
     let speed = fastest(bench, axis, pose, (0.02 * it.limits.speed).min(fastest_for(LOOK)), LOOK);
     let mut torques = [0.0; 2];
@@ -231,11 +207,7 @@ fn widest_under_gravity(bench: &Bench, axis: usize, pose: &Pose) -> std::result:
     let widest = GRAVITY * friction / pose.slope.abs();
     if !(widest > 0.0 && widest.is_finite()) {
         return Err(Trouble::Refused(Refusal::new(
-            format!(
-                "axis {} shows no friction at {} deg/s",
-                it.number,
-                friction_said::short(speed.to_degrees())
-            ),
+            format!("axis {} shows no friction at {} deg/s", it.number, short(speed.to_degrees())),
             "where gravity acts on an axis, its friction is measured as the difference of two directions; an axis \
              without friction cannot be measured so",
         )));
@@ -243,7 +215,7 @@ fn widest_under_gravity(bench: &Bench, axis: usize, pose: &Pose) -> std::result:
     Ok(widest.min(room(bench, axis, pose)))
 }
 
-fn evaluate(bench: &Bench, setup: &Setup, measured: Vec<Measured>) -> Result {
+fn evaluate(bench: &Bench, setup: &Setup, measured: Vec<Measured>) -> AxisFriction {
     let it = &bench.axes[setup.axis];
     let train = it.drive.train;
     let good = measured.iter().filter(|m| m.is_steady && m.is_driving);
@@ -260,7 +232,7 @@ fn evaluate(bench: &Bench, setup: &Setup, measured: Vec<Measured>) -> Result {
         let viscous = train.damping + (train.beside + bearing.viscous) / train.efficiency;
         (viscous, bearing.coulomb / train.efficiency)
     });
-    Result {
+    AxisFriction {
         number: it.number,
         joint: it.joint.clone(),
         pose: setup.pose.clone(),

@@ -7,7 +7,7 @@ use blocksim_results::format::significant;
 use blocksim_results::{Align, Table};
 use serde_json::{Value, json};
 
-use super::friction::Result;
+use super::axis_friction::AxisFriction;
 
 /// Four digits.
 pub fn short(x: f64) -> String {
@@ -23,7 +23,7 @@ struct Row {
     set: Option<f64>,
 }
 
-fn line_rows(result: &Result) -> Vec<Row> {
+fn line_rows(result: &AxisFriction) -> Vec<Row> {
     let Ok(line) = &result.line else { return Vec::new() };
     let set = result.set_line;
     let row = |name, key, unit, found, set| Row { name, key, unit, found, set };
@@ -33,7 +33,7 @@ fn line_rows(result: &Result) -> Vec<Row> {
     ]
 }
 
-fn bearing_rows(result: &Result) -> Vec<Row> {
+fn bearing_rows(result: &AxisFriction) -> Vec<Row> {
     let Ok(curve) = &result.curve else { return Vec::new() };
     let set = result.set_bearing;
     let row = |name, key, unit, found, set| Row { name, key, unit, found, set };
@@ -75,7 +75,7 @@ fn table(rows: &[Row]) -> String {
 }
 
 /// For people.
-pub fn text(results: &[Result]) -> String {
+pub fn text(results: &[AxisFriction]) -> String {
     let mut out = String::new();
     for result in results {
         let pose: Vec<String> = result.pose.q.iter().map(|q| format!("{:.1}", q.to_degrees())).collect();
@@ -171,7 +171,7 @@ fn estimates(rows: &[Row]) -> Value {
 }
 
 /// As JSON, an axis a line.
-pub fn json(results: &[Result]) -> String {
+pub fn json(results: &[AxisFriction]) -> String {
     let mut out = String::new();
     for result in results {
         let points: Vec<Value> = result
@@ -203,7 +203,7 @@ pub fn json(results: &[Result]) -> String {
 }
 
 /// The points, for a spreadsheet.
-pub fn csv(results: &[Result]) -> String {
+pub fn csv(results: &[AxisFriction]) -> String {
     let mut out = String::from("axis,speed [rad/s],torque [N*m],inertial [N*m],used\n");
     for result in results {
         for m in &result.measured {
@@ -216,7 +216,7 @@ pub fn csv(results: &[Result]) -> String {
 }
 
 /// What was identified, in the form of parameters.
-pub fn ron(results: &[Result]) -> String {
+pub fn ron(results: &[AxisFriction]) -> String {
     let mut out = String::from("// Friction of the bearings, identified; note: interval of 95 %.\n(\n");
     for result in results {
         let _ = writeln!(out, "    axis{}: (bearing: (", result.number);

@@ -1,5 +1,6 @@
 //! `blocksim identify`: experiments with the robot of a diagram, and what they tell of its parameters.
 
+mod axis_friction;
 mod bench;
 mod constant_speed;
 mod course;
@@ -10,6 +11,7 @@ mod dynamics_said;
 mod friction;
 mod friction_recorded;
 mod friction_said;
+mod look_into;
 mod out;
 mod pose;
 mod recorded;
