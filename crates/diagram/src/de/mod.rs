@@ -3,6 +3,7 @@
 //! Problems are noted where they arise, with their place; what travels back through serde is only a sign that one
 //! was noted, because the way leads through type-erased code that keeps nothing but text.
 
+mod asked;
 mod computed;
 mod members;
 mod tagged;

@@ -1,0 +1,235 @@
+//! What stands in a file becomes whatever serde asks for.
+
+use blocksim_block::VALUE_ENUM;
+use blocksim_block::problem::Problem;
+use blocksim_signal::Value;
+use serde::de::{Deserializer, Visitor};
+
+use super::Noted;
+use super::computed::Computed;
+use super::members::{Items, Members, Variant};
+use super::wire::Wire;
+use super::word_or::WORD_OR;
+use super::written::Written;
+use crate::scope::{Evaluation, expression};
+use crate::tree::{Node, Shape};
+
+impl<'n, 'a> Written<'n, 'a> {
+    fn evaluate(&self) -> Result<Value, Noted> {
+        let stack = Vec::new();
+        let evaluation = Evaluation { scope: &self.reading.scope, file: self.reading.file, stack: &stack };
+        evaluation.value(self.node).map_err(|problem| self.reading.note(problem))
+    }
+
+    /// An expression, evaluated, with the place of its text.
+    fn computed(&self) -> Result<Computed<'n, 'a>, Noted> {
+        let value = match &self.node.value {
+            Shape::Text(text) => {
+                let (file, span) = (self.reading.file, &self.node.span);
+                expression(&self.reading.scope, text, file, span.start + 1, span)
+                    .map_err(|problem| self.reading.note(problem))?
+            }
+            _ => self.evaluate()?,
+        };
+        Ok(Computed { written: *self, value })
+    }
+}
+
+macro_rules! numbers {
+    ($($method:ident)*) => {
+        $(fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+            match &self.node.value {
+                Shape::Number(_) | Shape::Text(_) | Shape::Tuple(Some(_), _) | Shape::Struct(..) => {
+                    let computed = self.computed()?;
+                    self.placed(computed.$method(visitor))
+                }
+                _ => self.mismatch("a number"),
+            }
+        })*
+    };
+}
+
+impl<'de> Deserializer<'de> for Written<'_, '_> {
+    type Error = Noted;
+
+    numbers! {
+        deserialize_i8 deserialize_i16 deserialize_i32 deserialize_i64
+        deserialize_u8 deserialize_u16 deserialize_u32 deserialize_u64 deserialize_f32 deserialize_f64
+    }
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+        let computed = self.computed()?;
+        self.placed(computed.deserialize_any(visitor))
+    }
+
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+        match &self.node.value {
+            Shape::Bool(value) => self.placed(visitor.visit_bool(*value)),
+            Shape::Text(_) => {
+                let computed = self.computed()?;
+                self.placed(computed.deserialize_bool(visitor))
+            }
+            _ => self.mismatch("true or false"),
+        }
+    }
+
+    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+        match &self.node.value {
+            Shape::Text(text) => self.placed(visitor.visit_str(text)),
+            Shape::Tuple(Some(name), items) if name.text == "Text" => match items.as_slice() {
+                [Node { value: Shape::Text(text), .. }] => self.placed(visitor.visit_str(text)),
+                _ => self.mismatch("a text"),
+            },
+            _ => self.mismatch("a text"),
+        }
+    }
+
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+        self.deserialize_str(visitor)
+    }
+
+    fn deserialize_char<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+        self.deserialize_str(visitor)
+    }
+
+    fn deserialize_identifier<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+        match self.node.word() {
+            Some(word) => self.placed(visitor.visit_str(word)),
+            None => self.deserialize_str(visitor),
+        }
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+        match &self.node.value {
+            Shape::Word(word) if word == "None" => visitor.visit_none(),
+            Shape::Tuple(Some(name), items) if name.text == "Some" => match items.as_slice() {
+                [item] => visitor.visit_some(self.with_node(item)),
+                _ => self.mismatch("one value"),
+            },
+            _ => visitor.visit_some(self),
+        }
+    }
+
+    fn deserialize_unit<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+        visitor.visit_unit()
+    }
+
+    fn deserialize_unit_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, Noted> {
+        visitor.visit_unit()
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, Noted> {
+        if name == WORD_OR && self.node.word().is_some() {
+            return visitor.visit_some(self);
+        }
+        visitor.visit_newtype_struct(self)
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+        match &self.node.value {
+            Shape::List(items) | Shape::Tuple(None, items) => {
+                let result = visitor.visit_seq(Items { written: self, rest: items.iter() });
+                self.placed(result)
+            }
+            Shape::Text(_) => {
+                let computed = self.computed()?;
+                self.placed(computed.deserialize_seq(visitor))
+            }
+            _ => self.mismatch("a list"),
+        }
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, _len: usize, visitor: V) -> Result<V::Value, Noted> {
+        self.deserialize_seq(visitor)
+    }
+
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        _len: usize,
+        visitor: V,
+    ) -> Result<V::Value, Noted> {
+        self.deserialize_seq(visitor)
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+        match &self.node.value {
+            Shape::Text(_) => {
+                let computed = self.computed()?;
+                self.placed(computed.deserialize_map(visitor))
+            }
+            Shape::Tuple(Some(name), _) if name.text == "File" => {
+                let computed = self.computed()?;
+                self.placed(computed.deserialize_map(visitor))
+            }
+            _ => match self.node.members() {
+                Some(members) => {
+                    let top = self.expected.field.is_none() && self.reading.info.is_some();
+                    let access = Members { written: self, rest: members.iter(), value: None, top };
+                    let result = visitor.visit_map(access);
+                    self.placed(result)
+                }
+                None => self.mismatch("a set such as `(name: value)`"),
+            },
+        }
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        _fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Noted> {
+        self.deserialize_map(visitor)
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        variants: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Noted> {
+        if name == VALUE_ENUM {
+            let computed = self.computed()?;
+            return self.placed(visitor.visit_enum(Wire(&computed.value)));
+        }
+        let Some(word) = self.node.word() else {
+            return self.mismatch(&format!("one of {}", crate::problems::list(variants)));
+        };
+        if !variants.contains(&word) {
+            let place = self.reading.place(self.node);
+            let field = self.expected.field.map(|field| format!(" for `{field}`")).unwrap_or_default();
+            let problem = Problem::error("parameter", format!("`{word}` is no choice{field}")).at(&place, "");
+            let problem = match blocksim_signal::closest(word, variants.iter().copied()) {
+                Some(known) => problem.help(format!(
+                    "did you mean `{known}`? The choices are {}",
+                    crate::problems::list(variants)
+                )),
+                None => problem.help(format!("the choices are {}", crate::problems::list(variants))),
+            };
+            return Err(self.reading.note(problem));
+        }
+        let result = visitor.visit_enum(Variant(self));
+        self.placed(result)
+    }
+
+    fn deserialize_bytes<V: Visitor<'de>>(self, _visitor: V) -> Result<V::Value, Noted> {
+        self.mismatch("a value that can be written in a diagram")
+    }
+
+    fn deserialize_byte_buf<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+        self.deserialize_bytes(visitor)
+    }
+
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
+        visitor.visit_unit()
+    }
+}
