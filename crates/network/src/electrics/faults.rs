@@ -1,6 +1,7 @@
 //! What is wrong with a circuit, in words.
 
-use super::solved::{Unsolvable, solve};
+use super::conducting::Unsolvable;
+use super::solved::solve;
 use super::{Branch, Electrics, Island};
 use crate::assembly::eliminate::Relations;
 use crate::assembly::members::Members;

@@ -14,7 +14,7 @@
 use nalgebra::DMatrix;
 use petgraph::unionfind::UnionFind;
 
-use super::solved::{Conducting, Unsolvable};
+use super::conducting::{Conducting, Unsolvable};
 use super::{Branch, Electrics, GivenBy, Island, Joined, TwoPin};
 
 /// The windings of a member that cross borders.

@@ -32,6 +32,7 @@ pub(crate) mod float;
 pub(crate) mod separate;
 
 mod collect;
+mod conducting;
 mod early;
 mod faults;
 mod floating;
@@ -45,8 +46,9 @@ use crate::assembly::eliminate::Form;
 use crate::assembly::members::Members;
 use crate::problem::NetworkProblem;
 
+pub(crate) use conducting::{Conducting, Unsolvable};
 pub(crate) use floating::{Floating, coordinates};
-pub(crate) use solved::{Conducting, Solved, Unsolvable, solve};
+pub(crate) use solved::{Solved, solve};
 
 /// What a current that a component gives depends on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -17,6 +17,7 @@
 use nalgebra::DMatrix;
 use petgraph::unionfind::UnionFind;
 
+use super::conducting::{Conducting, Unsolvable};
 use super::floating::Floating;
 use super::{Branch, Electrics, Island, TwoPin};
 use crate::assembly::eliminate::Form;
@@ -30,20 +31,6 @@ pub(crate) struct Solved {
     /// No voltage follows from a current that components give.
     pub stiff: bool,
 }
-
-/// Why there is no solution.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Unsolvable {
-    /// Branches that prescribe voltages close a loop: indices of two-pins.
-    Loop(Vec<usize>),
-    /// Nothing determines the potential of a part of the circuit: its nodes.
-    Floating(Vec<usize>),
-    /// Given currents of which some are no states have no path: indices of two-pins.
-    Cut(Vec<usize>),
-}
-
-/// Which valves of an island conduct, one bit each.
-pub(crate) type Conducting = u128;
 
 /// What a branch is while certain valves conduct.
 #[derive(Debug, Clone, Copy)]

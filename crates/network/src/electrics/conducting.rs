@@ -1,0 +1,15 @@
+//! Sets of conducting valves, and why an island may have no solution with one.
+
+/// Which valves of an island conduct, one bit each.
+pub(crate) type Conducting = u128;
+
+/// Why there is no solution.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Unsolvable {
+    /// Branches that prescribe voltages close a loop: indices of two-pins.
+    Loop(Vec<usize>),
+    /// Nothing determines the potential of a part of the circuit: its nodes.
+    Floating(Vec<usize>),
+    /// Given currents of which some are no states have no path: indices of two-pins.
+    Cut(Vec<usize>),
+}
