@@ -48,7 +48,7 @@
       const [a, b] = R.cursors, parts = [];
       if (a !== null) parts.push(`A ${a.toFixed(4)} s`);
       if (b !== null) parts.push(`B ${b.toFixed(4)} s`);
-      if (a !== null && b !== null) parts.push(`Δ ${R.say(b - a)} s`, `1/Δ ${R.say(1 / (b - a))} Hz`);
+      if (a !== null && b !== null && a !== b) parts.push(`Δ ${R.say(b - a)} s`, `1/Δ ${R.say(1 / (b - a))} Hz`);
       readout.textContent = parts.join('  ·  ');
       clearTimeout(said);
       said = setTimeout(() => { const place = document.getElementById('said'); if (place) place.textContent = readout.textContent; }, 250);

@@ -6,6 +6,8 @@
 R.Plots = (() => {
   /** Width kept for numbers at the left, so that times lie below each other. */
   const GUTTER = 70;
+  /** Height of truth in its lane. */
+  const LANE = 0.7;
   /** @type {any[]} */ const plots = [];
   /** @type {any[]} */ const panels = [];
   let together = false;
@@ -24,7 +26,8 @@ R.Plots = (() => {
     if (panel.pair && panel.series.length === 2) return Number(/(\d+)\D*$/.exec(panel.title)?.[1] || 1) - 1;
     const number = /(\d+)\D*$/.exec(panel.series[at].name)?.[1];
     const all = panel.series.map((/** @type {any} */ s) => /(\d+)\D*$/.exec(s.name)?.[1]);
-    return number && new Set(all).size === all.length && !all.includes(undefined) ? Number(number) - 1 : at;
+    // Elements of lists are counted from 0 on.
+    return number && new Set(all).size === all.length && !all.includes(undefined) ? Number(number) - (all.includes('0') ? 0 : 1) : at;
   };
 
   /** Colour of a signal in the style sheet. @param {any} panel @param {number} at */
@@ -74,20 +77,24 @@ R.Plots = (() => {
   /** @param {any} panel @param {any[]} drawn @param {any[]} columns @param {HTMLElement} place @param {number} height @param {boolean} last */
   const plot = (panel, drawn, columns, place, height, last) => {
     const u = new uPlot({
-      width: Math.max(place.clientWidth, 280), height, legend: { show: false }, padding: [8, 12, 0, 0],
+      width: Math.max(place.clientWidth, 280), height, legend: { show: false }, padding: [8, 20, 0, 0],
       scales: { x: { time: false } },
       cursor: { sync: { key: 'time', setSeries: false }, drag: { x: true, y: false }, points: { size: 6 }, bind: { mousedown: pressed } },
       series: [{}, ...drawn],
       axes: [
         { stroke: () => R.colour('quiet'), grid: { stroke: () => R.colour('grid'), width: 1 }, ticks: { stroke: () => R.colour('grid'), width: 1, size: 4 }, size: last ? 30 : 6, values: last ? (/** @type {any} */ _, /** @type {number[]} */ all) => all.map((x) => R.say(x, 7) + ' s') : () => [], font: '12px system-ui, sans-serif' },
-        { stroke: () => R.colour('quiet'), grid: { stroke: () => R.colour('grid'), width: 1 }, ticks: { show: false }, size: GUTTER, space: height > 100 ? 32 : 22, values: (/** @type {any} */ _, /** @type {number[]} */ all) => all.map((x) => x === null ? '' : R.say(x, 6)), font: '12px system-ui, sans-serif' },
+        { stroke: () => R.colour('quiet'), grid: { stroke: () => R.colour('grid'), width: 1 }, ticks: { show: false }, size: GUTTER, space: height > 100 ? 32 : 22,
+          ...(panel.lanes ? { splits: () => panel.lanes.map((/** @type {string} */ _, /** @type {number} */ at) => panel.lanes.length - 1 - at + LANE / 2), grid: { show: false } } : {}),
+          values: (/** @type {any} */ _, /** @type {number[]} */ all) => panel.lanes?.map((/** @type {string} */ name) => name.slice(-9)) ?? all.map((x) => x === null ? '' : R.say(x, 6)), font: '12px system-ui, sans-serif' },
       ],
       hooks: {
         setScale: [(/** @type {any} */ self, /** @type {string} */ key) => {
           if (key !== 'x') return;
-          if (!together) show(self.scales.x.min, self.scales.x.max);
+          // A picture that has just been made takes its own range for a moment.
+          if (!together && self.live) show(self.scales.x.min, self.scales.x.max);
           lines(self);
         }],
+        ready: [(/** @type {any} */ self) => { self.live = true; }],
         setSize: [(/** @type {any} */ self) => lines(self)],
         draw: [(/** @type {any} */ self) => R.Overlay.draw(self, panel, height > 100)],
       },
@@ -120,7 +127,7 @@ R.Plots = (() => {
       const mark = R.make('i', { class: 'mark' + (s.role === 'set' ? ' dashed' : '') });
       mark.style.borderColor = colour(panel, at);
       const value = R.make('b'), marked = R.make('em');
-      const row = R.make('button', { class: 'entry', type: 'button', 'aria-pressed': 'true', title: s.path }, mark, s.name, ' ', value, marked);
+      const row = R.make('button', { class: 'entry', type: 'button', 'aria-pressed': 'true', title: s.path }, mark, R.make('bdi', {}, s.name), ' ', value, marked);
       row.addEventListener('click', () => {
         const shown = row.getAttribute('aria-pressed') !== 'true';
         row.setAttribute('aria-pressed', String(shown));
@@ -147,20 +154,41 @@ R.Plots = (() => {
   // NaN is what is missing; the plots want null for it.
   const column = (/** @type {ArrayLike<number>} */ all) => Array.prototype.some.call(all, (x) => !Number.isFinite(x)) ? Array.from(all, (x) => Number.isFinite(x) ? x : null) : all;
 
+  /** Values that have no neighbours make no line: they are dots. @param {ArrayLike<number>} time @param {ArrayLike<number>} values */
+  const dots = (time, values) => {
+    const known = (/** @type {number} */ n) => n >= 0 && n < time.length && Number.isFinite(values[n]);
+    /** @type {number[]} */ const alone = [];
+    for (let n = 0; n < time.length; n++) if (known(n) && !known(n - 1) && !known(n + 1)) alone.push(n);
+    return { show: alone.length > 0, size: 5, filter: () => alone };
+  };
+
+  /** Truth values would lie on each other: each has a lane of its own. Their names, the first on top; none for other signals.
+   * @param {any} panel @returns {string[]|null} */
+  const lanes = (panel) => {
+    const truth = (/** @type {any} */ s) => s.held && s.role === 'plain' && !s.other && s.values.every((/** @type {number} */ x) => x === 0 || x === 1 || Number.isNaN(x));
+    if (panel.unit || panel.series.length < 2 || !panel.series.every(truth)) return null;
+    const names = panel.series.map((/** @type {any} */ s) => s.name);
+    // What all names begin with tells nothing.
+    let common = 0;
+    while (common < names[0].length && names.every((/** @type {string} */ name) => name[common] === names[0][common])) common++;
+    return names.map((/** @type {string} */ name) => name.slice(/[[\d]$/.test(name.slice(0, common)) ? common - 1 : common) || name);
+  };
+
   /** Lays the card of a picture out; what draws it. @param {any} panel @param {HTMLElement} box */
   const lay = (panel, box) => {
     const canvas = R.make('div', { class: 'canvas' }), strip = R.make('div', { class: 'canvas' });
     const title = panel.title + (panel.unit ? ` [${panel.unit}]` : '');
     const card = R.make('figure', { class: 'card', tabindex: '0', 'aria-label': title },
-      R.make('figcaption', {}, R.make('span', { class: 'title' }, title), legend(panel)), canvas);
+      R.make('figcaption', {}, R.make('span', { class: 'title' }, R.make('bdi', {}, panel.title), panel.unit ? ` [${panel.unit}]` : ''), legend(panel)), canvas);
     box.append(card);
     /** @type {(() => void)[]} */ const draw = [];
     panel.card = card;
     const looks = panel.series.map((/** @type {any} */ s, /** @type {number} */ at) => ({
       label: s.name, stroke: s.role === 'set' ? () => R.colour('text') : series(tint(panel, at)), width: (s.role === 'set' ? 1.4 : 2.2) * (matchMedia('(prefers-contrast: more)').matches ? 1.4 : 1), dash: s.role === 'set' ? [7, 5] : undefined,
-      points: { show: false }, paths: s.held ? uPlot.paths.stepped?.({ align: 1 }) : undefined,
+      points: dots(panel.time, s.values), paths: s.held ? uPlot.paths.stepped?.({ align: 1 }) : undefined,
     }));
-    const columns = [panel.time, ...panel.series.map((/** @type {any} */ s) => column(s.values))];
+    panel.lanes = lanes(panel);
+    const columns = [panel.time, ...panel.series.map((/** @type {any} */ s, /** @type {number} */ at) => panel.lanes ? column(s.values.map((/** @type {number} */ x) => panel.lanes.length - 1 - at + LANE * x)) : column(s.values))];
     panel.series.forEach((/** @type {any} */ s, /** @type {number} */ at) => {
       if (!s.other) return;
       s.second = columns.length;
@@ -217,7 +245,8 @@ R.Plots = (() => {
       }
       panels.push(panel);
     }
-    if (end > begin) R.span = [begin, end];
+    // Of a single instant the page shows a second.
+    if (end >= begin) R.span = [begin, end > begin ? end : begin + 1];
     range = [...R.span];
     // All cards are laid out before anything is drawn: a row that is not full yet is wider.
     /** @type {(() => void)[]} */ const draw = [];
@@ -247,7 +276,7 @@ R.Plots = (() => {
     R.onTheme.push(redraw);
     let wait = 0;
     window.addEventListener('resize', () => { clearTimeout(wait); wait = setTimeout(fit, 80); });
-    window.addEventListener('beforeprint', () => { for (const panel of panels) if (panel.stale) scale(panel); document.documentElement.classList.add('printing'); fit(); redraw(); });
+    window.addEventListener('beforeprint', () => { for (const panel of panels) { if (panel.stale) scale(panel); mark(panel); for (const s of panel.series) s.tell(); } document.documentElement.classList.add('printing'); fit(); redraw(); });
     window.addEventListener('afterprint', () => { document.documentElement.classList.remove('printing'); fit(); redraw(); });
   };
 

@@ -58,7 +58,7 @@ R.Readings = (() => {
       row.cells = HEAD.slice(2).map(() => R.make('td', { class: 'n' }));
       const mark = R.make('i', { class: row.dashed ? 'mark dashed' : 'mark' });
       mark.style.borderColor = row.tint;
-      const line = R.make('tr', {}, R.make('th', { scope: 'row', title: row.path }, mark, row.name), R.make('td', {}, row.panel.unit), ...row.cells);
+      const line = R.make('tr', {}, R.make('th', { scope: 'row', title: row.path }, mark, R.make('bdi', {}, row.name)), R.make('td', {}, row.panel.unit), ...row.cells);
       if (row.panel === panel) return [line];
       panel = row.panel;
       return [R.make('tr', { class: 'of' }, R.make('th', { scope: 'rowgroup', colspan: String(HEAD.length) }, panel.title)), line];

@@ -26,6 +26,7 @@ pub use data::{
 pub use escape::escape;
 pub use page::html;
 pub use surface::Surface;
+pub use thin::rows as telling_rows;
 
 /// Bytes that a page is made to fit into unless all values are asked for.
 pub const BUDGET: usize = 500_000;

@@ -26,10 +26,14 @@ pub fn add(run: &Run, path: &Path, report: &mut Report) {
         } else {
             String::new()
         };
-        fact(
-            "simulated",
-            format!("{} s in {}{speed}", fixed(manifest.simulated_time, 3), duration(manifest.wall_time)),
-        );
+        // Of a run that was ended by force nobody wrote how far it came.
+        let simulated = match (&manifest.ended, run.span()) {
+            (Ended::Unfinished, Some((_, end))) => format!("until {} s at least", fixed(end, 3)),
+            _ => {
+                format!("{} s in {}{speed}", fixed(manifest.simulated_time, 3), duration(manifest.wall_time))
+            }
+        };
+        fact("simulated", simulated);
         fact("solver", solver::described(&manifest.solver));
         let counts = manifest.counts;
         fact("work", format!("{} steps, {} rejected", count(counts.steps), count(counts.rejected)));

@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 use blocksim_blocks::robotics::Surroundings;
 use blocksim_diagram::Sources;
 use blocksim_report::{BUDGET, Event, Overlay, Report, html};
-use blocksim_results::{Run, locate, read_foreign_file, write_whole};
+use blocksim_results::{ResultsError, Run, locate, read_foreign_file, write_whole};
 
 use self::titles::Titles;
 use crate::args::report::ReportArgs;
@@ -92,7 +92,16 @@ fn kept(report: &Report, (folder, name): &(PathBuf, String), console: Console) -
             page.len() / 1000
         ));
     }
-    write_whole(folder, name, |out| out.write_all(page.as_bytes())).map_err(told)
+    write_whole(folder, name, |out| out.write_all(page.as_bytes())).map_err(|error| {
+        let reason = match &error {
+            ResultsError::Io { source, .. } if source.kind() == io::ErrorKind::NotFound => {
+                "nothing can be written there".to_owned()
+            }
+            _ => error.reason(),
+        };
+        let file = folder.join(name);
+        format!("error: cannot write `{}`: {reason}\n  = help: choose another place with -o", file.display())
+    })
 }
 
 /// Folder and name of the file, which must not be there.

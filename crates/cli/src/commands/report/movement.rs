@@ -81,20 +81,19 @@ fn signals(scene: &Value) -> Result<Vec<String>, String> {
 /// Set values of the joints: those of the scope whose actual value is the joint's position; the position itself where
 /// there is no such scope. `None` if there is none for any joint.
 fn set_values(run: &Run, positions: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
-    let mut scopes = Vec::new();
+    let mut found: Vec<Option<Vec<f64>>> = vec![None; positions.len()];
     for signal in run.signals() {
         let Some(block) = signal.path.strip_suffix(".actual") else { continue };
         let Ok(set) = run.find(&format!("{block}.set")) else { continue };
         let Ok(actual) = run.find(&signal.path).and_then(|at| run.read(at, &ALWAYS)) else { continue };
-        scopes.push((set, actual.values));
+        for (found, position) in found.iter_mut().zip(positions) {
+            if found.is_none() && *position == actual.values {
+                *found = run.read(set, &ALWAYS).ok().map(|column| column.values);
+            }
+        }
     }
-    let mut found = false;
-    let set = positions.iter().map(|position| {
-        let scope = scopes.iter().find(|(_, actual)| actual == position);
-        let set = scope.and_then(|(set, _)| run.read(*set, &ALWAYS).ok()).map(|column| column.values);
-        found |= set.is_some();
-        set.unwrap_or_else(|| position.clone())
-    });
-    let set: Vec<Vec<f64>> = set.collect();
-    found.then_some(set)
+    if found.iter().all(Option::is_none) {
+        return None;
+    }
+    Some(found.into_iter().zip(positions).map(|(set, here)| set.unwrap_or_else(|| here.clone())).collect())
 }

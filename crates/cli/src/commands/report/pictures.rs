@@ -1,11 +1,11 @@
 //! The pictures of a run as its scopes define them, and how its set values are followed.
 
 use blocksim_plot::pretty_unit;
-use blocksim_report::{Panel, Report, Role, Rows, Series};
+use blocksim_report::{Panel, Report, Role, Rows, Series, telling_rows};
 use blocksim_results::format::fixed;
 use blocksim_results::{ALWAYS, Column, Kind};
 
-use super::numbers::readable;
+use super::numbers::{readable, shortest};
 use super::titles::Titles;
 use crate::args::plot::Layout;
 use crate::commands::plot::following::{Row, rows};
@@ -17,6 +17,11 @@ use crate::signals::traces::Book;
 const PANELS: usize = 60;
 /// Most pictures of what no scope shows, beside those of scopes; where there are more, each is made when it is asked for.
 const OTHERS: usize = 12;
+
+/// Values of a signal beyond which only those that tell its peaks are kept.
+const LONG: usize = 1 << 18;
+/// Stretches of time of such a signal, whose first, last, least and largest values are kept.
+const STRETCHES: usize = 20_000;
 
 /// Adds pictures and metrics. `joints` are signals that the view in space needs; they have pictures of their own only
 /// where no other picture shows them.
@@ -49,6 +54,9 @@ pub fn add(books: &[Book; 1], titles: &Titles, joints: &[String], report: &mut R
             drawn.columns.push(column);
             drawn.steps.push(trace.kind != Kind::Real);
         }
+        if !report.full {
+            shorten(&mut drawn);
+        }
         let is_joint = drawn.group.traces.iter().all(|&at| joints.contains(&book.traces[at].path));
         let is_known = |column: &Column| all.iter().any(|other| is_shown(column, &drawn, other));
         if !is_joint || !drawn.columns.iter().all(is_known) {
@@ -61,6 +69,27 @@ pub fn add(books: &[Book; 1], titles: &Titles, joints: &[String], report: &mut R
     }
     report.metrics = table(&rows(&all, books));
     Ok(())
+}
+
+/// Leaves of very long signals the rows that tell all of their peaks, for memory's sake. Those with common times keep
+/// common times.
+fn shorten(drawn: &mut Drawn) {
+    let mut done = vec![false; drawn.columns.len()];
+    for first in 0..drawn.columns.len() {
+        if done[first] || drawn.columns[first].time.len() <= LONG {
+            continue;
+        }
+        let common = |at: &usize| drawn.columns[*at].time == drawn.columns[first].time;
+        let same: Vec<usize> = (first..drawn.columns.len()).filter(common).collect();
+        let values: Vec<&[f64]> = same.iter().map(|&at| drawn.columns[at].values.as_slice()).collect();
+        let rows = telling_rows(&drawn.columns[first].time, &values, STRETCHES);
+        for at in same {
+            let Column { time, values } = &mut drawn.columns[at];
+            *time = rows.iter().map(|&row| time[row]).collect();
+            *values = rows.iter().map(|&row| values[row]).collect();
+            done[at] = true;
+        }
+    }
 }
 
 /// Whether a picture shows these values already.
@@ -121,11 +150,9 @@ fn not_finite(drawn: &Drawn) -> Vec<String> {
     named
         .filter_map(|(column, name)| {
             let at = column.values.iter().position(|x| !x.is_finite())?;
-            Some(format!(
-                "{} {name} has values that are no finite numbers, first at {} s.",
-                drawn.group.title,
-                readable(column.time[at], 6)
-            ))
+            let path = format!("{} {name}", drawn.group.title);
+            let at = shortest(column.time[at]);
+            Some(format!("{} has values that are no finite numbers, first at {at} s.", path.trim()))
         })
         .collect()
 }
