@@ -72,7 +72,8 @@ const R = {
     }
     if (t >= time[high]) return values[high];
     const wide = time[high] - time[low];
-    if (held || !(wide > 0)) return values[low];
+    // At a point its value counts, whatever comes behind it.
+    if (held || !(wide > 0) || t === time[low]) return values[low];
     return values[low] + (values[high] - values[low]) * (t - time[low]) / wide;
   },
 

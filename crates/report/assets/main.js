@@ -152,7 +152,9 @@
     R.guarded('The time line', timeline);
     R.guarded('The table', R.Readings.build);
     R.guarded('The comparison', compared);
-    R.guarded('The 3D view', () => R.Space?.build());
+    m.drawn = performance.now();
+    // What there is can be seen before the rest is made.
+    await new Promise((done) => setTimeout(done, 20));
     const texts = await R.unpack('report-texts');
     if (texts) {
       const read = JSON.parse(new TextDecoder().decode(texts));
@@ -161,6 +163,8 @@
       R.guarded('The parameters', () => R.Tables.build(read));
       R.guarded('The search', () => R.Search.build(read));
     }
+    // Where there is no graphics card, a browser takes a second to make one up.
+    R.guarded('The 3D view', () => R.Space?.build());
     R.setTime(R.span[0]);
     for (const tell of R.onCursors) tell();
     m.ready = performance.now();

@@ -82,11 +82,16 @@ fn report() -> Report {
     }
 }
 
-/// What a script answers in the page.
+/// What a script answers in the page of the report above.
 fn answer(name: &str, script: &str) -> Option<String> {
+    answer_of(&report(), name, script)
+}
+
+/// What a script answers in a page.
+fn answer_of(report: &Report, name: &str, script: &str) -> Option<String> {
     let (dom, said) = shown(
         program()?,
-        &with_script(&html(&report()), script),
+        &with_script(&html(report), script),
         name,
         &["--disable-gpu", "--window-size=1280,3000"],
     );
@@ -157,4 +162,50 @@ fn signals_and_parameters_are_found_by_parts_of_their_names_and_gone_to() {
     let expected = "signalmotor.i A (no picture yet)\n2\nmotor.i [A]i 0\nparameterlaw.resistance 2 * r = 0.5 Ω\n\
                     resistance2 * r0.5 Ω\nparameterpayload (robot)\npayload\n";
     assert_eq!(said, expected);
+}
+
+#[test]
+fn pictures_of_different_length_begin_with_all_times_and_one_value_is_a_dot() {
+    let panel = |title: &str, time: Vec<f64>, values: Vec<f64>| Panel {
+        title: title.to_owned(),
+        time,
+        series: vec![series(title, values)],
+        ..Panel::default()
+    };
+    let report = Report {
+        panels: vec![
+            panel("long", vec![0.0, 5.0], vec![1.0, 2.0]),
+            panel("late", vec![2.0, 3.0], vec![1.0, 2.0]),
+            panel("one", vec![1.0], vec![7.0]),
+            panel("gap", vec![0.0, 1.0, 2.0], vec![f64::NAN, 3.0, f64::NAN]),
+            panel("none", vec![], vec![]),
+        ],
+        ..Report::default()
+    };
+    let script = "await new Promise((ok) => setTimeout(ok, 300)); R.setTime(1);
+        const dots = R.Plots.panels.map((p) => p.main.series[1].points.show(p.main, 1));
+        return [R.Plots.range(), R.Plots.panels.map((p) => `${p.main.scales.x.min} to ${p.main.scales.x.max}`), dots,
+          [...document.querySelectorAll('.entry b')].map((b) => b.textContent)].map((all) => all.join(', ')).join('\\n');";
+    let Some(said) = answer_of(&report, "ranges", script) else { return };
+    let all = "0 to 5, 0 to 5, 0 to 5, 0 to 5, 0 to 5";
+    assert_eq!(said, format!("0, 5\n{all}\nfalse, false, true, true, false\n1.2, –, 7, 3, –"));
+}
+
+#[test]
+fn truth_values_have_a_lane_each_and_keep_their_values() {
+    let truth = |name: &str, values: Vec<f64>| Series { held: true, ..series(name, values) };
+    let report = Report {
+        panels: vec![Panel {
+            title: "gates".to_owned(),
+            time: vec![0.0, 1.0, 2.0],
+            series: vec![truth("gate[0]", vec![0.0, 1.0, 0.0]), truth("gate[1]", vec![1.0, 0.0, 1.0])],
+            ..Panel::default()
+        }],
+        ..Report::default()
+    };
+    let script = "const [panel] = R.Plots.panels; R.setTime(1); await new Promise((ok) => setTimeout(ok, 300));
+        return [panel.lanes, [...panel.main.data[1]], [...panel.main.data[2]],
+          [...document.querySelectorAll('.entry b')].map((b) => b.textContent)].map((all) => all.join(', ')).join('\\n');";
+    let Some(said) = answer_of(&report, "lanes", script) else { return };
+    assert_eq!(said, "[0], [1]\n1, 1.7, 1\n0.7, 0, 0.7\n1, 0");
 }
