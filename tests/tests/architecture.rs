@@ -176,6 +176,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("layout", &["*"]),
         ("drawing", &["blocks", "sim", "host"]),
         ("report", &["block", "blocks", "diagram", "results"]),
+        ("lsp", &["blocks", "sim", "host"]),
     ];
     for (name, absent) in nothing_of {
         let reached = reach(name);

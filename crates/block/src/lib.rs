@@ -7,6 +7,7 @@
 
 mod context;
 mod contract;
+mod defaults;
 mod given;
 pub mod in_unit;
 mod interface;
@@ -22,6 +23,7 @@ pub mod testing;
 pub use blocksim_block_macros::BlockMeta;
 pub use context::{Context, Fault};
 pub use contract::{Block, Bus, Files, LoadError, Scratch};
+pub use defaults::in_diagram;
 pub use given::{Given, ParamUnits};
 pub use interface::{Discrete, Input, Interface, InterfaceError, Output, PortType, Recorded, State};
 pub use parameter::{ParamError, ParamValue, VALUE_ENUM, at_least, finite, not_negative, ordered, positive};

@@ -74,6 +74,7 @@ fn main() -> ExitCode {
         Some(Command::Emit(args)) => commands::emit(args, console),
         Some(Command::Graph(args)) => commands::graph(args, console),
         Some(Command::Import(args)) => commands::import(args, console),
+        Some(Command::Lsp) => commands::lsp(console),
         Some(Command::Blocks(args)) => commands::blocks(args, console),
         Some(Command::Explain(args)) => commands::explain(args, console),
         Some(Command::Identify(command)) => commands::identify(command, console),

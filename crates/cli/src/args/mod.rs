@@ -74,6 +74,8 @@ pub enum Command {
     Import(ImportArgs),
     /// Tell which kinds of block there are, or all about one kind.
     Blocks(BlocksArgs),
+    /// Serve an editor: problems while you write, completion, pages of blocks (Language Server Protocol).
+    Lsp,
     /// Explain a problem by the word that stands in its brackets: `error[unknown_port]`.
     Explain(ExplainArgs),
     /// Measure a robot of a diagram by experiments, and compare with its parameters.

@@ -1,15 +1,13 @@
-mod defaults;
 mod ports;
 
 use std::io;
 
-use blocksim_block::{BlockInfo, ParameterInfo, kinds};
+use blocksim_block::{BlockInfo, ParameterInfo, in_diagram, kinds};
 use blocksim_diagram::HIERARCHY;
 use blocksim_results::{Align, Table};
 use blocksim_signal::closest;
 use serde_json::{Value, json};
 
-use self::defaults::in_diagram;
 use crate::args::manual::BlocksArgs;
 use crate::exit::Exit;
 use crate::terminal::console::Console;
@@ -171,5 +169,16 @@ mod tests {
     fn an_unknown_kind_gets_the_likely_one() {
         assert!(unknown("Intergrator", &all()).ends_with("did you mean `Integrator`?"));
         assert!(unknown("Zzzz", &all()).ends_with("`blocksim blocks` lists all"));
+    }
+
+    #[test]
+    fn no_default_of_the_library_shows_rust() {
+        for info in kinds() {
+            for parameter in info.parameters {
+                let shown = parameter.default.and_then(in_diagram).unwrap_or_default();
+                let strange = ["::", "!", "()", "to_owned"].iter().any(|rust| shown.contains(rust));
+                assert!(!strange, "{}.{}: {shown}", info.kind, parameter.name);
+            }
+        }
     }
 }

@@ -72,7 +72,6 @@ fn items(list: &str) -> Vec<&str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use blocksim_block::kinds;
 
     #[test]
     fn rust_becomes_ron() {
@@ -95,16 +94,5 @@ mod tests {
             assert_eq!(in_diagram(rust).as_deref(), Some(ron), "{rust}");
         }
         assert_eq!(in_diagram("None"), None);
-    }
-
-    #[test]
-    fn no_default_of_the_library_shows_rust() {
-        for info in kinds() {
-            for parameter in info.parameters {
-                let shown = parameter.default.and_then(in_diagram).unwrap_or_default();
-                let strange = ["::", "!", "()", "to_owned"].iter().any(|rust| shown.contains(rust));
-                assert!(!strange, "{}.{}: {shown}", info.kind, parameter.name);
-            }
-        }
     }
 }

@@ -1,0 +1,185 @@
+//! What may follow at the cursor.
+
+use std::path::Path;
+
+use blocksim_block::{BlockInfo, ParameterInfo, in_diagram, kinds};
+use blocksim_diagram::HIERARCHY;
+use lsp_types::{
+    CompletionItem, CompletionItemKind, Documentation, InsertTextFormat, MarkupContent, MarkupKind,
+};
+
+use crate::context::{Context, context, is_of_reference};
+use crate::hover::Prose;
+use crate::models::{Blocks, Port};
+use crate::names::{Section, declared};
+use crate::scan::run_at;
+
+/// Sections of a diagram and what they are for.
+const SECTIONS: [(&str, &str); 9] = [
+    ("title", "A name for people."),
+    ("parameters", "Names for values, which `--set` can replace."),
+    ("simulation", "End, method and times of the output."),
+    ("inputs", "Signals that come in, if this is a subsystem."),
+    ("outputs", "Signals that go out, if this is a subsystem."),
+    ("ports", "Conserving ports, if this is a subsystem."),
+    ("blocks", "Blocks by name, in the order of the signals."),
+    ("connections", "Signals `a.y -> b.u` and joints `a.r <-> b.r`."),
+    ("record", "Signals to record beside those of scopes."),
+];
+
+/// All kinds, those of the hierarchy included.
+pub fn all_kinds() -> Vec<&'static BlockInfo> {
+    static OF_HIERARCHY: [BlockInfo; 2] = HIERARCHY;
+    OF_HIERARCHY.iter().chain(kinds()).collect()
+}
+
+/// A kind by its name.
+pub fn kind(name: &str) -> Option<&'static BlockInfo> {
+    all_kinds().into_iter().find(|info| info.kind == name)
+}
+
+/// What may follow at a place of a text; `blocks` are those of the file as they were last known, `folder` that of the
+/// file, `snippets` whether the editor fills in places to be written.
+pub fn complete(
+    text: &str,
+    at: usize,
+    blocks: Option<&Blocks>,
+    folder: &Path,
+    snippets: bool,
+    prose: Prose,
+) -> Vec<CompletionItem> {
+    match context(text, at) {
+        Context::Section { given } => {
+            let missing = SECTIONS.iter().filter(|(name, _)| !given.contains(name));
+            let item = |&(name, doc): &(&str, &str)| {
+                item(name, CompletionItemKind::MODULE, "", doc, format!("{name}: "))
+            };
+            missing.map(item).collect()
+        }
+        Context::Kind => all_kinds().into_iter().map(|info| of_kind(info, snippets, prose)).collect(),
+        Context::Parameter { kind: name, given } => {
+            let parameters = kind(name).map(|info| info.parameters).unwrap_or_default();
+            parameters.iter().filter(|parameter| !given.contains(&parameter.name)).map(of_parameter).collect()
+        }
+        Context::Connection { before } => connections(text, before, blocks),
+        Context::File => files(folder, text, at),
+        Context::Expression => declared(text)
+            .iter()
+            .filter(|declared| declared.section == Section::Parameter)
+            .map(|declared| {
+                item(declared.name, CompletionItemKind::VARIABLE, "parameter", "", declared.name.to_owned())
+            })
+            .collect(),
+        Context::Other => Vec::new(),
+    }
+}
+
+fn item(label: &str, kind: CompletionItemKind, detail: &str, doc: &str, insert: String) -> CompletionItem {
+    CompletionItem {
+        label: label.to_owned(),
+        kind: Some(kind),
+        detail: (!detail.is_empty()).then(|| detail.to_owned()),
+        documentation: (!doc.is_empty()).then(|| markdown(doc.to_owned())),
+        insert_text: Some(insert),
+        ..CompletionItem::default()
+    }
+}
+
+fn markdown(value: String) -> Documentation {
+    Documentation::MarkupContent(MarkupContent { kind: MarkupKind::Markdown, value })
+}
+
+/// A kind with the parameters that must be given.
+fn of_kind(info: &BlockInfo, snippets: bool, prose: Prose) -> CompletionItem {
+    let needed = info.parameters.iter().filter(|parameter| parameter.default.is_none());
+    let insert = match snippets {
+        true => {
+            let places =
+                needed.enumerate().map(|(n, parameter)| format!("{}: ${{{}}}", parameter.name, n + 1));
+            let places = places.collect::<Vec<_>>().join(", ");
+            if places.is_empty() { info.kind.to_owned() } else { format!("{}({places})", info.kind) }
+        }
+        false => info.kind.to_owned(),
+    };
+    CompletionItem {
+        insert_text_format: snippets.then_some(InsertTextFormat::SNIPPET),
+        ..item(info.kind, CompletionItemKind::CLASS, info.category, &prose(info.doc.trim()), insert)
+    }
+}
+
+fn of_parameter(parameter: &ParameterInfo) -> CompletionItem {
+    let doc = parameter.doc.trim();
+    item(parameter.name, CompletionItemKind::FIELD, &about(parameter), doc, format!("{}: ", parameter.name))
+}
+
+/// `N*m, default 0`.
+pub fn about(parameter: &ParameterInfo) -> String {
+    let unit = (!parameter.unit.is_empty()).then(|| parameter.unit.to_owned());
+    let default = match parameter.default {
+        None => Some("required".to_owned()),
+        Some(default) => in_diagram(default).map(|default| format!("default {default}")),
+    };
+    unit.into_iter().chain(default).collect::<Vec<_>>().join(", ")
+}
+
+/// Blocks, or ports of the block before the point.
+fn connections(text: &str, before: &str, blocks: Option<&Blocks>) -> Vec<CompletionItem> {
+    let word = &before[run_at(before, before.len(), is_of_reference)];
+    let declared = declared(text);
+    match word.split_once('.') {
+        None => {
+            let of_blocks = declared.iter().filter(|declared| declared.section == Section::Block);
+            let of_blocks = of_blocks.map(|block| {
+                item(block.name, CompletionItemKind::VARIABLE, block.kind, "", block.name.to_owned())
+            });
+            let has_inputs = declared.iter().any(|declared| declared.section == Section::Input);
+            let own = has_inputs.then(|| {
+                item("in", CompletionItemKind::VARIABLE, "inputs of the diagram", "", "in".to_owned())
+            });
+            of_blocks.chain(own).collect()
+        }
+        Some(("in", _)) => {
+            let inputs = declared.iter().filter(|declared| declared.section == Section::Input);
+            inputs
+                .map(|input| item(input.name, CompletionItemKind::FIELD, "input", "", input.name.to_owned()))
+                .collect()
+        }
+        Some((block, _)) => {
+            let ports = blocks.and_then(|blocks| blocks.get(block)).map(Vec::as_slice).unwrap_or_default();
+            ports
+                .iter()
+                .map(|port| {
+                    item(&port.name, CompletionItemKind::FIELD, &side(port), &port.doc, port.name.clone())
+                })
+                .collect()
+        }
+    }
+}
+
+/// `output, rad/s`.
+pub fn side(port: &Port) -> String {
+    if port.unit.is_empty() { port.side.clone() } else { format!("{}, {}", port.side, port.unit) }
+}
+
+/// Files and folders that a name could go on with.
+fn files(folder: &Path, text: &str, at: usize) -> Vec<CompletionItem> {
+    let begun = text[..at].rfind('"').map_or("", |quote| &text[quote + 1..at]);
+    let inside = begun.rfind('/').map_or("", |slash| &begun[..slash]);
+    let mut entries: Vec<(String, bool)> = std::fs::read_dir(folder.join(inside))
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| {
+            let path = entry.ok()?.path();
+            let name = path.file_name()?.to_str()?.to_owned();
+            let fits =
+                path.is_dir() || path.extension().is_some_and(|ending| ending == "ron" || ending == "csv");
+            (fits && !name.starts_with('.')).then(|| (name, path.is_dir()))
+        })
+        .collect();
+    entries.sort();
+    let item = |(name, is_folder): (String, bool)| match is_folder {
+        true => item(&name, CompletionItemKind::FOLDER, "", "", format!("{name}/")),
+        false => item(&name, CompletionItemKind::FILE, "", "", name.clone()),
+    };
+    entries.into_iter().map(item).collect()
+}

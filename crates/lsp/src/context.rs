@@ -1,0 +1,116 @@
+//! What is meant by what stands at the cursor.
+
+use crate::scan::{Open, is_word, scan};
+
+/// What may stand at a place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Context<'a> {
+    /// A section of a diagram: `blocks`.
+    Section {
+        /// Those that are there before.
+        given: Vec<&'a str>,
+    },
+    /// A kind of block.
+    Kind,
+    /// A parameter of a block of this kind.
+    Parameter {
+        /// The kind.
+        kind: &'a str,
+        /// Those that are there before.
+        given: Vec<&'a str>,
+    },
+    /// A port of a block, within a connection; `before` is what stands between its quote and the place.
+    Connection {
+        /// From the quote to the place.
+        before: &'a str,
+    },
+    /// The name of a file, relative to that of the text.
+    File,
+    /// An expression, in which parameters of the diagram may occur.
+    Expression,
+    /// Nothing that is known of.
+    Other,
+}
+
+/// What may stand at a place of a text.
+pub fn context(text: &str, at: usize) -> Context<'_> {
+    let before = &text[..at];
+    let around = scan(before, |_, _| ());
+    let Some(inner) = around.open.last() else { return Context::Other };
+    if around.is_comment {
+        return Context::Other;
+    }
+    if let Some(from) = around.quoted {
+        return match (inner.sign, inner.key, inner.word, around.key) {
+            ('[', "connections", ..) => Context::Connection { before: &before[from..] },
+            ('(', _, "File", _) | (.., "file" | "library") => Context::File,
+            ('(' | '[', ..) => Context::Expression,
+            ('{', ..) if !around.key.is_empty() => Context::Expression,
+            _ => Context::Other,
+        };
+    }
+    match (inner.sign, inner.word, inner.key) {
+        ('{', ..) if is_of_blocks(&around.open) && !around.key.is_empty() => Context::Kind,
+        ('(', "Diagram", _) if around.key.is_empty() => Context::Section { given: inner.keys.clone() },
+        ('(', kind, _) if !kind.is_empty() && kind != "Diagram" && around.key.is_empty() => {
+            Context::Parameter { kind, given: inner.keys.clone() }
+        }
+        _ => Context::Other,
+    }
+}
+
+/// Whether the values of the innermost bracket are blocks: those of a diagram, or the alternatives of a variant.
+fn is_of_blocks(open: &[Open]) -> bool {
+    match open {
+        [.., outer, inner] => {
+            outer.word == "Diagram" && inner.key == "blocks" || outer.word == "Variant" && inner.key == "of"
+        }
+        _ => false,
+    }
+}
+
+/// Whether a sign belongs to a reference: `arm/base.r[0]`.
+pub fn is_of_reference(sign: char) -> bool {
+    is_word(sign) || "./[]".contains(sign)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan::run_at;
+
+    /// The context at the sign `|`.
+    fn at(text: &str) -> Context<'static> {
+        let place = text.find('|').unwrap();
+        let text: &'static str = Box::leak(text.replacen('|', "", 1).into_boxed_str());
+        context(text, place)
+    }
+
+    #[test]
+    fn what_may_stand_somewhere_follows_from_the_brackets_around() {
+        assert_eq!(at("Diagram(title: \"a\", |"), Context::Section { given: vec!["title"] });
+        assert_eq!(at("Diagram(blocks: {\"a\": |"), Context::Kind);
+        assert_eq!(at("Diagram(blocks: {\"a\": Ga|in}"), Context::Kind);
+        assert_eq!(at("Diagram(blocks: {\"m\": Variant(by: \"d\", of: {\"a\": |"), Context::Kind);
+        assert_eq!(at("Diagram(blocks: {|"), Context::Other);
+        let given = vec!["kp"];
+        assert_eq!(at("Diagram(blocks: {\"a\": Pid(kp: 1, k|"), Context::Parameter { kind: "Pid", given });
+        assert_eq!(at("Diagram(blocks: {\"a\": Pid(kp: |"), Context::Other);
+        assert_eq!(at("Diagram(blocks: {\"a\": Pid(kp: \"2*|"), Context::Expression);
+        assert_eq!(at("Diagram(parameters: {\"k\": \"2*|"), Context::Expression);
+        assert_eq!(at("Diagram(parameters: {\"k|"), Context::Other);
+        assert_eq!(at("Diagram(connections: [\"a.y -> b.|"), Context::Connection { before: "a.y -> b." });
+        assert_eq!(at("Diagram(parameters: {\"m\": File(\"../|"), Context::File);
+        assert_eq!(at("Diagram(blocks: {\"a\": Subsystem(file: \"|"), Context::File);
+        assert_eq!(at("Diagram( // |"), Context::Other);
+        assert_eq!(at("|"), Context::Other);
+    }
+
+    #[test]
+    fn a_reference_is_taken_whole() {
+        let text = "\"a.y -> arm/base.r[0]\"";
+        assert_eq!(&text[run_at(text, 12, is_of_reference)], "arm/base.r[0]");
+        assert_eq!(&text[run_at(text, 1, is_of_reference)], "a.y");
+        assert_eq!(run_at("", 0, is_of_reference), 0..0);
+    }
+}

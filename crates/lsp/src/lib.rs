@@ -1,0 +1,31 @@
+//! Diagrams in editors: a server of the Language Server Protocol.
+//!
+//! While somebody writes, the server compiles the models that the open files belong to and tells their problems; it
+//! completes kinds, parameters, ports and names, tells what stands under the cursor, and goes to where it is said.
+//!
+//! What can be asked while a text is half written is answered from its words and brackets alone ([`scan`]); what needs
+//! the diagram, such as the ports of a block, from the last time that it could be read ([`models`]).
+//!
+//! | file | idea |
+//! |---|---|
+//! | `server` | messages in, messages out |
+//! | `texts` | texts as the editor has them, before the disk |
+//! | `models` | which model a file belongs to, its problems, its ports |
+//! | `scan`, `context`, `names` | words and brackets around the cursor, what they mean, what a file declares |
+//! | `complete`, `hover`, `definition`, `outline` | an answer each |
+//! | `position`, `uri` | places and files as the protocol writes them |
+
+mod complete;
+mod context;
+mod definition;
+mod hover;
+mod models;
+mod names;
+mod outline;
+mod position;
+mod scan;
+mod server;
+mod texts;
+mod uri;
+
+pub use server::{Server, serve};

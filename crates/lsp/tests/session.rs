@@ -1,0 +1,257 @@
+//! An editor that opens files, types, asks.
+
+use std::path::{Path, PathBuf};
+use std::thread::JoinHandle;
+
+// Diagrams need a library.
+use blocksim_blocks as _;
+use blocksim_lsp::Server;
+use lsp_server::{Connection, Message, Notification, Request};
+use serde_json::{Value, json};
+
+const SERVO: &str = r#"Diagram(
+    parameters: { "gain": "2" },
+    blocks: {
+        "demand": Step(time: "0.1 s", after: 1.0),
+        "amplifier": Gain(k: "gain"),
+        "part": Subsystem(file: "part.ron", with: { "tau": "0.2 s" }),
+        "scope": Scope(inputs: ["set", "actual"]),
+    },
+    connections: [
+        "demand.y -> amplifier.u, scope.set",
+        "amplifier.y -> part.u",
+        "part.y -> scope.actual",
+    ],
+)
+"#;
+
+const PART: &str = r#"Diagram(
+    parameters: { "tau": "0.1 s" },
+    inputs: { "u": () },
+    outputs: { "y": "lag.y" },
+    blocks: { "lag": LowPass(tau: "tau") },
+    connections: ["in.u -> lag.u"],
+)
+"#;
+
+/// An editor with a folder of its own.
+struct Editor {
+    folder: PathBuf,
+    connection: Connection,
+    server: Option<JoinHandle<()>>,
+    asked: i32,
+}
+
+impl Editor {
+    fn new(name: &str) -> Editor {
+        let folder = std::env::temp_dir().join(format!("blocksim-lsp-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let folder = folder.canonicalize().unwrap();
+        std::fs::write(folder.join("servo.ron"), SERVO).unwrap();
+        std::fs::write(folder.join("part.ron"), PART).unwrap();
+        let (connection, other) = Connection::memory();
+        let server = std::thread::spawn(move || Server::new(str::to_owned).run(&other).unwrap());
+        let mut editor = Editor { folder, connection, server: Some(server), asked: 0 };
+        let snippets =
+            json!({ "textDocument": { "completion": { "completionItem": { "snippetSupport": true } } } });
+        let answer = editor.ask("initialize", json!({ "capabilities": snippets }));
+        assert_eq!(answer["capabilities"]["hoverProvider"], true, "{answer}");
+        editor.say("initialized", json!({}));
+        editor
+    }
+
+    fn uri(&self, name: &str) -> String {
+        format!("file://{}", self.folder.join(name).display())
+    }
+
+    fn say(&self, method: &str, params: Value) {
+        self.connection.sender.send(Notification::new(method.to_owned(), params).into()).unwrap();
+    }
+
+    fn open(&self, name: &str, text: &str) {
+        let item = json!({ "uri": self.uri(name), "languageId": "ron", "version": 1, "text": text });
+        self.say("textDocument/didOpen", json!({ "textDocument": item }));
+    }
+
+    fn change(&self, name: &str, text: &str) {
+        let item = json!({ "uri": self.uri(name), "version": 2 });
+        self.say(
+            "textDocument/didChange",
+            json!({ "textDocument": item, "contentChanges": [{ "text": text }] }),
+        );
+    }
+
+    /// The next problems of a file.
+    fn problems(&self, name: &str) -> Vec<Value> {
+        loop {
+            let Message::Notification(said) = self.connection.receiver.recv().unwrap() else { continue };
+            if said.method == "textDocument/publishDiagnostics" && said.params["uri"] == self.uri(name) {
+                return said.params["diagnostics"].as_array().unwrap().clone();
+            }
+        }
+    }
+
+    fn ask(&mut self, method: &str, params: Value) -> Value {
+        self.asked += 1;
+        let request = Request::new(self.asked.into(), method.to_owned(), params);
+        self.connection.sender.send(request.into()).unwrap();
+        loop {
+            if let Message::Response(answer) = self.connection.receiver.recv().unwrap() {
+                return serde_json::to_value(answer).unwrap()["result"].clone();
+            }
+        }
+    }
+
+    /// Asks about the place of the sign `|` in a text that is open as `name`.
+    fn ask_at(&mut self, method: &str, name: &str, marked: &str) -> Value {
+        let before = &marked[..marked.find('|').unwrap()];
+        let line = before.matches('\n').count();
+        let character =
+            before.lines().last().filter(|_| !before.ends_with('\n')).map_or(0, |l| l.chars().count());
+        let place = json!({ "line": line, "character": character });
+        self.ask(method, json!({ "textDocument": { "uri": self.uri(name) }, "position": place }))
+    }
+
+    /// What may stand at the sign `|`, after the text has been typed.
+    fn complete(&mut self, name: &str, marked: &str) -> Vec<String> {
+        self.change(name, &marked.replacen('|', "", 1));
+        let items = self.ask_at("textDocument/completion", name, marked);
+        items.as_array().unwrap().iter().map(|item| item["label"].as_str().unwrap().to_owned()).collect()
+    }
+}
+
+impl Drop for Editor {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            self.ask("shutdown", Value::Null);
+            self.say("exit", Value::Null);
+            self.server.take().into_iter().for_each(|server| server.join().unwrap());
+        }
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+#[test]
+fn problems_come_while_a_text_is_typed_and_go_when_it_is_right() {
+    let editor = Editor::new("typed");
+    editor.open("servo.ron", &SERVO.replace("amplifier.u", "amplifier.u, amplifier.v"));
+    let problems = editor.problems("servo.ron");
+    assert_eq!(problems.len(), 1, "{problems:?}");
+    let problem = &problems[0];
+    assert_eq!(
+        (&problem["code"], &problem["severity"], &problem["source"]),
+        (&json!("unknown_port"), &json!(1), &json!("blocksim"))
+    );
+    assert_eq!(problem["range"]["start"]["line"], 9, "{problem}");
+    assert!(problem["message"].as_str().unwrap().contains("help: "), "{problem}");
+
+    editor.change("servo.ron", "Diagram(blocks: {\n\"a\": Gain(k: ");
+    assert_eq!(editor.problems("servo.ron")[0]["code"], "syntax");
+    editor.change("servo.ron", SERVO);
+    assert!(editor.problems("servo.ron").is_empty());
+}
+
+#[test]
+fn a_part_is_judged_within_the_model_that_it_belongs_to() {
+    let editor = Editor::new("part");
+    // Alone the output would lead nowhere; in the model the input without a source shows.
+    editor.open("part.ron", &PART.replace("\"u\": ()", "\"u\": (), \"v\": ()"));
+    let in_model = editor.problems("servo.ron");
+    assert_eq!(in_model.len(), 1, "{in_model:?}");
+    assert_eq!(in_model[0]["code"], "unconnected_input", "{in_model:?}");
+    editor.change("part.ron", &PART.replace("LowPass", "LowPas"));
+    let problems = editor.problems("part.ron");
+    assert!(problems[0]["message"].as_str().unwrap().contains("did you mean `LowPass`"), "{problems:?}");
+    // On the disk the part is right, so without the text of the editor nothing is wrong.
+    editor.say("textDocument/didClose", json!({ "textDocument": { "uri": editor.uri("part.ron") } }));
+    assert!(editor.problems("part.ron").is_empty());
+}
+
+#[test]
+fn what_may_follow_is_known_also_in_half_written_texts() {
+    let mut editor = Editor::new("complete");
+    editor.open("servo.ron", SERVO);
+    editor.problems("servo.ron");
+    let typed = |from: &str, to: &str| SERVO.replacen(from, to, 1);
+    let kinds = editor.complete("servo.ron", &typed("Gain(k: \"gain\"),", "Ga|"));
+    assert!(kinds.contains(&"Gain".to_owned()) && kinds.contains(&"Variant".to_owned()) && kinds.len() > 100);
+    assert_eq!(editor.complete("servo.ron", &typed("Gain(k: \"gain\")", "LowPass(tau: 1, |")), ["y0"]);
+    assert_eq!(editor.complete("servo.ron", &typed("k: \"gain\"", "k: \"2*|\"")), ["gain"]);
+    // Ports of blocks and subsystems as they were when the text was whole.
+    assert_eq!(editor.complete("servo.ron", &typed("part.y ->", "part.|")), ["u", "y"]);
+    let blocks = editor.complete("servo.ron", &typed("part.y ->", "par|"));
+    assert_eq!(blocks, ["demand", "amplifier", "part", "scope"]);
+    assert_eq!(editor.complete("servo.ron", &typed("part.ron", "|")), ["part.ron", "servo.ron"]);
+    let sections = editor.complete("servo.ron", &typed("    connections", "    |connections"));
+    assert!(
+        sections.contains(&"simulation".to_owned()) && !sections.contains(&"blocks".to_owned()),
+        "{sections:?}"
+    );
+
+    editor.change("servo.ron", &typed("Gain(k: \"gain\"),", "Ga"));
+    let items = editor.ask_at("textDocument/completion", "servo.ron", &typed("Gain(k: \"gain\"),", "Ga|"));
+    let transfer = items.as_array().unwrap().iter().find(|item| item["label"] == "TransferFunction").unwrap();
+    assert_eq!(
+        (&transfer["insertText"], &transfer["insertTextFormat"]),
+        (&json!("TransferFunction(den: ${1})"), &json!(2))
+    );
+}
+
+#[test]
+fn what_stands_under_the_cursor_is_told_and_found() {
+    let mut editor = Editor::new("hover");
+    editor.open("servo.ron", SERVO);
+    editor.problems("servo.ron");
+    let typed = |from: &str, to: &str| SERVO.replacen(from, to, 1);
+    let hover = |editor: &mut Editor, marked: &str| {
+        editor.ask_at("textDocument/hover", "servo.ron", marked)["contents"]["value"]
+            .as_str()
+            .unwrap_or_default()
+            .to_owned()
+    };
+    assert!(hover(&mut editor, &typed("Gain(", "Ga|in(")).starts_with("**Gain** (Math)"));
+    let said = hover(&mut editor, &typed("k: \"gain\"", "|k: \"gain\""));
+    assert!(said.starts_with("`Gain.k` ("), "{said}");
+    assert!(
+        hover(&mut editor, &typed("amplifier.u,", "amplifier.|u,"))
+            .contains("`amplifier`: Gain\n\n`u` (input)")
+    );
+    assert!(hover(&mut editor, &typed("\"gain\")", "\"ga|in\")")).contains("\"gain\": \"2\""));
+    assert_eq!(hover(&mut editor, &typed("Diagram(", "Dia|gram(")), "");
+
+    let mut goes = |marked: String| {
+        let target = editor.ask_at("textDocument/definition", "servo.ron", &marked);
+        let file = target["uri"]
+            .as_str()
+            .map(|uri| Path::new(uri).file_name().unwrap().to_str().unwrap().to_owned());
+        (file.unwrap_or_default(), target["range"]["start"]["line"].as_u64().unwrap_or(99))
+    };
+    assert_eq!(goes(typed("-> amplifier.u", "-> ampl|ifier.u")), ("servo.ron".to_owned(), 4));
+    assert_eq!(goes(typed("k: \"gain\"", "k: \"ga|in\"")), ("servo.ron".to_owned(), 1));
+    assert_eq!(goes(typed("\"part.ron\"", "\"pa|rt.ron\"")), ("part.ron".to_owned(), 0));
+    assert_eq!(goes(typed("Gain(", "Ga|in(")), (String::new(), 99));
+
+    let names = editor
+        .ask("textDocument/documentSymbol", json!({ "textDocument": { "uri": editor.uri("servo.ron") } }));
+    let names: Vec<&str> =
+        names.as_array().unwrap().iter().map(|symbol| symbol["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["gain", "demand", "amplifier", "part", "scope"]);
+}
+
+#[test]
+fn no_key_that_is_pressed_ends_the_server() {
+    let mut editor = Editor::new("keys");
+    editor.open("servo.ron", SERVO);
+    editor.problems("servo.ron");
+    for at in (0..SERVO.len()).step_by(7) {
+        let mut marked = SERVO[..at].to_owned();
+        marked.push('|');
+        editor.complete("servo.ron", &marked);
+        editor.ask_at("textDocument/hover", "servo.ron", &marked);
+        editor.ask_at("textDocument/definition", "servo.ron", &marked);
+    }
+    editor.say("textDocument/didChange", json!({ "nonsense": 1 }));
+    editor.change("servo.ron", SERVO);
+    let last = std::iter::repeat_with(|| editor.problems("servo.ron")).find(Vec::is_empty);
+    assert!(last.is_some());
+}
