@@ -13,6 +13,7 @@ const R = {
   /** @type {Record<string, string>} Colours that were asked for. */ colours: {},
   dark: matchMedia('(prefers-color-scheme: dark)'),
   /** @type {[number, number]} */ span: [0, 1],
+  /** @type {any} */ Picture: null,
   /** @type {any} */ Plots: null,
   /** @type {any} */ Stretches: null,
   /** @type {any} */ Readings: null,

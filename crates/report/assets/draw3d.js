@@ -17,7 +17,7 @@ R.Draw3d = (() => {
 
   /** @param {HTMLCanvasElement} canvas */
   const webgl = (canvas) => {
-    const gl = canvas.getContext('webgl', { antialias: !isSlow(), alpha: true, preserveDrawingBuffer: true });
+    const gl = canvas.getContext('webgl', { antialias: !isSlow(), alpha: false });
     if (!gl) return null;
     const program = gl.createProgram();
     for (const [kind, text] of /** @type {[number, string][]} */ ([[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]])) {
@@ -51,12 +51,12 @@ R.Draw3d = (() => {
     gl.enableVertexAttribArray(0);
     return {
       name: 'WebGL',
-      /** @param {ArrayLike<number>} view @param {number[]} sun Where the light comes from, of length one. */
-      begin(view, sun) {
+      /** @param {ArrayLike<number>} view @param {number[]} sun Where the light comes from, of length one. @param {number[]} ground Colour behind everything. */
+      begin(view, sun, ground) {
         gl.enable(gl.DEPTH_TEST);
         gl.uniform3fv(where.sun, sun);
         gl.viewport(0, 0, canvas.width, canvas.height);
-        gl.clearColor(0, 0, 0, 0);
+        gl.clearColor(ground[0], ground[1], ground[2], 1);
         gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
         gl.uniformMatrix4fv(where.view, false, Float32Array.from(view));
       },

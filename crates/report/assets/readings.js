@@ -31,7 +31,7 @@ R.Readings = (() => {
       if (nearby.checked && !panel.seen) continue;
       panel.series.forEach((/** @type {any} */ s, /** @type {number} */ at) => {
         if (s.hidden) return;
-        const tint = R.Plots.colour(panel, at), common = { panel, path: s.path, held: s.held, tint, dashed: s.role === 'set', cells: [] };
+        const tint = R.Picture.colour(panel, at), common = { panel, path: s.path, held: s.held, tint, dashed: s.role === 'set', cells: [] };
         found.push({ ...common, name: s.name, values: s.values, rough: s.rough });
         if (s.other) found.push({ ...common, name: `${s.name} of ${R.data.compared.name}`, path: `${s.path} of ${R.data.compared.name}`, values: s.other, rough: s.rough });
       });

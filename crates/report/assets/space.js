@@ -62,22 +62,22 @@ R.Space = (() => {
   };
 
   /** @param {string} name */
-  const rgb = (name) => { const c = R.colour(name); return [1, 3, 5].map((n) => parseInt(c.slice(n, n + 2), 16) / 255); };
+  const rgb = (name) => { const c = R.colour(name).replace(/^#(.)(.)(.)$/, '#$1$1$2$2$3$3'); return [1, 3, 5].map((n) => parseInt(c.slice(n, n + 2), 16) / 255); };
 
   const paint = () => {
     asked = false;
     if (!seen) return;
     const pen = data.pen, begin = performance.now();
-    // Where pictures follow each other slowly, as without a graphics card, half the dots will do.
+    // Where pictures follow each other slowly, as without a graphics card, half the dots will do, or a third.
     slow = begin - last > 60 && begin - last < 1000 ? slow + 1 : 0;
     last = begin;
-    if (slow >= 4) fine = 0.5;
+    if (slow >= 4) fine = slow >= 12 ? 0.34 : 0.5;
     clearTimeout(rest);
     // What stands still is drawn with all dots.
-    if (fine < 1) rest = setTimeout(() => { fine = 1; slow = 0; last = 0; ask(); }, 300);
+    if (fine < 1) rest = setTimeout(() => { fine = 1; slow = 0; last = 0; ask(); }, 500);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((size) => Math.round(size * devicePixelRatio * fine));
     if (width > 0 && (canvas.width !== width || canvas.height !== height)) { canvas.width = width; canvas.height = height; }
-    pen.begin(looking(), sun());
+    pen.begin(looking(), sun(), rgb('raised'));
     pen.lines(floor, ground, [...rgb('grid'), 1]);
     large.forEach((line, n) => pen.lines(line, one, AXES[n]));
     const here = poses(false);

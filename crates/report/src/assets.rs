@@ -21,9 +21,10 @@ pub(crate) const STYLES: [&str; 2] =
     [include_str!("../assets/uPlot.min.css"), include_str!("../assets/report.css")];
 
 /// Scripts that every page runs.
-pub(crate) const SCRIPTS: [&str; 7] = [
+pub(crate) const SCRIPTS: [&str; 8] = [
     include_str!("../assets/uPlot.iife.min.js"),
     include_str!("../assets/data.js"),
+    include_str!("../assets/picture.js"),
     include_str!("../assets/plots.js"),
     include_str!("../assets/stretches.js"),
     include_str!("../assets/readings.js"),

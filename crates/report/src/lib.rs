@@ -7,10 +7,12 @@
 //! scripts that a browser may run.
 
 mod assets;
+mod body;
 mod corridor;
 mod data;
 mod diagram;
 mod escape;
+mod numbers;
 mod pack;
 mod page;
 mod surface;
