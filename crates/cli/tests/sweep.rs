@@ -124,14 +124,16 @@ fn mistakes_are_told_before_anything_is_run() {
 }
 
 #[test]
-fn the_page_shows_what_the_program_says() {
-    let shown = commands_of("sweep.md");
-    assert!(shown.len() >= 3, "{} commands with answers", shown.len());
-    for (command, answer) in shown {
-        let words = arguments(&command);
-        assert_eq!(words[..2], ["blocksim", "sweep"], "{command}");
-        let words: Vec<&str> = words[2..].iter().map(String::as_str).collect();
-        let output = sweep(&root(), &words);
-        assert_eq!(String::from_utf8_lossy(&output.stdout), answer, "{command}: {}", said(&output));
+fn the_pages_show_what_the_program_says() {
+    for (page, least) in [("sweep.md", 3), ("control.md", 1)] {
+        let shown = commands_of(page);
+        assert!(shown.len() >= least, "{page}: {} commands with answers", shown.len());
+        for (command, answer) in shown {
+            let words = arguments(&command);
+            assert_eq!(words[..2], ["blocksim", "sweep"], "{command}");
+            let words: Vec<&str> = words[2..].iter().map(String::as_str).collect();
+            let output = sweep(&root(), &words);
+            assert_eq!(String::from_utf8_lossy(&output.stdout), answer, "{command}: {}", said(&output));
+        }
     }
 }
