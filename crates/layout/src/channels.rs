@@ -1,7 +1,7 @@
 //! The place of every wire between two layers.
 
+use crate::crossings::Trunk;
 use crate::lanes::Plan;
-use crate::order::Trunk;
 use crate::sides::Sides;
 
 /// Two wires nearer than this look like one.

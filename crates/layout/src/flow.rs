@@ -1,6 +1,6 @@
 //! Which wires run forward, which back, and which blocks stand in a feedback path.
 
-use crate::graph::{Form, Graph, PortKind};
+use crate::graph::{Form, Graph, Net, Node, PortKind, Standing};
 
 /// The direction of everything.
 #[derive(Debug, Clone)]
@@ -9,6 +9,8 @@ pub(crate) struct Flow {
     pub feedback: Vec<Vec<bool>>,
     /// For each node: inputs are right and outputs left.
     pub mirrored: Vec<bool>,
+    /// For each node: it only looks at signals. Such a block stands where there is room and moves nothing else.
+    pub watching: Vec<bool>,
 }
 
 /// A wire to a block that is not later in the file and closes a loop is feedback; loops go through conserving
@@ -26,12 +28,44 @@ pub(crate) fn flow(graph: &Graph) -> Flow {
             .map(|net| (0..net.ends.len()).map(|end| feedback(net, end)).collect())
             .collect(),
         mirrored: vec![false; graph.nodes.len()],
+        watching: watching(graph),
     };
     // What is written last is the most likely to lead back.
     while let Some(node) = (0..graph.nodes.len()).rev().find(|node| turns(graph, &flow, *node)) {
         flow.mirrored[node] = true;
     }
     flow
+}
+
+/// Sinks, and blocks in a wire that branches off and leads to nothing else.
+fn watching(graph: &Graph) -> Vec<bool> {
+    let mut watching: Vec<bool> = graph.nodes.iter().map(Node::is_sink).collect();
+    let n = watching.len();
+    let of_source = |v: usize| graph.nets.iter().filter(move |net| net.directed && net.ends[0].node == v);
+    let leads_there = |watching: &[bool], v: usize| {
+        let mut ends = of_source(v).flat_map(|net| &net.ends[1..]).peekable();
+        ends.peek().is_some() && ends.all(|end| watching[end.node])
+    };
+    let stands_in_wire = |v: &usize| graph.nodes[*v].standing == Standing::Free && siso(graph, *v);
+    while let Some(v) =
+        (0..n).rev().filter(stands_in_wire).find(|v| !watching[*v] && leads_there(&watching, *v))
+    {
+        watching[v] = true;
+    }
+    // A path that is alone is the main one.
+    let alone = |watching: &[bool], v: usize| {
+        let feeds = |net: &&Net| net.directed && net.ends[1..].iter().any(|end| end.node == v);
+        let Some(net) = graph.nets.iter().find(feeds) else { return true };
+        let source = net.ends[0].node;
+        let others = graph.nodes[source].ports.iter().filter(|port| **port != PortKind::Input).count();
+        !watching[source]
+            && others == 1
+            && net.ends[1..].iter().all(|end| end.node == v || watching[end.node])
+    };
+    while let Some(v) = (0..n).filter(stands_in_wire).find(|v| watching[*v] && alone(&watching, *v)) {
+        watching[v] = false;
+    }
+    watching
 }
 
 fn siso(graph: &Graph, node: usize) -> bool {
@@ -48,7 +82,7 @@ fn turns(graph: &Graph, flow: &Flow, node: usize) -> bool {
         let to = graph.nets[net].ends[end].node;
         flow.feedback[net][end] || flow.mirrored[to]
     };
-    let sink = |net: usize, end: &usize| graph.nodes[graph.nets[net].ends[*end].node].is_sink();
+    let sink = |net: usize, end: &usize| flow.watching[graph.nets[net].ends[*end].node];
     let (mut outputs, mut watched) = (0, false);
     for (n, net) in graph.nets.iter().enumerate().filter(|(_, net)| net.directed && net.ends[0].node == node)
     {

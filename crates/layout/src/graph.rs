@@ -27,6 +27,11 @@ pub struct Node {
 }
 
 impl Node {
+    /// Whether signals only begin here.
+    pub(crate) fn is_source(&self) -> bool {
+        self.ports.iter().all(|port| *port == PortKind::Output)
+    }
+
     /// Whether signals only end here, as in a scope. Such a block stands where there is room and moves nothing else.
     pub(crate) fn is_sink(&self) -> bool {
         self.standing == Standing::Free

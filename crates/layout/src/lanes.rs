@@ -49,12 +49,17 @@ pub(crate) struct Plan {
     pub groups: Vec<Vec<Range<usize>>>,
     /// The lane of a net in a layer.
     pub lanes: Vec<Vec<(usize, usize)>>,
-    /// The block is a sink.
+    /// The block is a source, or only watches.
+    pub source: Vec<bool>,
     pub sink: Vec<bool>,
     /// The block has a name beside it.
     pub named: Vec<bool>,
     /// Items that may still change places with others.
     pub loose: Vec<bool>,
+    /// Blocks that keep their order among each other.
+    pub kept: Vec<bool>,
+    /// The order of the text counts little for now.
+    pub relaxed: bool,
 }
 
 impl Plan {
@@ -95,9 +100,12 @@ pub(crate) fn plan(graph: &Graph, flow: &Flow, layer: &[usize], sides: &Sides) -
         channels: vec![Vec::new(); count + 1],
         groups: Vec::new(),
         lanes: vec![Vec::new(); graph.nets.len()],
-        sink: graph.nodes.iter().map(Node::is_sink).collect(),
+        source: graph.nodes.iter().map(Node::is_source).collect(),
+        sink: flow.watching.clone(),
         named: graph.nodes.iter().map(|node| node.label_height > 0.0).collect(),
         loose: Vec::new(),
+        kept: Vec::new(),
+        relaxed: false,
     };
     for (n, net) in graph.nets.iter().enumerate().filter(|(_, net)| net.ends.len() > 1) {
         let places = || net.ends.iter().map(|end| position(layer[end.node], sides.side[end.node][end.port]));
@@ -135,6 +143,7 @@ pub(crate) fn plan(graph: &Graph, flow: &Flow, layer: &[usize], sides: &Sides) -
     plan.groups = plan.channels.iter().map(|taps| groups(taps)).collect();
     units(graph, sides, &mut plan);
     plan.loose = vec![true; plan.items.len()];
+    plan.kept = vec![false; plan.items.len()];
     plan
 }
 

@@ -10,8 +10,8 @@ const CONSERVING: i64 = 3;
 const RAIL: i64 = 1;
 const PINNED: i64 = 64;
 
-/// Layers from 0, left to right.
-pub(crate) fn layers(graph: &Graph, flow: &Flow) -> Vec<usize> {
+/// Layers from 0, left to right. `along` has the nodes of each net, seen through what stands in the wire.
+pub(crate) fn layers(graph: &Graph, flow: &Flow, along: &[Vec<usize>]) -> Vec<usize> {
     let n = graph.nodes.len();
     let mut wishes = Wishes { n, edges: Vec::new(), next: vec![Vec::new(); n + 2] };
     for (net, feedback) in graph.nets.iter().zip(&flow.feedback).filter(|(net, _)| net.directed) {
@@ -19,25 +19,26 @@ pub(crate) fn layers(graph: &Graph, flow: &Flow) -> Vec<usize> {
         for (end, back) in net.ends.iter().zip(feedback).skip(1) {
             let to = end.node;
             match (flow.mirrored[from], flow.mirrored[to]) {
-                (true, _) => wishes.add(to, from, 1, BACK),
+                (true, to_mirrored) => wishes.add(to, from, 1, if to_mirrored { BACK } else { 0 }),
                 (false, true) => wishes.add(to, from, 0, BACK),
                 (false, false) if *back => {}
                 (false, false) => {
                     // A sink follows the last of its sources and pulls at none.
-                    wishes.add(from, to, 1, if graph.nodes[to].is_sink() { 0 } else { SIGNAL });
+                    wishes.add(from, to, 1, if flow.watching[to] { 0 } else { SIGNAL });
                 }
             }
         }
     }
-    for net in graph.nets.iter().filter(|net| !net.directed) {
+    for (net, along) in graph.nets.iter().zip(along).filter(|(net, _)| !net.directed) {
         // The text is written in the direction of the drawing. A net with a reference is a rail: all of it may stand
         // one above the other.
         let hangs = |node: usize| graph.nodes[node].form == Form::Hanging;
-        let nodes: Vec<usize> = net.ends.iter().map(|end| end.node).collect();
-        let rail = nodes.iter().any(|node| hangs(*node));
+        let rail = net.ends.iter().any(|end| hangs(end.node));
+        let here = || net.ends.iter().map(|end| end.node);
+        let nodes: Vec<usize> = if rail { along.clone() } else { here().collect() };
         let standing = || nodes.iter().copied().filter(|node| !hangs(*node));
         let first = if rail { standing().min() } else { standing().next() };
-        let Some(first) = first.or(nodes.first().copied()) else { continue };
+        let Some(first) = first.or(here().next()) else { continue };
         for to in nodes.iter().copied().filter(|to| *to != first) {
             let (length, weight) = if rail && !hangs(to) { (0, RAIL) } else { (1, CONSERVING) };
             if wishes.leads(to, first) {

@@ -9,12 +9,20 @@
 //!       -channels-> x of the wires -wires-> Layout
 //! ```
 //!
+//! The order is found in the skeleton, which lacks all that only stands in a wire; the level is sorted after its heights
+//! (`keys`), and what was left out is put between (`insert`). So a small edit makes a small change.
+//!
 //! Lengths are dots of a drawing, x to the right, y down.
 
 mod channels;
 mod components;
+mod crossings;
+mod draw;
 mod flow;
 mod graph;
+mod improve;
+mod insert;
+mod keys;
 mod lanes;
 mod layers;
 mod metrics;
@@ -22,6 +30,8 @@ mod order;
 mod rows;
 mod sides;
 mod simplex;
+mod skeleton;
+mod stack;
 mod wires;
 
 pub use components::layout;

@@ -10,15 +10,17 @@ use crate::simplex::{Edge, solve_pulled};
 
 /// Weights of a straight line between two taps.
 const MAIN: i64 = 80;
-const CHAIN: i64 = 16;
+pub(crate) const CHAIN: i64 = 16;
 const LANES: i64 = 8;
 const PLAIN: i64 = 4;
 const TO_SINK: i64 = 2;
 const SAME_SIDE: i64 = 1;
 
+/// Pairs of neighbours whose wire should be straight, with the weight of that.
+pub(crate) type Chains = BTreeMap<(usize, usize), i64>;
+
 /// Places of the upper edges of all items, whole numbers.
-pub(crate) fn rows(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides) -> Vec<f64> {
-    let chains = chains(graph, flow, plan, sides);
+pub(crate) fn rows(plan: &Plan, sides: &Sides, chains: &Chains) -> Vec<f64> {
     let mut edges = Vec::new();
     for row in &plan.rows {
         let items: Vec<usize> = row.iter().flatten().copied().collect();
@@ -48,7 +50,7 @@ pub(crate) fn rows(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides) -> Ve
     for (channel, groups) in plan.channels.iter().zip(&plan.groups) {
         for group in groups {
             for (a, b) in pairs(&channel[group.clone()]) {
-                let weight = weight(graph, plan, &chains, &a, &b);
+                let weight = weight(plan, chains, &a, &b);
                 // The new variable lies above both taps, as close as it may be.
                 for tap in [a, b] {
                     let offset = match plan.items[tap.item] {
@@ -98,7 +100,7 @@ fn pairs(taps: &[Tap]) -> Vec<(Tap, Tap)> {
     }
 }
 
-fn weight(graph: &Graph, plan: &Plan, chains: &BTreeMap<(usize, usize), i64>, a: &Tap, b: &Tap) -> i64 {
+fn weight(plan: &Plan, chains: &Chains, a: &Tap, b: &Tap) -> i64 {
     if a.right == b.right {
         return SAME_SIDE;
     }
@@ -106,7 +108,7 @@ fn weight(graph: &Graph, plan: &Plan, chains: &BTreeMap<(usize, usize), i64>, a:
         (Item::Lane(_), Item::Lane(_)) => LANES,
         (Item::Node(a), Item::Node(b)) => match chains.get(&(a.min(b), a.max(b))) {
             Some(weight) => *weight,
-            None if graph.nodes[b].is_sink() => TO_SINK,
+            None if plan.sink[b] => TO_SINK,
             None => PLAIN,
         },
         _ => PLAIN,
@@ -116,7 +118,7 @@ fn weight(graph: &Graph, plan: &Plan, chains: &BTreeMap<(usize, usize), i64>, a:
 /// Paths that should be straight lines, as pairs of neighbours with their weights: each begins at the first block of the
 /// file that no path has, and goes on along a shaft or a circuit rather than a signal, and where the way ahead is longest.
 /// The first one counts most.
-fn chains(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides) -> BTreeMap<(usize, usize), i64> {
+pub(crate) fn chains(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides) -> Chains {
     let n = graph.nodes.len();
     let layer = &plan.layer_of;
     // Whether one of the wires is conserving.
@@ -125,7 +127,7 @@ fn chains(graph: &Graph, flow: &Flow, plan: &Plan, sides: &Sides) -> BTreeMap<(u
     let free = |end: &End| {
         let node = &graph.nodes[end.node];
         !flow.mirrored[end.node]
-            && !node.is_sink()
+            && !plan.sink[end.node]
             && node.form != Form::Hanging
             && matches!(sides.side[end.node][end.port], Side::West | Side::East)
     };

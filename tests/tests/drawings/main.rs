@@ -6,8 +6,11 @@ use std::path::{Path, PathBuf};
 use blocksim_block::{BlockInfo, kinds};
 use blocksim_diagram::Sources;
 use blocksim_drawing::{Level, Theme, all_levels, level_at, svg, text};
-use blocksim_layout::{End, Form, Graph, Layout, Net, Node, PortKind, Standing, layout, metrics};
+use blocksim_layout::{layout, metrics};
 use blocksim_tests::{Desk, root};
+
+mod edits;
+mod steady;
 
 /// Models below `diagrams/`, by their names there.
 fn models() -> Vec<(String, PathBuf)> {
@@ -123,121 +126,6 @@ fn the_same_text_gives_the_same_picture() {
     }
     assert_eq!(draw(), draw());
     assert_eq!(std::fs::read_to_string(&picture).expect("the picture"), draw());
-}
-
-/// Where a block stands against another: wholly left or right of it, wholly above or below it.
-fn relation(layout: &Layout, a: usize, b: usize) -> (i8, i8) {
-    let (a, b) = (&layout.nodes[a], &layout.nodes[b]);
-    let side = |a: (f64, f64), b: (f64, f64)| if a.1 <= b.0 { -1 } else { i8::from(b.1 <= a.0) };
-    (side((a.x, a.x + a.width), (b.x, b.x + b.width)), side((a.y, a.y + a.height), (b.y, b.y + b.height)))
-}
-
-/// How many blocks turned round against more than a third of the others: were above them and are below, or left and are
-/// right. Pairs of a block before and after; that everything right of a new block gives way is no move.
-fn moved(before: &Layout, after: &Layout, pairs: &[(usize, usize)]) -> usize {
-    let turned = |a: &(usize, usize), b: &(usize, usize)| {
-        let (was, is) = (relation(before, a.0, b.0), relation(after, a.1, b.1));
-        was.0 * is.0 < 0 || was.1 * is.1 < 0
-    };
-    let against = |a: &(usize, usize)| pairs.iter().filter(|b| turned(a, b)).count();
-    pairs.iter().filter(|a| 3 * against(a) > pairs.len() - 1).count()
-}
-
-/// An edit disturbs a drawing if it moves a tenth of the other blocks or more, and more than one: on a level of eight
-/// blocks a single one is an eighth.
-fn disturbs(moved: usize, blocks: usize) -> bool {
-    moved > 1 && 10 * moved >= blocks
-}
-
-/// Edits of levels with at least eight blocks: what was edited, how many blocks moved, of how many.
-fn edits(
-    edit: impl Fn(&Graph) -> Vec<(String, Graph, Vec<(usize, usize)>)>,
-) -> (usize, Vec<(usize, usize, String)>) {
-    let (mut all, mut disturbing) = (0, Vec::new());
-    for (name, level) in shipped().into_iter().filter(|(_, level)| level.graph.nodes.len() >= 8) {
-        let before = layout(&level.graph);
-        for (what, changed, pairs) in edit(&level.graph) {
-            let count = moved(&before, &layout(&changed), &pairs);
-            all += 1;
-            if disturbs(count, pairs.len()) {
-                disturbing.push((count, pairs.len(), format!("{name}, {what}")));
-            }
-        }
-    }
-    disturbing.sort_by(|a, b| b.cmp(a));
-    (all, disturbing)
-}
-
-fn signals(graph: &Graph) -> impl Iterator<Item = usize> {
-    (0..graph.nets.len()).filter(|net| graph.nets[*net].directed)
-}
-
-#[test]
-fn wider_blocks_and_more_or_fewer_scopes_leave_the_others_where_they_are() {
-    let (all, disturbing) = edits(|graph| {
-        let same: Vec<(usize, usize)> = (0..graph.nodes.len()).map(|node| (node, node)).collect();
-        let mut edits = Vec::new();
-        for node in 0..graph.nodes.len() {
-            let mut changed = graph.clone();
-            changed.nodes[node].width += 30.0;
-            edits.push((format!("node {node} wider"), changed, same.clone()));
-        }
-        for net in signals(graph) {
-            let mut changed = graph.clone();
-            changed.nodes.push(small(vec![PortKind::Input]));
-            changed.nets[net].ends.push(End { node: graph.nodes.len(), port: 0 });
-            edits.push((format!("scope at net {net}"), changed, same.clone()));
-        }
-        for (sink, _) in graph.nodes.iter().enumerate().filter(|(_, node)| node.ports == [PortKind::Input]) {
-            let mut changed = graph.clone();
-            changed.nets.iter_mut().for_each(|net| net.ends.retain(|end| end.node != sink));
-            let kept = same.iter().copied().filter(|(node, _)| *node != sink).collect();
-            edits.push((format!("without node {sink}"), changed, kept));
-        }
-        edits
-    });
-    assert!(all > 900, "{all}");
-    assert!(disturbing.is_empty(), "{} of {all}: {disturbing:?}", disturbing.len());
-}
-
-/// Share of the wires into which a block cannot be put without disturbing the drawing: it makes a path longer, and then
-/// others begin earlier.
-const SHIFTING: f64 = 0.08;
-
-#[test]
-fn a_block_in_a_wire_mostly_leaves_the_others_where_they_are() {
-    let (all, disturbing) = edits(|graph| {
-        let gain_in = |net: usize| {
-            let new = graph.nets[net].ends[0].node + 1;
-            let later = |node: usize| node + usize::from(node >= new);
-            let mut changed = graph.clone();
-            changed.nodes.insert(new, small(vec![PortKind::Input, PortKind::Output]));
-            changed.nets.iter_mut().flat_map(|net| &mut net.ends).for_each(|end| end.node = later(end.node));
-            let mut behind = changed.nets[net].ends.split_off(1);
-            changed.nets[net].ends.push(End { node: new, port: 0 });
-            behind.insert(0, End { node: new, port: 1 });
-            changed.nets.insert(net + 1, Net { ends: behind, directed: true });
-            let pairs = (0..graph.nodes.len()).map(|node| (node, later(node))).collect();
-            (format!("gain in net {net}"), changed, pairs)
-        };
-        signals(graph).map(gain_in).collect()
-    });
-    assert!(all > 300, "{all}");
-    let share = disturbing.len() as f64 / all as f64;
-    assert!(share < SHIFTING, "{} of {all}: {disturbing:?}", disturbing.len());
-}
-
-/// A small block with the name `scope`.
-fn small(ports: Vec<PortKind>) -> Node {
-    Node {
-        width: 44.0,
-        height: 36.0,
-        label_width: 30.0,
-        label_height: 14.0,
-        form: Form::Box,
-        standing: Standing::Free,
-        ports,
-    }
 }
 
 #[test]

@@ -1,0 +1,147 @@
+//! The order of a level after the heights in its skeleton.
+
+use crate::crossings::block_of;
+use crate::graph::{End, Graph, Side};
+use crate::lanes::{Item, Plan};
+use crate::rows::{CHAIN, Chains};
+use crate::sides::Sides;
+use crate::skeleton::{Skeleton, beyond};
+
+/// The skeleton of a level, laid out.
+pub(crate) struct Drawn {
+    pub skeleton: Skeleton,
+    pub plan: Plan,
+    pub sides: Sides,
+    pub y: Vec<f64>,
+    pub chains: Chains,
+}
+
+impl Drawn {
+    /// Sorts the rows of a plan of the level after the heights in the skeleton.
+    pub fn sort(&self, plan: &mut Plan) {
+        let keys: Vec<f64> = (0..plan.items.len()).map(|item| self.key(plan, item)).collect();
+        let rank = self.ranks();
+        let rank_of = |plan: &Plan, unit: &[usize]| {
+            block_of(plan, unit).and_then(|v| Some(rank[self.skeleton.node[v]?]))
+        };
+        for at in 0..plan.rows.len() {
+            let mut row = std::mem::take(&mut plan.rows[at]);
+            let main = |unit: &[usize]| block_of(plan, unit).unwrap_or(unit[0]);
+            row.sort_by(|a, b| {
+                let (a, b) = (main(a), main(b));
+                keys[a].total_cmp(&keys[b]).then(plan.back[a].cmp(&plan.back[b])).then(a.cmp(&b))
+            });
+            // Blocks that the skeleton has beside each other have the order of the text.
+            let places: Vec<usize> =
+                (0..row.len()).filter(|place| rank_of(plan, &row[*place]).is_some()).collect();
+            let mut blocks: Vec<Vec<usize>> = places.iter().map(|place| row[*place].clone()).collect();
+            blocks.sort_by_key(|unit| rank_of(plan, unit));
+            for (place, block) in places.into_iter().zip(blocks) {
+                row[place] = block;
+            }
+            plan.rows[at] = row;
+        }
+    }
+
+    /// Places of the blocks of the skeleton from top to bottom; those that are neither above nor below each other keep
+    /// the order of the text.
+    fn ranks(&self) -> Vec<usize> {
+        let n = self.skeleton.graph.nodes.len();
+        let above = |a: usize, b: usize| self.y[a] + self.sides.height[a] <= self.y[b];
+        let mut rank = vec![usize::MAX; n];
+        for place in 0..n {
+            let open = |v: &usize| rank[*v] == usize::MAX;
+            let next = (0..n).filter(open).find(|v| !(0..n).filter(open).any(|other| above(other, *v)));
+            if let Some(next) = next {
+                rank[next] = place;
+            }
+        }
+        rank
+    }
+
+    fn key(&self, plan: &Plan, item: usize) -> f64 {
+        let at = plan.layer_of[item];
+        match plan.items[item] {
+            Item::Node(v) => match (self.skeleton.node[v], self.skeleton.behind[v]) {
+                (Some(kept), _) => self.y[kept] + self.sides.height[kept] / 2.0,
+                (None, Some(net)) => self.height(plan, net, at),
+                (None, None) => 0.0,
+            },
+            Item::Lane(net) => self.height(plan, net, at),
+        }
+    }
+
+    /// Height of a net of the level, as far as the skeleton knows it, in a layer of the level.
+    fn height(&self, plan: &Plan, net: usize, at: usize) -> f64 {
+        let reach = &self.skeleton.reach[net];
+        let place =
+            |end: &&End| Some((plan.layer_of[end.node], self.plan.layer_of[self.skeleton.node[end.node]?]));
+        let ends = || reach.from.iter().chain(&reach.to).filter_map(|end| place(&end));
+        let left = ends().filter(|(here, _)| *here <= at).max();
+        let right = ends().filter(|(here, _)| *here >= at).min();
+        let x = match (left, right) {
+            (Some((a, there)), Some((b, other))) if b > a => {
+                there as f64 + (at - a) as f64 / (b - a) as f64 * (other as f64 - there as f64)
+            }
+            (Some((a, there)), _) => there as f64 + (at - a) as f64,
+            (None, Some((b, there))) => there as f64 - (b - at) as f64,
+            (None, None) => return 0.0,
+        };
+        let known = |end: &End| Some(End { node: self.skeleton.node[end.node]?, ..*end });
+        let ends: Vec<End> = reach.from.iter().chain(&reach.to).filter_map(known).collect();
+        let mut points: Vec<(f64, f64)> = Vec::new();
+        for end in &ends {
+            let layer = self.plan.layer_of[end.node] as f64;
+            let across = match self.sides.side[end.node][end.port] {
+                Side::West => -0.5,
+                Side::East => 0.5,
+                Side::North | Side::South => 0.0,
+            };
+            points.push((layer + across, self.y[end.node] + self.sides.offset(end.node, end.port)));
+        }
+        // The wires of the skeleton between these ends.
+        for (n, net) in self.skeleton.graph.nets.iter().enumerate() {
+            let joined = if net.directed {
+                ends.contains(&net.ends[0])
+                    && (reach.to.is_empty() || net.ends[1..].iter().any(|end| ends.contains(end)))
+            } else {
+                net.ends.iter().any(|end| ends.contains(end))
+            };
+            if joined {
+                points.extend(self.plan.lanes[n].iter().map(|(layer, lane)| (*layer as f64, self.y[*lane])));
+            }
+        }
+        let near = |point: &&(f64, f64)| (point.0 - x).abs();
+        points.iter().min_by(|a, b| near(a).total_cmp(&near(b))).map_or(0.0, |point| point.1)
+    }
+
+    /// The straight paths of the skeleton, through what stands in its wires.
+    pub fn chains_of(&self, graph: &Graph) -> Chains {
+        let kept = &self.skeleton.node;
+        let mut chains = Chains::new();
+        for (n, net) in graph.nets.iter().enumerate() {
+            let behind: Vec<Vec<usize>> = net
+                .ends
+                .iter()
+                .map(|end| {
+                    let mut found = Vec::new();
+                    beyond(graph, kept, *end, n, &mut found);
+                    found.iter().filter_map(|end| kept[end.node]).collect()
+                })
+                .collect();
+            for (i, a) in net.ends.iter().enumerate() {
+                for (j, b) in net.ends.iter().enumerate().skip(i + 1) {
+                    let pairs =
+                        behind[i].iter().flat_map(|a| behind[j].iter().map(move |b| (*a.min(b), *a.max(b))));
+                    let alone = behind[i].is_empty() || behind[j].is_empty();
+                    let weight =
+                        pairs.filter_map(|pair| self.chains.get(&pair)).max().or(alone.then_some(&CHAIN));
+                    if let Some(weight) = weight {
+                        chains.insert((a.node.min(b.node), a.node.max(b.node)), *weight);
+                    }
+                }
+            }
+        }
+        chains
+    }
+}
