@@ -9,9 +9,11 @@ mod compare;
 mod metrics;
 mod series;
 mod statistics;
+mod turns;
 
 pub use align::lag;
 pub use compare::{Comparison, Deviation, Instants, Rule, compare};
 pub use metrics::{Metrics, metrics};
 pub use series::{Interpolation, Series};
 pub use statistics::{Statistics, statistics};
+pub use turns::without_jumps;

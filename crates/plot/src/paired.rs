@@ -7,7 +7,7 @@ const SET: [&str; 10] =
 const ACTUAL: [&str; 8] = ["actual", "act", "measured", "meas", "feedback", "fb", "out", "ist"];
 
 /// Positions of set values and of the actual values that follow them: `set` and `actual`, `q_set` and `q`,
-/// `speed.ref` and `speed.measured`. A name without a partner is in no pair, and each is in one at most.
+/// `speed.ref` and `speed.measured`, `set[2]` and `actual[2]`. A name without a partner is in no pair, and each is in one at most.
 ///
 /// ```
 /// use blocksim_plot::pairs;
@@ -41,7 +41,8 @@ enum Role {
 /// What is left of a name without the words that say its role.
 fn role(name: &str) -> (String, Role) {
     let lower = name.to_lowercase();
-    let words: Vec<&str> = lower.split(['_', '.', '/', ' ', '-']).filter(|word| !word.is_empty()).collect();
+    let words: Vec<&str> =
+        lower.split(['_', '.', '/', ' ', '-', '[', ']']).filter(|word| !word.is_empty()).collect();
     let has = |list: &[&str]| words.iter().any(|word| list.contains(word));
     let role = if has(&SET) {
         Role::Set
@@ -67,6 +68,7 @@ mod tests {
         assert_eq!(pairs(&["q1", "q2", "q2_ref", "q1_ref"]), [(2, 1), (3, 0)]);
         assert_eq!(pairs(&["speed.ref", "speed.measured", "speed"]), [(0, 1)]);
         assert_eq!(pairs(&["set value", "actual value"]), [(0, 1)]);
+        assert_eq!(pairs(&["set[0]", "set[1]", "actual[0]", "actual[1]"]), [(0, 2), (1, 3)]);
         assert_eq!(pairs(&["desired", "y"]), []);
         assert_eq!(pairs(&["axis1", "axis2", "axis3"]), []);
         assert_eq!(pairs(&["set", "set"]), []);
