@@ -30,6 +30,11 @@ impl Table {
         self.rows.push(row);
     }
 
+    /// Adds an empty line.
+    pub fn gap(&mut self) {
+        self.row([""; 0]);
+    }
+
     /// The table as text, each line ending in a line feed.
     pub fn render(&self) -> String {
         let headings: Vec<String> = self.columns.iter().map(|(heading, _)| heading.clone()).collect();
@@ -38,7 +43,8 @@ impl Table {
         let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
 
         let mut text = String::new();
-        for row in lines().filter(|row| row.iter().any(|cell| !cell.is_empty())) {
+        let without = usize::from(headings.iter().all(String::is_empty));
+        for row in lines().skip(without) {
             let cells: Vec<String> = row
                 .iter()
                 .zip(&widths)
@@ -73,6 +79,15 @@ mod tests {
             größer        3.000
         "#]]
         .assert_eq(&table.render());
+    }
+
+    #[test]
+    fn a_gap_is_an_empty_line_between_rows_of_the_same_columns() {
+        let mut table = Table::new(&[("", Align::Left), ("", Align::Right)]);
+        table.row(["a", "1"]);
+        table.gap();
+        table.row(["b", "12"]);
+        assert_eq!(table.render(), "a   1\n\nb  12\n");
     }
 
     #[test]

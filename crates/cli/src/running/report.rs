@@ -9,8 +9,8 @@ use crate::args::model::RunArgs;
 use crate::loaded::Loaded;
 use crate::running::summary::summary;
 use crate::signals::shown::{Shown, shown};
-use crate::signals::tracking::{table, trackings};
-use crate::signals::{charts, naming, tracking};
+use crate::signals::tracking::trackings;
+use crate::signals::{charts, followed, naming};
 use crate::terminal::console::Console;
 use crate::terminal::render;
 
@@ -36,7 +36,7 @@ impl Report<'_> {
     /// Summary, table and plots.
     pub fn text(&self, place: Option<&str>, args: &RunArgs, console: Console) -> String {
         let shown = self.shown();
-        let mut parts = vec![self.summary(place), table(&trackings(&shown), &self.recording.time)];
+        let mut parts = vec![self.summary(place), followed::table(&trackings(&shown), &self.recording.time)];
         if !args.no_plot && self.recording.rows() > 1 {
             parts.push(self.plots(&shown, &args.plot, console));
         }
@@ -69,7 +69,7 @@ impl Report<'_> {
             "sample_hits": self.counts.hits,
             "signals": self.signals,
             "rows": self.rows,
-            "tracking": tracking::json(&trackings(&shown), &self.recording.time),
+            "tracking": followed::json(&trackings(&shown), &self.recording.time),
         })
     }
 
@@ -116,7 +116,7 @@ pub fn log(report: &Report, loaded: &Loaded, events: &[EventRow]) -> Vec<String>
         problems.flat_map(|problem| [render::full(problem, &loaded.files, false), String::new()]).collect();
     lines.push(report.summary(None));
     let shown = report.shown();
-    lines.push(table(&trackings(&shown), &report.recording.time));
+    lines.push(followed::table(&trackings(&shown), &report.recording.time));
     lines.push(format!("{} in events.csv", render::plural(events.len(), "event")));
     lines.iter().flat_map(|text| text.lines().map(str::to_owned)).collect()
 }

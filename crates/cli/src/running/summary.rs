@@ -19,7 +19,7 @@ pub fn summary(
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
     let factor = manifest.simulated_time / manifest.wall_time;
     let speed = match factor.is_finite() && factor > 0.0 {
-        true => format!(" ({} times real time)", significant(factor, 3)),
+        true => format!(" ({} times real time)", times(factor)),
         false => String::new(),
     };
     let simulated =
@@ -80,6 +80,15 @@ fn variants(choices: &[Choice]) -> String {
     of_name.iter().map(told).collect::<Vec<_>>().join("; ")
 }
 
+/// A factor with three significant digits.
+fn times(factor: f64) -> String {
+    if factor < 1e4 {
+        return significant(factor, 3);
+    }
+    let last = 10_f64.powf(factor.log10().floor() - 2.0).round();
+    count(((factor / last).round() * last) as u64)
+}
+
 /// A duration on the clock on the wall; milliseconds below a tenth of a second.
 fn short(seconds: f64) -> String {
     if seconds < 0.1 { format!("{} ms", significant(seconds * 1e3, 2)) } else { duration(seconds) }
@@ -124,6 +133,14 @@ mod tests {
             results    runs/2026-11-21T14-03-22_servo
         "#]]
         .assert_eq(&summary("Servo", &manifest(Ended::Complete), &counts, 84, 1725, Some(folder)));
+    }
+
+    #[test]
+    fn great_speed_is_told_without_exponents() {
+        assert_eq!(
+            [4.1, 139_123.0, 9_999.0, 12_345_678.0].map(times),
+            ["4.10", "139 000", "9999", "12 300 000"]
+        );
     }
 
     #[test]

@@ -17,18 +17,26 @@ const LINES: usize = 12;
 /// Columns of a sparkline.
 const SPARKS: usize = 40;
 
-/// A plot of the scope with the largest motion, and a line for each of the others.
+/// A plot of the scope with the largest motion, of those in the unit of the first one, and a line for each of the others.
+/// An element of a vector comes into question only where there is nothing else.
 pub fn following(trackings: &[Tracking], time: &[f64], console: Console) -> String {
     let motion = |tracking: &Tracking| range(tracking.set.si).map_or(0.0, |(low, high)| high - low);
-    let largest = trackings.iter().enumerate().rev().max_by(|a, b| motion(a.1).total_cmp(&motion(b.1)));
+    let is_like_first = |tracking: &Tracking| tracking.set.unit.text == trackings[0].set.unit.text;
+    let rank =
+        |tracking: &Tracking| (is_like_first(tracking), !tracking.set.port().contains('['), motion(tracking));
+    let order = |a: &Tracking, b: &Tracking| {
+        let (a, b) = (rank(a), rank(b));
+        (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
+    };
+    let largest = trackings.iter().enumerate().rev().max_by(|a, b| order(a.1, b.1));
     let Some((largest, tracking)) = largest else { return String::new() };
-    let title = if trackings.len() == 1 { tracking.scope } else { tracking.name };
+    let title = if trackings.len() == 1 { tracking.scope } else { tracking.name.as_str() };
     let mut text = drawn(title, &[tracking.set, tracking.actual], &["set", "actual"], time, console);
     let rest: Vec<(&str, &Shown)> = trackings
         .iter()
         .enumerate()
         .filter(|&(n, _)| n != largest)
-        .map(|(_, tracking)| (tracking.name, tracking.actual))
+        .map(|(_, tracking)| (tracking.name.as_str(), tracking.actual))
         .collect();
     if !rest.is_empty() {
         text.push('\n');
@@ -121,7 +129,9 @@ fn sparks(shown: &[(&str, &Shown)], console: Console) -> String {
         let unit = s.unit.text.as_str();
         let course = if console.ascii { String::new() } else { sparkline(&values, SPARKS) };
         let (low, high) = range(&values).unwrap_or((f64::NAN, f64::NAN));
-        table.row([(*name).to_owned(), course, with_unit(low, unit), "to".to_owned(), with_unit(high, unit)]);
+        let low = with_unit(low, unit);
+        let low = low.strip_suffix(&format!(" {unit}")).unwrap_or(&low).to_owned();
+        table.row([(*name).to_owned(), course, low, "to".to_owned(), with_unit(high, unit)]);
     }
     table.render()
 }
@@ -172,7 +182,7 @@ mod tests {
                   └┬──────────┬─────────┬──────────┬─────────┬
                    0         10        20         30        40  time [s]
 
-            joint1  ▁▁▁▁▁▂▂▂▂▂▃▃▃▃▃▄▄▄▄▄▅▅▅▅▅▆▆▆▆▆▇▇▇▇▇█████  0.00 deg  to  28.65 deg
+            joint1  ▁▁▁▁▁▂▂▂▂▂▃▃▃▃▃▄▄▄▄▄▅▅▅▅▅▆▆▆▆▆▇▇▇▇▇█████  0.00  to  28.65 deg
         "#]]
         .assert_eq(&following(&trackings(&shown), &recording.time, CONSOLE));
     }

@@ -21,6 +21,23 @@ pub fn short_names<'a>(paths: &[&'a str]) -> Vec<&'a str> {
     paths.iter().zip(&parts).map(|(path, parts)| shorten(path, parts)).collect()
 }
 
+/// What people would call these scopes: the paths without what all of them share and without a last part `scope`, which
+/// tells nothing, each from the last part on from which no other path ends alike. Equal paths have equal names.
+pub fn distinct_names<'a>(paths: &[&'a str]) -> Vec<&'a str> {
+    let plain = |path: &&'a str| path.strip_suffix("/scope").unwrap_or(path);
+    let short = short_names(&paths.iter().map(plain).collect::<Vec<_>>());
+    let ends_like = |path: &str, ending: &str| {
+        path.strip_suffix(ending).is_some_and(|front| front.is_empty() || front.ends_with('/'))
+    };
+    let is_shared =
+        |own: &str, ending: &str| short.iter().any(|other| *other != own && ends_like(other, ending));
+    let shorten = |own: &&'a str| -> &'a str {
+        let starts = own.rmatch_indices('/').map(|(slash, _)| slash + 1);
+        starts.map(|start| &own[start..]).find(|ending| !is_shared(own, ending)).unwrap_or(own)
+    };
+    short.iter().map(shorten).collect()
+}
+
 /// Name and number of the last part of a path that has both: `control/Joint3OutBus/scope` gives `joint`, 3.
 pub fn numbered_part(path: &str) -> Option<(String, u32)> {
     path.split(['/', '.']).rev().find_map(name_and_number)
@@ -84,6 +101,21 @@ mod tests {
         assert_eq!(short_names(&["a/b/x", "a/c"]), ["b/x", "c"]);
         assert_eq!(short_names(&["servo/angle"]), ["servo/angle"]);
         assert!(short_names(&[]).is_empty());
+    }
+
+    #[test]
+    fn names_are_the_last_parts_that_tell_them_apart() {
+        let robot = ["control/joint1/scope", "control/joint2/scope", "measurements/tool/orientation"];
+        assert_eq!(distinct_names(&robot), ["joint1", "joint2", "orientation"]);
+        assert_eq!(
+            distinct_names(&["a/joint1/pid", "a/joint2/pid", "b/tool"]),
+            ["joint1/pid", "joint2/pid", "tool"]
+        );
+        assert_eq!(distinct_names(&["a/x", "b/x", "x"]), ["a/x", "b/x", "x"]);
+        assert_eq!(distinct_names(&["arm/x", "arm/x", "arm/y"]), ["x", "x", "y"]);
+        assert_eq!(distinct_names(&["loop/angle"]), ["angle"]);
+        assert_eq!(distinct_names(&["scope", "arm/scope"]), ["scope", "arm"]);
+        assert!(distinct_names(&[]).is_empty());
     }
 
     #[test]

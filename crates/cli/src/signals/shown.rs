@@ -17,6 +17,8 @@ pub struct Shown<'a> {
     pub kind: Kind,
     /// Cell of the value among the signals: two names of one signal have the same.
     pub cell: usize,
+    /// Labels of its scope and of the subsystems around it, the outermost first; empty without.
+    pub title: &'a [String],
     /// The values in SI.
     pub si: &'a [f64],
 }
@@ -70,6 +72,7 @@ pub fn shown<'a>(recorded: &'a [Recorded], recording: &'a Recording) -> Vec<Show
         dimension: r.dimension,
         kind: kind(r),
         cell: r.cell,
+        title: &r.title,
         si: &signal.values,
     };
     recorded.iter().zip(&recording.signals).map(pair).collect()
@@ -81,6 +84,12 @@ fn display_unit(recorded: &Recorded) -> Unit {
     let asked = recorded.display.as_deref().and_then(|text| Unit::parse(text).ok()).filter(fits);
     let degrees = || Unit::parse("deg").ok().filter(|unit| recorded.dimension == Some(unit.dimension));
     asked.or_else(degrees).unwrap_or_else(|| Unit::si(recorded.dimension.unwrap_or(Dimension::NONE)))
+}
+
+/// A whole turn in a unit; `None` if it is no unit of angles.
+pub fn turn(unit: &Unit) -> Option<f64> {
+    let is_angle = Unit::parse("rad").is_ok_and(|rad| rad.dimension == unit.dimension);
+    is_angle.then(|| unit.from_si(std::f64::consts::TAU))
 }
 
 fn kind(recorded: &Recorded) -> Kind {

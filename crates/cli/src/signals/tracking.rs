@@ -1,21 +1,22 @@
-//! How well actual values follow their set values.
+//! Which actual values follow which set values, and how well.
 
-use blocksim_results::format::fixed;
-use blocksim_results::{Align, Table};
+use std::collections::HashMap;
+
+use blocksim_analysis::without_jumps;
+use blocksim_plot::pairs;
 use blocksim_signal::Unit;
-use serde_json::{Value, json};
 
-use crate::signals::naming::{is_of, numbered_part, short_names};
-use crate::signals::shown::Shown;
-use crate::terminal::format::{column, headed};
+use crate::signals::headings::headings;
+use crate::signals::naming::{is_of, numbered_part};
+use crate::signals::shown::{Shown, turn};
 
-/// A scope with the inputs `set` and `actual`.
+/// A set value and the actual value beside it in a scope.
 #[derive(Debug, Clone)]
 pub struct Tracking<'a> {
     /// Path of the scope.
     pub scope: &'a str,
-    /// The path as far as it differs from the other scopes.
-    pub name: &'a str,
+    /// What to call it: the title of the scope or the end of its path, and which of its inputs, if it has several pairs.
+    pub name: String,
     /// Set value.
     pub set: &'a Shown<'a>,
     /// Actual value.
@@ -39,30 +40,79 @@ pub struct Errors {
     pub torque: Option<(f64, String)>,
 }
 
-/// Finds all scopes with set and actual values, in the order in which they are recorded. Of scopes that show the
-/// same two signals only the first is taken, with the torque that is found for any of them.
+/// Finds all set values of scopes with their actual values, in the order in which they are recorded. Of scopes that show the
+/// same two signals only the first is taken, with the title and the torque that is found for any of them.
 pub fn trackings<'a>(shown: &'a [Shown<'a>]) -> Vec<Tracking<'a>> {
-    let port_of = |scope: &str, port: &str| shown.iter().find(|s| s.block() == scope && s.port() == port);
-    let sets = shown.iter().filter(|s| s.port() == "set");
-    let pairs: Vec<_> = sets.filter_map(|set| Some((set, port_of(set.block(), "actual")?))).collect();
-    let same = |a: &(&Shown, &Shown), b: &(&Shown, &Shown)| (a.0.cell, a.1.cell) == (b.0.cell, b.1.cell);
-    let first: Vec<_> = pairs
+    let all = in_scopes(shown);
+    let is_new = |n: &usize| !all[..*n].iter().any(|pair| is_same(pair, &all[*n]));
+    let first: Vec<Pair> = (0..all.len()).filter(is_new).map(|n| all[n]).collect();
+    // Set values in the scopes that say how their pairs are called.
+    let titled: Vec<&Shown> = first
         .iter()
-        .enumerate()
-        .filter(|(n, p)| !pairs[..*n].iter().any(|q| same(p, q)))
-        .map(|(_, p)| *p)
+        .map(|pair| twins(&all, pair).find(|set| !set.title.is_empty()).unwrap_or(pair.0))
         .collect();
-    let scopes: Vec<&str> = first.iter().map(|(set, _)| set.block()).collect();
-    let is_only = scopes.len() == 1;
-    first
-        .iter()
-        .zip(short_names(&scopes))
-        .map(|(pair, name)| {
-            let twins = pairs.iter().filter(|other| same(pair, other));
-            let torque = twins.filter_map(|(set, _)| torque_of(set.block(), is_only, shown)).next();
-            Tracking { scope: pair.0.block(), name, set: pair.0, actual: pair.1, torque }
-        })
-        .collect()
+    let names = headings(&titled.iter().map(|set| (set.block(), set.title)).collect::<Vec<_>>());
+    let pairs_of = |scope: &str| all.iter().filter(|pair| pair.0.block() == scope).count();
+    let is_only = first.len() == 1;
+    let torque = |set: &'a Shown<'a>| {
+        // A torque belongs to a scope as a whole.
+        if pairs_of(set.block()) == 1 { torque_of(set.block(), is_only, shown) } else { None }
+    };
+    let tracking = |(n, name): (usize, String)| {
+        let (set, actual) = first[n];
+        Tracking {
+            scope: set.block(),
+            name: match pairs_of(titled[n].block()) {
+                1 => name,
+                _ => format!("{name} {}", part(actual.port())),
+            },
+            set,
+            actual,
+            torque: twins(&all, &first[n]).find_map(torque),
+        }
+    };
+    names.into_iter().enumerate().map(tracking).collect()
+}
+
+/// Whether two scopes show the same signals.
+fn is_same(a: &Pair, b: &Pair) -> bool {
+    (a.0.cell, a.1.cell) == (b.0.cell, b.1.cell)
+}
+
+/// The set values of all pairs of the same signals.
+fn twins<'s, 'a>(
+    all: &'s [Pair<'a>],
+    pair: &'s Pair<'a>,
+) -> impl Iterator<Item = &'a Shown<'a>> + use<'s, 'a> {
+    all.iter().filter(move |other| is_same(pair, other)).map(|twin| twin.0)
+}
+
+/// A set value and its actual value.
+type Pair<'a> = (&'a Shown<'a>, &'a Shown<'a>);
+
+/// The pairs of each scope, in the order of their set values. What is recorded of a bus has the path of its elements behind
+/// that of the block, and is in no scope.
+fn in_scopes<'a>(shown: &'a [Shown<'a>]) -> Vec<Pair<'a>> {
+    let mut scopes: Vec<Vec<&Shown>> = Vec::new();
+    let mut known = HashMap::new();
+    for s in shown.iter().filter(|s| !s.port().is_empty() && !s.port().contains('.')) {
+        let at = *known.entry(s.block()).or_insert(scopes.len());
+        if at == scopes.len() {
+            scopes.push(Vec::new());
+        }
+        scopes[at].push(s);
+    }
+    let of_scope = |inputs: &Vec<&'a Shown<'a>>| -> Vec<Pair<'a>> {
+        let found = pairs(&inputs.iter().map(|s| s.port()).collect::<Vec<_>>());
+        let both = found.into_iter().map(|(set, actual)| (inputs[set], inputs[actual]));
+        both.filter(|(set, actual)| set.unit.text == actual.unit.text).collect()
+    };
+    scopes.iter().flat_map(of_scope).collect()
+}
+
+/// What an input has of its own: `[2]` of `actual[2]`, else its name.
+fn part(port: &str) -> &str {
+    port.find('[').map_or(port, |start| &port[start..])
 }
 
 /// The torque of the joint that a scope looks at: a torque whose path has a part of the same name and number
@@ -93,8 +143,11 @@ impl Tracking<'_> {
     /// The errors over a run; `None` where no row has both values.
     pub fn errors(&self, time: &[f64]) -> Option<Errors> {
         let unit = &self.set.unit;
-        let error = |(set, actual): (&f64, &f64)| unit.from_si(*set) - unit.from_si(*actual);
-        let errors = self.set.si.iter().zip(self.actual.si).map(error);
+        let (mut set, mut actual) = (self.set.values(), self.actual.values());
+        if let Some(turn) = turn(unit) {
+            without_jumps(&mut set, &mut actual, turn);
+        }
+        let errors = set.iter().zip(&actual).map(|(set, actual)| set - actual);
         let finite: Vec<(f64, f64)> =
             time.iter().copied().zip(errors).filter(|(_, error)| error.is_finite()).collect();
         let largest = finite.iter().copied().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
@@ -111,85 +164,62 @@ impl Tracking<'_> {
     }
 }
 
-/// A row for each scope; empty where there is none.
-pub fn table(trackings: &[Tracking], time: &[f64]) -> String {
-    let rows: Vec<(&str, Errors)> =
-        trackings.iter().filter_map(|tracking| Some((tracking.name, tracking.errors(time)?))).collect();
-    let units: Vec<&str> = rows.iter().map(|(_, errors)| errors.unit.as_str()).collect();
-    let cells = |value: &dyn Fn(&Errors) -> Option<f64>, units: &[&str]| {
-        column(&rows.iter().map(|(_, errors)| value(errors)).collect::<Vec<_>>(), units)
-    };
-    let torques: Vec<&str> =
-        rows.iter().filter_map(|(_, e)| e.torque.as_ref().map(|torque| torque.1.as_str())).collect();
-    let columns = [
-        (headed("largest error", &units), cells(&|e| Some(e.largest), &units)),
-        ("at [s]".to_owned(), rows.iter().map(|(_, e)| fixed(e.at, 3)).collect()),
-        (headed("final error", &units), cells(&|e| Some(e.last), &units)),
-        (headed("peak torque", &torques), cells(&|e| e.torque.as_ref().map(|torque| torque.0), &torques)),
-    ];
-    // Without any torque its column is left out.
-    let columns = if torques.is_empty() { &columns[..3] } else { &columns[..] };
-    let mut headings = vec![("following", Align::Left)];
-    headings.extend(columns.iter().map(|(heading, _)| (heading.as_str(), Align::Right)));
-    if rows.is_empty() {
-        return String::new();
-    }
-    let mut table = Table::new(&headings);
-    for (n, (name, _)) in rows.iter().enumerate() {
-        table.row(
-            std::iter::once((*name).to_owned()).chain(columns.iter().map(|(_, cells)| cells[n].clone())),
-        );
-    }
-    table.render()
-}
-
-/// The same as data.
-pub fn json(trackings: &[Tracking], time: &[f64]) -> Value {
-    let row = |tracking: &Tracking| {
-        let errors = tracking.errors(time)?;
-        Some(json!({
-            "scope": tracking.scope,
-            "unit": errors.unit,
-            "largest_error": errors.largest,
-            "at": errors.at,
-            "final_error": errors.last,
-            "torque": tracking.torque.map(|torque| torque.path),
-            "peak_torque": errors.torque.as_ref().map(|torque| torque.0),
-            "torque_unit": errors.torque.as_ref().map(|torque| torque.1.as_str()),
-        }))
-    };
-    trackings.iter().filter_map(row).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::signals::shown::{shown, tests::example};
-    use expect_test::expect;
 
     #[test]
-    fn joints_are_paired_with_their_torques_and_told_in_degrees() {
+    fn joints_are_paired_with_their_torques() {
+        let ramp = || vec![0.0, 1.0];
         let (recorded, recording) = example(vec![
-            ("control/joint1/scope.set", "rad", "deg", vec![0.0, 1.0, 1.0]),
-            ("control/joint1/scope.actual", "rad", "deg", vec![0.0, 0.995, 1.0001]),
-            ("control/joint2/scope.set", "rad", "deg", vec![0.0, 0.5, 0.5]),
-            ("control/joint2/scope.actual", "rad", "deg", vec![0.0, 0.4, 0.5]),
-            ("control/joint3/scope.set", "rad", "deg", vec![0.0, 0.5, 0.5]),
-            ("other/scope.set", "rad", "deg", vec![0.0, 0.5, 0.5]),
-            ("arm.signals.Joint1OutBus.Drive.Torque", "N*m", "", vec![0.0, 7.0, 1.0]),
-            ("arm.signals.Joint1OutBus.Torque", "N*m", "", vec![0.0, -1061.2, 500.0]),
-            ("arm.signals.Joint12OutBus.Torque", "N*m", "", vec![0.0, 9.0, 1.0]),
+            ("control/joint1/scope.set", "rad", "deg", ramp()),
+            ("control/joint1/scope.actual", "rad", "deg", ramp()),
+            ("control/joint2/scope.set", "rad", "deg", ramp()),
+            ("control/joint2/scope.actual", "rad", "deg", ramp()),
+            ("control/joint3/scope.set", "rad", "deg", ramp()),
+            ("other/scope.set", "rad", "deg", ramp()),
+            ("arm.signals.Joint1OutBus.Drive.Torque", "N*m", "", ramp()),
+            ("arm.signals.Joint1OutBus.Torque", "N*m", "", ramp()),
+            ("arm.signals.Joint12OutBus.Torque", "N*m", "", ramp()),
         ]);
         let shown = shown(&recorded, &recording);
-        let trackings = trackings(&shown);
-        assert_eq!(trackings[0].torque.map(|torque| torque.path), Some("arm.signals.Joint1OutBus.Torque"));
-        expect![[r#"
-            following  largest error [deg]  at [s]  final error [deg]  peak torque [N*m]
-            joint1                   0.286   1.000          -0.005730               1061
-            joint2                   5.730   1.000           0.000000                  -
-        "#]]
-        .assert_eq(&table(&trackings, &recording.time));
-        assert_eq!(json(&trackings, &recording.time)[0]["peak_torque"], 1061.2);
+        let found: Vec<(String, Option<&str>)> =
+            trackings(&shown).into_iter().map(|t| (t.name, t.torque.map(|torque| torque.path))).collect();
+        let torque = Some("arm.signals.Joint1OutBus.Torque");
+        assert_eq!(found, [("joint1".to_owned(), torque), ("joint2".to_owned(), None)]);
+    }
+
+    #[test]
+    fn an_angle_that_jumps_by_a_whole_turn_is_not_off_by_one() {
+        let pi = std::f64::consts::PI;
+        let (recorded, recording) = example(vec![
+            ("tool/zyx.set", "rad", "deg", vec![0.95 * pi, pi, -0.95 * pi]),
+            ("tool/zyx.actual", "rad", "deg", vec![0.95 * pi, -pi, -0.95 * pi]),
+        ]);
+        let shown = shown(&recorded, &recording);
+        let errors = trackings(&shown)[0].errors(&recording.time).unwrap();
+        assert!(errors.largest.abs() < 1e-9 && errors.last.abs() < 1e-9, "{errors:?}");
+    }
+
+    #[test]
+    fn a_scope_of_several_pairs_has_a_name_for_each_and_no_torque() {
+        let axis = || vec![0.0, 1.0];
+        let (mut recorded, recording) = example(vec![
+            ("tool/place.set[0]", "m", "mm", axis()),
+            ("tool/place.set[1]", "m", "mm", axis()),
+            ("tool/place.actual[0]", "m", "mm", axis()),
+            ("tool/place.actual[1]", "m", "mm", axis()),
+            ("tool/mixed.set", "m", "mm", axis()),
+            ("tool/mixed.actual", "rad", "deg", axis()),
+            ("tool/torque.tau", "N*m", "", axis()),
+        ]);
+        recorded[..4].iter_mut().for_each(|r| r.title = vec!["Tool centre point".to_owned()]);
+        let shown = shown(&recorded, &recording);
+        let found = trackings(&shown);
+        let names: Vec<&str> = found.iter().map(|t| t.name.as_str()).collect();
+        assert_eq!(names, ["Tool centre point [0]", "Tool centre point [1]"]);
+        assert!(found.iter().all(|t| t.torque.is_none()));
     }
 
     #[test]
@@ -203,9 +233,14 @@ mod tests {
         ]);
         recorded[2].cell = recorded[0].cell;
         recorded[3].cell = recorded[1].cell;
+        recorded[2..4].iter_mut().for_each(|r| r.title = vec!["Joint angle 1".to_owned()]);
         let shown = shown(&recorded, &recording);
         let trackings = trackings(&shown);
         assert_eq!(trackings.len(), 1);
+        assert_eq!(
+            (trackings[0].scope, trackings[0].name.as_str()),
+            ("control/joint1/scope", "Joint angle 1")
+        );
         assert_eq!(trackings[0].torque.map(|torque| torque.path), Some("measurements/torques.axis1"));
     }
 
@@ -238,10 +273,5 @@ mod tests {
         assert!(trackings[1].torque.is_none());
         assert_eq!(trackings[0].name, "left");
         assert!((trackings[0].errors(&recording.time).unwrap().last + 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn nothing_recorded_is_no_table() {
-        assert_eq!(table(&[], &[]), "");
     }
 }

@@ -2,24 +2,28 @@
 
 use blocksim_results::format::{fixed, significant};
 
-/// A heading with its unit, where all rows have the same one.
+/// A heading with its unit, where all rows have the same one; plain numbers need none.
 pub fn headed(name: &str, units: &[&str]) -> String {
     match units.first() {
+        Some(&"1") => name.to_owned(),
         Some(unit) if units.iter().all(|other| other == unit) => format!("{name} [{unit}]"),
         _ => name.to_owned(),
     }
 }
 
 /// Numbers of a column with the same decimals, so that the points stand below each other; four significant
-/// digits for the largest one. `-` where there is none. Where the units, one for each number that there is, differ, each
+/// digits for the largest one, or five, if the smallest has less than two otherwise. `-` where there is none. Where the units, one for each number that there is, differ, each
 /// number carries its own.
 pub fn column(values: &[Option<f64>], units: &[&str]) -> Vec<String> {
     let same = units.first().is_none_or(|unit| units.iter().all(|other| other == unit));
     let finite = values.iter().flatten().filter(|x| x.is_finite());
     let largest = finite.fold(0.0, |largest: f64, x| largest.max(x.abs()));
     let plain = largest == 0.0 || (1e-4..1e6).contains(&largest);
-    let decimals =
-        if largest == 0.0 { 0.0 } else { (3.0 - largest.log10().floor()).clamp(0.0, 6.0) } as usize;
+    let sizes = values.iter().flatten().map(|x| x.abs()).filter(|x| x.is_finite() && *x > 0.0);
+    let smallest = sizes.fold(largest, f64::min);
+    let place = |x: f64| x.log10().floor();
+    let wanted = (1.0 - place(smallest)).clamp(3.0 - place(largest), 4.0 - place(largest));
+    let decimals = if largest == 0.0 { 0.0 } else { wanted.clamp(0.0, 6.0) } as usize;
     let mut units = units.iter();
     let cell = |value: &Option<f64>| {
         let Some(x) = value else { return "-".to_owned() };
@@ -48,8 +52,8 @@ mod tests {
     #[test]
     fn points_stand_below_each_other() {
         assert_eq!(column(&[Some(1.5), Some(12.25), None], &["m", "m"]), ["1.50", "12.25", "-"]);
-        assert_eq!(column(&[Some(0.5), Some(0.0003)], &["deg"]), ["0.5000", "0.0003"]);
-        assert_eq!(column(&[Some(1061.2), Some(-3.0)], &["N*m"]), ["1061", "-3"]);
+        assert_eq!(column(&[Some(0.5), Some(0.0003)], &["deg"]), ["0.50000", "0.00030"]);
+        assert_eq!(column(&[Some(1061.2), Some(-3.0)], &["N*m"]), ["1061.2", "-3.0"]);
         assert_eq!(column(&[Some(0.0), Some(-0.0)], &[]), ["0", "0"]);
         assert_eq!(column(&[Some(1.5e-9), Some(2e-9)], &["m"]), ["1.500e-9", "2.000e-9"]);
         assert_eq!(column(&[Some(1.5), None, Some(2.0)], &["m", "deg"]), ["1.500 m", "-", "2.000 deg"]);

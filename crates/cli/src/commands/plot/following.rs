@@ -5,7 +5,7 @@ use blocksim_results::format::{fixed, significant};
 use blocksim_results::{Align, Column, Table};
 use serde_json::{Value, json};
 
-use super::panels::{Drawn, at_times};
+use super::drawn::{Drawn, followed};
 use crate::signals::traces::Book;
 
 /// The numbers of one pair of set and actual value.
@@ -36,8 +36,8 @@ pub fn rows(all: &[Drawn], books: &[Book]) -> Vec<Row> {
                 };
                 let Some(follows) = own(actual) else { continue };
                 let wanted = own(set).unwrap_or(&drawn.columns[set]);
-                let wanted = at_times(wanted, &follows.time);
-                let Some(metrics) = metrics(&follows.time, Some(&wanted), &follows.values) else { continue };
+                let (wanted, there) = followed(wanted, follows, &drawn.group.unit);
+                let Some(metrics) = metrics(&follows.time, Some(&wanted), &there) else { continue };
                 rows.push(Row {
                     path: books[0].traces[drawn.group.traces[actual]].path.clone(),
                     name: match drawn.group.pairs.len() {

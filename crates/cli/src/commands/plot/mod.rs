@@ -1,7 +1,8 @@
 //! `blocksim plot`: signals of runs and tables over time, in the terminal and as files.
 
+pub mod drawn;
 pub mod following;
-pub mod labels;
+pub mod groups;
 pub mod panels;
 mod terminal;
 
@@ -12,8 +13,9 @@ use std::path::{Path, PathBuf};
 use blocksim_plot::{Theme, svg};
 use blocksim_signal::closest;
 
-use self::labels::add;
-use self::panels::{Drawn, chosen, figure, groups, panel, read};
+use self::drawn::{Drawn, add_once, read};
+use self::groups::{chosen, groups};
+use self::panels::{figure, panel};
 use crate::args::plot::PlotArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
@@ -64,7 +66,7 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, (String, Exit)> {
     let groups = groups(&books[0], &selected, args.layout);
     let left = groups.len().saturating_sub(PANELS);
     for group in groups.into_iter().take(PANELS) {
-        add(&mut all, read(group, &books, &range).map_err(files)?);
+        add_once(&mut all, read(group, &books, &range).map_err(files)?);
     }
     if left > 0 {
         console.say(&format!("note: {left} more pictures are left out; choose signals to see them"));

@@ -2,7 +2,7 @@
 
 use blocksim_results::{PlotOptions, Series};
 
-use super::panels::{Drawn, error};
+use super::drawn::{Drawn, error};
 use crate::signals::traces::Book;
 use crate::terminal::console::Console;
 
@@ -45,8 +45,11 @@ fn plot(drawn: &Drawn, books: &[Book], console: Console) -> String {
     let (width, ascii) = (console.width, console.ascii);
     let options = PlotOptions { title: &title, width, height: ROWS, ascii, ..PlotOptions::default() };
     let mut text = blocksim_results::plot(&series, &options);
-    let errors: Vec<_> =
-        group.pairs.iter().map(|&(set, actual)| error(&columns[set], &columns[actual])).collect();
+    let errors: Vec<_> = group
+        .pairs
+        .iter()
+        .map(|&(set, actual)| error(&columns[set], &columns[actual], &group.unit))
+        .collect();
     let series: Vec<Series> = errors
         .iter()
         .map(|error| Series { name: "error", x: &error.time, y: &error.values, step: false })

@@ -8,9 +8,9 @@ use blocksim_results::{ALWAYS, Column, Kind};
 use super::numbers::{readable, shortest};
 use super::titles::Titles;
 use crate::args::plot::Layout;
+use crate::commands::plot::drawn::{Drawn, add_once};
 use crate::commands::plot::following::{Row, rows};
-use crate::commands::plot::labels;
-use crate::commands::plot::panels::{Drawn, Group, chosen, groups};
+use crate::commands::plot::groups::{Group, chosen, groups};
 use crate::signals::traces::Book;
 
 /// Most pictures in a page.
@@ -60,7 +60,7 @@ pub fn add(books: &[Book; 1], titles: &Titles, joints: &[String], report: &mut R
         let is_joint = drawn.group.traces.iter().all(|&at| joints.contains(&book.traces[at].path));
         let is_known = |column: &Column| all.iter().any(|other| is_shown(column, &drawn, other));
         if !is_joint || !drawn.columns.iter().all(is_known) {
-            labels::add(&mut all, drawn);
+            add_once(&mut all, drawn);
         }
     }
     for drawn in &all {

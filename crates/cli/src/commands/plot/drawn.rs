@@ -1,0 +1,111 @@
+//! The values of pictures, from all runs and tables.
+
+use std::ops::RangeInclusive;
+
+use blocksim_analysis::{Interpolation, Series, without_jumps};
+use blocksim_results::{Column, Kind};
+use blocksim_signal::Unit;
+
+use super::groups::Group;
+use crate::signals::shown::turn;
+use crate::signals::traces::Book;
+
+/// The values of a group.
+pub struct Drawn {
+    /// What it shows.
+    pub group: Group,
+    /// Values in the unit of the group, one column for each signal.
+    pub columns: Vec<Column>,
+    /// Whether the values of a signal hold until the next one.
+    pub steps: Vec<bool>,
+    /// The same signals of the other books, where they have them: book, position in the group, values.
+    pub others: Vec<(usize, usize, Column)>,
+}
+
+/// Reads the values of a group from all books.
+///
+/// # Errors
+/// What to tell the person at the keyboard.
+pub fn read(group: Group, books: &[Book], range: &RangeInclusive<f64>) -> Result<Drawn, String> {
+    let first = &books[0];
+    let mut drawn = Drawn { columns: Vec::new(), steps: Vec::new(), others: Vec::new(), group };
+    for (n, &at) in drawn.group.traces.iter().enumerate() {
+        let trace = &first.traces[at];
+        let mut column = first.picture(at, range)?;
+        column.values.iter_mut().for_each(|value| *value = trace.unit.from_si(*value));
+        drawn.columns.push(column);
+        drawn.steps.push(trace.kind != Kind::Real);
+        for (number, book) in books.iter().enumerate().skip(1) {
+            let Some(there) = book.find(&trace.path) else { continue };
+            let other = &book.traces[there];
+            if other.has_unit && trace.has_unit && !other.unit.dimension.compatible(trace.unit.dimension) {
+                return Err(format!(
+                    "error: `{}` is in {} in `{}`, but in {} in `{}`\n  = help: say the unit, such as --map \
+                     'COLUMN={}[unit]'",
+                    trace.path, trace.unit, first.name, other.unit, book.name, trace.path
+                ));
+            }
+            let mut column = book.picture(there, range)?;
+            // Without a unit of its own a column is taken to be in the unit shown.
+            if other.has_unit {
+                column.values.iter_mut().for_each(|value| *value = trace.unit.from_si(*value));
+            }
+            drawn.others.push((number, n, column));
+        }
+    }
+    Ok(drawn)
+}
+
+/// Whether two groups show the same values at ports of the same names.
+fn is_same(a: &Drawn, b: &Drawn) -> bool {
+    let same = |x: &Column, y: &Column| x.time == y.time && x.values == y.values;
+    a.group.unit == b.group.unit
+        && a.group.ports == b.group.ports
+        && a.columns.iter().zip(&b.columns).all(|(x, y)| same(x, y))
+}
+
+/// Adds what was read of a group, unless it is there: two scopes may show the same. Of these the one with labels stays.
+pub fn add_once(all: &mut Vec<Drawn>, drawn: Drawn) {
+    match all.iter_mut().find(|other| is_same(other, &drawn)) {
+        Some(other) if drawn.group.is_labelled && !other.group.is_labelled => *other = drawn,
+        Some(_) => {}
+        None => all.push(drawn),
+    }
+}
+
+/// Set value, at the times of the actual one, and actual value. Angles in `unit` that jump by whole turns are made to go on.
+pub fn followed(set: &Column, actual: &Column, unit: &str) -> (Vec<f64>, Vec<f64>) {
+    let (mut wanted, mut there) = (set.clone(), actual.values.clone());
+    if let Some(turn) = Unit::parse(unit).ok().and_then(|unit| turn(&unit)) {
+        without_jumps(&mut wanted.values, &mut there, turn);
+    }
+    (at_times(&wanted, &actual.time), there)
+}
+
+/// Set value less actual value, at the times of the actual one.
+pub fn error(set: &Column, actual: &Column, unit: &str) -> Column {
+    let (wanted, there) = followed(set, actual, unit);
+    let values = wanted.iter().zip(&there).map(|(set, actual)| set - actual).collect();
+    Column { values, time: actual.time.clone() }
+}
+
+/// The values of a signal at other times.
+fn at_times(column: &Column, time: &[f64]) -> Vec<f64> {
+    if column.time == time {
+        return column.values.clone();
+    }
+    let series = Series::new(&column.time, &column.values);
+    let covers = series.span().unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
+    let at = |&t: &f64| match series.at(t, Interpolation::Linear, 0.0) {
+        Some((_, value)) if t >= covers.0 && t <= covers.1 => value,
+        _ => f64::NAN,
+    };
+    time.iter().map(at).collect()
+}
+
+/// Whether two signals are the same to the eye, over the time that both have.
+pub fn agree(a: &Column, b: &Column) -> bool {
+    let size = a.values.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+    let there = at_times(a, &b.time);
+    there.iter().zip(&b.values).all(|(x, y)| x.is_nan() || (x - y).abs() <= 1e-3 * size)
+}
