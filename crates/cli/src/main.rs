@@ -28,6 +28,7 @@ use clap::Parser;
 
 use crate::args::{Args, Command};
 use crate::exit::Exit;
+use crate::running::interrupt;
 use crate::terminal::console::Console;
 
 /// What `blocksim` alone prints.
@@ -53,6 +54,7 @@ blocksim simulates block diagrams written as text.
 
 fn main() -> ExitCode {
     bug::report_panics();
+    interrupt::survive_full_files();
     let args = Args::parse();
     let console = Console::of_process(args.color, args.ascii);
     let outcome = match &args.command {

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 const LAG: &str = r#"Diagram(
@@ -110,7 +110,7 @@ fn a_run_is_told_and_kept() {
     let answer = desk.call(&["run", "lag.ron"]);
     assert_eq!(answer.code, Some(0), "{answer:?}");
     assert_eq!(answer.err, "");
-    for part in ["First order lag\nsimulated  1.000 s in ", "solver     Ode45", "largest error [deg]", "┤"]
+    for part in ["First order lag\nsimulated  1.000 s in ", "solver     Ode45", "following [deg]  largest error", "┤"]
     {
         assert!(answer.out.contains(part), "{part} is missing in\n{}", answer.out);
     }
@@ -303,90 +303,6 @@ fn the_program_alone_says_what_it_can_do() {
     );
 }
 
-#[cfg(unix)]
-fn wait_for(path: &Path) {
-    while !path.exists() {
-        std::thread::sleep(std::time::Duration::from_millis(10));
-    }
-}
-
-#[cfg(unix)]
-#[test]
-fn results_that_cannot_be_written_at_the_end_leave_nothing_half_named() {
-    let desk = Desk::with(&[("long.ron", LONG)]);
-    let mut command = desk.command(&["run", "long.ron", "--out", "kept/here"]);
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    wait_for(&desk.0.join("kept/here.partial/signals.rec"));
-    // Somebody clears away while the run goes on.
-    fs::remove_dir_all(desk.0.join("kept")).unwrap();
-    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    let answer = Answer::from(child.wait_with_output().unwrap());
-    assert_eq!(answer.code, Some(4), "{answer:?}");
-    for part in ["error: cannot write the results to `", "kept/here", "removed during the run", "= help: "] {
-        assert!(answer.err.contains(part), "{part} is missing in {answer:?}");
-    }
-    // What was simulated is at least told.
-    assert!(
-        answer.out.contains("interrupted before its end") && !answer.out.contains("results "),
-        "{answer:?}"
-    );
-    assert_eq!(names(&desk.0), ["long.ron"]);
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn a_disk_that_is_full_at_the_end_is_told_with_what_helps() {
-    let desk = Desk::with(&[("long.ron", LONG)]);
-    let mut command = desk.command(&["run", "long.ron", "--out", "kept", "--quiet"]);
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let partial = desk.0.join("kept.partial");
-    wait_for(&partial);
-    // The signals go to a device that is always full.
-    std::os::unix::fs::symlink("/dev/full", partial.join("signals.csv.tmp")).unwrap();
-    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    let answer = Answer::from(child.wait_with_output().unwrap());
-    assert_eq!((answer.code, answer.out.as_str()), (Some(4), ""), "{answer:?}");
-    for part in ["kept.partial/signals.csv`: the disk is full\n", "= help: free some space, "] {
-        assert!(answer.err.contains(part), "{part} is missing in {answer:?}");
-    }
-    assert!(answer.err.contains("what was recorded is kept in ") && answer.err.contains("kept.partial"));
-    assert_eq!(names(&desk.0), ["kept.partial", "long.ron"]);
-    assert_eq!(desk.call(&["export", "kept.partial", "--csv", "saved.csv"]).code, Some(0));
-    assert!(desk.read("saved.csv").lines().count() > 1);
-}
-
-#[cfg(unix)]
-#[test]
-fn what_a_run_that_was_killed_has_written_is_read_and_listed() {
-    let desk = Desk::with(&[("long.ron", LONG)]);
-    let mut child = desk.command(&["run", "long.ron", "--quiet"]).spawn().unwrap();
-    let begun = || {
-        let runs = desk.0.join("runs");
-        let run = fs::read_dir(runs).ok()?.find_map(|run| {
-            let path = run.ok()?.path();
-            path.to_string_lossy().ends_with(".partial").then_some(path)
-        })?;
-        let written = fs::read(run.join("signals.rec")).ok()?;
-        written.windows(4).any(|bytes| bytes == b"CHNK").then_some(run)
-    };
-    let run = loop {
-        match begun() {
-            Some(run) => break run,
-            None => std::thread::sleep(std::time::Duration::from_millis(10)),
-        }
-    };
-    child.kill().unwrap();
-    child.wait().unwrap();
-    let listed = desk.call(&["runs"]);
-    assert!(listed.out.contains("unfinished") && listed.out.contains("long.ron"), "{listed:?}");
-    let export = desk.call(&["export", &run.display().to_string(), "--csv", "part.csv"]);
-    assert_eq!(export.code, Some(0), "{export:?}");
-    assert!(export.err.contains("its recording was not closed"), "{export:?}");
-    assert!(desk.read("part.csv").lines().count() > 1);
-    // It is no finished run.
-    assert_eq!(desk.call(&["export", "latest", "--csv", "other.csv"]).code, Some(4));
-}
-
 #[test]
 fn runs_are_listed_and_exported_at_the_rates_that_were_asked_for() {
     let desk = Desk::with(&[("lag.ron", LAG)]);
@@ -445,21 +361,6 @@ fn runs_are_listed_and_exported_at_the_rates_that_were_asked_for() {
         ["events.csv", "log.txt", "manifest.json", "model.json", "signals.rec"]
     );
     assert_eq!(desk.call(&["runs", "none"]).code, Some(0));
-}
-
-#[cfg(unix)]
-#[test]
-fn ctrl_c_keeps_what_was_recorded() {
-    let desk = Desk::with(&[("long.ron", LONG)]);
-    let mut command = desk.command(&["run", "long.ron", "--out", "kept"]);
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // Ctrl-C is taken over before the folder is begun.
-    wait_for(&desk.0.join("kept.partial"));
-    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    let answer = Answer::from(child.wait_with_output().unwrap());
-    assert_eq!(answer.code, Some(130), "{answer:?}");
-    assert!(answer.out.contains("interrupted before its end"), "{answer:?}");
-    assert!(desk.read("kept/manifest.json").contains("\"how\": \"interrupted\""));
 }
 
 const PENDULUM: &str = r#"<robot name="pendulum">

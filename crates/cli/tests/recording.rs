@@ -1,10 +1,10 @@
 //! What is recorded of a run, how often, and what other programs get of it.
 
-use std::fs;
-use std::path::PathBuf;
-use std::process::Command;
-use std::sync::atomic::{AtomicU32, Ordering};
+mod desk;
 
+use std::fs;
+
+use desk::Desk;
 use expect_test::expect;
 
 /// A model of which some signals are recorded less often; `RECORD` stands for the entries.
@@ -26,61 +26,28 @@ const MODEL: &str = r#"Diagram(
 )
 "#;
 
-/// A folder of its own for each test, removed at the end.
-struct Desk(PathBuf);
-
-impl Desk {
-    /// With `m.ron`, which has these entries of `record`.
-    fn with(record: &str) -> Desk {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
-        let n = COUNT.fetch_add(1, Ordering::Relaxed);
-        let path = std::env::temp_dir().join(format!("blocksim-recording-{}-{n}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        fs::write(path.join("m.ron"), MODEL.replace("RECORD", record)).unwrap();
-        Desk(path)
-    }
-
-    /// What is said, on both outputs, and the exit code.
-    fn said(&self, arguments: &[&str]) -> String {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
-        command.current_dir(&self.0).args(arguments).env_remove("CLICOLOR_FORCE").env("COLUMNS", "70");
-        let output = command.output().unwrap();
-        let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
-        format!("{out}{err}exit code {}\n", output.status.code().unwrap())
-    }
-
-    /// Lines of each table of a run, without the headings.
-    fn rows(&self, run: &str) -> Vec<(String, usize)> {
-        let mut all: Vec<(String, usize)> = fs::read_dir(self.0.join(run))
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .filter(|name| name.starts_with("signals") && name.ends_with(".csv"))
-            .map(|name| {
-                let lines = fs::read_to_string(self.0.join(run).join(&name)).unwrap().lines().count();
-                (name, lines - 1)
-            })
-            .collect();
-        all.sort();
-        all
-    }
+/// A desk with `m.ron`, which has these entries of `record`.
+fn with(record: &str) -> Desk {
+    Desk::with(&[("m.ron", &MODEL.replace("RECORD", record))])
 }
 
-impl Drop for Desk {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
+/// Lines of each table of a run, without the headings.
+fn rows(desk: &Desk, run: &str) -> Vec<(String, usize)> {
+    let tables =
+        desk.names(run).into_iter().filter(|name| name.starts_with("signals") && name.ends_with(".csv"));
+    tables.map(|name| (name.clone(), desk.read(&format!("{run}/{name}")).lines().count() - 1)).collect()
 }
 
 #[test]
 fn the_diagram_says_how_often_and_the_command_line_overrules_it() {
-    let desk = Desk::with(r#"(signals: "scope.*", every: "10 ms"), (signals: "lag.*", rows: 100)"#);
+    let desk = with(r#"(signals: "scope.*", every: "10 ms"), (signals: "lag.*", rows: 100)"#);
     assert_eq!(desk.said(&["run", "m.ron", "--out", "a", "--quiet"]), "a\nexit code 0\n");
-    let rows = desk.rows("a");
+    let found = rows(&desk, "a");
     let of =
         |rows: &[(String, usize)], name: &str| rows.iter().find(|(known, _)| known == name).map(|row| row.1);
-    assert_eq!(of(&rows, "signals.csv"), Some(101), "{rows:?}");
-    assert_eq!(of(&rows, "signals-100rows.csv"), Some(11), "{rows:?}");
-    assert!(of(&rows, "signals-all.csv") >= Some(1001), "{rows:?}");
+    assert_eq!(of(&found, "signals.csv"), Some(101), "{found:?}");
+    assert_eq!(of(&found, "signals-100rows.csv"), Some(11), "{found:?}");
+    assert!(of(&found, "signals-all.csv") >= Some(1001), "{found:?}");
     let manifest = fs::read_to_string(desk.0.join("a/manifest.json")).unwrap();
     let start = manifest.find("\"recorded\"").unwrap();
     let end = start + manifest[start..].find("\"started\"").unwrap();
@@ -91,14 +58,14 @@ fn the_diagram_says_how_often_and_the_command_line_overrules_it() {
     );
 
     let said = desk.said(&["run", "m.ron", "--out", "b", "--quiet", "--signals", "scope@20ms"]);
-    assert_eq!((said.as_str(), desk.rows("b")), ("b\nexit code 0\n", vec![("signals.csv".to_owned(), 51)]));
+    assert_eq!((said.as_str(), rows(&desk, "b")), ("b\nexit code 0\n", vec![("signals.csv".to_owned(), 51)]));
     let manifest = fs::read_to_string(desk.0.join("b/manifest.json")).unwrap();
     assert!(manifest.contains("\"scope@20ms\""), "{manifest}");
 }
 
 #[test]
 fn what_cannot_be_recorded_is_told_with_place_and_remedy() {
-    let desk = Desk::with(r#""lg.y", "scop*", (signals: "lag.y", every: "1.5 ms")"#);
+    let desk = with(r#""lg.y", "scop*", (signals: "lag.y", every: "1.5 ms")"#);
     expect![[r#"
         error[unknown_signal]: no signal matches `lg.y`
          --> m.ron:3:14
@@ -128,7 +95,7 @@ fn what_cannot_be_recorded_is_told_with_place_and_remedy() {
         exit code 3
     "#]]
     .assert_eq(&desk.said(&["check", "m.ron"]));
-    let desk = Desk::with("");
+    let desk = with("");
     expect![[r#"
         error: the rate of `scope`, 1.5 ms, is no multiple of the step, 1 ms
           = help: write 2 ms, or a number of rows such as `scope@10rows`
@@ -145,7 +112,7 @@ fn what_cannot_be_recorded_is_told_with_place_and_remedy() {
 
 #[test]
 fn a_parquet_file_is_written_for_each_rate_and_never_replaced() {
-    let desk = Desk::with(r#"(signals: "scope.*", every: "10 ms")"#);
+    let desk = with(r#"(signals: "scope.*", every: "10 ms")"#);
     assert_eq!(desk.said(&["run", "m.ron", "--out", "a", "--quiet"]), "a\nexit code 0\n");
     expect![[r#"
         a.parquet
@@ -174,7 +141,7 @@ fn a_parquet_file_is_written_for_each_rate_and_never_replaced() {
 
 #[test]
 fn recordings_that_have_nothing_in_common_are_told() {
-    let desk = Desk::with(r#"(signals: "scope.*", every: "10 ms")"#);
+    let desk = with(r#"(signals: "scope.*", every: "10 ms")"#);
     assert_eq!(
         desk.said(&["run", "m.ron", "--out", "a", "--quiet", "--signals", "scope@10ms"]),
         "a\nexit code 0\n"

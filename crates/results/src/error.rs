@@ -120,7 +120,7 @@ impl ResultsError {
         match self {
             ResultsError::FolderInUse { .. } => "it already holds files".to_owned(),
             ResultsError::NoFolderName { .. } => "this is no name for a new folder".to_owned(),
-            _ if self.is_gone() => "its folder was removed during the run".to_owned(),
+            _ if self.is_gone() => "its folder was removed or renamed during the run".to_owned(),
             ResultsError::Io { source, .. } => io_reason(source),
             ResultsError::Csv { source, .. } => source.to_string(),
             ResultsError::Damaged { problem, .. } => problem.clone(),
@@ -179,6 +179,7 @@ fn io_reason(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::StorageFull => "the disk is full".to_owned(),
         io::ErrorKind::QuotaExceeded => "your share of the disk is used up".to_owned(),
+        io::ErrorKind::FileTooLarge => "no file may become so large here".to_owned(),
         io::ErrorKind::PermissionDenied => "you may not write or read there".to_owned(),
         io::ErrorKind::ReadOnlyFilesystem => "the disk is read-only".to_owned(),
         io::ErrorKind::NotADirectory => "part of the path is a file, not a folder".to_owned(),
@@ -193,6 +194,9 @@ fn io_remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
             "free some space, record fewer signals, or choose another place with --out"
+        }
+        io::ErrorKind::FileTooLarge => {
+            "raise the limit of the system (`ulimit -f`), record fewer signals, or choose another place with --out"
         }
         io::ErrorKind::NotFound => "check the path",
         io::ErrorKind::InvalidFilename => "choose a shorter, plainer name",

@@ -16,10 +16,7 @@ use crate::error::ResultsError;
 /// [`ResultsError`] where the folder cannot be created or written.
 pub fn probe(parent: &Path) -> Result<(), ResultsError> {
     fs::create_dir_all(parent).map_err(|error| ResultsError::io("create", parent, error))?;
-    // A name of its own for each process and thread.
-    static PROBES: AtomicU32 = AtomicU32::new(0);
-    let n = PROBES.fetch_add(1, Ordering::Relaxed);
-    let file = parent.join(format!(".blocksim-probe-{}-{n}", process::id()));
+    let file = parent.join(format!(".blocksim-probe-{}", unique()));
     let tried = fs::write(&file, [b'x'; 4096]);
     let removed = fs::remove_file(&file);
     tried.and(removed).map_err(|error| ResultsError::io("write into", parent, error))
@@ -36,9 +33,9 @@ pub fn write_whole(
     content: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
 ) -> Result<PathBuf, ResultsError> {
     let target = folder.join(name);
-    let temporary = folder.join(format!("{name}.tmp"));
+    let temporary = folder.join(format!(".{name}-{}.tmp", unique()));
     let write = || -> io::Result<()> {
-        let mut file = BufWriter::new(File::create(&temporary)?);
+        let mut file = BufWriter::new(File::create_new(&temporary)?);
         content(&mut file)?;
         // A disk may report that it is full only now.
         file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
@@ -50,6 +47,12 @@ pub fn write_whole(
         ResultsError::io("write", &target, error)
     })?;
     Ok(target)
+}
+
+/// A part of a name of its own for each process and thread.
+fn unique() -> String {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    format!("{}-{}", process::id(), COUNT.fetch_add(1, Ordering::Relaxed))
 }
 
 /// `name`, then `name-2`, `name-3` …

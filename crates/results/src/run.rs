@@ -166,19 +166,16 @@ impl Run {
 
     /// Why something is missing at the end, in words; none if the run came to its end and all of it is there.
     pub fn shortfall(&self) -> Option<String> {
-        if let Source::Store(store) = &self.source
-            && !store.is_whole()
-        {
-            return Some(
-                "its recording was not closed: the program still runs, or was ended by force".to_owned(),
-            );
-        }
-        match &self.manifest.as_ref()?.ended {
-            Ended::Complete => None,
-            Ended::Unfinished => Some("it still runs, or was ended by force".to_owned()),
-            Ended::Stopped { reason } => Some(format!("it was stopped: {reason}")),
-            Ended::Interrupted => Some("it was interrupted".to_owned()),
-            Ended::Failed { reason } => Some(format!("it failed: {reason}")),
+        let is_closed = !matches!(&self.source, Source::Store(store) if !store.is_whole());
+        match self.manifest.as_ref().map(|manifest| &manifest.ended) {
+            Some(Ended::Stopped { reason }) => Some(format!("it was stopped: {reason}")),
+            Some(Ended::Interrupted) => Some("it was interrupted".to_owned()),
+            Some(Ended::Failed { reason }) => Some(format!("it failed: {reason}")),
+            _ if !is_closed => {
+                Some("its recording was not closed: the program still runs, or was ended by force".to_owned())
+            }
+            Some(Ended::Unfinished) => Some("it still runs, or was ended by force".to_owned()),
+            Some(Ended::Complete) | None => None,
         }
     }
 

@@ -124,7 +124,7 @@ fn a_folder_that_is_gone_is_told_as_such() {
     let run = RunFolder::create_at_time(&scratch.0, "pick", start()).unwrap();
     fs::remove_dir(scratch.0.join("2026-11-21T14-03-22_pick.partial")).unwrap();
     let error = run.write_log(&[]).unwrap_err();
-    assert_eq!(error.reason(), "its folder was removed during the run");
+    assert_eq!(error.reason(), "its folder was removed or renamed during the run");
     assert!(error.remedy().contains("--out"));
 }
 

@@ -66,6 +66,9 @@ fn told(error: &ResultsError) -> String {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
             (error.reason(), "free some space, write fewer signals, or name a file elsewhere")
         }
+        io::ErrorKind::FileTooLarge => {
+            (error.reason(), "raise the limit of the system (`ulimit -f`), or write fewer signals")
+        }
         _ => (error.reason(), "name a file elsewhere"),
     };
     format!("error: cannot write `{}`: {reason}\n  = help: {remedy}", path.display())
@@ -131,7 +134,6 @@ fn fresh(
     let name = file
         .file_name()
         .ok_or_else(|| ResultsError::io("write", file, io::ErrorKind::InvalidFilename.into()))?;
-    let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    write_whole(folder, &name.to_string_lossy(), content)?;
+    write_whole(file.parent().unwrap_or(Path::new("")), &name.to_string_lossy(), content)?;
     Ok(file.to_owned())
 }

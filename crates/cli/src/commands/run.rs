@@ -16,7 +16,7 @@ use crate::args::values::RUNS;
 use crate::exit::Exit;
 use crate::loaded::load;
 use crate::running::blame::{failure, reason};
-use crate::running::keep::{self, Csv, Rest, is_csv_written, keep};
+use crate::running::keep::{self, Csv, Kept, Rest, is_csv_written, keep};
 use crate::running::model_text::{self, MODEL};
 use crate::running::recorder::Recorder;
 use crate::running::report::{Report, log};
@@ -24,6 +24,7 @@ use crate::running::selection::select;
 use crate::running::{interrupt, manifest, solver};
 use crate::scene;
 use crate::terminal::console::Console;
+use crate::terminal::format::short_time;
 use crate::terminal::progress::{Progress, Telling};
 use crate::terminal::render::{self, plural};
 
@@ -135,10 +136,25 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
     let (run, seen) = match store.map(Run::of).and_then(|run| keep::seen(&run).map(|seen| (run, seen))) {
         Ok(both) => both,
         Err(error) => {
-            console.say(&refused(&error));
+            // A disk that is full from the start may not even have taken the header.
+            if lost.is_none() {
+                console.say(&refused(&error));
+            }
             return Ok(Exit::Files);
         }
     };
+    if lost.is_some() {
+        console.say(&match run.span() {
+            Some((from, to)) => {
+                format!(
+                    "  = note: what was recorded from {} s to {} s is kept",
+                    short_time(from),
+                    short_time(to)
+                )
+            }
+            None => "  = note: nothing could be recorded".to_owned(),
+        });
+    }
     let recorded: Vec<Recorded> =
         seen.signals.iter().map(|&at| schedule.recorded[selection.sources[at]].clone()).collect();
     let report = Report {
@@ -148,7 +164,11 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
         recorded: &recorded,
         recording: &seen.recording,
         signals: run.signals().len(),
-        rows,
+        rows: if lost.is_none() {
+            rows
+        } else {
+            (0..run.rates().len()).map(|base| run.rows(base)).max().unwrap_or(0)
+        },
     };
     let log = log(&report, &loaded, &events);
     for file in scene.into_iter().flat_map(scene::missing_meshes) {
@@ -162,8 +182,8 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
         _ => Csv::Sensibly,
     };
     let rest = Rest { csv, events: &events, log: &log, manifest: &manifest, scene };
-    let place = match keep(folder, &run, rest) {
-        Ok(place) => place,
+    let Kept { folder: place, untold } = match keep(folder, &run, rest) {
+        Ok(kept) => kept,
         Err(error) => {
             // A disk that is full is told once.
             if lost.is_none() {
@@ -202,6 +222,14 @@ pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
         console.say(&format!(
             "note: no signals.csv, as it would be very large; `blocksim export {place} --csv FILE` writes it"
         ));
+    }
+    // A disk that is full is told once.
+    if let Some(error) = untold.filter(|_| lost.is_none()) {
+        console.say(&refused(&error));
+        console.say(&format!(
+            "  = note: all signals are in {place}/{STORE}; `blocksim export {place} --csv FILE` writes them as text"
+        ));
+        exit = Exit::Files;
     }
     if args.report {
         match super::report::written(&ReportArgs::of(place), console) {

@@ -41,19 +41,20 @@ pub struct Rest<'a> {
     pub scene: Option<&'a Scene>,
 }
 
-/// Writes it and gives the folder its name; returns the folder.
+/// What has become of the folder of a run.
+#[derive(Debug)]
+pub struct Kept {
+    /// Where it is now.
+    pub folder: PathBuf,
+    /// Why signals are not there as text, if they should be. The recording has them.
+    pub untold: Option<ResultsError>,
+}
+
+/// Writes it and gives the folder its name.
 ///
 /// # Errors
 /// [`ResultsError`] with the first file that cannot be written. The recording stays where it is.
-pub fn keep(folder: RunFolder, run: &Run, rest: Rest) -> Result<PathBuf, ResultsError> {
-    if is_csv_written(run, rest.csv) {
-        for (base, rate) in run.rates().iter().enumerate() {
-            if let Some(name) = file_of(base, *rate) {
-                let signals = of_base(run, base);
-                folder.write(&name, |w| write_run_csv(w, run, base, &signals, &ALWAYS))?;
-            }
-        }
-    }
+pub fn keep(folder: RunFolder, run: &Run, rest: Rest) -> Result<Kept, ResultsError> {
     folder.write_events(rest.events)?;
     folder.write_log(rest.log)?;
     if let Some(scene) = rest.scene {
@@ -61,7 +62,19 @@ pub fn keep(folder: RunFolder, run: &Run, rest: Rest) -> Result<PathBuf, Results
         folder.write("scene.json", |out| out.write_all(scene::json(scene, &kept).as_bytes()))?;
     }
     folder.write_manifest(rest.manifest)?;
-    folder.finish()
+    // Last, as it takes most room and can be made again.
+    let tables = if is_csv_written(run, rest.csv) { write_tables(&folder, run) } else { Ok(()) };
+    Ok(Kept { folder: folder.finish()?, untold: tables.err() })
+}
+
+fn write_tables(folder: &RunFolder, run: &Run) -> Result<(), ResultsError> {
+    for (base, rate) in run.rates().iter().enumerate() {
+        if let Some(name) = file_of(base, *rate) {
+            let signals = of_base(run, base);
+            folder.write(&name, |w| write_run_csv(w, run, base, &signals, &ALWAYS))?;
+        }
+    }
+    Ok(())
 }
 
 /// Whether the signals of a run are written as text.
