@@ -110,7 +110,8 @@ fn a_run_is_told_and_kept() {
     let answer = desk.call(&["run", "lag.ron"]);
     assert_eq!(answer.code, Some(0), "{answer:?}");
     assert_eq!(answer.err, "");
-    for part in ["First order lag\nsimulated  1.000 s in ", "solver     Ode45", "following [deg]  largest error", "┤"]
+    for part in
+        ["First order lag\nsimulated  1.000 s in ", "solver     Ode45", "following [deg]  largest error", "┤"]
     {
         assert!(answer.out.contains(part), "{part} is missing in\n{}", answer.out);
     }

@@ -223,7 +223,7 @@ fn measured_values_lie_over_a_run_once_their_columns_are_mapped() {
     .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--map", "Winkl=scope.actual[deg]"]));
     expect![[r#"
         error: the unit of column `Winkel` in `m.csv` is not known: unknown unit `grad`
-          = help: write `g*rad`
+          = help: write `g*rad`, or say it with --map 'Winkel=scope.actual[UNIT]'
         exit code 4
     "#]]
     .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--map", "Winkel=scope.actual[grad]"]));
@@ -430,9 +430,8 @@ fn foreign_tables_are_compared_and_their_faults_told() {
     "#]]
     .assert_eq(&desk.said(&arguments(&map)));
     expect![[r#"
-        note: `b.csv` tells no units; taken are `m.x` in N*m
         error: the unit of column `M` in `b.csv` is not known: unknown unit `Nm`
-          = help: write `N*m`
+          = help: write `N*m`, or say it with --map 'M=m.x[UNIT]'
         exit code 4
     "#]]
     .assert_eq(&desk.said(&arguments(&["--map", "M=m.x"])));

@@ -36,7 +36,7 @@ impl<R: BufRead> Records<R> {
     }
 
     /// The same with semicolons, tabs or commas between fields, whichever of them occurs in the first record, in this
-    /// order.
+    /// order. Lines before it that begin with `#` are passed over; `sep=;` in a line of its own says the sign.
     pub fn of_any_delimiter(source: R, limit: usize) -> Records<R> {
         Records { delimiter: None, ..Records::new(source, limit) }
     }
@@ -54,6 +54,12 @@ impl<R: BufRead> Records<R> {
             if !self.read_line()? {
                 return Ok(false);
             }
+            if self.line == 1 && self.bytes.starts_with(b"\xef\xbb\xbf") {
+                self.bytes.drain(..3);
+            }
+            if self.is_preamble() {
+                continue;
+            }
             let mut open = odd_quotes(&self.bytes);
             while open {
                 let before = self.bytes.len();
@@ -62,13 +68,14 @@ impl<R: BufRead> Records<R> {
                 }
                 open ^= odd_quotes(&self.bytes[before..]);
             }
-            if self.line == 1 && self.bytes.starts_with(b"\xef\xbb\xbf") {
-                self.bytes.drain(..3);
-            }
             while matches!(self.bytes.last(), Some(b'\n' | b'\r')) {
                 self.bytes.pop();
             }
             if !self.bytes.is_empty() {
+                if self.bytes.contains(&b'\r') && !self.bytes.contains(&b'"') {
+                    let problem = "lines end in carriage returns alone; save the file with line feeds (CSV for Windows or Unix)";
+                    return Err(self.error(None, problem));
+                }
                 self.split()?;
                 return Ok(true);
             }
@@ -101,9 +108,28 @@ impl<R: BufRead> Records<R> {
         }
     }
 
+    /// Whether the present line is one of those that programs put before the names of the columns: a comment, or what
+    /// tells Excel the sign between the columns, `sep=;`.
+    fn is_preamble(&mut self) -> bool {
+        if self.delimiter.is_some() {
+            return false;
+        }
+        let line = self.bytes.trim_ascii_end();
+        if let [b's', b'e', b'p', b'=', sign @ (b',' | b';' | b'\t')] = line {
+            self.delimiter = Some(char::from(*sign));
+            return true;
+        }
+        line.starts_with(b"#")
+    }
+
     fn split(&mut self) -> Result<(), CsvError> {
         let Ok(text) = std::str::from_utf8(&self.bytes) else {
-            return Err(self.error(None, "the line is not UTF-8 text; save the file as UTF-8"));
+            let is_utf16 = self.bytes.starts_with(b"\xff\xfe") || self.bytes.starts_with(b"\xfe\xff");
+            let problem = match is_utf16 {
+                true => "the text is UTF-16; save the file as UTF-8 (`CSV UTF-8` in Excel)",
+                false => "the line is not UTF-8 text; save the file as UTF-8 (`CSV UTF-8` in Excel)",
+            };
+            return Err(self.error(None, problem));
         };
         let delimiter = *self.delimiter.get_or_insert_with(|| delimiter_in(text));
         let mut count = 0;
@@ -190,6 +216,18 @@ mod tests {
     }
 
     #[test]
+    fn comments_and_hints_for_excel_before_the_first_record_are_passed_over() {
+        let first = |text: &str| {
+            let mut records = Records::of_any_delimiter(text.as_bytes(), 60);
+            records.advance().unwrap();
+            (records.line, records.fields().to_vec())
+        };
+        assert_eq!(first("\u{feff}# John's \"log\n#\n\nt;a,b\n"), (4, owned(&["t", "a,b"])));
+        assert_eq!(first("sep=,\r\nt,a;b\n"), (2, owned(&["t", "a;b"])));
+        assert_eq!(all("# no comment,1\n").unwrap(), [(1, owned(&["# no comment", "1"]))]);
+    }
+
+    #[test]
     fn broken_records_are_refused_with_their_line() {
         let message = |text: &str| all(text).unwrap_err().to_string();
         assert_eq!(message("a\n\"b"), "line 2: a quoted field is not closed; add the missing \"");
@@ -201,6 +239,13 @@ mod tests {
         assert_eq!(message(&long), "line 1: the line is longer than 60 bytes; is this a CSV file?");
         let open = format!("\"{}", "x\n".repeat(100));
         assert_eq!(message(&open), "line 1: the line is longer than 60 bytes; is this a CSV file?");
-        assert!(Records::new(&b"\xff\xfe\n"[..], 60).advance().is_err());
+        assert_eq!(
+            message("a,b\r0,1\r"),
+            "line 1: lines end in carriage returns alone; save the file with line feeds (CSV for Windows or Unix)"
+        );
+        let of_bytes = |bytes: &[u8]| Records::new(bytes, 60).advance().unwrap_err().to_string();
+        let advice = "save the file as UTF-8 (`CSV UTF-8` in Excel)";
+        assert_eq!(of_bytes(b"\xff\xfet\0\n\0"), format!("line 1: the text is UTF-16; {advice}"));
+        assert_eq!(of_bytes(b"q [\xb0]\n"), format!("line 1: the line is not UTF-8 text; {advice}"));
     }
 }

@@ -1,5 +1,6 @@
 //! Tables of other programs: measured values, exports of spreadsheets.
 
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -22,8 +23,10 @@ pub struct Foreign {
     pub time_name: String,
     /// Unit of the times, if the file says one.
     pub time_unit: Option<String>,
-    /// All other columns.
+    /// All other columns. No two have the same name.
     pub columns: Vec<ForeignColumn>,
+    /// What the reader should know of: columns that got other names, because several had the same.
+    pub remarks: Vec<String>,
 }
 
 /// A column of a table.
@@ -52,7 +55,7 @@ pub fn read_foreign_file(path: &Path, time: &[&str]) -> Result<Foreign, ResultsE
 
 /// Reads a table: one line with the names of the columns, then numbers.
 ///
-/// Columns are separated by semicolons, tabs or commas, whichever of them the first line has; where that is not the
+/// Lines before it that begin with `#` are passed over. Columns are separated by semicolons, tabs or commas, whichever of them the first line has; where that is not the
 /// comma, numbers may have a decimal comma, but not some a comma and some a point. Units stand behind names,
 /// `angle [deg]` or `angle (deg)`, or in a line of their own below them. The column with the time is the first of
 /// those that `time` names; where there is none of them, that called `time`, `t`, `timestamp` and the like.
@@ -70,6 +73,7 @@ pub fn read_foreign(source: impl BufRead, time: &[&str], limits: ReadLimits) -> 
     }
     let mut columns: Vec<ForeignColumn> = records.fields().iter().map(|heading| column(heading)).collect();
     let at = time_column(&columns, time).map_err(|problem| records.error(None, problem))?;
+    let remarks = tell_apart(&mut columns, at);
     let comma = records.delimiter() != ',';
     let mut decimal = Decimal { sign: if comma { None } else { Some('.') } };
     let mut rows = 0_usize;
@@ -79,9 +83,7 @@ pub fn read_foreign(source: impl BufRead, time: &[&str], limits: ReadLimits) -> 
             records.count -= 1;
         }
         if records.count != columns.len() {
-            let problem = format!("{} columns, but the first line names {}", records.count, columns.len());
-            let hint = if !comma { "; are there decimal commas? then write ; between columns" } else { "" };
-            return Err(records.error(None, problem + hint));
+            return Err(records.error(None, wrong_count(records.count, columns.len(), comma)));
         }
         if rows == 0 && records.fields().iter().all(|field| !is_number(field)) && records.count > 1 {
             for (column, field) in columns.iter_mut().zip(records.fields()) {
@@ -95,16 +97,16 @@ pub fn read_foreign(source: impl BufRead, time: &[&str], limits: ReadLimits) -> 
             return Err(records.error(None, problem));
         }
         for (n, column) in columns.iter_mut().enumerate() {
-            let value =
-                decimal.read(&records.fields[n]).map_err(|problem| records.error(Some(n), problem))?;
-            column.values.push(value);
+            let value = decimal.read(&records.fields[n]);
+            column.values.push(value.map_err(|problem| records.error(Some(n), problem.told(n == at)))?);
         }
         let now = columns[at].values[rows - 1];
         let ordered = now >= last && now.is_finite();
         if !ordered {
-            let problem = match now.is_finite() {
-                true => format!("the time {now} follows {last}; times must not fall"),
-                false => "there is no time in this line".to_owned(),
+            let problem = match now {
+                now if now.is_nan() => "there is no time in this line".to_owned(),
+                now if now.is_infinite() => "the time is infinite".to_owned(),
+                now => format!("the time {now} follows {last}; times must not fall"),
             };
             return Err(records.error(Some(at), problem));
         }
@@ -116,22 +118,62 @@ pub fn read_foreign(source: impl BufRead, time: &[&str], limits: ReadLimits) -> 
     for (n, column) in columns.iter_mut().enumerate().filter(|(_, column)| column.name.is_empty()) {
         column.name = format!("column {}", n + 1 + usize::from(n >= at));
     }
-    Ok(Foreign { time: time.values, time_name: time.name, time_unit: time.unit, columns })
+    Ok(Foreign { time: time.values, time_name: time.name, time_unit: time.unit, columns, remarks })
+}
+
+/// Gives columns of the same name numbers, `q` and `q (2)`; what to tell of it. The column of the time, at `time`, may have
+/// the name of another.
+fn tell_apart(columns: &mut [ForeignColumn], time: usize) -> Vec<String> {
+    let mut known: HashSet<String> = HashSet::new();
+    let mut remarks = Vec::new();
+    for (n, column) in
+        columns.iter_mut().enumerate().filter(|(n, column)| *n != time && !column.name.is_empty())
+    {
+        if known.insert(column.name.clone()) {
+            continue;
+        }
+        let numbered = (2_u32..).map(|k| format!("{} ({k})", column.name)).find(|name| !known.contains(name));
+        let name = numbered.unwrap_or_default();
+        remarks.push(format!(
+            "`{}` stands above several columns; column {} is `{name}` here",
+            column.name,
+            n + 1
+        ));
+        known.insert(name.clone());
+        column.name = name;
+    }
+    remarks
+}
+
+fn wrong_count(found: usize, expected: usize, comma: bool) -> String {
+    let hint = match found < expected {
+        true => "; was the line cut off?",
+        false if !comma => "; are there decimal commas? then write ; between columns",
+        false => "",
+    };
+    let plural = if found == 1 { "" } else { "s" };
+    format!("{found} column{plural}, but the first line names {expected}{hint}")
 }
 
 /// A heading as a column without values.
 fn column(heading: &str) -> ForeignColumn {
-    let heading = heading.trim();
+    let heading = printable(heading.trim());
     let split = [(" [", ']'), (" (", ')')].into_iter().find_map(|(open, close)| {
         let (name, unit) = heading.strip_suffix(close)?.rsplit_once(open)?;
         Some((name.trim(), unit.trim()))
     });
-    let (name, unit) = split.map_or((heading, None), |(name, unit)| (name, Some(unit.to_owned())));
+    let (name, unit) = split.map_or((heading.as_str(), None), |(name, unit)| (name, Some(unit.to_owned())));
     ForeignColumn { name: name.to_owned(), unit: unit.filter(|unit| !unit.is_empty()), values: Vec::new() }
+}
+
+/// A text without signs that would steer a terminal.
+fn printable(text: &str) -> String {
+    text.chars().map(|sign| if sign.is_control() { '\u{fffd}' } else { sign }).collect()
 }
 
 /// A field of the line of units.
 fn unit(field: &str) -> Option<String> {
+    let field = printable(field);
     let unit = field.trim().trim_matches(['[', ']', '(', ')']).trim();
     (!unit.is_empty() && unit != "-").then(|| unit.to_owned())
 }
@@ -161,34 +203,62 @@ struct Decimal {
     sign: Option<char>,
 }
 
+/// Why a field is no number.
+struct NoNumber {
+    shown: String,
+    /// What is wrong with the signs in it, if that is it.
+    signs: Option<&'static str>,
+}
+
+impl NoNumber {
+    /// In words; `is_time` where a time should stand.
+    fn told(&self, is_time: bool) -> String {
+        let shown = &self.shown;
+        match self.signs {
+            Some(signs) => format!("`{shown}` {signs}"),
+            None if is_time => {
+                format!("`{shown}` is no number; write times as numbers, such as seconds from the start")
+            }
+            None => format!("`{shown}` is no number; leave the field empty where there is none"),
+        }
+    }
+}
+
 impl Decimal {
-    fn read(&mut self, field: &str) -> Result<f64, String> {
+    fn read(&mut self, field: &str) -> Result<f64, NoNumber> {
         let field = field.trim();
         if field.is_empty() || field == "-" {
             return Ok(f64::NAN);
         }
-        let found = field.chars().find(|sign| matches!(sign, '.' | ','));
-        let shown: String = field.chars().take(40).collect();
+        let refuse =
+            |signs| NoNumber { shown: printable(&field.chars().take(40).collect::<String>()), signs };
+        let [points, commas] = ['.', ','].map(|sign| field.matches(sign).count());
+        let is_plain = |sign: char| field.replacen(sign, "", 1).bytes().all(|b| b.is_ascii_digit());
+        if points > 0 && commas > 0 {
+            return Err(refuse(Some("has both `.` and `,`; write no marks between thousands")));
+        }
+        let found = if commas > 0 { Some(',') } else { Some('.').filter(|_| points > 0) };
         if let Some(found) = found
             && let known = *self.sign.get_or_insert(found)
             && found != known
         {
-            return Err(match known {
-                '.' if field.matches(',').count() == 1 && field.matches('.').count() == 0 => {
-                    format!(
-                        "`{shown}` has a decimal comma where others have a point; export the table with one of both"
-                    )
+            return Err(refuse(Some(match known {
+                '.' if commas == 1 => {
+                    "has a decimal comma where others have a point; export the table with one of both"
                 }
-                _ => format!(
-                    "`{shown}` has a `{found}` where others have a `{known}` before the decimals; write no \
-                              marks between thousands"
-                ),
-            });
+                '.' => {
+                    "has a `,` where others have a `.` before the decimals; write no marks between thousands"
+                }
+                _ if is_plain('.') || points > 1 => {
+                    "has a `.` where others have a `,` before the decimals; write no marks between thousands"
+                }
+                _ => {
+                    "has a `.` where others have a `,` before the decimals; export the table with one of both"
+                }
+            })));
         }
         let with_point = if found == Some(',') { field.replacen(',', ".", 1) } else { field.to_owned() };
-        with_point
-            .parse()
-            .map_err(|_| format!("`{shown}` is no number; leave the field empty where there is none"))
+        with_point.parse().map_err(|_| refuse(None))
     }
 }
 
@@ -250,7 +320,7 @@ mod tests {
         );
         assert_eq!(
             message("t;a\n0;1.234,5\n"),
-            "line 2, column 2: `1.234,5` is no number; leave the field empty where there is none"
+            "line 2, column 2: `1.234,5` has both `.` and `,`; write no marks between thousands"
         );
         assert_eq!(
             message("t,a\n0,1,5\n"),
@@ -258,9 +328,31 @@ mod tests {
              columns"
         );
         assert_eq!(
+            message("t;a\n0\n"),
+            "line 2: 1 column, but the first line names 2; was the line cut off?"
+        );
+        assert_eq!(message("t;a\n0;1\ninf;1\n"), "line 3, column 1: the time is infinite");
+        assert_eq!(
+            message("t;a\n18:00:01;1\n"),
+            "line 2, column 1: `18:00:01` is no number; write times as numbers, such as seconds from the start"
+        );
+        assert_eq!(
+            message("t;a\n0;1\u{1b}[31m\n"),
+            "line 2, column 2: `1\u{fffd}[31m` is no number; leave the field empty where there is none"
+        );
+        assert_eq!(
             message("t;a\n0;x\n"),
             "line 2, column 2: `x` is no number; leave the field empty where there is none"
         );
+    }
+
+    #[test]
+    fn columns_of_the_same_name_are_told_apart() {
+        let table = read("time [s],time [ms],q,q [deg],q (2),q\n0,0,1,2,3,4\n").unwrap();
+        let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
+        assert_eq!(names, ["time", "q", "q (2)", "q (3)", "q (4)"]);
+        assert_eq!(table.remarks[0], "`q` stands above several columns; column 4 is `q (2)` here");
+        assert_eq!(table.columns[2].unit.as_deref(), Some("deg"));
     }
 
     #[test]

@@ -50,6 +50,8 @@ pub struct Run {
     path: PathBuf,
     source: Source,
     manifest: Option<Manifest>,
+    /// Why the manifest cannot be read.
+    unread: Option<String>,
     events: Option<PathBuf>,
 }
 
@@ -72,7 +74,7 @@ impl Run {
             } else {
                 table(path)?
             };
-            return Ok(Run { path: path.to_owned(), source, manifest: None, events: None });
+            return Ok(Run::alone(path, source));
         }
         let (store, csv) = (path.join(STORE), path.join("signals.csv"));
         let source = match (store.is_file(), csv.is_file()) {
@@ -81,23 +83,25 @@ impl Run {
             _ => return Err(ResultsError::NoRun { path: path.to_owned() }),
         };
         let events = Some(path.join("events.csv")).filter(|events| events.is_file());
-        Ok(Run { path: path.to_owned(), source, manifest: manifest(path)?, events })
+        let (manifest, unread) = manifest(path);
+        Ok(Run { manifest, unread, events, ..Run::alone(path, source) })
     }
 
     /// The run of a recording that is open.
     pub fn of(store: Store) -> Run {
-        Run { path: store.path().to_owned(), source: Source::Store(store), manifest: None, events: None }
+        let path = store.path().to_owned();
+        Run::alone(&path, Source::Store(store))
     }
 
     /// The run of a recording in memory, whose signals all have all rows; `path` is what messages call it.
     pub fn of_recording(recording: Recording, path: &Path) -> Run {
         let layout = Layout::of(&recording);
-        Run {
-            path: path.to_owned(),
-            source: Source::Table { recording, layout },
-            manifest: None,
-            events: None,
-        }
+        Run::alone(path, Source::Table { recording, layout })
+    }
+
+    /// Signals of which nothing else is known.
+    fn alone(path: &Path, source: Source) -> Run {
+        Run { path: path.to_owned(), source, manifest: None, unread: None, events: None }
     }
 
     /// Folder or file.
@@ -111,7 +115,7 @@ impl Run {
         name.unwrap_or(self.path.as_os_str()).to_string_lossy().into_owned()
     }
 
-    /// What was run; none for a file alone.
+    /// What was run; none for a file alone, or where `manifest.json` is damaged, which [`Run::shortfall`] tells.
     pub fn manifest(&self) -> Option<&Manifest> {
         self.manifest.as_ref()
     }
@@ -175,7 +179,8 @@ impl Run {
                 Some("its recording was not closed: the program still runs, or was ended by force".to_owned())
             }
             Some(Ended::Unfinished) => Some("it still runs, or was ended by force".to_owned()),
-            Some(Ended::Complete) | None => None,
+            Some(Ended::Complete) => None,
+            None => self.unread.as_ref().map(|why| format!("its manifest cannot be read: {why}")),
         }
     }
 
@@ -336,13 +341,15 @@ fn table(path: &Path) -> Result<Source, ResultsError> {
     Ok(Source::Table { recording, layout })
 }
 
-fn manifest(folder: &Path) -> Result<Option<Manifest>, ResultsError> {
-    let path = folder.join("manifest.json");
-    match fs::read_to_string(&path) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(ResultsError::io("read", &path, error)),
-        Ok(text) => Manifest::from_json(&text)
-            .map(Some)
-            .map_err(|error| ResultsError::damaged(&path, &format!("it is no manifest: {error}"))),
+/// The manifest of a run, if there is one, or why it cannot be read. Signals do not need it.
+fn manifest(folder: &Path) -> (Option<Manifest>, Option<String>) {
+    let text = match fs::read_to_string(folder.join("manifest.json")) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return (None, None),
+        Err(error) => return (None, Some(error.to_string())),
+        Ok(text) => text,
+    };
+    match Manifest::from_json(&text) {
+        Ok(manifest) => (Some(manifest), None),
+        Err(error) => (None, Some(error.to_string())),
     }
 }

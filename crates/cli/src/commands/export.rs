@@ -9,7 +9,7 @@ use blocksim_results::{
 use crate::args::export::ExportArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
-use crate::signals::naming;
+use crate::signals::{naming, traces};
 use crate::terminal::console::Console;
 use crate::terminal::render::plural;
 
@@ -57,7 +57,11 @@ pub fn export(args: &ExportArgs, console: Console) -> io::Result<Exit> {
 
 /// What to tell of a failure: place, reason, remedy.
 fn told(error: &ResultsError) -> String {
-    let ResultsError::Io { path, doing: "write", source } = error else { return format!("error: {error}") };
+    let ResultsError::Io { path, doing: "write", source } = error else { return traces::told(error) };
+    // What cannot be read is not the fault of the file that is written.
+    if let Some(error) = source.get_ref().and_then(|inner| inner.downcast_ref()) {
+        return traces::told(error);
+    }
     let (reason, remedy) = match source.kind() {
         io::ErrorKind::NotFound => {
             ("there is no such folder".to_owned(), "make the folder, or name another file")

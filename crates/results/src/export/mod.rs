@@ -12,10 +12,10 @@ pub use resample::resampled;
 
 use crate::error::ResultsError;
 
-/// An error of a run within the writing of a file.
+/// An error of a run within the writing of a file, which goes with it where it is one of reading.
 fn within(error: ResultsError) -> std::io::Error {
     match error {
-        ResultsError::Io { source, .. } => source,
-        error => std::io::Error::new(std::io::ErrorKind::InvalidData, error.to_string()),
+        ResultsError::Io { source, doing: "write", .. } => source,
+        error => std::io::Error::new(std::io::ErrorKind::InvalidData, error),
     }
 }

@@ -182,7 +182,9 @@ impl Store {
                     let at = place.offset;
                     ResultsError::damaged(
                         &self.path,
-                        &format!("it is damaged at byte {at}, from t = {first} s to {last} s"),
+                        &format!(
+                            "it is damaged at byte {at}, from t = {first} s to {last} s; what is before and behind can be read"
+                        ),
                     )
                 }
             })?;

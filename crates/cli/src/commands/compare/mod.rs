@@ -46,9 +46,7 @@ fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), (Str
     let books = [open(&args.baseline, &maps).map_err(files)?, open(&args.other, &maps).map_err(files)?];
     check_mappings(&maps, &books).map_err(usage)?;
     for book in &books {
-        if let Some(shortfall) = &book.shortfall {
-            console.say(&format!("warning: `{}` is not whole: {shortfall}", book.name));
-        }
+        book.warnings().iter().for_each(|line| console.say(line));
         if book.span().is_none() {
             return Err(files(format!(
                 "error: `{}` has no values\n  = help: run the model, or export the table, again",
@@ -103,7 +101,8 @@ fn chosen(args: &CompareArgs, books: &[Book; 2]) -> Result<Vec<usize>, String> {
 fn say_units(chosen: &[usize], books: &[Book; 2], console: Console) {
     let bare = chosen.iter().filter_map(|&at| {
         let trace = &books[0].traces[at];
-        let other = &books[1].traces[books[1].find(&trace.path)?];
+        let there = books[1].find(&trace.path).filter(|&there| books[1].is_readable(there))?;
+        let other = &books[1].traces[there];
         (trace.has_unit && !other.has_unit && trace.unit.to_string() != "1").then_some(trace)
     });
     let bare: Vec<String> = bare.map(|trace| format!("`{}` in {}", trace.path, trace.unit)).collect();

@@ -150,14 +150,21 @@ impl Outcome<'_> {
         }
         lines.push(match wrong {
             0 => format!(
-                "{} agree: {} exactly, {} within the tolerances",
+                "{} {}: {} exactly, {} within the tolerances",
                 plural(same + within, "signal"),
+                if same + within == 1 { "agrees" } else { "agree" },
                 count(same as u64),
                 count(within as u64)
             ),
             1 => format!("1 of {} does not agree", plural(self.found.len(), "signal")),
             n => format!("{n} of {} do not agree", plural(self.found.len(), "signal")),
         });
+        if wrong > 0 && self.found.iter().all(|found| self.counts_as_agreeing(found) || is_rounding(found)) {
+            lines.push(
+                "they differ by rounding alone, as units and times bring it; `--rel 1e-9` allows that"
+                    .to_owned(),
+            );
+        }
         lines.iter().map(|line| format!("{line}\n")).collect()
     }
 
@@ -282,4 +289,10 @@ fn words(verdict: &Verdict) -> String {
         Verdict::OtherUnit(unit) => format!("in {unit}, another UNIT"),
         Verdict::Nothing => "NO COMMON TIME".to_owned(),
     }
+}
+
+/// Whether the largest difference of a signal is nothing beside its value there.
+fn is_rounding(found: &Found) -> bool {
+    let is_small = |d: Deviation| d.difference().abs() <= 1e-9 * d.baseline.abs().max(d.compared.abs());
+    found.verdict == Verdict::Differs && found.comparison.largest.is_some_and(is_small)
 }

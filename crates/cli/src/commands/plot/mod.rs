@@ -48,9 +48,7 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, (String, Exit)> {
     for name in std::iter::once(&args.run).chain(&args.with) {
         let mut book = open(name, &maps).map_err(files)?;
         book.show_in(&args.units);
-        if let Some(shortfall) = &book.shortfall {
-            console.say(&format!("warning: `{}` is not whole: {shortfall}", book.name));
-        }
+        book.warnings().iter().for_each(|line| console.say(line));
         books.push(book);
     }
     check_mappings(&maps, &books).map_err(usage)?;

@@ -5,6 +5,7 @@ mod table;
 
 pub use mapping::{Mapping, mappings};
 
+use std::borrow::Borrow;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -54,6 +55,8 @@ pub struct Book {
     pub traces: Vec<Trace>,
     /// Why something is missing at the end.
     pub shortfall: Option<String>,
+    /// What a reader should know of, such as columns that got other names.
+    pub remarks: Vec<String>,
     source: Source,
 }
 
@@ -85,11 +88,28 @@ impl Book {
                 }
             });
             let (name, traces, shortfall) = (run.name(), traces.collect(), run.shortfall());
-            return Ok(Book { name, is_run: true, traces, shortfall, source: Source::Run(Box::new(run)) });
+            let source = Source::Run(Box::new(run));
+            return Ok(Book { name, is_run: true, traces, shortfall, remarks: Vec::new(), source });
         }
-        let (table, traces) = table::Table::open(path, maps)?;
+        let (table, traces, remarks) = table::Table::open(path, maps)?;
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        Ok(Book { name, is_run: false, traces, shortfall: None, source: Source::Table(table) })
+        Ok(Book { name, is_run: false, traces, shortfall: None, remarks, source: Source::Table(table) })
+    }
+
+    /// What to tell of the book before its signals are looked at.
+    pub fn warnings(&self) -> Vec<String> {
+        let shortfall =
+            self.shortfall.iter().map(|why| format!("warning: `{}` is not whole: {why}", self.name));
+        let remarks = self.remarks.iter().map(|remark| format!("note: in `{}` {remark}", self.name));
+        shortfall.chain(remarks).collect()
+    }
+
+    /// Whether a signal can be read; the unit of a column of a table may not be known.
+    pub fn is_readable(&self, trace: usize) -> bool {
+        match &self.source {
+            Source::Run(_) => true,
+            Source::Table(table) => table.is_known(trace),
+        }
     }
 
     /// First and last instant, s; none where there are no values.
@@ -185,7 +205,8 @@ fn shown_in(si: Option<Unit>, asked: Option<Unit>) -> Unit {
 }
 
 /// A failure of the file system: place, reason, remedy.
-pub fn told(error: ResultsError) -> String {
+pub fn told(error: impl Borrow<ResultsError>) -> String {
+    let error = error.borrow();
     format!(
         "error: cannot read `{}`: {}\n  = help: {}",
         error.place().display(),

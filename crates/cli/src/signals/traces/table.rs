@@ -25,15 +25,22 @@ impl Table {
     ///
     /// # Errors
     /// What to tell the person at the keyboard.
-    pub fn open(path: &Path, maps: &[Mapping]) -> Result<(Table, Vec<Trace>), String> {
+    pub fn open(path: &Path, maps: &[Mapping]) -> Result<(Table, Vec<Trace>, Vec<String>), String> {
         let time_maps = || maps.iter().filter(|map| map.path == "time");
         let names: Vec<&str> = time_maps().map(|map| map.column.as_str()).collect();
         let foreign = read_foreign_file(path, &names).map_err(told)?;
+        if foreign.columns.is_empty() {
+            return Err(format!(
+                "error: `{}` has times, but no signals\n  = help: export the table again with a column for each signal",
+                path.display()
+            ));
+        }
         let time_map = time_maps().find(|map| map.column == foreign.time_name);
         let mut columns = vec![foreign.time_name];
         let place = path.display();
         let second = time_map.and_then(|map| map.unit.clone()).or(foreign.time_unit);
-        let time_unit = unit(second.as_deref().unwrap_or("s"), "the time", path)?;
+        let time_unit =
+            unit(second.as_deref().unwrap_or("s"), "the time", (path, &columns[0], "time[UNIT]"))?;
         if Unit::parse("s").is_ok_and(|second| second.dimension != time_unit.dimension) {
             return Err(format!(
                 "error: the time in `{place}` is in {time_unit}, which is no time\n  = help: say its unit, such as \
@@ -51,7 +58,9 @@ impl Table {
                 Some(unit) if unit == "int" => (Kind::Int, None),
                 unit => (Kind::Real, unit),
             };
-            let found = said.as_deref().map(|text| unit(text, &format!("column `{}`", column.name), path));
+            let example = format!("{}[UNIT]", map.map_or(&column.name, |map| &map.path));
+            let place = (path, column.name.as_str(), example.as_str());
+            let found = said.as_deref().map(|text| unit(text, &format!("column `{}`", column.name), place));
             // What nobody asks for may be in any unit.
             let (found, trouble) = match (found.transpose(), map) {
                 (Ok(found), _) => (found, None),
@@ -72,7 +81,12 @@ impl Table {
             table.values.push(values);
             table.troubles.push(trouble);
         }
-        Ok((Table { columns, ..table }, traces))
+        Ok((Table { columns, ..table }, traces, foreign.remarks))
+    }
+
+    /// Whether the unit of a column is known, or none is said.
+    pub fn is_known(&self, at: usize) -> bool {
+        self.troubles[at].is_none()
     }
 
     /// A column within a range of time.
@@ -89,13 +103,14 @@ impl Table {
     }
 }
 
-fn unit(text: &str, of: &str, path: &Path) -> Result<Unit, String> {
+/// A unit of a column; `place` is the file, the name of the column, and what it could be mapped to.
+fn unit(text: &str, of: &str, (path, column, example): (&Path, &str, &str)) -> Result<Unit, String> {
     // As it is written in other programs.
     let plain = text.replace('·', "*").replace('²', "^2").replace('³', "^3");
     Unit::parse(&plain).map_err(|error| {
-        let help = error.help.unwrap_or_else(|| "say the unit, such as --map 'COLUMN=PATH[deg]'".to_owned());
+        let help = error.help.map_or(String::new(), |help| format!("{help}, or "));
         format!(
-            "error: the unit of {of} in `{}` is not known: {}\n  = help: {help}",
+            "error: the unit of {of} in `{}` is not known: {}\n  = help: {help}say it with --map '{column}={example}'",
             path.display(),
             error.message
         )
