@@ -193,6 +193,7 @@ fn a_run_that_was_moved_still_shows_its_meshes_and_surroundings_and_what_touched
     }
     let report = call(&elsewhere, &["report", "r"]);
     assert!(report.status.success() && !said(&report).contains("not shown"), "{}", said(&report));
+    assert!(said(&report).contains(" at 0.") && said(&report).contains("touches"), "{}", said(&report));
     let page = fs::read_to_string(elsewhere.join("r/report.html")).unwrap();
     for part in ["\"surface\":0", "\"around\":true", "\"floor\":-2.0", "\"owner\":\"wall\""] {
         assert!(page.contains(part), "{part}");

@@ -22,6 +22,7 @@ const R = {
   /** @type {any} */ Shapes: null,
   /** @type {any} */ Meshes: null,
   /** @type {any} */ Draw3d: null,
+  /** @type {any} */ Camera: null,
   /** @type {any} */ Signals: null,
   /** @type {any} */ Wires: null,
   /** @type {any} */ Diagram: null,

@@ -111,7 +111,7 @@
       const letters = R.make('input', { type: 'checkbox' });
       letters.checked = single;
       letters.addEventListener('change', () => { single = letters.checked; });
-      dialog.append(R.make('h2', {}, 'Keys'), R.make('p', {}, R.make('label', {}, letters, ' single letters act as keys')), R.make('dl', {}, ...KEYS.flatMap(([key, does]) => [R.make('dt', {}, R.make('kbd', {}, key)), R.make('dd', {}, does)])), close);
+      dialog.append(R.make('h2', {}, 'Keys'), R.make('p', {}, R.make('label', {}, letters, ' single letters act as keys')), R.make('dl', {}, ...KEYS.filter(([, does]) => (R.Space || !does.startsWith('3D')) && (R.Diagram || !/^(diagram|find)/.test(does))).flatMap(([key, does]) => [R.make('dt', {}, R.make('kbd', {}, key)), R.make('dd', {}, does)])), close);
     }
     dialog.showModal();
   };

@@ -35,6 +35,9 @@ R.Readings = (() => {
         found.push({ ...common, name: s.name, values: s.values, rough: s.rough });
         if (s.other) found.push({ ...common, name: `${s.name} of ${R.data.compared.name}`, path: `${s.path} of ${R.data.compared.name}`, values: s.other, rough: s.rough });
       });
+      if (!panel.pair) continue;
+      const actual = panel.series[panel.pair[1]];
+      if (!actual.hidden) found.push({ panel, path: `${actual.path.replace(/\.[^.]*$/, '')}.set-actual`, name: 'set − actual', values: actual.error, held: false, rough: actual.rough, dashed: false, tint: 'var(--quiet)', cells: [] });
     }
     return found;
   };
@@ -176,7 +179,7 @@ R.Readings = (() => {
     dock = R.make('section', { id: 'readings', 'aria-label': 'Values at the cursors' },
       R.make('div', { class: 'readings-bar' }, R.make('strong', {}, 'Values'), heading, R.make('label', {}, nearby, ' only pictures in sight'), R.make('span', { class: 'done', role: 'status' }),
         button('Copy as text', copy), button('Save as CSV', save, 'What is listed, over the shown time'), button('Close (T)', toggle)),
-      R.make('div', { class: 'readings-table', tabindex: '0' }, R.make('table', {}, R.make('thead', {}, R.make('tr', {}, ...HEAD.map((name, n) => R.make('th', { scope: 'col', class: n > 1 ? 'n' : '' }, name)))), body)),
+      R.make('div', { class: 'readings-table', tabindex: '0', role: 'region', 'aria-label': 'Table of values' }, R.make('table', {}, R.make('thead', {}, R.make('tr', {}, ...HEAD.map((name, n) => R.make('th', { scope: 'col', class: n > 1 ? 'n' : '' }, name)))), body)),
       ...(R.data.thinned ? [R.make('p', { class: 'note' }, 'From the values that this page keeps; of those with ≈ mean and rms are rough.')] : []));
     dock.hidden = true;
     foot.prepend(dock);

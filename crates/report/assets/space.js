@@ -4,13 +4,9 @@
 /* global R */
 
 R.Space = (() => {
-  const S = R.Shapes;
+  const S = R.Shapes, C = R.Camera;
   const LINKS = [[0.42, 0.46, 0.52], [0.95, 0.52, 0.16], [0.93, 0.55, 0.22], [0.95, 0.52, 0.16], [0.93, 0.55, 0.22], [0.95, 0.52, 0.16], [0.35, 0.38, 0.44]];
   const AROUND = [0.6, 0.58, 0.54];
-  /** Distance at which two metres fill the height, m. */
-  const LENS = 2.4;
-  /** Azimuth and elevation of the standard views. @type {Record<string, [number, number, string]>} */
-  const VIEWS = { 1: [-0.65, 0.4, 'oblique'], 2: [0, 0, 'front'], 3: [Math.PI, 0, 'back'], 4: [Math.PI / 2, 0, 'left'], 5: [-Math.PI / 2, 0, 'right'], 6: [0, Math.PI / 2 - 1e-3, 'above'] };
   const one = S.placed({ translation: [0, 0, 0], rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] });
   /** Where the floor is. */ let ground = one;
   /** @type {any} */ let data = null;
@@ -19,7 +15,6 @@ R.Space = (() => {
   /** @type {any} */ let canvas = null;
   /** @type {any} */ let pose = null;
   /** @type {any} */ let alarm = null;
-  const view = { azimuth: -0.65, elevation: 0.4, distance: 4, target: [0, 0, 0.8] };
   /** @type {{shape: any, mesh: any, local: Float64Array}[]} */ let parts = [];
   /** @type {number[][]} */ let path = [];
   /** @type {Record<string, any>} */ const shown = {};
@@ -40,27 +35,6 @@ R.Space = (() => {
   };
   const toolAt = (/** @type {Float64Array[]} */ all) => tool ? S.times(all[tool.body], tool.matrix) : all[all.length - 1];
 
-  /** Directions of who looks: to the right, up, and back to the eye. */
-  const axes = () => {
-    const [ca, sa, ce, se] = [Math.cos(view.azimuth), Math.sin(view.azimuth), Math.cos(view.elevation), Math.sin(view.elevation)];
-    return { back: [ce * ca, ce * sa, se], right: [-sa, ca, 0], up: [-se * ca, -se * sa, ce] };
-  };
-
-  /** From metres of the world to the screen. */
-  const looking = () => {
-    const { back, right, up } = axes(), { distance: d, target: t } = view;
-    const dot = (/** @type {number[]} */ u) => u[0] * t[0] + u[1] * t[1] + u[2] * t[2];
-    const eye = Float64Array.of(right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0, -dot(right), -dot(up), -dot(back) - d, 1);
-    const near = d / 100, far = d * 10 + 20, wide = canvas.width / canvas.height;
-    return S.times(Float64Array.of(LENS / wide, 0, 0, 0, 0, LENS, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0), eye);
-  };
-
-  /** The light comes over the shoulder of who looks, so that no view is dark. */
-  const sun = () => {
-    const { back, right, up } = axes();
-    return [0, 1, 2].map((k) => 0.72 * back[k] + 0.42 * up[k] - 0.55 * right[k]);
-  };
-
   /** @param {string} name */
   const rgb = (name) => { const c = R.colour(name).replace(/^#(.)(.)(.)$/, '#$1$1$2$2$3$3'); return [1, 3, 5].map((n) => parseInt(c.slice(n, n + 2), 16) / 255); };
 
@@ -77,7 +51,7 @@ R.Space = (() => {
     if (fine < 1) rest = setTimeout(() => { fine = 1; slow = 0; last = 0; ask(); }, 500);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((size) => Math.round(size * devicePixelRatio * fine));
     if (width > 0 && (canvas.width !== width || canvas.height !== height)) { canvas.width = width; canvas.height = height; }
-    pen.begin(looking(), sun(), rgb('raised'));
+    pen.begin(C.looking(canvas), C.sun(), rgb('raised'));
     pen.lines(floor, ground, [...rgb('grid'), 1]);
     large.forEach((line, n) => pen.lines(line, one, AXES[n]));
     const here = poses(false);
@@ -120,54 +94,20 @@ R.Space = (() => {
     path = line.length ? [line] : [];
   };
 
-  /** As near as shows everything at the begin, in the middle and at the end, from where one looks. */
+  /** Shows everything at the begin, in the middle and at the end. */
   const fit = () => {
-    /** @type {number[][]} */ const all = [];
-    for (const t of [R.span[0], (R.span[0] + R.span[1]) / 2, R.span[1]]) {
+    const points = [R.span[0], (R.span[0] + R.span[1]) / 2, R.span[1]].flatMap((t) => {
       const at = poses(false, t);
-      for (const { shape, mesh, local } of parts) {
-        const m = S.times(at[shape.body], local);
+      return parts.flatMap(({ shape, mesh, local }) => {
+        const m = S.times(at[shape.body], local), all = [];
         for (let n = 0; n < mesh.lines.length; n += 12) all.push(S.point(m, mesh.lines.slice(n, n + 3)));
-      }
-    }
-    if (!all.length) return;
-    const low = [0, 1, 2].map((k) => all.reduce((least, p) => Math.min(least, p[k]), Infinity)), high = [0, 1, 2].map((k) => all.reduce((most, p) => Math.max(most, p[k]), -Infinity));
-    view.target = low.map((x, k) => (x + high[k]) / 2);
-    const { right, up, back } = axes(), wide = canvas.clientWidth / canvas.clientHeight || 2;
-    const dot = (/** @type {number[]} */ u, /** @type {number[]} */ p) => u.reduce((sum, x, k) => sum + x * (p[k] - view.target[k]), 0);
-    const far = all.map((p) => dot(back, p) + LENS * Math.max(Math.abs(dot(right, p)) / wide, Math.abs(dot(up, p))));
-    view.distance = Math.max(1.06 * far.reduce((a, b) => Math.max(a, b), 0), 0.05);
-  };
-
-  /** @param {string} number */
-  const look = (number) => { [view.azimuth, view.elevation] = VIEWS[number]; ask(); };
-
-  const mouse = () => {
-    canvas.addEventListener('pointerdown', (/** @type {PointerEvent} */ event) => {
-      canvas.setPointerCapture(event.pointerId);
-      let [x, y] = [event.clientX, event.clientY];
-      const move = (/** @type {PointerEvent} */ to) => {
-        const [dx, dy] = [to.clientX - x, to.clientY - y];
-        [x, y] = [to.clientX, to.clientY];
-        if (event.shiftKey || event.button === 1) {
-          const scale = view.distance / canvas.clientHeight * 0.85, [ca, sa] = [Math.cos(view.azimuth), Math.sin(view.azimuth)];
-          view.target = [view.target[0] + sa * dx * scale, view.target[1] - ca * dx * scale, view.target[2] + dy * scale];
-        } else {
-          view.azimuth -= dx * 0.008;
-          view.elevation = Math.min(Math.max(view.elevation + dy * 0.008, -1.55), 1.569);
-        }
-        ask();
-      };
-      canvas.addEventListener('pointermove', move);
-      canvas.addEventListener('pointerup', () => canvas.removeEventListener('pointermove', move), { once: true });
+        return all;
+      });
     });
-    canvas.addEventListener('wheel', (/** @type {WheelEvent} */ event) => {
-      if (document.activeElement !== canvas && !event.ctrlKey) return;
-      event.preventDefault();
-      view.distance *= Math.exp(event.deltaY * 0.001);
-      ask();
-    }, { passive: false });
+    C.fit(points, canvas);
   };
+  /** @param {string} number */
+  const look = (number) => { C.look(number); fit(); ask(); };
 
   /** What touches when, each a way there. */
   const contacts = () => {
@@ -209,7 +149,7 @@ R.Space = (() => {
       shown[key].addEventListener('change', ask);
       return R.make('label', {}, shown[key], ' ', name);
     };
-    const views = Object.entries(VIEWS).map(([number, [, , name]]) => {
+    const views = Object.entries(C.VIEWS).map(([number, [, , name]]) => {
       const button = R.make('button', { type: 'button', title: `View from: ${name} (${number})` }, name);
       button.addEventListener('click', () => look(number));
       return button;
@@ -229,7 +169,7 @@ R.Space = (() => {
     place.append(R.make('div', { class: 'space-bar' }, ...views, ...switches, R.make('span', { class: 'note' }, notes)), ...contacts(), canvas, pose, alarm);
     trace();
     fit();
-    mouse();
+    C.mouse(canvas, ask);
     // What is out of sight is not drawn.
     new IntersectionObserver((all) => { seen = all[all.length - 1].isIntersecting; if (seen) ask(); }).observe(canvas);
     R.onTime.push(ask);
@@ -253,6 +193,6 @@ R.Space = (() => {
   const flip = (/** @type {string} */ key) => () => { shown[key].checked = !shown[key].checked; ask(); };
   /** @type {Record<string, () => void>} */
   const keys = { g: flip('ghost'), p: flip('path'), m: flip('frames'), c: flip('masses'), f: () => { fit(); ask(); } };
-  for (const number of Object.keys(VIEWS)) keys[number] = () => look(number);
+  for (const number of Object.keys(C.VIEWS)) keys[number] = () => look(number);
   return { build, keys, poses, paint };
 })();

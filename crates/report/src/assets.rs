@@ -33,10 +33,11 @@ pub(crate) const SCRIPTS: [&str; 8] = [
 ];
 
 /// Scripts of the view in space.
-pub(crate) const SPACE: [&str; 4] = [
+pub(crate) const SPACE: [&str; 5] = [
     include_str!("../assets/shapes.js"),
     include_str!("../assets/meshes.js"),
     include_str!("../assets/draw3d.js"),
+    include_str!("../assets/camera.js"),
     include_str!("../assets/space.js"),
 ];
 

@@ -152,7 +152,10 @@ fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) 
     if !args.no_3d && path.is_dir() {
         let around = around(args, known, &mut report)?;
         match movement::read(path, &run, &around, args.full, &mut report.warnings) {
-            Ok(animation) => report.animation = animation,
+            Ok(animation) => {
+                report.warnings.extend(animation.as_ref().and_then(surroundings::told));
+                report.animation = animation;
+            }
             Err(reason) => {
                 report.warnings.push(format!("The view in space is missing: {reason}."));
             }

@@ -11,6 +11,7 @@ use blocksim_scene::{Form, Purpose, Scene, SceneShape, Shape};
 use serde_json::{Value, json};
 
 use super::model::Text;
+use super::numbers::readable;
 use crate::disk::Disk;
 
 /// Name of the parameter of a diagram, as `blocksim plan` knows it.
@@ -101,6 +102,16 @@ pub fn contacts(scene: &Scene, around: &Surroundings, animation: &Animation) -> 
         }
     }
     found
+}
+
+/// The first contact in words.
+pub fn told(animation: &Animation) -> Option<String> {
+    let Contact { from, names: [one, other], .. } = animation.contacts.first()?;
+    let more = match animation.contacts.len() {
+        1 => String::new(),
+        n => format!(", and {} more contacts follow", n - 1),
+    };
+    Some(format!("{one} touches {other} at {} s{more}.", readable(*from, 4)))
 }
 
 /// What a name of [`Surroundings::may_touch`] is called in a scene: there, links are numbered from the base on and the
