@@ -79,5 +79,7 @@ fn names_follow_the_rules_of_the_language() {
                 parameter.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
             assert!(fits && parameter.name != "label", "{}.{}", info.kind, parameter.name);
         }
+        let unique: BTreeSet<&str> = info.parameters.iter().map(|parameter| parameter.name).collect();
+        assert_eq!(unique.len(), info.parameters.len(), "{} has a parameter twice", info.kind);
     }
 }

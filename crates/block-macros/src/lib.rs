@@ -1,33 +1,56 @@
 //! `#[derive(BlockMeta)]`: what the manual, the palette and the deserializer know of a kind of block, taken from
-//! its source.
+//! its source; and `#[derive(Parameters)]`, the same of a group of parameters that several kinds share.
 
 use proc_macro2::TokenStream;
-use quote::{format_ident, quote};
+use quote::quote;
 use syn::spanned::Spanned;
-use syn::{Data, DeriveInput, Error, Expr, Field, Fields, LitStr, Result, Type, parse_quote};
+use syn::{Data, DeriveInput, Error, Expr, Field, Fields, Ident, LitStr, Result, Type, parse_quote};
 
 /// Registers a struct of parameters as a kind of block.
 ///
 /// On the struct: `#[block(category = "Math")]`, or `#[block(category = "Math", symbol = Gain("k"))]` with a variant
 /// of `blocksim_block::Symbol` for drawings, and a doc comment, which becomes the page of the manual. On a
-/// field: its doc comment, `#[block(unit = "s")]`, `#[block(default = 0.5)]`, and `#[block(skip)]` for what is
-/// not a parameter (filled by `load`; its type must implement `Default`). A bare number is SI where a unit is
-/// given; a field without one takes the unit that is written.
+/// field: its doc comment, `#[block(unit = "s")]`, `#[block(default = 0.5)]`, `#[block(group)]` for a group of parameters,
+/// whose type derives `Parameters`, `#[block(group(v_f = 0.8))]` where one of them has another default, and `#[block(skip)]` for what is not a parameter (filled by `load`; its type must
+/// implement `Default`). A bare number is SI where a unit is given; a field without one takes the unit that is written.
 ///
-/// Implements `serde::Deserialize` (unknown fields are refused), `BlockKind`, and submits a `BlockInfo`.
+/// Implements `Parameters`, `serde::Deserialize` (unknown fields are refused), `BlockKind`, and submits a `BlockInfo`.
 #[proc_macro_derive(BlockMeta, attributes(block))]
 pub fn derive_block_meta(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
     let input = syn::parse_macro_input!(input as DeriveInput);
     expand(&input).unwrap_or_else(Error::into_compile_error).into()
 }
 
-/// What a field says of itself.
+/// Makes a struct a group of parameters, which several kinds of block have in common.
+///
+/// Fields say the same of themselves as those of a block. A block has all parameters of the group, as if they stood in the
+/// place of its field `#[block(group)]`.
+#[proc_macro_derive(Parameters, attributes(block))]
+pub fn derive_parameters(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
+    let input = syn::parse_macro_input!(input as DeriveInput);
+    let group = fields_of(&input).map(|fields| {
+        let parameters = parameters(&input.ident, &fields);
+        quote! { const _: () = { #parameters }; }
+    });
+    group.unwrap_or_else(Error::into_compile_error).into()
+}
+
+/// A field of a struct of parameters.
 struct Parameter {
-    field: Field,
-    unit: String,
-    default: Option<Expr>,
-    skip: bool,
+    ident: Ident,
+    ty: Type,
+    what: What,
     doc: String,
+}
+
+/// What a field is.
+enum What {
+    /// A parameter, with its unit and its default.
+    One { unit: String, default: Option<Expr> },
+    /// A group of parameters, some with other defaults than the group has.
+    Group(Vec<(Ident, Expr)>),
+    /// Something that is filled later.
+    Skip,
 }
 
 fn expand(input: &DeriveInput) -> Result<TokenStream> {
@@ -41,27 +64,17 @@ fn expand(input: &DeriveInput) -> Result<TokenStream> {
         ));
     }
     let (category, symbol) = category_and_symbol_of(input)?;
-    let parameters = parameters_of(input)?;
-    let infos = parameters.iter().filter(|p| !p.skip).map(|p| {
-        let name = p.field.ident.as_ref().map(ToString::to_string).unwrap_or_default();
-        let rust_type = type_text(&p.field.ty);
-        let (unit, doc) = (&p.unit, &p.doc);
-        let default = match &p.default {
-            Some(default) => {
-                let text = quote!(#default).to_string().replace(' ', "");
-                quote!(Some(#text))
-            }
-            None => quote!(None),
-        };
-        quote! {
-            ::blocksim_block::ParameterInfo { name: #name, rust_type: #rust_type, unit: #unit, default: #default, doc: #doc }
-        }
-    });
-    let deserialize = deserialize(ident, &parameters);
+    let parameters = parameters(ident, &fields_of(input)?);
     Ok(quote! {
         const _: () = {
             use ::blocksim_block::private::{inventory, serde, typetag};
-            #deserialize
+            #parameters
+
+            impl<'de> serde::Deserialize<'de> for #ident {
+                fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> ::std::result::Result<Self, D::Error> {
+                    ::blocksim_block::private::read_parameters(#kind, deserializer)
+                }
+            }
 
             #[typetag::deserialize]
             impl ::blocksim_block::BlockKind for #ident {
@@ -76,7 +89,7 @@ fn expand(input: &DeriveInput) -> Result<TokenStream> {
                     category: #category,
                     symbol: { use ::blocksim_block::{Curve::*, Symbol::*}; #symbol },
                     doc: #doc,
-                    parameters: &[#(#infos),*],
+                    parameters: <#ident as ::blocksim_block::Parameters>::INFOS,
                     file: file!(),
                     line: line!(),
                 }
@@ -85,50 +98,96 @@ fn expand(input: &DeriveInput) -> Result<TokenStream> {
     })
 }
 
-/// Reads through a twin of the struct, so that the default of a parameter stands in one place.
-fn deserialize(ident: &syn::Ident, parameters: &[Parameter]) -> TokenStream {
-    let name = ident.to_string();
-    let mut twin_fields = Vec::new();
-    let mut defaults = Vec::new();
-    let mut moves = Vec::new();
-    for p in parameters {
-        let (field, ty) = (&p.field.ident, &p.field.ty);
-        if p.skip {
-            moves.push(quote!(#field: ::std::default::Default::default()));
-            continue;
-        }
-        moves.push(quote!(#field: twin.#field));
-        match &p.default {
-            Some(value) => {
-                let function =
-                    format_ident!("default_{}", field.as_ref().map(ToString::to_string).unwrap_or_default());
-                let path = function.to_string();
-                twin_fields.push(quote!(#[serde(default = #path)] #field: #ty));
-                defaults.push(quote!(fn #function() -> #ty { #value }));
+/// The implementation of `Parameters`.
+fn parameters(ident: &Ident, fields: &[Parameter]) -> TokenStream {
+    let trait_path = quote!(::blocksim_block::Parameters);
+    // Lists of infos; places for what is read; reading by index; the whole.
+    let (mut infos, mut places, mut reads, mut whole) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for Parameter { ident: field, ty, what, doc } in fields {
+        let name = field.to_string();
+        match what {
+            What::Skip => whole.push(quote!(#field: ::std::default::Default::default())),
+            What::Group(defaults) => {
+                let known = quote!(<#ty as #trait_path>::INFOS);
+                infos.push(defaults.iter().fold(known.clone(), |infos, (name, default)| {
+                    let (name, text) = (name.to_string(), quote!(#default).to_string().replace(' ', ""));
+                    quote!(&::blocksim_block::private::with_default::<{ #known.len() }>(#infos, #name, #text))
+                }));
+                places.push(quote!(pub #field: <#ty as #trait_path>::Read));
+                reads.push(quote! {
+                    if index < <#ty as #trait_path>::INFOS.len() {
+                        return <#ty as #trait_path>::read(&mut read.#field, index, map);
+                    }
+                    let index = index - <#ty as #trait_path>::INFOS.len();
+                });
+                let (names, values): (Vec<_>, Vec<_>) = defaults.iter().cloned().unzip();
+                whole.push(quote! {
+                    #field: {
+                        #[allow(unused_mut)]
+                        let mut group = read.#field;
+                        #(group.#names.get_or_insert_with(|| #values);)*
+                        <#ty as #trait_path>::whole(group)?
+                    }
+                });
             }
-            None => twin_fields.push(quote!(#field: #ty)),
-        }
-    }
-    if parameters.is_empty() {
-        return quote! {
-            impl<'de> serde::Deserialize<'de> for #ident {
-                fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> ::std::result::Result<Self, D::Error> {
-                    #[derive(serde::Deserialize)]
-                    #[serde(crate = "serde", rename = #name, deny_unknown_fields)]
-                    struct Twin {}
-                    Twin::deserialize(deserializer).map(|_| #ident)
-                }
+            What::One { unit, default } => {
+                let rust_type = type_text(ty);
+                let (shown, value) = match default {
+                    Some(default) => {
+                        let text = quote!(#default).to_string().replace(' ', "");
+                        (quote!(::std::option::Option::Some(#text)), quote!(#default))
+                    }
+                    None => (
+                        quote!(::std::option::Option::None),
+                        quote!(return ::std::result::Result::Err(E::missing_field(#name))),
+                    ),
+                };
+                infos.push(quote! {
+                    &[::blocksim_block::ParameterInfo { name: #name, rust_type: #rust_type, unit: #unit, default: #shown, doc: #doc }]
+                });
+                places.push(quote!(pub #field: ::std::option::Option<#ty>));
+                reads.push(quote! {
+                    if index == 0 {
+                        return ::blocksim_block::private::read_value(&mut read.#field, #name, map);
+                    }
+                    let index = index - 1;
+                });
+                whole.push(quote! {
+                    #field: match read.#field {
+                        ::std::option::Option::Some(value) => value,
+                        ::std::option::Option::None => #value,
+                    }
+                });
             }
-        };
+        }
     }
     quote! {
-        impl<'de> serde::Deserialize<'de> for #ident {
-            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> ::std::result::Result<Self, D::Error> {
-                #(#defaults)*
-                #[derive(serde::Deserialize)]
-                #[serde(crate = "serde", rename = #name, deny_unknown_fields)]
-                struct Twin { #(#twin_fields),* }
-                Twin::deserialize(deserializer).map(|twin| #ident { #(#moves),* })
+        #[doc(hidden)]
+        #[derive(::std::default::Default)]
+        pub struct Read { #(#places),* }
+
+        const LISTS: &[&[::blocksim_block::ParameterInfo]] = &[#(#infos),*];
+        const COUNT: usize = ::blocksim_block::private::count(LISTS);
+
+        impl #trait_path for #ident {
+            const INFOS: &'static [::blocksim_block::ParameterInfo] =
+                &::blocksim_block::private::joined::<COUNT>(LISTS);
+            const NAMES: &'static [&'static str] = &::blocksim_block::private::names::<COUNT>(Self::INFOS);
+            type Read = Read;
+
+            fn read<'de, M: ::blocksim_block::private::serde::de::MapAccess<'de>>(
+                read: &mut Read,
+                index: usize,
+                map: &mut M,
+            ) -> ::std::result::Result<(), M::Error> {
+                #(#reads)*
+                let _ = (read, map);
+                ::std::unreachable!("a parameter {index} behind the last one")
+            }
+
+            fn whole<E: ::blocksim_block::private::serde::de::Error>(read: Read) -> ::std::result::Result<Self, E> {
+                let _ = &read;
+                ::std::result::Result::Ok(#ident { #(#whole),* })
             }
         }
     }
@@ -154,9 +213,9 @@ fn category_and_symbol_of(input: &DeriveInput) -> Result<(String, Expr)> {
     Ok((category, symbol))
 }
 
-fn parameters_of(input: &DeriveInput) -> Result<Vec<Parameter>> {
+fn fields_of(input: &DeriveInput) -> Result<Vec<Parameter>> {
     let Data::Struct(data) = &input.data else {
-        return Err(Error::new(input.ident.span(), "a kind of block is a struct"));
+        return Err(Error::new(input.ident.span(), "parameters are the fields of a struct"));
     };
     match &data.fields {
         Fields::Unit => Ok(Vec::new()),
@@ -166,34 +225,52 @@ fn parameters_of(input: &DeriveInput) -> Result<Vec<Parameter>> {
 }
 
 fn parameter_of(field: &Field) -> Result<Parameter> {
-    let mut parameter = Parameter {
-        field: field.clone(),
-        unit: String::new(),
-        default: None,
-        skip: false,
-        doc: doc_of(&field.attrs),
+    let Some(ident) = field.ident.clone() else {
+        return Err(Error::new(field.span(), "parameters have names"));
     };
+    let (mut unit, mut default) = (None, None);
+    let (mut group, mut skip) = (None, false);
     for attr in field.attrs.iter().filter(|attr| attr.path().is_ident("block")) {
         attr.parse_nested_meta(|meta| {
             if meta.path.is_ident("unit") {
-                parameter.unit = meta.value()?.parse::<LitStr>()?.value();
+                unit = Some(meta.value()?.parse::<LitStr>()?.value());
             } else if meta.path.is_ident("default") {
-                parameter.default = Some(meta.value()?.parse()?);
+                default = Some(meta.value()?.parse()?);
+            } else if meta.path.is_ident("group") {
+                let defaults = group.insert(Vec::new());
+                if meta.input.peek(syn::token::Paren) {
+                    meta.parse_nested_meta(|meta| {
+                        defaults.push((meta.path.require_ident()?.clone(), meta.value()?.parse()?));
+                        Ok(())
+                    })?;
+                }
             } else if meta.path.is_ident("skip") {
-                parameter.skip = true;
+                skip = true;
             } else {
-                return Err(meta.error("expected `unit`, `default` or `skip`"));
+                return Err(meta.error("expected `unit`, `default`, `group` or `skip`"));
             }
             Ok(())
         })?;
     }
-    if parameter.doc.is_empty() && !parameter.skip {
+    let doc = doc_of(&field.attrs);
+    let what = match (group, skip) {
+        (None, false) => What::One { unit: unit.take().unwrap_or_default(), default: default.take() },
+        (Some(defaults), false) => What::Group(defaults),
+        (None, true) => What::Skip,
+        (Some(_), true) => {
+            return Err(Error::new(field.span(), "a group is a parameter: it cannot be left out"));
+        }
+    };
+    if unit.is_some() || default.is_some() {
+        return Err(Error::new(field.span(), "units and defaults are those of single parameters"));
+    }
+    if doc.is_empty() && matches!(what, What::One { .. }) {
         return Err(Error::new(
             field.span(),
             "a parameter needs a doc comment: it is its line in the manual",
         ));
     }
-    Ok(parameter)
+    Ok(Parameter { ident, ty: field.ty.clone(), what, doc })
 }
 
 fn doc_of(attrs: &[syn::Attribute]) -> String {

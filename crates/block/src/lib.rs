@@ -12,6 +12,7 @@ mod given;
 pub mod in_unit;
 mod interface;
 mod parameter;
+mod parameters;
 pub mod physical;
 pub mod problem;
 mod registry;
@@ -20,20 +21,22 @@ mod shapes;
 mod symbol;
 pub mod testing;
 
-pub use blocksim_block_macros::BlockMeta;
+pub use blocksim_block_macros::{BlockMeta, Parameters};
 pub use context::{Context, Fault};
 pub use contract::{Block, Bus, Files, LoadError, Scratch};
 pub use defaults::in_diagram;
 pub use given::{Given, ParamUnits};
 pub use interface::{Discrete, Input, Interface, InterfaceError, Output, PortType, Recorded, State};
 pub use parameter::{ParamError, ParamValue, VALUE_ENUM, at_least, finite, not_negative, ordered, positive};
-pub use registry::{BlockInfo, BlockKind, ParameterInfo, kinds};
+pub use parameters::{ParameterInfo, Parameters};
+pub use registry::{BlockInfo, BlockKind, kinds};
 pub use shapes::Shapes;
 pub use symbol::{Curve, Symbol};
 
 /// What the derive macro needs; not for use by hand.
 #[doc(hidden)]
 pub mod private {
+    pub use crate::parameters::{count, joined, names, read_parameters, read_value, with_default};
     pub use inventory;
     pub use serde;
     pub use typetag;
@@ -44,8 +47,8 @@ pub mod prelude {
     pub use crate::physical::{Component, Energy, Law, Needs, Part, Torque};
     pub use crate::{
         Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Discrete, Files, Given, Input, Interface,
-        InterfaceError, LoadError, Output, ParamError, ParamValue, PortType, Scratch, Shapes, State,
-        at_least, finite, not_negative, ordered, positive,
+        InterfaceError, LoadError, Output, ParamError, ParamValue, Parameters, PortType, Scratch, Shapes,
+        State, at_least, finite, not_negative, ordered, positive,
     };
     pub use blocksim_signal::{Dimension, Kind, SampleTime, Shape};
     pub use serde::Deserialize;

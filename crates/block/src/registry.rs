@@ -1,6 +1,6 @@
 //! The kinds of block that are linked into the program.
 
-use crate::{Block, Symbol};
+use crate::{Block, ParameterInfo, Symbol};
 
 /// A kind of block that can be read from a diagram. `#[derive(BlockMeta)]` implements it.
 #[typetag::deserialize]
@@ -21,27 +21,12 @@ pub struct BlockInfo {
     pub symbol: Symbol,
     /// The comment above the struct, Markdown.
     pub doc: &'static str,
-    /// Parameters in the order of the source.
+    /// Parameters in the order of the source, those of groups in their places.
     pub parameters: &'static [ParameterInfo],
     /// Source file, for "view source".
     pub file: &'static str,
     /// Line in the source file.
     pub line: u32,
-}
-
-/// What is known of one parameter.
-#[derive(Debug, Clone, Copy)]
-pub struct ParameterInfo {
-    /// Name in diagrams.
-    pub name: &'static str,
-    /// Type in the source: `f64`, `String`, `Vec<f64>` ...
-    pub rust_type: &'static str,
-    /// Its unit; empty when the unit follows from use.
-    pub unit: &'static str,
-    /// Its default as written in the source; `None` when it must be given.
-    pub default: Option<&'static str>,
-    /// The comment above the field.
-    pub doc: &'static str,
 }
 
 inventory::collect!(BlockInfo);
