@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Domain, DryMesh};
 use blocksim_block::prelude::*;
 
-use super::mesh::{Direction, Loss, Mesh};
+use super::mesh::{Direction, EachWay};
 
 /// Cycloidal gear: a disc with $n_C$ lobes rolls in a ring with $n_R$ pins.
 ///
@@ -39,34 +39,12 @@ pub struct CycloidalDrive {
     /// `Reversed` or `Same`.
     #[block(default = Direction::Reversed)]
     pub direction: Direction,
-    /// Efficiency when the base drives the follower, above 0 and at most 1.
-    #[block(default = 1.0)]
-    pub efficiency_forward: f64,
-    /// Efficiency when the follower drives the base, above 0 and at most 1.
-    #[block(default = 1.0)]
-    pub efficiency_backward: f64,
-    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
-    #[block(default = Loss::Dissipative)]
-    pub loss: Loss,
-    /// Speed of the base above which the full loss acts; for `Dissipative`.
-    #[block(unit = "rad/s", default = 1.0)]
-    pub threshold: f64,
-    /// Power above which the full loss acts; for `Published`.
-    #[block(unit = "W", default = 1e-3)]
-    pub power_threshold: f64,
+    /// Its losses.
+    #[block(group)]
+    pub losses: EachWay,
 }
 
 impl CycloidalDrive {
-    fn mesh(&self) -> Mesh {
-        Mesh {
-            forward: ("efficiency_forward", self.efficiency_forward),
-            backward: ("efficiency_backward", self.efficiency_backward),
-            loss: self.loss,
-            threshold: self.threshold,
-            power_threshold: self.power_threshold,
-        }
-    }
-
     /// Speed of the follower over speed of the base.
     fn ratio(&self) -> f64 {
         self.direction
@@ -93,7 +71,7 @@ impl Block for CycloidalDrive {
                 u64::from(self.disc_teeth) + 1
             )));
         }
-        self.mesh().check()
+        self.losses.mesh().check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -103,11 +81,11 @@ impl Block for CycloidalDrive {
 
 impl Component for CycloidalDrive {
     fn part(&self, _given: &Given) -> Part {
-        self.mesh().part(Domain::Rotational, self.ratio())
+        self.losses.mesh().part(Domain::Rotational, self.ratio())
     }
 
     fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
-        losses.fill(self.mesh().dry());
+        losses.fill(self.losses.mesh().dry());
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
@@ -120,16 +98,7 @@ mod tests {
     use super::*;
 
     fn drive(disc_teeth: u32, ring_teeth: u32) -> CycloidalDrive {
-        CycloidalDrive {
-            disc_teeth,
-            ring_teeth,
-            direction: Direction::Reversed,
-            efficiency_forward: 1.0,
-            efficiency_backward: 1.0,
-            loss: Loss::Dissipative,
-            threshold: 1.0,
-            power_threshold: 1e-3,
-        }
+        CycloidalDrive { disc_teeth, ring_teeth, direction: Direction::Reversed, losses: EachWay::NONE }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Domain, DryMesh, Element};
 use blocksim_block::prelude::*;
 
-use super::mesh::{Direction, Loss, Mesh};
+use super::mesh::{Direction, EachWay};
 use crate::mechanics::contact::SpringDamper;
 
 /// Gear whose teeth and shafts give way: ratio, losses, then stiffness, damping and backlash on the output side.
@@ -43,34 +43,12 @@ pub struct ElasticGear {
     /// Twist at the start; zero is the middle of the play.
     #[block(unit = "rad", default = 0.0)]
     pub phi0: f64,
-    /// Efficiency when the base drives the follower, above 0 and at most 1.
-    #[block(default = 1.0)]
-    pub efficiency_forward: f64,
-    /// Efficiency when the follower drives the base, above 0 and at most 1.
-    #[block(default = 1.0)]
-    pub efficiency_backward: f64,
-    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
-    #[block(default = Loss::Dissipative)]
-    pub loss: Loss,
-    /// Speed of the base above which the full loss acts; for `Dissipative`.
-    #[block(unit = "rad/s", default = 1.0)]
-    pub threshold: f64,
-    /// Power above which the full loss acts; for `Published`.
-    #[block(unit = "W", default = 1e-3)]
-    pub power_threshold: f64,
+    /// Its losses.
+    #[block(group)]
+    pub losses: EachWay,
 }
 
 impl ElasticGear {
-    fn mesh(&self) -> Mesh {
-        Mesh {
-            forward: ("efficiency_forward", self.efficiency_forward),
-            backward: ("efficiency_backward", self.efficiency_backward),
-            loss: self.loss,
-            threshold: self.threshold,
-            power_threshold: self.power_threshold,
-        }
-    }
-
     fn shaft(&self) -> SpringDamper {
         SpringDamper { k: self.k, d: self.d, backlash: self.backlash, transition: self.transition }
     }
@@ -83,7 +61,7 @@ impl Block for ElasticGear {
         })?;
         self.shaft().check()?;
         finite("phi0", self.phi0)?;
-        self.mesh().check()
+        self.losses.mesh().check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -104,7 +82,7 @@ impl Component for ElasticGear {
                 base: 0,
                 follower: 2,
                 ratio: self.direction.ratio(1.0 / self.ratio),
-                loss: self.mesh().element(),
+                loss: self.losses.mesh().element(),
             })
             .element(Element::Branch { r: 2, c: 1 })
     }
@@ -114,7 +92,7 @@ impl Component for ElasticGear {
     }
 
     fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
-        losses.fill(self.mesh().dry());
+        losses.fill(self.losses.mesh().dry());
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
@@ -148,11 +126,7 @@ mod tests {
             backlash: 0.0,
             transition: 0.0,
             phi0: 0.0,
-            efficiency_forward: 1.0,
-            efficiency_backward: 1.0,
-            loss: Loss::Dissipative,
-            threshold: 1.0,
-            power_threshold: 1e-3,
+            losses: EachWay::NONE,
         };
         let interface = gear.interface(&Given::nothing()).unwrap();
         let names: Vec<&str> = interface.ports.iter().map(|port| port.name.as_str()).collect();
@@ -160,7 +134,10 @@ mod tests {
         assert_eq!(ElasticGear { ratio: 0.0, ..gear.clone() }.check().unwrap_err().param, "ratio");
         assert_eq!(ElasticGear { k: -1.0, ..gear.clone() }.check().unwrap_err().param, "k");
         assert_eq!(
-            ElasticGear { efficiency_backward: 0.0, ..gear }.check().unwrap_err().param,
+            ElasticGear { losses: EachWay { efficiency_backward: 0.0, ..EachWay::NONE }, ..gear }
+                .check()
+                .unwrap_err()
+                .param,
             "efficiency_backward"
         );
     }

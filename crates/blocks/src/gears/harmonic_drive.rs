@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Domain, DryMesh};
 use blocksim_block::prelude::*;
 
-use super::mesh::{Direction, Loss, Mesh};
+use super::mesh::{Direction, EachWay};
 
 /// Harmonic drive: a wave generator (`base`) presses a flexible spline with $n_E$ teeth (`follower`) into a
 /// circular spline with $n_C$ teeth, which is fixed to the housing.
@@ -29,34 +29,12 @@ pub struct HarmonicDrive {
     /// `Reversed` or `Same`.
     #[block(default = Direction::Reversed)]
     pub direction: Direction,
-    /// Efficiency when the base drives the follower, above 0 and at most 1.
-    #[block(default = 1.0)]
-    pub efficiency_forward: f64,
-    /// Efficiency when the follower drives the base, above 0 and at most 1.
-    #[block(default = 1.0)]
-    pub efficiency_backward: f64,
-    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
-    #[block(default = Loss::Dissipative)]
-    pub loss: Loss,
-    /// Speed of the base above which the full loss acts; for `Dissipative`.
-    #[block(unit = "rad/s", default = 1.0)]
-    pub threshold: f64,
-    /// Power above which the full loss acts; for `Published`.
-    #[block(unit = "W", default = 1e-3)]
-    pub power_threshold: f64,
+    /// Its losses.
+    #[block(group)]
+    pub losses: EachWay,
 }
 
 impl HarmonicDrive {
-    fn mesh(&self) -> Mesh {
-        Mesh {
-            forward: ("efficiency_forward", self.efficiency_forward),
-            backward: ("efficiency_backward", self.efficiency_backward),
-            loss: self.loss,
-            threshold: self.threshold,
-            power_threshold: self.power_threshold,
-        }
-    }
-
     /// Speed of the follower over speed of the base.
     fn ratio(&self) -> f64 {
         let (flexible, circular) = (f64::from(self.flexspline_teeth), f64::from(self.circular_teeth));
@@ -82,7 +60,7 @@ impl Block for HarmonicDrive {
             )
             .help("the circular spline surrounds the flexible one and has a few teeth more, mostly two"));
         }
-        self.mesh().check()
+        self.losses.mesh().check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -92,11 +70,11 @@ impl Block for HarmonicDrive {
 
 impl Component for HarmonicDrive {
     fn part(&self, _given: &Given) -> Part {
-        self.mesh().part(Domain::Rotational, self.ratio())
+        self.losses.mesh().part(Domain::Rotational, self.ratio())
     }
 
     fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
-        losses.fill(self.mesh().dry());
+        losses.fill(self.losses.mesh().dry());
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
@@ -113,11 +91,7 @@ mod tests {
             flexspline_teeth,
             circular_teeth,
             direction: Direction::Reversed,
-            efficiency_forward: 1.0,
-            efficiency_backward: 1.0,
-            loss: Loss::Dissipative,
-            threshold: 1.0,
-            power_threshold: 1e-3,
+            losses: EachWay::NONE,
         }
     }
 
@@ -136,7 +110,10 @@ mod tests {
         assert!(error.help.is_some());
         assert_eq!(drive(0, 2).check().unwrap_err().param, "flexspline_teeth");
         assert_eq!(
-            HarmonicDrive { efficiency_forward: 1.5, ..drive(200, 202) }.check().unwrap_err().param,
+            HarmonicDrive { losses: EachWay { efficiency_forward: 1.5, ..EachWay::NONE }, ..drive(200, 202) }
+                .check()
+                .unwrap_err()
+                .param,
             "efficiency_forward"
         );
         assert_eq!(drive(200, 202).check(), Ok(()));

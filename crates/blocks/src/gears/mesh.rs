@@ -36,6 +36,74 @@ pub enum Loss {
     Stiction,
 }
 
+/// How the losses of a gear set in around standstill.
+#[derive(Debug, Clone, Copy, PartialEq, Parameters)]
+pub struct Onset {
+    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
+    #[block(default = Loss::Dissipative)]
+    pub loss: Loss,
+    /// Speed of the base above which the full loss acts; for `Dissipative`.
+    #[block(unit = "rad/s", default = 1.0)]
+    pub threshold: f64,
+    /// Power above which the full loss acts; for `Published`.
+    #[block(unit = "W", default = 1e-3)]
+    pub power_threshold: f64,
+}
+
+impl Onset {
+    /// As it is where nothing is said.
+    pub const DEFAULT: Onset = Onset { loss: Loss::Dissipative, threshold: 1.0, power_threshold: 1e-3 };
+}
+
+/// Losses of a gear with one efficiency for both directions of power.
+#[derive(Debug, Clone, Copy, PartialEq, Parameters)]
+pub struct BothWays {
+    /// Efficiency, above 0 and at most 1.
+    #[block(default = 1.0)]
+    pub efficiency: f64,
+    /// How they set in.
+    #[block(group)]
+    pub onset: Onset,
+}
+
+impl BothWays {
+    /// No losses.
+    pub const NONE: BothWays = BothWays { efficiency: 1.0, onset: Onset::DEFAULT };
+
+    pub(crate) fn mesh(&self) -> Mesh {
+        let efficiency = ("efficiency", self.efficiency);
+        Mesh { forward: efficiency, backward: efficiency, onset: self.onset }
+    }
+}
+
+/// Losses of a gear with an efficiency for each direction of power.
+#[derive(Debug, Clone, Copy, PartialEq, Parameters)]
+pub struct EachWay {
+    /// Efficiency when the base drives the follower, above 0 and at most 1.
+    #[block(default = 1.0)]
+    pub efficiency_forward: f64,
+    /// Efficiency when the follower drives the base, above 0 and at most 1.
+    #[block(default = 1.0)]
+    pub efficiency_backward: f64,
+    /// How they set in.
+    #[block(group)]
+    pub onset: Onset,
+}
+
+impl EachWay {
+    /// No losses.
+    pub const NONE: EachWay =
+        EachWay { efficiency_forward: 1.0, efficiency_backward: 1.0, onset: Onset::DEFAULT };
+
+    pub(crate) fn mesh(&self) -> Mesh {
+        Mesh {
+            forward: ("efficiency_forward", self.efficiency_forward),
+            backward: ("efficiency_backward", self.efficiency_backward),
+            onset: self.onset,
+        }
+    }
+}
+
 /// Efficiencies of a mesh and how its loss sets in.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mesh {
@@ -43,11 +111,7 @@ pub(crate) struct Mesh {
     pub forward: (&'static str, f64),
     /// Efficiency from the follower to the base, with the name of its parameter.
     pub backward: (&'static str, f64),
-    pub loss: Loss,
-    /// rad/s at the base.
-    pub threshold: f64,
-    /// W.
-    pub power_threshold: f64,
+    pub onset: Onset,
 }
 
 /// Largest fall of the published loss with the torque, over `FL + BL`: the largest value of
@@ -55,15 +119,6 @@ pub(crate) struct Mesh {
 const STEEPEST: f64 = 0.59984;
 
 impl Mesh {
-    /// What two sides without losses have in common.
-    pub(crate) const LOSSLESS: Mesh = Mesh {
-        forward: ("efficiency", 1.0),
-        backward: ("efficiency", 1.0),
-        loss: Loss::Dissipative,
-        threshold: 1.0,
-        power_threshold: 1e-3,
-    };
-
     pub(crate) fn check(&self) -> Result<(), ParamError> {
         for (name, efficiency) in [self.forward, self.backward] {
             if !(efficiency > 0.0 && efficiency <= 1.0) {
@@ -74,11 +129,12 @@ impl Mesh {
                 .help("1 means no losses"));
             }
         }
-        positive("threshold", self.threshold)?;
-        positive("power_threshold", self.power_threshold)?;
+        let Onset { loss, threshold, power_threshold } = self.onset;
+        positive("threshold", threshold)?;
+        positive("power_threshold", power_threshold)?;
         let (forward, backward) = (1.0 - self.forward.1, 1.0 / self.backward.1 - 1.0);
         let margin = 1.0 - 0.5 * (forward - backward) - STEEPEST * (forward + backward);
-        if self.loss == Loss::Published && margin <= 0.0 {
+        if loss == Loss::Published && margin <= 0.0 {
             return Err(ParamError::new(
                 self.backward.0,
                 format!(
@@ -110,9 +166,9 @@ impl Mesh {
         if self.forward.1 == 1.0 && self.backward.1 == 1.0 {
             return None;
         }
-        let model = match self.loss {
-            Loss::Dissipative => LossModel::Dissipative { threshold: self.threshold },
-            Loss::Published => LossModel::Published { threshold: self.power_threshold },
+        let model = match self.onset.loss {
+            Loss::Dissipative => LossModel::Dissipative { threshold: self.onset.threshold },
+            Loss::Published => LossModel::Published { threshold: self.onset.power_threshold },
             Loss::Stiction => LossModel::Stiction,
         };
         Some(MeshLoss { forward: self.forward.1, backward: self.backward.1, model })
@@ -124,13 +180,8 @@ mod tests {
     use super::*;
 
     fn mesh(forward: f64, backward: f64, loss: Loss) -> Mesh {
-        Mesh {
-            forward: ("efficiency_forward", forward),
-            backward: ("efficiency_backward", backward),
-            loss,
-            threshold: 1.0,
-            power_threshold: 1e-3,
-        }
+        let onset = Onset { loss, ..Onset::DEFAULT };
+        EachWay { efficiency_forward: forward, efficiency_backward: backward, onset }.mesh()
     }
 
     #[test]

@@ -15,7 +15,7 @@ pub use differential::Differential;
 pub use elastic_gear::ElasticGear;
 pub use harmonic_drive::HarmonicDrive;
 pub use lossy_gear::LossyGear;
-pub use mesh::{Direction, Loss};
+pub use mesh::{BothWays, Direction, EachWay, Loss, Onset};
 pub use planetary_gear::PlanetaryGear;
 pub use simple_gear::SimpleGear;
 pub use worm_gear::WormGear;

@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Domain, DryMesh};
 use blocksim_block::prelude::*;
 
-use super::mesh::{Direction, Loss, Mesh};
+use super::mesh::{BothWays, Direction};
 
 /// Pair of gear wheels with one efficiency for both directions of power: $w_B = \mp i\, w_F$.
 ///
@@ -19,30 +19,9 @@ pub struct SimpleGear {
     /// `Reversed` or `Same`.
     #[block(default = Direction::Reversed)]
     pub direction: Direction,
-    /// Efficiency, above 0 and at most 1.
-    #[block(default = 1.0)]
-    pub efficiency: f64,
-    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
-    #[block(default = Loss::Dissipative)]
-    pub loss: Loss,
-    /// Speed of the base above which the full loss acts; for `Dissipative`.
-    #[block(unit = "rad/s", default = 1.0)]
-    pub threshold: f64,
-    /// Power above which the full loss acts; for `Published`.
-    #[block(unit = "W", default = 1e-3)]
-    pub power_threshold: f64,
-}
-
-impl SimpleGear {
-    fn mesh(&self) -> Mesh {
-        Mesh {
-            forward: ("efficiency", self.efficiency),
-            backward: ("efficiency", self.efficiency),
-            loss: self.loss,
-            threshold: self.threshold,
-            power_threshold: self.power_threshold,
-        }
-    }
+    /// Its losses.
+    #[block(group)]
+    pub losses: BothWays,
 }
 
 impl Block for SimpleGear {
@@ -50,7 +29,7 @@ impl Block for SimpleGear {
         positive("ratio", self.ratio).map_err(|error| {
             error.help("the sign of the ratio is given by `direction: Reversed` or `Same`")
         })?;
-        self.mesh().check()
+        self.losses.mesh().check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -60,11 +39,11 @@ impl Block for SimpleGear {
 
 impl Component for SimpleGear {
     fn part(&self, _given: &Given) -> Part {
-        self.mesh().part(Domain::Rotational, self.direction.ratio(1.0 / self.ratio))
+        self.losses.mesh().part(Domain::Rotational, self.direction.ratio(1.0 / self.ratio))
     }
 
     fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
-        losses.fill(self.mesh().dry());
+        losses.fill(self.losses.mesh().dry());
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
@@ -78,14 +57,7 @@ mod tests {
 
     #[test]
     fn a_negative_ratio_is_refused_with_a_hint_at_the_direction() {
-        let gear = SimpleGear {
-            ratio: -2.0,
-            direction: Direction::Same,
-            efficiency: 1.0,
-            loss: Loss::Dissipative,
-            threshold: 1.0,
-            power_threshold: 1e-3,
-        };
+        let gear = SimpleGear { ratio: -2.0, direction: Direction::Same, losses: BothWays::NONE };
         let error = gear.check().unwrap_err();
         assert_eq!(error.param, "ratio");
         assert!(error.help.is_some_and(|help| help.contains("direction")));

@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use blocksim_block::physical::{Domain, DryMesh};
 use blocksim_block::prelude::*;
 
-use crate::gears::mesh::{Direction, Loss, Mesh};
+use crate::gears::mesh::{Direction, Loss, Mesh, Onset};
 
 use super::converter::{lead, self_locking};
 
@@ -37,15 +37,9 @@ pub struct LeadScrew {
     /// Efficiency when the nut drives the screw, at most 1; zero or less, for a screw that locks itself, with `Stiction`.
     #[block(default = 1.0)]
     pub efficiency_backward: f64,
-    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
-    #[block(default = Loss::Dissipative)]
-    pub loss: Loss,
-    /// Speed of the screw above which the full loss acts; for `Dissipative`.
-    #[block(unit = "rad/s", default = 1.0)]
-    pub threshold: f64,
-    /// Power above which the full loss acts; for `Published`.
-    #[block(unit = "W", default = 1e-3)]
-    pub power_threshold: f64,
+    /// How losses set in.
+    #[block(group)]
+    pub onset: Onset,
 }
 
 impl LeadScrew {
@@ -53,9 +47,7 @@ impl LeadScrew {
         Mesh {
             forward: ("efficiency_forward", self.efficiency_forward),
             backward: ("efficiency_backward", self.efficiency_backward),
-            loss: self.loss,
-            threshold: self.threshold,
-            power_threshold: self.power_threshold,
+            onset: self.onset,
         }
     }
 }
@@ -67,7 +59,7 @@ impl Block for LeadScrew {
         if !locks {
             return self.mesh().check();
         }
-        if self.loss != Loss::Stiction {
+        if self.onset.loss != Loss::Stiction {
             return Err(self_locking(
                 "efficiency_backward",
                 format!("`efficiency_backward` is {}", self.efficiency_backward),
@@ -104,9 +96,7 @@ mod tests {
         direction: Direction::Same,
         efficiency_forward: 0.9,
         efficiency_backward: 0.8,
-        loss: Loss::Dissipative,
-        threshold: 1.0,
-        power_threshold: 1e-3,
+        onset: Onset::DEFAULT,
     };
 
     #[test]
@@ -118,7 +108,11 @@ mod tests {
             assert!(error.help.is_some());
         }
         assert_eq!(SCREW.check(), Ok(()));
-        let locks = LeadScrew { efficiency_backward: -0.3, loss: Loss::Stiction, ..SCREW };
+        let locks = LeadScrew {
+            efficiency_backward: -0.3,
+            onset: Onset { loss: Loss::Stiction, ..Onset::DEFAULT },
+            ..SCREW
+        };
         assert_eq!(locks.check(), Ok(()));
         let endless = LeadScrew { efficiency_backward: f64::NEG_INFINITY, ..locks };
         assert_eq!(endless.check().unwrap_err().param, "efficiency_backward");

@@ -3,7 +3,7 @@ use std::sync::OnceLock;
 
 use blocksim_block::prelude::*;
 
-use crate::gears::{Direction, Loss};
+use crate::gears::{Direction, Loss, Onset};
 
 use super::converter::{lead, self_locking};
 use super::lead_screw::LeadScrew;
@@ -42,15 +42,9 @@ pub struct LeadScrewByFriction {
     /// `Same`: the nut moves forward while the base turns in the positive sense; or `Reversed`.
     #[block(default = Direction::Same)]
     pub direction: Direction,
-    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
-    #[block(default = Loss::Dissipative)]
-    pub loss: Loss,
-    /// Speed of the screw above which the full loss acts; for `Dissipative`.
-    #[block(unit = "rad/s", default = 1.0)]
-    pub threshold: f64,
-    /// Power above which the full loss acts; for `Published`.
-    #[block(unit = "W", default = 1e-3)]
-    pub power_threshold: f64,
+    /// How losses set in.
+    #[block(group)]
+    pub onset: Onset,
     /// The screw that follows, worked out when it is first used.
     #[block(skip)]
     pub screw: OnceLock<LeadScrew>,
@@ -72,17 +66,9 @@ impl LeadScrewByFriction {
     /// The screw that follows.
     pub fn screw(&self) -> &LeadScrew {
         self.screw.get_or_init(|| {
-            let Self { lead, direction, loss, threshold, power_threshold, .. } = *self;
+            let Self { lead, direction, onset, .. } = *self;
             let (efficiency_forward, efficiency_backward) = self.efficiencies();
-            LeadScrew {
-                lead,
-                direction,
-                efficiency_forward,
-                efficiency_backward,
-                loss,
-                threshold,
-                power_threshold,
-            }
+            LeadScrew { lead, direction, efficiency_forward, efficiency_backward, onset }
         })
     }
 }
@@ -102,7 +88,7 @@ impl Block for LeadScrewByFriction {
             ));
         }
         let (lambda, rho) = self.angles();
-        if rho >= lambda && self.loss != Loss::Stiction {
+        if rho >= lambda && self.onset.loss != Loss::Stiction {
             return Err(self_locking(
                 "friction",
                 format!(
@@ -141,9 +127,7 @@ mod tests {
             friction,
             flank_angle,
             direction: Direction::Same,
-            loss: Loss::Dissipative,
-            threshold: 1.0,
-            power_threshold: 1e-3,
+            onset: Onset::DEFAULT,
             screw: OnceLock::new(),
         }
     }
@@ -167,7 +151,8 @@ mod tests {
         let locks = screw(0.004, 0.08, 0.0).check().unwrap_err();
         assert_eq!(locks.param, "friction");
         assert!(locks.message.contains("locks itself") && locks.help.is_some(), "{}", locks.message);
-        let holds = LeadScrewByFriction { loss: Loss::Stiction, ..screw(0.004, 0.08, 0.0) };
+        let onset = Onset { loss: Loss::Stiction, ..Onset::DEFAULT };
+        let holds = LeadScrewByFriction { onset, ..screw(0.004, 0.08, 0.0) };
         assert_eq!(holds.check(), Ok(()));
         let steep = screw(0.2, 0.5, 0.0).check().unwrap_err();
         assert!(steep.message.contains("no torque"), "{}", steep.message);

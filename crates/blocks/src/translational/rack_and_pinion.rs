@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Domain, DryMesh};
 use blocksim_block::prelude::*;
 
-use crate::gears::mesh::{Direction, Loss, Mesh};
+use crate::gears::mesh::{BothWays, Direction};
 
 use super::converter::radius;
 
@@ -23,36 +23,15 @@ pub struct RackAndPinion {
     /// `Same`: the rack moves forward while the base turns in the positive sense; or `Reversed`.
     #[block(default = Direction::Same)]
     pub direction: Direction,
-    /// Efficiency, above 0 and at most 1.
-    #[block(default = 1.0)]
-    pub efficiency: f64,
-    /// `Dissipative`, `Published` or `Stiction`: how the loss sets in around standstill.
-    #[block(default = Loss::Dissipative)]
-    pub loss: Loss,
-    /// Speed of the pinion above which the full loss acts; for `Dissipative`.
-    #[block(unit = "rad/s", default = 1.0)]
-    pub threshold: f64,
-    /// Power above which the full loss acts; for `Published`.
-    #[block(unit = "W", default = 1e-3)]
-    pub power_threshold: f64,
-}
-
-impl RackAndPinion {
-    fn mesh(&self) -> Mesh {
-        Mesh {
-            forward: ("efficiency", self.efficiency),
-            backward: ("efficiency", self.efficiency),
-            loss: self.loss,
-            threshold: self.threshold,
-            power_threshold: self.power_threshold,
-        }
-    }
+    /// Its losses.
+    #[block(group)]
+    pub losses: BothWays,
 }
 
 impl Block for RackAndPinion {
     fn check(&self) -> Result<(), ParamError> {
         radius(self.radius)?;
-        self.mesh().check()
+        self.losses.mesh().check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -62,11 +41,11 @@ impl Block for RackAndPinion {
 
 impl Component for RackAndPinion {
     fn part(&self, _given: &Given) -> Part {
-        self.mesh().part(Domain::Translational, self.direction.ratio(self.radius))
+        self.losses.mesh().part(Domain::Translational, self.direction.ratio(self.radius))
     }
 
     fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
-        losses.fill(self.mesh().dry());
+        losses.fill(self.losses.mesh().dry());
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {

@@ -1,7 +1,7 @@
 use blocksim_block::physical::Domain;
 use blocksim_block::prelude::*;
 
-use crate::gears::mesh::{Direction, Mesh};
+use crate::gears::mesh::{BothWays, Direction};
 
 use super::converter::radius;
 
@@ -36,7 +36,7 @@ impl Block for WheelAndAxle {
 
 impl Component for WheelAndAxle {
     fn part(&self, _given: &Given) -> Part {
-        Mesh::LOSSLESS.part(Domain::Translational, self.direction.ratio(self.radius))
+        BothWays::NONE.mesh().part(Domain::Translational, self.direction.ratio(self.radius))
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
