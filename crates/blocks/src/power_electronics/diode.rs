@@ -14,26 +14,14 @@ use super::valve::Valve;
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Power electronics", symbol = Diode)]
 pub struct Diode {
-    /// Forward voltage.
-    #[block(unit = "V", default = 0.6)]
-    pub v_f: f64,
-    /// Resistance while it conducts.
-    #[block(unit = "Ohm", default = 0.01)]
-    pub r_on: f64,
-    /// Conductance while it blocks.
-    #[block(unit = "S", default = 0.0)]
-    pub g_off: f64,
-}
-
-impl Diode {
-    fn valve(&self) -> Valve {
-        Valve { r_on: self.r_on, v_f: self.v_f, g_off: self.g_off }
-    }
+    /// Properties while on and off.
+    #[block(group)]
+    pub valve: Valve,
 }
 
 impl Block for Diode {
     fn check(&self) -> Result<(), ParamError> {
-        self.valve().check()
+        self.valve.check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -45,7 +33,7 @@ impl Component for Diode {
     fn part(&self, _given: &Given) -> Part {
         Part::new()
             .pins()
-            .element(self.valve().element(Pin::Port(0), Pin::Port(1), ValveKind::Diode))
+            .element(self.valve.element(Pin::Port(0), Pin::Port(1), ValveKind::Diode))
             .measures("i", "A", Needs::Electrics, "current from p to n")
             .measures("v", "V", Needs::Electrics, "voltage from p to n")
     }

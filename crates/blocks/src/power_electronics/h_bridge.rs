@@ -17,26 +17,14 @@ pub struct HBridge {
     /// `Igbt` or `Mosfet`, both with diodes in parallel, or `Contact`.
     #[block(default = Device::Mosfet)]
     pub device: Device,
-    /// Forward voltage; a conducting `Mosfet` or `Contact` has none.
-    #[block(unit = "V", default = 0.6)]
-    pub v_f: f64,
-    /// Resistance while conducting.
-    #[block(unit = "Ohm", default = 0.01)]
-    pub r_on: f64,
-    /// Conductance of a switch that is off, with its diode.
-    #[block(unit = "S", default = 0.0)]
-    pub g_off: f64,
-}
-
-impl HBridge {
-    fn valve(&self) -> Valve {
-        Valve { r_on: self.r_on, v_f: self.v_f, g_off: self.g_off }
-    }
+    /// Properties of each switch while on and off.
+    #[block(group)]
+    pub valve: Valve,
 }
 
 impl Block for HBridge {
     fn check(&self) -> Result<(), ParamError> {
-        self.valve().check()
+        self.valve.check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -54,7 +42,7 @@ impl Component for HBridge {
         [2, 3]
             .into_iter()
             .flat_map(|port| {
-                let (middle, valve) = (Pin::Port(port), self.valve());
+                let (middle, valve) = (Pin::Port(port), self.valve);
                 let upper = self.device.elements(&valve, Pin::Port(0), middle);
                 upper.into_iter().chain(self.device.elements(&valve, middle, Pin::Port(1)))
             })

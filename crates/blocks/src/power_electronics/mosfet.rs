@@ -14,26 +14,14 @@ use super::valve::{Device, Valve};
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Power electronics", symbol = Transistor)]
 pub struct Mosfet {
-    /// Forward voltage of the body diode.
-    #[block(unit = "V", default = 0.6)]
-    pub v_f: f64,
-    /// Resistance while it conducts, of transistor and diode.
-    #[block(unit = "Ohm", default = 0.01)]
-    pub r_on: f64,
-    /// Conductance from `p` to `n` while neither conducts.
-    #[block(unit = "S", default = 0.0)]
-    pub g_off: f64,
-}
-
-impl Mosfet {
-    fn valve(&self) -> Valve {
-        Valve { r_on: self.r_on, v_f: self.v_f, g_off: self.g_off }
-    }
+    /// Properties while on and off.
+    #[block(group)]
+    pub valve: Valve,
 }
 
 impl Block for Mosfet {
     fn check(&self) -> Result<(), ParamError> {
-        self.valve().check()
+        self.valve.check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -45,7 +33,7 @@ impl Component for Mosfet {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new().pins().input(Input::boolean("gate").scalar().doc("turns the transistor on"));
         Device::Mosfet
-            .elements(&self.valve(), Pin::Port(0), Pin::Port(1))
+            .elements(&self.valve, Pin::Port(0), Pin::Port(1))
             .into_iter()
             .fold(part, Part::element)
             .measures("i", "A", Needs::Electrics, "current from p to n, that of the diode being negative")

@@ -17,26 +17,14 @@ use super::valve::Valve;
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Power electronics", symbol = Converter("~","="))]
 pub struct RectifierBridge {
-    /// Forward voltage of a diode.
-    #[block(unit = "V", default = 0.6)]
-    pub v_f: f64,
-    /// Resistance of a diode while it conducts.
-    #[block(unit = "Ohm", default = 0.01)]
-    pub r_on: f64,
-    /// Conductance of a diode while it blocks.
-    #[block(unit = "S", default = 0.0)]
-    pub g_off: f64,
-}
-
-impl RectifierBridge {
-    fn valve(&self) -> Valve {
-        Valve { r_on: self.r_on, v_f: self.v_f, g_off: self.g_off }
-    }
+    /// Properties of each diode while on and off.
+    #[block(group)]
+    pub valve: Valve,
 }
 
 impl Block for RectifierBridge {
     fn check(&self) -> Result<(), ParamError> {
-        self.valve().check()
+        self.valve.check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -47,7 +35,7 @@ impl Block for RectifierBridge {
 impl Component for RectifierBridge {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new().pins().port("ac", Domain::ThreePhase, "phases a, b, c");
-        let diode = |from, to| self.valve().element(from, to, ValveKind::Diode);
+        let diode = |from, to| self.valve.element(from, to, ValveKind::Diode);
         [0, 1, 2]
             .map(|k| Pin::Phase(2, k))
             .into_iter()

@@ -13,26 +13,14 @@ use super::valve::Valve;
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Power electronics", symbol = Converter("~","="))]
 pub struct SinglePhaseRectifier {
-    /// Forward voltage of a diode.
-    #[block(unit = "V", default = 0.6)]
-    pub v_f: f64,
-    /// Resistance of a diode while it conducts.
-    #[block(unit = "Ohm", default = 0.01)]
-    pub r_on: f64,
-    /// Conductance of a diode while it blocks.
-    #[block(unit = "S", default = 0.0)]
-    pub g_off: f64,
-}
-
-impl SinglePhaseRectifier {
-    fn valve(&self) -> Valve {
-        Valve { r_on: self.r_on, v_f: self.v_f, g_off: self.g_off }
-    }
+    /// Properties of each diode while on and off.
+    #[block(group)]
+    pub valve: Valve,
 }
 
 impl Block for SinglePhaseRectifier {
     fn check(&self) -> Result<(), ParamError> {
-        self.valve().check()
+        self.valve.check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -47,7 +35,7 @@ impl Component for SinglePhaseRectifier {
             Domain::Electrical,
             "the other AC pin",
         );
-        let diode = |from, to| self.valve().element(from, to, ValveKind::Diode);
+        let diode = |from, to| self.valve.element(from, to, ValveKind::Diode);
         [Pin::Port(2), Pin::Port(3)]
             .into_iter()
             .flat_map(|leg| [diode(leg, Pin::Port(0)), diode(Pin::Port(1), leg)])

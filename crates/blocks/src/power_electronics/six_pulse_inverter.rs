@@ -21,26 +21,14 @@ pub struct SixPulseInverter {
     /// `Igbt` or `Mosfet`, both with diodes in parallel, or `Contact`.
     #[block(default = Device::Igbt)]
     pub device: Device,
-    /// Forward voltage; a conducting `Mosfet` or `Contact` has none.
-    #[block(unit = "V", default = 0.8)]
-    pub v_f: f64,
-    /// Resistance while conducting.
-    #[block(unit = "Ohm", default = 0.01)]
-    pub r_on: f64,
-    /// Conductance of a switch that is off, with its diode.
-    #[block(unit = "S", default = 0.0)]
-    pub g_off: f64,
-}
-
-impl SixPulseInverter {
-    fn valve(&self) -> Valve {
-        Valve { r_on: self.r_on, v_f: self.v_f, g_off: self.g_off }
-    }
+    /// Properties of each switch while on and off.
+    #[block(group(v_f = 0.8))]
+    pub valve: Valve,
 }
 
 impl Block for SixPulseInverter {
     fn check(&self) -> Result<(), ParamError> {
-        self.valve().check()
+        self.valve.check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -55,7 +43,7 @@ impl Component for SixPulseInverter {
             Part::new().pins().port("ac", Domain::ThreePhase, "middle of the legs: a, b, c").input(gates);
         (0..3)
             .flat_map(|k| {
-                let (middle, valve) = (Pin::Phase(2, k), self.valve());
+                let (middle, valve) = (Pin::Phase(2, k), self.valve);
                 let upper = self.device.elements(&valve, Pin::Port(0), middle);
                 upper.into_iter().chain(self.device.elements(&valve, middle, Pin::Port(1)))
             })
@@ -74,7 +62,8 @@ mod tests {
 
     #[test]
     fn gates_reach_their_transistors_and_no_diode() {
-        let inverter = SixPulseInverter { device: Device::Igbt, v_f: 0.8, r_on: 0.01, g_off: 0.0 };
+        let inverter =
+            SixPulseInverter { device: Device::Igbt, valve: Valve { v_f: 0.8, r_on: 0.01, g_off: 0.0 } };
         let mut on = [false; 12];
         let u = [1.0, 0.0, 0.0, 1.0, 1.0, 0.0];
         inverter.gates(&Law { u: &u, inputs: &[(0, 6)], ..law() }, &mut on);

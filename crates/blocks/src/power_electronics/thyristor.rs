@@ -14,26 +14,14 @@ use super::valve::Valve;
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Power electronics", symbol = Thyristor)]
 pub struct Thyristor {
-    /// Forward voltage.
-    #[block(unit = "V", default = 0.8)]
-    pub v_f: f64,
-    /// Resistance while it conducts.
-    #[block(unit = "Ohm", default = 0.01)]
-    pub r_on: f64,
-    /// Conductance while it blocks.
-    #[block(unit = "S", default = 0.0)]
-    pub g_off: f64,
-}
-
-impl Thyristor {
-    fn valve(&self) -> Valve {
-        Valve { r_on: self.r_on, v_f: self.v_f, g_off: self.g_off }
-    }
+    /// Properties while on and off.
+    #[block(group(v_f = 0.8))]
+    pub valve: Valve,
 }
 
 impl Block for Thyristor {
     fn check(&self) -> Result<(), ParamError> {
-        self.valve().check()
+        self.valve.check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -46,7 +34,7 @@ impl Component for Thyristor {
         Part::new()
             .pins()
             .input(Input::boolean("gate").scalar().doc("whether it may begin to conduct"))
-            .element(self.valve().element(Pin::Port(0), Pin::Port(1), ValveKind::Thyristor))
+            .element(self.valve.element(Pin::Port(0), Pin::Port(1), ValveKind::Thyristor))
             .measures("i", "A", Needs::Electrics, "current from p to n")
             .measures("v", "V", Needs::Electrics, "voltage from p to n")
     }

@@ -4,13 +4,16 @@ use blocksim_block::physical::{Element, Pin, ValveKind};
 use blocksim_block::prelude::*;
 
 /// Properties of a valve.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Valve {
-    /// Resistance while it conducts, ohm.
-    pub r_on: f64,
-    /// Voltage that remains while it conducts, V.
+#[derive(Debug, Clone, Copy, PartialEq, Parameters)]
+pub struct Valve {
+    /// Forward voltage of what conducts in one direction: diode, thyristor or `Igbt`.
+    #[block(unit = "V", default = 0.6)]
     pub v_f: f64,
-    /// Conductance while it does not, S.
+    /// Resistance while it conducts.
+    #[block(unit = "Ohm", default = 0.01)]
+    pub r_on: f64,
+    /// Conductance while it blocks, that of a diode in parallel included.
+    #[block(unit = "S", default = 0.0)]
     pub g_off: f64,
 }
 
