@@ -29,14 +29,19 @@ impl FrictionModel {
 }
 
 /// Discs or bands that are pressed together: a clutch or a brake.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Pressed {
-    pub model: FrictionModel,
-    /// Torque of sliding surfaces under the full load, N*m.
+#[derive(Debug, Clone, Copy, Parameters)]
+pub struct Pressed {
+    /// Torque that it transmits while slipping, fully pressed.
+    #[block(unit = "N*m")]
     pub torque: f64,
-    /// Torque at rest over that while sliding; for `Stiction`.
+    /// `Stiction` or `Smooth`.
+    #[block(default = FrictionModel::Stiction)]
+    pub model: FrictionModel,
+    /// Torque $p$ that it holds at rest over that while slipping, at least 1; for `Stiction`.
+    #[block(default = 1.0)]
     pub peak: f64,
-    /// Speed at which 76 % (tanh 1) of the torque act, rad/s; for `Smooth`.
+    /// Speed at which 76 % of the torque act, far below the speeds of the machine; for `Smooth`.
+    #[block(unit = "rad/s", default = 0.01)]
     pub threshold: f64,
 }
 

@@ -1,7 +1,7 @@
 use blocksim_block::physical::Grip;
 use blocksim_block::prelude::*;
 
-use crate::mechanics::friction_model::{FrictionModel, Pressed};
+use crate::mechanics::friction_model::Pressed;
 
 /// Friction brake between a turning part `r` and its housing `c`.
 ///
@@ -23,29 +23,14 @@ use crate::mechanics::friction_model::{FrictionModel, Pressed};
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Rotational", symbol = Brake)]
 pub struct Brake {
-    /// Torque that it transmits while slipping, fully applied.
-    #[block(unit = "N*m")]
-    pub torque: f64,
-    /// `Stiction` or `Smooth`.
-    #[block(default = FrictionModel::Stiction)]
-    pub model: FrictionModel,
-    /// Torque $p$ that it holds at rest over that while slipping, at least 1; for `Stiction`.
-    #[block(default = 1.0)]
-    pub peak: f64,
-    /// Speed at which 76 % of the torque act, far below the speeds of the machine; for `Smooth`.
-    #[block(unit = "rad/s", default = 0.01)]
-    pub threshold: f64,
-}
-
-impl Brake {
-    fn pressed(&self) -> Pressed {
-        Pressed { model: self.model, torque: self.torque, peak: self.peak, threshold: self.threshold }
-    }
+    /// What is pressed together.
+    #[block(group)]
+    pub pressed: Pressed,
 }
 
 impl Block for Brake {
     fn check(&self) -> Result<(), ParamError> {
-        self.pressed().check()
+        self.pressed.check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -55,26 +40,26 @@ impl Block for Brake {
 
 impl Component for Brake {
     fn part(&self, _given: &Given) -> Part {
-        self.pressed().part("engaged", "how firmly it is applied: Bool, or a share 0 to 1")
+        self.pressed.part("engaged", "how firmly it is applied: Bool, or a share 0 to 1")
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
-        if !self.model.sticks() {
-            tau[0] = self.pressed().smooth(c.scalar(0), c.speed[0]);
+        if !self.pressed.model.sticks() {
+            tau[0] = self.pressed.smooth(c.scalar(0), c.speed[0]);
         }
     }
 
     fn grips(&self, c: &Law, grips: &mut [Grip]) {
-        grips[0] = self.pressed().grip(c.scalar(0));
+        grips[0] = self.pressed.grip(c.scalar(0));
     }
 
     fn energy(&self, c: &Law) -> Energy {
-        self.pressed().energy(c)
+        self.pressed.energy(c)
     }
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         if needs == Needs::Motion {
-            self.pressed().measure(c, y);
+            self.pressed.measure(c, y);
         }
     }
 }
@@ -82,11 +67,14 @@ impl Component for Brake {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::friction_model::FrictionModel;
     use crate::mechanics::testing::law;
 
     #[test]
     fn what_it_holds_follows_the_input_and_the_peak() {
-        let brake = Brake { torque: 10.0, model: FrictionModel::Stiction, peak: 1.2, threshold: 0.0 };
+        let brake = Brake {
+            pressed: Pressed { torque: 10.0, model: FrictionModel::Stiction, peak: 1.2, threshold: 0.0 },
+        };
         for (u, slide) in [(1.0, 10.0), (0.5, 5.0), (0.0, 0.0), (3.0, 10.0)] {
             let mut grips = [Grip::default()];
             brake.grips(&Law { u: &[u], speed: &[0.0], ..law() }, &mut grips);
