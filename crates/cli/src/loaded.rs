@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use blocksim_diagram::{Compiled, SourceFile, Sources, compile};
 use blocksim_results::{FileUsed, hash};
+use blocksim_scene::Scene;
 
 use crate::args::model::ModelArgs;
 use crate::disk::{Disk, refusal};
@@ -19,6 +20,13 @@ pub struct Loaded {
     pub on_disk: Vec<SourceFile>,
     /// Libraries of plug-ins.
     pub plugins: Vec<FileUsed>,
+}
+
+impl Loaded {
+    /// What is seen of mechanisms, if anything is.
+    pub fn scene(&self) -> Option<&Scene> {
+        self.compiled.scene.as_ref().filter(|scene| !scene.shapes.is_empty())
+    }
 }
 
 /// Lets whoever waits for the build of a plug-in know what for.

@@ -1,0 +1,101 @@
+//! What is kept of a run, and what is said about it.
+
+use blocksim_block::schedule::Recorded;
+use blocksim_results::STORE;
+use blocksim_results::format::ordinal;
+
+use super::halt::{Halt, refused};
+use super::prepare::Prepared;
+use super::simulate::Simulated;
+use crate::args::model::RunArgs;
+use crate::exit::Exit;
+use crate::running::keep::{Csv, Kept, Rest, is_csv_written, keep};
+use crate::running::report::{Report, log};
+use crate::scene;
+use crate::terminal::console::Console;
+use crate::terminal::render::plural;
+
+/// Keeps a run and tells what it was; returns where it is.
+pub fn keep_and_tell(
+    args: &RunArgs,
+    prepared: Prepared,
+    simulated: Simulated,
+    console: Console,
+) -> Result<(String, Exit), Halt> {
+    let Prepared { loaded, schedule, simulation, selection, folder, .. } = prepared;
+    let Simulated { run, seen, events, manifest, rows, lost, mut exit } = simulated;
+    let source = |at: &usize| schedule.recorded[selection.sources[*at]].clone();
+    let recorded: Vec<Recorded> = seen.signals.iter().map(source).collect();
+    let report = Report {
+        schedule: &schedule,
+        manifest: &manifest,
+        counts: simulation.counts(),
+        recorded: &recorded,
+        recording: &seen.recording,
+        signals: run.signals().len(),
+        rows,
+    };
+    for file in loaded.scene().into_iter().flat_map(scene::missing_meshes) {
+        console.say(&format!(
+            "warning: the mesh `{file}` is missing and will not be drawn\n  = help: put it there, or correct `file` of the shape"
+        ));
+    }
+    let csv = match (args.csv, args.no_csv) {
+        (true, _) => Csv::Always,
+        (_, true) => Csv::Never,
+        _ => Csv::Sensibly,
+    };
+    let log = log(&report, &loaded, &events);
+    let rest = Rest { csv, events: &events, log: &log, manifest: &manifest, scene: loaded.scene() };
+    let partial = folder.partial_path().to_owned();
+    let Kept { folder: place, untold } = match keep(folder, &run, rest) {
+        Ok(kept) => kept,
+        Err(error) => {
+            // A disk that is full is told once.
+            if lost.is_none() {
+                refused(&error, console);
+            }
+            if partial.exists() {
+                console.say(&format!("what was recorded is kept in {}", partial.display()));
+            }
+            // What was recorded can at least be seen.
+            if !args.quiet && !args.json {
+                console.data(&report.text(None, args, console))?;
+            }
+            return Err(Halt::Exit(Exit::Files));
+        }
+    };
+    // As the user wrote it, where they did.
+    let place = args.out.as_ref().unwrap_or(&place).display().to_string();
+    console.data(&match (args.json, args.quiet) {
+        (true, _) => format!("{}\n", report.json(&place)),
+        (_, true) => format!("{place}\n"),
+        _ => report.text(Some(&place), args, console),
+    })?;
+    if let Some(warning) = report.plot_warning(args) {
+        console.say(&warning);
+    }
+    if seen.stride > 1 {
+        console.say(&format!("note: pictures and tables are of every {} row", ordinal(seen.stride)));
+    }
+    if selection.unasked > 0 {
+        console.say(&format!(
+            "note: {} of joints are recorded as well, for the view in space",
+            plural(selection.unasked, "position")
+        ));
+    }
+    if csv == Csv::Sensibly && !is_csv_written(&run, csv) {
+        console.say(&format!(
+            "note: no signals.csv, as it would be very large; `blocksim export {place} --csv FILE` writes it"
+        ));
+    }
+    // A disk that is full is told once.
+    if let Some(error) = untold.filter(|_| lost.is_none()) {
+        refused(&error, console);
+        console.say(&format!(
+            "  = note: all signals are in {place}/{STORE}; `blocksim export {place} --csv FILE` writes them as text"
+        ));
+        exit = Exit::Files;
+    }
+    Ok((place, exit))
+}

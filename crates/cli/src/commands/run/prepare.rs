@@ -1,0 +1,81 @@
+//! Everything that can go wrong before the first step.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+
+use blocksim_block::schedule::Schedule;
+use blocksim_results::{ResultsError, RunFolder, probe};
+use blocksim_scene::Scene;
+use blocksim_sim::Simulation;
+
+use super::format;
+use super::halt::{Halt, refused, usage};
+use crate::args::model::RunArgs;
+use crate::args::values::RUNS;
+use crate::commands::tell;
+use crate::exit::Exit;
+use crate::loaded::{Loaded, load};
+use crate::running::blame::failure;
+use crate::running::selection::{Selection, select};
+use crate::running::{interrupt, solver};
+use crate::terminal::console::Console;
+use crate::terminal::render;
+
+/// A model that is ready to run, and where its results go.
+pub struct Prepared {
+    /// The model.
+    pub loaded: Loaded,
+    /// What is run.
+    pub schedule: Arc<Schedule>,
+    /// The run, at its start.
+    pub simulation: Simulation,
+    /// Signals that are kept.
+    pub selection: Selection,
+    /// Where they are kept.
+    pub folder: RunFolder,
+    /// Now.
+    pub started: SystemTime,
+}
+
+/// Reads, compiles and places a model.
+pub fn prepare(args: &RunArgs, console: Console) -> Result<Prepared, Halt> {
+    let mut loaded = load(&args.model, console).ok_or(Halt::Exit(Exit::Files))?;
+    let problems = &loaded.compiled.problems;
+    tell(problems, &loaded.files, format(args), console)?;
+    let Some(mut schedule) = loaded.compiled.schedule.take() else {
+        console.say(&format!("{}; nothing was run", render::tally(problems)));
+        return Err(Halt::Exit(Exit::Model));
+    };
+    solver::apply(&args.solver, &mut schedule.settings).map_err(|mistake| usage(&mistake, console))?;
+    let poses = loaded.scene().map(Scene::signals).unwrap_or_default();
+    let selection = select(&schedule.recorded, &args.signals, &poses, &schedule.settings)
+        .map_err(|mistake| usage(&mistake, console))?;
+    interrupt::take_over();
+    let started = SystemTime::now();
+    let folder = results_folder(args, started).map_err(|error| refused(&error, console))?;
+    let schedule = Arc::new(schedule);
+    let simulation = match Simulation::new(Arc::clone(&schedule)) {
+        Ok(simulation) => simulation,
+        Err(error) => {
+            tell(&[failure(&error, &schedule)], &loaded.files, format(args), console)?;
+            console.say("nothing was run");
+            return Err(Halt::Exit(Exit::Failed));
+        }
+    };
+    Ok(Prepared { loaded, schedule, simulation, selection, folder, started })
+}
+
+/// Tries the place of the results before the run, so that a long one does not fail at its end.
+fn results_folder(args: &RunArgs, started: SystemTime) -> Result<RunFolder, ResultsError> {
+    if let Some(out) = &args.out {
+        let folder = RunFolder::create_exactly(out)?;
+        let parent = out.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        probe(parent)?;
+        return Ok(folder);
+    }
+    let parent = PathBuf::from(RUNS);
+    probe(&parent)?;
+    let name = args.model.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    RunFolder::create_at_time(&parent, &name, started)
+}
