@@ -22,6 +22,8 @@ R.Measure = (() => {
 
   /** Plays for some seconds; frames in a second. @param {number} seconds */
   const play = async (seconds) => {
+    // What has just come into sight is drawn first.
+    for (let n = 0; n < 3; n++) await frame();
     const begin = performance.now();
     let frames = 0, now = begin;
     while (now - begin < 1000 * seconds) {

@@ -258,6 +258,11 @@ fn a_browser_shows_the_page_from_disk_without_complaint_with_and_without_webgl()
         assert!(dom.contains("joint1, Subsystem, Enter goes inside"), "{name}: blocks can be gone into");
         assert!(dom.contains("class=\"value\""), "{name}: values on wires");
         assert!(dom.contains("robot (1)"), "{name}: tables of parameters");
+        assert!(dom.contains("1.000 s: arm – bench"), "{name}: contacts are told");
+        assert!(
+            dom.contains("<i title=\"arm touches bench\""),
+            "{name}: contacts are marked on the time line"
+        );
         assert!(complaints(&said).is_empty(), "{name}: {:?}", complaints(&said));
     }
 }
