@@ -27,8 +27,10 @@ R.Readings = (() => {
   /** Signals that are told: those that are not switched off, of the pictures in sight or of all. */
   const gather = () => {
     /** @type {typeof rows} */ const found = [];
+    // Where no picture is in sight, all are meant.
+    const near = nearby.checked && R.Plots.panels.some((/** @type {any} */ panel) => panel.seen);
     for (const panel of R.Plots.panels) {
-      if (nearby.checked && !panel.seen) continue;
+      if (near && !panel.seen) continue;
       panel.series.forEach((/** @type {any} */ s, /** @type {number} */ at) => {
         if (s.hidden) return;
         const tint = R.Picture.colour(panel, at), common = { panel, path: s.path, held: s.held, tint, dashed: s.role === 'set', cells: [] };
