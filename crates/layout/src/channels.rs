@@ -71,12 +71,36 @@ fn touches(a: &Trunk, b: &Trunk) -> bool {
     a.low <= b.high + NEAR && b.low <= a.high + NEAR
 }
 
-/// Trunks from left to right: started by their ends, then exchanged while it helps.
+/// Trunks from left to right, from several beginnings the one that costs least.
 fn tracks_in_order(runs: &[Run]) -> Vec<usize> {
-    let mut order: Vec<usize> =
-        (0..runs.len()).filter(|i| runs[*i].trunk.high > runs[*i].trunk.low).collect();
-    let n = order.len();
+    let begin: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].trunk.high > runs[*i].trunk.low).collect();
     let price: Vec<Vec<f64>> = runs.iter().map(|a| runs.iter().map(|b| between(a, b)).collect()).collect();
+    let sorted = |key: fn(&Trunk) -> f64| {
+        let mut order = begin.clone();
+        order.sort_by(|a, b| key(&runs[*a].trunk).total_cmp(&key(&runs[*b].trunk)));
+        order
+    };
+    let starts = [
+        begin.clone(),
+        begin.iter().rev().copied().collect(),
+        sorted(|trunk| trunk.low),
+        sorted(|trunk| -trunk.low),
+        sorted(|trunk| trunk.high),
+        sorted(|trunk| -trunk.high),
+    ];
+    let mut best: Option<(f64, Vec<usize>)> = None;
+    for mut order in starts {
+        let cost = exchange_tracks(&mut order, &price);
+        if best.as_ref().is_none_or(|(least, _)| cost < least - 1e-9) {
+            best = Some((cost, order));
+        }
+    }
+    best.map_or(begin, |(_, order)| order)
+}
+
+/// Brings each trunk to its best place as long as that helps; returns what the order costs.
+fn exchange_tracks(order: &mut Vec<usize>, price: &[Vec<f64>]) -> f64 {
+    let n = order.len();
     for _ in 0..n + 1 {
         let mut better = false;
         for from in 0..n {
@@ -106,7 +130,8 @@ fn tracks_in_order(runs: &[Run]) -> Vec<usize> {
             break;
         }
     }
-    order
+    let pairs = order.iter().enumerate().flat_map(|(i, a)| order[i + 1..].iter().map(move |b| (*a, *b)));
+    pairs.map(|(a, b)| price[a][b]).sum()
 }
 
 /// A run that would lie over another in this order.
