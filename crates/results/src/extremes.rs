@@ -1,6 +1,6 @@
 //! Least and largest values of stretches of a signal: what a plot needs of it.
 
-use crate::run::Column;
+use crate::recording::Column;
 
 /// Collects the least and the largest value of each stretch of rows, at their times.
 #[derive(Debug)]

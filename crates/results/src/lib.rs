@@ -41,8 +41,8 @@ pub use manifest::{
     BaseUsed, Choice, Counts, Ended, FileUsed, Manifest, Override, Program, RecordedUsed, SolverUsed,
 };
 pub use place::{probe, write_whole};
-pub use recording::{EventRow, Kind, Recording, Signal};
-pub use run::{ALWAYS, Column, Run, STORE};
+pub use recording::{Column, EventRow, Kind, Recording, Signal};
+pub use run::{ALWAYS, Run, STORE};
 pub use run_folder::RunFolder;
 pub use sparkline::sparkline;
 pub use store::{Layout, Rate, SignalInfo, Store, StoreWriter, Stream, Take, write_store};

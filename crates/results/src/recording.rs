@@ -105,6 +105,15 @@ pub struct EventRow {
     pub what: String,
 }
 
+/// A signal over time, in SI units. Two values may share a time: those before and after an event.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Column {
+    /// Times, s, never falling.
+    pub time: Vec<f64>,
+    /// As many values.
+    pub values: Vec<f64>,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::ops::RangeInclusive;
 
-use super::within;
+use super::within::within;
 use crate::csv_write::{write_headings, write_rows};
 use crate::error::ResultsError;
 use crate::recording::Signal;

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::io::{self, Write};
 use std::ops::RangeInclusive;
 
-use super::within;
+use super::within::within;
 use crate::error::ResultsError;
 use crate::run::Run;
 

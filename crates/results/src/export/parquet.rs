@@ -12,7 +12,7 @@ use ::parquet::file::properties::{EnabledStatistics, WriterProperties};
 use ::parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use ::parquet::schema::types::Type;
 
-use super::within;
+use super::within::within;
 use crate::error::ResultsError;
 use crate::recording::Kind;
 use crate::run::Run;

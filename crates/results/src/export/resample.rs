@@ -3,8 +3,9 @@
 use std::ops::RangeInclusive;
 
 use crate::error::ResultsError;
+use crate::recording::Column;
 use crate::recording::{Kind, Recording, Signal};
-use crate::run::{Column, Run};
+use crate::run::Run;
 
 /// Most numbers of the result.
 const MOST: u64 = 1 << 27;

@@ -1,8 +1,8 @@
 //! A chunk: some rows of one time base, column by column, behind a directory that says where each column is.
 
-use super::MOST_ROWS;
 use super::bytes::{f64_at, u32_at, u64_at};
 use super::column;
+use super::marks::MOST_ROWS;
 use crate::recording::Kind;
 
 /// First bytes of a chunk.

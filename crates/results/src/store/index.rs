@@ -1,7 +1,7 @@
 //! The table of chunks at the end of a recording, and the last bytes, which say where it is.
 
-use super::END;
 use super::bytes::{f64_at, u32_at, u64_at};
+use super::marks::END;
 
 /// First bytes of the index.
 const TAG: [u8; 4] = *b"INDX";

@@ -1,16 +1,16 @@
 //! Reads recordings: the header and the index when a file is opened, else only what is asked for.
 
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use super::bytes::u32_at;
-use super::chunk::{self, HEAD, Head};
-use super::index::{self, Place, TAIL};
+use super::index::Place;
 use super::layout::Layout;
-use super::{MAGIC, VERSION, column};
+use super::marks::{MAGIC, VERSION};
+use super::pick::{Failed, bytes_at, read_columns};
+use super::places::{closing_index, scan};
 use crate::error::ResultsError;
 
 /// Bytes before the header.
@@ -203,109 +203,4 @@ impl Store {
         }
         Ok(())
     }
-}
-
-/// Why a chunk cannot be read.
-enum Failed {
-    Disk(io::Error),
-    Damaged,
-}
-
-impl From<io::Error> for Failed {
-    fn from(error: io::Error) -> Failed {
-        // The file is shorter than its index says.
-        if error.kind() == io::ErrorKind::UnexpectedEof { Failed::Damaged } else { Failed::Disk(error) }
-    }
-}
-
-/// Fills `values` with columns of a chunk of a file of this length and a time base of this width; the first of them is time, which must not fall.
-fn read_columns(
-    file: &mut File,
-    (length, width): (u64, usize),
-    place: &Place,
-    wanted: &[usize],
-    values: &mut [Vec<f64>],
-) -> Result<(), Failed> {
-    let first = bytes_at(file, place.offset, HEAD)?;
-    let head = chunk::head(&first).filter(|head| fits(head, place)).ok_or(Failed::Damaged)?;
-    if head.columns as usize != width || place.offset.saturating_add(head.length()) > length {
-        return Err(Failed::Damaged);
-    }
-    let all = bytes_at(file, place.offset, HEAD + head.directory() as usize)?;
-    let entries = head.entries(&all).ok_or(Failed::Damaged)?;
-    let data = place.offset + HEAD as u64 + head.directory();
-    for (&column, values) in wanted.iter().zip(values.iter_mut()) {
-        let entry = entries.get(column).ok_or(Failed::Damaged)?;
-        let bytes = bytes_at(file, data + entry.at, entry.length as usize)?;
-        if crc32fast::hash(&bytes) != entry.sum {
-            return Err(Failed::Damaged);
-        }
-        values.clear();
-        if !column::decode(entry.form, &bytes, head.rows as usize, values) {
-            return Err(Failed::Damaged);
-        }
-    }
-    if values[0].is_sorted() { Ok(()) } else { Err(Failed::Damaged) }
-}
-
-fn fits(head: &Head, place: &Place) -> bool {
-    let same_time =
-        head.first.to_bits() == place.first.to_bits() && head.last.to_bits() == place.last.to_bits();
-    head.base == place.base && head.rows == place.rows && same_time
-}
-
-/// The chunks by the index at the end; `None` if the file was not closed or the index is damaged.
-fn closing_index(
-    file: &mut File,
-    length: u64,
-    start: u64,
-    widths: &[usize],
-) -> io::Result<Option<Vec<Place>>> {
-    if length < start + TAIL as u64 {
-        return Ok(None);
-    }
-    let tail = bytes_at(file, length - TAIL as u64, TAIL)?;
-    let Some(begin) = index::start(&tail, length).filter(|&begin| begin >= start) else { return Ok(None) };
-    let bytes = bytes_at(file, begin, (length - TAIL as u64 - begin) as usize)?;
-    let possible = |place: &Place| (place.base as usize) < widths.len() && place.offset < begin;
-    Ok(index::read(&bytes, &tail).filter(|places| places.iter().all(possible)))
-}
-
-/// The chunks by going from one to the next, as far as they are whole.
-fn scan(file: &mut File, length: u64, start: u64, widths: &[usize]) -> io::Result<Vec<Place>> {
-    let mut places: Vec<Place> = Vec::new();
-    let mut offset = start;
-    while length - offset >= HEAD as u64 {
-        let first = bytes_at(file, offset, HEAD)?;
-        let known = |head: &Head| widths.get(head.base as usize) == Some(&(head.columns as usize));
-        let Some(head) = chunk::head(&first).filter(known) else { break };
-        if head.length() > length - offset {
-            break;
-        }
-        let all = bytes_at(file, offset, HEAD + head.directory() as usize)?;
-        if head.entries(&all).is_none() {
-            break;
-        }
-        let Head { base, rows, first, last, .. } = head;
-        places.push(Place { offset, base, rows, first, last });
-        offset += head.length();
-    }
-    // What was written last before a loss of power may be there in length only.
-    if let Some(last) = places.last() {
-        let all: Vec<usize> = (0..widths[last.base as usize]).collect();
-        let mut columns = vec![Vec::new(); all.len()];
-        match read_columns(file, (length, all.len()), last, &all, &mut columns) {
-            Err(Failed::Disk(error)) => return Err(error),
-            Err(Failed::Damaged) => drop(places.pop()),
-            Ok(()) => {}
-        }
-    }
-    Ok(places)
-}
-
-fn bytes_at(file: &mut File, offset: u64, length: usize) -> io::Result<Vec<u8>> {
-    file.seek(SeekFrom::Start(offset))?;
-    let mut bytes = vec![0; length];
-    file.read_exact(&mut bytes)?;
-    Ok(bytes)
 }

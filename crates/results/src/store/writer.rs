@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::chunk::Maker;
 use super::index::{self, Place};
 use super::layout::Layout;
-use super::{MAGIC, MOST_ROWS, VERSION};
+use super::marks::{MAGIC, MOST_ROWS, VERSION};
 use crate::recording::{Kind, Recording};
 
 /// Bytes of rows that make a chunk.

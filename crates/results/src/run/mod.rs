@@ -1,5 +1,7 @@
 //! A run that was kept, opened for reading: what was recorded, what happened, and how it came about.
 
+mod read;
+
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::ops::RangeInclusive;
@@ -9,28 +11,13 @@ use crate::csv::{ReadLimits, read_csv_file, read_events};
 use crate::error::ResultsError;
 use crate::manifest::{Ended, Manifest};
 use crate::recording::{EventRow, Recording};
-use crate::store::{Layout, Rate, SignalInfo, Store, Take};
+use crate::store::{Layout, Rate, SignalInfo, Store};
 
 /// All times.
 pub const ALWAYS: RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
 
 /// Name of the recording in the folder of a run.
 pub const STORE: &str = "signals.rec";
-
-/// Most rows that [`Run::read`] brings into memory.
-const MOST_ROWS: u64 = 1 << 27;
-
-/// Rows of a table in memory that are handed on at a time.
-const BLOCK: usize = 1 << 16;
-
-/// A signal over time, in SI units. Two values may share a time: those before and after an event.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Column {
-    /// Times, s, never falling.
-    pub time: Vec<f64>,
-    /// As many values.
-    pub values: Vec<f64>,
-}
 
 /// A run for reading: the folder of one, its recording alone, or any table whose first column is `time [s]`.
 ///
@@ -184,115 +171,6 @@ impl Run {
         }
     }
 
-    /// A signal within a range of time, bounds included. Reads nothing else.
-    ///
-    /// # Errors
-    /// [`ResultsError`] where the file cannot be read, is damaged, or has more rows than fit into memory.
-    pub fn read(&self, signal: usize, range: &RangeInclusive<f64>) -> Result<Column, ResultsError> {
-        let base = self.base_of(signal)?;
-        self.refuse_too_many(base, range, 1)?;
-        let mut column = Column::default();
-        self.blocks(base, &[signal], range, &mut |time, values| {
-            column.time.extend(time);
-            column.values.extend(&values[0]);
-            Ok(())
-        })?;
-        Ok(column)
-    }
-
-    /// Several signals of one time base within a range of time.
-    ///
-    /// # Errors
-    /// As [`Run::read`], and [`ResultsError::TwoRates`] if the signals are not of one time base.
-    pub fn read_together(
-        &self,
-        signals: &[usize],
-        range: &RangeInclusive<f64>,
-    ) -> Result<Recording, ResultsError> {
-        let Some(&first) = signals.first() else { return Ok(Recording::default()) };
-        let base = self.base_of(first)?;
-        for &signal in signals {
-            if self.base_of(signal)? != base {
-                let [a, b] = [first, signal].map(|at| self.signals()[at].path.clone());
-                return Err(ResultsError::TwoRates { path: self.path.clone(), signals: [a, b] });
-            }
-        }
-        self.refuse_too_many(base, range, signals.len())?;
-        let empty = |&at: &usize| {
-            let info = &self.signals()[at];
-            crate::Signal::new(&info.path, &info.unit, info.kind)
-        };
-        let mut recording = Recording::new(signals.iter().map(empty).collect());
-        self.blocks(base, signals, range, &mut |time, values| {
-            recording.time.extend(time);
-            for (signal, values) in recording.signals.iter_mut().zip(values) {
-                signal.values.extend(values);
-            }
-            Ok(())
-        })?;
-        Ok(recording)
-    }
-
-    /// A signal within a range of time by about `points` of its values: all, where there are not more, else the
-    /// least and the largest of each of equally long stretches of rows, at their times. Keeps `points` values in
-    /// memory, however long the run is. Where there are others, values that are not finite are passed over.
-    ///
-    /// # Errors
-    /// [`ResultsError`] where the file cannot be read or is damaged.
-    pub fn overview(
-        &self,
-        signal: usize,
-        range: &RangeInclusive<f64>,
-        points: usize,
-    ) -> Result<Column, ResultsError> {
-        let base = self.base_of(signal)?;
-        let rows = match &self.source {
-            Source::Store(store) => store.rows_about(base, range),
-            Source::Table { recording, .. } => {
-                let before = |limit: f64| recording.time.partition_point(|&t| t < limit);
-                let after = recording.time.partition_point(|&t| t <= *range.end());
-                after.saturating_sub(before(*range.start())) as u64
-            }
-        };
-        let mut extremes = crate::extremes::Extremes::new(rows, points);
-        self.blocks(base, &[signal], range, &mut |time, values| {
-            time.iter().zip(&values[0]).for_each(|(&t, &y)| extremes.push(t, y));
-            Ok(())
-        })?;
-        Ok(extremes.finish())
-    }
-
-    /// Hands the rows of a time base within a range of time to `take`, some thousands at a time: times, and the
-    /// values of each of the signals, which must be of this time base.
-    ///
-    /// # Errors
-    /// [`ResultsError`] where the file cannot be read or is damaged, and whatever `take` answers.
-    pub fn blocks(
-        &self,
-        base: usize,
-        signals: &[usize],
-        range: &RangeInclusive<f64>,
-        take: Take,
-    ) -> Result<(), ResultsError> {
-        for &signal in signals {
-            self.base_of(signal)?;
-        }
-        match &self.source {
-            Source::Store(store) => store.blocks(base, signals, range, take),
-            Source::Table { recording, .. } => {
-                let from = recording.time.partition_point(|&t| t < *range.start());
-                let to = recording.time.partition_point(|&t| t <= *range.end()).max(from);
-                for start in (from..to).step_by(BLOCK) {
-                    let end = (start + BLOCK).min(to);
-                    let part = |&at: &usize| recording.signals[at].values[start..end].to_vec();
-                    let values: Vec<Vec<f64>> = signals.iter().map(part).collect();
-                    take(&recording.time[start..end], &values)?;
-                }
-                Ok(())
-            }
-        }
-    }
-
     /// What happened, by time; nothing for a file alone.
     ///
     /// # Errors
@@ -309,29 +187,6 @@ impl Run {
             Source::Store(store) => store.layout(),
             Source::Table { layout, .. } => layout,
         }
-    }
-
-    fn base_of(&self, signal: usize) -> Result<usize, ResultsError> {
-        let lost = || ResultsError::NoSignal {
-            path: self.path.clone(),
-            signal: format!("number {signal}"),
-            likely: None,
-        };
-        self.signals().get(signal).map(|info| info.base).ok_or_else(lost)
-    }
-
-    fn refuse_too_many(
-        &self,
-        base: usize,
-        range: &RangeInclusive<f64>,
-        signals: usize,
-    ) -> Result<(), ResultsError> {
-        let Source::Store(store) = &self.source else { return Ok(()) };
-        let values = store.rows_about(base, range).saturating_mul(signals as u64);
-        if values <= MOST_ROWS {
-            return Ok(());
-        }
-        Err(ResultsError::TooLong { path: self.path.clone(), values })
     }
 }
 
