@@ -7,7 +7,7 @@ use blocksim_layout::PortKind;
 
 /// Longest value that is written into a sign.
 const LONGEST_VALUE: usize = 10;
-/// Longest name below a block.
+/// Longest line of a name below a block; there are two at most.
 const LONGEST_NAME: usize = 24;
 
 /// A block of a drawing.
@@ -19,8 +19,8 @@ pub struct Figure {
     pub path: Option<String>,
     /// Kind of the block.
     pub kind: String,
-    /// What stands below it; may be empty.
-    pub label: String,
+    /// The lines that stand below it; there may be none.
+    pub label: Vec<String>,
     /// What is drawn.
     pub look: Look,
     /// Ports in the order of the block.
@@ -72,7 +72,7 @@ pub(crate) fn pill(name: &str, kind: PortKind) -> Figure {
         name: name.to_owned(),
         path: None,
         kind: String::new(),
-        label: String::new(),
+        label: Vec::new(),
         look: Look::Pill,
         ports: vec![PortLook::new(name, kind)],
         port_names: false,
@@ -88,7 +88,7 @@ pub(crate) fn selector(source: &str, elements: &[String]) -> Figure {
         name: source.to_owned(),
         path: None,
         kind: String::new(),
-        label: String::new(),
+        label: Vec::new(),
         look: Look::Selector,
         ports,
         port_names: true,
@@ -164,7 +164,7 @@ pub(crate) fn figure_of(
         name: block.name.clone(),
         path: Some(block.path.clone()),
         kind: block.kind.clone(),
-        label: shortened(label, LONGEST_NAME),
+        label: in_lines(label),
         look,
         port_names: named,
         ports,
@@ -297,6 +297,26 @@ fn raised(digit: char) -> Option<char> {
     "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(digit.to_digit(10)? as usize)
 }
 
+/// A name in one line, or in two of nearly the same length.
+fn in_lines(name: &str) -> Vec<String> {
+    let name: Vec<&str> = name.split_whitespace().collect();
+    let length = |words: &[&str]| words.join(" ").chars().count();
+    if name.is_empty() {
+        return Vec::new();
+    }
+    if length(&name) <= LONGEST_NAME {
+        return vec![shortened(&name.join(" "), LONGEST_NAME)];
+    }
+    // What is left over goes to the end of the second line and is cut there.
+    let fits = |first: &usize| length(&name[..*first]) <= LONGEST_NAME;
+    let longest = |first: &usize| length(&name[..*first]).max(length(&name[*first..]));
+    let lines = match (1..name.len()).filter(fits).min_by_key(longest) {
+        Some(first) => vec![name[..first].join(" "), name[first..].join(" ")],
+        None => vec![name.join(" ")],
+    };
+    lines.iter().map(|line| shortened(line, LONGEST_NAME)).collect()
+}
+
 pub(crate) fn shortened(text: &str, longest: usize) -> String {
     let text: String = text.chars().map(|sign| if sign.is_control() { ' ' } else { sign }).collect();
     if text.chars().count() <= longest {
@@ -308,6 +328,19 @@ pub(crate) fn shortened(text: &str, longest: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_names_stand_in_two_lines() {
+        assert_eq!(in_lines("motor"), ["motor"]);
+        assert_eq!(in_lines("Euler angles ZYX of the tool"), ["Euler angles", "ZYX of the tool"]);
+        assert_eq!(
+            in_lines("Set velocity and angular velocity of the tool"),
+            ["Set velocity and angular", "velocity of the tool"]
+        );
+        assert_eq!(in_lines("a_name_without_spaces_that_is_too_long"), ["a_name_without_spaces_t…"]);
+        assert_eq!(in_lines(&"six words ".repeat(8))[1].chars().count(), LONGEST_NAME);
+        assert!(in_lines("").is_empty());
+    }
 
     #[test]
     fn polynomials_are_written_as_in_a_book() {

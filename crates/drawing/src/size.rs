@@ -11,6 +11,8 @@ use crate::symbols::two_pins;
 pub(crate) const NAME: f64 = 10.0;
 pub(crate) const TEXT: f64 = 11.0;
 pub(crate) const PORT: f64 = 8.5;
+/// Distance of the lines of a name.
+pub(crate) const LINE: f64 = 12.0;
 
 /// Width and height of the box, as the sign needs it.
 pub(crate) fn size_of(figure: &Figure) -> (f64, f64) {
@@ -109,7 +111,9 @@ pub(crate) fn label_size(figure: &Figure) -> (f64, f64) {
         let beside = if figure.look == Look::Selector { 2.0 * port_names_width(figure) + 16.0 } else { 0.0 };
         return (beside, 0.0);
     }
-    (text_width(&figure.label, NAME).ceil(), NAME + 4.0 + tag_height(&figure.look))
+    let widest = figure.label.iter().map(|line| text_width(line, NAME)).fold(0.0, f64::max);
+    let below = LINE * (figure.label.len() - 1) as f64;
+    (widest.ceil(), NAME + 4.0 + below + tag_height(&figure.look))
 }
 
 /// How far the name of the chosen alternative hangs below the box.

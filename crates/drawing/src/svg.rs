@@ -11,7 +11,7 @@ use crate::canvas::{Canvas, Paint, THIN, classes, escaped, number};
 use crate::colours::{Colour, Fill, fixed};
 use crate::figure::{Figure, Look};
 use crate::level::Level;
-use crate::size::{NAME, PORT, tag_height};
+use crate::size::{LINE, NAME, PORT, tag_height};
 use crate::symbols;
 
 /// Filled, without a line.
@@ -19,7 +19,7 @@ const DOT: Paint = Paint { colour: Colour::Ink, width: 0.0, fill: Fill::Solid };
 /// Room around the drawing.
 const EDGE: f64 = 16.0;
 /// Room for a line above the drawing.
-const LINE: f64 = 16.0;
+const HEAD: f64 = 16.0;
 
 /// Draws a level as a file of its own. Each block is a group with its path in `data-path`, its kind in `data-kind`,
 /// `data-inside` where there is a level inside it, its place among the figures in `data-node`, and a title; wires are
@@ -44,13 +44,13 @@ fn draw(level: &Level, layout: &Layout, style: Option<&str>) -> String {
     // The path stands below the title.
     let lines = [(level.title.as_str(), 13.0, Colour::Ink), (level.path.as_str(), NAME, Colour::Quiet)];
     let lines: Vec<_> = lines.into_iter().filter(|(text, ..)| !text.is_empty()).collect();
-    let head = lines.len() as f64 * LINE + if lines.is_empty() { 0.0 } else { 10.0 };
+    let head = lines.len() as f64 * HEAD + if lines.is_empty() { 0.0 } else { 10.0 };
     let wide = lines.iter().map(|(text, size, _)| text_width(text, *size).ceil()).fold(0.0, f64::max);
     let width = (layout.width.max(wide) + 2.0 * EDGE).ceil();
     let height = (layout.height + head + 2.0 * EDGE).ceil();
     let mut canvas = Canvas::begin(width, height, style, &title);
     for (i, (text, size, colour)) in lines.into_iter().enumerate() {
-        canvas.text(EDGE, EDGE + 10.0 + i as f64 * LINE, size, "start", colour, text);
+        canvas.text(EDGE, EDGE + 10.0 + i as f64 * HEAD, size, "start", colour, text);
     }
     let _ = write!(canvas.out, "<g transform=\"translate({EDGE} {})\">", number(EDGE + head));
     wires(&mut canvas, level, layout);
@@ -146,10 +146,11 @@ fn block(canvas: &mut Canvas, node: usize, figure: &Figure, placed: &Placed) {
         }
     }
     let middle = placed.x + placed.width / 2.0;
-    if !figure.label.is_empty() {
-        let below = placed.y + placed.height + NAME + 1.0 + tag_height(&figure.look);
-        let y = if placed.label_above { placed.y - 4.0 } else { below };
-        canvas.text(middle, y, NAME, "middle", Colour::Quiet, &figure.label);
+    let below = placed.y + placed.height + NAME + 1.0 + tag_height(&figure.look);
+    let above = placed.y - 4.0 - LINE * figure.label.len().saturating_sub(1) as f64;
+    let first = if placed.label_above { above } else { below };
+    for (i, line) in figure.label.iter().enumerate() {
+        canvas.text(middle, first + LINE * i as f64, NAME, "middle", Colour::Quiet, line);
     }
     canvas.out.push_str("</g>");
 }
