@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::colours::{Colour, FONT, Fill};
-use crate::size::NAME;
+use crate::fonts::NAME;
 
 /// Strokes of signs, which need not be said.
 pub(crate) const THIN: f64 = 1.2;

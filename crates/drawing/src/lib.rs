@@ -12,6 +12,7 @@ mod bus;
 mod canvas;
 mod colours;
 mod figure;
+mod fonts;
 mod level;
 mod size;
 mod svg;

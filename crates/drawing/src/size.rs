@@ -5,14 +5,8 @@ use blocksim_layout::{Form, PortKind};
 use blocksim_picture::text_width;
 
 use crate::figure::{Figure, Look};
+use crate::fonts::{LINE, NAME, PORT, TEXT};
 use crate::symbols::two_pins;
-
-/// Font sizes: names below blocks, texts in signs, names of ports.
-pub(crate) const NAME: f64 = 10.0;
-pub(crate) const TEXT: f64 = 11.0;
-pub(crate) const PORT: f64 = 8.5;
-/// Distance of the lines of a name.
-pub(crate) const LINE: f64 = 12.0;
 
 /// Width and height of the box, as the sign needs it.
 pub(crate) fn size_of(figure: &Figure) -> (f64, f64) {

@@ -10,8 +10,9 @@ use blocksim_plot::Theme;
 use crate::canvas::{Canvas, Paint, THIN, classes, escaped, number};
 use crate::colours::{Colour, Fill, fixed};
 use crate::figure::{Figure, Look};
+use crate::fonts::{LINE, NAME, PORT};
 use crate::level::Level;
-use crate::size::{LINE, NAME, PORT, tag_height};
+use crate::size::tag_height;
 use crate::symbols;
 
 /// Filled, without a line.

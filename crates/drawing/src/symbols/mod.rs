@@ -11,7 +11,7 @@ use blocksim_picture::text_width;
 use crate::canvas::{Canvas, Paint, THIN, number};
 use crate::colours::{Colour, Fill};
 use crate::figure::{Figure, Look};
-use crate::size::{NAME, PORT, TEXT};
+use crate::fonts::{NAME, PORT, TEXT};
 
 /// Strokes of what is heavier than the rest.
 const THICK: f64 = 1.6;
