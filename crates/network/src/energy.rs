@@ -11,132 +11,15 @@
 //!
 //! A network without an account never comes here.
 
-use blocksim_block::physical::{Component, Element, Energy, LossModel};
-use blocksim_block::{Context, Interface};
+use blocksim_block::Context;
+use blocksim_block::physical::{Component, Energy, LossModel};
 use blocksim_multibody::{kinetic_energy, potential_energy};
 
+use crate::accounts::{Account, GRAVITY, LISTS, MOTION, OPEN, OWN, TURNED};
 use crate::electrics::{Branch, GivenBy};
 use crate::network::Network;
 use crate::seat::Seat;
 use crate::work::Work;
-
-/// Energies in front of those of the members: of motion and of gravity.
-const MOTION: usize = 0;
-const GRAVITY: usize = 1;
-const OWN: usize = 2;
-
-/// Cells of an account in front of its lists: whether it has been opened, and the largest energy turned over.
-const OPEN: usize = 0;
-const TURNED: usize = 1;
-const LISTS: usize = 2;
-
-/// The accounts of a network.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Accounts {
-    list: Vec<Account>,
-    /// Pins of the sources of speed.
-    sources: Vec<usize>,
-    payloads: usize,
-}
-
-/// An account.
-#[derive(Debug, Clone)]
-struct Account {
-    seat: usize,
-    /// Error that is allowed, relative to the largest energy turned over.
-    tolerance: Option<f64>,
-    /// Energy that counts as turned over at least, J.
-    floor: f64,
-    /// First of its cells: opened, turned over, share of each payload, energies at the start.
-    cells: usize,
-}
-
-/// Room for energies, J: those of motion and gravity, then those of the members.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Energies {
-    parts: Vec<f64>,
-    before: Vec<f64>,
-    /// Shares of payloads.
-    shares: Vec<f64>,
-}
-
-impl Energies {
-    pub(crate) fn new(network: &Network) -> Self {
-        if network.accounts.is_empty() {
-            return Self::default();
-        }
-        let parts = OWN + network.seats.len();
-        Self {
-            parts: vec![0.0; parts],
-            before: vec![0.0; parts],
-            shares: vec![0.0; network.frames.payloads.len()],
-        }
-    }
-}
-
-impl Accounts {
-    /// Adds the cells of all accounts to the interface, behind all other discrete states.
-    pub(crate) fn new(seats: &[Seat], payloads: usize, interface: &mut Interface) -> Self {
-        let mut accounts = Self { payloads, ..Self::default() };
-        for (index, seat) in seats.iter().enumerate() {
-            let mut pin = seat.pins.start;
-            for element in &seat.member.part.elements {
-                match *element {
-                    Element::EnergyAccount { tolerance, floor } => {
-                        let cells = interface.discrete.len();
-                        let path = &seat.member.path;
-                        for cell in 0..LISTS + payloads + OWN + seats.len() {
-                            *interface =
-                                std::mem::take(interface).discrete(format!("{path}.account[{cell}]"), 0.0);
-                        }
-                        accounts.list.push(Account { seat: index, tolerance, floor, cells });
-                    }
-                    Element::SpeedSource { .. } => {
-                        accounts.sources.push(pin);
-                        pin += 1;
-                    }
-                    Element::Branch { .. }
-                    | Element::Friction { .. }
-                    | Element::Rigid { .. }
-                    | Element::SpeedProbe { .. } => pin += 1,
-                    _ => {}
-                }
-            }
-        }
-        accounts
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        self.list.is_empty()
-    }
-}
-
-impl Account {
-    /// Share of each payload when it was last looked at.
-    fn shares<'a>(&self, d: &'a [f64], payloads: usize) -> &'a [f64] {
-        &d[self.cells + LISTS..self.cells + LISTS + payloads]
-    }
-
-    fn shares_mut<'a>(&self, d: &'a mut [f64], payloads: usize) -> &'a mut [f64] {
-        &mut d[self.cells + LISTS..self.cells + LISTS + payloads]
-    }
-
-    /// Energies at the start.
-    fn start<'a>(&self, d: &'a [f64], payloads: usize, parts: usize) -> &'a [f64] {
-        let first = self.cells + LISTS + payloads;
-        &d[first..first + parts]
-    }
-
-    /// Error of the balance and the energy turned over, J, with the supplied and the dissipated energy.
-    fn balance(&self, d: &[f64], payloads: usize, parts: &[f64], [supplied, heat]: [f64; 2]) -> (f64, f64) {
-        if d[self.cells + OPEN] == 0.0 {
-            return (0.0, 0.0);
-        }
-        let changes = || parts.iter().zip(self.start(d, payloads, parts.len())).map(|(now, then)| now - then);
-        let error = changes().sum::<f64>() - supplied + heat;
-        (error, changes().map(f64::abs).sum::<f64>() + supplied.abs() + heat.abs())
-    }
-}
 
 impl Network {
     fn books(&self) -> impl Iterator<Item = (&Seat, &dyn Component)> {

@@ -16,22 +16,30 @@
 //! | `assembly` | from members to a network, once |
 //! | `mechanics`, `electrics` | the two sides: what is known beforehand, and what each evaluation does |
 //! | `implicit` | what linearly implicit methods are told |
-//! | `energy` | the account |
+//! | `energy`, `accounts` | what becomes of energy, and its books |
 //! | `describe` | what others may see of the mechanics |
-//! | `network`, `seat`, `work` | the block, its members, its working space |
+//! | `network`, `member`, `seat` | its values, its members and where theirs lie |
+//! | `work`, `law` | the working space of an evaluation, and what members see of it |
+//! | `start`, `block` | what must hold before a run; the network as a block |
 
+mod accounts;
 mod assembly;
+mod block;
 mod describe;
 mod electrics;
 mod energy;
 mod implicit;
+mod law;
 mod mechanics;
+mod member;
 mod network;
 mod problem;
 mod seat;
+mod start;
 mod work;
 
-pub use assembly::{Member, Terminal, assemble};
+pub use assembly::assemble;
 pub use describe::{AxisView, PartView};
+pub use member::{Member, Terminal};
 pub use network::Network;
 pub use problem::NetworkProblem;

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use blocksim_block::physical::{Component, Needs};
 use blocksim_block::{Block, Context};
 
-use crate::assembly::Member;
 use crate::electrics::Joined;
+use crate::member::Member;
 
 /// Output group of what depends on states alone.
 pub(crate) const STATE: usize = 0;

@@ -7,14 +7,13 @@ use std::ops::Range;
 use blocksim_block::physical::{Element, LossModel, Needs};
 use blocksim_block::{Input, Interface, Output};
 
-use crate::assembly::Member;
-use crate::electrics::Electrics;
-use crate::electrics::separate::Separate;
-use crate::energy::Accounts;
+use crate::accounts::Accounts;
+use crate::electrics::{Electrics, Separate};
 use crate::mechanics::frames::Frames;
 use crate::mechanics::rotation::Rotation;
 use crate::mechanics::scene;
-use crate::mechanics::stiction::Stiction;
+use crate::mechanics::stiction::parts::Stiction;
+use crate::member::Member;
 use crate::network::Network;
 use crate::problem::NetworkProblem;
 use crate::seat::{Active, CHARGE, ELECTRICS, Held, MOTION, Role, STATE, Seat};

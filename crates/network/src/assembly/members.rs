@@ -5,7 +5,7 @@ use blocksim_block::physical::{Domain, Element, Pin};
 use petgraph::unionfind::UnionFind;
 
 use crate::assembly::words::Words;
-use crate::assembly::{Member, Terminal};
+use crate::member::{Member, Terminal};
 use crate::problem::NetworkProblem;
 
 /// Members with their ports numbered as nodes, domain by domain.

@@ -7,45 +7,12 @@ pub(crate) mod layout;
 pub(crate) mod members;
 pub(crate) mod words;
 
-use std::sync::Arc;
-
-use blocksim_block::Block;
-use blocksim_block::physical::{Element, Part};
-
 use crate::assembly::members::Members;
 use crate::electrics;
-use crate::mechanics::{frames, rotation};
+use crate::mechanics::{rotation, tree};
+use crate::member::{Member, Terminal};
 use crate::network::Network;
 use crate::problem::NetworkProblem;
-
-/// A block of a network.
-#[derive(Debug, Clone)]
-pub struct Member {
-    /// Path of the block.
-    pub path: String,
-    /// The block; it has a component.
-    pub block: Arc<dyn Block>,
-    /// What the component says of itself.
-    pub part: Part,
-    /// Number of elements of each input port.
-    pub input_lengths: Vec<usize>,
-}
-
-impl Member {
-    /// It keeps an account of the network, and is connected to it at no matter what node.
-    pub(crate) fn is_account(&self) -> bool {
-        self.part.elements.iter().any(|element| matches!(element, Element::EnergyAccount { .. }))
-    }
-}
-
-/// A conserving port of a member.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Terminal {
-    /// Index of the member.
-    pub member: usize,
-    /// Index of the port in its part.
-    pub port: usize,
-}
 
 /// Assembles one connected network.
 ///
@@ -66,7 +33,7 @@ pub fn assemble(members: Vec<Member>, joined: &[Vec<Terminal>]) -> Result<Networ
     let fed_by = view.fed_by();
     let fed: Vec<bool> = fed_by.iter().map(Option::is_some).collect();
     let electrics = electrics::build(&view, &fed).map_err(|more| problems.extend(more)).ok();
-    let frames = frames::build(&view).map_err(|more| problems.extend(more)).ok();
+    let frames = tree::build(&view).map_err(|more| problems.extend(more)).ok();
     let rotation = frames
         .as_ref()
         .and_then(|frames| rotation::build(&view, frames).map_err(|more| problems.extend(more)).ok());

@@ -12,33 +12,13 @@
 
 use blocksim_block::Context;
 
-use crate::electrics::Electrics;
 use crate::electrics::currents::Faulty;
 use crate::network::Network;
 use crate::work::Work;
+use crate::work::circuits::Convert;
 
 /// Pivots below this, relative to the largest entry, are zero.
 const SINGULAR: f64 = 1e-12;
-
-/// Room for the variable transformers of an island.
-#[derive(Debug, Default)]
-pub(crate) struct Convert {
-    ratio: Vec<f64>,
-    /// `1 - R M` by rows, and `R f`.
-    matrix: Vec<f64>,
-    right: Vec<f64>,
-}
-
-impl Convert {
-    pub(crate) fn new(electrics: &Electrics) -> Self {
-        let n = 2 * electrics.islands.iter().map(|island| island.transformers.len()).max().unwrap_or(0);
-        Self {
-            ratio: vec![0.0; electrics.transformers.len()],
-            matrix: Vec::with_capacity(n * n),
-            right: Vec::with_capacity(n),
-        }
-    }
-}
 
 impl Network {
     /// Finds the given values of the variable transformers of an island.

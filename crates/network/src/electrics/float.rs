@@ -2,37 +2,10 @@
 
 use blocksim_block::Context;
 
-use crate::electrics::{Electrics, Floating, coordinates};
+use crate::electrics::{Floating, coordinates};
 use crate::network::Network;
 use crate::work::Work;
-
-/// Room for floating parts, sized once for an island.
-#[derive(Debug, Default)]
-pub(crate) struct FloatRoom {
-    internal: Vec<f64>,
-    inverse: Vec<f64>,
-    /// `W' Gamma W` and its right-hand side.
-    matrix: Vec<f64>,
-    pub phi: Vec<f64>,
-    /// `Gamma W` of one member, and the voltages of its windings.
-    product: Vec<f64>,
-    voltage: Vec<f64>,
-}
-
-impl FloatRoom {
-    pub(crate) fn new(electrics: &Electrics) -> Self {
-        let most = electrics.islands.iter().map(|island| island.two_pins.len() + 3).max().unwrap_or(0);
-        let (vector, square) = (|| Vec::with_capacity(most), || Vec::with_capacity(most * most));
-        Self {
-            internal: vector(),
-            inverse: square(),
-            matrix: square(),
-            phi: vector(),
-            product: square(),
-            voltage: vector(),
-        }
-    }
-}
+use crate::work::circuits::FloatRoom;
 
 impl Network {
     /// Adds the potentials of floating parts to the voltages of an island.

@@ -185,6 +185,30 @@ pub(crate) struct Electrics {
     pub early: Vec<Option<Early>>,
 }
 
+/// A circuit that the network integrates by itself.
+#[derive(Debug, Clone)]
+pub(crate) struct Separate {
+    pub island: usize,
+    pub members: Vec<usize>,
+    /// Length of a coupling step, s.
+    pub step: f64,
+    /// Discrete states with the times of the beginning and the end of the current step.
+    pub times: usize,
+}
+
+impl Separate {
+    /// The circuits that ask for it; where they lie is not known yet.
+    pub(crate) fn of(electrics: &Electrics) -> Vec<Self> {
+        let islands = electrics.islands.iter().enumerate();
+        islands
+            .filter_map(|(index, island)| {
+                let step = island.separate?;
+                Some(Self { island: index, members: island.members.clone(), step, times: 0 })
+            })
+            .collect()
+    }
+}
+
 /// A reading over the given values.
 #[derive(Debug, Clone)]
 pub(crate) enum Early {

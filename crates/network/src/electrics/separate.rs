@@ -14,75 +14,17 @@
 use blocksim_block::Context;
 use blocksim_block::physical::Torque;
 
-use crate::electrics::Electrics;
+use crate::electrics::Separate;
 use crate::electrics::currents::Faulty;
 use crate::network::Network;
 use crate::work::Work;
+use crate::work::circuits::Room;
 
 /// Steps of the integrator in a coupling step, at least.
 const LEAST: f64 = 4.0;
 
 /// Edges within a coupling step that are taken for chatter.
 const CHATTER: usize = 10_000;
-
-/// A circuit that the network integrates by itself.
-#[derive(Debug, Clone)]
-pub(crate) struct Separate {
-    pub island: usize,
-    pub members: Vec<usize>,
-    /// Length of a coupling step, s.
-    pub step: f64,
-    /// Discrete states with the times of the beginning and the end of the current step.
-    pub times: usize,
-}
-
-impl Separate {
-    /// The circuits that ask for it; where they lie is not known yet.
-    pub(crate) fn of(electrics: &Electrics) -> Vec<Self> {
-        let islands = electrics.islands.iter().enumerate();
-        islands
-            .filter_map(|(index, island)| {
-                let step = island.separate?;
-                Some(Self { island: index, members: island.members.clone(), step, times: 0 })
-            })
-            .collect()
-    }
-}
-
-/// Room for the integration of circuits.
-#[derive(Debug, Default)]
-pub(crate) struct Room {
-    /// Discrete states of the network while a trial point is evaluated.
-    d: Vec<f64>,
-    /// States at the beginning of a step of the integrator.
-    start: Vec<f64>,
-    /// Sum of the weighted slopes, and the last slope.
-    sum: Vec<f64>,
-    slope: Vec<f64>,
-    /// Speeds and accelerations of all pins at the hit.
-    speed: Vec<f64>,
-    acceleration: Vec<f64>,
-    torque: Vec<Torque>,
-    mean: Vec<f64>,
-}
-
-impl Room {
-    pub(crate) fn new(network: &Network) -> Self {
-        let (d, pins) = (network.interface.discrete.len(), network.rotation.pins.len());
-        let branches = network.rotation.branches.len();
-        let room = Vec::with_capacity;
-        Self {
-            d: room(d),
-            start: room(d),
-            sum: room(d),
-            slope: room(d),
-            speed: room(pins),
-            acceleration: room(pins),
-            torque: Vec::with_capacity(branches),
-            mean: room(branches),
-        }
-    }
-}
 
 impl Network {
     /// Integrates all separate circuits over the coupling step that begins now.

@@ -15,42 +15,6 @@ use blocksim_solve::linear::{lu_factor, lu_solve};
 use crate::network::Network;
 use crate::work::Work;
 
-/// The linearised law of one member.
-#[derive(Debug)]
-pub(crate) struct Linear {
-    /// Index of the seat.
-    seat: usize,
-    /// Index of the pin of its branch.
-    pin: usize,
-    a: Vec<f64>,
-    c: Vec<f64>,
-    /// `S B`.
-    sb: Vec<f64>,
-    pivots: Vec<usize>,
-}
-
-impl Linear {
-    /// Room for all members that know how they change.
-    pub(crate) fn rooms(network: &Network) -> Vec<Self> {
-        let seats = network.seats.iter().enumerate();
-        let knows = seats.filter(|(_, seat)| seat.member.part.linear && seat.held.is_none());
-        knows
-            .filter_map(|(index, seat)| {
-                let n = seat.x.len();
-                let pin = *network.rotation.branches.get(seat.branches.start)?;
-                (n > 0 && seat.branches.len() == 1).then(|| Self {
-                    seat: index,
-                    pin,
-                    a: vec![0.0; n * n],
-                    c: vec![0.0; n],
-                    sb: vec![0.0; n],
-                    pivots: vec![0; n],
-                })
-            })
-            .collect()
-    }
-}
-
 impl Network {
     /// Linearises the members and adds what their states do to the speeds to the matrix `w.implicit`.
     pub(crate) fn prepare_linear(&self, c: &Context, hg: f64, w: &mut Work) {

@@ -1,6 +1,6 @@
 //! The mechanics of a network: what is built once (`rotation`: the independent speeds and what follows from them;
-//! `frames`, `place`: the tree of bodies, `scene`: how it looks), and what an evaluation does, in this order: `speeds` and `joints`, `outside`,
-//! `motion` with `mesh` (losses of gears), `constraints` (with `loops` and `lock`), and `stiction`, which chooses modes at events.
+//! `tree` makes `frames`, with `place`: the bodies, `scene`: how they look), and what an evaluation does, in this order: `speeds` and `joints`, `outside`,
+//! `motion` with `mesh` (losses of gears), `constraints` (with `schur`, `loops` and `lock`), and `stiction`, which chooses modes at events.
 
 pub(crate) mod constraints;
 pub(crate) mod frames;
@@ -13,5 +13,7 @@ pub(crate) mod outside;
 pub(crate) mod place;
 pub(crate) mod rotation;
 pub(crate) mod scene;
+pub(crate) mod schur;
 pub(crate) mod speeds;
 pub(crate) mod stiction;
+pub(crate) mod tree;

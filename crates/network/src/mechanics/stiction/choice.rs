@@ -9,8 +9,9 @@
 use blocksim_block::Context;
 use blocksim_solve::linear::cholesky_solve;
 
-use super::{Place, ROUNDING, Rest};
-use crate::mechanics::constraints::DEPENDENT;
+use super::ROUNDING;
+use super::parts::{Place, Rest};
+use crate::mechanics::schur::DEPENDENT;
 use crate::network::Network;
 use crate::work::Work;
 

@@ -3,7 +3,8 @@
 use blocksim_block::Context;
 use blocksim_block::physical::{Grip, Torque};
 
-use super::{FAR, Place};
+use super::FAR;
+use super::parts::Place;
 use crate::network::Network;
 use crate::work::Work;
 

@@ -7,16 +7,14 @@
 mod choice;
 mod guards;
 mod meshes;
+pub(crate) mod parts;
 mod torques;
 
-use std::ops::Range;
+use blocksim_block::Context;
 
-use blocksim_block::physical::LossModel;
-use blocksim_block::{Context, Interface};
-
+use self::parts::Place;
 use crate::assembly::eliminate::Form;
 use crate::mechanics::loops::AT_REST;
-use crate::mechanics::rotation::Rotation;
 use crate::network::Network;
 use crate::seat::Seat;
 use crate::work::Work;
@@ -33,76 +31,6 @@ const ROUNDING: f64 = 1e-12;
 
 /// A distance from breakaway that is as good as infinite, N*m.
 const FAR: f64 = 1e9;
-
-/// What sticks in a network: frictions and meshes of gears.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Stiction {
-    /// Where their modes lie among the discrete states.
-    modes: Range<usize>,
-    /// Where their guards lie.
-    guards: Range<usize>,
-    /// Frictions, then meshes.
-    parts: Vec<Place>,
-    /// Number of frictions.
-    frictions: usize,
-    /// Index of the first friction among the branches.
-    first: usize,
-}
-
-/// Where something that sticks is.
-#[derive(Debug, Clone, Copy)]
-enum Place {
-    /// Index of the pin of a friction.
-    Pin(usize),
-    /// Index of a gear with losses.
-    Gear(usize),
-}
-
-impl Stiction {
-    /// Adds modes and guards to the interface, behind those of the members.
-    pub(crate) fn new(seats: &[Seat], rotation: &Rotation, interface: &mut Interface) -> Self {
-        let (d, g) = (interface.discrete.len(), interface.guards.len());
-        let mut parts: Vec<Place> =
-            rotation.branches[rotation.smooth..].iter().map(|pin| Place::Pin(*pin)).collect();
-        let frictions = parts.len();
-        let gears = rotation.gears.iter().enumerate();
-        let dry = gears.filter(|(_, gear)| gear.loss.model == LossModel::Stiction);
-        parts.extend(dry.map(|(i, _)| Place::Gear(i)));
-        for of in [|seat: &Seat| seat.frictions.len(), |seat: &Seat| seat.dry.len()] {
-            for seat in seats {
-                for i in 0..of(seat) {
-                    let number = if of(seat) > 1 { (i + 1).to_string() } else { String::new() };
-                    let name = format!("{}.mode{number}", seat.member.path);
-                    interface.discrete.push(blocksim_block::Discrete { name: name.clone(), initial: 0.0 });
-                    interface.guards.push(name);
-                }
-            }
-        }
-        interface.jumps |= !parts.is_empty();
-        Self {
-            modes: d..d + parts.len(),
-            guards: g..g + parts.len(),
-            parts,
-            frictions,
-            first: rotation.smooth,
-        }
-    }
-
-    /// Number of parts that stick.
-    pub(crate) fn len(&self) -> usize {
-        self.parts.len()
-    }
-
-    /// Number of meshes that stick.
-    pub(crate) fn meshes(&self) -> usize {
-        self.parts.len() - self.frictions
-    }
-
-    /// The modes among discrete states.
-    fn of<'a>(&self, d: &'a [f64]) -> &'a [f64] {
-        d.get(self.modes.clone()).unwrap_or(&[])
-    }
-}
 
 impl Network {
     /// Modes of the frictions or meshes of a member.
@@ -162,15 +90,4 @@ impl Network {
     fn row_of(&self, i: usize, w: &Work) -> Option<usize> {
         w.stuck.iter().position(|stuck| *stuck == i).map(|k| w.first_stuck + k)
     }
-}
-
-/// What is to be decided about a friction at an event.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Rest {
-    /// Nothing: it slides in this direction.
-    Moves(f64),
-    /// Whether it sticks, and which way it slides otherwise.
-    Stands,
-    /// Which way it slides; nothing holds it.
-    Free,
 }

@@ -3,7 +3,7 @@
 use blocksim_block::Context;
 use blocksim_block::physical::Torque;
 
-use super::Place;
+use super::parts::Place;
 use crate::network::Network;
 use crate::work::Work;
 

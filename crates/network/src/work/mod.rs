@@ -1,20 +1,23 @@
 //! Values of one evaluation: scratch space, made once.
 
+pub(crate) mod circuits;
+mod energies;
+mod linear;
+mod loops;
+
 use blocksim_block::physical::{DryMesh, FrameMotion, Grip, JointMotion, Supply, Torque, Wrench};
 use blocksim_multibody::{Data, Model};
 
+use self::circuits::{Convert, FloatRoom, Room};
+use self::energies::Energies;
+use self::linear::Linear;
+use self::loops::LoopWork;
 use crate::electrics::Conducting;
 use crate::electrics::circuits::Circuits;
-use crate::electrics::convert::Convert;
-use crate::electrics::float::FloatRoom;
-use crate::electrics::separate::Room;
-use crate::energy::Energies;
-use crate::implicit::linear::Linear;
-use crate::mechanics::constraints::{Rows, Schur};
 use crate::mechanics::lock::Lock;
-use crate::mechanics::loops::LoopWork;
 use crate::mechanics::mesh::MeshScratch;
-use crate::mechanics::stiction::Rest;
+use crate::mechanics::schur::{Rows, Schur};
+use crate::mechanics::stiction::parts::Rest;
 use crate::network::Network;
 
 const AT_REST: FrameMotion = FrameMotion {

@@ -1,0 +1,140 @@
+//! A network as a block.
+
+use blocksim_block::{Block, Context, Given, Interface, InterfaceError, Scratch};
+
+use crate::network::Network;
+use crate::seat::{CHARGE, ELECTRICS, MOTION, STATE};
+use crate::work::Work;
+
+impl Block for Network {
+    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+        Ok(self.interface.clone())
+    }
+
+    fn scratch(&self) -> Scratch {
+        Scratch::new(Work::new(self))
+    }
+
+    fn initialize(&self, _c: &Context, x: &mut [f64], d: &mut [f64]) {
+        self.follow_speeds(x, &[], d);
+    }
+
+    fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
+        let Some(w) = w.get::<Work>() else { return };
+        match group {
+            STATE | CHARGE => self.state_phase(c, w),
+            ELECTRICS => self.electrics_phase(c, w),
+            _ => {
+                self.motion_phase(c, w);
+                self.inner_torques(w);
+            }
+        }
+        if matches!(group, ELECTRICS | MOTION) {
+            self.held_circuits(c, w);
+        }
+        for seat in self.active.measures[group].iter().map(|i| &self.seats[*i]) {
+            if let (Some(needs), Some(component)) = (seat.measures[group], seat.component()) {
+                let law = if group == MOTION { self.whole_law(c, seat, w) } else { self.law(c, seat, w) };
+                component.measure(&law, needs, &mut y[seat.y.clone()]);
+            }
+        }
+        if group == MOTION {
+            self.account_outputs(c, w, y);
+        }
+        if group == STATE {
+            // Nothing where there are no shapes.
+            for (y, q) in y[self.first_pose..].iter_mut().zip(self.positions(c)) {
+                *y = *q;
+            }
+        }
+    }
+
+    fn derivatives(&self, c: &Context, w: &mut Scratch, dx: &mut [f64]) {
+        let Some(w) = w.get::<Work>() else { return };
+        self.motion_phase(c, w);
+        self.position_rates(self.positions(c), &w.joint_speed, &mut dx[..self.positions]);
+        dx[self.positions..self.positions + self.rotation.free].copy_from_slice(&w.dv);
+        for seat in self.active.states.iter().map(|i| &self.seats[*i]) {
+            if let Some(component) = seat.component() {
+                component.derivatives(&self.law(c, seat, w), &mut dx[seat.x.clone()]);
+            }
+        }
+        self.account_rates(c, w, dx);
+    }
+
+    fn guards(&self, c: &Context, w: &mut Scratch, g: &mut [f64]) {
+        let Some(w) = w.get::<Work>() else { return };
+        self.motion_phase(c, w);
+        self.inner_torques(w);
+        for seat in self.active.guards.iter().map(|i| &self.seats[*i]) {
+            if let Some(component) = seat.component() {
+                component.guards(&self.whole_law(c, seat, w), &mut g[seat.g.clone()]);
+            }
+        }
+        self.stiction_guards(c, w, g);
+        if !self.natural.is_empty() {
+            self.valve_guards(c, w, &mut g[self.first_natural..]);
+        }
+    }
+
+    fn jump(&self, c: &Context, w: &mut Scratch, x: &mut [f64], d: &mut [f64]) -> bool {
+        let Some(w) = w.get::<Work>() else { return false };
+        // Members see the states as they were while they change them.
+        let (mut before, mut modes) = (std::mem::take(&mut w.before), std::mem::take(&mut w.modes));
+        before.copy_from_slice(x);
+        modes.copy_from_slice(d);
+        let here = Context { x: &before, d: &modes, ..*c };
+        self.motion_phase(&here, w);
+        self.inner_torques(w);
+        let booked = self.before_jump(&here, w, x, d);
+        let mut jumped = self.loops_meet_sources() && self.meet_loops(&here, w, x);
+        for seat in self.active.jumps.iter().map(|i| &self.seats[*i]) {
+            if let Some(component) = seat.component() {
+                let (x, d) = (&mut x[seat.x.clone()], &mut d[seat.d.clone()]);
+                jumped |= component.jump(&self.whole_law(&here, seat, w), x, d);
+            }
+        }
+        if jumped {
+            // What has been struck slides.
+            self.follow_speeds(x, &w.s, d);
+        } else {
+            jumped = self.choose_modes(&here, w, x, d);
+        }
+        (w.before, w.modes) = (before, modes);
+        let here = Context { x: &[], d: &[], ..*c };
+        for island in &self.active.valves {
+            jumped |= self.commutate(*island, &here, w, x, d);
+        }
+        self.after_jump(&here, jumped, w, x, d);
+        jumped |= booked;
+        if jumped {
+            // What is in the working space belongs to the states before.
+            w.evaluation = [u64::MAX; 3];
+        }
+        jumped
+    }
+
+    fn update(&self, c: &Context, w: &mut Scratch, d: &mut [f64]) {
+        if let Some(w) = w.get::<Work>() {
+            self.couple(c, w, d);
+        }
+    }
+
+    fn next_event(&self, c: &Context) -> f64 {
+        let seats = self.active.time_events.iter().map(|i| &self.seats[*i]);
+        let times = seats.filter_map(|seat| Some(seat.component()?.next_event(&self.still(c, seat))));
+        times.fold(f64::INFINITY, f64::min)
+    }
+
+    fn prepare(&self, c: &Context, hg: f64, w: &mut Scratch) {
+        if let Some(w) = w.get::<Work>() {
+            self.prepare_implicit(c, hg, w);
+        }
+    }
+
+    fn solve(&self, w: &mut Scratch, r: &mut [f64]) {
+        if let Some(w) = w.get::<Work>() {
+            self.solve_implicit(w, r);
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! What the members of a network see while their laws are evaluated.
+
+use blocksim_block::Context;
+use blocksim_block::physical::Law;
+
+use crate::network::Network;
+use crate::seat::Seat;
+use crate::work::Work;
+
+impl Network {
+    /// What a member sees before accelerations are known.
+    #[inline(always)]
+    pub(crate) fn law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
+        // Most members have a share of few of these lists, and this is called some hundred times in an evaluation.
+        let (x, d) = seat.states(c);
+        let mut law = Law { t: c.t, x, d, inputs: &seat.inputs, ..Law::nothing() };
+        if !seat.u.is_empty() {
+            law.u = &c.u[seat.u.clone()];
+        }
+        if !seat.pins.is_empty() {
+            law.speed = &w.pin_speed[seat.pins.clone()];
+        }
+        if !(seat.frictions.is_empty() && seat.dry.is_empty()) {
+            law.mode = self.modes_of(c, seat);
+        }
+        if !seat.two_pins.is_empty() {
+            law.voltage = &w.voltage[seat.two_pins.clone()];
+            law.current = &w.current[seat.two_pins.clone()];
+        }
+        if let Some(i) = seat.supply {
+            law.supply = &w.supply[i];
+            law.line_current = &w.line_current[i];
+        }
+        if seat.is_spatial() {
+            law.joint = &w.joint_motion[seat.joint.clone()];
+            law.frames = &w.frame_motion[seat.frames.clone()];
+            if let Some(i) = seat.ball {
+                law.orientation = &w.orientation[i];
+            }
+        }
+        law
+    }
+
+    /// What a member sees in the end.
+    #[inline(always)]
+    pub(crate) fn whole_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
+        let mut law = self.law(c, seat, w);
+        if !seat.pins.is_empty() {
+            law.acceleration = &w.pin_acceleration[seat.pins.clone()];
+            law.torque = &w.pin_torque[seat.pins.clone()];
+        }
+        if !seat.gears.is_empty() {
+            law.mesh = &w.all_mesh[seat.gears.clone()];
+        }
+        law
+    }
+
+    /// What a member sees when nothing but time, inputs and states is known.
+    pub(crate) fn still<'a>(&'a self, c: &Context<'a>, seat: &'a Seat) -> Law<'a> {
+        let (x, d) = seat.states(c);
+        Law { t: c.t, x, d, u: &c.u[seat.u.clone()], inputs: &seat.inputs, ..Law::nothing() }
+    }
+}

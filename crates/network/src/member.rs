@@ -1,0 +1,35 @@
+//! What a network is made of.
+
+use std::sync::Arc;
+
+use blocksim_block::Block;
+use blocksim_block::physical::{Element, Part};
+
+/// A block of a network.
+#[derive(Debug, Clone)]
+pub struct Member {
+    /// Path of the block.
+    pub path: String,
+    /// The block; it has a component.
+    pub block: Arc<dyn Block>,
+    /// What the component says of itself.
+    pub part: Part,
+    /// Number of elements of each input port.
+    pub input_lengths: Vec<usize>,
+}
+
+impl Member {
+    /// It keeps an account of the network, and is connected to it at no matter what node.
+    pub(crate) fn is_account(&self) -> bool {
+        self.part.elements.iter().any(|element| matches!(element, Element::EnergyAccount { .. }))
+    }
+}
+
+/// A conserving port of a member.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Terminal {
+    /// Index of the member.
+    pub member: usize,
+    /// Index of the port in its part.
+    pub port: usize,
+}

@@ -1,0 +1,89 @@
+//! Room for what is solved about circuits.
+
+use blocksim_block::physical::Torque;
+
+use crate::electrics::Electrics;
+use crate::network::Network;
+
+/// Room for the variable transformers of an island.
+#[derive(Debug, Default)]
+pub(crate) struct Convert {
+    pub ratio: Vec<f64>,
+    /// `1 - R M` by rows, and `R f`.
+    pub matrix: Vec<f64>,
+    pub right: Vec<f64>,
+}
+
+impl Convert {
+    pub(crate) fn new(electrics: &Electrics) -> Self {
+        let n = 2 * electrics.islands.iter().map(|island| island.transformers.len()).max().unwrap_or(0);
+        Self {
+            ratio: vec![0.0; electrics.transformers.len()],
+            matrix: Vec::with_capacity(n * n),
+            right: Vec::with_capacity(n),
+        }
+    }
+}
+
+/// Room for floating parts, sized once for an island.
+#[derive(Debug, Default)]
+pub(crate) struct FloatRoom {
+    pub internal: Vec<f64>,
+    pub inverse: Vec<f64>,
+    /// `W' Gamma W` and its right-hand side.
+    pub matrix: Vec<f64>,
+    pub phi: Vec<f64>,
+    /// `Gamma W` of one member, and the voltages of its windings.
+    pub product: Vec<f64>,
+    pub voltage: Vec<f64>,
+}
+
+impl FloatRoom {
+    pub(crate) fn new(electrics: &Electrics) -> Self {
+        let most = electrics.islands.iter().map(|island| island.two_pins.len() + 3).max().unwrap_or(0);
+        let (vector, square) = (|| Vec::with_capacity(most), || Vec::with_capacity(most * most));
+        Self {
+            internal: vector(),
+            inverse: square(),
+            matrix: square(),
+            phi: vector(),
+            product: square(),
+            voltage: vector(),
+        }
+    }
+}
+
+/// Room for the integration of circuits.
+#[derive(Debug, Default)]
+pub(crate) struct Room {
+    /// Discrete states of the network while a trial point is evaluated.
+    pub d: Vec<f64>,
+    /// States at the beginning of a step of the integrator.
+    pub start: Vec<f64>,
+    /// Sum of the weighted slopes, and the last slope.
+    pub sum: Vec<f64>,
+    pub slope: Vec<f64>,
+    /// Speeds and accelerations of all pins at the hit.
+    pub speed: Vec<f64>,
+    pub acceleration: Vec<f64>,
+    pub torque: Vec<Torque>,
+    pub mean: Vec<f64>,
+}
+
+impl Room {
+    pub(crate) fn new(network: &Network) -> Self {
+        let (d, pins) = (network.interface.discrete.len(), network.rotation.pins.len());
+        let branches = network.rotation.branches.len();
+        let room = Vec::with_capacity;
+        Self {
+            d: room(d),
+            start: room(d),
+            sum: room(d),
+            slope: room(d),
+            speed: room(pins),
+            acceleration: room(pins),
+            torque: Vec::with_capacity(branches),
+            mean: room(branches),
+        }
+    }
+}
