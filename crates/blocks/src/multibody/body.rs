@@ -2,6 +2,8 @@ use blocksim_block::physical::{Domain, Element};
 use blocksim_block::prelude::*;
 use blocksim_scene::Form;
 
+use super::mass_properties::MassProperties;
+
 /// A rigid body fixed to a frame.
 ///
 /// The inertia tensor is taken about the centre of mass, in axes parallel to the frame, with $I_{yz} = -\int
@@ -28,18 +30,9 @@ use blocksim_scene::Form;
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Multibody", symbol = Body)]
 pub struct Body {
-    /// Mass.
-    #[block(unit = "kg")]
-    pub mass: f64,
-    /// Centre of mass in the frame: x, y, z.
-    #[block(unit = "m", default = [0.0, 0.0, 0.0])]
-    pub com: [f64; 3],
-    /// Moments of inertia Ixx, Iyy, Izz about the centre of mass.
-    #[block(unit = "kg*m^2", default = [0.0, 0.0, 0.0])]
-    pub moi: [f64; 3],
-    /// Products of inertia Iyz, Izx, Ixy about the centre of mass.
-    #[block(unit = "kg*m^2", default = [0.0, 0.0, 0.0])]
-    pub poi: [f64; 3],
+    /// Its mass and how that is spread.
+    #[block(group)]
+    pub properties: MassProperties,
     /// What the body looks like: a list of boxes, cylinders, capsules, spheres, cones and meshes in the frame.
     #[block(default = None)]
     pub shapes: Option<Shapes>,
@@ -57,10 +50,7 @@ impl Block for Body {
     }
 
     fn check(&self) -> Result<(), ParamError> {
-        not_negative("mass", self.mass)?;
-        self.com.iter().try_for_each(|x| finite("com", *x))?;
-        self.moi.iter().try_for_each(|i| not_negative("moi", *i))?;
-        self.poi.iter().try_for_each(|i| finite("poi", *i))
+        self.properties.check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -71,26 +61,14 @@ impl Block for Body {
 impl Component for Body {
     fn part(&self, _given: &Given) -> Part {
         let shapes = self.shapes.iter().flat_map(|shapes| &shapes.0);
+        let MassProperties { mass, com, moi, poi } = self.properties;
         let part = Part::new().port("frame", Domain::Frame, "the frame the body is fixed to");
         shapes.fold(part, |part, shape| part.shape(0, shape.clone())).element(Element::Body {
             frame: 0,
-            mass: self.mass,
-            com: self.com,
-            moi: self.moi,
-            poi: self.poi,
+            mass,
+            com,
+            moi,
+            poi,
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn negative_masses_and_moments_of_inertia_are_refused() {
-        let body = Body { mass: 1.0, com: [0.0; 3], moi: [0.1; 3], poi: [0.0; 3], shapes: None };
-        assert_eq!(body.check(), Ok(()));
-        assert_eq!(Body { mass: -1.0, ..body.clone() }.check().unwrap_err().param, "mass");
-        assert_eq!(Body { moi: [0.1, -0.1, 0.1], ..body }.check().unwrap_err().param, "moi");
     }
 }

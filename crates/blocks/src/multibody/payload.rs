@@ -1,6 +1,8 @@
 use blocksim_block::physical::{Domain, Element};
 use blocksim_block::prelude::*;
 
+use super::mass_properties::MassProperties;
+
 /// A body that a gripper holds or drops while the simulation runs.
 ///
 /// While `attached` is true the body is part of whatever `frame` belongs to; otherwise it is not there. It is taken
@@ -13,26 +15,14 @@ use blocksim_block::prelude::*;
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Multibody", symbol = Body)]
 pub struct Payload {
-    /// Mass.
-    #[block(unit = "kg")]
-    pub mass: f64,
-    /// Centre of mass in the frame: x, y, z.
-    #[block(unit = "m", default = [0.0, 0.0, 0.0])]
-    pub com: [f64; 3],
-    /// Moments of inertia Ixx, Iyy, Izz about the centre of mass.
-    #[block(unit = "kg*m^2", default = [0.0, 0.0, 0.0])]
-    pub moi: [f64; 3],
-    /// Products of inertia Iyz, Izx, Ixy about the centre of mass.
-    #[block(unit = "kg*m^2", default = [0.0, 0.0, 0.0])]
-    pub poi: [f64; 3],
+    /// Its mass and how that is spread.
+    #[block(group)]
+    pub properties: MassProperties,
 }
 
 impl Block for Payload {
     fn check(&self) -> Result<(), ParamError> {
-        not_negative("mass", self.mass)?;
-        self.com.iter().try_for_each(|x| finite("com", *x))?;
-        self.moi.iter().try_for_each(|i| not_negative("moi", *i))?;
-        self.poi.iter().try_for_each(|i| finite("poi", *i))
+        self.properties.check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -42,16 +32,11 @@ impl Block for Payload {
 
 impl Component for Payload {
     fn part(&self, _given: &Given) -> Part {
+        let MassProperties { mass, com, moi, poi } = self.properties;
         Part::new()
             .port("frame", Domain::Frame, "the frame that holds it")
             .input(Input::boolean("attached").scalar().default(1.0).doc("whether it is held"))
-            .element(Element::Payload {
-                frame: 0,
-                mass: self.mass,
-                com: self.com,
-                moi: self.moi,
-                poi: self.poi,
-            })
+            .element(Element::Payload { frame: 0, mass, com, moi, poi })
     }
 
     fn load(&self, c: &Law) -> f64 {
