@@ -9,7 +9,7 @@ pub use low_pass::LowPass;
 mod pid;
 pub use pid::Pid;
 pub(crate) mod pid_law;
-pub use pid_law::{AntiWindup, Form};
+pub use pid_law::{AntiWindup, Form, PidLaw};
 pub(crate) mod rational;
 mod reset;
 pub use reset::Reset;

@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use super::pid_law::{AntiWindup, Form, PidLaw};
+use super::pid_law::{AntiWindup, PidLaw};
 use super::reset::{Reset, UNSEEN};
 
 /// PID controller with filtered derivative, limits and protection against windup.
@@ -26,38 +26,9 @@ use super::reset::{Reset, UNSEEN};
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Continuous", symbol = Text("PID"))]
 pub struct Pid {
-    /// Proportional gain.
-    pub kp: f64,
-    /// Integral gain: the unit of `kp` over s, or 1/s with `form: Ideal`.
-    #[block(default = 0.0)]
-    pub ki: f64,
-    /// Derivative gain: the unit of `kp` times s, or s with `form: Ideal`.
-    #[block(default = 0.0)]
-    pub kd: f64,
-    /// Where the filter of the derivative cuts off, positive.
-    #[block(unit = "1/s", default = 100.0)]
-    pub n: f64,
-    /// `Parallel`, or `Ideal` where `kp` multiplies all parts.
-    #[block(default = Form::Parallel)]
-    pub form: Form,
-    /// Lower limit of the output.
-    #[block(default = None)]
-    pub lower: Option<f64>,
-    /// Upper limit of the output.
-    #[block(default = None)]
-    pub upper: Option<f64>,
-    /// What happens to the integral part while the output is limited: `None`, `Clamping`, `BackCalculation`.
-    #[block(default = AntiWindup::None)]
-    pub anti_windup: AntiWindup,
-    /// Gain of the feedback of `BackCalculation`.
-    #[block(unit = "1/s", default = 1.0)]
-    pub kb: f64,
-    /// Integral part at the start.
-    #[block(default = 0.0)]
-    pub x0: f64,
-    /// State of the derivative filter at the start; `kd` times the error at the start spares the peak.
-    #[block(default = 0.0)]
-    pub d0: f64,
+    /// Gains, limits and start values.
+    #[block(group)]
+    pub law: PidLaw,
     /// What the extra input `reset` must do to set the states back: `None` (there is no such input), `Rising`,
     /// `Falling`, `Either`, `Level`.
     #[block(default = Reset::None)]
@@ -73,17 +44,8 @@ const TRIGGER: usize = 0;
 const MODES: usize = 1;
 
 impl Pid {
-    fn law(&self) -> PidLaw {
-        let Self { kp, ki, kd, n, form, lower, upper, anti_windup, kb, x0, d0, .. } = *self;
-        PidLaw { kp, ki, kd, n, form, lower, upper, anti_windup, kb, x0, d0 }
-    }
-
-    fn limited(&self) -> bool {
-        self.lower.is_some() || self.upper.is_some()
-    }
-
     fn slack(&self) -> f64 {
-        match (self.lower, self.upper) {
+        match (self.law.lower, self.law.upper) {
             (Some(lower), Some(upper)) => SLACK * (upper - lower),
             (Some(limit), None) | (None, Some(limit)) => SLACK * limit.abs(),
             (None, None) => 0.0,
@@ -92,23 +54,23 @@ impl Pid {
 
     /// Derivative part, from the state of its filter.
     fn derivative(&self, e: f64, xf: f64) -> f64 {
-        self.n * (self.kd * e - xf)
+        self.law.n * (self.law.kd * e - xf)
     }
 
     /// Output before the limits.
     fn unlimited(&self, e: f64, x: &[f64]) -> f64 {
-        self.law().sum(e, x[0], self.derivative(e, x[1]))
+        self.law.sum(e, x[0], self.derivative(e, x[1]))
     }
 }
 
 impl Block for Pid {
     fn check(&self) -> Result<(), ParamError> {
-        self.law().check()
+        self.law.check()
     }
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let e = given.input_or_unknown("e");
-        let u = Output::like("u", e.of(self.law().dimension(given)?));
+        let u = Output::like("u", e.of(self.law.dimension(given)?));
         let mut interface = Interface::new().input(Input::real("e").doc("Set value minus actual value."));
         interface = interface.output_reading(&[0], u);
         if let Some(reset) = self.reset.input() {
@@ -116,8 +78,8 @@ impl Block for Pid {
         }
         interface = interface.discrete("trigger", UNSEEN);
         for _ in 0..e.shape.len() {
-            interface = interface.state("integral", self.x0).state("filter", self.d0);
-            if self.limited() {
+            interface = interface.state("integral", self.law.x0).state("filter", self.law.d0);
+            if self.law.limited() {
                 interface = interface.settles().discrete("mode", 0.0);
                 interface = interface.guard("upper").guard("lower").guard("e");
             }
@@ -126,10 +88,10 @@ impl Block for Pid {
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {
-        if self.anti_windup != AntiWindup::Clamping {
+        if self.law.anti_windup != AntiWindup::Clamping {
             return;
         }
-        let law = self.law();
+        let law = &self.law;
         for ((mode, e), x) in d[MODES..].iter_mut().zip(c.input(0)).zip(c.x.chunks_exact(2)) {
             let v = self.unlimited(*e, x);
             let stays = *mode != 0.0 && *mode == law.winds_up(v, *e, self.slack());
@@ -141,7 +103,7 @@ impl Block for Pid {
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
         for ((u, e), x) in y.iter_mut().zip(c.input(0)).zip(c.x.chunks_exact(2)) {
-            *u = self.law().saturate(self.unlimited(*e, x));
+            *u = self.law.saturate(self.unlimited(*e, x));
         }
     }
 
@@ -150,17 +112,17 @@ impl Block for Pid {
             dx.fill(0.0);
             return;
         }
-        let law = self.law();
+        let law = &self.law;
         let states = dx.chunks_exact_mut(2).zip(c.x.chunks_exact(2));
         for (i, ((dx, x), e)) in states.zip(c.input(0)).enumerate() {
             let clamped = c.d.get(MODES + i).is_some_and(|mode| *mode != 0.0);
-            dx[0] = match self.anti_windup {
-                _ if self.ki == 0.0 || clamped => 0.0,
+            dx[0] = match self.law.anti_windup {
+                _ if self.law.ki == 0.0 || clamped => 0.0,
                 AntiWindup::BackCalculation => {
                     let v = self.unlimited(*e, x);
-                    self.ki * e + self.kb * (law.saturate(v) - v)
+                    self.law.ki * e + self.law.kb * (law.saturate(v) - v)
                 }
-                AntiWindup::None | AntiWindup::Clamping => self.ki * e,
+                AntiWindup::None | AntiWindup::Clamping => self.law.ki * e,
             };
             dx[1] = self.derivative(*e, x[1]);
         }
@@ -177,22 +139,22 @@ impl Block for Pid {
         if !fires {
             return turned;
         }
-        let changed = turned || x.chunks_exact(2).any(|x| x != [self.x0, self.d0]);
-        x.chunks_exact_mut(2).for_each(|x| x.copy_from_slice(&[self.x0, self.d0]));
+        let changed = turned || x.chunks_exact(2).any(|x| x != [self.law.x0, self.law.d0]);
+        x.chunks_exact_mut(2).for_each(|x| x.copy_from_slice(&[self.law.x0, self.law.d0]));
         changed
     }
 
     fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        if self.limited() {
+        if self.law.limited() {
             let elements = c.input(0).iter().zip(c.x.chunks_exact(2)).zip(&c.d[MODES..]);
             for (((e, x), mode), g) in elements.zip(g.chunks_exact_mut(3)) {
                 let v = self.unlimited(*e, x);
                 let waits = |side: f64| if *mode == side { self.slack() } else { 0.0 };
-                g[0] = self.upper.map_or(-1.0, |upper| v - (upper - waits(1.0)));
-                g[1] = self.lower.map_or(1.0, |lower| v - (lower + waits(-1.0)));
+                g[0] = self.law.upper.map_or(-1.0, |upper| v - (upper - waits(1.0)));
+                g[1] = self.law.lower.map_or(1.0, |lower| v - (lower + waits(-1.0)));
                 // The sign of the error matters at the limits alone; elsewhere it may flicker in rounding.
                 let at_limit = *mode != 0.0 || g[0] >= 0.0 || g[1] <= 0.0;
-                g[2] = if self.anti_windup == AntiWindup::Clamping && at_limit { *e } else { 1.0 };
+                g[2] = if self.law.anti_windup == AntiWindup::Clamping && at_limit { *e } else { 1.0 };
             }
         }
         if self.reset != Reset::None

@@ -25,18 +25,39 @@ pub enum AntiWindup {
 }
 
 /// The parameters of a PID controller.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct PidLaw {
+#[derive(Debug, Clone, Copy, PartialEq, Parameters)]
+pub struct PidLaw {
+    /// Proportional gain.
     pub kp: f64,
+    /// Integral gain: the unit of `kp` over s, or 1/s with `form: Ideal`.
+    #[block(default = 0.0)]
     pub ki: f64,
+    /// Derivative gain: the unit of `kp` times s, or s with `form: Ideal`.
+    #[block(default = 0.0)]
     pub kd: f64,
+    /// Where the filter of the derivative cuts off, positive.
+    #[block(unit = "1/s", default = 100.0)]
     pub n: f64,
+    /// `Parallel`, or `Ideal` where `kp` multiplies all parts.
+    #[block(default = Form::Parallel)]
     pub form: Form,
+    /// Lower limit of the output.
+    #[block(default = None)]
     pub lower: Option<f64>,
+    /// Upper limit of the output.
+    #[block(default = None)]
     pub upper: Option<f64>,
+    /// What happens to the integral part while the output is limited: `None`, `Clamping`, `BackCalculation`.
+    #[block(default = AntiWindup::None)]
     pub anti_windup: AntiWindup,
+    /// Gain of the feedback of `BackCalculation`.
+    #[block(unit = "1/s", default = 1.0)]
     pub kb: f64,
+    /// Integral part at the start.
+    #[block(default = 0.0)]
     pub x0: f64,
+    /// State of the derivative filter at the start; `kd` times the error at the start spares the peak.
+    #[block(default = 0.0)]
     pub d0: f64,
 }
 
@@ -49,8 +70,7 @@ impl PidLaw {
         }
         positive("n", self.n)?;
         ordered("lower", self.lower(), "upper", self.upper())?;
-        let limited = self.lower.is_some() || self.upper.is_some();
-        if self.anti_windup != AntiWindup::None && !limited {
+        if self.anti_windup != AntiWindup::None && !self.limited() {
             return Err(ParamError::new("anti_windup", "without limits nothing winds up")
                 .help("give `lower` and `upper`, or leave out `anti_windup`"));
         }
@@ -94,6 +114,10 @@ impl PidLaw {
             Form::Parallel => self.kp * e + integral + derivative,
             Form::Ideal => self.kp * (e + integral + derivative),
         }
+    }
+
+    pub(crate) fn limited(&self) -> bool {
+        self.lower.is_some() || self.upper.is_some()
     }
 
     pub(crate) fn lower(&self) -> f64 {

@@ -2,10 +2,11 @@
 
 use super::super::units::testing::{interface_with, output_unit, vector};
 use super::*;
+use crate::continuous::Form;
 use blocksim_block::testing::Bench;
 
-fn pid(kp: f64, ki: f64, kd: f64) -> Pid {
-    Pid {
+fn pid(kp: f64, ki: f64, kd: f64) -> PidLaw {
+    PidLaw {
         kp,
         ki,
         kd,
@@ -17,18 +18,21 @@ fn pid(kp: f64, ki: f64, kd: f64) -> Pid {
         kb: 1.0,
         x0: 0.0,
         d0: 0.0,
-        reset: Reset::None,
     }
 }
 
-fn limited(anti_windup: AntiWindup) -> Pid {
-    Pid { lower: Some(-1.0), upper: Some(1.0), anti_windup, ..pid(2.0, 3.0, 0.0) }
+fn limited(anti_windup: AntiWindup) -> PidLaw {
+    PidLaw { lower: Some(-1.0), upper: Some(1.0), anti_windup, ..pid(2.0, 3.0, 0.0) }
+}
+
+fn block(law: PidLaw) -> Pid {
+    Pid { law, reset: Reset::None }
 }
 
 #[test]
 fn the_response_to_a_unit_step_matches_the_reference_values() {
     // P 2, I 3, D 0.5, N 100: 2 + 3 t + 50 exp(-100 t).
-    let mut bench = Bench::new(pid(2.0, 3.0, 0.5));
+    let mut bench = Bench::new(block(pid(2.0, 3.0, 0.5)));
     assert_eq!(bench.respond(1.0), 52.0);
     for (duration, expected) in [(0.01, 20.42397), (0.09, 2.302270), (0.9, 5.0)] {
         bench.integrate(duration, 4000);
@@ -41,7 +45,7 @@ fn the_response_to_a_unit_step_matches_the_reference_values() {
 
 #[test]
 fn in_the_ideal_form_kp_multiplies_all_parts() {
-    let mut bench = Bench::new(Pid { form: Form::Ideal, ..pid(2.0, 3.0, 0.5) });
+    let mut bench = Bench::new(block(PidLaw { form: Form::Ideal, ..pid(2.0, 3.0, 0.5) }));
     bench.set(0, &[1.0]).integrate(0.5, 4000);
     let expected = 2.0 * (1.0 + 1.5 + 50.0 * (-50.0_f64).exp());
     assert!((bench.minor()[0] - expected).abs() < 1e-9);
@@ -49,7 +53,7 @@ fn in_the_ideal_form_kp_multiplies_all_parts() {
 
 #[test]
 fn vectors_are_controlled_element_by_element() {
-    let mut bench = Bench::with_inputs(limited(AntiWindup::Clamping), vector("e", 2));
+    let mut bench = Bench::with_inputs(block(limited(AntiWindup::Clamping)), vector("e", 2));
     assert_eq!(bench.set(0, &[0.25, -4.0]).major(), [0.5, -1.0]);
     assert_eq!(bench.derivatives(), [0.75, 0.0, 0.0, -0.0]);
     assert_eq!(bench.guards().len(), 6);
@@ -57,7 +61,7 @@ fn vectors_are_controlled_element_by_element() {
 
 #[test]
 fn without_protection_the_integral_part_winds_up() {
-    let mut bench = Bench::new(limited(AntiWindup::None));
+    let mut bench = Bench::new(block(limited(AntiWindup::None)));
     bench.set(0, &[1.0]).integrate(2.0, 20);
     assert!((bench.x[0] - 6.0).abs() < 1e-12);
     assert_eq!(bench.minor(), [1.0]);
@@ -65,7 +69,7 @@ fn without_protection_the_integral_part_winds_up() {
 
 #[test]
 fn clamping_stops_the_integral_part_only_on_the_way_out() {
-    let mut bench = Bench::new(limited(AntiWindup::Clamping));
+    let mut bench = Bench::new(block(limited(AntiWindup::Clamping)));
     bench.set(0, &[1.0]).major();
     bench.integrate(2.0, 20);
     assert_eq!((bench.x[0], bench.minor()[0]), (0.0, 1.0));
@@ -79,7 +83,7 @@ fn clamping_stops_the_integral_part_only_on_the_way_out() {
 
 #[test]
 fn a_clamped_integral_part_waits_a_thousandth_of_the_range_inside() {
-    let mut bench = Bench::new(limited(AntiWindup::Clamping));
+    let mut bench = Bench::new(block(limited(AntiWindup::Clamping)));
     bench.set(0, &[0.6]).major();
     assert_eq!(bench.derivatives()[0], 0.0);
     // v = 0.999: back inside, but by less than 0.002.
@@ -94,26 +98,27 @@ fn a_clamped_integral_part_waits_a_thousandth_of_the_range_inside() {
 #[test]
 fn clamping_knows_the_sign_of_the_gains() {
     // With negative gains the integral part leads out at the upper limit for a negative error.
-    let mut bench = Bench::new(Pid { kp: -2.0, form: Form::Ideal, ..limited(AntiWindup::Clamping) });
+    let mut bench =
+        Bench::new(block(PidLaw { kp: -2.0, form: Form::Ideal, ..limited(AntiWindup::Clamping) }));
     bench.set(0, &[-1.0]).major();
     assert_eq!((bench.minor()[0], bench.derivatives()[0]), (1.0, 0.0));
 }
 
 #[test]
 fn back_calculation_settles_where_both_drives_are_in_balance() {
-    let mut bench = Bench::new(Pid { kb: 5.0, ..limited(AntiWindup::BackCalculation) });
+    let mut bench = Bench::new(block(PidLaw { kb: 5.0, ..limited(AntiWindup::BackCalculation) }));
     bench.set(0, &[1.0]).integrate(10.0, 2000);
     // ki e = kb (v - upper): v = 1 + 3 / 5, of which kp e = 2.
     assert!((bench.x[0] - (1.6 - 2.0)).abs() < 1e-12);
     // And on the way there exponentially with kb.
-    let mut bench = Bench::new(Pid { kb: 5.0, ..limited(AntiWindup::BackCalculation) });
+    let mut bench = Bench::new(block(PidLaw { kb: 5.0, ..limited(AntiWindup::BackCalculation) }));
     bench.set(0, &[1.0]).integrate(0.2, 200);
     assert!((bench.x[0] + 0.4 * (1.0 - (-1.0_f64).exp())).abs() < 1e-9);
 }
 
 #[test]
 fn without_integral_gain_nothing_is_integrated() {
-    let block = Pid { ki: 0.0, x0: 0.25, ..limited(AntiWindup::BackCalculation) };
+    let block = block(PidLaw { ki: 0.0, x0: 0.25, ..limited(AntiWindup::BackCalculation) });
     let mut bench = Bench::new(block);
     bench.set(0, &[3.0]).integrate(1.0, 10);
     assert_eq!(bench.x[0], 0.25);
@@ -121,7 +126,8 @@ fn without_integral_gain_nothing_is_integrated() {
 
 #[test]
 fn a_reset_sets_both_states_back() {
-    let mut bench = Bench::new(Pid { reset: Reset::Rising, x0: 1.0, d0: 0.5, ..pid(2.0, 3.0, 0.5) });
+    let mut bench =
+        Bench::new(Pid { reset: Reset::Rising, law: PidLaw { x0: 1.0, d0: 0.5, ..pid(2.0, 3.0, 0.5) } });
     bench.set(0, &[1.0]).set(1, &[-1.0]).major();
     bench.integrate(0.1, 100);
     assert_eq!(bench.guards(), [-1.0]);
@@ -133,7 +139,7 @@ fn a_reset_sets_both_states_back() {
 
 #[test]
 fn the_unit_is_that_of_the_input_times_that_of_kp() {
-    let block = pid(2.0, 3.0, 0.5);
+    let block = block(pid(2.0, 3.0, 0.5));
     assert_eq!(output_unit(&block, &[("e", "rad")], &[]), "rad");
     assert_eq!(output_unit(&block, &[("e", "rad")], &[("kp", "N*m/rad")]), "N*m");
     let with = |parameters: &[(&str, &str)]| interface_with(&block, &[("e", "m")], parameters);
@@ -142,18 +148,18 @@ fn the_unit_is_that_of_the_input_times_that_of_kp() {
         let error = with(&[("kp", "N/m"), wrong]).unwrap_err();
         assert!(error.message.contains(wrong.0), "{}", error.message);
     }
-    let ideal = Pid { form: Form::Ideal, ..block };
+    let ideal = Pid { law: PidLaw { form: Form::Ideal, ..block.law }, ..block };
     assert!(interface_with(&ideal, &[("e", "m")], &[("kp", "N/m"), ("ki", "1/s"), ("kd", "s")]).is_ok());
 }
 
 #[test]
 fn parameters_that_make_no_controller_are_refused() {
     let refused = [
-        (Pid { kp: f64::NAN, ..pid(1.0, 0.0, 0.0) }, "kp"),
-        (Pid { n: 0.0, ..pid(1.0, 0.0, 0.0) }, "n"),
-        (Pid { lower: Some(1.0), upper: Some(1.0), ..pid(1.0, 0.0, 0.0) }, "upper"),
-        (Pid { anti_windup: AntiWindup::Clamping, ..pid(1.0, 0.0, 0.0) }, "anti_windup"),
-        (Pid { kb: -1.0, ..limited(AntiWindup::BackCalculation) }, "kb"),
+        (block(PidLaw { kp: f64::NAN, ..pid(1.0, 0.0, 0.0) }), "kp"),
+        (block(PidLaw { n: 0.0, ..pid(1.0, 0.0, 0.0) }), "n"),
+        (block(PidLaw { lower: Some(1.0), upper: Some(1.0), ..pid(1.0, 0.0, 0.0) }), "upper"),
+        (block(PidLaw { anti_windup: AntiWindup::Clamping, ..pid(1.0, 0.0, 0.0) }), "anti_windup"),
+        (block(PidLaw { kb: -1.0, ..limited(AntiWindup::BackCalculation) }), "kb"),
     ];
     for (block, param) in refused {
         assert_eq!(block.check().unwrap_err().param, param);

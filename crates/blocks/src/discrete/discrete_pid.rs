@@ -1,7 +1,7 @@
 use blocksim_block::prelude::*;
 
 use super::method::Method;
-use crate::continuous::pid_law::{AntiWindup, Form, PidLaw};
+use crate::continuous::pid_law::{AntiWindup, PidLaw};
 
 /// Sampled PID controller with filtered derivative, limits and protection against windup.
 ///
@@ -26,44 +26,15 @@ pub struct DiscretePid {
     /// Sample time $T_s$, positive.
     #[block(unit = "s")]
     pub ts: f64,
-    /// Proportional gain.
-    pub kp: f64,
-    /// Integral gain: the unit of `kp` over s, or 1/s with `form: Ideal`.
-    #[block(default = 0.0)]
-    pub ki: f64,
-    /// Derivative gain: the unit of `kp` times s, or s with `form: Ideal`.
-    #[block(default = 0.0)]
-    pub kd: f64,
-    /// Where the filter of the derivative cuts off, positive.
-    #[block(unit = "1/s", default = 100.0)]
-    pub n: f64,
-    /// `Parallel`, or `Ideal` where `kp` multiplies all parts.
-    #[block(default = Form::Parallel)]
-    pub form: Form,
+    /// Gains, limits and start values.
+    #[block(group)]
+    pub law: PidLaw,
     /// Method of the integral part: `ForwardEuler`, `BackwardEuler`, `Trapezoidal`.
     #[block(default = Method::ForwardEuler)]
     pub integrator: Method,
     /// Method of the derivative filter: `ForwardEuler`, `BackwardEuler`, `Trapezoidal`.
     #[block(default = Method::ForwardEuler)]
     pub filter: Method,
-    /// Lower limit of the output.
-    #[block(default = None)]
-    pub lower: Option<f64>,
-    /// Upper limit of the output.
-    #[block(default = None)]
-    pub upper: Option<f64>,
-    /// What happens to the integral part while the output is limited: `None`, `Clamping`, `BackCalculation`.
-    #[block(default = AntiWindup::None)]
-    pub anti_windup: AntiWindup,
-    /// Gain of the feedback of `BackCalculation`.
-    #[block(unit = "1/s", default = 1.0)]
-    pub kb: f64,
-    /// Integral part at the start.
-    #[block(default = 0.0)]
-    pub x0: f64,
-    /// State of the derivative filter at the start; `kd` times the error at the start spares the peak.
-    #[block(default = 0.0)]
-    pub d0: f64,
 }
 
 /// One sample: the output, and what the states grow by, over the sample time.
@@ -74,29 +45,25 @@ struct Sample {
 }
 
 impl DiscretePid {
-    fn law(&self) -> PidLaw {
-        let Self { kp, ki, kd, n, form, lower, upper, anti_windup, kb, x0, d0, .. } = *self;
-        PidLaw { kp, ki, kd, n, form, lower, upper, anti_windup, kb, x0, d0 }
-    }
-
     /// From the error and the states of the integral part and of the filter.
     fn sample(&self, e: f64, xi: f64, xf: f64) -> Sample {
-        let law = self.law();
+        let law = &self.law;
         let at_once = self.integrator.share() * self.ts;
-        let derivative = self.n * (self.kd * e - xf) / (1.0 + self.filter.share() * self.n * self.ts);
-        let free = self.ki * e;
+        let derivative =
+            self.law.n * (self.law.kd * e - xf) / (1.0 + self.filter.share() * self.law.n * self.ts);
+        let free = self.law.ki * e;
         let v = law.sum(e, xi + at_once * free, derivative);
-        let w = match self.anti_windup {
+        let w = match self.law.anti_windup {
             // Without integral gain there is nothing that could wind up.
-            _ if self.ki == 0.0 => 0.0,
+            _ if self.law.ki == 0.0 => 0.0,
             AntiWindup::None => free,
             AntiWindup::Clamping if law.winds_up(v, e, 0.0) != 0.0 => 0.0,
             AntiWindup::Clamping => free,
             // a = kb (u - v_a) with v_a = v + p at_once a. The correction is never so large that v_a would come
             // inside the limits, therefore u = sat(v) for both.
             AntiWindup::BackCalculation => {
-                let loop_gain = self.kb * law.per_integral() * at_once;
-                free + self.kb * (law.saturate(v) - v) / (1.0 + loop_gain)
+                let loop_gain = self.law.kb * law.per_integral() * at_once;
+                free + self.law.kb * (law.saturate(v) - v) / (1.0 + loop_gain)
             }
         };
         let v = law.sum(e, xi + at_once * w, derivative);
@@ -107,10 +74,10 @@ impl DiscretePid {
 impl Block for DiscretePid {
     fn check(&self) -> Result<(), ParamError> {
         positive("ts", self.ts)?;
-        self.law().check()?;
-        let filters = self.kd != 0.0 || self.d0 != 0.0;
-        if self.filter == Method::ForwardEuler && filters && self.n * self.ts >= 2.0 {
-            let (n, limit) = (self.n, 2.0 / self.ts);
+        self.law.check()?;
+        let filters = self.law.kd != 0.0 || self.law.d0 != 0.0;
+        if self.filter == Method::ForwardEuler && filters && self.law.n * self.ts >= 2.0 {
+            let (n, limit) = (self.law.n, 2.0 / self.ts);
             let message = format!("`n` is {n}, but the filter is stable only below 2 / ts = {limit}");
             return Err(ParamError::new("n", message)
                 .help("choose a smaller `n` or `ts`, or `filter: BackwardEuler` or `Trapezoidal`"));
@@ -120,11 +87,11 @@ impl Block for DiscretePid {
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let e = given.input_or_unknown("e");
-        let u = Output::like("u", e.of(self.law().dimension(given)?));
+        let u = Output::like("u", e.of(self.law.dimension(given)?));
         let mut interface = Interface::new().input(Input::real("e").doc("Set value minus actual value."));
         interface = interface.output(u).sampled(self.ts);
         for _ in 0..e.shape.len() {
-            interface = interface.discrete("integral", self.x0).discrete("filter", self.d0);
+            interface = interface.discrete("integral", self.law.x0).discrete("filter", self.law.d0);
         }
         Ok(interface)
     }
@@ -147,32 +114,33 @@ impl Block for DiscretePid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::continuous::Form;
     use crate::continuous::units::testing::{interface_with, output_unit, vector};
     use blocksim_block::testing::Bench;
 
     const METHODS: [Method; 3] = [Method::ForwardEuler, Method::BackwardEuler, Method::Trapezoidal];
 
+    const LAW: PidLaw = PidLaw {
+        kp: 2.0,
+        ki: 3.0,
+        kd: 0.5,
+        n: 50.0,
+        form: Form::Parallel,
+        lower: None,
+        upper: None,
+        anti_windup: AntiWindup::None,
+        kb: 1.0,
+        x0: 0.0,
+        d0: 0.0,
+    };
+
     fn pid(method: Method) -> DiscretePid {
-        DiscretePid {
-            ts: 0.01,
-            kp: 2.0,
-            ki: 3.0,
-            kd: 0.5,
-            n: 50.0,
-            form: Form::Parallel,
-            integrator: method,
-            filter: method,
-            lower: None,
-            upper: None,
-            anti_windup: AntiWindup::None,
-            kb: 1.0,
-            x0: 0.0,
-            d0: 0.0,
-        }
+        DiscretePid { ts: 0.01, law: LAW, integrator: method, filter: method }
     }
 
     fn limited(method: Method, anti_windup: AntiWindup) -> DiscretePid {
-        DiscretePid { kd: 0.0, lower: Some(-1.0), upper: Some(1.0), anti_windup, ..pid(method) }
+        let law = PidLaw { kd: 0.0, lower: Some(-1.0), upper: Some(1.0), anti_windup, ..LAW };
+        DiscretePid { law, ..pid(method) }
     }
 
     #[test]
@@ -201,7 +169,10 @@ mod tests {
 
     #[test]
     fn in_the_ideal_form_kp_multiplies_all_parts() {
-        let mut bench = Bench::new(DiscretePid { form: Form::Ideal, ..pid(Method::BackwardEuler) });
+        let mut bench = Bench::new(DiscretePid {
+            law: PidLaw { form: Form::Ideal, ..LAW },
+            ..pid(Method::BackwardEuler)
+        });
         let expected = 2.0 * (1.0 + 0.03 + 25.0 / 1.5);
         assert!((bench.respond(1.0) - expected).abs() < 1e-12);
     }
@@ -230,17 +201,18 @@ mod tests {
     fn back_calculation_satisfies_its_own_equation_and_settles_in_balance() {
         for method in METHODS {
             for form in [Form::Parallel, Form::Ideal] {
-                let block = DiscretePid { kb: 20.0, form, ..limited(method, AntiWindup::BackCalculation) };
+                let limited = limited(method, AntiWindup::BackCalculation);
+                let block = DiscretePid { law: PidLaw { kb: 20.0, form, ..limited.law }, ..limited };
                 let mut bench = Bench::new(block.clone());
                 for _ in 0..3000 {
                     let (xi, e) = (bench.d[0], 1.0);
                     bench.set(0, &[e]).hit();
                     let w = (bench.d[0] - xi) / block.ts;
-                    let v = block.law().sum(e, xi + method.share() * block.ts * w, 0.0);
+                    let v = block.law.sum(e, xi + method.share() * block.ts * w, 0.0);
                     assert!((w - (3.0 * e + 20.0 * (v.clamp(-1.0, 1.0) - v))).abs() < 1e-11);
                 }
                 // ki e = kb (v - upper).
-                let v = block.law().sum(1.0, bench.d[0], 0.0);
+                let v = block.law.sum(1.0, bench.d[0], 0.0);
                 assert!((v - 1.15).abs() < 1e-12, "{method:?} {form:?}: {v}");
             }
         }
@@ -248,11 +220,12 @@ mod tests {
 
     #[test]
     fn a_filter_that_would_be_unstable_is_refused() {
-        let block = DiscretePid { n: 200.0, ..pid(Method::ForwardEuler) };
+        let block = DiscretePid { law: PidLaw { n: 200.0, ..LAW }, ..pid(Method::ForwardEuler) };
         let error = block.check().unwrap_err();
         assert_eq!(error.param, "n");
         assert!(error.help.unwrap().contains("BackwardEuler"));
-        assert!(DiscretePid { kd: 0.0, ..block.clone() }.check().is_ok());
+        let without_d = PidLaw { kd: 0.0, ..block.law };
+        assert!(DiscretePid { law: without_d, ..block.clone() }.check().is_ok());
         for method in [Method::BackwardEuler, Method::Trapezoidal] {
             assert!(DiscretePid { filter: method, ..block.clone() }.check().is_ok());
         }
@@ -267,7 +240,7 @@ mod tests {
 
     #[test]
     fn parameters_that_make_no_controller_are_refused() {
-        let kp = DiscretePid { kp: f64::NAN, ..pid(Method::ForwardEuler) };
+        let kp = DiscretePid { law: PidLaw { kp: f64::NAN, ..LAW }, ..pid(Method::ForwardEuler) };
         assert_eq!(kp.check().unwrap_err().param, "kp");
         let ts = DiscretePid { ts: 0.0, ..pid(Method::ForwardEuler) };
         assert_eq!(ts.check().unwrap_err().param, "ts");

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use blocksim_block::prelude::*;
 
-use crate::continuous::{AntiWindup, Form, Pid, Reset};
+use crate::continuous::{AntiWindup, Form, Pid, PidLaw, Reset};
 
 /// Speed control of an asynchronous machine by its slip, for an inverter with constant volts per hertz.
 ///
@@ -50,7 +50,7 @@ const ALONE: &[(u32, u32)] = &[(0, 1)];
 impl SlipControlledVf {
     /// The controller of the slip frequency.
     fn pi(&self) -> Pid {
-        Pid {
+        let law = PidLaw {
             kp: self.kp,
             ki: self.ki,
             kd: 0.0,
@@ -62,8 +62,8 @@ impl SlipControlledVf {
             kb: 1.0,
             x0: 0.0,
             d0: 0.0,
-            reset: Reset::None,
-        }
+        };
+        Pid { law, reset: Reset::None }
     }
 }
 
