@@ -57,4 +57,12 @@ impl Freedom {
     pub fn speeds(&self) -> usize {
         if matches!(self, Freedom::Ball { .. }) { 3 } else { 1 }
     }
+
+    /// The axis that it turns about or slides along; `None` of a ball.
+    pub fn axis(&self) -> Option<&Axis> {
+        match self {
+            Freedom::Turn(axis) | Freedom::Slide(axis) => Some(axis),
+            Freedom::Ball { .. } => None,
+        }
+    }
 }

@@ -1,9 +1,8 @@
 //! Speeds that contradict each other, loads that cannot be known, cases that nothing holds.
 
-use blocksim_block::physical::Element;
+use blocksim_block::physical::{Element, Freedom};
 
 use super::Rotation;
-use super::relate::axes;
 use crate::assembly::eliminate::Relations;
 use crate::assembly::members::Members;
 use crate::assembly::words::Words;
@@ -101,7 +100,7 @@ pub(super) fn free_cases(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem
                 other[m.node(member, r)] = true;
             }
             Element::Joint { ref freedoms, .. } => {
-                for (r, c) in axes(freedoms).filter_map(|(_, axis)| axis.drive) {
+                for (r, c) in freedoms.iter().filter_map(Freedom::axis).filter_map(|axis| axis.drive) {
                     if !(m.alone(member, r) && m.alone(member, c)) {
                         only_case[m.node(member, c)] = Some(member);
                         other[m.node(member, r)] = true;

@@ -1,6 +1,6 @@
 //! One pass over the elements: which speeds each of them relates, and where speeds are seen.
 
-use blocksim_block::physical::{Axis, Element, Freedom, MeshLoss};
+use blocksim_block::physical::{Element, MeshLoss};
 
 use super::faults::Reason;
 use super::start::Start;
@@ -110,7 +110,8 @@ pub(super) fn relate(m: &Members, frames: &Frames, sources: usize) -> Related {
             Element::Joint { ref freedoms, .. } => {
                 let first = freedoms_before[member];
                 freedoms_before[member] += freedoms.len();
-                for (k, axis) in axes(freedoms) {
+                for (k, freedom) in freedoms.iter().enumerate() {
+                    let Some(axis) = freedom.axis() else { continue };
                     let (Some((r, c)), Some(joint)) = (axis.drive, frames.speed_of(member, first + k)) else {
                         continue;
                     };
@@ -138,12 +139,4 @@ pub(super) fn relate(m: &Members, frames: &Frames, sources: usize) -> Related {
         related.branch_nodes.push(nodes);
     }
     related
-}
-
-/// The axes among freedoms, with their index.
-pub(super) fn axes(freedoms: &[Freedom]) -> impl Iterator<Item = (usize, &Axis)> {
-    freedoms.iter().enumerate().filter_map(|(k, freedom)| match freedom {
-        Freedom::Turn(axis) | Freedom::Slide(axis) => Some((k, axis)),
-        Freedom::Ball { .. } => None,
-    })
 }
