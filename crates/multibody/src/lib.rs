@@ -44,6 +44,7 @@ mod joint;
 mod kinematics;
 mod mass_and_bias;
 mod model;
+mod model_builder;
 mod orientation;
 mod placement;
 mod positions;
@@ -69,7 +70,8 @@ pub use kinematics::{
     forward_velocities, jacobian,
 };
 pub use mass_and_bias::mass_and_bias;
-pub use model::{Model, ModelBuilder, STANDARD_GRAVITY};
+pub use model::{Model, STANDARD_GRAVITY};
+pub use model_builder::ModelBuilder;
 pub use orientation::{
     EulerZyx, OrientationError, quaternion_of_rotation, rotation_of_quaternion, rotation_vector,
 };
