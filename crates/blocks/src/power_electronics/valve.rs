@@ -6,7 +6,7 @@ use blocksim_block::prelude::*;
 /// Properties of a valve.
 #[derive(Debug, Clone, Copy, PartialEq, Parameters)]
 pub struct Valve {
-    /// Forward voltage of what conducts in one direction: diode, thyristor or `Igbt`.
+    /// Forward voltage of a diode, a thyristor or an `Igbt`; a conducting `Mosfet` or `Contact` has none.
     #[block(unit = "V", default = 0.6)]
     pub v_f: f64,
     /// Resistance while it conducts.
