@@ -33,7 +33,9 @@ pub fn body(report: &Report, thinned: bool) -> String {
     }
     out.push_str("<dl class=\"facts\">");
     for (name, value) in &report.facts {
-        out.push_str(&format!("<div><dt>{}</dt><dd>{}</dd></div>", escape(name), escape(value)));
+        // Paths are best broken behind their folders.
+        let value = escape(value).replace('/', "/<wbr>");
+        out.push_str(&format!("<div><dt>{}</dt><dd>{value}</dd></div>", escape(name)));
     }
     out.push_str("</dl></section>\n");
     out.push_str("<noscript><p class=\"warning\">Scopes and movement need JavaScript.</p></noscript>\n");
