@@ -107,10 +107,17 @@ fn tally(edits: impl Fn(&Graph) -> Vec<Edit>) -> Tally {
     tally
 }
 
+/// The manual tells these numbers.
+fn on_the_page(found: &Tally) {
+    let page = std::fs::read_to_string(blocksim_tests::root().join("docs/drawing.md")).expect("the page");
+    let row = format!("| {} of {} |", found.disturbing.len(), found.all);
+    assert!(page.contains(&row), "docs/drawing.md does not say `{row}`: {}", found.line());
+}
+
 #[test]
 fn wider_blocks_and_other_names_leave_the_others_where_they_are() {
     let found = tally(wider);
-    println!("wider: {}", found.line());
+    on_the_page(&found);
     assert!(found.all > 1000, "{}", found.all);
     assert!(found.disturbing.is_empty() && found.turned == 0.0, "{}: {:?}", found.line(), found.disturbing);
 }
@@ -118,7 +125,7 @@ fn wider_blocks_and_other_names_leave_the_others_where_they_are() {
 #[test]
 fn more_or_fewer_scopes_leave_the_others_where_they_are() {
     let found = tally(scopes);
-    println!("scopes: {}", found.line());
+    on_the_page(&found);
     assert!(found.all > 400, "{}", found.all);
     assert!(found.disturbing.is_empty(), "{}: {:?}", found.line(), found.disturbing);
 }
@@ -130,7 +137,7 @@ const IN_WIRES: f64 = 0.015;
 #[test]
 fn a_block_in_any_wire_leaves_the_others_where_they_are() {
     let found = tally(inserted);
-    println!("inserted: {}", found.line());
+    on_the_page(&found);
     assert!(found.all > 1500, "{}", found.all);
     assert!(found.share() < IN_WIRES, "{}: {:#?}", found.line(), found.disturbing);
 }
@@ -138,7 +145,7 @@ fn a_block_in_any_wire_leaves_the_others_where_they_are() {
 #[test]
 fn a_block_taken_out_of_a_wire_leaves_the_others_where_they_are() {
     let found = tally(taken_out);
-    println!("taken out: {}", found.line());
+    on_the_page(&found);
     assert!(found.all > 70, "{}", found.all);
     assert!(found.disturbing.is_empty(), "{}: {:?}", found.line(), found.disturbing);
 }
@@ -149,7 +156,7 @@ const MORE_WIRES: f64 = 0.11;
 #[test]
 fn one_wire_more_mostly_leaves_the_others_where_they_are() {
     let found = tally(wires);
-    println!("wires: {}", found.line());
+    on_the_page(&found);
     assert!(found.all > 700, "{}", found.all);
     assert!(found.share() < MORE_WIRES, "{}: {:#?}", found.line(), found.disturbing);
 }
