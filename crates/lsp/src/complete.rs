@@ -2,15 +2,14 @@
 
 use std::path::Path;
 
-use blocksim_block::{BlockInfo, ParameterInfo, in_diagram, kinds};
-use blocksim_diagram::HIERARCHY;
+use blocksim_block::{BlockInfo, ParameterInfo};
 use lsp_types::{
     CompletionItem, CompletionItemKind, Documentation, InsertTextFormat, MarkupContent, MarkupKind,
 };
 
 use crate::context::{Context, context, is_of_reference};
-use crate::hover::Prose;
-use crate::models::{Blocks, Port};
+use crate::library::{Prose, about, all_kinds, kind, side};
+use crate::models::Blocks;
 use crate::names::{Section, declared};
 use crate::scan::run_at;
 
@@ -26,17 +25,6 @@ const SECTIONS: [(&str, &str); 9] = [
     ("connections", "Signals `a.y -> b.u` and joints `a.r <-> b.r`."),
     ("record", "Signals to record beside those of scopes."),
 ];
-
-/// All kinds, those of the hierarchy included.
-pub fn all_kinds() -> Vec<&'static BlockInfo> {
-    static OF_HIERARCHY: [BlockInfo; 2] = HIERARCHY;
-    OF_HIERARCHY.iter().chain(kinds()).collect()
-}
-
-/// A kind by its name.
-pub fn kind(name: &str) -> Option<&'static BlockInfo> {
-    all_kinds().into_iter().find(|info| info.kind == name)
-}
 
 /// What may follow at a place of a text; `blocks` are those of the file as they were last known, `folder` that of the
 /// file, `snippets` whether the editor fills in places to be written.
@@ -112,16 +100,6 @@ fn of_parameter(parameter: &ParameterInfo) -> CompletionItem {
     item(parameter.name, CompletionItemKind::FIELD, &about(parameter), doc, format!("{}: ", parameter.name))
 }
 
-/// `N*m, default 0`.
-pub fn about(parameter: &ParameterInfo) -> String {
-    let unit = (!parameter.unit.is_empty()).then(|| parameter.unit.to_owned());
-    let default = match parameter.default {
-        None => Some("required".to_owned()),
-        Some(default) => in_diagram(default).map(|default| format!("default {default}")),
-    };
-    unit.into_iter().chain(default).collect::<Vec<_>>().join(", ")
-}
-
 /// Blocks, or ports of the block before the point.
 fn connections(text: &str, before: &str, blocks: Option<&Blocks>) -> Vec<CompletionItem> {
     let word = &before[run_at(before, before.len(), is_of_reference)];
@@ -154,11 +132,6 @@ fn connections(text: &str, before: &str, blocks: Option<&Blocks>) -> Vec<Complet
                 .collect()
         }
     }
-}
-
-/// `output, rad/s`.
-pub fn side(port: &Port) -> String {
-    if port.unit.is_empty() { port.side.clone() } else { format!("{}, {}", port.side, port.unit) }
 }
 
 /// Files and folders that a name could go on with.

@@ -3,15 +3,12 @@
 use blocksim_block::BlockInfo;
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 
-use crate::complete::{about, kind, side};
 use crate::context::{Context, context, is_of_reference};
+use crate::library::{Prose, about, kind, side};
 use crate::models::Blocks;
 use crate::names::{Section, declared};
 use crate::position::span;
 use crate::scan::{is_word, run_at};
-
-/// Makes text for people of the Markdown of the manual, formulas above all.
-pub type Prose = fn(&str) -> String;
 
 /// What stands at a place of a text, if it is known.
 pub fn hover(text: &str, at: usize, blocks: Option<&Blocks>, prose: Prose) -> Option<Hover> {

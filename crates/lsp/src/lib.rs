@@ -12,6 +12,7 @@
 //! | `texts` | texts as the editor has them, before the disk |
 //! | `models` | which model a file belongs to, its problems, its ports |
 //! | `scan`, `context`, `names` | words and brackets around the cursor, what they mean, what a file declares |
+//! | `library` | what is known of kinds, parameters, ports |
 //! | `complete`, `hover`, `definition`, `outline` | an answer each |
 //! | `position`, `uri` | places and files as the protocol writes them |
 
@@ -19,6 +20,7 @@ mod complete;
 mod context;
 mod definition;
 mod hover;
+mod library;
 mod models;
 mod names;
 mod outline;

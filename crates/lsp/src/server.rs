@@ -20,7 +20,8 @@ use serde_json::{Value, json};
 
 use crate::complete::complete;
 use crate::definition::{Target, definition};
-use crate::hover::{Prose, hover};
+use crate::hover::hover;
+use crate::library::Prose;
 use crate::models::Models;
 use crate::outline::outline;
 use crate::position::{offset, span};

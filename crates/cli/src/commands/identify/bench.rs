@@ -1,7 +1,6 @@
 //! A robot of a diagram on the test bench: its axes, their drives, and experiments with them.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use blocksim_block::schedule::{Instance, OutputTimes, Recorded, Schedule};
 use blocksim_blocks::motion::{JointMove, Limits};
@@ -12,7 +11,7 @@ use blocksim_sim::{Control, Counts, Ended, Observer, SimError, Simulation};
 use super::course::{Course, Rest, SetValues};
 use super::drive::Drive;
 use super::look_into::look_into;
-use crate::running::interrupt;
+use crate::running::{interrupt, parallel};
 
 /// Why a diagram cannot stand on the bench.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -187,30 +186,8 @@ impl Bench {
         experiments: &[Experiment],
         told: impl Fn(usize) + Sync,
     ) -> Vec<Result<Rows, SimError>> {
-        let workers = std::thread::available_parallelism().map_or(1, usize::from).min(experiments.len());
-        let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let results: Mutex<Vec<Option<Result<Rows, SimError>>>> = Mutex::new(vec![None; experiments.len()]);
-        std::thread::scope(|scope| {
-            for _ in 0..workers {
-                scope.spawn(|| {
-                    while let Some((index, experiment)) = take(&next, experiments) {
-                        let result = self.run(experiment);
-                        if let Ok(mut results) = results.lock() {
-                            results[index] = Some(result);
-                        }
-                        told(done.fetch_add(1, Ordering::Relaxed) + 1);
-                    }
-                });
-            }
-        });
-        results.into_inner().unwrap_or_default().into_iter().flatten().collect()
+        parallel::all(experiments, parallel::processors(), |experiment| self.run(experiment), told)
     }
-}
-
-/// The next experiment that nobody has taken.
-fn take<'a>(next: &AtomicUsize, experiments: &'a [Experiment]) -> Option<(usize, &'a Experiment)> {
-    let index = next.fetch_add(1, Ordering::Relaxed);
-    Some((index, experiments.get(index)?))
 }
 
 /// Code of the error of an experiment that Ctrl-C ended.
