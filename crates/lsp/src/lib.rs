@@ -3,8 +3,8 @@
 //! While somebody writes, the server compiles the models that the open files belong to and tells their problems; it
 //! completes kinds, parameters, ports and names, tells what stands under the cursor, and goes to where it is said.
 //!
-//! What can be asked while a text is half written is answered from its words and brackets alone ([`scan`]); what needs
-//! the diagram, such as the ports of a block, from the last time that it could be read ([`models`]).
+//! What can be asked while a text is half written is answered from its words and brackets alone (`scan`); what needs
+//! the diagram, such as the ports of a block, from the last time that it could be read (`models`).
 //!
 //! | file | idea |
 //! |---|---|
