@@ -9,7 +9,7 @@ use blocksim_multibody::Placement;
 /// How far a rotation may be from orthonormal.
 const ROTATION_TOLERANCE: f64 = 1e-6;
 
-/// Inverse kinematics in closed form of a six-axis arm of a [`Model`].
+/// Inverse kinematics in closed form of a six-axis arm of a [`Model`](blocksim_multibody::Model).
 ///
 /// ```
 /// use blocksim_kinematics::ClosedForm;
