@@ -82,7 +82,7 @@ fn a_value_that_the_model_refuses_leaves_the_other_runs_alone() {
     let desk = Desk::new("refused");
     let output = desk.sweep(&["lag.ron", "--over", "tau=0.1 s,-0.1 s,0.2 s", "--out", "table.csv"]);
     assert_eq!(output.status.code(), Some(1));
-    assert!(said(&output).contains("1 of 3 runs could not go on"), "{}", said(&output));
+    assert!(said(&output).contains("1 of 3 runs have no numbers"), "{}", said(&output));
     let table = std::fs::read_to_string(desk.0.join("table.csv")).expect("the table");
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!(lines.len(), 4);
@@ -96,6 +96,40 @@ fn a_value_that_the_model_refuses_leaves_the_other_runs_alone() {
     assert_eq!(std::fs::read_to_string(desk.0.join("table.csv")).expect("the table"), table);
     let replaced = desk.sweep(&["lag.ron", "--over", "tau=0.1 s", "--out", "table.csv", "--yes"]);
     assert_eq!(replaced.status.code(), Some(0), "{}", said(&replaced));
+}
+
+#[test]
+fn a_variant_without_the_signal_does_not_cost_the_numbers_of_the_others() {
+    let desk = Desk::new("variants");
+    let part = |inside: &str| {
+        format!(
+            "Diagram(inputs: {{ \"u\": () }}, blocks: {{ \"lag\": LowPass(tau: 0.1){inside} }}, \
+             connections: [\"in.u -> lag.u\"])"
+        )
+    };
+    let seen =
+        part(", \"seen\": Scope(inputs: [\"y\"])").replace("lag.u\"]", "lag.u\", \"lag.y -> seen.y\"]");
+    std::fs::write(desk.0.join("a.ron"), seen).expect("a part");
+    std::fs::write(desk.0.join("b.ron"), part("")).expect("a part");
+    let top = r#"Diagram(
+        parameters: { "kind": Choice(default: "a", of: ["a", "b"]) },
+        simulation: (stop_time: "1 s"),
+        blocks: {
+            "one": Constant(value: 1.0),
+            "part": Variant(choice: "kind", of: {
+                "a": Subsystem(file: "a.ron"), "b": Subsystem(file: "b.ron"),
+            }),
+            "scope": Scope(inputs: ["u"]),
+        },
+        connections: ["one.y -> part.u, scope.u"],
+    )"#;
+    std::fs::write(desk.0.join("top.ron"), top).expect("a model");
+    let output = desk.sweep(&["top.ron", "--over", "kind=a,b", "--metric", "final:seen"]);
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    let lines: Vec<&str> = table.lines().collect();
+    assert!(lines[1].contains("1.000"), "{table}");
+    assert!(lines[2].ends_with("no recorded signal fits `seen` of `final:seen`"), "{table}");
 }
 
 #[test]

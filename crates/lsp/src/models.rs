@@ -109,6 +109,10 @@ fn root_of(path: &Path, texts: &Texts) -> PathBuf {
     let is_open = |section| matches!(section, Section::Input | Section::Output | Section::Port);
     let is_whole =
         text.contains("Diagram(") && !declared(text).iter().any(|declared| is_open(declared.section));
+    // It may still be part of a larger one, but it stands for itself as well.
+    if is_whole {
+        return path.to_owned();
+    }
     let reads = |candidate: &PathBuf| {
         let sources = Sources::new(texts);
         model(&sources, candidate, &[]);
@@ -116,11 +120,7 @@ fn root_of(path: &Path, texts: &Texts) -> PathBuf {
     };
     let folders = path.ancestors().skip(1).take(FOLDERS);
     let found = folders.flat_map(diagrams).filter(|candidate| candidate != path).take(MOST).find(reads);
-    match found {
-        Some(found) if !is_whole => found,
-        // A whole diagram may still be part of a larger one, but it stands for itself as well.
-        _ => path.to_owned(),
-    }
+    found.unwrap_or_else(|| path.to_owned())
 }
 
 /// Diagrams of a folder by name; the one named as the folder first.

@@ -82,16 +82,21 @@ pub fn sweep(args: &SweepArgs, console: Console) -> io::Result<Exit> {
 
 /// Tells what came out of all runs.
 fn finish(args: &SweepArgs, rows: &[Row], console: Console) -> io::Result<Exit> {
-    let usage = rows.iter().find_map(|row| match &row.outcome {
-        Err(Failure::Usage(mistake)) => Some(mistake),
-        _ => None,
-    });
-    if let Some(mistake) = usage {
+    // A variant may lack what others have; what fits no run at all is a mistake of the command line.
+    let mistakes: Vec<&String> = rows
+        .iter()
+        .filter_map(|row| match &row.outcome {
+            Err(Failure::Usage(mistake)) => Some(mistake),
+            _ => None,
+        })
+        .collect();
+    if let Some(mistake) = mistakes.first().filter(|_| mistakes.len() == rows.len()) {
         console.say(&format!("error: {mistake}"));
         return Ok(Exit::Usage);
     }
     let interrupted = rows.iter().any(|row| row.outcome == Err(Failure::Interrupted));
-    let failed = rows.iter().filter(|row| matches!(row.outcome, Err(Failure::Simulation(_)))).count();
+    let is_failed = |row: &&Row| matches!(row.outcome, Err(Failure::Simulation(_) | Failure::Usage(_)));
+    let failed = rows.iter().filter(is_failed).count();
     let table = told::Sheet::of(&args.over, rows);
     console.data(&if args.json { format!("{}\n", table.json()) } else { table.text(console.width) })?;
     if let Some(file) = &args.out {
@@ -105,7 +110,7 @@ fn finish(args: &SweepArgs, rows: &[Row], console: Console) -> io::Result<Exit> 
         return Ok(Exit::Interrupted);
     }
     if failed > 0 {
-        console.say(&format!("{} of {} could not go on", failed, plural(rows.len(), "run")));
+        console.say(&format!("{} of {} have no numbers", failed, plural(rows.len(), "run")));
         return Ok(Exit::Failed);
     }
     Ok(Exit::Done)

@@ -55,7 +55,9 @@ impl<'a> Sheet<'a> {
             failed: match &row.outcome {
                 Ok(_) => None,
                 Err(Failure::Interrupted) => Some("interrupted".to_owned()),
-                Err(Failure::Simulation(reason) | Failure::Usage(reason)) => Some(reason.clone()),
+                Err(Failure::Simulation(reason) | Failure::Usage(reason)) => {
+                    reason.lines().next().map(str::to_owned)
+                }
             },
         };
         let lines = rows.iter().map(line).collect();
