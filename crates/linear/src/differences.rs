@@ -1,0 +1,229 @@
+//! Derivatives of a function by central differences.
+//!
+//! No step suits all entries: a long one errs by the curvature of the function, a short one by rounding. So each entry is
+//! computed with steps that shorten by a factor, and the one is kept that differs least from its neighbour, once
+//! extrapolated after Richardson. The same comparison tells the accuracy (C. Ridders, Accurate computation of F'(x) and
+//! F'(x) F''(x), Advances in Engineering Software 4 (1982) 75; here without the higher columns of his tableau, which
+//! noise would spoil).
+
+use nalgebra::DMatrix;
+
+/// Longest step, relative to the size of the argument or to 1, whichever is larger.
+const LONGEST: f64 = 0.1;
+/// Factor between a step and the next shorter one.
+const FACTOR: f64 = 8.0;
+/// Number of steps; the shortest is about 1e-10.
+const STEPS: usize = 11;
+/// Slopes to both sides that differ by more than this part are of a kink.
+const KINK: f64 = 1e-2;
+
+/// Derivatives of several functions by several arguments.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Jacobian {
+    /// Row by row the derivatives of one function, one for each argument.
+    pub value: DMatrix<f64>,
+    /// How far each may be off; as rounding and the functions allow, not a bound.
+    pub error: DMatrix<f64>,
+    /// Where the slopes to both sides of the point differ. The derivative is then the mean of both.
+    pub kinks: Vec<Kink>,
+}
+
+/// A function that is not smooth at the point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kink {
+    /// Which function.
+    pub row: usize,
+    /// By which argument.
+    pub column: usize,
+    /// Slope towards smaller arguments.
+    pub left: f64,
+    /// Slope towards larger arguments.
+    pub right: f64,
+}
+
+impl Jacobian {
+    /// The largest error relative to the largest entry of the same row; 0 where there are no entries.
+    pub fn accuracy(&self) -> f64 {
+        let rows = self.value.row_iter().zip(self.error.row_iter());
+        rows.map(|(value, error)| match value.amax() {
+            largest if largest > 0.0 => error.amax() / largest,
+            _ => 0.0,
+        })
+        .fold(0.0, f64::max)
+    }
+}
+
+/// The derivatives at `point` of `f`, which writes `rows` values for an argument. Where a function fails or is not
+/// finite for a long step, shorter ones are used. Entries that cannot be told from zero are zero.
+///
+/// # Errors
+/// That of `f` at the point, or for the shortest step.
+pub fn jacobian<E>(
+    point: &[f64],
+    rows: usize,
+    mut f: impl FnMut(&[f64], &mut [f64]) -> Result<(), E>,
+) -> Result<Jacobian, E> {
+    let mut x = point.to_vec();
+    let mut middle = vec![0.0; rows];
+    f(&x, &mut middle)?;
+    let mut jacobian = Jacobian {
+        value: DMatrix::zeros(rows, point.len()),
+        error: DMatrix::zeros(rows, point.len()),
+        kinks: Vec::new(),
+    };
+    let mut sides = vec![Side::new(rows); STEPS];
+    for column in 0..point.len() {
+        let size = point[column].abs().max(1.0);
+        for (level, side) in sides.iter_mut().enumerate() {
+            let wanted = LONGEST * size / FACTOR.powi(level as i32);
+            // The step as it is after rounding.
+            let (above, below) = (point[column] + wanted, point[column] - wanted);
+            side.h = (above - point[column], point[column] - below);
+            let mut side_at = |at: f64, values: &mut [f64]| {
+                x[column] = at;
+                f(&x, values)
+            };
+            let done = side_at(above, &mut side.above).and_then(|()| side_at(below, &mut side.below));
+            match done {
+                Ok(()) => {}
+                Err(error) if level + 1 == STEPS => return Err(error),
+                Err(_) => side.above.fill(f64::NAN),
+            }
+        }
+        x[column] = point[column];
+        for (row, &middle) in middle.iter().enumerate() {
+            let (value, error) = best(&sides, row, middle);
+            let entry = (row, column);
+            jacobian.error[entry] = error;
+            jacobian.value[entry] = if value.abs() <= error { 0.0 } else { value };
+            if let Some((left, right)) = kink(&sides, row, middle) {
+                jacobian.kinks.push(Kink { row, column, left, right });
+            }
+        }
+    }
+    Ok(jacobian)
+}
+
+/// The values of all functions a step beside the point.
+#[derive(Clone)]
+struct Side {
+    /// Steps upwards and downwards.
+    h: (f64, f64),
+    above: Vec<f64>,
+    below: Vec<f64>,
+}
+
+impl Side {
+    fn new(rows: usize) -> Side {
+        Side { h: (0.0, 0.0), above: vec![0.0; rows], below: vec![0.0; rows] }
+    }
+
+    fn slope(&self, row: usize) -> f64 {
+        (self.above[row] - self.below[row]) / (self.h.0 + self.h.1)
+    }
+
+    /// What rounding of the values may do to the slope.
+    fn rounding(&self, row: usize, middle: f64) -> f64 {
+        let size = self.above[row].abs().max(self.below[row].abs()).max(middle.abs());
+        8.0 * f64::EPSILON * size / (self.h.0 + self.h.1)
+    }
+}
+
+/// The derivative of a row and its error.
+fn best(sides: &[Side], row: usize, middle: f64) -> (f64, f64) {
+    let square = FACTOR * FACTOR;
+    let pairs = sides.windows(2).map(|pair| {
+        let (long, short) = (pair[0].slope(row), pair[1].slope(row));
+        let error = (long - short).abs().max(pair[1].rounding(row, middle));
+        ((square * short - long) / (square - 1.0), error)
+    });
+    let usable = pairs.filter(|(value, error)| value.is_finite() && error.is_finite());
+    usable.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((f64::NAN, f64::NAN))
+}
+
+/// The slopes to both sides, if they do not approach each other as the step shortens.
+fn kink(sides: &[Side], row: usize, middle: f64) -> Option<(f64, f64)> {
+    let slopes = |side: &Side| ((middle - side.below[row]) / side.h.1, (side.above[row] - middle) / side.h.0);
+    let size = |(left, right): (f64, f64)| left.abs().max(right.abs());
+    let steepest = sides.iter().map(|side| size(slopes(side))).filter(|x| x.is_finite()).fold(0.0, f64::max);
+    // The shortest step whose slopes are not lost in rounding.
+    let side = sides.iter().rev().find(|side| side.rounding(row, middle) < 0.1 * KINK * steepest)?;
+    // What bends has slopes that come together with the step; a step eight times as long tells it from a kink.
+    let longer = sides.iter().rev().find(|other| other.h.0 > 4.0 * side.h.0)?;
+    let gap = |(left, right): (f64, f64)| (left - right).abs();
+    let here = slopes(side);
+    let differ = gap(here) > KINK * size(here) && gap(here) > 10.0 * side.rounding(row, middle);
+    (differ && gap(slopes(longer)) < 2.0 * gap(here)).then_some(here)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::convert::Infallible;
+
+    fn of(point: &[f64], f: impl Fn(&[f64], &mut [f64])) -> Jacobian {
+        let result: Result<Jacobian, Infallible> = jacobian(point, 2, |x, y| {
+            f(x, y);
+            Ok(())
+        });
+        result.unwrap()
+    }
+
+    #[test]
+    fn smooth_functions_have_derivatives_to_ten_digits_and_the_error_is_told() {
+        let at = [0.7_f64, -2.0];
+        let found = of(&at, |x, y| {
+            y[0] = x[0].sin() * x[1].exp();
+            y[1] = 1e5 + x[0] * x[0] * x[1];
+        });
+        let (s, c, e) = (at[0].sin(), at[0].cos(), at[1].exp());
+        let exact = DMatrix::from_row_slice(2, 2, &[c * e, s * e, 2.0 * at[0] * at[1], at[0] * at[0]]);
+        for (entry, expected) in exact.iter().enumerate() {
+            let (value, error) = (found.value[entry], found.error[entry]);
+            assert!((value - expected).abs() <= 10.0 * error, "{value} +- {error} is not {expected}");
+            assert!((value / expected - 1.0).abs() < 1e-7, "{value} is not {expected}");
+        }
+        assert!(found.kinks.is_empty() && found.accuracy() < 1e-6);
+    }
+
+    #[test]
+    fn steep_and_flat_places_of_one_function_are_found_at_their_own_steps() {
+        // As the smoothed friction of bearings: slope 1e4 within 1e-4, flat beyond it.
+        let steep = of(&[0.0, 1.0], |x, y| {
+            y[0] = (1e4 * x[0]).tanh();
+            y[1] = (1e4 * x[1]).tanh();
+        });
+        assert!((steep.value[(0, 0)] / 1e4 - 1.0).abs() < 1e-6, "{}", steep.value);
+        assert_eq!(steep.value[(1, 1)], 0.0);
+    }
+
+    #[test]
+    fn a_kink_is_told_with_both_slopes_and_none_where_it_is_a_step_away() {
+        let abs = |x: &[f64], y: &mut [f64]| {
+            y[0] = 3.0 * x[0].abs() + x[0];
+            y[1] = x[1].max(0.0);
+        };
+        let at = of(&[0.0, 0.0], abs);
+        assert_eq!(at.kinks.len(), 2);
+        let Kink { row, column, left, right } = at.kinks[0];
+        assert!((row, column) == (0, 0) && (left + 2.0).abs() < 1e-6 && (right - 4.0).abs() < 1e-6);
+        assert!((at.value[(0, 0)] - 1.0).abs() < 1e-9, "the mean of both");
+        let beside = of(&[1e-3, -1e-6], abs);
+        assert!(beside.kinks.is_empty(), "{:?}", beside.kinks);
+        assert!((beside.value[(0, 0)] - 4.0).abs() < 1e-8 && beside.value[(1, 1)] == 0.0);
+    }
+
+    #[test]
+    fn long_steps_that_fail_are_done_without() {
+        let root = |x: &[f64], y: &mut [f64]| match x[0] >= 0.0 {
+            true => {
+                y[0] = x[0].sqrt();
+                Ok(())
+            }
+            false => Err("a negative number"),
+        };
+        let found = jacobian(&[1e-4], 1, root).unwrap();
+        assert!((found.value[0] - 50.0).abs() < 1e-5, "{}", found.value);
+        assert_eq!(jacobian(&[0.0], 1, root), Err("a negative number"));
+    }
+}

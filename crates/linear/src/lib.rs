@@ -1,0 +1,38 @@
+//! Linear systems: what control engineers want to know of them. Knows nothing of blocks, diagrams and files; names and
+//! units are kept by the caller.
+//!
+//! A [`StateSpace`] has any number of inputs and outputs, a [`Channel`] one of each. Both are in continuous time or
+//! have a period. [`jacobian`] makes them of any function, by differences whose accuracy it tells.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `differences` | derivatives of a function, with their accuracy and the kinks at hand |
+//! | `system` | the matrices; one channel of them; sampling with a zero-order hold |
+//! | `minimal` | what of a channel can be reached and seen |
+//! | `poles`, `zeros` | eigenvalues with damping and frequency; invariant zeros |
+//! | `response`, `course` | over frequency; over time |
+//! | `grid`, `margins` | frequencies worth looking at; gain, phase and delay margins, bandwidth |
+
+mod course;
+mod differences;
+mod error;
+mod grid;
+mod margins;
+mod minimal;
+mod poles;
+mod response;
+mod system;
+mod zeros;
+
+pub use course::step_response;
+pub use differences::{Jacobian, Kink, jacobian};
+pub use error::LinearError;
+pub use grid::frequencies;
+pub use margins::{Margin, Margins, bandwidth, margins};
+pub use minimal::minimal;
+pub use nalgebra::Complex;
+pub use nalgebra::DMatrix;
+pub use poles::{Mode, is_stable, modes, poles};
+pub use response::{Gain, Response, static_gain};
+pub use system::{Channel, StateSpace};
+pub use zeros::zeros;

@@ -1,0 +1,164 @@
+//! Poles: eigenvalues, and what they mean.
+
+use nalgebra::linalg::{Schur, balancing};
+use nalgebra::{Complex, DMatrix, DVector};
+
+use crate::LinearError;
+
+/// Rounds of the QR iteration for each row after which it is given up.
+const ROUNDS: usize = 200;
+
+/// A pole in words of control.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mode {
+    /// The pole; of a sampled system in the plane of z.
+    pub pole: Complex<f64>,
+    /// Distance from the origin of the pole in continuous time, rad/s.
+    pub frequency: f64,
+    /// Cosine of its angle against the negative real axis: 1 without oscillation, 0 without damping, negative if it
+    /// grows. Of a pole at zero 1.
+    pub damping: f64,
+    /// Time in which it falls to 1/e, s; negative if it grows, infinite if it stays.
+    pub time_constant: f64,
+}
+
+/// The eigenvalues of a matrix, sorted by size, of a pair the one with positive imaginary part first.
+///
+/// # Errors
+/// [`LinearError::NotFinite`], [`LinearError::NoConvergence`].
+pub fn poles(a: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, LinearError> {
+    if a.iter().any(|value| !value.is_finite()) {
+        return Err(LinearError::NotFinite("A"));
+    }
+    if a.nrows() == 0 {
+        return Ok(Vec::new());
+    }
+    let (a, _) = balanced(a.clone());
+    let schur = Schur::try_new(a.clone(), f64::EPSILON, ROUNDS * a.nrows())
+        // Some matrices, such as permutations, look the same after a step of the iteration; turned a little they do not.
+        .or_else(|| Schur::try_new(turned(&a), f64::EPSILON, ROUNDS * a.nrows()))
+        .ok_or(LinearError::NoConvergence)?;
+    let mut poles: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
+    if poles.iter().any(|pole| !pole.re.is_finite() || !pole.im.is_finite()) {
+        return Err(LinearError::NoConvergence);
+    }
+    poles.sort_by(|a, b| {
+        let (size_a, size_b) = (a.norm(), b.norm());
+        // Two of a pair differ in their last digit.
+        let order = if (size_a - size_b).abs() <= 1e-12 * size_a.max(size_b) {
+            std::cmp::Ordering::Equal
+        } else {
+            size_a.total_cmp(&size_b)
+        };
+        order.then(a.re.total_cmp(&b.re)).then(b.im.total_cmp(&a.im))
+    });
+    Ok(poles)
+}
+
+/// The matrix in other orthogonal coordinates: reflected at a vector without symmetry.
+fn turned(a: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = a.nrows();
+    let v = DVector::from_fn(n, |i, _| 1.0 / (1.7 + i as f64)).normalize();
+    let reflection = DMatrix::identity(n, n) - &v * v.transpose() * 2.0;
+    &reflection * a * &reflection
+}
+
+/// Rows and columns of like size: `diag(d)^-1 A diag(d)`, and d.
+pub(crate) fn balanced(mut a: DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
+    // What is zero apart from the diagonal cannot be balanced by that; the sizes of the rest can.
+    let diagonal = a.diagonal();
+    a.set_diagonal(&DVector::zeros(a.nrows()));
+    let scale = balancing::balance_parlett_reinsch(&mut a);
+    a.set_diagonal(&diagonal);
+    (a, scale)
+}
+
+/// Poles with their meaning.
+pub fn modes(poles: &[Complex<f64>], period: Option<f64>) -> Vec<Mode> {
+    poles.iter().map(|&pole| mode(pole, period)).collect()
+}
+
+fn mode(pole: Complex<f64>, period: Option<f64>) -> Mode {
+    let s = match period {
+        None => pole,
+        // A pole at z = 0 has died out after a sample.
+        Some(_) if pole.norm() == 0.0 => Complex::new(f64::NEG_INFINITY, 0.0),
+        Some(period) => pole.ln() / period,
+    };
+    let frequency = s.re.hypot(s.im);
+    let damping = match frequency {
+        0.0 => 1.0,
+        f if f.is_infinite() => 1.0,
+        f => -s.re / f,
+    };
+    Mode { pole, frequency, damping, time_constant: if s.re == 0.0 { f64::INFINITY } else { -1.0 / s.re } }
+}
+
+/// Whether all poles die out. Those on the border, such as integrators, do not.
+pub fn is_stable(poles: &[Complex<f64>], period: Option<f64>) -> bool {
+    poles.iter().all(|pole| match period {
+        None => pole.re < 0.0,
+        Some(_) => pole.norm() < 1.0,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::system::tests::{transfer, transformed};
+
+    fn near(found: &[Complex<f64>], expected: &[(f64, f64)], within: f64) {
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        for (pole, (re, im)) in found.iter().zip(expected) {
+            assert!((pole - Complex::new(*re, *im)).norm() < within * re.hypot(*im).max(1.0), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_second_order_system_has_its_frequency_and_damping() {
+        for (frequency, damping) in [(5.0, 0.2), (300.0, 0.01), (2.0, 0.9)] {
+            let system = transfer(&[1.0], &[1.0, 2.0 * damping * frequency, frequency * frequency]);
+            for a in [&system.a, &transformed(&system, 1e3).a] {
+                let modes = modes(&poles(a).unwrap(), None);
+                assert!(modes[0].pole.im > 0.0 && modes[1].pole.im < 0.0);
+                for mode in modes {
+                    assert!((mode.frequency / frequency - 1.0).abs() < 1e-9);
+                    assert!((mode.damping / damping - 1.0).abs() < 1e-7, "{}", mode.damping);
+                    assert!((mode.time_constant * damping * frequency - 1.0).abs() < 1e-7);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn poles_far_apart_keep_their_digits() {
+        // Electrical and mechanical poles of a drive with an integrator: 0, -3, -2e4.
+        let system = transfer(&[1.0], &[1.0, 20003.0, 60000.0, 0.0]);
+        near(&poles(&system.a).unwrap(), &[(0.0, 0.0), (-3.0, 0.0), (-2e4, 0.0)], 1e-10);
+    }
+
+    #[test]
+    fn the_iteration_ends_for_matrices_that_it_leaves_as_they_are() {
+        let n = 4;
+        let cycle = DMatrix::from_fn(n, n, |i, j| f64::from(i == (j + 1) % n));
+        let found = poles(&cycle).unwrap();
+        assert!(found.iter().all(|pole| (pole.powu(4) - 1.0).norm() < 1e-12), "{found:?}");
+        let turn = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -1.0, 0.0]);
+        near(&poles(&turn).unwrap(), &[(0.0, 1.0), (0.0, -1.0)], 1e-15);
+        near(&poles(&DMatrix::zeros(3, 3)).unwrap(), &[(0.0, 0.0); 3], 1e-300);
+        assert_eq!(poles(&DMatrix::zeros(0, 0)), Ok(Vec::new()));
+        let odd = DMatrix::from_element(2, 2, f64::INFINITY);
+        assert_eq!(poles(&odd), Err(LinearError::NotFinite("A")));
+    }
+
+    #[test]
+    fn sampled_poles_mean_what_those_in_continuous_time_mean() {
+        let s = Complex::new(-3.0, 40.0);
+        let mode = modes(&[(s * 0.01).exp()], Some(0.01))[0];
+        assert!((mode.frequency / s.norm() - 1.0).abs() < 1e-12);
+        assert!((mode.damping / (3.0 / s.norm()) - 1.0).abs() < 1e-12);
+        assert!(is_stable(&[mode.pole], Some(0.01)) && !is_stable(&[Complex::new(1.0, 0.0)], Some(0.01)));
+        let dead = modes(&[Complex::new(0.0, 0.0)], Some(0.01))[0];
+        assert_eq!((dead.damping, dead.time_constant), (1.0, 0.0));
+    }
+}
