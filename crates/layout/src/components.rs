@@ -1,18 +1,7 @@
-//! A level as a whole: parts without connection are laid out one below the other.
+//! Parts of a level without connection are laid out one below the other.
 
-use crate::draw::draw;
-use crate::flow::{Flow, flow};
 use crate::graph::{End, Graph, Layout, Net, Placed, PlacedPort, Point, Segment, Wire};
-use crate::improve::improve;
-use crate::insert::{fit, insert};
-use crate::keys::Drawn;
-use crate::lanes::{plan, settle};
-use crate::layers::layers;
-use crate::order::order;
-use crate::rows::{chains, rows};
-use crate::sides::sides;
-use crate::skeleton::{Skeleton, along, skeleton};
-use crate::stack::stack;
+use crate::level::level;
 
 /// Distance of parts without connection.
 const BETWEEN: f64 = 30.0;
@@ -51,7 +40,7 @@ pub fn layout(graph: &Graph) -> Layout {
                 })
                 .collect(),
         };
-        let part = connected(&part);
+        let part = level(&part);
         let down = if whole.height > 0.0 { whole.height + BETWEEN } else { 0.0 };
         let moved = |at: Point| Point { y: at.y + down, ..at };
         for (node, placed) in nodes.iter().zip(part.nodes) {
@@ -102,64 +91,4 @@ fn parts(graph: &Graph) -> Vec<(Vec<usize>, Vec<usize>)> {
     }
     parts.retain(|(nodes, _)| !nodes.is_empty());
     parts
-}
-
-fn connected(graph: &Graph) -> Layout {
-    let flow = flow(graph);
-    // First the skeleton: what only stands in a wire, and a scope, moves nothing else.
-    let drawn = drawn(skeleton(graph));
-    let layer = layers(graph, &flow, &drawn.skeleton.along());
-    let mut sides = sides(graph, &flow, &layer);
-    let core = without_watching(graph, &flow);
-    let mut core = plan(&core, &flow, &layer, &sides);
-    for row in &mut core.rows {
-        row.retain(|unit| !unit.iter().any(|item| flow.watching.get(*item) == Some(&true)));
-    }
-    drawn.sort(&mut core);
-    for (v, node) in drawn.skeleton.node.iter().enumerate() {
-        core.kept[v] = node.is_some();
-    }
-    let mut y = stack(&core);
-    improve(&mut core, &mut sides, &mut y);
-    fit(&mut core, &sides);
-    let mut y = stack(&core);
-    improve(&mut core, &mut sides, &mut y);
-    let chains = drawn.chains_of(graph);
-    let mut y = rows(&core, &sides, &chains);
-    improve(&mut core, &mut sides, &mut y);
-    let mut plan = plan(graph, &flow, &layer, &sides);
-    plan.kept[..graph.nodes.len()].clone_from_slice(&core.kept[..graph.nodes.len()]);
-    settle(&mut plan, &core);
-    insert(&mut plan, &sides);
-    let mut y = rows(&plan, &sides, &chains);
-    // Once more with the true heights.
-    let before = plan.rows.clone();
-    improve(&mut plan, &mut sides, &mut y);
-    if before != plan.rows {
-        y = rows(&plan, &sides, &chains);
-    }
-    draw(graph, &flow, &plan, &sides, &y)
-}
-
-/// Lays out the skeleton of a level.
-fn drawn(skeleton: Skeleton) -> Drawn {
-    let flow = flow(&skeleton.graph);
-    let layer = layers(&skeleton.graph, &flow, &along(&skeleton.graph));
-    let mut sides = sides(&skeleton.graph, &flow, &layer);
-    let mut plan = plan(&skeleton.graph, &flow, &layer, &sides);
-    order(&mut plan, &mut sides);
-    let chains = chains(&skeleton.graph, &flow, &plan, &sides);
-    let mut y = rows(&plan, &sides, &chains);
-    improve(&mut plan, &mut sides, &mut y);
-    let y = rows(&plan, &sides, &chains);
-    Drawn { skeleton, plan, sides, y, chains }
-}
-
-/// The same nodes, with wires to those that only watch left out.
-fn without_watching(graph: &Graph, flow: &Flow) -> Graph {
-    let mut core = graph.clone();
-    for net in core.nets.iter_mut().filter(|net| net.directed) {
-        net.ends.retain(|end| !flow.watching[end.node]);
-    }
-    core
 }

@@ -62,7 +62,7 @@ impl Trunk {
     pub fn of(plan: &Plan, sides: &Sides, y: &[f64], taps: &[Tap]) -> Trunk {
         let mut trunk =
             Trunk { low: f64::INFINITY, high: f64::NEG_INFINITY, left: Vec::new(), right: Vec::new() };
-        for tap in taps {
+        for tap in taps.iter().filter(|tap| !plan.absent[tap.item]) {
             trunk.add(plan.tap_y(sides, y, tap), tap.right);
         }
         trunk

@@ -11,6 +11,8 @@ pub(crate) struct Flow {
     pub mirrored: Vec<bool>,
     /// For each node: it only looks at signals. Such a block stands where there is room and moves nothing else.
     pub watching: Vec<bool>,
+    /// For each node: a source of one block alone that is not the first of the text.
+    pub lone: Vec<bool>,
 }
 
 /// A wire to a block that is not later in the file and closes a loop is feedback; loops go through conserving
@@ -29,7 +31,9 @@ pub(crate) fn flow(graph: &Graph) -> Flow {
             .collect(),
         mirrored: vec![false; graph.nodes.len()],
         watching: watching(graph),
+        lone: Vec::new(),
     };
+    flow.lone = (0..graph.nodes.len()).map(|v| lone_source(graph, &flow, v)).collect();
     // What is written last is the most likely to lead back.
     while let Some(node) = (0..graph.nodes.len()).rev().find(|node| turns(graph, &flow, *node)) {
         flow.mirrored[node] = true;
@@ -66,6 +70,19 @@ fn watching(graph: &Graph) -> Vec<bool> {
         watching[v] = false;
     }
     watching
+}
+
+/// A source that only one other block takes from, apart from those that watch. The first of a level begins its path.
+fn lone_source(graph: &Graph, flow: &Flow, v: usize) -> bool {
+    let node = &graph.nodes[v];
+    let nets =
+        graph.nets.iter().filter(|net| net.directed && net.ends.first().is_some_and(|end| end.node == v));
+    let taken = nets.flat_map(|net| &net.ends[1..]).filter(|end| !flow.watching[end.node]).count();
+    node.standing == Standing::Free
+        && !node.ports.is_empty()
+        && node.is_source()
+        && taken == 1
+        && graph.nodes[..v].iter().any(Node::is_source)
 }
 
 fn siso(graph: &Graph, node: usize) -> bool {

@@ -2,6 +2,7 @@
 
 use crate::crossings::{block_of, channel_cost, order_cost};
 use crate::graph::Side;
+use crate::insert::WORTH;
 use crate::lanes::Plan;
 use crate::sides::Sides;
 
@@ -21,13 +22,16 @@ pub(crate) fn improve(plan: &mut Plan, sides: &mut Sides, y: &mut [f64]) {
                 if plan.rows[at][place - 1..=place].iter().all(kept) {
                     continue;
                 }
+                let pair = &plan.rows[at][place - 1..=place];
+                let both = pair.iter().all(|unit| block_of(plan, unit).is_some());
+                let worth = if both && pair.iter().any(kept) { WORTH } else { 1e-9 };
                 let before = costs[at] + costs[at + 1] + order_cost(plan, at);
                 let kept: Vec<(usize, f64)> =
                     plan.rows[at][place - 1..=place].iter().flatten().map(|item| (*item, y[*item])).collect();
                 exchange(plan, y, at, place);
                 let left = channel_cost(plan, sides, y, at);
                 let right = channel_cost(plan, sides, y, at + 1);
-                if left + right + order_cost(plan, at) < before - 1e-9 {
+                if left + right + order_cost(plan, at) < before - worth {
                     (costs[at], costs[at + 1], better) = (left, right, true);
                 } else {
                     plan.rows[at].swap(place - 1, place);

@@ -1,13 +1,38 @@
 //! Wires and blocks that are put between others, which keep their order.
 
-use crate::crossings::{channel_cost, order_cost, total};
-use crate::lanes::Plan;
+use crate::crossings::{block_of, channel_cost, order_cost, total};
+use crate::keys::Drawn;
+use crate::lanes::{Item, Plan};
 use crate::sides::Sides;
 use crate::stack::{stack, stack_row};
 
-/// Brings each loose unit to the best place in its row, the others kept; among equals as far below as it may be. A wire
-/// over several layers runs above all or below all at first, whichever is better.
+/// By how much another place of a block must be better than that in the skeleton.
+pub(crate) const WORTH: f64 = 1.4;
+
+/// Brings each loose unit to the best place in its row, the others kept; among equals as far below as it may be. A block
+/// counts from when it has been placed, so that one more at the end of the text matters to none before it.
 pub(crate) fn insert(plan: &mut Plan, sides: &Sides) {
+    above_or_below(plan, sides);
+    let count = plan.rows.len();
+    let loose = |plan: &Plan, at: usize| -> Vec<Vec<usize>> {
+        plan.rows[at].iter().filter(|unit| plan.loose[unit[0]]).cloned().collect()
+    };
+    for item in (0..plan.items.len()).filter(|item| plan.loose[*item]) {
+        plan.absent[item] = matches!(plan.items[item], Item::Node(_));
+    }
+    let mut y = stack(plan);
+    // Each time round, more of what they are connected to is in its place.
+    for at in (0..3).flat_map(|_| 0..count) {
+        for unit in loose(plan, at) {
+            unit.iter().for_each(|item| plan.absent[*item] = false);
+            relocate(plan, sides, &mut y, at, unit, 0.0);
+        }
+    }
+    run_together(plan, sides);
+}
+
+/// Lets each loose wire over several layers run above all or below all, whichever is better.
+fn above_or_below(plan: &mut Plan, sides: &Sides) {
     for net in 0..plan.lanes.len() {
         let lanes: Vec<(usize, usize)> =
             plan.lanes[net].iter().copied().filter(|(_, lane)| plan.loose[*lane]).collect();
@@ -25,15 +50,31 @@ pub(crate) fn insert(plan: &mut Plan, sides: &Sides) {
             plan.rows = below.1;
         }
     }
-    let mut y = stack(plan);
-    // Each time round, more of what they are connected to is in its place.
-    let count = plan.rows.len();
-    for at in (0..3).flat_map(|_| 0..count) {
-        let loose: Vec<Vec<usize>> =
-            plan.rows[at].iter().filter(|unit| plan.loose[unit[0]]).cloned().collect();
+}
+
+/// Brings each loose unit to the place in its row that it has in the skeleton.
+pub(crate) fn insert_after(plan: &mut Plan, sides: &Sides, drawn: &Drawn) {
+    let keys: Vec<f64> = (0..plan.items.len()).map(|item| drawn.key(plan, item)).collect();
+    let main = |plan: &Plan, unit: &[usize]| block_of(plan, unit).unwrap_or(unit[0]);
+    for at in 0..plan.rows.len() {
+        let row = std::mem::take(&mut plan.rows[at]);
+        let (mut loose, mut row): (Vec<_>, Vec<_>) = row.into_iter().partition(|unit| plan.loose[unit[0]]);
+        loose.sort_by(|a, b| {
+            let (a, b) = (main(plan, a), main(plan, b));
+            keys[a].total_cmp(&keys[b]).then(a.cmp(&b))
+        });
         for unit in loose {
-            relocate(plan, sides, &mut y, at, unit);
+            let key = keys[main(plan, &unit)];
+            // How many stand on the wrong side, for each place.
+            let wrong = |place: usize| {
+                let key_of = |unit: &Vec<usize>| keys[main(plan, unit)];
+                row[..place].iter().filter(|other| key_of(other) > key).count()
+                    + row[place..].iter().filter(|other| key_of(other) <= key).count()
+            };
+            let place = (0..=row.len()).min_by_key(|place| wrong(*place)).unwrap_or(0);
+            row.insert(place, unit);
         }
+        plan.rows[at] = row;
     }
     run_together(plan, sides);
 }
@@ -46,7 +87,8 @@ pub(crate) fn fit(plan: &mut Plan, sides: &Sides) {
         let free: Vec<Vec<usize>> =
             plan.rows[at].iter().filter(|unit| !unit.iter().any(|item| plan.kept[*item])).cloned().collect();
         for unit in free {
-            relocate(plan, sides, &mut y, at, unit);
+            let worth = if block_of(plan, &unit).is_some() { WORTH } else { 0.0 };
+            relocate(plan, sides, &mut y, at, unit, worth);
         }
     }
     run_together(plan, sides);
@@ -111,8 +153,9 @@ fn follow(plan: &mut Plan, sides: &Sides, y: &mut [f64], pairs: &[(usize, usize,
     }
 }
 
-/// Brings one unit of a row to its best place.
-fn relocate(plan: &mut Plan, sides: &Sides, y: &mut [f64], at: usize, unit: Vec<usize>) {
+/// Brings one unit of a row to its best place, if that is better than its place by so much.
+fn relocate(plan: &mut Plan, sides: &Sides, y: &mut [f64], at: usize, unit: Vec<usize>, worth: f64) {
+    let now = plan.rows[at].iter().position(|other| other[0] == unit[0]);
     let rest: Vec<Vec<usize>> = plan.rows[at].iter().filter(|other| other[0] != unit[0]).cloned().collect();
     let row_with = |place: usize| {
         let mut row = rest.clone();
@@ -124,7 +167,7 @@ fn relocate(plan: &mut Plan, sides: &Sides, y: &mut [f64], at: usize, unit: Vec<
         plan.rows[at] = row_with(place);
         stack_row(plan, &plan.rows[at], y);
         let channels = channel_cost(plan, sides, y, at) + channel_cost(plan, sides, y, at + 1);
-        let cost = channels + order_cost(plan, at);
+        let cost = channels + order_cost(plan, at) - if Some(place) == now { worth } else { 0.0 };
         if best.is_none_or(|(least, _)| cost < least - 1e-9) {
             best = Some((cost, place));
         }

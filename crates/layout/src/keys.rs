@@ -7,13 +7,19 @@ use crate::rows::{CHAIN, Chains};
 use crate::sides::Sides;
 use crate::skeleton::{Skeleton, beyond};
 
-/// The skeleton of a level, laid out.
-pub(crate) struct Drawn {
-    pub skeleton: Skeleton,
+/// A level with a place for everything.
+pub(crate) struct Arranged {
     pub plan: Plan,
     pub sides: Sides,
+    /// Upper edges of all items.
     pub y: Vec<f64>,
     pub chains: Chains,
+}
+
+/// The skeleton of a level, arranged.
+pub(crate) struct Drawn {
+    pub skeleton: Skeleton,
+    pub all: Arranged,
 }
 
 impl Drawn {
@@ -47,7 +53,7 @@ impl Drawn {
     /// the order of the text.
     fn ranks(&self) -> Vec<usize> {
         let n = self.skeleton.graph.nodes.len();
-        let above = |a: usize, b: usize| self.y[a] + self.sides.height[a] <= self.y[b];
+        let above = |a: usize, b: usize| self.all.y[a] + self.all.sides.height[a] <= self.all.y[b];
         let mut rank = vec![usize::MAX; n];
         for place in 0..n {
             let open = |v: &usize| rank[*v] == usize::MAX;
@@ -59,11 +65,12 @@ impl Drawn {
         rank
     }
 
-    fn key(&self, plan: &Plan, item: usize) -> f64 {
+    /// The height that an item of the level has in the skeleton.
+    pub fn key(&self, plan: &Plan, item: usize) -> f64 {
         let at = plan.layer_of[item];
         match plan.items[item] {
             Item::Node(v) => match (self.skeleton.node[v], self.skeleton.behind[v]) {
-                (Some(kept), _) => self.y[kept] + self.sides.height[kept] / 2.0,
+                (Some(kept), _) => self.all.y[kept] + self.all.sides.height[kept] / 2.0,
                 (None, Some(net)) => self.height(plan, net, at),
                 (None, None) => 0.0,
             },
@@ -73,9 +80,11 @@ impl Drawn {
 
     /// Height of a net of the level, as far as the skeleton knows it, in a layer of the level.
     fn height(&self, plan: &Plan, net: usize, at: usize) -> f64 {
+        let directed = self.skeleton.directed[net];
         let reach = &self.skeleton.reach[net];
-        let place =
-            |end: &&End| Some((plan.layer_of[end.node], self.plan.layer_of[self.skeleton.node[end.node]?]));
+        let place = |end: &&End| {
+            Some((plan.layer_of[end.node], self.all.plan.layer_of[self.skeleton.node[end.node]?]))
+        };
         let ends = || reach.from.iter().chain(&reach.to).filter_map(|end| place(&end));
         let left = ends().filter(|(here, _)| *here <= at).max();
         let right = ends().filter(|(here, _)| *here >= at).min();
@@ -88,16 +97,25 @@ impl Drawn {
             (None, None) => return 0.0,
         };
         let known = |end: &End| Some(End { node: self.skeleton.node[end.node]?, ..*end });
-        let ends: Vec<End> = reach.from.iter().chain(&reach.to).filter_map(known).collect();
+        let known = |ends: &[End]| ends.iter().filter_map(known).collect::<Vec<End>>();
+        // A branch of a net is where it alone leads.
+        let ends = match (known(&reach.from), known(&reach.to)) {
+            (from, to) if !directed && from.len() > 1 && to.len() == 1 => to,
+            (from, to) if !directed && from.len() == 1 && to.len() > 1 => from,
+            (mut from, to) => {
+                from.extend(to);
+                from
+            }
+        };
         let mut points: Vec<(f64, f64)> = Vec::new();
         for end in &ends {
-            let layer = self.plan.layer_of[end.node] as f64;
-            let across = match self.sides.side[end.node][end.port] {
+            let layer = self.all.plan.layer_of[end.node] as f64;
+            let across = match self.all.sides.side[end.node][end.port] {
                 Side::West => -0.5,
                 Side::East => 0.5,
                 Side::North | Side::South => 0.0,
             };
-            points.push((layer + across, self.y[end.node] + self.sides.offset(end.node, end.port)));
+            points.push((layer + across, self.all.y[end.node] + self.all.sides.offset(end.node, end.port)));
         }
         // The wires of the skeleton between these ends.
         for (n, net) in self.skeleton.graph.nets.iter().enumerate() {
@@ -108,7 +126,9 @@ impl Drawn {
                 net.ends.iter().any(|end| ends.contains(end))
             };
             if joined {
-                points.extend(self.plan.lanes[n].iter().map(|(layer, lane)| (*layer as f64, self.y[*lane])));
+                points.extend(
+                    self.all.plan.lanes[n].iter().map(|(layer, lane)| (*layer as f64, self.all.y[*lane])),
+                );
             }
         }
         let near = |point: &&(f64, f64)| (point.0 - x).abs();
@@ -135,7 +155,7 @@ impl Drawn {
                         behind[i].iter().flat_map(|a| behind[j].iter().map(move |b| (*a.min(b), *a.max(b))));
                     let alone = behind[i].is_empty() || behind[j].is_empty();
                     let weight =
-                        pairs.filter_map(|pair| self.chains.get(&pair)).max().or(alone.then_some(&CHAIN));
+                        pairs.filter_map(|pair| self.all.chains.get(&pair)).max().or(alone.then_some(&CHAIN));
                     if let Some(weight) = weight {
                         chains.insert((a.node.min(b.node), a.node.max(b.node)), *weight);
                     }

@@ -58,6 +58,8 @@ pub(crate) struct Plan {
     pub loose: Vec<bool>,
     /// Blocks that keep their order among each other.
     pub kept: Vec<bool>,
+    /// Items that have no place yet.
+    pub absent: Vec<bool>,
     /// The order of the text counts little for now.
     pub relaxed: bool,
 }
@@ -105,6 +107,7 @@ pub(crate) fn plan(graph: &Graph, flow: &Flow, layer: &[usize], sides: &Sides) -
         named: graph.nodes.iter().map(|node| node.label_height > 0.0).collect(),
         loose: Vec::new(),
         kept: Vec::new(),
+        absent: Vec::new(),
         relaxed: false,
     };
     for (n, net) in graph.nets.iter().enumerate().filter(|(_, net)| net.ends.len() > 1) {
@@ -144,6 +147,7 @@ pub(crate) fn plan(graph: &Graph, flow: &Flow, layer: &[usize], sides: &Sides) -
     units(graph, sides, &mut plan);
     plan.loose = vec![true; plan.items.len()];
     plan.kept = vec![false; plan.items.len()];
+    plan.absent = vec![false; plan.items.len()];
     plan
 }
 

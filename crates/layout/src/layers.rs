@@ -1,7 +1,7 @@
 //! The layer of each node: forward wires go right, and all wires are short.
 
 use crate::flow::Flow;
-use crate::graph::{Form, Graph, Standing};
+use crate::graph::{End, Form, Graph, Net, PortKind, Standing};
 use crate::simplex::{Edge, solve};
 
 const SIGNAL: i64 = 4;
@@ -29,18 +29,20 @@ pub(crate) fn layers(graph: &Graph, flow: &Flow, along: &[Vec<usize>]) -> Vec<us
             }
         }
     }
+    let hangs = |node: usize| graph.nodes[node].form == Form::Hanging;
+    let grounded: Vec<bool> = (0..n).map(|node| grounded(graph, node)).collect();
     for (net, along) in graph.nets.iter().zip(along).filter(|(net, _)| !net.directed) {
-        // The text is written in the direction of the drawing. A net with a reference is a rail: all of it may stand
-        // one above the other.
-        let hangs = |node: usize| graph.nodes[node].form == Form::Hanging;
-        let rail = net.ends.iter().any(|end| hangs(end.node));
+        // The text is written in the direction of the drawing. A net with a reference, or with an element to one, is a
+        // rail: all of it may stand one above the other.
+        let rail = net.ends.iter().any(|end| hangs(end.node) || grounded[end.node]);
         let here = || net.ends.iter().map(|end| end.node);
         let nodes: Vec<usize> = if rail { along.clone() } else { here().collect() };
         let standing = || nodes.iter().copied().filter(|node| !hangs(*node));
         let first = if rail { standing().min() } else { standing().next() };
         let Some(first) = first.or(here().next()) else { continue };
         for to in nodes.iter().copied().filter(|to| *to != first) {
-            let (length, weight) = if rail && !hangs(to) { (0, RAIL) } else { (1, CONSERVING) };
+            let (length, weight) =
+                if rail && !hangs(to) && !grounded[to] { (0, RAIL) } else { (1, CONSERVING) };
             if wishes.leads(to, first) {
                 wishes.add(to, first, length, weight);
             } else {
@@ -59,6 +61,17 @@ pub(crate) fn layers(graph: &Graph, flow: &Flow, along: &[Vec<usize>]) -> Vec<us
     used.sort_unstable();
     used.dedup();
     x[..n].iter().map(|layer| used.binary_search(&(layer - least)).unwrap_or(0)).collect()
+}
+
+/// Whether a node is an element that leads to a reference and nothing else.
+fn grounded(graph: &Graph, node: usize) -> bool {
+    let hangs = |end: &End| graph.nodes[end.node].form == Form::Hanging;
+    let to_reference = |net: &Net| {
+        net.ends.iter().any(|end| end.node == node)
+            && net.ends.iter().any(hangs)
+            && net.ends.iter().all(|end| end.node == node || hangs(end))
+    };
+    graph.nodes[node].ports == [PortKind::Free, PortKind::Free] && graph.nets.iter().any(to_reference)
 }
 
 struct Wishes {

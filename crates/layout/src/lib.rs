@@ -9,8 +9,9 @@
 //!       -channels-> x of the wires -wires-> Layout
 //! ```
 //!
-//! The order is found in the skeleton, which lacks all that only stands in a wire; the level is sorted after its heights
-//! (`keys`), and what was left out is put between (`insert`). So a small edit makes a small change.
+//! The order is found in the skeleton, which lacks all that only stands in a wire, and sinks; the level is sorted after its
+//! heights (`keys`), and what was left out is put between (`insert`), sinks as in the skeleton that has them. So a small edit
+//! makes a small change (`level`).
 //!
 //! Lengths are dots of a drawing, x to the right, y down.
 
@@ -25,6 +26,7 @@ mod insert;
 mod keys;
 mod lanes;
 mod layers;
+mod level;
 mod metrics;
 mod order;
 mod rows;

@@ -1,10 +1,10 @@
 //! What remains of a level when everything that only stands in a wire is taken out: blocks with one input and one output,
-//! two-pole elements in series, and sinks.
+//! and two-pole elements in series. Without sinks it is bare.
 //!
 //! A block more or less in a wire leaves the skeleton as it is, so an order found there holds for both.
 
 use crate::flow::flow;
-use crate::graph::{End, Form, Graph, Net, PortKind, Standing};
+use crate::graph::{End, Form, Graph, Net, Node, PortKind, Standing};
 
 /// A level without what stands in its wires.
 #[derive(Debug, Clone)]
@@ -14,6 +14,8 @@ pub(crate) struct Skeleton {
     pub node: Vec<Option<usize>>,
     /// For each net of the level: the ends of the skeleton that it leads from and to, through all that stands in it.
     pub reach: Vec<Reach>,
+    /// For each net of the level: it is a signal.
+    pub directed: Vec<bool>,
     /// For each node that stands in a wire: the net of the level behind it, or before it where it ends.
     pub behind: Vec<Option<usize>>,
 }
@@ -29,10 +31,7 @@ pub(crate) struct Reach {
 pub(crate) fn skeleton(graph: &Graph) -> Skeleton {
     let n = graph.nodes.len();
     let mut nets: Vec<Option<Net>> = graph.nets.iter().cloned().map(Some).collect();
-    let mut gone = flow(graph).watching;
-    for net in nets.iter_mut().flatten() {
-        net.ends.retain(|end| !gone[end.node]);
-    }
+    let mut gone = vec![false; n];
     let mut behind = vec![None; n];
     while let Some((node, taken)) =
         (0..n).rev().filter(|v| !gone[*v]).find_map(|v| Some((v, taken(graph, &nets, v)?)))
@@ -53,23 +52,36 @@ pub(crate) fn skeleton(graph: &Graph) -> Skeleton {
             }
         }
     }
-    let mut node = vec![None; n];
+    let nets: Vec<Net> = nets.into_iter().flatten().collect();
+    let (left, node) = remaining(&graph.nodes, &nets, &gone);
+    let reach = reach_of_all(graph, &node);
+    Skeleton { graph: parted(left), node, reach, behind, directed: directed(graph) }
+}
+
+/// A level without the nodes that only watch.
+pub(crate) fn bare(graph: &Graph) -> Skeleton {
+    let (left, node) = remaining(&graph.nodes, &graph.nets, &flow(graph).watching);
+    let reach = reach_of_all(graph, &node);
+    Skeleton { graph: left, node, reach, behind: vec![None; graph.nodes.len()], directed: directed(graph) }
+}
+
+/// The nodes that are not gone and the nets between them, and which node of them a node became.
+fn remaining(nodes: &[Node], nets: &[Net], gone: &[bool]) -> (Graph, Vec<Option<usize>>) {
+    let mut node = vec![None; nodes.len()];
     let mut kept = Vec::new();
-    for v in (0..n).filter(|v| !gone[*v]) {
+    for v in (0..nodes.len()).filter(|v| !gone[*v]) {
         node[v] = Some(kept.len());
-        kept.push(graph.nodes[v].clone());
+        kept.push(nodes[v].clone());
     }
     let nets = nets
-        .into_iter()
-        .flatten()
-        .filter(|net| net.ends.len() > 1)
+        .iter()
         .map(|net| Net {
             ends: net.ends.iter().filter_map(|end| Some(End { node: node[end.node]?, ..*end })).collect(),
-            ..net
+            ..*net
         })
+        .filter(|net| net.ends.len() > 1)
         .collect();
-    let reach = (0..graph.nets.len()).map(|net| reach(graph, &node, net)).collect();
-    Skeleton { graph: parted(Graph { nodes: kept, nets }), node, reach, behind }
+    (Graph { nodes: kept, nets }, node)
 }
 
 /// The same with a net of its own for what leads back: so a block in a branch changes nothing.
@@ -98,6 +110,14 @@ pub(crate) fn along(graph: &Graph) -> Vec<Vec<usize>> {
 }
 
 impl Skeleton {
+    /// What is left of another skeleton, which this one is a level of, as a skeleton of that one's level.
+    pub fn of(self, outer: &Skeleton, level: &Graph) -> Skeleton {
+        let node: Vec<Option<usize>> = outer.node.iter().map(|node| self.node[(*node)?]).collect();
+        let reach = reach_of_all(level, &node);
+        let (behind, directed) = (outer.behind.clone(), directed(level));
+        Skeleton { graph: self.graph, node, reach, behind, directed }
+    }
+
     /// The nodes of each net of the level, seen through what stands in the wire.
     pub fn along(&self) -> Vec<Vec<usize>> {
         let nodes = |reach: &Reach| {
@@ -164,6 +184,14 @@ fn behind_of(graph: &Graph, v: usize) -> Option<usize> {
     let at = |port: usize| graph.nets.iter().position(|net| net.ends.contains(&End { node: v, port }));
     let led = at(1).filter(|net| graph.nets[*net].ends.len() > 1);
     led.or(at(0))
+}
+
+fn directed(graph: &Graph) -> Vec<bool> {
+    graph.nets.iter().map(|net| net.directed).collect()
+}
+
+fn reach_of_all(graph: &Graph, kept: &[Option<usize>]) -> Vec<Reach> {
+    (0..graph.nets.len()).map(|net| reach(graph, kept, net)).collect()
 }
 
 /// Where a net comes from and leads to.

@@ -150,6 +150,23 @@ pub fn taken_out(graph: &Graph) -> Vec<Edit> {
     edits
 }
 
+fn takes_several(node: &Node) -> bool {
+    let inputs = node.ports.iter().filter(|port| **port == PortKind::Input).count();
+    let several = inputs > 1 || inputs == node.ports.len() && inputs > 0;
+    several && node.form == Form::Box && node.standing == Standing::Free
+}
+
+/// One input more at a node, after its others.
+fn with_input(graph: &mut Graph, to: usize) -> usize {
+    let ports = &mut graph.nodes[to].ports;
+    let port = ports.iter().rposition(|port| *port == PortKind::Input).map_or(0, |last| last + 1);
+    ports.insert(port, PortKind::Input);
+    for end in graph.nets.iter_mut().flat_map(|net| &mut net.ends) {
+        end.port += usize::from(end.node == to && end.port >= port);
+    }
+    port
+}
+
 /// From each signal two wires more to blocks that take several inputs, or to scopes.
 pub fn wires(graph: &Graph) -> Vec<Edit> {
     let mut seed = 7_u64;
@@ -157,28 +174,33 @@ pub fn wires(graph: &Graph) -> Vec<Edit> {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (seed >> 33) as usize % n
     };
-    let takes = |node: &Node| {
-        let inputs = node.ports.iter().filter(|port| **port == PortKind::Input).count();
-        let several = inputs > 1 || inputs == node.ports.len() && inputs > 0;
-        several && node.form == Form::Box && node.standing == Standing::Free
-    };
     let mut edits = Vec::new();
     for net in signals(graph) {
         let new = |v: &usize| !graph.nets[net].ends.iter().any(|end| end.node == *v);
         let targets: Vec<usize> =
-            (0..graph.nodes.len()).filter(|v| takes(&graph.nodes[*v])).filter(new).collect();
+            (0..graph.nodes.len()).filter(|v| takes_several(&graph.nodes[*v])).filter(new).collect();
         for _ in 0..if targets.is_empty() { 0 } else { 2 } {
             let to = targets[random(targets.len())];
             let mut changed = graph.clone();
-            let ports = &mut changed.nodes[to].ports;
-            let port = ports.iter().rposition(|port| *port == PortKind::Input).map_or(0, |last| last + 1);
-            ports.insert(port, PortKind::Input);
-            for end in changed.nets.iter_mut().flat_map(|net| &mut net.ends) {
-                end.port += usize::from(end.node == to && end.port >= port);
-            }
+            let port = with_input(&mut changed, to);
             changed.nets[net].ends.push(End { node: to, port });
             edits.push(Edit { what: format!("net {net} to node {to}"), graph: changed, pairs: same(graph) });
         }
+    }
+    edits
+}
+
+/// A source more, at each block that takes several inputs, written before it.
+pub fn sources(graph: &Graph) -> Vec<Edit> {
+    let mut edits = Vec::new();
+    for to in (0..graph.nodes.len()).filter(|v| takes_several(&graph.nodes[*v])) {
+        let (mut changed, pairs) = with_node(graph, to, small(vec![PortKind::Output]));
+        let to = to + 1;
+        let port = with_input(&mut changed, to);
+        changed
+            .nets
+            .push(Net { ends: vec![End { node: to - 1, port: 0 }, End { node: to, port }], directed: true });
+        edits.push(Edit { what: format!("source {} to it", to - 1), graph: changed, pairs });
     }
     edits
 }

@@ -2,7 +2,7 @@
 
 use blocksim_layout::{Graph, Layout, layout};
 
-use crate::edits::{Edit, inserted, scopes, taken_out, wider, wires};
+use crate::edits::{Edit, inserted, scopes, sources, taken_out, wider, wires};
 use crate::shipped;
 
 /// Where a block stands against another: wholly left or right of it, wholly above or below it.
@@ -73,16 +73,11 @@ struct Tally {
 }
 
 impl Tally {
-    /// One line, with shares in percent.
-    fn line(&self) -> String {
+    /// A row of the manual's table, with shares in percent.
+    fn row(&self) -> String {
         let percent = |sum: f64| 100.0 * sum / self.all.max(1) as f64;
-        format!(
-            "{} of {} disturb; {:.1} % of pairs turned, {:.1} % of blocks shifted",
-            self.disturbing.len(),
-            self.all,
-            percent(self.turned),
-            percent(self.shifted)
-        )
+        let (disturbing, all) = (self.disturbing.len(), self.all);
+        format!("| {disturbing} of {all} | {:.1} % | {:.1} % |", percent(self.turned), percent(self.shifted))
     }
 
     fn share(&self) -> f64 {
@@ -110,8 +105,8 @@ fn tally(edits: impl Fn(&Graph) -> Vec<Edit>) -> Tally {
 /// The manual tells these numbers.
 fn on_the_page(found: &Tally) {
     let page = std::fs::read_to_string(blocksim_tests::root().join("docs/drawing.md")).expect("the page");
-    let row = format!("| {} of {} |", found.disturbing.len(), found.all);
-    assert!(page.contains(&row), "docs/drawing.md does not say `{row}`: {}", found.line());
+    let row = found.row();
+    assert!(page.contains(&row), "docs/drawing.md does not say `{row}`: {:#?}", found.disturbing);
 }
 
 #[test]
@@ -119,7 +114,7 @@ fn wider_blocks_and_other_names_leave_the_others_where_they_are() {
     let found = tally(wider);
     on_the_page(&found);
     assert!(found.all > 1000, "{}", found.all);
-    assert!(found.disturbing.is_empty() && found.turned == 0.0, "{}: {:?}", found.line(), found.disturbing);
+    assert!(found.disturbing.is_empty() && found.turned == 0.0, "{}: {:?}", found.row(), found.disturbing);
 }
 
 #[test]
@@ -127,19 +122,15 @@ fn more_or_fewer_scopes_leave_the_others_where_they_are() {
     let found = tally(scopes);
     on_the_page(&found);
     assert!(found.all > 400, "{}", found.all);
-    assert!(found.disturbing.is_empty(), "{}: {:?}", found.line(), found.disturbing);
+    assert!(found.disturbing.is_empty(), "{}: {:?}", found.row(), found.disturbing);
 }
-
-/// Share of the edits that may disturb a drawing: in a few places the new block makes one path longer than another, and
-/// then blocks come to stand in one column that were in two.
-const IN_WIRES: f64 = 0.015;
 
 #[test]
 fn a_block_in_any_wire_leaves_the_others_where_they_are() {
     let found = tally(inserted);
     on_the_page(&found);
     assert!(found.all > 1500, "{}", found.all);
-    assert!(found.share() < IN_WIRES, "{}: {:#?}", found.line(), found.disturbing);
+    assert!(found.disturbing.is_empty(), "{}: {:#?}", found.row(), found.disturbing);
 }
 
 #[test]
@@ -147,16 +138,27 @@ fn a_block_taken_out_of_a_wire_leaves_the_others_where_they_are() {
     let found = tally(taken_out);
     on_the_page(&found);
     assert!(found.all > 70, "{}", found.all);
-    assert!(found.disturbing.is_empty(), "{}: {:?}", found.line(), found.disturbing);
+    assert!(found.disturbing.is_empty(), "{}: {:?}", found.row(), found.disturbing);
 }
 
 /// A wire more is another diagram: what it joins moves together.
-const MORE_WIRES: f64 = 0.11;
+const MORE_WIRES: f64 = 0.08;
 
 #[test]
 fn one_wire_more_mostly_leaves_the_others_where_they_are() {
     let found = tally(wires);
     on_the_page(&found);
     assert!(found.all > 700, "{}", found.all);
-    assert!(found.share() < MORE_WIRES, "{}: {:#?}", found.line(), found.disturbing);
+    assert!(found.share() < MORE_WIRES, "{}: {:#?}", found.row(), found.disturbing);
+}
+
+/// A source more needs a place of its own, and a drawing with many crossings may find a better one for the others too.
+const SOURCES: f64 = 0.05;
+
+#[test]
+fn a_source_more_mostly_leaves_the_others_where_they_are() {
+    let found = tally(sources);
+    on_the_page(&found);
+    assert!(found.all > 140, "{}", found.all);
+    assert!(found.share() < SOURCES, "{}: {:#?}", found.row(), found.disturbing);
 }
