@@ -14,6 +14,7 @@ use crate::rows::{chains, rows};
 use crate::sides::{Sides, sides};
 use crate::skeleton::{Skeleton, along, bare, skeleton};
 use crate::stack::stack;
+use crate::straighten::straighten;
 
 /// Lays out nodes that hang together: first the skeleton without sinks, then with them, then everything. So what only
 /// stands in a wire, and a scope, moves nothing else.
@@ -24,7 +25,8 @@ pub(crate) fn level(graph: &Graph) -> Layout {
     core.skeleton = core.skeleton.of(&full, graph);
     let whole = Drawn { skeleton: full, all };
     let flow = flow(graph);
-    let all = arranged(graph, &flow, &core, Some(&whole));
+    let mut all = arranged(graph, &flow, &core, Some(&whole));
+    straighten(&all.plan, &all.sides, &mut all.y);
     draw(graph, &flow, &all.plan, &all.sides, &all.y)
 }
 

@@ -34,6 +34,7 @@ mod sides;
 mod simplex;
 mod skeleton;
 mod stack;
+mod straighten;
 mod wires;
 
 pub use components::layout;
