@@ -4,7 +4,7 @@
 //! the others.
 
 mod read;
-mod scan;
+pub(crate) mod scan;
 
 use std::ops::Range;
 

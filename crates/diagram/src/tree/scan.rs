@@ -29,7 +29,7 @@ pub(super) fn skip_with(text: &str, commas: bool) -> usize {
 }
 
 /// Length of a comment that may hold others.
-fn block_comment(text: &str) -> usize {
+pub(crate) fn block_comment(text: &str) -> usize {
     let (mut depth, mut at) = (0usize, 0);
     while at < text.len() {
         let rest = &text[at..];
@@ -65,7 +65,7 @@ pub(super) fn trim_end(raw: &str) -> &str {
 }
 
 /// Length of a text, a character or a single character of anything else.
-fn token(rest: &str) -> usize {
+pub(crate) fn token(rest: &str) -> usize {
     if let Some(length) = raw_string(rest) {
         return length;
     }
