@@ -13,7 +13,7 @@ use crate::exit::Exit;
 use crate::terminal::console::Console;
 
 /// Largest file that is read as text.
-const LARGEST: u64 = 256 << 20;
+pub const LARGEST: u64 = 256 << 20;
 
 /// Reads files and remembers which.
 #[derive(Debug, Default)]
@@ -66,6 +66,36 @@ pub fn refusal(model: &Path) -> Option<String> {
         _ => None,
     };
     Some(help.map_or(said.clone(), |help| format!("{said}\n  = help: {help}")))
+}
+
+/// The `.ron` files of a folder and of those below it, by name. Hidden folders, results of runs and what `cargo` builds
+/// are left out.
+///
+/// # Errors
+/// What the system says.
+pub fn text_files(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder)? {
+            let entry = entry?;
+            let (path, kind) = (entry.path(), entry.file_type()?);
+            let name = entry.file_name();
+            let is_ours = ["runs", "target"].iter().all(|other| name != *other)
+                && !name.to_string_lossy().starts_with('.');
+            // Links to folders might lead in a circle.
+            if kind.is_dir() && is_ours {
+                folders.push(path);
+            } else if !kind.is_dir()
+                && path.extension().is_some_and(|ending| ending == "ron")
+                && path.is_file()
+            {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    Ok(files)
 }
 
 /// Why a file cannot be read, in words.

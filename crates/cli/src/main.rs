@@ -70,6 +70,7 @@ fn main() -> ExitCode {
             watch::watch(&args.model, console, || commands::check(args, console))
         }
         Some(Command::Check(args)) => commands::check(args, console),
+        Some(Command::Fmt(args)) => commands::fmt(args, console),
         Some(Command::Runs(args)) => commands::runs(args, console),
         Some(Command::Sweep(args)) => commands::sweep(args, console),
         Some(Command::Export(args)) => commands::export(args, console),

@@ -8,18 +8,22 @@ use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, DidSaveTextDocument, Notification as _,
     PublishDiagnostics,
 };
-use lsp_types::request::{Completion, DocumentSymbolRequest, GotoDefinition, HoverRequest, Request as _};
+use lsp_types::request::{
+    Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, Request as _,
+};
 use lsp_types::{
     CompletionOptions, CompletionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams,
-    DidOpenTextDocumentParams, DidSaveTextDocumentParams, DocumentSymbolParams, DocumentSymbolResponse,
-    GotoDefinitionParams, GotoDefinitionResponse, HoverParams, HoverProviderCapability, InitializeParams,
-    Location, OneOf, PublishDiagnosticsParams, Range as Span, ServerCapabilities, TextDocumentPositionParams,
-    TextDocumentSyncCapability, TextDocumentSyncKind, TextDocumentSyncOptions, Uri,
+    DidOpenTextDocumentParams, DidSaveTextDocumentParams, DocumentFormattingParams, DocumentSymbolParams,
+    DocumentSymbolResponse, GotoDefinitionParams, GotoDefinitionResponse, HoverParams,
+    HoverProviderCapability, InitializeParams, Location, OneOf, PublishDiagnosticsParams, Range as Span,
+    ServerCapabilities, TextDocumentPositionParams, TextDocumentSyncCapability, TextDocumentSyncKind,
+    TextDocumentSyncOptions, Uri,
 };
 use serde_json::{Value, json};
 
 use crate::complete::complete;
 use crate::definition::{Target, definition};
+use crate::formatting::laid_out;
 use crate::hover::hover;
 use crate::library::Prose;
 use crate::models::Models;
@@ -184,6 +188,14 @@ impl Server {
                 }
                 None => wrong(id),
             },
+            Formatting::METHOD => match read::<DocumentFormattingParams>(params) {
+                Some(asked) => {
+                    let path = path_of(&asked.text_document.uri);
+                    let edits = path.and_then(|path| laid_out(self.texts.get(&path)?));
+                    Response::new_ok(id, edits)
+                }
+                None => wrong(id),
+            },
             other => {
                 Response::new_err(id, ErrorCode::MethodNotFound as i32, format!("`{other}` is not offered"))
             }
@@ -250,6 +262,7 @@ fn capabilities() -> ServerCapabilities {
         hover_provider: Some(HoverProviderCapability::Simple(true)),
         definition_provider: Some(OneOf::Left(true)),
         document_symbol_provider: Some(OneOf::Left(true)),
+        document_formatting_provider: Some(OneOf::Left(true)),
         ..ServerCapabilities::default()
     }
 }

@@ -1,6 +1,7 @@
 //! The command line: one file for the flags of each command, or of a few that are alike.
 
 pub mod export;
+pub mod fmt;
 pub mod graph;
 pub mod identify;
 pub mod import;
@@ -17,6 +18,7 @@ pub mod values;
 use clap::{Parser, Subcommand};
 
 use self::export::{ExportArgs, RunsArgs};
+use self::fmt::FmtArgs;
 use self::graph::GraphArgs;
 use self::identify::IdentifyCommand;
 use self::import::ImportArgs;
@@ -62,6 +64,8 @@ pub enum Command {
     Sweep(SweepArgs),
     /// Tell all problems of a model without running it.
     Check(CheckArgs),
+    /// Lay out the text of diagrams and sets of parameters; comments stay.
+    Fmt(FmtArgs),
     /// List the runs that were kept.
     Runs(RunsArgs),
     /// Write the signals of a run for other programs: CSV, MATLAB, Parquet.

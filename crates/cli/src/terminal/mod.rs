@@ -1,6 +1,7 @@
 //! What is written to the terminal: where it goes, and how problems, numbers, formulas and pages of the manual look there.
 
 pub mod console;
+pub mod diff;
 pub mod format;
 mod formula;
 pub mod progress;
