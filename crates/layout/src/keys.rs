@@ -1,11 +1,12 @@
 //! The order of a level after the heights in its skeleton.
 
-use crate::crossings::block_of;
 use crate::graph::{End, Graph, Side};
-use crate::lanes::{Item, Plan};
-use crate::rows::{CHAIN, Chains};
-use crate::sides::Sides;
-use crate::skeleton::{Skeleton, beyond};
+use crate::heights::rows::{CHAIN, Chains};
+use crate::order::crossings::block_of;
+use crate::order::insert::run_together;
+use crate::order::lanes::{Item, Plan};
+use crate::structure::sides::Sides;
+use crate::structure::skeleton::{Skeleton, beyond};
 
 /// A level with a place for everything.
 pub(crate) struct Arranged {
@@ -49,6 +50,34 @@ impl Drawn {
         }
     }
 
+    /// Brings each loose unit to the place in its row that it has in the skeleton.
+    pub fn insert(&self, plan: &mut Plan, sides: &Sides) {
+        let keys: Vec<f64> = (0..plan.items.len()).map(|item| self.key(plan, item)).collect();
+        let main = |plan: &Plan, unit: &[usize]| block_of(plan, unit).unwrap_or(unit[0]);
+        for at in 0..plan.rows.len() {
+            let row = std::mem::take(&mut plan.rows[at]);
+            let (mut loose, mut row): (Vec<_>, Vec<_>) =
+                row.into_iter().partition(|unit| plan.loose[unit[0]]);
+            loose.sort_by(|a, b| {
+                let (a, b) = (main(plan, a), main(plan, b));
+                keys[a].total_cmp(&keys[b]).then(a.cmp(&b))
+            });
+            for unit in loose {
+                let key = keys[main(plan, &unit)];
+                // How many stand on the wrong side, for each place.
+                let wrong = |place: usize| {
+                    let key_of = |unit: &Vec<usize>| keys[main(plan, unit)];
+                    row[..place].iter().filter(|other| key_of(other) > key).count()
+                        + row[place..].iter().filter(|other| key_of(other) <= key).count()
+                };
+                let place = (0..=row.len()).min_by_key(|place| wrong(*place)).unwrap_or(0);
+                row.insert(place, unit);
+            }
+            plan.rows[at] = row;
+        }
+        run_together(plan, sides);
+    }
+
     /// Places of the blocks of the skeleton from top to bottom; those that are neither above nor below each other keep
     /// the order of the text.
     fn ranks(&self) -> Vec<usize> {
@@ -66,7 +95,7 @@ impl Drawn {
     }
 
     /// The height that an item of the level has in the skeleton.
-    pub fn key(&self, plan: &Plan, item: usize) -> f64 {
+    fn key(&self, plan: &Plan, item: usize) -> f64 {
         let at = plan.layer_of[item];
         match plan.items[item] {
             Item::Node(v) => match (self.skeleton.node[v], self.skeleton.behind[v]) {

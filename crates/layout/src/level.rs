@@ -1,20 +1,20 @@
 //! A level that hangs together, from its skeleton to the drawing.
 
-use crate::crossings::total;
-use crate::draw::draw;
-use crate::flow::{Flow, flow};
 use crate::graph::{Graph, Layout};
-use crate::improve::improve;
-use crate::insert::{fit, insert, insert_after, run_together};
+use crate::heights::rows::{chains, rows};
+use crate::heights::straighten::straighten;
 use crate::keys::{Arranged, Drawn};
-use crate::lanes::{Plan, plan, settle};
-use crate::layers::layers;
-use crate::order::order;
-use crate::rows::{chains, rows};
-use crate::sides::{Sides, sides};
-use crate::skeleton::{Skeleton, along, bare, skeleton};
-use crate::stack::stack;
-use crate::straighten::straighten;
+use crate::lines::draw::draw;
+use crate::order::crossings::total;
+use crate::order::improve::improve;
+use crate::order::insert::{fit, insert, run_together};
+use crate::order::lanes::{Plan, plan, settle};
+use crate::order::search::order;
+use crate::order::stack::stack;
+use crate::structure::flow::{Flow, flow};
+use crate::structure::layers::layers;
+use crate::structure::sides::{Sides, sides};
+use crate::structure::skeleton::{Skeleton, along, bare, skeleton};
 
 /// Lays out nodes that hang together: first the skeleton without sinks, then with them, then everything. So what only
 /// stands in a wire, and a scope, moves nothing else.
@@ -89,7 +89,7 @@ fn arranged(graph: &Graph, flow: &Flow, drawn: &Drawn, whole: Option<&Drawn>) ->
     plan.kept[..graph.nodes.len()].clone_from_slice(&core.kept[..graph.nodes.len()]);
     settle(&mut plan, &core);
     match whole {
-        Some(whole) => insert_after(&mut plan, &sides, whole),
+        Some(whole) => whole.insert(&mut plan, &sides),
         None => insert(&mut plan, &sides),
     }
     let mut y = rows(&plan, &sides, &chains);

@@ -15,27 +15,16 @@
 //!
 //! Lengths are dots of a drawing, x to the right, y down.
 
-mod channels;
 mod components;
-mod crossings;
-mod draw;
-mod flow;
 mod graph;
-mod improve;
-mod insert;
+mod heights;
 mod keys;
-mod lanes;
-mod layers;
 mod level;
+mod lines;
 mod metrics;
 mod order;
-mod rows;
-mod sides;
 mod simplex;
-mod skeleton;
-mod stack;
-mod straighten;
-mod wires;
+mod structure;
 
 pub use components::layout;
 pub use graph::{

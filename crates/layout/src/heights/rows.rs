@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::flow::Flow;
 use crate::graph::{End, Form, Graph, PortKind, Side};
-use crate::lanes::{Item, Plan, Tap};
-use crate::sides::Sides;
+use crate::order::lanes::{Item, Plan, Tap};
 use crate::simplex::{Edge, solve_pulled};
+use crate::structure::flow::Flow;
+use crate::structure::sides::Sides;
 
 /// Weights of a straight line between two taps.
 const MAIN: i64 = 80;

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::lanes::{Item, Plan, Tap};
-use crate::sides::Sides;
+use crate::order::lanes::{Item, Plan, Tap};
+use crate::structure::sides::Sides;
 
 /// What a unit of length costs: it decides between orders with the same crossings.
 const LENGTH: f64 = 1e-3;

@@ -1,11 +1,11 @@
 //! The order within each layer, for few crossings.
 
-use crate::crossings::total;
-use crate::improve::improve;
-use crate::insert::run_together;
-use crate::lanes::{Plan, Rows};
-use crate::sides::Sides;
-use crate::stack::{stack, stack_row};
+use crate::order::crossings::total;
+use crate::order::improve::improve;
+use crate::order::insert::run_together;
+use crate::order::lanes::{Plan, Rows};
+use crate::order::stack::{stack, stack_row};
+use crate::structure::sides::Sides;
 
 /// By how much another beginning must be better than the order of the text.
 const WORTH: f64 = 0.5;

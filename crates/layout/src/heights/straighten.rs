@@ -3,9 +3,9 @@
 //! Where a wire has to change its height somewhere, the least length leaves open where, and it may go down in steps. Here
 //! stretches of a wire are brought to the height of what is before or behind them, where there is room.
 
-use crate::crossings::channel_cost;
-use crate::lanes::{Item, Plan};
-use crate::sides::Sides;
+use crate::order::crossings::channel_cost;
+use crate::order::lanes::{Item, Plan};
+use crate::structure::sides::Sides;
 
 /// What a step costs, in crossings.
 const STEP: f64 = 0.3;

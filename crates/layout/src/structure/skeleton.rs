@@ -3,8 +3,8 @@
 //!
 //! A block more or less in a wire leaves the skeleton as it is, so an order found there holds for both.
 
-use crate::flow::flow;
 use crate::graph::{End, Form, Graph, Net, Node, PortKind, Standing};
+use crate::structure::flow::flow;
 
 /// A level without what stands in its wires.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! Places of the items of a layer, one below the other as near as they may be.
 
-use crate::lanes::Plan;
+use crate::order::lanes::Plan;
 
 /// Places of all items, each layer stacked around zero.
 pub(crate) fn stack(plan: &Plan) -> Vec<f64> {

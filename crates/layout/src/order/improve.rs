@@ -1,10 +1,10 @@
 //! Exchanges of neighbours, as long as they make an order better.
 
-use crate::crossings::{block_of, channel_cost, order_cost};
 use crate::graph::Side;
-use crate::insert::WORTH;
-use crate::lanes::Plan;
-use crate::sides::Sides;
+use crate::order::crossings::{block_of, channel_cost, order_cost};
+use crate::order::insert::WORTH;
+use crate::order::lanes::Plan;
+use crate::structure::sides::Sides;
 
 /// Exchanges neighbours in layers, and conserving ports on the sides of blocks, while that lowers the cost. The places
 /// `y` keep to the order.

@@ -5,9 +5,9 @@
 
 use std::ops::Range;
 
-use crate::flow::Flow;
 use crate::graph::{Graph, Node, Side};
-use crate::sides::{Sides, position};
+use crate::structure::flow::Flow;
+use crate::structure::sides::{Sides, position};
 
 /// What has a place in the order of a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! The place of every wire between two layers.
 
-use crate::crossings::Trunk;
-use crate::lanes::Plan;
-use crate::sides::Sides;
+use crate::order::crossings::Trunk;
+use crate::order::lanes::Plan;
+use crate::structure::sides::Sides;
 
 /// Two wires nearer than this look like one.
 const NEAR: f64 = 5.0;

@@ -1,7 +1,7 @@
 //! The side of each port, and its place along that side.
 
-use crate::flow::Flow;
 use crate::graph::{Form, Graph, PortKind, Side};
+use crate::structure::flow::Flow;
 
 /// Least distance of two ports.
 pub(crate) const PITCH: f64 = 18.0;

@@ -1,11 +1,11 @@
 //! Columns and tracks, blocks and wires in their places.
 
-use crate::channels::{Run, runs};
-use crate::flow::Flow;
 use crate::graph::{End, Graph, Layout, Placed, PlacedPort, Point, Side};
-use crate::lanes::{Item, Plan, label_above};
-use crate::sides::Sides;
-use crate::wires::Lines;
+use crate::lines::channels::{Run, runs};
+use crate::lines::wires::Lines;
+use crate::order::lanes::{Item, Plan, label_above};
+use crate::structure::flow::Flow;
+use crate::structure::sides::Sides;
 
 /// Distance of two tracks.
 const TRACK: f64 = 11.0;

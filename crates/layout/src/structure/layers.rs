@@ -1,8 +1,8 @@
 //! The layer of each node: forward wires go right, and all wires are short.
 
-use crate::flow::Flow;
 use crate::graph::{End, Form, Graph, Net, PortKind, Standing};
 use crate::simplex::{Edge, solve};
+use crate::structure::flow::Flow;
 
 const SIGNAL: i64 = 4;
 const BACK: i64 = 2;

@@ -1,10 +1,9 @@
 //! Wires and blocks that are put between others, which keep their order.
 
-use crate::crossings::{block_of, channel_cost, order_cost, total};
-use crate::keys::Drawn;
-use crate::lanes::{Item, Plan};
-use crate::sides::Sides;
-use crate::stack::{stack, stack_row};
+use crate::order::crossings::{block_of, channel_cost, order_cost, total};
+use crate::order::lanes::{Item, Plan};
+use crate::order::stack::{stack, stack_row};
+use crate::structure::sides::Sides;
 
 /// By how much another place of a block must be better than that in the skeleton.
 pub(crate) const WORTH: f64 = 1.4;
@@ -50,33 +49,6 @@ fn above_or_below(plan: &mut Plan, sides: &Sides) {
             plan.rows = below.1;
         }
     }
-}
-
-/// Brings each loose unit to the place in its row that it has in the skeleton.
-pub(crate) fn insert_after(plan: &mut Plan, sides: &Sides, drawn: &Drawn) {
-    let keys: Vec<f64> = (0..plan.items.len()).map(|item| drawn.key(plan, item)).collect();
-    let main = |plan: &Plan, unit: &[usize]| block_of(plan, unit).unwrap_or(unit[0]);
-    for at in 0..plan.rows.len() {
-        let row = std::mem::take(&mut plan.rows[at]);
-        let (mut loose, mut row): (Vec<_>, Vec<_>) = row.into_iter().partition(|unit| plan.loose[unit[0]]);
-        loose.sort_by(|a, b| {
-            let (a, b) = (main(plan, a), main(plan, b));
-            keys[a].total_cmp(&keys[b]).then(a.cmp(&b))
-        });
-        for unit in loose {
-            let key = keys[main(plan, &unit)];
-            // How many stand on the wrong side, for each place.
-            let wrong = |place: usize| {
-                let key_of = |unit: &Vec<usize>| keys[main(plan, unit)];
-                row[..place].iter().filter(|other| key_of(other) > key).count()
-                    + row[place..].iter().filter(|other| key_of(other) <= key).count()
-            };
-            let place = (0..=row.len()).min_by_key(|place| wrong(*place)).unwrap_or(0);
-            row.insert(place, unit);
-        }
-        plan.rows[at] = row;
-    }
-    run_together(plan, sides);
 }
 
 /// Brings each wire that runs past, and each block that only stands in a wire, to the best place in its row.

@@ -1,0 +1,4 @@
+//! Heights in a given order.
+
+pub(crate) mod rows;
+pub(crate) mod straighten;
