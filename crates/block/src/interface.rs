@@ -23,6 +23,37 @@ pub struct Discrete {
     pub initial: f64,
 }
 
+/// A function whose zero crossings the solver must not step over.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Guard {
+    /// Name below the block, for messages and the list of events.
+    pub name: String,
+    /// Which of its crossings are events.
+    pub crossing: Crossing,
+}
+
+/// A way through zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+pub enum Crossing {
+    /// Upwards or downwards.
+    #[default]
+    Either,
+    /// From below zero to zero or above.
+    Rising,
+    /// From above zero to zero or below.
+    Falling,
+}
+
+impl Crossing {
+    /// Whether a guard that goes from `start` to `end` crosses zero in this way. Zero is reached but not left; what is
+    /// not a number crosses nothing.
+    #[inline]
+    pub fn happens(self, start: f64, end: f64) -> bool {
+        self != Self::Rising && start > 0.0 && end <= 0.0
+            || self != Self::Falling && start < 0.0 && end >= 0.0
+    }
+}
+
 /// What a recording block wants recorded: all its inputs.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recorded {
@@ -49,8 +80,8 @@ pub struct Interface {
     pub states: Vec<State>,
     /// Discrete states.
     pub discrete: Vec<Discrete>,
-    /// Names of the guards.
-    pub guards: Vec<String>,
+    /// Guards.
+    pub guards: Vec<Guard>,
     /// When the block samples; `None` means continuous or as its inputs.
     pub sample_time: Option<SampleTime>,
     /// The outputs change with time even when inputs and states do not.
@@ -127,9 +158,15 @@ impl Interface {
         self
     }
 
-    /// Adds a guard.
-    pub fn guard(mut self, name: impl Into<String>) -> Self {
-        self.guards.push(name.into());
+    /// Adds a guard of which every crossing is an event.
+    pub fn guard(self, name: impl Into<String>) -> Self {
+        self.guard_when(Crossing::Either, name)
+    }
+
+    /// Adds a guard of which only these crossings are events. The solver stops at them alone, so the block must do
+    /// without a look at the others; at the ends of the steps it sees on which side of zero it is.
+    pub fn guard_when(mut self, crossing: Crossing, name: impl Into<String>) -> Self {
+        self.guards.push(Guard { name: name.into(), crossing });
         self
     }
 

@@ -27,7 +27,7 @@ pub use context::{Context, Fault};
 pub use contract::{Block, Bus, Files, LoadError, Scratch};
 pub use defaults::in_diagram;
 pub use given::{Given, ParamUnits};
-pub use interface::{Discrete, Interface, InterfaceError, Recorded, State};
+pub use interface::{Crossing, Discrete, Guard, Interface, InterfaceError, Recorded, State};
 pub use parameter::{ParamError, ParamValue, VALUE_ENUM, at_least, finite, not_negative, ordered, positive};
 pub use parameters::{ParameterInfo, Parameters};
 pub use ports::{Input, Output, PortType};
@@ -48,9 +48,9 @@ pub mod private {
 pub mod prelude {
     pub use crate::physical::{Component, Energy, Law, Needs, Part, Torque};
     pub use crate::{
-        Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Discrete, Files, Given, Input, Interface,
-        InterfaceError, LoadError, Output, ParamError, ParamValue, Parameters, PortType, Scratch, Shapes,
-        State, at_least, finite, not_negative, ordered, positive,
+        Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Crossing, Discrete, Files, Given, Input,
+        Interface, InterfaceError, LoadError, Output, ParamError, ParamValue, Parameters, PortType, Scratch,
+        Shapes, State, at_least, finite, not_negative, ordered, positive,
     };
     pub use blocksim_signal::{Dimension, Kind, SampleTime, Shape};
     pub use serde::Deserialize;

@@ -87,9 +87,9 @@ impl Simulation {
     fn tell_events(&self, observer: &mut dyn Observer) {
         for &block in &self.diagram.plan.guarded {
             let instance = &self.schedule.blocks[block];
-            for (name, &fired) in instance.interface.guards.iter().zip(&self.guards.fired[instance.g..]) {
+            for (guard, &fired) in instance.interface.guards.iter().zip(&self.guards.fired[instance.g..]) {
                 if fired {
-                    observer.event(self.t, &instance.path, name);
+                    observer.event(self.t, &instance.path, &guard.name);
                 }
             }
         }
@@ -100,7 +100,7 @@ impl Simulation {
         let blocks = self.diagram.plan.guarded.iter().map(|&block| &self.schedule.blocks[block]);
         let named = blocks.zip(fired).find_map(|(block, guard)| {
             let names = &block.interface.guards;
-            Some((block, names.get(guard.checked_sub(block.g)?)?))
+            Some((block, &names.get(guard.checked_sub(block.g)?)?.name))
         });
         let help = "give the switching a hysteresis, or use a method of fixed step";
         match named {

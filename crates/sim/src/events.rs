@@ -12,12 +12,18 @@
 //!
 //! Methods of fixed step do not look for crossings: blocks choose their branches at each step.
 //!
-//! A guard that changes its sign twice within one step is not seen; a limit of the step size helps. Nor are impacts that
-//! come faster and faster, once time cannot tell them apart; the block needs a state of rest.
+//! A guard that crosses zero twice within one step is found by its slope, see `turn.rs`. One that has an odd number of
+//! crossings more than it shows is not seen; a limit of the step size helps. Nor are impacts that come faster and faster,
+//! once time cannot tell them apart; the block needs a state of rest.
+//!
+//! Of a guard with a direction the other crossing is no event. The step is cut there only if the guard turns back within
+//! the same step, so that the next step begins on the other side of zero.
 
+use blocksim_block::Crossing;
 use blocksim_solve::{Failed, Stepper, locate};
 
 use crate::evaluate::Diagram;
+use crate::turn::Turns;
 
 /// Crossings in a row, without time getting on, that are taken for chatter.
 const CHATTER: u32 = 1000;
@@ -44,13 +50,17 @@ pub(crate) struct Cut {
 }
 
 /// Values of all guards and what is remembered of their events.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Guards {
+    /// Which crossings of each are events.
+    events: Vec<Crossing>,
     /// At the start of the step.
-    start: Vec<f64>,
+    pub(crate) start: Vec<f64>,
     /// At its end, which moves towards the first crossing.
-    end: Vec<f64>,
-    trial: Vec<f64>,
+    pub(crate) end: Vec<f64>,
+    pub(crate) trial: Vec<f64>,
+    /// What is known of their slopes.
+    pub turns: Turns,
     /// States at a trial point, and at the cut in the end.
     pub x: Vec<f64>,
     /// Those that crossed or left zero at the last cut, if that was the last step.
@@ -62,9 +72,12 @@ pub(crate) struct Guards {
 }
 
 impl Guards {
-    pub fn new(guards: usize, states: usize) -> Self {
+    pub fn new(events: Vec<Crossing>, states: usize) -> Self {
+        let guards = events.len();
         let zeros = vec![0.0; guards];
         Self {
+            events,
+            turns: Turns::new(guards),
             start: zeros.clone(),
             end: zeros.clone(),
             trial: zeros,
@@ -103,7 +116,7 @@ impl Guards {
                     continue;
                 }
                 self.at(near, diagram, stride)?;
-                if self.crossing(&self.trial).is_some() {
+                if self.crossing(&self.trial, false).is_some() {
                     std::mem::swap(&mut self.trial, &mut self.end);
                     right = near;
                     break;
@@ -113,36 +126,43 @@ impl Guards {
                 }
             }
         }
+        let turned = if right == stride.t1 { self.turn(diagram, stride)? } else { None };
+        right = turned.unwrap_or(right);
         self.fired.fill(false);
-        let Some(mut guard) = self.crossing(&self.end) else {
+        // Of what turns, both crossings matter.
+        let both = turned.is_some();
+        let Some(mut guard) = self.crossing(&self.end, both) else {
             // What comes next starts where this step ends.
+            self.turns.pass(&self.start, stride.t1 - stride.t0);
             self.start.copy_from_slice(&self.end);
             return Ok(None);
         };
         loop {
             let (left, end) = self.bracket(guard, right, diagram, stride)?;
             self.at(left, diagram, stride)?;
-            if let Some(earlier) = self.crossing(&self.trial).filter(|_| left > stride.t0) {
+            if let Some(earlier) = self.crossing(&self.trial, both).filter(|_| left > stride.t0) {
                 std::mem::swap(&mut self.trial, &mut self.end);
                 (guard, right) = (earlier, left);
                 continue;
             }
             self.at(end, diagram, stride)?;
+            let mut crossed = false;
             for i in 0..self.fired.len() {
-                self.fired[i] = crosses(self.start[i], self.trial[i]);
+                self.fired[i] = self.events[i].happens(self.start[i], self.trial[i]);
+                crossed |= self.fired[i];
             }
-            return Ok(Some(Cut { t: end, crossed: true }));
+            return Ok(Some(Cut { t: end, crossed }));
         }
     }
 
     /// Whether a guard was zero at the start and is no longer, or has just fired and seems to have stayed.
     fn must_look_near(&self) -> bool {
-        let ends = self.start.iter().zip(&self.end).zip(&self.fired);
-        ends.into_iter().any(
-            |((&start, &end), &fired)| {
-                if start == 0.0 { end != 0.0 } else { fired && !crosses(start, end) }
-            },
-        )
+        (0..self.start.len()).any(|i| {
+            let (start, end, events) = (self.start[i], self.end[i], self.events[i]);
+            // What has crossed in its direction cannot do so again before it has crossed back.
+            let turns_back = || events == Crossing::Either && self.fired[i] && !events.happens(start, end);
+            if start == 0.0 { end != 0.0 } else { turns_back() }
+        })
     }
 
     /// Takes down, as those that fired, the guards that were zero at the start and are no longer at the trial point;
@@ -158,9 +178,12 @@ impl Guards {
         true
     }
 
-    /// The first guard, by number, whose sign is not that of the start.
-    fn crossing(&self, values: &[f64]) -> Option<usize> {
-        self.start.iter().zip(values).position(|(&start, &value)| crosses(start, value))
+    /// The first guard, by number, whose sign is not that of the start; `both` if those count, too, that are no events.
+    pub(crate) fn crossing(&self, values: &[f64], both: bool) -> Option<usize> {
+        let mut ends = self.start.iter().zip(values).zip(&self.events);
+        ends.position(|((&start, &value), &events)| {
+            if both { Crossing::Either } else { events }.happens(start, value)
+        })
     }
 
     /// Narrows the first crossing of one guard before `right`, where `self.end` holds.
@@ -186,7 +209,7 @@ impl Guards {
     }
 
     /// Values of the guards at a point within the step.
-    fn at(&mut self, t: f64, diagram: &mut Diagram, stride: &Stride) -> Result<(), Failed> {
+    pub(crate) fn at(&mut self, t: f64, diagram: &mut Diagram, stride: &Stride) -> Result<(), Failed> {
         if let Some(stepper) = stride.stepper {
             stepper.interpolate(t, &mut self.x);
         }
@@ -206,23 +229,26 @@ impl Guards {
     }
 }
 
-fn crosses(start: f64, end: f64) -> bool {
-    start > 0.0 && end <= 0.0 || start < 0.0 && end >= 0.0
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn zero_is_reached_but_not_left() {
+        let crosses = |start, end| Crossing::Either.happens(start, end);
         assert!(crosses(1.0, -1.0) && crosses(-1.0, 1.0) && crosses(1.0, 0.0) && crosses(-1.0, -0.0));
         assert!(!crosses(0.0, 1.0) && !crosses(0.0, -1.0) && !crosses(1.0, 2.0) && !crosses(1.0, f64::NAN));
     }
 
     #[test]
+    fn a_direction_leaves_the_other_one_out() {
+        assert!(Crossing::Rising.happens(-1.0, 0.0) && !Crossing::Rising.happens(1.0, -1.0));
+        assert!(Crossing::Falling.happens(1.0, 0.0) && !Crossing::Falling.happens(-1.0, 1.0));
+    }
+
+    #[test]
     fn chatter_is_a_thousand_crossings_in_a_nanosecond() {
-        let mut guards = Guards::new(1, 0);
+        let mut guards = Guards::new(vec![Crossing::Either], 0);
         assert!((0..1000).all(|k| !guards.chatters(f64::from(k) * 1e-13)));
         assert!(guards.chatters(1e-10));
         assert!(!guards.chatters(1.0));

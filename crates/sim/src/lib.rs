@@ -28,6 +28,7 @@ mod record;
 mod simulation;
 mod snapshot;
 mod system;
+mod turn;
 
 pub use error::SimError;
 pub use record::{Control, Observer};

@@ -48,7 +48,11 @@ impl Simulation {
             grid.pass(self.t);
         }
         self.guards.known = false;
+        if why.event || why.cut || jumped || self.diagram.settle.changed {
+            self.guards.turns.forget();
+        }
         if why.event || why.cut || jumped || self.is_discontinuous() {
+            self.guards.turns.forget_slopes();
             self.stepper.iter_mut().for_each(|stepper| stepper.restart());
         }
         Ok(())

@@ -85,7 +85,12 @@ impl Simulation {
         diagram.initialize(&mut x).map_err(|_| diagnose::failed(&schedule, &mut diagram))?;
         let is_fixed = matches!(schedule.settings.solver, Solver::Fixed { .. });
         let plan = &diagram.plan;
-        let guards = if is_fixed || plan.guarded.is_empty() { 0 } else { schedule.guards };
+        let guards = if is_fixed || plan.guarded.is_empty() {
+            Vec::new()
+        } else {
+            let guards = schedule.blocks.iter().flat_map(|block| &block.interface.guards);
+            guards.map(|guard| guard.crossing).collect()
+        };
         let moves = schedule.states > 0 || !plan.continuous.is_empty() || is_fixed && plan.stepwise;
         let grid = methods::grid(&schedule).filter(|_| moves).map(Grid::new);
         Ok(Self {

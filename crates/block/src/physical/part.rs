@@ -181,7 +181,9 @@ impl Part {
         interface.ports.retain(|port| !port.inner);
         interface.states = self.states;
         interface.discrete = self.discrete;
-        interface.guards = self.guards;
+        for guard in self.guards {
+            interface = interface.guard(guard);
+        }
         interface.jumps = self.jumps;
         interface.time_events = self.time_events;
         for (output, needs) in self.outputs {

@@ -163,7 +163,7 @@ impl Block for Integrator {
                 interface = interface.guard("lower");
             }
         }
-        Ok(if self.reset.guarded(given) { interface.guard("reset") } else { interface })
+        Ok(self.reset.guard(interface, given))
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {

@@ -84,7 +84,7 @@ impl Block for Pid {
                 interface = interface.guard("upper").guard("lower").guard("e");
             }
         }
-        Ok(if self.reset.guarded(given) { interface.guard("reset") } else { interface })
+        Ok(self.reset.guard(interface, given))
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {

@@ -40,9 +40,16 @@ impl Reset {
         (self != Self::None).then(|| Input::any("reset").scalar().doc("Sets the states back; Bool or Real."))
     }
 
-    /// Whether a guard must watch the reset input: a Bool changes at major steps alone.
-    pub(crate) fn guarded(self, given: &Given) -> bool {
-        self != Self::None && given.input_or_unknown("reset").kind != Kind::Bool
+    /// The interface with a guard that watches the reset input if it must: a Bool changes at major steps alone.
+    pub(crate) fn guard(self, interface: Interface, given: &Given) -> Interface {
+        let crossing = match self {
+            Self::None => return interface,
+            Self::Rising => Crossing::Rising,
+            Self::Falling => Crossing::Falling,
+            Self::Either | Self::Level => Crossing::Either,
+        };
+        let is_bool = given.input_or_unknown("reset").kind == Kind::Bool;
+        if is_bool { interface } else { interface.guard_when(crossing, "reset") }
     }
 
     /// Whether the reset happens now, when the trigger has this value. `memory` is one discrete state, at first

@@ -46,6 +46,6 @@ mod tests {
     fn the_unit_stays() {
         let interface = Abs.interface(&given(&[("u", "V")], &[])).unwrap();
         assert_eq!(interface.outputs[0].port_type.dimension, Some(dimension("V")));
-        assert_eq!(interface.guards, ["zero"]);
+        assert_eq!(interface.guards[0].name, "zero");
     }
 }

@@ -203,3 +203,110 @@ fn impacts_that_are_far_shorter_than_a_step_are_all_seen() {
     assert_eq!(jumps.len(), 25);
     assert!((jumps[24] - expected[24]).abs() < 1e-9);
 }
+
+/// Times at which the guard of a sign block with this input fires while x' = 1 is integrated in one long step.
+fn switches(f: fn(f64, f64) -> f64, stop: f64) -> Vec<f64> {
+    let toy = Toy::new().with("one", Constant(1.0), &[]).with("x", Integrator(0.0), &["one"]);
+    let toy = toy.with("u", Function2(f), &["x", "x"]).with("sign", Sign, &["u"]);
+    let schedule = toy.schedule(&["sign"], stop, ode45(), Every(stop));
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    tape.events.iter().map(|event| event.0).collect()
+}
+
+fn assert_times(found: &[f64], expected: &[f64], tolerance: f64) {
+    assert_eq!(found.len(), expected.len(), "{found:?} and not {expected:?}");
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() < tolerance, "{found} and not {expected}");
+    }
+}
+
+#[test]
+fn a_parabola_that_dips_below_zero_for_a_hundredth_of_a_step_is_seen() {
+    // Steps of x' = 1 grow tenfold each, so these dips are hundredths, and one a ten thousandth, of the step around them.
+    assert_times(&switches(|x, _| (x - 61.0) * (x - 61.5), 100.0), &[61.0, 61.5], 1e-9);
+    assert_times(&switches(|x, _| -(x - 61.0) * (x - 61.5), 100.0), &[61.0, 61.5], 1e-9);
+    assert_times(&switches(|x, _| (x - 61.0) * (x - 61.005), 100.0), &[61.0, 61.005], 1e-9);
+    // It only just touches zero, and it stays away by a millionth.
+    assert_eq!(switches(|x, _| (x - 61.0) * (x - 61.0), 100.0).len() % 2, 0);
+    assert!(switches(|x, _| (x - 61.0) * (x - 61.0) + 1e-6, 100.0).is_empty());
+}
+
+#[test]
+fn of_two_dips_in_a_step_the_first_comes_first() {
+    let toy = Toy::new().with("one", Constant(1.0), &[]).with("x", Integrator(0.0), &["one"]);
+    let toy = toy.with("late", Function2(|x, _| (x - 80.0) * (x - 80.5)), &["x", "x"]);
+    let toy = toy.with("soon", Function2(|x, _| (x - 60.0) * (x - 60.5)), &["x", "x"]);
+    let toy = toy.with("a", Sign, &["late"]).with("b", Sign, &["soon"]);
+    let schedule = toy.schedule(&["a", "b"], 100.0, ode45(), Every(100.0));
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    let names: Vec<&str> = tape.events.iter().map(|event| event.1.as_str()).collect();
+    assert_eq!(names, ["b zero", "b zero", "a zero", "a zero"]);
+    let times: Vec<f64> = tape.events.iter().map(|event| event.0).collect();
+    assert_times(&times, &[60.0, 60.5, 80.0, 80.5], 1e-9);
+}
+
+#[test]
+fn a_sine_is_seen_above_a_threshold_just_below_its_peak() {
+    // The peaks rise above it for 0.02 to 0.0002 of a radian, while steps are half a radian long.
+    for threshold in [1.0 - 5e-5, 1.0 - 5e-7, 1.0 - 5e-9] {
+        let toy = Toy::new().with("v", Integrator(1.0), &["force"]).with("x", Integrator(0.0), &["v"]);
+        let toy = toy.with("force", Gain(-1.0), &["x"]).with("level", Constant(threshold), &[]);
+        let toy = toy.with("u", Function2(|x, level| x - level), &["x", "level"]).with("sign", Sign, &["u"]);
+        let solver = Solver::Variable {
+            method: blocksim_block::schedule::VariableMethod::Ode45,
+            rtol: 1e-10,
+            atol: 1e-12,
+            max_step: f64::INFINITY,
+        };
+        let mut tape = Tape::default();
+        Simulation::new(toy.schedule(&["x"], 40.0, solver, Every(40.0))).unwrap().run(&mut tape).unwrap();
+        let half = threshold.acos();
+        let middles = (0..7).map(|k| std::f64::consts::FRAC_PI_2 + std::f64::consts::TAU * f64::from(k));
+        let expected: Vec<f64> = middles.flat_map(|middle| [middle - half, middle + half]).collect();
+        let times: Vec<f64> = tape.events.iter().map(|event| event.0).collect();
+        // An error of the state is enlarged by the slope there, which is `half`.
+        assert_times(&times, &expected, 1e-7 / half);
+    }
+}
+
+#[test]
+fn a_ball_that_hops_for_hundredths_of_a_step_never_falls_through_the_floor() {
+    // The floor is hidden behind a force that makes long steps possible: none. Hops of a ball that is hardly lifted.
+    for (height, restitution) in [(1e-6, 0.999), (1e-3, 0.9), (1.0, 0.7)] {
+        let expected = impacts(height, restitution, 31);
+        let stop = 0.5 * (expected[29] + expected[30]);
+        let ball = Ball { height, restitution };
+        let schedule = Toy::new().with("ball", ball, &[]).schedule(&["ball.h"], 1e3, ode45(), Every(1e3));
+        let mut tape = Tape::default();
+        Simulation::new(schedule).unwrap().run_until(stop, &mut tape).unwrap();
+        let jumps: Vec<f64> = tape.events.iter().filter(|e| e.1 == "ball jump").map(|e| e.0).collect();
+        assert_times(&jumps, &expected[..30], 1e-9);
+    }
+}
+
+#[test]
+fn a_guard_with_a_direction_fires_in_that_direction_alone() {
+    use blocksim_block::Crossing::{Either, Falling, Rising};
+    let Solver::Variable { method, rtol, atol, .. } = ode45() else { unreachable!() };
+    let times = |crossing, max_step, f: fn(f64, f64) -> f64| {
+        let solver = Solver::Variable { method, rtol, atol, max_step };
+        let toy = Toy::new().with("one", Constant(1.0), &[]).with("x", Integrator(0.0), &["one"]);
+        let toy = toy.with("u", Function2(f), &["x", "x"]).with("count", Crossings(crossing), &["u"]);
+        let schedule = toy.schedule(&["count"], 100.0, solver, Every(100.0));
+        let mut tape = Tape::default();
+        Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+        assert_eq!(tape.at(100.0, 0), tape.events.len() as f64);
+        tape.events.iter().map(|event| event.0).collect::<Vec<f64>>()
+    };
+    let slow: fn(f64, f64) -> f64 = |x, _| (0.1 * x).cos();
+    let quarter = 5.0 * std::f64::consts::PI;
+    assert_times(&times(Either, 8.0, slow), &[quarter, 3.0 * quarter, 5.0 * quarter], 1e-9);
+    assert_times(&times(Falling, 8.0, slow), &[quarter, 5.0 * quarter], 1e-9);
+    assert_times(&times(Rising, 8.0, slow), &[3.0 * quarter], 1e-9);
+    // Both crossings within one step.
+    let dip: fn(f64, f64) -> f64 = |x, _| (x - 61.0) * (x - 61.5);
+    assert_times(&times(Falling, f64::INFINITY, dip), &[61.0], 1e-9);
+    assert_times(&times(Rising, f64::INFINITY, dip), &[61.5], 1e-9);
+}

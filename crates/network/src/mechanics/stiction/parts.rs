@@ -48,7 +48,7 @@ impl Stiction {
                     let number = if of(seat) > 1 { (i + 1).to_string() } else { String::new() };
                     let name = format!("{}.mode{number}", seat.member.path);
                     interface.discrete.push(blocksim_block::Discrete { name: name.clone(), initial: 0.0 });
-                    interface.guards.push(name);
+                    *interface = std::mem::take(interface).guard(name);
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! One block for each thing that a block can do.
 
-use blocksim_block::{Block, Context, Given, Input, Interface, InterfaceError, Output, Scratch};
+use blocksim_block::{Block, Context, Crossing, Given, Input, Interface, InterfaceError, Output, Scratch};
 
 type Result = std::result::Result<Interface, InterfaceError>;
 
@@ -207,6 +207,31 @@ impl Block for Sign {
 
     fn settle(&self, c: &Context, d: &mut [f64]) {
         d[0] = if c.scalar(0) >= 0.0 { 1.0 } else { -1.0 };
+    }
+
+    fn outputs(&self, _: usize, c: &Context, _: &mut Scratch, y: &mut [f64]) {
+        y[0] = c.d[0];
+    }
+
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
+        g[0] = c.scalar(0);
+    }
+}
+
+/// Counts how often u crosses zero in this way.
+#[derive(Debug)]
+pub struct Crossings(pub Crossing);
+
+impl Block for Crossings {
+    fn interface(&self, _: &Given) -> Result {
+        let interface = inputs(&["u"]).output(Output::real("y")).discrete("n", 0.0).discrete("u", 0.0);
+        Ok(interface.settles().guard_when(self.0, "crosses"))
+    }
+
+    fn settle(&self, c: &Context, d: &mut [f64]) {
+        let u = c.scalar(0);
+        d[0] += f64::from(self.0.happens(d[1], u));
+        d[1] = u;
     }
 
     fn outputs(&self, _: usize, c: &Context, _: &mut Scratch, y: &mut [f64]) {
