@@ -107,23 +107,45 @@ fn the_order_in_which_a_diagram_is_written_does_not_show() {
     }
 }
 
+/// Rows behind `at`, of a run that goes on there and of another one from its snapshot; and whether both end alike.
+fn resumed(schedule: &Arc<Schedule>, at: f64) -> [Vec<u64>; 2] {
+    let mut simulation = Simulation::new(schedule.clone()).expect("a sound diagram");
+    simulation.run_until(at, &mut Bits::default()).expect("a run");
+    let mut other = Simulation::new(schedule.clone()).expect("a sound diagram");
+    other.restore(&simulation.snapshot()).expect("the same diagram");
+    [simulation, other].map(|mut simulation| {
+        let mut bits = Bits::default();
+        simulation.run(&mut bits).expect("a run");
+        assert!(!bits.0.is_empty(), "nothing is left at {at} s");
+        bits.0
+    })
+}
+
 #[test]
 fn a_run_that_is_saved_and_restored_in_the_middle_gives_the_same_bits() {
-    let mut schedule = schedule("diagrams/servo.ron", &[]);
-    schedule.settings.solver = blocksim_block::schedule::Solver::Fixed {
+    let mut fixed = schedule("diagrams/servo.ron", &[]);
+    fixed.settings.solver = blocksim_block::schedule::Solver::Fixed {
         method: blocksim_block::schedule::FixedMethod::Ode4,
         step: 1e-3,
     };
-    let schedule = Arc::new(schedule);
-    let whole = bits(&schedule);
-    let mut first = Bits::default();
-    let mut simulation = Simulation::new(schedule.clone()).expect("a sound diagram");
-    simulation.run_until(0.7, &mut first).expect("a run");
-    let snapshot = simulation.snapshot();
-    let mut other = Simulation::new(schedule).expect("a sound diagram");
-    other.restore(&snapshot).expect("the same diagram");
-    other.run(&mut first).expect("a run");
-    assert!(first.0 == whole);
+    let fixed = Arc::new(fixed);
+    let [straight, restored] = resumed(&fixed, 0.7);
+    assert!(restored == straight);
+    // A stop at the end of a step of fixed size changes nothing at all.
+    assert!(bits(&fixed).ends_with(&straight));
+    for path in DIAGRAMS {
+        let schedule = Arc::new(schedule(path, &[]));
+        for part in [0.21, 0.57] {
+            let [straight, restored] = resumed(&schedule, part * schedule.settings.stop_time);
+            assert!(restored == straight, "{path}");
+        }
+    }
+    // The robot, with gears whose losses are found by Newton's method, which must not begin where it ended last.
+    for drive in ["drive=asm", "drive=asm_switched"] {
+        let [straight, restored] =
+            resumed(&Arc::new(schedule("diagrams/irb2600/irb2600.ron", &[drive])), 0.0317);
+        assert!(restored == straight, "{drive}");
+    }
 }
 
 #[test]

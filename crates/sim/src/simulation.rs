@@ -34,6 +34,8 @@ pub struct Simulation {
     pub(crate) started: bool,
     /// Steps since the observer was asked last.
     pub(crate) unasked: u32,
+    /// Whether its last answer was to stop.
+    pub(crate) interrupted: bool,
     pub(crate) majors: u64,
     pub(crate) events: u64,
     pub(crate) hit_count: u64,
@@ -103,6 +105,7 @@ impl Simulation {
             event_times: vec![f64::INFINITY; diagram.plan.timed.len()],
             started: false,
             unasked: 0,
+            interrupted: false,
             majors: 0,
             events: 0,
             hit_count: 0,
@@ -132,7 +135,10 @@ impl Simulation {
             self.start(observer)?;
         }
         while self.t < end {
-            if self.asks() && observer.progress(self.t, &self.counts()) == Control::Stop {
+            // Who runs again has changed the answer.
+            let answered = std::mem::take(&mut self.interrupted);
+            if !answered && self.asks() && observer.progress(self.t, &self.counts()) == Control::Stop {
+                self.interrupted = true;
                 return Ok(Ended::Interrupted);
             }
             self.update()?;

@@ -1,11 +1,15 @@
 //! Save and restore.
 
+use blocksim_solve::Memory;
+
+use crate::events::Guards;
 use crate::{SimError, Simulation, methods};
 
 /// All that a simulation remembers, between two calls of `run`.
 ///
-/// A simulation that goes on from a snapshot gives the same bits as one that never stopped, if its method has a fixed
-/// step or it has no continuous states. Methods that choose their step choose the first one anew, always in the same way.
+/// A simulation that goes on from a snapshot gives the same bits as the one of which it was taken, whatever its method. A
+/// stop in the middle may itself show: `run_until` ends a step there that would have gone on. One at which the
+/// observer has interrupted the run does not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
     t: f64,
@@ -17,8 +21,10 @@ pub struct Snapshot {
     due: Vec<bool>,
     next_row: u64,
     next_step: u64,
-    fired: Vec<bool>,
-    chatter: (f64, u32),
+    guards: Guards,
+    stepper: Option<Memory>,
+    unasked: u32,
+    interrupted: bool,
 }
 
 impl Simulation {
@@ -34,8 +40,10 @@ impl Simulation {
             due: self.hits.due.clone(),
             next_row: self.rows.grid.as_ref().map_or(0, |grid| grid.next),
             next_step: self.grid.as_ref().map_or(0, |grid| grid.next),
-            fired: self.guards.fired.clone(),
-            chatter: self.guards.chatter,
+            guards: self.guards.clone(),
+            stepper: self.stepper.as_ref().map(|stepper| stepper.memory()),
+            unasked: self.unasked,
+            interrupted: self.interrupted,
         }
     }
 
@@ -48,7 +56,7 @@ impl Simulation {
             && snapshot.d.len() == self.diagram.d.len()
             && snapshot.signals.len() == self.diagram.signals.len()
             && snapshot.next_hits.len() == self.hits.next.len()
-            && snapshot.fired.len() == self.guards.fired.len();
+            && snapshot.guards.fired.len() == self.guards.fired.len();
         if !fits {
             return Err(SimError::new("settings", snapshot.t, "the snapshot is of another diagram"));
         }
@@ -63,11 +71,13 @@ impl Simulation {
         self.hits.tell_times();
         self.rows.grid.iter_mut().for_each(|grid| grid.next = snapshot.next_row);
         self.grid.iter_mut().for_each(|grid| grid.next = snapshot.next_step);
-        self.guards.fired.clone_from(&snapshot.fired);
-        self.guards.chatter = snapshot.chatter;
-        self.guards.known = false;
+        self.guards.clone_from(&snapshot.guards);
         self.stepper = methods::stepper(&self.schedule);
-        (self.majors, self.events, self.hit_count, self.unasked) = (0, 0, 0, 0);
+        if let (Some(stepper), Some(memory)) = (&mut self.stepper, &snapshot.stepper) {
+            stepper.recall(memory);
+        }
+        (self.unasked, self.interrupted) = (snapshot.unasked, snapshot.interrupted);
+        (self.majors, self.events, self.hit_count) = (0, 0, 0);
         Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! The loop of every method with an error estimate: propose, try, keep or repeat.
 
 use crate::step_size::{StepSize, Trial, error_norm, first_guess, second_guess, worst};
+use crate::stepper::Memory;
 use crate::{Counts, StepError, StepLimits, Stepper, System, Tolerances};
 
 /// Why a trial broke off.
@@ -58,6 +59,16 @@ pub trait Method: Send {
         x1: &mut [f64],
         error: &mut [f64],
     ) -> Result<(), Fault>;
+
+    /// The derivative at the end of the last step, where `begin` may use it; else empty.
+    fn last_derivative(&self) -> &[f64] {
+        &[]
+    }
+
+    /// The same, to be set.
+    fn last_derivative_mut(&mut self) -> &mut [f64] {
+        &mut []
+    }
 
     /// State at the fraction `theta` of the last step, which had the size `h`.
     fn interpolate(&self, theta: f64, h: f64, x0: &[f64], x1: &[f64], x: &mut [f64]);
@@ -211,6 +222,21 @@ impl<M: Method> Stepper for Adaptive<M> {
 
     fn last_step(&self) -> (f64, f64) {
         (self.last.t0, self.last.t1)
+    }
+
+    fn memory(&self) -> Memory {
+        let derivative = self.known.then(|| self.method.last_derivative().to_vec());
+        Memory { derivative: derivative.filter(|known| !known.is_empty()), size: self.control.learnt }
+    }
+
+    fn recall(&mut self, memory: &Memory) {
+        self.control.learnt = memory.size;
+        let known = memory.derivative.as_deref().unwrap_or_default();
+        let here = self.method.last_derivative_mut();
+        self.known = !known.is_empty() && known.len() == here.len();
+        if self.known {
+            here.copy_from_slice(known);
+        }
     }
 
     fn counts(&self) -> Counts {

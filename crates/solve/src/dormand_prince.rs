@@ -65,6 +65,14 @@ impl Method for DormandPrince {
         work.derivatives(t, x, &mut self.k[0])
     }
 
+    fn last_derivative(&self) -> &[f64] {
+        &self.k[6]
+    }
+
+    fn last_derivative_mut(&mut self) -> &mut [f64] {
+        &mut self.k[6]
+    }
+
     fn first_derivative(&mut self) -> (&[f64], &mut [f64]) {
         let [k1, k2, ..] = &mut self.k;
         (k1, k2)

@@ -48,5 +48,5 @@ pub use rodas::Rodas4;
 pub use roots::locate;
 pub use ros34pw2::Ros34pw2;
 pub use runge_kutta::FixedStep;
-pub use stepper::{Counts, StepError, StepLimits, Stepper, integrate};
+pub use stepper::{Counts, Memory, StepError, StepLimits, Stepper, integrate};
 pub use system::{Failed, System, Tolerances};

@@ -4,6 +4,7 @@
 //! K. Gustafsson: Control-theoretic techniques for stepsize selection in explicit Runge-Kutta methods,
 //! ACM TOMS 17 (1991), doi 10.1145/210232.210242.
 
+use crate::stepper::Experience;
 use crate::{StepLimits, Tolerances};
 
 /// Aims below the tolerance, so that few steps are rejected.
@@ -37,11 +38,7 @@ pub(crate) struct StepSize {
     beta: f64,
     /// Exponent where nothing is known of the error before: h_new = h * SAFETY * err^-elementary.
     elementary: f64,
-    /// What the next step would like to be; unknown before the first.
-    wanted: Option<f64>,
-    /// Logarithm of the error of the last step, if that belongs to the same smooth piece of the solution.
-    logarithm_before: Option<f64>,
-    rejected: bool,
+    pub learnt: Experience,
 }
 
 impl StepSize {
@@ -53,31 +50,29 @@ impl StepSize {
             exponent: 1.0 / k - 0.75 * beta,
             beta,
             elementary: 1.0 / k,
-            wanted: limits.first,
-            logarithm_before: None,
-            rejected: false,
+            learnt: Experience { wanted: limits.first, ..Experience::default() },
         }
     }
 
     /// Whether the first step size is still to be estimated.
     pub fn is_unknown(&self) -> bool {
-        self.wanted.is_none()
+        self.learnt.wanted.is_none()
     }
 
     pub fn set(&mut self, h: f64) {
-        self.wanted = Some(h);
+        self.learnt.wanted = Some(h);
     }
 
     /// Forgets the error of the past but not the size.
     pub fn restart(&mut self) {
-        self.logarithm_before = None;
-        self.rejected = false;
+        self.learnt.logarithm_before = None;
+        self.learnt.rejected = false;
     }
 
     /// The next attempt from `t` towards `limit > t`.
     pub fn propose(&self, t: f64, limit: f64) -> Trial {
         let StepLimits { min, max, .. } = self.limits;
-        let h = self.wanted.unwrap_or(max).max(smallest(t, min)).min(max);
+        let h = self.learnt.wanted.unwrap_or(max).max(smallest(t, min)).min(max);
         let remaining = limit - t;
         let stretch = if h < max { STRETCH } else { STRETCH_AT_MAXIMUM };
         if remaining <= h * stretch {
@@ -94,23 +89,23 @@ impl StepSize {
     pub fn accept(&mut self, trial: Trial, err: f64) {
         // The powers by their logarithms, of which that of the error before is known.
         let logarithm = err.ln();
-        let power = match self.logarithm_before {
+        let power = match self.learnt.logarithm_before {
             Some(before) => self.beta * before - self.exponent * logarithm,
             None => -self.elementary * logarithm,
         };
         let factor = SAFETY * power.exp();
-        let growth = factor.clamp(SHRINK, if self.rejected { 1.0 } else { GROW });
+        let growth = factor.clamp(SHRINK, if self.learnt.rejected { 1.0 } else { GROW });
         let next = trial.h * growth;
-        if trial.cut && factor > growth && !self.rejected {
+        if trial.cut && factor > growth && !self.learnt.rejected {
             // The error of a step cut short is too small to tell how long a full one may be.
-            self.wanted = self.wanted.map(|h| h.max(next));
+            self.learnt.wanted = self.learnt.wanted.map(|h| h.max(next));
         } else {
-            self.wanted = Some(next);
+            self.learnt.wanted = Some(next);
         }
         if !trial.cut {
-            self.logarithm_before = Some(logarithm.max(SMALLEST_REMEMBERED));
+            self.learnt.logarithm_before = Some(logarithm.max(SMALLEST_REMEMBERED));
         }
-        self.rejected = false;
+        self.learnt.rejected = false;
     }
 
     /// The trial was thrown away with the error `err > 1` or not finite. Returns whether there is room to try again.
@@ -118,8 +113,8 @@ impl StepSize {
         let floor = smallest(trial.t0, self.limits.min);
         let factor = SAFETY * err.powf(-self.exponent);
         let factor = if err.is_finite() { factor.clamp(SHRINK, 1.0) } else { SHRINK };
-        self.wanted = Some((trial.h * factor).max(floor));
-        self.rejected = true;
+        self.learnt.wanted = Some((trial.h * factor).max(floor));
+        self.learnt.rejected = true;
         trial.h > floor
     }
 }

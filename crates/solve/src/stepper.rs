@@ -30,6 +30,15 @@ pub trait Stepper: Send {
     /// Begin and end of the last accepted step, s.
     fn last_step(&self) -> (f64, f64);
 
+    /// What the next step depends on besides time and states; nothing of a method with a fixed step.
+    fn memory(&self) -> Memory {
+        Memory::default()
+    }
+
+    /// Takes over the memory of another stepper of this method, dimension and tolerances. The next step from the same time
+    /// and states is then the one that the other makes, bit by bit; the dense output and the counts stay as they are.
+    fn recall(&mut self, _memory: &Memory) {}
+
     /// Work done since construction.
     fn counts(&self) -> Counts;
 
@@ -52,6 +61,26 @@ pub fn integrate(
         stepper.step(system, t, x, end)?;
     }
     Ok(())
+}
+
+/// What a stepper carries from one step to the next. Jacobians are not among it: every step makes its own.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Memory {
+    /// The derivative at the end of the last step, if the method uses it and it still holds.
+    pub(crate) derivative: Option<Vec<f64>>,
+    /// What the controller of the step size knows.
+    pub(crate) size: Experience,
+}
+
+/// What the controller of the step size has learnt.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Experience {
+    /// What the next step would like to be, s; unknown before the first.
+    pub wanted: Option<f64>,
+    /// Logarithm of the error of the last step, if that belongs to the same smooth piece of the solution.
+    pub logarithm_before: Option<f64>,
+    /// Whether the last trial was thrown away.
+    pub rejected: bool,
 }
 
 /// Work done by a stepper.

@@ -222,3 +222,21 @@ fn two_runs_give_the_same_bits() {
         assert_eq!(xa.map(f64::to_bits), xb.map(f64::to_bits), "{}", a.name());
     }
 }
+
+#[test]
+fn a_stepper_that_recalls_the_memory_of_another_goes_on_with_its_bits() {
+    for (mut first, mut second) in all(2, 0.007).into_iter().zip(all(2, 0.007)) {
+        let mut model = van_der_pol(5.0);
+        let (mut t, mut x) = (0.0, [2.0, 0.0]);
+        for _ in 0..50 {
+            first.step(&mut model, &mut t, &mut x, 10.0).unwrap();
+        }
+        let (mut t2, mut x2) = (t, x);
+        second.recall(&first.memory());
+        for _ in 0..50 {
+            first.step(&mut model, &mut t, &mut x, 10.0).unwrap();
+            second.step(&mut model, &mut t2, &mut x2, 10.0).unwrap();
+            assert_eq!((t, x), (t2, x2), "{}", first.name());
+        }
+    }
+}

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use blocksim_block::schedule::OutputTimes::{self, Every, Steps};
-use blocksim_block::schedule::{Schedule, Solver};
+use blocksim_block::schedule::{Schedule, Solver, VariableMethod};
 use blocksim_sim::{Ended, Simulation};
 
 use crate::toys::*;
@@ -57,23 +57,59 @@ fn a_run_gives_the_same_bits_twice() {
     }
 }
 
+const METHODS: [VariableMethod; 4] =
+    [VariableMethod::Ode23, VariableMethod::Ode45, VariableMethod::Rodas4, VariableMethod::RosW3];
+
+fn solvers() -> impl Iterator<Item = Solver> {
+    let variable = |method| Solver::Variable { method, rtol: 1e-6, atol: 1e-9, max_step: f64::INFINITY };
+    METHODS.into_iter().map(variable).chain([ode4(0.05)])
+}
+
 #[test]
-fn a_run_from_a_snapshot_gives_the_bits_of_a_straight_run() {
-    for output in [Steps, Every(0.03)] {
-        let schedule = oscillator(ode4(0.05), output);
+fn a_run_from_a_snapshot_gives_the_bits_of_the_run_that_it_was_taken_of() {
+    for solver in solvers() {
+        for output in [Steps, Every(0.03)] {
+            let schedule = oscillator(solver, output);
+            let mut first = Simulation::new(Arc::clone(&schedule)).unwrap();
+            assert_eq!(first.run_until(1.53, &mut Tape::default()), Ok(Ended::Finished));
+            let snapshot = first.snapshot();
+            let mut straight = Tape::default();
+            first.run(&mut straight).unwrap();
+
+            let mut tape = Tape::default();
+            let mut second = Simulation::new(schedule).unwrap();
+            second.run(&mut Tape::default()).unwrap();
+            second.restore(&snapshot).unwrap();
+            assert_eq!(second.time(), 1.53);
+            second.run(&mut tape).unwrap();
+            assert_eq!(tape.bits(), straight.bits(), "{solver:?}");
+            assert_eq!(second.snapshot(), first.snapshot(), "{solver:?}");
+        }
+    }
+}
+
+#[test]
+fn a_run_from_a_snapshot_at_an_interruption_gives_the_bits_of_one_that_never_stopped() {
+    for solver in solvers() {
+        // Guards that turn, jumps, and so many steps that the observer is asked.
+        let toy = Toy::new().with("v", Integrator(0.0), &["force"]).with("x", Integrator(1.0), &["v"]);
+        let toy =
+            toy.with("force", Gain(-1e4), &["x"]).with("ball", Ball { height: 1.0, restitution: 0.9 }, &[]);
+        let schedule = toy.with("sign", Sign, &["x"]).schedule(&["x", "ball.h"], 4.0, solver, Every(0.01));
         let mut straight = Tape::default();
         Simulation::new(Arc::clone(&schedule)).unwrap().run(&mut straight).unwrap();
 
-        let mut tape = Tape::default();
+        let mut tape = Tape { patience: Some(1), ..Tape::default() };
         let mut first = Simulation::new(Arc::clone(&schedule)).unwrap();
-        assert_eq!(first.run_until(1.5, &mut tape), Ok(Ended::Finished));
-        let snapshot = first.snapshot();
-        let mut second = Simulation::new(schedule).unwrap();
-        second.run(&mut Tape::default()).unwrap();
-        second.restore(&snapshot).unwrap();
-        assert_eq!(second.time(), 1.5);
-        second.run(&mut tape).unwrap();
-        assert_eq!(tape.bits(), straight.bits());
+        if first.run(&mut tape).unwrap() == Ended::Interrupted {
+            let mut second = Simulation::new(schedule).unwrap();
+            second.restore(&first.snapshot()).unwrap();
+            second.run(&mut tape).unwrap();
+        } else {
+            assert!(matches!(solver, Solver::Fixed { .. }), "{solver:?} was never asked");
+        }
+        assert_eq!(tape.bits(), straight.bits(), "{solver:?}");
+        assert_eq!(tape.asked, straight.asked, "{solver:?}");
     }
 }
 
