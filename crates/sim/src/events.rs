@@ -28,6 +28,11 @@ use crate::turn::Turns;
 /// Crossings in a row, without time getting on, that are taken for chatter.
 const CHATTER: u32 = 1000;
 
+/// Crossings in a row, without time getting on, after which nobody looks whether a guard turns back at once: near the start of a
+/// step the dense output is off by a little of what the whole step changes, and where all is nearly at rest that looks like
+/// turning back.
+const HASTE: u32 = 16;
+
 /// Where to look just behind the start of a step, in parts of the step: twice, as a step may be very long.
 const NEAR: [f64; 2] = [1.0 / (1_u64 << 40) as f64, 1.0 / (1_u64 << 20) as f64];
 
@@ -157,10 +162,12 @@ impl Guards {
 
     /// Whether a guard was zero at the start and is no longer, or has just fired and seems to have stayed.
     fn must_look_near(&self) -> bool {
+        let patient = self.chatter.1 < HASTE;
         (0..self.start.len()).any(|i| {
             let (start, end, events) = (self.start[i], self.end[i], self.events[i]);
             // What has crossed in its direction cannot do so again before it has crossed back.
-            let turns_back = || events == Crossing::Either && self.fired[i] && !events.happens(start, end);
+            let turns_back =
+                || patient && events == Crossing::Either && self.fired[i] && !events.happens(start, end);
             if start == 0.0 { end != 0.0 } else { turns_back() }
         })
     }
