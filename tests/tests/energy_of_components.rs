@@ -211,6 +211,8 @@ impl Point {
                     position: random.three(),
                     angular: random.three(),
                     velocity: random.three(),
+                    angular_acceleration: [0.0; 3],
+                    acceleration: [0.0; 3],
                 })
                 .collect(),
             turned,

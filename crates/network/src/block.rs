@@ -27,6 +27,9 @@ impl Block for Network {
             _ => {
                 self.motion_phase(c, w);
                 self.inner_torques(w);
+                if self.active.accelerations {
+                    self.frame_accelerations(self.positions(c), w);
+                }
             }
         }
         if matches!(group, ELECTRICS | MOTION) {

@@ -135,6 +135,8 @@ pub(crate) struct Active {
     pub guards: Vec<usize>,
     pub time_events: Vec<usize>,
     pub measures: [Vec<usize>; 4],
+    /// Whether a member measures how frames accelerate.
+    pub accelerations: bool,
 }
 
 impl Active {
@@ -161,6 +163,9 @@ impl Active {
             time_events: which(&|seat| seat.held.is_none() && seat.member.part.time_events),
             measures: [STATE, ELECTRICS, MOTION, CHARGE]
                 .map(|group| which(&|seat| seat.measures[group].is_some())),
+            accelerations: seats
+                .iter()
+                .any(|seat| !seat.frames.is_empty() && seat.measures[MOTION].is_some()),
         }
     }
 }

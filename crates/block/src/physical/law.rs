@@ -13,6 +13,10 @@ pub struct FrameMotion {
     pub angular: [f64; 3],
     /// Velocity of the origin, m/s.
     pub velocity: [f64; 3],
+    /// Derivative of `angular`, rad/s^2; in `measure` with [`Needs::Motion`](super::Needs::Motion) only.
+    pub angular_acceleration: [f64; 3],
+    /// Derivative of `velocity`, m/s^2; in `measure` with [`Needs::Motion`](super::Needs::Motion) only.
+    pub acceleration: [f64; 3],
 }
 
 /// Motion of one speed of a joint: rad, rad/s, N*m, or m, m/s, N of a slide.

@@ -3,12 +3,13 @@ use blocksim_block::prelude::*;
 
 use super::axis::vector_output;
 use super::quaternion;
-use super::vector::{dot, sub, to_frame, velocity_seen};
+use super::vector::{acceleration_seen, angular_acceleration_seen, dot, sub, to_frame, velocity_seen};
 
 /// Measures where one frame is in another, and how it moves.
 ///
-/// All outputs are those of `follower` as an observer on `base` sees it, in the axes of `base`. Where `base` is not
-/// connected it is the world.
+/// All outputs are those of `follower` as an observer on `base` sees it, in the axes of `base`: `v` is the derivative of
+/// `x`, `a` that of `v`, `alpha` that of `w`. Where `base` is not connected it is the world. Accelerations follow
+/// from the forces of the same instant, without gravity: at rest they are zero.
 ///
 /// ```ron
 /// TransformSensor
@@ -36,15 +37,19 @@ impl Component for TransformSensor {
             )
             .output(vector_output("rpy", 3, "rad", "orientation: roll, pitch and yaw"), Needs::State)
             .output(vector_output("w", 3, "rad/s", "angular velocity"), Needs::State)
+            .output(vector_output("a", 3, "m/s^2", "acceleration of the origin"), Needs::Motion)
+            .output(vector_output("alpha", 3, "rad/s^2", "angular acceleration"), Needs::Motion)
             .element(Element::FrameProbe { frame: 0 })
             .element(Element::FrameProbe { frame: 1 })
     }
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        if needs != Needs::State {
+        let (base, follower) = (&c.frames[0], &c.frames[1]);
+        if needs == Needs::Motion {
+            y[16..19].copy_from_slice(&to_frame(base, acceleration_seen(base, follower)));
+            y[19..22].copy_from_slice(&to_frame(base, angular_acceleration_seen(base, follower)));
             return;
         }
-        let (base, follower) = (&c.frames[0], &c.frames[1]);
         // R = R_b' R_f, row by row
         let column = |m: &[[f64; 3]; 3], k: usize| [m[0][k], m[1][k], m[2][k]];
         let r = [0, 1, 2]

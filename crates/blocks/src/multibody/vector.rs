@@ -38,6 +38,22 @@ pub(crate) fn velocity_seen(base: &FrameMotion, follower: &FrameMotion) -> [f64;
     sub(sub(follower.velocity, base.velocity), cross(base.angular, arm))
 }
 
+/// Acceleration of the origin of `follower` as an observer on `base` sees it, in world axes.
+pub(crate) fn acceleration_seen(base: &FrameMotion, follower: &FrameMotion) -> [f64; 3] {
+    let arm = sub(follower.position, base.position);
+    let moving = sub(follower.velocity, base.velocity);
+    // a - a_b - alpha x r - w x (v - v_b) - w x (what is seen of the velocity)
+    let turned = add(cross(base.angular, moving), cross(base.angular, velocity_seen(base, follower)));
+    let carried = add(base.acceleration, cross(base.angular_acceleration, arm));
+    sub(sub(follower.acceleration, carried), turned)
+}
+
+/// Derivative of the angular velocity of `follower` as an observer on `base` sees it, in world axes.
+pub(crate) fn angular_acceleration_seen(base: &FrameMotion, follower: &FrameMotion) -> [f64; 3] {
+    let absolute = sub(follower.angular_acceleration, base.angular_acceleration);
+    sub(absolute, cross(base.angular, follower.angular))
+}
+
 /// A force on the origin of `follower`, and its reaction on the body of `base` at the same point.
 pub(crate) fn between(base: &FrameMotion, follower: &FrameMotion, force: [f64; 3]) -> [Wrench; 2] {
     let back = scale(-1.0, force);

@@ -2,7 +2,7 @@
 
 use blocksim_block::Context;
 use blocksim_block::physical::Wrench;
-use blocksim_multibody::{Force, add_force, forward_velocities};
+use blocksim_multibody::{Force, add_force, forward_accelerations, forward_velocities};
 
 use crate::network::Network;
 use crate::work::Work;
@@ -14,6 +14,16 @@ impl Network {
         forward_velocities(model, data, q, &w.joint_speed);
         for (to, probe) in w.frame_motion.iter_mut().zip(&self.frames.probes) {
             *to = probe.place.motion(data);
+        }
+    }
+
+    /// Accelerations of the frames that members look at, once those of the joints are known.
+    pub(crate) fn frame_accelerations(&self, q: &[f64], w: &mut Work) {
+        let (Some(model), Some(data)) = (&self.frames.model, &mut w.data) else { return };
+        forward_accelerations(model, data, q, &w.joint_speed, &w.joint_acceleration);
+        for (to, probe) in w.frame_motion.iter_mut().zip(&self.frames.probes) {
+            let found = probe.place.acceleration(data);
+            (to.angular_acceleration, to.acceleration) = (found.angular.into(), found.linear.into());
         }
     }
 

@@ -25,6 +25,8 @@ const AT_REST: FrameMotion = FrameMotion {
     position: [0.0; 3],
     angular: [0.0; 3],
     velocity: [0.0; 3],
+    angular_acceleration: [0.0; 3],
+    acceleration: [0.0; 3],
 };
 
 /// Values of one evaluation.

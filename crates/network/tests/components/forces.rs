@@ -66,6 +66,88 @@ fn a_sensor_tells_where_a_frame_is_and_how_it_moves() {
 }
 
 #[test]
+fn a_sensor_tells_how_a_frame_on_a_turning_bar_accelerates() {
+    let blocks = [
+        ("world", "World(gravity: (0.0, 0.0, 0.0))"),
+        ("hinge", "RevoluteJoint(axis: (0.0, -1.0, 0.0), position: 0.6, velocity: 2.0)"),
+        ("body", "Body(mass: 2.0, com: (0.25, 0.0, 0.0), moi: (0.01, 0.05, 0.05))"),
+        ("tip", "Transform(translation: (0.5, 0.0, 0.0))"),
+        ("sensor", "TransformSensor"),
+        ("push", "ExternalForce"),
+        ("post", "Transform(translation: (0.2, 0.7, -0.4))"),
+        ("backwards", "TransformSensor"),
+    ];
+    let lines = [
+        "world.frame <-> hinge.base <-> post.base",
+        "hinge.follower <-> body.frame <-> tip.base <-> backwards.base",
+        "tip.follower <-> sensor.follower <-> push.frame",
+        "post.follower <-> backwards.follower",
+    ];
+    let mut plant = Plant::new(&blocks, &lines);
+    let (sin, cos) = 0.6_f64.sin_cos();
+    for torque in [0.0, 0.7] {
+        plant.set_all("push.torque", &[0.0, -torque, 0.0]);
+        // a = alpha x r - w^2 r
+        let alpha = torque / INERTIA;
+        let (along, across) = (-4.0 * 0.5, alpha * 0.5);
+        let expected = [along * cos - across * sin, 0.0, along * sin + across * cos];
+        close_all(&plant.get_all("sensor.a"), &expected, 1e-12);
+        close_all(&plant.get_all("sensor.alpha"), &[0.0, -alpha, 0.0], 1e-12);
+        // Who sits on the bar sees the world turn the other way round: a = -alpha x r - w^2 r in the axes of the bar.
+        let [x, y, z] = plant.get_all("backwards.x")[..] else { panic!("three coordinates") };
+        close(y, 0.7, 1e-15);
+        let expected = [-4.0 * x + alpha * z, 0.0, -4.0 * z - alpha * x];
+        close_all(&plant.get_all("backwards.a"), &expected, 1e-12);
+        close_all(&plant.get_all("backwards.alpha"), &[0.0, alpha, 0.0], 1e-12);
+    }
+}
+
+#[test]
+fn accelerations_are_the_derivatives_of_the_speeds_that_an_observer_sees() {
+    // An arm on a hinge, a body on a ball at its end, one seen from the other, neither along an axis of the other.
+    let blocks = [
+        ("world", "World"),
+        ("hinge", "RevoluteJoint(axis: (0.0, 0.6, 0.8), position: 0.4, velocity: 2.0)"),
+        ("arm", "Body(mass: 1.0, com: (0.2, 0.1, 0.0), moi: (0.02, 0.05, 0.04))"),
+        ("end", "Transform(translation: (0.4, 0.0, 0.1), rpy: (0.5, -0.3, 0.9))"),
+        ("ball", "SphericalJoint(velocity: (3.0, -1.0, 2.0))"),
+        ("body", "Body(mass: 0.7, com: (0.1, 0.1, -0.2), moi: (0.01, 0.03, 0.02))"),
+        ("eye", "Transform(translation: (-0.1, 0.3, 0.2), rpy: (-0.7, 0.2, 0.4))"),
+        ("tip", "Transform(translation: (0.2, -0.1, -0.3), rpy: (0.1, 1.0, -0.6))"),
+        ("sensor", "TransformSensor"),
+        ("back", "TransformSensor"),
+    ];
+    let lines = [
+        "world.frame <-> hinge.base",
+        "hinge.follower <-> arm.frame <-> end.base <-> eye.base",
+        "end.follower <-> ball.base",
+        "ball.follower <-> body.frame <-> tip.base",
+        "eye.follower <-> sensor.base <-> back.follower",
+        "tip.follower <-> sensor.follower <-> back.base",
+    ];
+    let mut plant = Plant::new(&blocks, &lines);
+    let h = 1e-3;
+    plant.run_to(0.3, h);
+    let samples: Vec<[Vec<f64>; 8]> = (0..5)
+        .map(|k| {
+            plant.run_to(0.3 + h * f64::from(k), 0.2 * h);
+            ["sensor.v", "sensor.w", "back.v", "back.w", "sensor.a", "sensor.alpha", "back.a", "back.alpha"]
+                .map(|name| plant.get_all(name))
+        })
+        .collect();
+    for quantity in 0..4 {
+        let measured = samples[2][quantity + 4].iter();
+        for (axis, measured) in measured.enumerate() {
+            let at = |k: usize| samples[k][quantity][axis];
+            // Of fourth order in h; what is left is h^4 times a fifth derivative.
+            let slope = (8.0 * (at(3) - at(1)) - (at(4) - at(0))) / (12.0 * h);
+            close(*measured, slope, 1e-7 * (1.0 + slope.abs()));
+        }
+    }
+    assert!(samples[2][4].iter().any(|a| a.abs() > 1.0), "nothing accelerates");
+}
+
+#[test]
 fn a_mass_on_a_spring_between_frames_swings_at_its_frequency_and_falls_by_its_weight() {
     // It hangs from the world along z: l = l0 + m g / k at rest.
     let mut plant = Plant::new(
