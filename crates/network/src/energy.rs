@@ -72,6 +72,8 @@ impl Network {
         }
         let sources = self.accounts.sources.iter();
         sum.supplied -= sources.map(|pin| w.pin_torque[*pin] * w.pin_speed[*pin]).sum::<f64>();
+        // Ends of a loop that drift apart, or are pulled together, move against what holds them.
+        sum.dissipated -= w.loops.rate.iter().zip(&w.lambda).map(|(rate, lambda)| rate * lambda).sum::<f64>();
         self.electrical_flows(w, &mut sum);
         sum
     }
