@@ -1,15 +1,21 @@
-use blocksim_block::physical::{Domain, Element};
+use blocksim_block::physical::{Domain, DryMesh, Element};
 use blocksim_block::prelude::*;
+
+use super::mesh::{BothWays, Mesh};
 
 /// Differential: the drive shaft turns with the mean of two output shafts and divides its torque equally.
 ///
 /// $$ w_D = \frac{i}{2}(w_L + w_R), \qquad \tau_L = \tau_R = \frac{i}{2} \tau_D $$
 ///
-/// Positive torques pass from the drive to the outputs. It has no losses and no inertia; the housing stands
-/// still (an implied ground).
+/// Positive torques pass from the drive to the outputs; so they divide without losses. It has no inertia; the housing
+/// stands still (an implied ground).
+///
+/// `efficiency` is that of the final drive, from the drive shaft to the cage; `inner_efficiency` that of the wheels in the
+/// cage, which turn when the outputs differ: the slower output then gets $1/\eta$ of the torque of the faster one. Losses act
+/// as in a `CycloidalDrive`; the bases are the drive shaft, and the left output against the cage.
 ///
 /// ```ron
-/// Differential(ratio: 4.1)
+/// Differential(ratio: 4.1, efficiency: 0.96, inner_efficiency: 0.8)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Gears", symbol = Differential)]
@@ -17,6 +23,20 @@ pub struct Differential {
     /// Speed of the drive shaft over the mean speed of the outputs, $i$; negative when it reverses.
     #[block(default = 1.0)]
     pub ratio: f64,
+    /// Efficiency of the wheels in the cage, above 0 and at most 1.
+    #[block(default = 1.0)]
+    pub inner_efficiency: f64,
+    /// Losses of the final drive; how all of them set in.
+    #[block(group)]
+    pub losses: BothWays,
+}
+
+impl Differential {
+    /// Losses of the wheels in the cage.
+    fn inner(&self) -> Mesh {
+        let efficiency = ("inner_efficiency", self.inner_efficiency);
+        Mesh { forward: efficiency, backward: efficiency, onset: self.losses.onset }
+    }
 }
 
 impl Block for Differential {
@@ -26,7 +46,8 @@ impl Block for Differential {
             return Err(ParamError::new("ratio", "`ratio` is 0, so the drive shaft would never turn")
                 .help("write 1.0 for a differential without a final drive"));
         }
-        Ok(())
+        self.losses.mesh().check()?;
+        self.inner().check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -37,11 +58,35 @@ impl Block for Differential {
 impl Component for Differential {
     fn part(&self, _given: &Given) -> Part {
         let half = 0.5 * self.ratio;
-        Part::new()
+        let part = Part::new()
             .port("drive", Domain::Rotational, "drive shaft")
             .port("left", Domain::Rotational, "one output shaft")
-            .port("right", Domain::Rotational, "the other output shaft")
-            .element(Element::Coupling { terms: vec![(0, 1.0), (1, -half), (2, -half)] })
+            .port("right", Domain::Rotational, "the other output shaft");
+        let (final_drive, inner) = (self.losses.mesh().element(), self.inner().element());
+        if final_drive.is_none() && inner.is_none() {
+            return part.element(Element::Coupling { terms: vec![(0, 1.0), (1, -half), (2, -half)] });
+        }
+        let part = part.inner("cage", Domain::Rotational).element(Element::Gear {
+            base: 0,
+            follower: 3,
+            ratio: 1.0 / self.ratio,
+            loss: final_drive,
+        });
+        match inner {
+            None => part.element(Element::Coupling { terms: vec![(3, 1.0), (1, -0.5), (2, -0.5)] }),
+            // Seen from the cage it is a pair of wheels.
+            loss => part
+                .inner("left_on_cage", Domain::Rotational)
+                .inner("right_on_cage", Domain::Rotational)
+                .element(Element::Coupling { terms: vec![(4, 1.0), (1, -1.0), (3, 1.0)] })
+                .element(Element::Coupling { terms: vec![(5, 1.0), (2, -1.0), (3, 1.0)] })
+                .element(Element::Gear { base: 4, follower: 5, ratio: -1.0, loss }),
+        }
+    }
+
+    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+        let lossy = [self.losses.mesh(), self.inner()].into_iter().filter(|mesh| mesh.element().is_some());
+        losses.iter_mut().zip(lossy).for_each(|(to, mesh)| *to = mesh.dry());
     }
 }
 
@@ -51,10 +96,13 @@ mod tests {
 
     #[test]
     fn a_ratio_of_zero_is_refused() {
-        let error = Differential { ratio: 0.0 }.check().unwrap_err();
+        let plain = |ratio| Differential { ratio, inner_efficiency: 1.0, losses: BothWays::NONE };
+        let error = plain(0.0).check().unwrap_err();
         assert_eq!(error.param, "ratio");
         assert!(error.help.is_some());
-        assert!(Differential { ratio: f64::NAN }.check().is_err());
-        assert_eq!(Differential { ratio: -3.0 }.check(), Ok(()));
+        assert!(plain(f64::NAN).check().is_err());
+        assert_eq!(plain(-3.0).check(), Ok(()));
+        let lossy = Differential { inner_efficiency: 0.0, ..plain(3.0) };
+        assert_eq!(lossy.check().unwrap_err().param, "inner_efficiency");
     }
 }

@@ -97,6 +97,115 @@ fn torques_into_a_planetary_gear_are_those_of_its_lagrange_multiplier_and_their_
     close(relation, 0.0, 1e-12);
 }
 
+/// Torque that the driven port of a gear needs at a steady speed `w`, where a torque of 12 N*m brakes the loaded port (or
+/// drives it, if it is negative).
+fn needed(gear: &str, held: &str, driven: &str, loaded: &str, w: f64, load: f64) -> (f64, f64) {
+    let blocks = [
+        ("gear", gear),
+        FRAME,
+        ("speed", "IdealSpeedSource"),
+        ("brake", "IdealTorqueSource"),
+        ("into", "TorqueSensor"),
+        ("out", "MotionSensor"),
+    ];
+    let lines = [
+        "speed.r <-> into.r".to_owned(),
+        format!("into.c <-> gear.{driven}"),
+        format!("brake.r <-> out.r <-> gear.{loaded}"),
+        format!("speed.c <-> brake.c <-> out.c <-> gear.{held} <-> frame.r"),
+    ];
+    let mut plant = Plant::new(&blocks, &lines.each_ref().map(String::as_str));
+    plant.set("speed.w", w).set("brake.tau", -load).bench.major();
+    (plant.get("into.tau"), plant.get("out.w"))
+}
+
+#[test]
+fn efficiencies_of_a_planetary_gear_are_those_of_the_textbook() {
+    // VDI 2157: the efficiency with a fixed carrier says those of all other ways through the gear.
+    let (g, e) = (3.0, 0.9);
+    for loss in ["", ", loss: Published", ", loss: Stiction"] {
+        let gear = format!("PlanetaryGear(ring_teeth: 72, sun_teeth: 24, efficiency: 0.9{loss})");
+        for (held, driven, loaded, forth, back) in [
+            ("carrier", "sun", "ring", e, e),
+            ("ring", "sun", "carrier", (1.0 + g * e) / (1.0 + g), (1.0 + g) / (1.0 + g / e)),
+            (
+                "sun",
+                "ring",
+                "carrier",
+                (1.0 + e / g) / (1.0 + 1.0 / g),
+                (1.0 + 1.0 / g) / (1.0 + 1.0 / g / e),
+            ),
+        ] {
+            for w in [100.0, -100.0] {
+                let (_, out) = needed(&gear, held, driven, loaded, w, 0.0);
+                // The load brakes, whatever the direction; then it drives.
+                let (tau, _) = needed(&gear, held, driven, loaded, w, 12.0 * out.signum());
+                close(12.0 * out.abs() / (tau * w), forth, 1e-9);
+                let (tau, _) = needed(&gear, held, driven, loaded, w, -12.0 * out.signum());
+                close(tau * w / (-12.0 * out.abs()), back, 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_planetary_gear_that_turns_as_one_loses_nothing() {
+    let blocks = [
+        ("gear", "PlanetaryGear(ring_teeth: 72, sun_teeth: 24, efficiency: 0.5)"),
+        FRAME,
+        ("sun", "Inertia(j: 0.1, w0: 50.0)"),
+        ("carrier", "Inertia(j: 0.1, w0: 50.0)"),
+        ("ring", "Inertia(j: 0.3, w0: 50.0)"),
+        ("out", "MotionSensor"),
+    ];
+    let lines = [
+        "sun.r <-> gear.sun",
+        "carrier.r <-> gear.carrier <-> out.r",
+        "ring.r <-> gear.ring",
+        "out.c <-> frame.r",
+    ];
+    let mut plant = Plant::new(&blocks, &lines);
+    plant.run_to(1.0, 1e-2);
+    close(plant.get("out.w"), 50.0, 1e-12);
+}
+
+#[test]
+fn a_differential_loses_in_its_final_drive_and_where_its_outputs_differ() {
+    for loss in ["", ", loss: Stiction"] {
+        // Both outputs held together: the final drive alone.
+        let gear = format!("Differential(ratio: 4.0, efficiency: 0.9, inner_efficiency: 0.8{loss})");
+        let both = |w: f64, load: f64| {
+            let blocks = [
+                ("gear", gear.as_str()),
+                FRAME,
+                ("speed", "IdealSpeedSource"),
+                ("brake", "IdealTorqueSource"),
+                ("into", "TorqueSensor"),
+            ];
+            let lines = [
+                "speed.r <-> into.r",
+                "into.c <-> gear.drive",
+                "brake.r <-> gear.left <-> gear.right",
+                "speed.c <-> brake.c <-> frame.r",
+            ];
+            let mut plant = Plant::new(&blocks, &lines);
+            plant.set("speed.w", w).set("brake.tau", -load).bench.major();
+            plant.get("into.tau")
+        };
+        close(both(40.0, 12.0), 12.0 / 4.0 / 0.9, 1e-12);
+        close(both(40.0, -12.0), -12.0 / 4.0 * 0.9, 1e-12);
+        // The drive shaft held: from one output to the other, backwards.
+        let (tau, out) = needed(&gear, "drive", "left", "right", 50.0, -12.0);
+        close(out, -50.0, 1e-12);
+        close(tau, 12.0 / 0.8, 1e-9);
+        // One output held: half of the power does not roll.
+        let (tau, out) = needed(&gear, "left", "drive", "right", 400.0, 12.0);
+        close(out, 200.0, 1e-12);
+        // The cage gets 0.9 of the drive; the output that turns is the faster one, so the other holds 1 / 0.8 of it.
+        close(tau, 12.0 * (1.0 + 1.0 / 0.8) / 4.0 / 0.9, 1e-9);
+    }
+}
+
 /// A planetary gear whose parts start turning.
 fn spinning(carrier: &str, ring: &str) -> Result<Plant, String> {
     let blocks = [
