@@ -36,10 +36,10 @@ pub(crate) fn solve_pulled(edges: &[Edge], pull: &[i64]) -> Vec<i64> {
     }));
     let mut x = longest_paths(n + 1, &edges);
     let tree = tight_tree(n + 1, &edges, &mut x);
-    let mut tree = Tree::new(n + 1, &edges, &tree);
+    let mut tree = Tree::new(root, &edges, &tree);
     // Every exchange but a degenerate one brings the sum down; the limit keeps those from going round for ever.
     for _ in 0..20 * n + 200 {
-        if !tree.exchange(&mut x, root) {
+        if !tree.exchange(&mut x) {
             break;
         }
     }
@@ -104,31 +104,37 @@ fn tight_tree(n: usize, edges: &[Edge], x: &mut [i64]) -> Vec<usize> {
     }
 }
 
-/// A spanning tree of tight edges, with room for what each exchange needs.
+/// A spanning tree of tight edges. What an exchange changes lies on the circle that the new edge closes; nothing else is
+/// looked at again.
 struct Tree<'a> {
     edges: &'a [Edge],
-    balance: Vec<i64>,
     /// Edges at each variable: all of them, and those of the tree.
     all: Vec<Vec<usize>>,
     near: Vec<Vec<usize>>,
-    /// The edge and the variable above each, seen from the root.
+    /// The edge and the variable above each, seen from the root; none above the root.
     above: Vec<(usize, usize)>,
-    order: Vec<usize>,
-    below: Vec<i64>,
-    /// What hangs from the edge that leaves.
+    /// Weights that leave less weights that enter, of all that hangs at each variable, itself included.
+    balance: Vec<i64>,
+    /// What the edge above each variable is worth to be kept; a negative one is to be replaced.
+    worth: Vec<i64>,
+    /// What hangs from the edge that leaves, as a list and as marks.
+    hanging: Vec<usize>,
     side: Vec<bool>,
 }
 
+const NONE: usize = usize::MAX;
+
 impl<'a> Tree<'a> {
-    fn new(n: usize, edges: &'a [Edge], tree: &[usize]) -> Tree<'a> {
+    fn new(root: usize, edges: &'a [Edge], tree: &[usize]) -> Tree<'a> {
+        let n = root + 1;
         let mut new = Tree {
             edges,
-            balance: vec![0; n],
             all: vec![Vec::new(); n],
             near: vec![Vec::new(); n],
-            above: vec![(usize::MAX, usize::MAX); n],
-            order: Vec::with_capacity(n),
-            below: Vec::with_capacity(n),
+            above: vec![(NONE, NONE); n],
+            balance: vec![0; n],
+            worth: vec![0; n],
+            hanging: Vec::with_capacity(n),
             side: vec![false; n],
         };
         for (i, edge) in edges.iter().enumerate() {
@@ -138,6 +144,13 @@ impl<'a> Tree<'a> {
             new.all[edge.head].push(i);
         }
         tree.iter().for_each(|edge| new.join(*edge));
+        new.hang(root);
+        for i in (1..new.hanging.len()).rev() {
+            let v = new.hanging[i];
+            let above = new.above[v].1;
+            new.balance[above] += new.balance[v];
+            new.rate(v);
+        }
         new
     }
 
@@ -152,63 +165,97 @@ impl<'a> Tree<'a> {
         self.near[head].retain(|known| *known != edge);
     }
 
-    /// The variable below the edge that is worth most to be replaced.
-    fn worst(&mut self, root: usize) -> Option<usize> {
-        self.order.clear();
-        self.order.push(root);
-        self.above[root] = (usize::MAX, usize::MAX);
+    /// Lists all that hangs at a variable, it first, and notes what is above each.
+    fn hang(&mut self, top: usize) {
+        self.hanging.clear();
+        self.hanging.push(top);
         let mut next = 0;
-        while let Some(&v) = self.order.get(next) {
+        while let Some(&v) = self.hanging.get(next) {
             next += 1;
             for &i in &self.near[v] {
                 if i != self.above[v].0 {
-                    let other = if self.edges[i].tail == v { self.edges[i].head } else { self.edges[i].tail };
+                    let Edge { tail, head, .. } = self.edges[i];
+                    let other = if tail == v { head } else { tail };
                     self.above[other] = (i, v);
-                    self.order.push(other);
+                    self.hanging.push(other);
                 }
             }
         }
-        self.below.clone_from(&self.balance);
-        let mut best: Option<(i64, usize)> = None;
-        for &v in self.order.iter().skip(1).rev() {
-            let (edge, above) = self.above[v];
-            let cut = if self.edges[edge].tail == v { self.below[v] } else { -self.below[v] };
-            if cut < best.map_or(0, |(cut, _)| cut) {
-                best = Some((cut, v));
-            }
-            self.below[above] += self.below[v];
-        }
-        best.map(|(_, child)| child)
     }
 
-    /// Replaces the edge that is worth most; `false` when there is none.
-    fn exchange(&mut self, x: &mut [i64], root: usize) -> bool {
-        let Some(child) = self.worst(root) else { return false };
-        let leaves = self.above[child].0;
-        self.side.iter_mut().for_each(|side| *side = false);
-        self.side[child] = true;
-        let mut count = 1;
-        for &v in &self.order {
-            if self.above[v].1 != usize::MAX && self.side[self.above[v].1] {
-                self.side[v] = true;
-                count += 1;
-            }
+    fn rate(&mut self, v: usize) {
+        let edge = self.above[v].0;
+        self.worth[v] = match edge {
+            NONE => 0,
+            edge if self.edges[edge].tail == v => self.balance[v],
+            _ => -self.balance[v],
+        };
+    }
+
+    /// Replaces the edge that is worth least; `false` when all are worth to be kept.
+    fn exchange(&mut self, x: &mut [i64]) -> bool {
+        let least = self.worth.iter().enumerate().min_by_key(|(_, worth)| **worth);
+        let Some((child, _)) = least.filter(|(_, worth)| **worth < 0) else { return false };
+        let (leaves, parent) = self.above[child];
+        self.hang(child);
+        for v in &self.hanging {
+            self.side[*v] = true;
         }
-        // The new edge must come from the side of the head of the old one. It ends in the smaller side, too.
-        let from = self.side[self.edges[leaves].head];
-        let smaller = 2 * count < x.len();
-        let members = self.order.iter().filter(|v| self.side[**v] == smaller);
-        let entering = members
-            .flat_map(|v| &self.all[*v])
-            .copied()
-            .filter(|i| self.side[self.edges[*i].tail] == from && self.side[self.edges[*i].head] != from)
-            .min_by_key(|i| (slack(&self.edges[*i], x), *i));
-        let Some(enters) = entering else { return false };
-        let step = slack(&self.edges[enters], x) * if smaller == from { 1 } else { -1 };
-        self.order.iter().filter(|v| self.side[**v] == smaller).for_each(|v| x[*v] += step);
+        let entering = self.entering(self.edges[leaves].head == child, x);
+        if let Some(enters) = entering {
+            let step = slack(&self.edges[enters], x);
+            let step = if self.side[self.edges[enters].tail] { step } else { -step };
+            for v in &self.hanging {
+                x[*v] += step;
+            }
+            self.replace(leaves, enters, child, parent);
+        }
+        for v in &self.hanging {
+            self.side[*v] = false;
+        }
+        entering.is_some()
+    }
+
+    /// The edge with the least slack that leads between the sides against the one that leaves; `out` of what hangs, or
+    /// into it.
+    fn entering(&self, out: bool, x: &[i64]) -> Option<usize> {
+        let fits = |i: &usize| self.side[self.edges[*i].tail] == out && self.side[self.edges[*i].head] != out;
+        let key = |i: &usize| (slack(&self.edges[*i], x), *i);
+        if 2 * self.hanging.len() < x.len() {
+            self.hanging.iter().flat_map(|v| &self.all[*v]).copied().filter(fits).min_by_key(key)
+        } else {
+            (0..self.edges.len()).filter(fits).min_by_key(key)
+        }
+    }
+
+    /// Hangs what hung from one edge to another one.
+    fn replace(&mut self, leaves: usize, enters: usize, child: usize, parent: usize) {
+        let moved = self.balance[child];
+        let Edge { tail, head, .. } = self.edges[enters];
+        let (inner, outer) = if self.side[tail] { (tail, head) } else { (head, tail) };
         self.part(leaves);
         self.join(enters);
-        true
+        for (start, change) in [(parent, -moved), (outer, moved)] {
+            let mut v = start;
+            while v != NONE {
+                self.balance[v] += change;
+                self.rate(v);
+                v = self.above[v].1;
+            }
+        }
+        // Between the inner end and the child, up and down change places.
+        let (mut v, mut new_above, mut hung) = (inner, (enters, outer), 0);
+        loop {
+            let (edge, above) = self.above[v];
+            let was = self.balance[v];
+            self.above[v] = new_above;
+            self.balance[v] = moved - hung;
+            self.rate(v);
+            if v == child {
+                return;
+            }
+            (new_above, hung, v) = ((edge, v), was, above);
+        }
     }
 }
 
