@@ -62,7 +62,7 @@ impl Trunk {
     pub fn of(plan: &Plan, sides: &Sides, y: &[f64], taps: &[Tap]) -> Trunk {
         let mut trunk =
             Trunk { low: f64::INFINITY, high: f64::NEG_INFINITY, left: Vec::new(), right: Vec::new() };
-        for tap in taps.iter().filter(|tap| !plan.absent[tap.item]) {
+        for tap in taps {
             trunk.add(plan.tap_y(sides, y, tap), tap.right);
         }
         trunk
@@ -87,16 +87,43 @@ impl Trunk {
     }
 }
 
+/// The same as a [`Trunk`], with its taps in a list of all: those on the left, then those on the right.
+struct Span {
+    low: f64,
+    high: f64,
+    left: Range<usize>,
+    right: Range<usize>,
+}
+
 /// Crossings in a channel if every pair of trunks stands in its better order, and a little for lengths.
 pub(crate) fn channel_cost(plan: &Plan, sides: &Sides, y: &[f64], channel: usize) -> f64 {
     let taps = &plan.channels[channel];
-    let trunk = |group: &Range<usize>| Trunk::of(plan, sides, y, &taps[group.clone()]);
-    let trunks: Vec<Trunk> = plan.groups[channel].iter().map(trunk).collect();
+    // Called more often than all else, so it shares one list for all taps.
+    let mut places: Vec<f64> = Vec::with_capacity(taps.len());
+    let mut spans: Vec<Span> = Vec::with_capacity(plan.groups[channel].len());
+    for group in &plan.groups[channel] {
+        let start = places.len();
+        let (mut low, mut high, mut middle) = (f64::INFINITY, f64::NEG_INFINITY, start);
+        for tap in taps[group.clone()].iter().filter(|tap| !plan.absent[tap.item]) {
+            let at = plan.tap_y(sides, y, tap);
+            (low, high) = (low.min(at), high.max(at));
+            places.push(at);
+            middle += usize::from(!tap.right);
+        }
+        if places.len() == start {
+            continue;
+        }
+        spans.push(Span { low, high, left: start..middle, right: middle..places.len() });
+    }
+    let within = |ends: &Range<usize>, span: &Span| {
+        places[ends.clone()].iter().filter(|at| span.low < **at && **at < span.high).count()
+    };
+    let left_of = |a: &Span, b: &Span| within(&a.right, b) + within(&b.left, a);
     let mut cost = 0.0;
-    for (i, a) in trunks.iter().enumerate() {
+    for (i, a) in spans.iter().enumerate() {
         cost += LENGTH * (a.high - a.low);
-        for b in trunks[i + 1..].iter().filter(|b| a.meets(b)) {
-            cost += a.crossings_left_of(b).min(b.crossings_left_of(a)) as f64;
+        for b in spans[i + 1..].iter().filter(|b| a.low <= b.high && b.low <= a.high) {
+            cost += left_of(a, b).min(left_of(b, a)) as f64;
         }
     }
     cost
