@@ -5,6 +5,7 @@
 
 mod layout;
 mod pieces;
+mod reader;
 mod tokens;
 mod write;
 
@@ -23,7 +24,7 @@ pub const WIDTH: usize = 120;
 /// The first place that is no RON.
 pub fn format(text: &str) -> Result<String, SyntaxError> {
     let before = read(text)?;
-    let file = pieces::file(text);
+    let file = reader::file(text);
     let formatted = write::written(&file, if text.contains("\r\n") { "\r\n" } else { "\n" });
     // Whatever a text may hold that was not thought of: it is rather left alone than changed.
     let kept =
