@@ -1,7 +1,7 @@
 //! From one major step to the next: steps of the solver, events, rows in between.
 
 use crate::clock::{Grid, earliest, same};
-use crate::events::Stride;
+use crate::guards::Stride;
 use crate::major::Arrival;
 use crate::{Observer, SimError, Simulation, diagnose};
 

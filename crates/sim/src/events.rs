@@ -20,13 +20,10 @@
 //! the same step, so that the next step begins on the other side of zero.
 
 use blocksim_block::Crossing;
-use blocksim_solve::{Failed, Stepper, locate};
+use blocksim_solve::{Failed, locate};
 
 use crate::evaluate::Diagram;
-use crate::turn::Turns;
-
-/// Crossings in a row, without time getting on, that are taken for chatter.
-const CHATTER: u32 = 1000;
+use crate::guards::{Guards, Stride};
 
 /// Crossings in a row, without time getting on, after which nobody looks whether a guard turns back at once: near the start of a
 /// step the dense output is off by a little of what the whole step changes, and where all is nearly at rest that looks like
@@ -36,16 +33,6 @@ const HASTE: u32 = 16;
 /// Where to look just behind the start of a step, in parts of the step: twice, as a step may be very long.
 const NEAR: [f64; 2] = [1.0 / (1_u64 << 40) as f64, 1.0 / (1_u64 << 20) as f64];
 
-/// An accepted step of the solver.
-pub(crate) struct Stride<'a> {
-    pub t0: f64,
-    pub t1: f64,
-    /// States at `t1`.
-    pub x1: &'a [f64],
-    /// Absent without states.
-    pub stepper: Option<&'a dyn Stepper>,
-}
-
 /// Where a step must be cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Cut {
@@ -54,59 +41,7 @@ pub(crate) struct Cut {
     pub crossed: bool,
 }
 
-/// Values of all guards and what is remembered of their events.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Guards {
-    /// Which crossings of each are events.
-    events: Vec<Crossing>,
-    /// At the start of the step.
-    pub(crate) start: Vec<f64>,
-    /// At its end, which moves towards the first crossing.
-    pub(crate) end: Vec<f64>,
-    pub(crate) trial: Vec<f64>,
-    /// What is known of their slopes.
-    pub turns: Turns,
-    /// States at a trial point, and at the cut in the end.
-    pub x: Vec<f64>,
-    /// Those that crossed or left zero at the last cut, if that was the last step.
-    pub fired: Vec<bool>,
-    /// Whether `start` holds for the step to come.
-    pub known: bool,
-    /// Since when, and how often, guards have crossed without time getting on.
-    pub chatter: (f64, u32),
-}
-
 impl Guards {
-    pub fn new(events: Vec<Crossing>, states: usize) -> Self {
-        let guards = events.len();
-        let zeros = vec![0.0; guards];
-        Self {
-            events,
-            turns: Turns::new(guards),
-            start: zeros.clone(),
-            end: zeros.clone(),
-            trial: zeros,
-            x: vec![0.0; states],
-            fired: vec![false; guards],
-            known: false,
-            chatter: (f64::NEG_INFINITY, 0),
-        }
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.start.is_empty()
-    }
-
-    /// Notes the values at the start of a step.
-    pub fn begin(&mut self, diagram: &mut Diagram, t: f64, x: &[f64]) -> Result<(), Failed> {
-        if self.known || self.is_empty() {
-            return Ok(());
-        }
-        self.known = true;
-        diagram.minor(t, x)?;
-        diagram.guards(&mut self.start)
-    }
-
     /// Looks for the first crossing in a step. Its states are then in `self.x`, the guards in `self.fired`.
     pub fn cut(&mut self, diagram: &mut Diagram, stride: &Stride) -> Result<Option<Cut>, Failed> {
         if self.is_empty() {
@@ -185,14 +120,6 @@ impl Guards {
         true
     }
 
-    /// The first guard, by number, whose sign is not that of the start; `both` if those count, too, that are no events.
-    pub(crate) fn crossing(&self, values: &[f64], both: bool) -> Option<usize> {
-        let mut ends = self.start.iter().zip(values).zip(&self.events);
-        ends.position(|((&start, &value), &events)| {
-            if both { Crossing::Either } else { events }.happens(start, value)
-        })
-    }
-
     /// Narrows the first crossing of one guard before `right`, where `self.end` holds.
     fn bracket(
         &mut self,
@@ -214,26 +141,6 @@ impl Guards {
         let bracket = locate(value, stride.t0, start, right, end, tolerance);
         failed.map_or(Ok(bracket), Err)
     }
-
-    /// Values of the guards at a point within the step.
-    pub(crate) fn at(&mut self, t: f64, diagram: &mut Diagram, stride: &Stride) -> Result<(), Failed> {
-        if let Some(stepper) = stride.stepper {
-            stepper.interpolate(t, &mut self.x);
-        }
-        diagram.minor(t, &self.x)?;
-        diagram.guards(&mut self.trial)
-    }
-
-    /// Counts a cut and tells whether there have been too many.
-    pub fn chatters(&mut self, t: f64) -> bool {
-        let (since, count) = self.chatter;
-        if t - since > 1e-9 * t.abs().max(1.0) {
-            self.chatter = (t, 1);
-        } else {
-            self.chatter.1 = count + 1;
-        }
-        self.chatter.1 > CHATTER
-    }
 }
 
 #[cfg(test)]
@@ -251,13 +158,5 @@ mod tests {
     fn a_direction_leaves_the_other_one_out() {
         assert!(Crossing::Rising.happens(-1.0, 0.0) && !Crossing::Rising.happens(1.0, -1.0));
         assert!(Crossing::Falling.happens(1.0, 0.0) && !Crossing::Falling.happens(-1.0, 1.0));
-    }
-
-    #[test]
-    fn chatter_is_a_thousand_crossings_in_a_nanosecond() {
-        let mut guards = Guards::new(vec![Crossing::Either], 0);
-        assert!((0..1000).all(|k| !guards.chatters(f64::from(k) * 1e-13)));
-        assert!(guards.chatters(1e-10));
-        assert!(!guards.chatters(1.0));
     }
 }

@@ -8,7 +8,7 @@ use blocksim_solve::Stepper;
 use crate::advance::Stop;
 use crate::clock::{Grid, Hits};
 use crate::evaluate::Diagram;
-use crate::events::Guards;
+use crate::guards::Guards;
 use crate::record::Rows;
 use crate::{Control, Observer, SimError, diagnose, methods};
 

@@ -2,7 +2,7 @@
 
 use blocksim_solve::Memory;
 
-use crate::events::Guards;
+use crate::guards::Guards;
 use crate::{SimError, Simulation, methods};
 
 /// All that a simulation remembers, between two calls of `run`.

@@ -12,7 +12,8 @@
 use blocksim_solve::Failed;
 
 use crate::evaluate::Diagram;
-use crate::events::{Guards, Stride};
+use crate::guards::{Guards, Stride};
+use crate::slopes::Turn;
 
 /// Over which part of a step a slope is taken.
 const PART: f64 = 1.0 / 1024.0;
@@ -22,68 +23,6 @@ const REACH: f64 = 4.0;
 const GROWTH: f64 = 10.0;
 /// Evaluations for one extremum, at most.
 const TRIALS: u32 = 12;
-
-/// What is known of the guards from the step before, and what is suspected in this one.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Turns {
-    /// Values at the start of the step before, and its length in s; zero if there is none to compare with.
-    before: Vec<f64>,
-    length: f64,
-    /// Slopes at the start of the step, 1/s.
-    start: Vec<f64>,
-    /// Whether they are known.
-    start_known: bool,
-    /// Slopes at its end, 1/s.
-    end: Vec<f64>,
-    /// Whether they are known.
-    end_known: bool,
-    /// The guards to be looked at.
-    turning: Vec<Turn>,
-}
-
-/// An extremum that may lie beyond zero.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Turn {
-    guard: usize,
-    /// Where it is expected, in parts of the step.
-    at: f64,
-    /// Value at the end of the step.
-    end: f64,
-}
-
-impl Turns {
-    pub fn new(guards: usize) -> Self {
-        let zeros = vec![0.0; guards];
-        Self {
-            before: zeros.clone(),
-            length: 0.0,
-            start: zeros.clone(),
-            start_known: false,
-            end: zeros,
-            end_known: false,
-            turning: Vec::with_capacity(guards),
-        }
-    }
-
-    /// The step has ended and the next one goes on from there; `start` are its values at the start.
-    pub fn pass(&mut self, start: &[f64], length: f64) {
-        self.before.copy_from_slice(start);
-        self.length = length;
-        std::mem::swap(&mut self.start, &mut self.end);
-        self.start_known = std::mem::take(&mut self.end_known);
-    }
-
-    /// Slopes have changed by a jump.
-    pub fn forget_slopes(&mut self) {
-        (self.start_known, self.end_known) = (false, false);
-    }
-
-    /// Values have changed by a jump.
-    pub fn forget(&mut self) {
-        self.forget_slopes();
-        self.length = 0.0;
-    }
-}
 
 impl Guards {
     /// A time at which some guard has another sign than at both ends of the step, where `self.start` and `self.end` hold. The

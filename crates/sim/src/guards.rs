@@ -1,0 +1,115 @@
+//! The guards of a diagram over a step: their values, and what is remembered of their events.
+
+use blocksim_block::Crossing;
+use blocksim_solve::{Failed, Stepper};
+
+use crate::evaluate::Diagram;
+use crate::slopes::Turns;
+
+/// Crossings in a row, without time getting on, that are taken for chatter.
+const CHATTER: u32 = 1000;
+
+/// An accepted step of the solver.
+pub(crate) struct Stride<'a> {
+    pub t0: f64,
+    pub t1: f64,
+    /// States at `t1`.
+    pub x1: &'a [f64],
+    /// Absent without states.
+    pub stepper: Option<&'a dyn Stepper>,
+}
+
+/// Values of all guards and what is remembered of their events.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Guards {
+    /// Which crossings of each are events.
+    pub events: Vec<Crossing>,
+    /// At the start of the step.
+    pub start: Vec<f64>,
+    /// At its end, which moves towards the first crossing.
+    pub end: Vec<f64>,
+    pub trial: Vec<f64>,
+    /// What is known of their slopes.
+    pub turns: Turns,
+    /// States at a trial point, and at the cut in the end.
+    pub x: Vec<f64>,
+    /// Those that crossed or left zero at the last cut, if that was the last step.
+    pub fired: Vec<bool>,
+    /// Whether `start` holds for the step to come.
+    pub known: bool,
+    /// Since when, and how often, guards have crossed without time getting on.
+    pub chatter: (f64, u32),
+}
+
+impl Guards {
+    pub fn new(events: Vec<Crossing>, states: usize) -> Self {
+        let guards = events.len();
+        let zeros = vec![0.0; guards];
+        Self {
+            events,
+            turns: Turns::new(guards),
+            start: zeros.clone(),
+            end: zeros.clone(),
+            trial: zeros,
+            x: vec![0.0; states],
+            fired: vec![false; guards],
+            known: false,
+            chatter: (f64::NEG_INFINITY, 0),
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.start.is_empty()
+    }
+
+    /// Notes the values at the start of a step.
+    pub fn begin(&mut self, diagram: &mut Diagram, t: f64, x: &[f64]) -> Result<(), Failed> {
+        if self.known || self.is_empty() {
+            return Ok(());
+        }
+        self.known = true;
+        diagram.minor(t, x)?;
+        diagram.guards(&mut self.start)
+    }
+
+    /// The first guard, by number, whose sign is not that of the start; `both` if those count, too, that are no events.
+    pub fn crossing(&self, values: &[f64], both: bool) -> Option<usize> {
+        let mut ends = self.start.iter().zip(values).zip(&self.events);
+        ends.position(|((&start, &value), &events)| {
+            if both { Crossing::Either } else { events }.happens(start, value)
+        })
+    }
+
+    /// Values of the guards at a point within the step.
+    pub fn at(&mut self, t: f64, diagram: &mut Diagram, stride: &Stride) -> Result<(), Failed> {
+        if let Some(stepper) = stride.stepper {
+            stepper.interpolate(t, &mut self.x);
+        }
+        diagram.minor(t, &self.x)?;
+        diagram.guards(&mut self.trial)
+    }
+
+    /// Counts a cut and tells whether there have been too many.
+    pub fn chatters(&mut self, t: f64) -> bool {
+        let (since, count) = self.chatter;
+        if t - since > 1e-9 * t.abs().max(1.0) {
+            self.chatter = (t, 1);
+        } else {
+            self.chatter.1 = count + 1;
+        }
+        self.chatter.1 > CHATTER
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chatter_is_a_thousand_crossings_in_a_nanosecond() {
+        let mut guards = Guards::new(vec![Crossing::Either], 0);
+        assert!((0..1000).all(|k| !guards.chatters(f64::from(k) * 1e-13)));
+        assert!(guards.chatters(1e-10));
+        assert!(!guards.chatters(1.0));
+    }
+}
