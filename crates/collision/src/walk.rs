@@ -40,7 +40,7 @@ impl<'c> Walk<'c> {
         let places = check.places(poses);
         let moved: Vec<f64> = match self.places.is_empty() {
             true => vec![0.0; places.len()],
-            false => (0..places.len()).map(|i| self.moved(i, &places[i])).collect(),
+            false => (0..places.len()).map(|i| check.came(i, &self.places[i], &places[i])).collect(),
         };
         let mut best = None;
         for (pair, apart) in check.pairs.iter().zip(&mut self.apart) {
@@ -64,19 +64,6 @@ impl<'c> Walk<'c> {
         }
         self.places = places;
         best.map(|(pair, found)| check.clearance_of(pair, found))
-    }
-
-    /// How far the points of a solid have come at most.
-    fn moved(&self, item: usize, to: &Placement) -> f64 {
-        let from = &self.places[item];
-        match self.check.items[item].body {
-            None | Some(0) => 0.0,
-            // a turn by φ moves a point at the distance r by 2 r sin(φ/2); the norm of the difference is √2 times that of r = 1
-            Some(_) => {
-                let turned = (to.rotation - from.rotation).norm() / std::f64::consts::SQRT_2;
-                (to.translation - from.translation).norm() + turned * self.check.reach[item]
-            }
-        }
     }
 }
 
