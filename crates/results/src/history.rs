@@ -58,8 +58,10 @@ pub fn history(runs: &Path) -> Result<Vec<Kept>, ResultsError> {
         entries => entries.map_err(|error| ResultsError::io("read", runs, error))?,
     };
     let mut kept: Vec<Kept> = entries.filter_map(|entry| look(&entry.ok()?.path())).collect();
-    // Runs of the same second are numbered: `..._servo`, `..._servo-2`, `..._servo-10`.
-    let key = |kept: &Kept| (kept.started.clone(), kept.name.len(), kept.name.clone());
+    // Of the same second the one that was written last is the newest.
+    let written =
+        |kept: &Kept| fs::metadata(kept.path.join("manifest.json")).and_then(|file| file.modified()).ok();
+    let key = |kept: &Kept| (kept.started.clone(), written(kept), kept.name.len(), kept.name.clone());
     kept.sort_by_cached_key(key);
     Ok(kept)
 }
@@ -135,8 +137,11 @@ mod tests {
         let scratch = Scratch::new();
         keep(&scratch, "b", "2026-11-21T14:03:22Z");
         keep(&scratch, "a", "2026-11-21T14:03:23Z");
-        keep(&scratch, "b-10", "2026-11-21T14:03:22Z");
-        keep(&scratch, "b-9", "2026-11-21T14:03:22Z");
+        // Within one second they are sorted by when they were written, not by name.
+        for name in ["a-first", "b-9", "b-10", "a-last"] {
+            std::thread::sleep(std::time::Duration::from_millis(15));
+            keep(&scratch, name, "2026-11-21T14:03:22Z");
+        }
         fs::create_dir(scratch.0.join("notes")).unwrap();
         fs::write(scratch.0.join("file"), "").unwrap();
         fs::create_dir(scratch.0.join("broken")).unwrap();
@@ -145,7 +150,7 @@ mod tests {
         let names: Vec<&str> = kept.iter().map(|kept| kept.name.as_str()).collect();
         // The broken one goes by the time of its folder, which is now.
         let known: Vec<&str> = names.iter().copied().filter(|name| *name != "broken").collect();
-        assert_eq!(known, ["b", "b-9", "b-10", "a"]);
+        assert_eq!(known, ["b", "a-first", "b-9", "b-10", "a-last", "a"]);
         let broken = kept.iter().find(|kept| kept.name == "broken").unwrap();
         assert_eq!((broken.ended(), broken.bytes), ("unknown", 1));
         assert!(kept.iter().all(|kept| kept.name == "broken" || kept.ended() == "complete"));
