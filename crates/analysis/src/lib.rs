@@ -16,4 +16,4 @@ pub use compare::{Comparison, Deviation, Instants, Rule, compare};
 pub use metrics::{Metrics, metrics};
 pub use series::{Interpolation, Series};
 pub use statistics::{Statistics, statistics};
-pub use turns::without_jumps;
+pub use turns::{jumps, with_gaps, without_jumps};

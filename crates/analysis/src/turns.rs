@@ -2,6 +2,8 @@
 
 /// Steps of more than this part of a turn, but not much more than one, are jumps of the scale, not motion.
 const JUMP: std::ops::Range<f64> = 0.75..1.25;
+/// How far beyond the ends of a scale rounding may lead, turns.
+const EDGE: f64 = 1e-6;
 
 /// Takes the jumps by whole turns out of two angles, where either has any, and brings the second within half a turn of the
 /// first at their first common value, so that their difference means something. `turn` is a whole turn in their unit.
@@ -21,19 +23,59 @@ pub fn without_jumps(set: &mut [f64], actual: &mut [f64], turn: f64) {
     actual.iter_mut().for_each(|value| *value += whole);
 }
 
+/// Positions of the values that lie behind a jump by a whole turn. `turn` is a whole turn in the unit of the values.
+///
+/// A scale jumps between half a turn and minus half a turn, or between a turn and zero; there, a value that does not move on
+/// both sides is taken for a step that somebody asked for, such as one from 0 to 300 degrees.
+pub fn jumps(values: &[f64], turn: f64) -> Vec<usize> {
+    let known: Vec<usize> = (0..values.len()).filter(|&at| values[at].is_finite()).collect();
+    let step = |n: usize| Some(values[*known.get(n)?] - values[*known.get(n.checked_sub(1)?)?]);
+    let within = |n: usize, from: f64, to: f64| {
+        [n - 1, n].iter().all(|&n| (from - EDGE..=to + EDGE).contains(&(values[known[n]] / turn)))
+    };
+    let is_jump = |&n: &usize| {
+        let Some(jump) = step(n).filter(|jump| JUMP.contains(&(jump.abs() / turn))) else { return false };
+        let mut beside = [step(n - 1), step(n + 1)].into_iter().flatten().peekable();
+        let goes_on = beside.peek().is_some() && beside.all(|step| step * jump < 0.0);
+        within(n, -0.5, 0.5) || (within(n, 0.0, 1.0) && goes_on)
+    };
+    (1..known.len()).filter(is_jump).map(|n| known[n]).collect()
+}
+
+/// The course of an angle with a gap, a value that is no number, wherever it jumps by a whole turn; `None` where it never
+/// does. There a line would only show that the scale has ends.
+pub fn with_gaps(time: &[f64], values: &[f64], turn: f64) -> Option<(Vec<f64>, Vec<f64>)> {
+    let jumps = jumps(values, turn);
+    if jumps.is_empty() || time.len() != values.len() {
+        return None;
+    }
+    let (mut times, mut broken, mut from) = (Vec::new(), Vec::new(), 0);
+    for at in jumps.into_iter().chain([values.len()]) {
+        times.extend_from_slice(&time[from..at]);
+        broken.extend_from_slice(&values[from..at]);
+        if at < values.len() {
+            times.push(time[at]);
+            broken.push(f64::NAN);
+        }
+        from = at;
+    }
+    Some((times, broken))
+}
+
 /// Makes an angle go on where it jumps; whether it has done so.
 fn unwrap(values: &mut [f64], turn: f64) -> bool {
-    let (mut last, mut offset, mut has_jumped) = (f64::NAN, 0.0, false);
-    for value in values.iter_mut().filter(|value| value.is_finite()) {
-        let step = *value - last;
-        if JUMP.contains(&(step.abs() / turn)) {
-            offset -= turn.copysign(step);
-            has_jumped = true;
+    let jumps = jumps(values, turn);
+    let mut offset = 0.0;
+    let mut before = 0.0;
+    let mut next = jumps.iter().peekable();
+    for (at, value) in values.iter_mut().enumerate().filter(|(_, value)| value.is_finite()) {
+        if next.next_if(|jump| **jump == at).is_some() {
+            offset -= turn.copysign(*value - before);
         }
-        last = *value;
+        before = *value;
         *value += offset;
     }
-    has_jumped
+    !jumps.is_empty()
 }
 
 #[cfg(test)]
@@ -57,5 +99,24 @@ mod tests {
         assert_eq!((&set[..3], set[4]), (&[-179.0, -181.0, -179.0][..], -175.0));
         assert_eq!(actual, [-180.0, -180.0, -180.0, -178.0, -176.0]);
         without_jumps(&mut [], &mut [], 360.0);
+    }
+
+    #[test]
+    fn a_step_that_somebody_asks_for_is_no_jump_of_the_scale() {
+        for target in [300.0, 360.0, -300.0, 400.0] {
+            assert_eq!(jumps(&[0.0, 0.0, target, target], 360.0), [0_usize; 0], "{target}");
+        }
+        // A shaft that turns on, told between 0 and 360 degrees, forwards and backwards; its last value has none behind it.
+        assert_eq!(jumps(&[330.0, 350.0, 10.0, 30.0], 360.0), [2]);
+        assert_eq!(jumps(&[30.0, 10.0, 350.0], 360.0), [2]);
+        assert_eq!(jumps(&[-170.0, f64::NAN, 178.0, -179.0], 360.0), [2, 3]);
+    }
+
+    #[test]
+    fn a_gap_stands_before_the_value_behind_each_jump() {
+        let (time, values) = with_gaps(&[0.0, 1.0, 2.0], &[179.0, -179.0, -170.0], 360.0).expect("a jump");
+        assert_eq!(time, [0.0, 1.0, 1.0, 2.0]);
+        assert_eq!((values[0], values[1].is_nan(), &values[2..]), (179.0, true, &[-179.0, -170.0][..]));
+        assert_eq!(with_gaps(&[0.0, 1.0], &[0.0, 300.0], 360.0), None);
     }
 }

@@ -1,10 +1,11 @@
 //! What a run looks like in the terminal.
 
+use blocksim_analysis::with_gaps;
 use blocksim_results::format::with_unit;
 use blocksim_results::{Align, Kind, PlotOptions, Series, Table, plot, sparkline};
 
 use crate::signals::naming::{fits, short_names};
-use crate::signals::shown::Shown;
+use crate::signals::shown::{Shown, turn};
 use crate::signals::tracking::Tracking;
 use crate::terminal::console::Console;
 
@@ -98,13 +99,18 @@ fn by_unit(title: &str, shown: &[&Shown], time: &[f64], console: Console) -> Str
 }
 
 fn drawn(title: &str, shown: &[&Shown], names: &[&str], time: &[f64], console: Console) -> String {
-    let values: Vec<Vec<f64>> = shown.iter().map(|s| s.values()).collect();
+    let line = |s: &&Shown| {
+        let values = s.values();
+        let broken = turn(&s.unit).and_then(|turn| with_gaps(time, &values, turn));
+        broken.unwrap_or_else(|| (time.to_vec(), values))
+    };
+    let lines: Vec<(Vec<f64>, Vec<f64>)> = shown.iter().map(line).collect();
     let unit = shown.first().map_or("1", |s| s.unit.text.as_str());
     let series: Vec<Series> = shown
         .iter()
         .zip(names)
-        .zip(&values)
-        .map(|((s, name), y)| Series { name, x: time, y, step: s.kind != Kind::Real })
+        .zip(&lines)
+        .map(|((s, name), (x, y))| Series { name, x, y, step: s.kind != Kind::Real })
         .collect();
     let heading = match (title, unit) {
         (title, "1") => title.to_owned(),

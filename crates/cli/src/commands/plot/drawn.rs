@@ -1,8 +1,9 @@
 //! The values of pictures, from all runs and tables.
 
+use std::borrow::Cow;
 use std::ops::RangeInclusive;
 
-use blocksim_analysis::{Interpolation, Series, without_jumps};
+use blocksim_analysis::{Interpolation, Series, with_gaps, without_jumps};
 use blocksim_results::{Column, Kind};
 use blocksim_signal::Unit;
 
@@ -70,6 +71,15 @@ pub fn add_once(all: &mut Vec<Drawn>, drawn: Drawn) {
         Some(other) if drawn.group.is_labelled && !other.group.is_labelled => *other = drawn,
         Some(_) => {}
         None => all.push(drawn),
+    }
+}
+
+/// A signal as a line can show it: where an angle in `unit` jumps by a whole turn, it has a gap.
+pub fn with_breaks<'c>(column: &'c Column, unit: &str) -> Cow<'c, Column> {
+    let turn = Unit::parse(unit).ok().and_then(|unit| turn(&unit));
+    match turn.and_then(|turn| with_gaps(&column.time, &column.values, turn)) {
+        Some((time, values)) => Cow::Owned(Column { time, values }),
+        None => Cow::Borrowed(column),
     }
 }
 

@@ -6,7 +6,7 @@ use blocksim_plot::{Figure, Line, Panel, Strip, Style, thinned};
 use blocksim_results::Column;
 use blocksim_results::format::{count, significant};
 
-use super::drawn::{Drawn, agree, error};
+use super::drawn::{Drawn, agree, error, with_breaks};
 use crate::signals::traces::Book;
 
 /// Columns of a screen to which courses are thinned.
@@ -17,7 +17,10 @@ pub fn panel(drawn: &Drawn, books: &[Book], range: &RangeInclusive<f64>) -> Pane
     let Drawn { group, columns, steps, others } = drawn;
     let colours = &group.colours;
     let is_set = |n: usize| group.pairs.iter().any(|pair| pair.0 == n);
-    let courses = |column: &Column, step: bool| thinned(&column.time, &column.values, range, SCREEN, step);
+    let courses = |column: &Column, step: bool| {
+        let column = with_breaks(column, &group.unit);
+        thinned(&column.time, &column.values, range, SCREEN, step)
+    };
     let mut lines: Vec<Line> = (0..columns.len())
         .map(|n| Line {
             name: group.names[n].clone(),

@@ -2,7 +2,7 @@
 
 use blocksim_results::{PlotOptions, Series};
 
-use super::drawn::{Drawn, error};
+use super::drawn::{Drawn, error, with_breaks};
 use crate::signals::traces::Book;
 use crate::terminal::console::Console;
 
@@ -28,14 +28,11 @@ fn plot(drawn: &Drawn, books: &[Book], console: Console) -> String {
     let mut names = group.names.clone();
     names.extend(others.iter().map(|(book, n, _)| format!("{} {}", group.names[*n], books[*book].name)));
     let all = columns.iter().zip(steps).chain(others.iter().map(|(_, n, column)| (column, &steps[*n])));
-    let series: Vec<Series> = all
+    let lines: Vec<_> = all.map(|(column, step)| (with_breaks(column, &group.unit), *step)).collect();
+    let series: Vec<Series> = lines
+        .iter()
         .zip(&names)
-        .map(|((column, step), name)| Series {
-            name: name.trim(),
-            x: &column.time,
-            y: &column.values,
-            step: *step,
-        })
+        .map(|((line, step), name)| Series { name: name.trim(), x: &line.time, y: &line.values, step: *step })
         .collect();
     let title = match (group.title.as_str(), group.unit.as_str()) {
         (title, "1") => title.to_owned(),
