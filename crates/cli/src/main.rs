@@ -13,6 +13,7 @@ mod commands;
 mod disk;
 mod exit;
 mod loaded;
+mod mechanism;
 mod picture_file;
 mod running;
 mod scene;
@@ -40,6 +41,7 @@ blocksim simulates block diagrams written as text.
   blocksim plot latest                      draw its signals, also as SVG or PNG
   blocksim runs                             list what was run
   blocksim export latest --csv FILE         its signals for other programs
+  blocksim collisions RUN                   what touched, and how near the rest came
   blocksim report RUN                       one HTML page of a run: scopes, robot, numbers
   blocksim check MODEL.ron                  tell all problems without running
   blocksim graph MODEL.ron                  draw the block diagram
@@ -66,6 +68,7 @@ fn main() -> ExitCode {
         Some(Command::Report(args)) => commands::report(args, console),
         Some(Command::Plot(args)) => commands::plot(args, console),
         Some(Command::Compare(args)) => commands::compare(args, console),
+        Some(Command::Collisions(args)) => commands::collisions(args, console),
         Some(Command::Check(args)) if args.watch => {
             watch::watch(&args.model, console, || commands::check(args, console))
         }

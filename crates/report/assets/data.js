@@ -91,6 +91,23 @@ const R = {
     return `${Number(front)}·10${raised}`.replace('-', '−');
   },
 
+  /** A time for people, with as many digits as tell a thousandth of all times. @param {number} t */
+  time(t) {
+    const digits = Math.ceil(3 - Math.log10(R.span[1] - R.span[0]));
+    return t.toFixed(Math.min(Math.max(digits, 3), 12)).replace('-', '−');
+  },
+
+  /** Rows of an angle that jumped by a whole turn to get there. @param {ArrayLike<number>} values @param {number|null} turn @returns {number[]} */
+  jumps(values, turn) {
+    /** @type {number[]} */ const found = [];
+    if (!turn) return found;
+    for (let n = 1; n < values.length; n++) {
+      const step = Math.abs(values[n] - values[n - 1]) / turn;
+      if (step >= 0.75 && step < 1.25) found.push(n);
+    }
+    return found;
+  },
+
   /** A number with its unit, with the prefix that reads best: 733 µA for 0.000733 A. Digits that `off`, how far the
    * number may be off, makes meaningless are left away. @param {number} x @param {string} unit @param {number} [digits] @param {number} [off] */
   quantity(x, unit, digits = 4, off = 0) {

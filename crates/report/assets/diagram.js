@@ -199,7 +199,7 @@ R.Diagram = (() => {
   /** All wires as a table: the diagram for those who do not see it. */
   const table = () => {
     const rows = texts.drawings[level.drawing].nets.map((/** @type {any} */ [title], /** @type {number} */ at) => R.make('tr', {}, R.make('td', {}, title), R.make('td', {}, R.Wires.on(level, at).map((/** @type {any} */ one) => `${one.element} ${one.signal.say()}`.trim()).join(', '))));
-    place.list.replaceChildren(place.list.firstChild, R.make('table', {}, R.make('thead', {}, R.make('tr', {}, R.make('th', { scope: 'col' }, 'connection'), R.make('th', { scope: 'col' }, `value at ${R.now.toFixed(3)} s`))), R.make('tbody', {}, ...rows)));
+    place.list.replaceChildren(place.list.firstChild, R.make('table', {}, R.make('thead', {}, R.make('tr', {}, R.make('th', { scope: 'col' }, 'connection'), R.make('th', { scope: 'col' }, `value at ${R.time(R.now)} s`))), R.make('tbody', {}, ...rows)));
   };
 
   const tell = () => {

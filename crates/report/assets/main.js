@@ -36,18 +36,18 @@
     };
     const full = R.span[1] - R.span[0];
     // Where something touches is marked below the slider.
-    const marks = (R.data.space?.contacts ?? []).map((/** @type {[number, number, string, string]} */ [from, to, one, other]) => {
+    const marks = (R.data.space?.contacts ?? []).map((/** @type {[number, number, string, string, number]} */ [from, to, one, other]) => {
       const mark = R.make('i', { title: `${one} touches ${other}` });
       mark.style.left = `${(from - R.span[0]) / full * 100}%`;
       mark.style.width = `max(3px, ${(to - from) / full * 100}%)`;
       return mark;
     });
     foot.append(play, R.make('div', { class: 'rail' }, slider, ...marks), clock, choice, cursor(0), cursor(1), readout);
-    R.onTime.push((t) => { slider.value = String((t - R.span[0]) / full * 1000); clock.textContent = `t = ${t.toFixed(3)} s of ${R.span[1].toFixed(3)} s`; slider.setAttribute('aria-valuetext', t.toFixed(3) + ' s'); });
+    R.onTime.push((t) => { slider.value = String((t - R.span[0]) / full * 1000); clock.textContent = `t = ${R.time(t)} s of ${R.time(R.span[1])} s`; slider.setAttribute('aria-valuetext', R.time(t) + ' s'); });
     R.onCursors.push(() => {
       const [a, b] = R.cursors, parts = [];
-      if (a !== null) parts.push(`A ${a.toFixed(4)} s`);
-      if (b !== null) parts.push(`B ${b.toFixed(4)} s`);
+      if (a !== null) parts.push(`A ${R.time(a)} s`);
+      if (b !== null) parts.push(`B ${R.time(b)} s`);
       if (a !== null && b !== null && a !== b) parts.push(`Δ ${R.say(b - a)} s`, `1/Δ ${R.say(1 / (b - a))} Hz`);
       readout.textContent = parts.join('  ·  ');
       clearTimeout(said);

@@ -17,7 +17,7 @@ R.Picture = (() => {
   const tint = (/** @type {any} */ panel, /** @type {number} */ at) => {
     if (panel.pair && panel.series.length === 2) return Number(/(\d+)\D*$/.exec(panel.title)?.[1] || 1) - 1;
     const number = /(\d+)\D*$/.exec(panel.series[at].name)?.[1];
-    const all = panel.series.map((/** @type {any} */ s) => /(\d+)\D*$/.exec(s.name)?.[1]);
+    const all = panel.series.filter((/** @type {any} */ s) => s.role !== 'set').map((/** @type {any} */ s) => /(\d+)\D*$/.exec(s.name)?.[1]);
     // Elements of lists are counted from 0 on.
     return number && new Set(all).size === all.length && !all.includes(undefined) ? Number(number) - (all.includes('0') ? 0 : 1) : at;
   };
@@ -130,6 +130,16 @@ R.Picture = (() => {
   // NaN is what is missing; the plots want null for it.
   const column = (/** @type {ArrayLike<number>} */ all) => Array.prototype.some.call(all, (x) => !Number.isFinite(x)) ? Array.from(all, (x) => Number.isFinite(x) ? x : null) : all;
 
+  /** Gaps of a line, in dots: where values are missing, and where an angle jumps by a turn. @param {any} panel @param {ArrayLike<number>} values */
+  const gaps = (panel, values) => {
+    const jumps = R.jumps(values, panel.turn);
+    return (/** @type {any} */ u, /** @type {number} */ _, /** @type {number} */ from, /** @type {number} */ to, /** @type {[number, number][]} */ missing) => {
+      const half = Math.max(devicePixelRatio, 1), at = (/** @type {number} */ n) => u.valToPos(panel.time[n], 'x', true);
+      const seen = jumps.filter((n) => n > from && n <= to).map((n) => /** @type {[number, number]} */ ([at(n - 1) - half, at(n) + half]));
+      return [...missing, ...seen].sort((a, b) => a[0] - b[0]);
+    };
+  };
+
   /** Values that have no neighbours make no line: they are dots. @param {ArrayLike<number>} time @param {ArrayLike<number>} values */
   const dots = (time, values) => {
     const known = (/** @type {number} */ n) => n >= 0 && n < time.length && Number.isFinite(values[n]);
@@ -161,7 +171,7 @@ R.Picture = (() => {
     panel.card = card;
     const looks = panel.series.map((/** @type {any} */ s, /** @type {number} */ at) => ({
       label: s.name, stroke: s.role === 'set' ? () => R.colour('text') : series(tint(panel, at)), width: (s.role === 'set' ? 1.4 : 2.2) * (matchMedia('(prefers-contrast: more)').matches ? 1.4 : 1), dash: s.role === 'set' ? [7, 5] : undefined,
-      points: dots(panel.time, s.values), paths: s.held ? uPlot.paths.stepped?.({ align: 1 }) : undefined,
+      points: dots(panel.time, s.values), gaps: gaps(panel, s.values), paths: s.held ? uPlot.paths.stepped?.({ align: 1 }) : undefined,
     }));
     panel.lanes = lanes(panel);
     const columns = [panel.time, ...panel.series.map((/** @type {any} */ s, /** @type {number} */ at) => panel.lanes ? column(s.values.map((/** @type {number} */ x) => panel.lanes.length - 1 - at + LANE * x)) : column(s.values))];
@@ -169,7 +179,7 @@ R.Picture = (() => {
       if (!s.other) return;
       s.second = columns.length;
       columns.push(column(s.other));
-      looks.push({ ...looks[at], label: `${s.name} of ${R.data.compared.name}`, width: 1.1, dash: s.role === 'set' ? [2, 4] : undefined });
+      looks.push({ ...looks[at], label: `${s.name} of ${R.data.compared.name}`, width: 1.1, dash: s.role === 'set' ? [2, 4] : undefined, gaps: gaps(panel, s.other) });
     });
     draw.push(() => { panel.main = plot(panel, looks, columns, canvas, panel.pair ? 200 : 230, !panel.pair); });
     if (panel.pair) {

@@ -44,14 +44,14 @@ R.Plots = (() => {
         s.error = R.list(s.error);
         const set = panel.series[panel.pair[0]].values;
         s.values = s.error.map((/** @type {number} */ e, /** @type {number} */ n) => set[n] - e);
+        // Where one of them has jumped by a turn already and the other has not, a turn is no error.
+        if (panel.turn) s.error = s.error.map((/** @type {number} */ e) => e - panel.turn * Math.round(e / panel.turn));
       }
       panel.byOrder = [...panel.series];
-      if (panel.pair) {
-        // Set values come last and so on top: dashes stay visible where both agree.
-        const [set, actual] = panel.pair.map((/** @type {number} */ at) => panel.series[at]);
-        panel.series = [...panel.series.filter((/** @type {any} */ s) => s !== set), set];
-        panel.pair = [panel.series.length - 1, panel.series.indexOf(actual)];
-      }
+      // Set values come last and so on top: dashes stay visible where both agree.
+      const pair = panel.pair?.map((/** @type {number} */ at) => panel.series[at]);
+      panel.series = [false, true].flatMap((last) => panel.series.filter((/** @type {any} */ s) => (s.role === 'set') === last));
+      if (pair) panel.pair = pair.map((/** @type {any} */ s) => panel.series.indexOf(s));
       if (panel.time.length) {
         begin = Math.min(begin, panel.time[0]);
         end = Math.max(end, panel.time[panel.time.length - 1]);

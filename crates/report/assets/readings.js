@@ -76,11 +76,11 @@ R.Readings = (() => {
     const [from, to, marked] = stretch(), [a, b] = R.cursors;
     for (const row of rows) {
       numbers(row).forEach((x, n) => {
-        const text = Number.isNaN(x) && n > 0 ? '' : (row.rough && n > 5 ? '≈ ' : '') + R.say(x);
+        const text = Number.isNaN(x) && n > 0 ? '' : (row.rough && n > 5 ? '≈ ' : '') + R.say(x, 7);
         if (row.cells[n].textContent !== text) row.cells[n].textContent = text;
       });
     }
-    heading.textContent = marked ? `between A (${R.say(from, 6)} s) and B (${R.say(to, 6)} s)` : `over the shown time, ${R.say(from, 6)} s to ${R.say(to, 6)} s${a === null && b === null ? '; A and B set cursors' : ''}`;
+    heading.textContent = marked ? `between A (${R.time(from)} s) and B (${R.time(to)} s)` : `over the shown time, ${R.time(from)} s to ${R.time(to)} s${a === null && b === null ? '; A and B set cursors' : ''}`;
     /** @type {any} */ (window).__m.table_ms = performance.now() - begin;
   };
   const tell = () => {
@@ -95,7 +95,7 @@ R.Readings = (() => {
   /** The table as text, cells separated by tabs. */
   const text = () => {
     write();
-    const plain = (/** @type {number} */ x) => Number.isFinite(x) ? String(Number(x.toPrecision(9))) : '';
+    const plain = (/** @type {number} */ x) => Number.isFinite(x) ? String(Number(x.toPrecision(R.data.full ? 15 : 7))) : '';
     const [from, to] = stretch(), [a, b] = R.cursors;
     const lines = rows.map((row) => [row.path, row.panel.unit, ...numbers(row).map(plain)]);
     const times = [`now ${plain(R.now)} s`, a === null ? '' : `A ${plain(a)} s`, b === null ? '' : `B ${plain(b)} s`, `least to rms from ${plain(from)} s to ${plain(to)} s`].filter(Boolean);
@@ -116,6 +116,8 @@ R.Readings = (() => {
     if (found.size > ROWS) return Array.from({ length: ROWS }, (_, n) => [n === ROWS - 1 ? to : from + (to - from) * n / (ROWS - 1), false]);
     return [...found].sort((x, y) => x[0] - y[0]).flatMap(([t, count]) => count === 2 ? /** @type {[number, boolean][]} */ ([[t, true], [t, false]]) : [/** @type {[number, boolean]} */ ([t, false])]);
   };
+  /** What a file of the page lacks, where it lacks anything. */
+  const partly = R.data.thinned ? 'The values that the page keeps, with 7 digits; `blocksim export RUN --csv FILE` writes all of them.' : '';
   /** What is listed, over the shown time, as a table of numbers. */
   const csv = () => {
     write();
@@ -126,9 +128,9 @@ R.Readings = (() => {
       const n = panel.time.indexOf(t);
       return n < 0 || (n > 0 && held) ? R.at(panel.time, values, t - 1e-12 * Math.max(Math.abs(t), 1), held) : values[n];
     };
-    const cell = (/** @type {number} */ x) => Number.isFinite(x) ? String(Number(x.toPrecision(9))) : '';
+    const cell = (/** @type {number} */ x) => Number.isFinite(x) ? String(R.data.full ? x : Number(x.toPrecision(7))) : '';
     const lines = times(all, from, to).map(([t, first]) => [String(Number(t.toPrecision(15))), ...all.map((row) => cell(first ? before(row, t) : R.at(row.panel.time, row.values, t, row.held)))].join(','));
-    return [head.map(quoted).join(','), ...lines].join('\n') + '\n';
+    return [...(partly ? [`# ${partly}`] : []), head.map(quoted).join(','), ...lines].join('\n') + '\n';
   };
 
   const say = (/** @type {string} */ message) => { dock.querySelector('.done').textContent = message; };
@@ -180,7 +182,7 @@ R.Readings = (() => {
     heading = R.make('span', { class: 'note' });
     dock = R.make('section', { id: 'readings', 'aria-label': 'Values at the cursors' },
       R.make('div', { class: 'readings-bar' }, R.make('strong', {}, 'Values'), heading, R.make('label', {}, nearby, ' only pictures in sight'), R.make('span', { class: 'done', role: 'status' }),
-        button('Copy as text', copy), button('Save as CSV', save, 'What is listed, over the shown time'), button('Close (T)', toggle)),
+        button('Copy as text', copy), button(partly ? 'Save as CSV (thinned)' : 'Save as CSV', save, `What is listed, over the shown time. ${partly}`.trim()), button('Close (T)', toggle)),
       R.make('div', { class: 'readings-table', tabindex: '0', role: 'region', 'aria-label': 'Table of values' }, R.make('table', {}, R.make('thead', {}, R.make('tr', {}, ...HEAD.map((name, n) => R.make('th', { scope: 'col', class: n > 1 ? 'n' : '' }, name)))), body)),
       ...(R.data.thinned ? [R.make('p', { class: 'note' }, 'From the values that this page keeps; of those with ≈ mean and rms are rough.')] : []));
     dock.hidden = true;

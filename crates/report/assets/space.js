@@ -8,6 +8,7 @@ R.Space = (() => {
   const LINKS = [[0.42, 0.46, 0.52], [0.95, 0.52, 0.16], [0.93, 0.55, 0.22], [0.95, 0.52, 0.16], [0.93, 0.55, 0.22], [0.95, 0.52, 0.16], [0.35, 0.38, 0.44]];
   const AROUND = [0.6, 0.58, 0.54];
   const one = S.placed({ translation: [0, 0, 0], rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] });
+  /** @typedef {[number, number, string, string, number]} Contact From, to, names, depth. */
   /** Where the floor is. */ let ground = one;
   /** @type {any} */ let data = null;
   /** @type {any} */ let scene = null;
@@ -26,7 +27,7 @@ R.Space = (() => {
   for (let k = -8; k <= 8; k++) floor.push(k / 4, -2, 0, k / 4, 2, 0, -2, k / 4, 0, 2, k / 4, 0);
 
   /** What touches at a time. @param {number} t */
-  const touches = (t) => data.contacts?.find((/** @type {[number, number, string, string]} */ [from, to]) => from <= t && t <= to);
+  const touches = (t) => (data.contacts ?? []).filter((/** @type {Contact} */ [from, to]) => from <= t && t <= to);
 
   /** @param {boolean} set */
   const poses = (set, t = R.now) => {
@@ -70,8 +71,7 @@ R.Space = (() => {
     }
     if (shown.masses.checked) for (const mass of scene.masses) pen.solid(ball, S.times(here[mass.body], S.placed({ translation: mass.com, rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] })), [...rgb('alarm'), 1]);
     const at = toolAt(here);
-    const touching = touches(R.now);
-    alarm.textContent = touching ? `${touching[2]} touches ${touching[3]}` : '';
+    alarm.textContent = touches(R.now).map((/** @type {Contact} */ [, , one, other]) => `${one} touches ${other}`).join('\n');
     pose.textContent = at ? `${tool ? tool.name : scene.bodies[scene.bodies.length - 1].name}\nx ${(at[12] * 1000).toFixed(1)} mm\ny ${(at[13] * 1000).toFixed(1)} mm\nz ${(at[14] * 1000).toFixed(1)} mm` : '';
     frame++;
     const m = /** @type {any} */ (window).__m;
@@ -112,13 +112,15 @@ R.Space = (() => {
   /** What touches when, each a way there. */
   const contacts = () => {
     const all = data.contacts ?? [];
-    if (!all.length) return [];
-    const ways = all.slice(0, 6).map((/** @type {[number, number, string, string]} */ [from, to, one, other]) => {
-      const button = R.make('button', { type: 'button', title: `until ${to.toFixed(3)} s` }, `${from.toFixed(3)} s: ${one} – ${other}`);
+    const meshes = data.unlooked ?? [];
+    const note = meshes.length ? [R.make('p', { class: 'note', title: meshes.join('\n') }, `Contacts of ${meshes.length === 1 ? 'the mesh' : `the ${meshes.length} meshes`} are not looked for.`)] : [];
+    if (!all.length) return note;
+    const ways = all.slice(0, 6).map((/** @type {Contact} */ [from, to, one, other, depth]) => {
+      const button = R.make('button', { type: 'button', title: `until ${R.time(to)} s, ${R.say(depth * 1000)} mm deep at most` }, `${R.time(from)} s: ${one} – ${other}`);
       button.addEventListener('click', () => R.setTime(from));
       return button;
     });
-    return [R.make('p', { class: 'contacts' }, R.make('b', {}, 'Contacts.'), ' ', ...ways, all.length > 6 ? ` and ${all.length - 6} more, marked on the time line` : '')];
+    return [R.make('p', { class: 'contacts' }, R.make('b', {}, 'Contacts.'), ' ', ...ways, all.length > 6 ? ` and ${all.length - 6} more, marked on the time line` : ''), ...note];
   };
 
   const build = () => {
@@ -186,7 +188,10 @@ R.Space = (() => {
       place.append(still);
     });
     window.addEventListener('afterprint', () => still?.remove());
-    window.addEventListener('resize', ask);
+    // A telephone that is turned: all is shown again, unless somebody has chosen what to see.
+    let chosen = false;
+    for (const kind of ['pointerdown', 'wheel']) canvas.addEventListener(kind, () => { chosen = true; }, { passive: true });
+    window.addEventListener('resize', () => { if (!chosen) fit(); ask(); });
     paint();
   };
 

@@ -57,6 +57,8 @@ pub struct Panel {
     pub unit: String,
     /// Times, s, never falling.
     pub time: Vec<f64>,
+    /// A whole turn in the unit, where the values are angles that jump by one: there the lines have gaps.
+    pub turn: Option<f64>,
     /// The signals.
     pub series: Vec<Series>,
 }
@@ -231,6 +233,8 @@ pub struct Animation {
     pub surfaces: Vec<Surface>,
     /// When what touches, by time.
     pub contacts: Vec<Contact>,
+    /// Names of what is not looked at for contacts, because it is a mesh.
+    pub unlooked: Vec<String>,
 }
 
 /// Two parts that touch each other for a while.
@@ -242,6 +246,8 @@ pub struct Contact {
     pub to: f64,
     /// Names of both.
     pub names: [String; 2],
+    /// How deep one is in the other at most, m.
+    pub depth: f64,
 }
 
 /// A measurement.

@@ -20,7 +20,13 @@ pub fn picture(panel: &Panel, full: bool, columns: usize, pack: &mut Pack) -> Va
     let rows: Vec<usize> =
         if full { (0..panel.time.len()).collect() } else { thin::rows(&panel.time, &signals, columns) };
     let pick = |values: &[f64]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
-    let find = |role: Role| panel.series.iter().position(|series| series.role == role);
+    // All values with all digits.
+    let put = |values: &[f64], pack: &mut Pack| if full { pack.wide(values) } else { pack.narrow(values) };
+    // Of several pairs there is no one difference to keep.
+    let find = |role: Role| {
+        let mut all = (0..panel.series.len()).filter(|&at| panel.series[at].role == role);
+        all.next().filter(|_| all.next().is_none())
+    };
     let pair = find(Role::Set).zip(find(Role::Actual));
     let series: Vec<Value> = panel
         .series
@@ -37,21 +43,21 @@ pub fn picture(panel: &Panel, full: bool, columns: usize, pack: &mut Pack) -> Va
             match pair {
                 Some((set, actual)) if actual == at => {
                     let off = panel.series[set].values.iter().zip(&series.values).map(|(s, a)| s - a);
-                    entry["error"] = pack.narrow(&pick(&off.collect::<Vec<f64>>()));
+                    entry["error"] = put(&pick(&off.collect::<Vec<f64>>()), pack);
                 }
-                _ => entry["values"] = pack.narrow(&pick(&series.values)),
+                _ => entry["values"] = put(&pick(&series.values), pack),
             }
             if is_rough(panel, series, &rows) {
                 entry["rough"] = true.into();
             }
             if let Some(other) = &series.other {
-                entry["other"] = pack.narrow(&pick(other));
+                entry["other"] = put(&pick(other), pack);
             }
             entry
         })
         .collect();
     json!({
-        "group": panel.group, "title": panel.title, "unit": panel.unit,
+        "group": panel.group, "title": panel.title, "unit": panel.unit, "turn": panel.turn,
         "pair": pair.map(|(set, actual)| [set, actual]),
         "time": pack.wide(&pick(&panel.time)), "series": series,
     })
@@ -80,10 +86,13 @@ pub fn movement(animation: &Animation, pack: &mut Pack) -> Value {
     let set: Option<Vec<Value>> =
         animation.set.as_ref().map(|set| set.iter().map(|values| pack.narrow(&pick(values))).collect());
     let surfaces: Vec<Value> = animation.surfaces.iter().map(|surface| surface.data(pack)).collect();
-    let contact = |contact: &Contact| json!([contact.from, contact.to, contact.names[0], contact.names[1]]);
+    let contact = |contact: &Contact| {
+        json!([contact.from, contact.to, contact.names[0], contact.names[1], contact.depth])
+    };
     let contacts: Vec<Value> = animation.contacts.iter().map(contact).collect();
     json!({
-        "scene": animation.scene, "contacts": contacts, "time": time, "positions": positions, "set": set, "surfaces": surfaces,
+        "scene": animation.scene, "contacts": contacts, "unlooked": animation.unlooked, "time": time, "positions": positions, "set": set,
+        "surfaces": surfaces,
     })
 }
 

@@ -59,7 +59,7 @@ fn with_columns(report: &Report, columns: usize, texts: &str) -> String {
         .collect();
     let compared = report.compared.as_ref().map(|other| json!({ "name": other.name, "marks": other.marks }));
     let data = json!({
-        "v": 1, "panels": panels, "space": space, "overlays": overlays, "thinned": thinned, "compared": compared,
+        "v": 1, "panels": panels, "space": space, "overlays": overlays, "thinned": thinned, "full": report.full, "compared": compared,
         "unseen": unseen,
     });
     let scripts: Vec<&str> = SCRIPTS

@@ -24,9 +24,9 @@ pub(crate) fn courses(signals: &[Unseen], most: Option<usize>, pack: &mut Pack) 
         values.extend(rows.iter().map(|&row| signal.values[row]));
         off.push(signal.tolerance + more);
     }
-    json!({
-        "counts": counts, "time": pack.narrow(&time), "values": pack.narrow(&values), "off": pack.narrow(&off),
-    })
+    // Where all are kept, they are kept with all digits.
+    let mut put = |values: &[f64]| if most.is_none() { pack.wide(values) } else { pack.narrow(values) };
+    json!({ "counts": counts, "time": put(&time), "values": put(&values), "off": put(&off) })
 }
 
 /// What they are called: path, unit, and whether values are held.

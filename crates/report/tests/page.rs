@@ -34,6 +34,7 @@ fn example(panels: usize, rows: usize) -> Report {
                 group: "joints".to_owned(),
                 title: format!("axis{n}"),
                 unit: "°".to_owned(),
+                turn: None,
                 time,
                 series: vec![series("set", Role::Set, set), series("actual", Role::Actual, actual)],
             }
@@ -75,7 +76,13 @@ fn mechanism() -> Animation {
         time,
         positions: vec![angle],
         surfaces: vec![tetrahedron()],
-        contacts: vec![Contact { from: 1.0, to: 1.5, names: ["arm", "bench"].map(str::to_owned) }],
+        contacts: vec![Contact {
+            from: 1.0,
+            to: 1.5,
+            names: ["arm", "bench"].map(str::to_owned),
+            depth: 0.012,
+        }],
+        unlooked: vec!["arm".to_owned()],
     }
 }
 
@@ -259,6 +266,10 @@ fn a_browser_shows_the_page_from_disk_without_complaint_with_and_without_webgl()
         assert!(dom.contains("class=\"value\""), "{name}: values on wires");
         assert!(dom.contains("robot (1)"), "{name}: tables of parameters");
         assert!(dom.contains("1.000 s: arm – bench"), "{name}: contacts are told");
+        assert!(
+            dom.contains("Contacts of the mesh are not looked for."),
+            "{name}: what is not looked at is told"
+        );
         assert!(
             dom.contains("<i title=\"arm touches bench\""),
             "{name}: contacts are marked on the time line"

@@ -1,5 +1,6 @@
 //! The command line: one file for the flags of each command, or of a few that are alike.
 
+pub mod collisions;
 pub mod export;
 pub mod fmt;
 pub mod graph;
@@ -17,6 +18,7 @@ pub mod values;
 
 use clap::{Parser, Subcommand};
 
+use self::collisions::CollisionsArgs;
 use self::export::{ExportArgs, RunsArgs};
 use self::fmt::FmtArgs;
 use self::graph::GraphArgs;
@@ -60,6 +62,8 @@ pub enum Command {
     Report(ReportArgs),
     /// Tell whether two runs or tables agree within tolerances.
     Compare(CompareArgs),
+    /// Tell what touched in a run, when and how deep, and how near the rest came.
+    Collisions(CollisionsArgs),
     /// Run a model over values of its parameters, and table how it follows its set values.
     Sweep(SweepArgs),
     /// Tell all problems of a model without running it.

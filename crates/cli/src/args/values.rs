@@ -43,6 +43,8 @@ pub fn moment(text: &str) -> Result<f64, String> {
 /// A number with or without a unit; `otherwise` tells what else is wrong.
 pub fn quantity(text: &str, otherwise: &str) -> Result<Quantity, String> {
     let value = evaluate(text, &NoNames).map_err(|error| match error.help {
+        // Nobody has names in mind here.
+        _ if error.message.starts_with("unknown name") => otherwise.to_owned(),
         Some(help) => format!("{}; {help}", error.message),
         None => error.message,
     })?;

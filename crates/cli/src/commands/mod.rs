@@ -2,6 +2,7 @@
 
 mod blocks;
 mod check;
+mod collisions;
 mod compare;
 mod emit;
 mod explain;
@@ -22,6 +23,7 @@ mod sweep;
 
 pub use blocks::blocks;
 pub use check::check;
+pub use collisions::collisions;
 pub use compare::compare;
 pub use emit::emit;
 pub use explain::explain;

@@ -9,7 +9,6 @@ mod movement;
 mod numbers;
 mod pictures;
 mod source_text;
-mod surroundings;
 mod tables;
 mod titles;
 mod unseen;
@@ -29,6 +28,7 @@ use self::titles::Titles;
 use crate::args::report::ReportArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
+use crate::mechanism::surroundings;
 use crate::signals::traces::{Book, Mapping, told};
 use crate::terminal::console::Console;
 
@@ -153,7 +153,7 @@ fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) 
         let around = around(args, known, &mut report)?;
         match movement::read(path, &run, &around, args.full, &mut report.warnings) {
             Ok(animation) => {
-                report.warnings.extend(animation.as_ref().and_then(surroundings::told));
+                report.warnings.extend(animation.as_ref().and_then(movement::told));
                 report.animation = animation;
             }
             Err(reason) => {

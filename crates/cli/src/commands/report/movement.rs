@@ -1,16 +1,19 @@
 //! The mechanism of a run and how it moved.
 
-use std::fs;
 use std::path::Path;
 
 use blocksim_blocks::robotics::Surroundings;
-use blocksim_report::Animation;
+use blocksim_report::{Animation, Contact};
 use blocksim_results::{ALWAYS, Run};
-use blocksim_scene::Scene;
-use serde_json::Value;
 
 use super::meshes::surfaces;
-use super::surroundings;
+use super::numbers::readable;
+use crate::mechanism::recorded::{Movement, mechanism, movement, scene, signals};
+use crate::mechanism::surroundings;
+use crate::mechanism::touching::look;
+
+/// Contacts that a page has.
+const TOLD: usize = 50;
 
 /// What moves, and where it is over time; `None` where the run has no mechanism. Parts that cannot be drawn become
 /// `warnings`.
@@ -24,58 +27,44 @@ pub fn read(
     full: bool,
     warnings: &mut Vec<String>,
 ) -> Result<Option<Animation>, String> {
-    let Ok(text) = fs::read_to_string(folder.join("scene.json")) else { return Ok(None) };
-    let mut scene: Value = serde_json::from_str(&text).map_err(|error| format!("scene.json: {error}"))?;
-    let list = |name: &str| scene[name].as_array().is_some();
-    if !["bodies", "shapes", "masses", "frames"].iter().all(|name| list(name)) {
-        return Err("scene.json is no scene".to_owned());
-    }
-    let paths = signals(&scene)?;
-    let places: Result<Vec<usize>, String> = paths
-        .iter()
-        .map(|path| run.find(path).map_err(|_| format!("the run has no signal `{path}`")))
-        .collect();
-    let places = places?;
-    if places.is_empty() {
-        return Ok(None);
-    }
-    let recording = run.read_together(&places, &ALWAYS).map_err(|error| error.reason())?;
-    let positions: Vec<Vec<f64>> = recording.signals.into_iter().map(|signal| signal.values).collect();
-    let set = set_values(run, &positions);
-    let mechanism =
-        serde_json::from_value::<Scene>(scene.clone()).ok().filter(|scene| scene.flaw().is_none());
+    let Some(mut scene) = scene(folder)? else { return Ok(None) };
+    let Some(movement) = movement(run, &scene)? else { return Ok(None) };
+    let set = set_values(run, &movement.positions);
+    let mechanism = mechanism(&scene).ok();
     surroundings::draw(around, &mut scene);
     let surfaces = surfaces(&mut scene, folder, full, warnings);
-    let mut animation =
-        Animation { scene, surfaces, time: recording.time, positions, set, contacts: Vec::new() };
+    let mut contacts = Vec::new();
+    let mut unlooked = Vec::new();
     if let Some(mechanism) = mechanism {
-        animation.contacts = surroundings::contacts(&mechanism, around, &animation);
+        let check = surroundings::check(&mechanism, around);
+        let found = look(&check, &mechanism, &movement, [f64::NEG_INFINITY, f64::INFINITY]);
+        contacts = found.history.contacts.into_iter().take(TOLD).map(contact).collect();
+        unlooked = check.unchecked().to_vec();
     }
-    Ok(Some(animation))
+    let Movement { time, positions } = movement;
+    Ok(Some(Animation { scene, surfaces, time, positions, set, contacts, unlooked }))
+}
+
+fn contact(found: blocksim_collision::Contact) -> Contact {
+    let depth = -found.deepest.distance.distance;
+    Contact { from: found.from, to: found.to, names: found.names, depth }
+}
+
+/// The first contact in words.
+pub fn told(animation: &Animation) -> Option<String> {
+    let Contact { from, names: [one, other], .. } = animation.contacts.first()?;
+    let more = match animation.contacts.len() {
+        1 => String::new(),
+        n if n < TOLD => format!(", and {} more contacts follow", n - 1),
+        _ => ", and many more contacts follow".to_owned(),
+    };
+    Some(format!("{one} touches {other} at {} s{more}.", readable(*from, 4)))
 }
 
 /// Signals that the view in space of a run needs; none where it has none.
 pub fn joints(folder: &Path) -> Vec<String> {
-    let scene = fs::read_to_string(folder.join("scene.json")).ok();
-    let scene: Option<Value> = scene.and_then(|text| serde_json::from_str(&text).ok());
+    let scene = scene(folder).ok().flatten();
     scene.and_then(|scene| signals(&scene).ok()).unwrap_or_default()
-}
-
-/// Signals of all joints in the order of the bodies.
-fn signals(scene: &Value) -> Result<Vec<String>, String> {
-    let mut paths = Vec::new();
-    for body in scene["bodies"].as_array().into_iter().flatten() {
-        let motion = &body["motion"];
-        let named: Vec<&Value> = match motion["kind"].as_str() {
-            Some("turn" | "slide") => vec![&motion["signal"]],
-            Some("ball") => motion["signals"].as_array().into_iter().flatten().collect(),
-            _ => Vec::new(),
-        };
-        for name in named {
-            paths.push(name.as_str().ok_or("a joint of scene.json names no signal")?.to_owned());
-        }
-    }
-    Ok(paths)
 }
 
 /// Set values of the joints: those of the scope whose actual value is the joint's position; the position itself where

@@ -1,9 +1,11 @@
 //! The pictures of a run as its scopes define them, and how its set values are followed.
 
+use blocksim_analysis::jumps;
 use blocksim_plot::pretty_unit;
 use blocksim_report::{Panel, Report, Role, Rows, Series, telling_rows};
 use blocksim_results::format::fixed;
 use blocksim_results::{ALWAYS, Column, Kind};
+use blocksim_signal::Unit;
 
 use super::numbers::{readable, shortest};
 use super::titles::Titles;
@@ -11,6 +13,7 @@ use crate::args::plot::Layout;
 use crate::commands::plot::drawn::{Drawn, add_once};
 use crate::commands::plot::following::{Row, rows};
 use crate::commands::plot::groups::{Group, chosen, groups};
+use crate::signals::shown::turn;
 use crate::signals::traces::Book;
 
 /// Most pictures in a page.
@@ -104,14 +107,10 @@ fn panels(drawn: &Drawn, book: &Book, titles: &Titles) -> Vec<Panel> {
     let mut panels: Vec<Panel> = Vec::new();
     for (n, column) in drawn.columns.iter().enumerate() {
         let trace = &book.traces[group.traces[n]];
-        let role = if group.pairs.len() != 1 {
-            Role::Plain
-        } else if group.pairs[0].0 == n {
-            Role::Set
-        } else if group.pairs[0].1 == n {
-            Role::Actual
-        } else {
-            Role::Plain
+        let role = match group.pairs.iter().find(|pair| [pair.0, pair.1].contains(&n)) {
+            Some(pair) if pair.0 == n => Role::Set,
+            Some(_) => Role::Actual,
+            None => Role::Plain,
         };
         let name = if group.names[n].is_empty() { trace.port() } else { &group.names[n] };
         let series = Series {
@@ -129,9 +128,15 @@ fn panels(drawn: &Drawn, book: &Book, titles: &Titles) -> Vec<Panel> {
                 title: if group.title.is_empty() { trace.path.clone() } else { group.title.clone() },
                 unit: pretty_unit(&group.unit),
                 time: column.time.clone(),
+                turn: None,
                 series: vec![series],
             }),
         }
+    }
+    let turn = Unit::parse(&group.unit).ok().and_then(|unit| turn(&unit));
+    for panel in &mut panels {
+        let jump = |turn: &f64| panel.series.iter().any(|series| !jumps(&series.values, *turn).is_empty());
+        panel.turn = turn.filter(jump);
     }
     panels
 }

@@ -1,0 +1,113 @@
+//! `blocksim collisions`: what touched in a run, and how near the rest came.
+
+mod told;
+
+use std::io;
+use std::path::Path;
+
+use blocksim_blocks::robotics::Surroundings;
+use blocksim_diagram::Sources;
+use blocksim_results::{Run, locate};
+
+use crate::args::collisions::CollisionsArgs;
+use crate::args::values::RUNS;
+use crate::exit::Exit;
+use crate::mechanism::recorded::{mechanism, movement, scene};
+use crate::mechanism::touching::{Found, look};
+use crate::mechanism::{surroundings, text};
+use crate::signals::traces::told as unreadable;
+use crate::terminal::console::Console;
+
+/// Contacts and least distances of a run, with what the reader must know of them.
+struct Looked {
+    found: Found,
+    /// Pairs of solids that were looked at.
+    pairs: usize,
+    /// Pairs of names that touch at the start and were not looked at.
+    left_out: Vec<[String; 2]>,
+    /// Names of meshes, which were not looked at.
+    meshes: Vec<String>,
+    /// First and last time that was looked at, s.
+    span: [f64; 2],
+}
+
+/// Looks for contacts in a run.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn collisions(args: &CollisionsArgs, console: Console) -> io::Result<Exit> {
+    let looked = match looked(args, console) {
+        Ok(looked) => looked,
+        Err(message) => {
+            console.say(&message);
+            return Ok(Exit::Files);
+        }
+    };
+    match args.json {
+        true => console.data(&format!("{}\n", told::data(&looked)))?,
+        false => {
+            console.data(&told::text(&looked, args.all))?;
+            told::notes(&looked).iter().for_each(|note| console.say(note));
+        }
+    }
+    Ok(if looked.found.history.contacts.is_empty() { Exit::Done } else { Exit::Failed })
+}
+
+fn looked(args: &CollisionsArgs, console: Console) -> Result<Looked, String> {
+    let folder = locate(&args.run, Path::new(RUNS)).map_err(unreadable)?;
+    let run = Run::open(&folder).map_err(unreadable)?;
+    let refused = |reason: &str| {
+        format!(
+            "error: cannot look for contacts in `{}`: {reason}\n  = help: run the model again",
+            folder.display()
+        )
+    };
+    let Some(drawn) = scene(&folder).map_err(|reason| refused(&reason))? else {
+        return Err(format!(
+            "error: `{}` has no mechanism to look at\n  = help: give bodies `shapes` (see `blocksim blocks Body`) and run the model again",
+            folder.display()
+        ));
+    };
+    let mechanism = mechanism(&drawn).map_err(|reason| refused(&reason))?;
+    let movement = movement(&run, &drawn).map_err(|reason| refused(&reason))?.unwrap_or_default();
+    if let Some(shortfall) = run.shortfall() {
+        console.say(&format!("warning: this run is not whole: {shortfall}"));
+    }
+    let around = around(args, &folder, &run)?;
+    let within = [args.from.unwrap_or(f64::NEG_INFINITY), args.to.unwrap_or(f64::INFINITY)];
+    let seen = || movement.time.iter().copied().filter(|time| (within[0]..=within[1]).contains(time));
+    let Some((first, last)) = seen().next().zip(seen().next_back()) else {
+        let given = movement.time.first().zip(movement.time.last());
+        let help = given.map_or("nothing of it moves".to_owned(), |(from, to)| {
+            format!("it goes from {from} s to {to} s")
+        });
+        return Err(format!("error: `{}` has no values there\n  = help: {help}", folder.display()));
+    };
+    let check = surroundings::check(&mechanism, &around);
+    Ok(Looked {
+        found: look(&check, &mechanism, &movement, within),
+        pairs: check.pairs(),
+        left_out: check.left_out().to_vec(),
+        meshes: check.unchecked().to_vec(),
+        span: [first, last],
+    })
+}
+
+/// What stands around the mechanism.
+fn around(args: &CollisionsArgs, folder: &Path, run: &Run) -> Result<Surroundings, String> {
+    let file = args.surroundings.as_deref();
+    let text = match run.manifest().filter(|_| file.is_none()) {
+        Some(manifest) => text::text(folder, manifest).map_err(|reason| {
+            format!("error: {reason}\n  = help: name what stands around with --surroundings")
+        })?,
+        None => None,
+    };
+    let sources = text.as_ref().map(|text| Sources::new(&*text.reader));
+    surroundings::read(file, text.as_ref().zip(sources.as_ref())).map(Option::unwrap_or_default).map_err(|reason| {
+        let place = file.unwrap_or(folder).display();
+        format!(
+            "error: cannot read the surroundings in `{place}`: {reason}\n  = help: write them as in docs/moves.md, or name a diagram with \
+             the parameter `surroundings`"
+        )
+    })
+}
