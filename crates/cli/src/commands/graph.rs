@@ -90,7 +90,7 @@ fn in_folder(folder: &Path, level: &Level, ending: &str) -> std::path::PathBuf {
 }
 
 fn no_such_level(error: &PathError) -> String {
-    let place = if error.found.is_empty() { "the top".to_owned() } else { format!("`{}`", error.found) };
+    let place = if error.found.is_empty() { "the diagram".to_owned() } else { format!("`{}`", error.found) };
     let said = if error.is_block {
         format!("error: `{}` in {place} has nothing inside", error.name)
     } else {

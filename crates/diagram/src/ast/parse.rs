@@ -17,7 +17,27 @@ const SECTIONS: [&str; 9] =
 pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Option<Ast> {
     let place = |span: &Range<usize>| Place { file, span: span.clone() };
     let members = match &root.value {
-        Shape::Struct(name, members) if name.as_ref().is_none_or(|name| name.text == "Diagram") => members,
+        Shape::Struct(name, members) if name.as_ref().is_none_or(|name| name.text == "Diagram") => {
+            // A set that somebody took for a diagram: one message says more than one for each member.
+            let is_section = |name: &Name| closest(&name.text, SECTIONS).is_some();
+            if name.is_none() && !members.is_empty() && !members.iter().any(|(name, _)| is_section(name)) {
+                problems.push(
+                    Problem::error("syntax", "this is a set of parameters, no diagram")
+                        .at(&place(&(root.span.start..root.span.start + 1)), "the file starts here")
+                        .help("a diagram uses it by `File(\"...\")`; a diagram file holds one `Diagram(blocks: {...}, ...)`"),
+                );
+                return None;
+            }
+            members
+        }
+        Shape::Tuple(Some(name), items) if name.text == "Diagram" && items.is_empty() => {
+            problems.push(
+                Problem::error("syntax", "the diagram is empty")
+                    .at(&place(&root.span), "nothing is in it")
+                    .help("write blocks and connections, `Diagram(blocks: {...}, connections: [...])`"),
+            );
+            return None;
+        }
         _ => {
             problems.push(
                 Problem::error("syntax", format!("expected `Diagram(...)`, found {}", root.describe()))

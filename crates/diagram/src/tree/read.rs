@@ -31,6 +31,13 @@ pub struct SyntaxError {
 /// The first place that is no RON.
 pub fn read(text: &str) -> Result<Node, SyntaxError> {
     let reader = Reader { text };
+    if skip(text) == text.len() {
+        return Err(SyntaxError {
+            span: 0..0,
+            message: "there is nothing in this file".to_owned(),
+            help: None,
+        });
+    }
     let raw: &RawValue = options().from_str(text).map_err(|error| reader.error(text, &error))?;
     reader.node(raw.get_ron())
 }

@@ -52,6 +52,10 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, (String, Exit)> {
         books.push(book);
     }
     check_mappings(&maps, &books).map_err(usage)?;
+    if books[0].traces.is_empty() && !args.json {
+        let help = "add a Scope, or `record: [\"...\"]`, to its diagram and run it again";
+        return Err(usage(format!("error: `{}` has no signals to draw\n  = help: {help}", books[0].name)));
+    }
     let range = range(args, &books)?;
     let selected = chosen(&books[0], &args.signals).map_err(|lost| usage(no_signal(lost, &books[0])))?;
     for book in &books[1..] {
@@ -134,7 +138,9 @@ fn range(args: &PlotArgs, books: &[Book]) -> Result<RangeInclusive<f64>, (String
 /// Tells that no signal fits a pattern.
 pub fn no_signal(lost: &str, book: &Book) -> String {
     let paths: Vec<&str> = book.traces.iter().map(|trace| trace.path.as_str()).collect();
-    let help = match closest(lost, paths.iter().copied()) {
+    // Who names a part of a path may have mistyped that.
+    let parts = paths.iter().flat_map(|path| path.split(['/', '.']));
+    let help = match closest(lost, paths.iter().copied().chain(parts)) {
         Some(meant) => format!("did you mean `{meant}`?"),
         None => {
             let more = if paths.len() > 5 { ", ..." } else { "" };
