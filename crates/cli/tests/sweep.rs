@@ -171,3 +171,75 @@ fn the_pages_show_what_the_program_says() {
         }
     }
 }
+
+#[test]
+fn runs_that_are_kept_are_ordinary_runs_with_the_same_numbers() {
+    let desk = Desk::new("kept");
+    let words = ["lag.ron", "--over", "tau=0.1 s,-0.1 s,0.2 s", "--json"];
+    let plain: Value = serde_json::from_slice(&desk.sweep(&words).stdout).expect("data");
+    let output = desk.sweep(&[&words[..], &["--keep", "all/runs"]].concat());
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    let kept: Value = serde_json::from_slice(&output.stdout).expect("data");
+    for n in 0..3 {
+        assert_eq!(plain["runs"][n]["metrics"], kept["runs"][n]["metrics"]);
+        assert_eq!(kept["runs"][n]["run"], (n + 1).to_string());
+    }
+    let mut names: Vec<String> = std::fs::read_dir(desk.0.join("all/runs"))
+        .expect("the folder")
+        .map(|entry| entry.expect("an entry").file_name().into_string().expect("a name"))
+        .collect();
+    names.sort();
+    assert_eq!(names, ["1", "3"], "the model refuses the second value");
+    // What is kept is bit for bit what `blocksim run` records.
+    let call = |words: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        command.current_dir(&desk.0).env("NO_COLOR", "1").args(words).output().expect("the program runs")
+    };
+    assert!(call(&["run", "lag.ron", "--set", "tau=0.2 s", "--out", "again", "--quiet"]).status.success());
+    for file in ["signals.rec", "signals.csv", "events.csv", "model.json"] {
+        let bytes = |run: &str| std::fs::read(desk.0.join(run).join(file)).expect("a file");
+        assert_eq!(bytes("all/runs/3"), bytes("again"), "{file}");
+    }
+    let listed = String::from_utf8(call(&["runs", "all/runs"]).stdout).expect("text");
+    assert!(listed.contains("lag.ron tau=0.2 s") && listed.contains("complete"), "{listed}");
+    // A folder with anything in it is left alone.
+    let again = desk.sweep(&[&words[..], &["--keep", "all/runs"]].concat());
+    assert_eq!(again.status.code(), Some(4));
+    assert!(said(&again).contains("there is something in it"), "{}", said(&again));
+}
+
+#[test]
+fn random_runs_are_the_same_for_the_same_seed() {
+    let desk = Desk::new("random");
+    let random = |seed: &str| {
+        let words = [
+            "lag.ron",
+            "--over",
+            "tau=50 ms..100 ms",
+            "--random",
+            "20",
+            "--seed",
+            seed,
+            "--metric",
+            "rise",
+            "--json",
+        ];
+        let output = desk.sweep(&words);
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        serde_json::from_slice::<Value>(&output.stdout).expect("data")
+    };
+    let first = random("1");
+    assert_eq!(first, random("1"));
+    assert_ne!(first, random("2"));
+    let runs = first["runs"].as_array().expect("runs");
+    assert_eq!(runs.len(), 20);
+    for run in runs {
+        let tau = run["set"]["tau"].as_str().and_then(|text| text.strip_suffix(" ms")).expect("in ms");
+        let tau: f64 = tau.parse::<f64>().expect("a number") * 1e-3;
+        let rise = run["metrics"][0]["value"].as_f64().expect("a number");
+        assert!((0.05..=0.1).contains(&tau) && (rise - tau * 9.0_f64.ln()).abs() < 1e-5, "{run}");
+    }
+    let table = desk.sweep(&["lag.ron", "--over", "tau=50 ms..100 ms", "--random", "20", "--metric", "rise"]);
+    let table = String::from_utf8_lossy(&table.stdout).into_owned();
+    assert!(table.contains("median") && table.contains("rise [s]"), "{table}");
+}

@@ -11,12 +11,14 @@ use super::model::{ModelArgs, SolverArgs};
 #[command(
     after_help = "Values of a parameter are a list, or so many from one end to the other, evenly or by equal factors:\n  \
                   pid.kp=4,8,16    drive=dc,asm    pid.kp=4..16/5    motor.l=\"1 mH..100 mH/5log\"\n\
-                  Of several parameters all combinations are run.\n\n\
+                  Of several parameters all combinations are run. With --random a range has no number, pid.kp=4..16 or\n  \
+                  motor.l=\"1 mH..100 mH/log\", and each run takes a value from somewhere between its ends.\n\n\
                   Numbers of how a set value is followed: rise, overshoot, settling, iae, ise, final_error, largest_error;\n\
                   of any signal: min, max, peak, mean, rms, final. A part of a path or a pattern with `*` may follow.\n\n\
                   Examples:\n  blocksim sweep servo.ron --over pid.kp=4..16/5 --over pid.kd=0.2,0.4\n  \
                   blocksim sweep servo.ron --over inertia=\"0.1 kg*m^2..1 kg*m^2/10\" --metric settling,peak:motor.i\n  \
-                  blocksim sweep irb2600.ron --over drive=asm,dc,torque --out drives.csv"
+                  blocksim sweep irb2600.ron --over drive=asm,dc,torque --out drives.csv --keep drives\n  \
+                  blocksim sweep servo.ron --over inertia=\"0.1 kg*m^2..1 kg*m^2\" --over pid.kp=6..10 --random 100 --seed 1"
 )]
 pub struct SweepArgs {
     #[command(flatten)]
@@ -24,6 +26,12 @@ pub struct SweepArgs {
     /// A parameter, named as for `--set`, and the values that it takes; may be repeated.
     #[arg(long, value_name = "TARGET=VALUES", value_parser = over, required = true)]
     pub over: Vec<Over>,
+    /// Make so many runs with random values, spread evenly over each range (latin hypercube), instead of all combinations.
+    #[arg(long, value_name = "N")]
+    pub random: Option<std::num::NonZeroUsize>,
+    /// Other random values for another number; 0 unless given.
+    #[arg(long, value_name = "N", requires = "random")]
+    pub seed: Option<u64>,
     /// What to measure, separated by commas; without it how set values are followed.
     #[arg(long, value_name = "METRIC[:SIGNALS]", value_parser = wanted, value_delimiter = ',')]
     pub metric: Vec<Wanted>,
@@ -35,6 +43,9 @@ pub struct SweepArgs {
     /// Write the table to a file, as CSV with a column for each parameter and each number.
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Keep every run in this folder, which must be new or empty; `blocksim runs DIR` lists them.
+    #[arg(long, value_name = "DIR")]
+    pub keep: Option<PathBuf>,
     /// Replace the file if it is there.
     #[arg(long, requires = "out")]
     pub yes: bool,
@@ -44,12 +55,67 @@ pub struct SweepArgs {
 }
 
 /// A parameter and the values that it takes, as texts.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Over {
     /// Its name, as for `--set`.
     pub target: String,
     /// What stands behind it.
-    pub values: Vec<String>,
+    pub values: Values,
+}
+
+/// What a parameter takes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// These, one after another.
+    Listed(Vec<String>),
+    /// Any value of a range.
+    Between(Span),
+}
+
+/// A range of values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Span {
+    from: f64,
+    to: f64,
+    unit: String,
+    by_factors: bool,
+}
+
+/// Digits of a value that was chosen at random.
+const DIGITS: usize = 6;
+
+impl Over {
+    /// The values that are listed; none of a range without a number.
+    pub fn listed(&self) -> &[String] {
+        match &self.values {
+            Values::Listed(values) => values,
+            Values::Between(_) => &[],
+        }
+    }
+
+    /// The value at a share, from 0 up to 1, of the range or of the list.
+    pub fn at(&self, share: f64) -> String {
+        match &self.values {
+            Values::Listed(values) => {
+                let at = (share * values.len() as f64) as usize;
+                values[at.min(values.len() - 1)].clone()
+            }
+            Values::Between(span) => span.text(span.at(share), DIGITS),
+        }
+    }
+}
+
+impl Span {
+    fn at(&self, share: f64) -> f64 {
+        match self.by_factors {
+            true => self.from * (self.to / self.from).powf(share),
+            false => self.from + (self.to - self.from) * share,
+        }
+    }
+
+    fn text(&self, value: f64, digits: usize) -> String {
+        format!("{} {}", rounded(value, digits), self.unit).trim_end().to_owned()
+    }
 }
 
 /// What is measured of a run.
@@ -145,8 +211,11 @@ fn wanted(text: &str) -> Result<Wanted, String> {
     Ok(Wanted { metric: *metric, pattern: pattern.map(str::to_owned) })
 }
 
-/// `pid.kp=4,8,16` or `pid.kp=4..16/5`.
-fn over(text: &str) -> Result<Over, String> {
+/// `pid.kp=4,8,16`, `pid.kp=4..16/5`, or `pid.kp=4..16`.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn over(text: &str) -> Result<Over, String> {
     let form = "write target=values, such as pid.kp=4,8,16 or pid.kp=4..16/5";
     let (target, values) = text.split_once('=').ok_or(form)?;
     let (target, values) = (target.trim(), values.trim());
@@ -155,7 +224,7 @@ fn over(text: &str) -> Result<Over, String> {
     }
     // A name of a file may hold two points, too.
     let is_range = values.contains("..") && !values.contains(['"', '(', '\'']);
-    let values = if is_range { range(values)? } else { list(values)? };
+    let values = if is_range { range(values)? } else { Values::Listed(list(values)?) };
     Ok(Over { target: target.to_owned(), values })
 }
 
@@ -187,19 +256,41 @@ fn list(text: &str) -> Result<Vec<String>, String> {
 /// Most values of one range.
 const MOST: usize = 100_000;
 
-/// `from..to/n`: n values from one end to the other, both of them included; `from..to/nlog`: by equal factors.
-fn range(text: &str) -> Result<Vec<String>, String> {
+/// `from..to/n`: n values from one end to the other, both of them included; `from..to/nlog`: by equal factors. Without n any
+/// value between them: `from..to`, `from..to/log`.
+fn range(text: &str) -> Result<Values, String> {
     let form = "write from..to/n, such as 4..16/5, or from..to/nlog for equal factors";
     let (from, rest) = text.split_once("..").ok_or(form)?;
-    let (to, count) = rest.rsplit_once('/').ok_or(form)?;
-    let (count, by_factors) = match count.trim().strip_suffix("log") {
-        Some(count) => (count, true),
-        None => (count, false),
+    // A unit may have a slash, too.
+    let (to, last) = match rest.rsplit_once('/').map(|(to, last)| (to, last.trim())) {
+        Some((to, last)) if last.ends_with("log") || last.chars().all(|sign| sign.is_ascii_digit()) => {
+            (to, last)
+        }
+        _ => (rest, ""),
     };
-    let count: usize = count.trim().parse().map_err(|_| form)?;
+    let (count, by_factors) = match last.strip_suffix("log") {
+        Some(count) => (count.trim(), true),
+        None => (last, false),
+    };
+    let span = span(from, to, by_factors)?;
+    if count.is_empty() {
+        return Ok(Values::Between(span));
+    }
+    let count: usize = count.parse().map_err(|_| form)?;
     if !(2..=MOST).contains(&count) {
         return Err(format!("a range has 2 to {MOST} values, not {count}"));
     }
+    let value = |n: usize| match n {
+        0 => span.from,
+        _ if n == count - 1 => span.to,
+        // Who asks for factors does not ask for more digits.
+        _ if by_factors => rounded(span.at(n as f64 / (count - 1) as f64), 4),
+        _ => span.at(n as f64 / (count - 1) as f64),
+    };
+    Ok(Values::Listed((0..count).map(|n| span.text(value(n), 12)).collect()))
+}
+
+fn span(from: &str, to: &str, by_factors: bool) -> Result<Span, String> {
     let ((from, unit), (to, other)) = (number(from)?, number(to)?);
     let unit = match (unit, other) {
         (unit, other) if unit == other => unit,
@@ -211,17 +302,7 @@ fn range(text: &str) -> Result<Vec<String>, String> {
     if by_factors && from * to <= 0.0 {
         return Err("the ends of a range by equal factors have one sign and are not zero".to_owned());
     }
-    let value = |n: usize| {
-        let share = n as f64 / (count - 1) as f64;
-        match n {
-            0 => from,
-            _ if n == count - 1 => to,
-            // Who asks for factors does not ask for more digits.
-            _ if by_factors => rounded(from * (to / from).powf(share), 4),
-            _ => from + (to - from) * share,
-        }
-    };
-    Ok((0..count).map(|n| format!("{} {unit}", rounded(value(n), 12)).trim_end().to_owned()).collect())
+    Ok(Span { from, to, unit: unit.to_owned(), by_factors })
 }
 
 /// A number and its unit, which may be empty.
@@ -249,14 +330,14 @@ mod tests {
     use super::*;
 
     fn values(text: &str) -> Vec<String> {
-        over(text).unwrap().values
+        over(text).unwrap().listed().to_vec()
     }
 
     #[test]
     fn a_list_is_cut_at_its_commas_but_not_within_brackets() {
         assert_eq!(
             over("drive = dc, asm").unwrap(),
-            Over { target: "drive".into(), values: vec!["dc".into(), "asm".into()] }
+            Over { target: "drive".into(), values: Values::Listed(vec!["dc".into(), "asm".into()]) }
         );
         assert_eq!(
             values(r#"motor=File("../a,b.ron"),File("c.ron")"#),
@@ -276,13 +357,22 @@ mod tests {
     }
 
     #[test]
+    fn a_range_without_a_number_has_a_value_at_every_share() {
+        let at = |text: &str, share: f64| over(text).unwrap().at(share);
+        assert_eq!(at("kp=1..2", 0.25), "1.25");
+        assert_eq!(at("v=1 m/s..2 m/s", 0.5), "1.5 m/s");
+        assert_eq!(at("l=1 mH..100 mH/log", 0.5), "10 mH");
+        assert_eq!(["drive=dc,asm", "drive=dc,asm"].map(|text| at(text, 0.5)), ["asm", "asm"]);
+        assert_eq!(at("kp=1..4/4", 0.99), "4", "one of those that are listed");
+    }
+
+    #[test]
     fn what_cannot_be_meant_is_refused_with_the_form() {
         for (wrong, said) in [
             ("kp", "write target=values"),
             ("kp=", "write target=values"),
             ("kp=1,,2", "a value is missing"),
-            ("kp=1..2", "write from..to/n"),
-            ("v=1 m/s..2 m/s", "write from..to/n"),
+            ("kp=1..2/x3log", "write from..to/n"),
             ("kp=1..2/1", "2 to 100000 values"),
             ("kp=1 m..2 s/3", "both ends"),
             ("kp=one..2/3", "`one` is no number"),

@@ -7,14 +7,16 @@ use blocksim_results::{
 };
 use blocksim_sim::Simulation;
 
-use crate::args::model::RunArgs;
+use crate::args::model::ModelArgs;
 use crate::loaded::{Loaded, with_slashes};
 use crate::running::solver;
 
 /// What a manifest is made of.
 pub struct Facts<'a> {
-    /// The command line.
-    pub args: &'a RunArgs,
+    /// The command line: the model and what was set.
+    pub model: &'a ModelArgs,
+    /// What was said of the signals to keep.
+    pub signals: Vec<String>,
     /// The model.
     pub loaded: &'a Loaded,
     /// What was run.
@@ -42,17 +44,14 @@ pub fn of(facts: &Facts) -> Manifest {
         program: Program { name: "blocksim".to_owned(), version: env!("CARGO_PKG_VERSION").to_owned() },
         // The model itself is the first file that is read.
         model: files.next().unwrap_or_else(|| FileUsed {
-            path: facts.args.model.model.display().to_string(),
+            path: facts.model.model.display().to_string(),
             hash: hash::fingerprint(&[]),
         }),
         files: files.chain(facts.loaded.plugins.iter().cloned()).collect(),
-        overrides: facts.args.model.set.iter().map(|text| override_of(text)).collect(),
+        overrides: facts.model.set.iter().map(|text| override_of(text)).collect(),
         variants: facts.loaded.compiled.variants.iter().map(|(path, v)| choice(path, &v.chosen)).collect(),
         solver: solver::used(facts.schedule.settings.solver),
-        recorded: Some(RecordedUsed::of(
-            facts.layout,
-            facts.args.signals.iter().map(|wanted| wanted.text.clone()).collect(),
-        )),
+        recorded: Some(RecordedUsed::of(facts.layout, facts.signals.clone())),
         started: facts.started.clone(),
         wall_time: facts.wall_time,
         simulated_time: facts.simulation.time(),

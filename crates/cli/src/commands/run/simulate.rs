@@ -103,7 +103,8 @@ fn kept_in_spite(run: &Run) -> String {
 
 fn facts(args: &RunArgs, prepared: &Prepared, wall_time: f64, ended: Ended) -> Manifest {
     manifest::of(&manifest::Facts {
-        args,
+        model: &args.model,
+        signals: args.signals.iter().map(|wanted| wanted.text.clone()).collect(),
         loaded: &prepared.loaded,
         schedule: &prepared.schedule,
         layout: &prepared.selection.layout,

@@ -1,19 +1,23 @@
 //! One run of a sweep: from the text of the model to a few numbers.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use blocksim_analysis::{Metrics, metrics, statistics};
+use blocksim_analysis::{Metrics, metrics, statistics, without_jumps};
 use blocksim_block::schedule::{Recorded, Schedule};
-use blocksim_results::Recording;
+use blocksim_results::{Ended as How, Recording};
 use blocksim_sim::{Control, Counts, Ended, Observer, SimError, Simulation};
 
-use crate::args::model::SolverArgs;
-use crate::args::sweep::{Metric, Wanted};
+use super::kept::{Both, Keeping};
+use crate::args::model::ModelArgs;
+use crate::args::sweep::{Metric, SweepArgs, Wanted};
+use crate::loaded::Loaded;
 use crate::running::blame::reason;
 use crate::running::{interrupt, solver};
 use crate::signals::naming::{fits, short_names};
-use crate::signals::shown::{Shown, recording, shown};
+use crate::signals::shown::{Shown, recording, shown, turn};
 use crate::signals::tracking::{Tracking, trackings};
+use crate::terminal::console::Console;
 
 /// One number of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,16 +49,20 @@ pub enum Failure {
 const OF_ONE: [Metric; 5] =
     [Metric::LargestError, Metric::FinalError, Metric::Overshoot, Metric::Settling, Metric::Iae];
 
-/// Runs a model and measures what is wanted.
+/// Runs a model, keeps the run at `place` if one is given, and measures what is wanted.
 ///
 /// # Errors
 /// [`Failure`].
 pub fn measure(
+    loaded: &Loaded,
     mut schedule: Schedule,
-    args: &SolverArgs,
-    wanted: &[Wanted],
+    args: &SweepArgs,
+    model: &ModelArgs,
+    place: Option<PathBuf>,
+    console: Console,
 ) -> Result<Vec<Measured>, Failure> {
-    solver::apply(args, &mut schedule.settings).map_err(Failure::Usage)?;
+    let wanted = &args.metric;
+    solver::apply(&args.solver, &mut schedule.settings).map_err(Failure::Usage)?;
     if schedule.recorded.is_empty() {
         let help = "add a Scope, or `record: [\"...\"]` to the diagram";
         return Err(Failure::Usage(format!(
@@ -62,15 +70,30 @@ pub fn measure(
         )));
     }
     let all: Vec<String> = schedule.recorded.iter().map(|recorded| recorded.path.clone()).collect();
-    schedule.recorded.retain(|recorded| is_needed(recorded, wanted));
-    let recorded = schedule.recorded.clone();
-    let mut rows = Rows(recording(&recorded));
-    let failed = |error: SimError| Failure::Simulation(reason(&error));
-    let mut simulation = Simulation::new(Arc::new(schedule)).map_err(failed)?;
-    if simulation.run(&mut rows).map_err(failed)? == Ended::Interrupted {
+    if place.is_none() {
+        schedule.recorded.retain(|recorded| is_needed(recorded, wanted));
+    }
+    let schedule = Arc::new(schedule);
+    let recorded = &schedule.recorded;
+    let failed = |error: &SimError| Failure::Simulation(reason(error));
+    let mut simulation = Simulation::new(Arc::clone(&schedule)).map_err(|error| failed(&error))?;
+    let begin = |place| Keeping::begin(place, loaded, model, &schedule, console).map_err(Failure::Simulation);
+    let mut keeping = place.map(begin).transpose()?;
+    let mut both = Both { rows: Rows(recording(recorded)), keeping: keeping.as_mut() };
+    let outcome = simulation.run(&mut both);
+    let rows = both.rows;
+    if let Some(keeping) = keeping {
+        let ended = match &outcome {
+            Ok(Ended::Finished) => How::Complete,
+            Ok(Ended::Interrupted) => How::Interrupted,
+            Err(error) => How::Failed { reason: reason(error) },
+        };
+        keeping.end(&schedule, &simulation, &rows.0, ended).map_err(Failure::Simulation)?;
+    }
+    if outcome.map_err(|error| failed(&error))? == Ended::Interrupted {
         return Err(Failure::Interrupted);
     }
-    let signals = shown(&recorded, &rows.0);
+    let signals = shown(recorded, &rows.0);
     let found = numbers(&signals, &rows.0.time, wanted);
     match wanted.iter().find(|wanted| !found.iter().any(|measured| measured.metric == wanted.metric)) {
         Some(without) => Err(Failure::Usage(no_signal(without, &all))),
@@ -84,7 +107,7 @@ pub fn measure(
 }
 
 /// Takes the rows as they come.
-struct Rows(Recording);
+pub struct Rows(Recording);
 
 impl Observer for Rows {
     fn row(&mut self, t: f64, values: &[f64]) {
@@ -120,7 +143,11 @@ fn numbers(signals: &[Shown], time: &[f64], wanted: &[Wanted]) -> Vec<Measured> 
         let measured = chosen.iter().zip(names).map(|(pair, name)| {
             let unit = &pair.set.unit;
             let values = |shown: &Shown| shown.si.iter().map(|&x| unit.from_si(x)).collect::<Vec<_>>();
-            let numbers = metrics(time, Some(&values(pair.set)), &values(pair.actual));
+            let (mut wanted, mut there) = (values(pair.set), values(pair.actual));
+            if let Some(turn) = turn(unit) {
+                without_jumps(&mut wanted, &mut there, turn);
+            }
+            let numbers = metrics(time, Some(&wanted), &there);
             let (value, unit) = of_following(metric, numbers, &unit.to_string());
             let name = if several { name.to_owned() } else { String::new() };
             Measured { metric, path: pair.scope.to_owned(), name, unit, value }

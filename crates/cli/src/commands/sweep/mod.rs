@@ -1,5 +1,7 @@
 //! `blocksim sweep`: a model over values of its parameters.
 
+mod combinations;
+mod kept;
 mod measure;
 mod told;
 
@@ -7,19 +9,17 @@ use std::io;
 
 use blocksim_block::problem::Severity;
 
+use self::combinations::Combinations;
 use self::measure::{Failure, Measured, measure};
 use super::tell;
 use crate::args::model::{Format, ModelArgs};
-use crate::args::sweep::{Over, SweepArgs};
+use crate::args::sweep::SweepArgs;
 use crate::disk::write_file;
 use crate::exit::Exit;
 use crate::loaded::{Loaded, load};
 use crate::running::{interrupt, parallel};
 use crate::terminal::console::Console;
 use crate::terminal::render::{self, plural};
-
-/// Most runs of one sweep.
-const MOST: usize = 1_000_000;
 
 /// One run: a value for each parameter, and what became of it.
 pub struct Row<'a> {
@@ -34,17 +34,15 @@ pub struct Row<'a> {
 /// # Errors
 /// If the standard output cannot be written.
 pub fn sweep(args: &SweepArgs, console: Console) -> io::Result<Exit> {
-    let runs = args.over.iter().map(|over| over.values.len()).try_fold(1_usize, usize::checked_mul);
-    let Some(runs) = runs.filter(|runs| *runs <= MOST) else {
-        console.say(&format!("error: that would be more than {MOST} runs\n  = help: take fewer values"));
-        return Ok(Exit::Usage);
+    let random = args.random.map(usize::from);
+    let plan = match Combinations::of(&args.over, random, args.seed.unwrap_or(0)) {
+        Ok(plan) => plan,
+        Err(mistake) => {
+            console.say(&format!("error: {mistake}"));
+            return Ok(Exit::Usage);
+        }
     };
-    if let Some(twice) = named_twice(&args.over) {
-        console.say(&format!(
-            "error: `{twice}` is varied twice\n  = help: write all its values behind one --over"
-        ));
-        return Ok(Exit::Usage);
-    }
+    let runs = plan.runs();
     if let Some(file) = args.out.as_ref().filter(|file| file.exists() && !args.yes) {
         console.say(&format!(
             "error: `{}` is there already\n  = help: name another file, or add --yes to replace it",
@@ -53,12 +51,16 @@ pub fn sweep(args: &SweepArgs, console: Console) -> io::Result<Exit> {
         return Ok(Exit::Files);
     }
     // What is wrong with the model, and not with a value, is told once and before anything is run.
-    let Some(first) = load(&model(args, &values(&args.over, 0)), console) else { return Ok(Exit::Files) };
+    let Some(first) = load(&model(args, &plan.values(0)), console) else { return Ok(Exit::Files) };
     let format = if args.json { Format::Json } else { Format::Full };
     tell(&first.compiled.problems, &first.files, format, console)?;
     if first.compiled.schedule.is_none() {
         console.say(&format!("{}; nothing was run", render::tally(&first.compiled.problems)));
         return Ok(Exit::Model);
+    }
+    if let Some(Err(message)) = args.keep.as_deref().map(kept::folder) {
+        console.say(&message);
+        return Ok(Exit::Files);
     }
     interrupt::take_over();
     let numbers: Vec<usize> = (0..runs).collect();
@@ -67,7 +69,7 @@ pub fn sweep(args: &SweepArgs, console: Console) -> io::Result<Exit> {
     let rows = parallel::all(
         &numbers,
         workers,
-        |number| one(args, *number, console),
+        |number| one(args, &plan, *number, console),
         |done| {
             if live {
                 console.rewrite(&format!("  {done} of {}", plural(runs, "run")));
@@ -97,13 +99,20 @@ fn finish(args: &SweepArgs, rows: &[Row], console: Console) -> io::Result<Exit> 
     let interrupted = rows.iter().any(|row| row.outcome == Err(Failure::Interrupted));
     let is_failed = |row: &&Row| matches!(row.outcome, Err(Failure::Simulation(_) | Failure::Usage(_)));
     let failed = rows.iter().filter(is_failed).count();
-    let table = told::Sheet::of(&args.over, rows);
-    console.data(&if args.json { format!("{}\n", table.json()) } else { table.text(console.width) })?;
+    let table = told::Sheet::of(&args.over, rows, args.keep.is_some());
+    console.data(&if args.json {
+        format!("{}\n", table.json())
+    } else {
+        table.text(console.width, args.random.is_some())
+    })?;
     if let Some(file) = &args.out {
         if let Err(exit) = write_file(file, table.csv().as_bytes(), args.yes, console) {
             return Ok(exit);
         }
         console.say(&format!("the table is in {}", file.display()));
+    }
+    if let Some(folder) = &args.keep {
+        console.say(&format!("the runs are in {0}; `blocksim runs {0}` lists them", folder.display()));
     }
     if interrupted {
         console.say("interrupted; runs without numbers were not finished");
@@ -117,14 +126,16 @@ fn finish(args: &SweepArgs, rows: &[Row], console: Console) -> io::Result<Exit> 
 }
 
 /// Runs one combination.
-fn one<'a>(args: &'a SweepArgs, number: usize, console: Console) -> Row<'a> {
-    let values = values(&args.over, number);
+fn one<'a>(args: &SweepArgs, plan: &'a Combinations, number: usize, console: Console) -> Row<'a> {
+    let values = plan.values(number);
     if interrupt::is_requested() {
         return Row { values, outcome: Err(Failure::Interrupted) };
     }
-    let outcome = match load(&model(args, &values), console) {
+    let model = model(args, &values);
+    let place = args.keep.as_ref().map(|folder| folder.join(kept::name(number, plan.runs())));
+    let outcome = match load(&model, console) {
         Some(mut loaded) => match loaded.compiled.schedule.take() {
-            Some(schedule) => measure(schedule, &args.solver, &args.metric),
+            Some(schedule) => measure(&loaded, schedule, args, &model, place, console),
             None => Err(Failure::Simulation(refused(&loaded))),
         },
         None => Err(Failure::Simulation("the model can no longer be read".to_owned())),
@@ -139,48 +150,8 @@ fn refused(loaded: &Loaded) -> String {
     first.map_or_else(|| "the model has errors".to_owned(), |problem| problem.message.clone())
 }
 
-/// The values of a combination; those of the last parameter change first.
-fn values(over: &[Over], number: usize) -> Vec<&str> {
-    let mut rest = number;
-    let mut values: Vec<&str> = over
-        .iter()
-        .rev()
-        .map(|over| {
-            let value = &over.values[rest % over.values.len()];
-            rest /= over.values.len();
-            value.as_str()
-        })
-        .collect();
-    values.reverse();
-    values
-}
-
 /// The model with these values.
 fn model(args: &SweepArgs, values: &[&str]) -> ModelArgs {
     let varied = args.over.iter().zip(values).map(|(over, value)| format!("{}={value}", over.target));
     ModelArgs { model: args.model.model.clone(), set: args.model.set.iter().cloned().chain(varied).collect() }
-}
-
-fn named_twice(over: &[Over]) -> Option<&str> {
-    let twice =
-        over.iter().enumerate().find(|(n, one)| over[..*n].iter().any(|other| other.target == one.target));
-    twice.map(|(_, over)| over.target.as_str())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn all_combinations_come_and_the_last_parameter_changes_first() {
-        let over = |target: &str, values: &[&str]| Over {
-            target: target.to_owned(),
-            values: values.iter().map(|value| (*value).to_owned()).collect(),
-        };
-        let over = [over("a", &["1", "2"]), over("b", &["x", "y", "z"])];
-        let all: Vec<String> = (0..6).map(|n| values(&over, n).concat()).collect();
-        assert_eq!(all, ["1x", "1y", "1z", "2x", "2y", "2z"]);
-        assert_eq!(named_twice(&over), None);
-        assert_eq!(named_twice(&[over[0].clone(), over[1].clone(), over[0].clone()]), Some("a"));
-    }
 }

@@ -4,8 +4,8 @@ use blocksim_results::format::significant;
 use blocksim_results::{Align, Table};
 use serde_json::{Value, json};
 
-use super::Row;
 use super::measure::{Failure, Measured};
+use super::{Row, kept};
 use crate::args::sweep::{Metric, Over};
 use crate::terminal::format::column;
 
@@ -14,6 +14,8 @@ const BEST: usize = 6;
 
 /// A row for each run: values of the parameters, then numbers.
 pub struct Sheet<'a> {
+    /// Whether each run has a name, under which it is kept.
+    is_kept: bool,
     targets: Vec<&'a str>,
     columns: Vec<Column<'a>>,
     lines: Vec<Line<'a>>,
@@ -29,6 +31,7 @@ struct Column<'a> {
 
 /// One run.
 struct Line<'a> {
+    name: String,
     values: Vec<&'a str>,
     /// In the order of the columns; none where this run has no such number.
     cells: Vec<Option<f64>>,
@@ -38,7 +41,7 @@ struct Line<'a> {
 
 impl<'a> Sheet<'a> {
     /// The sheet of these runs. Variants may have different signals, so the columns are those of all runs.
-    pub fn of(over: &'a [Over], rows: &'a [Row]) -> Sheet<'a> {
+    pub fn of(over: &'a [Over], rows: &'a [Row], is_kept: bool) -> Sheet<'a> {
         let mut columns: Vec<Column> = Vec::new();
         for measured in rows.iter().flat_map(|row| row.outcome.iter().flatten()) {
             if !columns.iter().any(|column| column.is_of(measured)) {
@@ -46,7 +49,8 @@ impl<'a> Sheet<'a> {
                 columns.push(Column { metric: *metric, path, name, unit });
             }
         }
-        let line = |row: &'a Row| Line {
+        let line = |(n, row): (usize, &'a Row)| Line {
+            name: kept::name(n, rows.len()),
             values: row.values.clone(),
             cells: columns
                 .iter()
@@ -60,28 +64,34 @@ impl<'a> Sheet<'a> {
                 }
             },
         };
-        let lines = rows.iter().map(line).collect();
-        Sheet { targets: over.iter().map(|over| over.target.as_str()).collect(), columns, lines }
+        let lines = rows.iter().enumerate().map(line).collect();
+        Sheet { is_kept, targets: over.iter().map(|over| over.target.as_str()).collect(), columns, lines }
     }
 
     /// The table, then the runs that follow best. Where a line of it would be longer than `width`, runs stand beside each
     /// other and numbers below each other.
-    pub fn text(&self, width: usize) -> String {
+    ///
+    /// Of runs with random values the spread of each number is told, too.
+    pub fn text(&self, width: usize, is_random: bool) -> String {
         let is_wide = |text: &str| text.lines().any(|line| line.chars().count() > width);
         let upright = self.upright();
         let table = match is_wide(&upright).then(|| self.lying()).filter(|lying| !is_wide(lying)) {
             Some(lying) => lying,
             None => upright,
         };
-        let best = self.best();
-        format!("{table}{}{best}", if best.is_empty() { "" } else { "\n" })
+        let spread = if is_random { self.spread() } else { String::new() };
+        let parts = [table, spread, self.best()];
+        let told: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+        told.join("\n")
     }
 
     /// A line for each run.
     fn upright(&self) -> String {
         let headings: Vec<String> = self.columns.iter().map(Column::heading).collect();
         let has_failed = self.lines.iter().any(|line| line.failed.is_some());
-        let mut all: Vec<(&str, Align)> = self.targets.iter().map(|target| (*target, Align::Right)).collect();
+        let mut all: Vec<(&str, Align)> = Vec::new();
+        all.extend(self.is_kept.then_some(("run", Align::Right)));
+        all.extend(self.targets.iter().map(|target| (*target, Align::Right)));
         all.extend(headings.iter().map(|heading| (heading.as_str(), Align::Right)));
         if has_failed {
             all.push(("failed", Align::Left));
@@ -93,7 +103,13 @@ impl<'a> Sheet<'a> {
         for (n, line) in self.lines.iter().enumerate() {
             let values = line.values.iter().map(|value| (*value).to_owned());
             let failed = has_failed.then(|| line.failed.clone().unwrap_or_default());
-            table.row(values.chain(numbers.iter().map(|column| column[n].clone())).chain(failed));
+            let name = self.is_kept.then(|| line.name.clone());
+            table.row(
+                name.into_iter()
+                    .chain(values)
+                    .chain(numbers.iter().map(|column| column[n].clone()))
+                    .chain(failed),
+            );
         }
         table.render()
     }
@@ -103,6 +119,9 @@ impl<'a> Sheet<'a> {
         let mut all = vec![("", Align::Left)];
         all.extend(self.lines.iter().map(|_| ("", Align::Right)));
         let mut table = Table::new(&all);
+        if self.is_kept {
+            table.row(std::iter::once("run").chain(self.lines.iter().map(|line| line.name.as_str())));
+        }
         for (n, target) in self.targets.iter().enumerate() {
             let values = self.lines.iter().map(|line| line.values[n]);
             table.row(std::iter::once(*target).chain(values));
@@ -114,6 +133,32 @@ impl<'a> Sheet<'a> {
         if self.lines.iter().any(|line| line.failed.is_some()) {
             let failed = self.lines.iter().map(|line| line.failed.as_deref().unwrap_or_default());
             table.row(std::iter::once("failed").chain(failed));
+        }
+        table.render()
+    }
+
+    /// How far each number differs from run to run.
+    fn spread(&self) -> String {
+        let headings = ["", "least", "5 %", "median", "95 %", "largest", "mean", "deviation"];
+        let aligned = |(n, heading): (usize, &&'static str)| {
+            (*heading, if n == 0 { Align::Left } else { Align::Right })
+        };
+        let mut table = Table::new(&headings.iter().enumerate().map(aligned).collect::<Vec<_>>());
+        for (n, number) in self.columns.iter().enumerate() {
+            let mut all: Vec<f64> =
+                self.lines.iter().filter_map(|line| line.cells[n]).filter(|x| x.is_finite()).collect();
+            all.sort_by(f64::total_cmp);
+            let Some(last) = all.len().checked_sub(1).filter(|last| *last > 0) else { continue };
+            let share = |share: f64| {
+                let at = share * last as f64;
+                let low = at.floor() as usize;
+                all[low] + (all[(low + 1).min(last)] - all[low]) * (at - low as f64)
+            };
+            let mean = all.iter().sum::<f64>() / all.len() as f64;
+            let deviation = (all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / last as f64).sqrt();
+            let told = [all[0], share(0.05), share(0.5), share(0.95), all[last], mean, deviation];
+            let cells = column(&told.map(Some), &[]);
+            table.row(std::iter::once(number.heading()).chain(cells));
         }
         table.render()
     }
@@ -149,12 +194,19 @@ impl<'a> Sheet<'a> {
 
     /// Columns as in the table, numbers with all their digits; cells without a number are empty.
     pub fn csv(&self) -> String {
-        let headings = self.targets.iter().map(|target| (*target).to_owned());
+        let run = self.is_kept.then(|| "run".to_owned());
+        let headings = run.into_iter().chain(self.targets.iter().map(|target| (*target).to_owned()));
         let headings = headings.chain(self.columns.iter().map(Column::heading)).chain(["failed".to_owned()]);
         let lines = self.lines.iter().map(|line| {
             let numbers = line.cells.iter().map(|cell| cell.map_or_else(String::new, |x| x.to_string()));
             let values = line.values.iter().map(|value| (*value).to_owned());
-            joined(values.chain(numbers).chain([line.failed.clone().unwrap_or_default()]))
+            let name = self.is_kept.then(|| line.name.clone());
+            joined(
+                name.into_iter()
+                    .chain(values)
+                    .chain(numbers)
+                    .chain([line.failed.clone().unwrap_or_default()]),
+            )
         });
         std::iter::once(joined(headings)).chain(lines).collect()
     }
@@ -173,7 +225,12 @@ impl<'a> Sheet<'a> {
                     "metric": column.metric.name(), "signal": column.path, "unit": column.unit, "value": value,
                 })
             });
-            json!({ "set": set, "metrics": numbers.collect::<Vec<_>>(), "failed": line.failed })
+            let mut row =
+                json!({ "set": set, "metrics": numbers.collect::<Vec<_>>(), "failed": line.failed });
+            if self.is_kept {
+                row["run"] = json!(line.name);
+            }
+            row
         };
         json!({ "v": 1, "type": "sweep", "runs": self.lines.iter().map(row).collect::<Vec<_>>() })
     }
@@ -207,6 +264,7 @@ fn joined(cells: impl Iterator<Item = String>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::args::sweep::Values;
     use expect_test::expect;
 
     fn measured(metric: Metric, path: &str, unit: &str, value: Option<f64>) -> Measured {
@@ -215,11 +273,11 @@ mod tests {
 
     fn over() -> Vec<Over> {
         let values = vec!["4".to_owned(), "8 mH".to_owned(), "[1, 2]".to_owned()];
-        vec![Over { target: "pid.kp".into(), values }]
+        vec![Over { target: "pid.kp".into(), values: Values::Listed(values) }]
     }
 
     fn rows(over: &[Over]) -> Vec<Row<'_>> {
-        let row = |n: usize, outcome| Row { values: vec![over[0].values[n].as_str()], outcome };
+        let row = |n: usize, outcome| Row { values: vec![over[0].listed()[n].as_str()], outcome };
         let good = |error, overshoot| {
             vec![
                 measured(Metric::LargestError, "angle", "deg", Some(error)),
@@ -237,7 +295,7 @@ mod tests {
     fn a_sweep_is_told_like_this() {
         let over = over();
         let rows = rows(&over);
-        let sheet = Sheet::of(&over, &rows);
+        let sheet = Sheet::of(&over, &rows, false);
         expect![[r#"
             pid.kp  largest error [deg]  overshoot [%]  failed
                  4                1.250          10.50
@@ -246,7 +304,7 @@ mod tests {
 
             least largest error  0.5000 deg  at pid.kp=8 mH
         "#]]
-        .assert_eq(&sheet.text(100));
+        .assert_eq(&sheet.text(100, false));
         expect![[r#"
             pid.kp,largest error [deg],overshoot [%],failed
             4,1.25,10.5,
@@ -264,7 +322,7 @@ mod tests {
     fn runs_stand_beside_each_other_where_lines_would_be_too_long() {
         let over = over();
         let row = |n: usize| Row {
-            values: vec![over[0].values[n].as_str()],
+            values: vec![over[0].listed()[n].as_str()],
             outcome: Ok(["a/scope", "b/scope", "c/scope"]
                 .map(|path| Measured {
                     name: path.into(),
@@ -283,18 +341,39 @@ mod tests {
             least largest error b/scope  0.5000 deg  at pid.kp=4
             least largest error c/scope  0.5000 deg  at pid.kp=4
         "#]]
-        .assert_eq(&Sheet::of(&over, &rows).text(80));
+        .assert_eq(&Sheet::of(&over, &rows, false).text(80, false));
+    }
+
+    #[test]
+    fn runs_that_are_kept_have_names_and_random_ones_a_spread() {
+        let over = over();
+        let row = |n: usize| Row {
+            values: vec![over[0].listed()[n].as_str()],
+            outcome: Ok(vec![measured(Metric::Peak, "motor.i", "A", Some([1.0, 3.0, 2.0][n]))]),
+        };
+        let rows = [row(0), row(1), row(2)];
+        expect![[r#"
+            run  pid.kp  peak [A]
+              1       4     1.000
+              2    8 mH     3.000
+              3  [1, 2]     2.000
+
+                      least    5 %  median   95 %  largest   mean  deviation
+            peak [A]  1.000  1.100   2.000  2.900    3.000  2.000      1.000
+        "#]]
+        .assert_eq(&Sheet::of(&over, &rows, true).text(100, true));
+        assert!(Sheet::of(&over, &rows, true).csv().starts_with("run,pid.kp,peak [A],failed\n1,4,1,"));
     }
 
     #[test]
     fn variants_with_other_signals_share_one_table() {
         let over = over();
         let row = |n: usize, path| Row {
-            values: vec![over[0].values[n].as_str()],
+            values: vec![over[0].listed()[n].as_str()],
             outcome: Ok(vec![measured(Metric::Peak, path, "1", Some(n as f64))]),
         };
         let rows = [row(0, "dc.i"), row(1, "asm.i")];
-        let sheet = Sheet::of(&over, &rows);
+        let sheet = Sheet::of(&over, &rows, false);
         assert_eq!(
             sheet.lines.iter().map(|line| line.cells.clone()).collect::<Vec<_>>(),
             [[Some(0.0), None], [None, Some(1.0)]]
