@@ -60,6 +60,11 @@ fn width_of_group(group: &Group) -> Option<usize> {
     Some(around(group) + items? + 2 * group.items.len().saturating_sub(1))
 }
 
+/// Whether a value takes several lines however long they may be.
+pub(super) fn spans_lines(value: &Value) -> bool {
+    matches!(value, Value::Group(group) if width_of_group(group).is_none())
+}
+
 /// Columns of the first line of an item that spans several.
 pub(super) fn width_of_head(item: &Item) -> usize {
     let value = match &item.value {

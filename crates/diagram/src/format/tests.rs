@@ -44,6 +44,23 @@ Diagram(
 }
 
 #[test]
+fn what_has_a_name_and_spans_lines_begins_one() {
+    let text = "Diagram(\ntitle: \"T\", blocks: {\"a\": Clock, \"b\": Gain(\nk: 2)})";
+    let expected = "\
+Diagram(
+    title: \"T\",
+    blocks: {
+        \"a\": Clock,
+        \"b\": Gain(
+            k: 2,
+        ),
+    },
+)
+";
+    assert_eq!(formatted(text), expected);
+}
+
+#[test]
 fn every_comment_keeps_its_text_and_its_place() {
     let text = "\
 // above

@@ -1,7 +1,7 @@
 //! Pieces become text.
 
 use super::WIDTH;
-use super::layout::{Form, columns, form, width_of_head};
+use super::layout::{Form, columns, form, spans_lines, width_of_head};
 use super::pieces::{Comment, File, Group, Item, Value};
 
 /// Blanks for each level of brackets.
@@ -145,10 +145,12 @@ impl Writer {
         for (n, item) in group.items.iter().enumerate() {
             let width = item.width.unwrap_or_else(|| width_of_head(item));
             let fits = self.column + 1 + width < WIDTH;
+            // What has a name and spans lines begins one.
+            let spans = item.key.is_some() && spans_lines(&item.value);
             let begins = match form {
                 Form::Filled => false,
                 Form::Listed => true,
-                _ => item.begins_line || !item.above.is_empty(),
+                _ => item.begins_line || !item.above.is_empty() || spans,
             };
             if must_end || begins || !fits {
                 self.above(item, indent, n == 0);
