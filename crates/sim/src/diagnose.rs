@@ -63,6 +63,14 @@ fn bad_state(block: &Instance, x: &[f64]) -> Option<(String, f64)> {
     Some((state_name(block, &state.name), value))
 }
 
+/// Paths and names of all continuous states: `pid.x`, `motor.i`.
+pub fn state_names(schedule: &Schedule) -> Vec<String> {
+    let of_block = |block: &Instance| -> Vec<String> {
+        block.interface.states.iter().map(|state| state_name(block, &state.name)).collect()
+    };
+    schedule.blocks.iter().flat_map(of_block).collect()
+}
+
 /// Path and name of a state. Those of a network carry the path of the member they belong to.
 fn state_name(block: &Instance, state: &str) -> String {
     if block.path.starts_with("network(") { state.to_owned() } else { format!("{}.{state}", block.path) }

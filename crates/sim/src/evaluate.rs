@@ -201,6 +201,28 @@ impl Diagram {
         Ok(())
     }
 
+    /// As [`continuous`](Self::continuous), but always and with someone who may change signals behind each call, whose
+    /// number among those of the plan he is told. Nobody takes the signals for known afterwards.
+    pub fn touched(
+        &mut self,
+        t: f64,
+        x: &[f64],
+        mut touch: impl FnMut(usize, &mut [f64]),
+    ) -> Result<(), Failed> {
+        self.enter(t, x);
+        for i in 0..self.plan.continuous.len() {
+            let Self { plan, now, signals, d, scratch, .. } = self;
+            let call = &plan.continuous[i];
+            outputs(call, now, signals, d, scratch);
+            if now.fault.is_raised() {
+                let block = call.block as usize;
+                return Err(self.failed(block));
+            }
+            touch(i, signals);
+        }
+        Ok(())
+    }
+
     /// Goes to another point without an evaluation.
     pub fn place(&mut self, t: f64, x: &[f64]) {
         self.enter(t, x);

@@ -12,6 +12,7 @@
 //! | `plan` | the schedule as the hot loop wants it |
 //! | `evaluate`, `act`, `system` | calls of the blocks: outputs, all else, and what the solver sees |
 //! | `clock`, `events`, `record` | sample hits and time events; zero crossings; rows |
+//! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
 //! | `methods`, `error`, `diagnose`, `snapshot` | choice of the solver; what can go wrong and why; save and restore |
 
 mod act;
@@ -21,6 +22,7 @@ mod diagnose;
 mod error;
 mod evaluate;
 mod events;
+mod frozen;
 mod guards;
 mod major;
 mod methods;
@@ -32,7 +34,9 @@ mod snapshot;
 mod system;
 mod turn;
 
+pub use diagnose::state_names;
 pub use error::SimError;
+pub use frozen::{Frozen, Tap};
 pub use record::{Control, Observer};
 pub use simulation::{Counts, Ended, Simulation};
 pub use snapshot::Snapshot;

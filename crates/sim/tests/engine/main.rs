@@ -2,6 +2,7 @@
 
 mod errors;
 mod events;
+mod freezing;
 mod recording;
 mod sampling;
 mod solvers;

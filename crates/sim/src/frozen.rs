@@ -1,0 +1,141 @@
+//! A simulation at one instant: what derivatives and signals would be, were states or signals a bit different.
+
+use blocksim_block::schedule::{Schedule, When};
+
+use crate::{Observer, SimError, Simulation};
+
+/// A signal that may be changed on its way from the block that gives it to those that read it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tap {
+    /// Cell among the signals of the schedule.
+    pub cell: usize,
+    /// Whether the signal is cut there: readers get its value of the instant, whatever the block gives, plus the change.
+    pub open: bool,
+}
+
+/// A simulation at one instant. Time, sampled values and the modes of blocks (which side of a switch, what sticks) stay as
+/// they are, so that all that is left is a function of continuous states and of the changes at the taps.
+#[derive(Debug)]
+pub struct Frozen {
+    simulation: Simulation,
+    taps: Vec<Tap>,
+    /// Behind which call of an evaluation the signal of each tap is there; none if it does not change between two
+    /// major steps.
+    written: Vec<Option<usize>>,
+    /// All signals of the instant.
+    signals: Vec<f64>,
+    /// What the blocks give at the taps.
+    given: Vec<f64>,
+}
+
+impl Frozen {
+    /// Freezes a simulation where it is; one that has not begun, at its start.
+    ///
+    /// # Errors
+    /// See [`SimError::code`]; `settings` if there is no such cell.
+    pub fn new(mut simulation: Simulation, taps: Vec<Tap>) -> Result<Frozen, SimError> {
+        if !simulation.started {
+            simulation.start(&mut Nobody)?;
+        }
+        let signals = simulation.diagram.signals.clone();
+        if let Some(tap) = taps.iter().find(|tap| tap.cell >= signals.len()) {
+            let message = format!("there is no signal at cell {}", tap.cell);
+            return Err(SimError::new("settings", simulation.t, message));
+        }
+        let schedule = &simulation.schedule;
+        let written = taps.iter().map(|tap| writer(schedule, tap.cell)).collect();
+        Ok(Frozen { given: vec![0.0; taps.len()], written, taps, signals, simulation })
+    }
+
+    /// Evaluates the diagram at other states `x`, with `change` added at each tap; writes the derivatives of all states.
+    ///
+    /// # Errors
+    /// `block_failed` if a block cannot go on there.
+    pub fn evaluate(&mut self, x: &[f64], change: &[f64], dx: &mut [f64]) -> Result<(), SimError> {
+        let Frozen { simulation, taps, written, signals: before, given, .. } = self;
+        let diagram = &mut simulation.diagram;
+        diagram.signals.copy_from_slice(before);
+        let mut touch = |call: Option<usize>, signals: &mut [f64]| {
+            for (n, tap) in taps.iter().enumerate().filter(|(n, _)| written[*n] == call) {
+                given[n] = signals[tap.cell];
+                signals[tap.cell] = change[n] + if tap.open { before[tap.cell] } else { given[n] };
+            }
+        };
+        touch(None, &mut diagram.signals);
+        let evaluated = diagram.touched(simulation.t, x, |call, signals| touch(Some(call), signals));
+        let evaluated = evaluated.and_then(|()| diagram.derive(dx));
+        simulation.held(evaluated)
+    }
+
+    /// Lets all blocks choose their modes anew at other states, which become those of the instant. Returns whether any
+    /// mode has changed.
+    ///
+    /// # Errors
+    /// `block_failed` if a block cannot go on there.
+    pub fn settle(&mut self, x: &[f64]) -> Result<bool, SimError> {
+        let simulation = &mut self.simulation;
+        simulation.x.copy_from_slice(x);
+        let diagram = &mut simulation.diagram;
+        diagram.signals.copy_from_slice(&self.signals);
+        diagram.settle.changed = false;
+        let none_due = vec![false; simulation.hits.due.len()];
+        let evaluated = diagram.major(simulation.t, x, &none_due, false);
+        simulation.held(evaluated)?;
+        self.signals.copy_from_slice(&self.simulation.diagram.signals);
+        Ok(self.simulation.diagram.settle.changed)
+    }
+
+    /// Value of a cell among the signals, as those who read it got it in the last evaluation.
+    pub fn signal(&self, cell: usize) -> f64 {
+        self.simulation.diagram.signals[cell]
+    }
+
+    /// What the blocks gave at the taps in the last evaluation, without the changes.
+    pub fn given(&self) -> &[f64] {
+        &self.given
+    }
+
+    /// Whether the signal of a tap changes between two major steps at all.
+    pub fn moves(&self, tap: usize) -> bool {
+        self.written[tap].is_some()
+    }
+
+    /// Continuous states of the instant.
+    pub fn states(&self) -> &[f64] {
+        &self.simulation.x
+    }
+
+    /// The simulation, to be looked at.
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// Puts other taps in the place of the present ones.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_taps(self, taps: Vec<Tap>) -> Result<Frozen, SimError> {
+        let Frozen { mut simulation, signals, .. } = self;
+        simulation.diagram.signals.copy_from_slice(&signals);
+        simulation.diagram.forget();
+        Frozen::new(simulation, taps)
+    }
+}
+
+/// Number among the calls between major steps of the one that writes a cell.
+fn writer(schedule: &Schedule, cell: usize) -> Option<usize> {
+    let mut calls = schedule.steps.iter().filter(|step| step.when == When::Continuous);
+    calls.position(|step| {
+        let block = &schedule.blocks[step.block as usize];
+        let ports = block.outputs.iter().zip(&block.interface.group_of);
+        let mut written = ports.filter(|(_, group)| **group == step.group as usize);
+        written.any(|((start, end), _)| (block.y + *start as usize..block.y + *end as usize).contains(&cell))
+    })
+}
+
+/// Does not look.
+struct Nobody;
+
+impl Observer for Nobody {
+    fn row(&mut self, _t: f64, _values: &[f64]) {}
+}
