@@ -45,6 +45,7 @@ blocksim simulates block diagrams written as text.
   blocksim report RUN                       one HTML page of a run: scopes, robot, numbers
   blocksim check MODEL.ron                  tell all problems without running
   blocksim graph MODEL.ron                  draw the block diagram
+  blocksim linearise MODEL.ron --open pid.u margins of a loop, poles, frequency response
   blocksim import ROBOT.urdf --out DIR      make a model of a robot description
   blocksim identify friction                measure the friction of the robot's axes
   blocksim params export SET.ron            a workbook of parameters, for Excel and LibreOffice
@@ -76,6 +77,7 @@ fn main() -> ExitCode {
         Some(Command::Fmt(args)) => commands::fmt(args, console),
         Some(Command::Runs(args)) => commands::runs(args, console),
         Some(Command::Sweep(args)) => commands::sweep(args, console),
+        Some(Command::Linearise(args)) => commands::linearise(args, console),
         Some(Command::Export(args)) => commands::export(args, console),
         Some(Command::Emit(args)) => commands::emit(args, console),
         Some(Command::Graph(args)) => commands::graph(args, console),

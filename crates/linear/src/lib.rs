@@ -24,7 +24,7 @@ mod response;
 mod system;
 mod zeros;
 
-pub use course::step_response;
+pub use course::{StepInfo, step_info, step_response};
 pub use differences::{Jacobian, Kink, jacobian};
 pub use error::LinearError;
 pub use grid::frequencies;

@@ -9,10 +9,22 @@ pub struct Figure {
     pub panels: Vec<Panel>,
     /// Panels side by side.
     pub columns: usize,
-    /// Range of time, s.
+    /// What is to the right.
+    pub across: Across,
+    /// Range of time, s, or of what else is to the right.
     pub time: (f64, f64),
     /// Width of the whole, dots.
     pub width: f64,
+}
+
+/// What the horizontal axis shows.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Across {
+    /// Time in s.
+    #[default]
+    Time,
+    /// Powers of ten under this name; the positions of points are exponents of ten, angles go in parts of a turn.
+    Powers(String),
 }
 
 /// Lines over time that share a vertical axis.

@@ -7,6 +7,9 @@ use crate::figure::Line;
 /// Room around the values, share of the height.
 const ROOM: f64 = 0.04;
 
+/// Parts of a turn, degrees.
+const TURNS: [f64; 6] = [15.0, 30.0, 45.0, 90.0, 180.0, 360.0];
+
 /// The vertical axis of a panel or strip.
 pub(crate) struct Axis {
     pub range: Range,
@@ -14,8 +17,9 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// An axis over the values of these lines with at most `parts` parts; `None` where there is nothing to draw.
-    pub fn of(lines: &[Line], time: (f64, f64), parts: usize) -> Option<Axis> {
+    /// An axis over the values of these lines with at most `parts` parts; `None` where there is nothing to draw. Its
+    /// numbers are round ones, or parts of a `turn`.
+    pub fn of(lines: &[Line], time: (f64, f64), parts: usize, turn: bool) -> Option<Axis> {
         // Points beyond the range are there for the line to reach it; they must not stretch the axis by much.
         let inside = |t: f64| t >= time.0 && t <= time.1;
         let values = |line: &Line| -> Vec<f64> {
@@ -31,6 +35,8 @@ impl Axis {
         // One number alone gives no scale.
         let mut steps = (parts..parts + 4).map(|parts| range.step(parts));
         let step = steps.find(|step| range.ticks(*step).len() > 1).unwrap_or(range.step(parts));
+        let round = TURNS.into_iter().find(|turn| range.high - range.low <= (parts + 1) as f64 * turn);
+        let step = round.filter(|_| turn && range.high - range.low > TURNS[0]).unwrap_or(step);
         let ticks = range.ticks(step);
         let labels = labels(&ticks, step);
         Some(Axis { range, ticks: ticks.into_iter().zip(labels).collect() })

@@ -15,7 +15,7 @@ mod svg;
 mod units;
 
 pub use decimate::thinned;
-pub use figure::{Figure, Line, Panel, Strip, Style};
+pub use figure::{Across, Figure, Line, Panel, Strip, Style};
 pub use paired::pairs;
 pub use palette::{Palette, Theme};
 pub use svg::svg;

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use blocksim_picture::text_width;
-use blocksim_results::ticks::{Range, labels};
+use blocksim_results::ticks::{Range, labels, powers};
 
-use crate::figure::{Figure, Line, Panel, Style};
+use crate::figure::{Across, Figure, Line, Panel, Style};
 use crate::frame::{Area, Axis};
 use crate::legend::{ROW, SAMPLE, SIZE, entries, fitted, rows};
 use crate::palette::{Palette, Theme};
@@ -37,7 +37,7 @@ pub fn svg(figure: &Figure, theme: Theme) -> String {
     let columns = figure.columns.clamp(1, figure.panels.len().max(1));
     let time = time_range(figure.time);
     let cell = (figure.width - 2.0 * MARGIN - (columns - 1) as f64 * MARGIN) / columns as f64;
-    let axes: Vec<Axes> = figure.panels.iter().map(|panel| Axes::of(panel, figure.time)).collect();
+    let axes: Vec<Axes> = figure.panels.iter().map(|panel| Axes::of(panel, figure)).collect();
     // One gutter for all, so that the time axes of panels above each other agree.
     let gutter = axes.iter().map(Axes::widest).fold(0.0, f64::max) + 10.0;
     let plot_width = (cell - gutter - 6.0).max(40.0);
@@ -49,7 +49,7 @@ pub fn svg(figure: &Figure, theme: Theme) -> String {
         for (column, panel) in panels.iter().enumerate() {
             let number = row * columns + column;
             let left = MARGIN + column as f64 * (cell + MARGIN) + gutter;
-            let mut pen = Pen { out: &mut body, palette: &palette, time: &time };
+            let mut pen = Pen { out: &mut body, palette: &palette, time: &time, across: &figure.across };
             height = height.max(pen.panel(panel, &axes[number], (left, top), plot_width));
         }
         top += height + MARGIN;
@@ -59,7 +59,7 @@ pub fn svg(figure: &Figure, theme: Theme) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
          height=\"{height}\" font-family=\"{FONT}\" role=\"img\">\n<title>{}</title>\n<desc>{}</desc>\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n",
-        escaped(if figure.title.is_empty() { "Signals over time" } else { &figure.title }),
+        escaped(if figure.title.is_empty() { untitled(&figure.across) } else { &figure.title }),
         escaped(&description(figure)),
         palette.ground
     );
@@ -79,6 +79,14 @@ pub fn svg(figure: &Figure, theme: Theme) -> String {
     out
 }
 
+/// What a drawing without a title is called.
+fn untitled(across: &Across) -> &'static str {
+    match across {
+        Across::Time => "Signals over time",
+        Across::Powers(_) => "Frequency response",
+    }
+}
+
 /// The axis of time; some width where all lies at one instant.
 fn time_range((from, to): (f64, f64)) -> Range {
     if from < to && from.is_finite() && to.is_finite() {
@@ -94,11 +102,16 @@ struct Axes {
 }
 
 impl Axes {
-    fn of(panel: &Panel, time: (f64, f64)) -> Axes {
+    fn of(panel: &Panel, figure: &Figure) -> Axes {
+        let time = figure.time;
+        let turn = figure.across != Across::Time && panel.unit == "deg";
         let parts = |height: f64| (height / PER_Y_TICK).floor().max(1.0) as usize;
         Axes {
-            main: Axis::of(&panel.lines, time, parts(HIGH)),
-            strip: panel.strip.as_ref().and_then(|strip| Axis::of(&strip.lines, time, parts(LOW).max(2))),
+            main: Axis::of(&panel.lines, time, parts(HIGH), turn),
+            strip: panel
+                .strip
+                .as_ref()
+                .and_then(|strip| Axis::of(&strip.lines, time, parts(LOW).max(2), turn)),
         }
     }
 
@@ -123,6 +136,7 @@ struct Pen<'a> {
     out: &'a mut String,
     palette: &'a Palette,
     time: &'a Range,
+    across: &'a Across,
 }
 
 impl Pen<'_> {
@@ -181,7 +195,7 @@ impl Pen<'_> {
         let Palette { grid, frame, quiet, .. } = *self.palette;
         let Area { x, y, width, height } = area;
         let mut ruling = String::new();
-        for t in self.time_ticks(area).0 {
+        for (t, _) in self.time_ticks(area) {
             let _ =
                 write!(ruling, "M{} {}V{}", round(area.across(self.time, t)), round(y), round(area.bottom()));
         }
@@ -254,22 +268,45 @@ impl Pen<'_> {
         );
     }
 
-    /// Ticks of the time axis and their labels.
-    fn time_ticks(&self, area: Area) -> (Vec<f64>, f64) {
+    /// Ticks of the horizontal axis and their labels, of which some are empty.
+    fn time_ticks(&self, area: Area) -> Vec<(f64, String)> {
         let step = self.time.step((area.width / PER_X_TICK).max(1.0) as usize);
-        (self.time.ticks(step), step)
+        match self.across {
+            Across::Time => {
+                let ticks = self.time.ticks(step);
+                let labels = labels(&ticks, step);
+                ticks.into_iter().zip(labels).collect()
+            }
+            Across::Powers(_) => {
+                let decades = self.time.ticks(step.max(1.0));
+                let mut ticks: Vec<(f64, String)> = decades.iter().copied().zip(powers(&decades)).collect();
+                if step <= 1.0 {
+                    // The lines of 2 to 9 within each decade.
+                    let first = self.time.low.floor() as i32;
+                    let last = self.time.high.ceil() as i32;
+                    let within = (first..last)
+                        .flat_map(|decade| (2..10).map(move |k| f64::from(decade) + f64::from(k).log10()));
+                    let seen = within.filter(|x| (self.time.low..=self.time.high).contains(x));
+                    ticks.extend(seen.map(|x| (x, String::new())));
+                }
+                ticks
+            }
+        }
     }
 
     /// Numbers below a plot and the name of the axis.
     fn time_axis(&mut self, area: Area) {
-        let (ticks, step) = self.time_ticks(area);
         let quiet = self.palette.quiet;
         let y = area.bottom() + 14.0;
-        for (t, label) in ticks.iter().zip(labels(&ticks, step)) {
-            self.text((area.across(self.time, *t), y), NUMBER, quiet, " text-anchor=\"middle\"", &label);
+        for (t, label) in self.time_ticks(area).into_iter().filter(|(_, label)| !label.is_empty()) {
+            self.text((area.across(self.time, t), y), NUMBER, quiet, " text-anchor=\"middle\"", &label);
         }
         let middle = area.x + area.width / 2.0;
-        self.text((middle, y + 14.0), NUMBER, quiet, " text-anchor=\"middle\"", "time [s]");
+        let name = match self.across {
+            Across::Time => "time [s]",
+            Across::Powers(name) => name,
+        };
+        self.text((middle, y + 14.0), NUMBER, quiet, " text-anchor=\"middle\"", name);
     }
 
     fn text(&mut self, at: (f64, f64), size: f64, colour: &str, more: &str, text: &str) {

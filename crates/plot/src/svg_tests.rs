@@ -20,6 +20,7 @@ fn figure() -> Figure {
             notes: Vec::new(),
         }],
         columns: 1,
+        across: Across::Time,
         time: (0.0, 2.0),
         width: 320.0,
     }

@@ -2,7 +2,7 @@
 
 use crate::canvas::{Canvas, MARKS};
 use crate::format::{count, significant};
-use crate::ticks::{Range, labels};
+use crate::ticks::{Range, labels, powers};
 
 /// One series of a plot.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,12 +32,22 @@ pub struct PlotOptions<'a> {
     pub height: usize,
     /// Plain ASCII: one mark per cell, another for each series.
     pub ascii: bool,
+    /// The horizontal axis is logarithmic: `x` are exponents of ten, and the axis shows the powers.
+    pub powers: bool,
 }
 
 impl Default for PlotOptions<'_> {
     /// 80 columns, 12 rows, braille, `time [s]`.
     fn default() -> Self {
-        PlotOptions { title: "", x_label: "time [s]", y_label: "", width: 80, height: 12, ascii: false }
+        PlotOptions {
+            title: "",
+            x_label: "time [s]",
+            y_label: "",
+            width: 80,
+            height: 12,
+            ascii: false,
+            powers: false,
+        }
     }
 }
 
@@ -132,12 +142,16 @@ fn draw(series: &[Series], x_range: Range, y_range: Range, options: &PlotOptions
 
 /// The line below the drawing with its ticks, their labels, and the name of the axis.
 fn x_axis(range: Range, columns: usize, margin: usize, options: &PlotOptions) -> String {
-    let step = range.step((columns / 10).max(1));
+    let mut step = range.step((columns / 10).max(1));
+    if options.powers {
+        step = step.max(1.0);
+    }
     let ticks = range.ticks(step);
+    let labels = if options.powers { powers(&ticks) } else { labels(&ticks, step) };
     let (corner, dash, tick_sign) = if options.ascii { ('+', '-', '+') } else { ('└', '─', '┬') };
     let mut line = vec![dash; columns];
     let mut below: Vec<char> = Vec::new();
-    for (tick, label) in ticks.iter().zip(labels(&ticks, step)) {
+    for (tick, label) in ticks.iter().zip(labels) {
         let column = (range.share(*tick) * (columns - 1) as f64).round() as usize;
         line[column.min(columns - 1)] = tick_sign;
         // Centred below its tick, which stands `margin + 2` columns from the left.

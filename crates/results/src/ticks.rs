@@ -77,6 +77,16 @@ pub fn labels(ticks: &[f64], step: f64) -> Vec<String> {
     ticks.iter().map(label).collect()
 }
 
+/// Labels of a logarithmic axis for whole exponents of ten: `0.01`, `100`, `1e6`.
+pub fn powers(exponents: &[f64]) -> Vec<String> {
+    let label = |exponent: &f64| match exponent.round() as i32 {
+        e @ 0..=4 => format!("{}", 10_i64.pow(e.unsigned_abs())),
+        e @ -3..=-1 => fixed(10_f64.powi(e), e.unsigned_abs() as usize),
+        e => format!("1e{e}"),
+    };
+    exponents.iter().map(label).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,6 +116,14 @@ mod tests {
         assert_eq!(text(-0.3, 0.3), ["-0.2", "0.0", "0.2"]);
         assert_eq!(text(0.0, 4e-6), ["0", "1e-6", "2e-6", "3e-6", "4e-6"]);
         assert_eq!(text(1e6, 1.3e6), ["1.0e6", "1.1e6", "1.2e6", "1.3e6"]);
+    }
+
+    #[test]
+    fn powers_of_ten_are_written_out_where_they_are_short() {
+        assert_eq!(
+            powers(&[-4.0, -3.0, -1.0, 0.0, 2.0, 4.0, 5.0]),
+            ["1e-4", "0.001", "0.1", "1", "100", "10000", "1e5"]
+        );
     }
 
     #[test]

@@ -105,6 +105,11 @@ impl Frozen {
         &self.simulation.x
     }
 
+    /// Discrete states of all blocks: modes, sampled states, memories.
+    pub fn discrete(&self) -> &[f64] {
+        &self.simulation.diagram.d
+    }
+
     /// The simulation, to be looked at.
     pub fn simulation(&self) -> &Simulation {
         &self.simulation

@@ -6,6 +6,7 @@ pub mod fmt;
 pub mod graph;
 pub mod identify;
 pub mod import;
+pub mod linearise;
 pub mod manual;
 pub mod model;
 pub mod params;
@@ -24,6 +25,7 @@ use self::fmt::FmtArgs;
 use self::graph::GraphArgs;
 use self::identify::IdentifyCommand;
 use self::import::ImportArgs;
+use self::linearise::LineariseArgs;
 use self::manual::{BlocksArgs, ExplainArgs};
 use self::model::{CheckArgs, EmitArgs, RunArgs};
 use self::params::ParamsCommand;
@@ -66,6 +68,9 @@ pub enum Command {
     Collisions(CollisionsArgs),
     /// Run a model over values of its parameters, and table how it follows its set values.
     Sweep(SweepArgs),
+    /// Linearise a model at an instant: poles, zeros, margins of loops, frequency response.
+    #[command(visible_alias = "linearize")]
+    Linearise(LineariseArgs),
     /// Tell all problems of a model without running it.
     Check(CheckArgs),
     /// Lay out the text of diagrams and sets of parameters; comments stay.

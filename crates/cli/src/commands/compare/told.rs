@@ -227,7 +227,7 @@ impl Outcome<'_> {
         let panels = panels?;
         let columns = if panels.len() > 2 { 2 } else { 1 };
         let title = format!("{} and {}", self.books[0].name, self.books[1].name);
-        Ok(Figure { title, panels, columns, time, width: 960.0 })
+        Ok(Figure { title, panels, columns, time, width: 960.0, ..Figure::default() })
     }
 
     fn panel(&self, found: &Found, time: (f64, f64)) -> Result<Panel, String> {

@@ -104,5 +104,5 @@ pub fn figure(
     width: u32,
 ) -> Figure {
     let columns = columns.map_or(if panels.len() > 2 { 2 } else { 1 }, usize::from);
-    Figure { title, panels, columns, time, width: f64::from(width) }
+    Figure { title, panels, columns, time, width: f64::from(width), ..Figure::default() }
 }

@@ -1,0 +1,107 @@
+//! What is found, as data.
+
+use blocksim_linear::{Complex, DMatrix, Gain, Margin, Mode};
+use serde_json::{Value, json};
+
+use super::Found;
+use super::facts::{Way, decibels, degrees};
+use super::matrices::{Hold, Stays};
+
+/// Everything with all digits, in SI units.
+pub fn json(found: &Found) -> Value {
+    let (question, system) = (&found.question, &found.linearised);
+    let open = question.open.iter().map(|place| json!({ "name": place.name, "unit": place.unit() }));
+    let to = question.to.iter().zip(&system.values[1..]);
+    let to = to.map(|(place, y)| json!({ "name": place.name, "unit": place.unit(), "value": y }));
+    let held = system.held.iter().map(|(path, hold)| match hold {
+        Hold::Sampled(period) => json!({ "path": path, "period": period }),
+        Hold::Remembers => json!({ "path": path }),
+    });
+    let stays = |stays: Stays| -> Vec<&str> {
+        system.modes.iter().filter(|mode| mode.1 == stays).map(|mode| mode.0.as_str()).collect()
+    };
+    let ways = found.ways.iter().zip(&question.to).map(|(way, to)| of_way(way, &to.name));
+    json!({
+        "v": 1,
+        "type": "linear",
+        "title": found.title,
+        "t": found.t,
+        "steady": found.steady,
+        "loop": question.is_loop,
+        "from": { "name": question.from.name, "unit": question.from.unit(), "value": system.values[0] },
+        "to": to.collect::<Vec<_>>(),
+        "open": open.collect::<Vec<_>>(),
+        "states": system.names.iter().zip(&system.x).map(|(name, x)| json!({ "name": name, "value": x })).collect::<Vec<_>>(),
+        "a": matrix(&system.system.a),
+        "b": matrix(&system.system.b),
+        "c": matrix(&system.system.c),
+        "d": matrix(&system.system.d),
+        "accuracy": system.accuracy,
+        "not_smooth": system.kinks,
+        "stuck": stays(Stays::Stuck),
+        "limited": stays(Stays::Limited),
+        "held": held.collect::<Vec<_>>(),
+        "poles": found.modes.iter().map(mode).collect::<Vec<_>>(),
+        "ways": ways.collect::<Vec<_>>(),
+    })
+}
+
+fn of_way(way: &Way, to: &str) -> Value {
+    let margin = |margin: &Margin| json!({ "value": margin.value, "frequency": margin.frequency });
+    let margins = way.margins.as_ref().map(|margins| {
+        json!({
+            "gain": margins.gain.iter().map(margin).collect::<Vec<_>>(),
+            "phase": margins.phase.iter().map(margin).collect::<Vec<_>>(),
+            "delay": margins.delay.as_ref().map(margin),
+            "sensitivity": margin(&margins.sensitivity),
+            "closed_poles": margins.closed.iter().map(complex).collect::<Vec<_>>(),
+            "stable": margins.stable,
+        })
+    });
+    json!({
+        "to": to,
+        "order": way.channel.order(),
+        "poles": way.modes.iter().map(mode).collect::<Vec<_>>(),
+        "zeros": way.zeros.as_ref().map(|zeros| zeros.iter().map(complex).collect::<Vec<_>>()),
+        "static_gain": match way.gain { Gain::Finite(gain) => Some(gain), Gain::Infinite => None },
+        "bandwidth": way.bandwidth,
+        "step": way.step.map(|step| json!({
+            "overshoot": step.overshoot, "rise": step.rise, "settling": step.settling,
+        })),
+        "margins": margins,
+    })
+}
+
+/// Row by row.
+fn matrix(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+}
+
+fn complex(z: &Complex<f64>) -> Value {
+    json!([z.re, z.im])
+}
+
+fn mode(mode: &Mode) -> Value {
+    json!({
+        "pole": complex(&mode.pole), "frequency": mode.frequency, "damping": mode.damping,
+        "time_constant": mode.time_constant,
+    })
+}
+
+/// Frequencies and, for each way, magnitude in dB and phase in degrees. Each way has frequencies of its own, so each has
+/// rows of its own.
+pub fn csv(found: &Found) -> String {
+    let mut text = "to,frequency [rad/s],magnitude [dB],phase [deg],real,imaginary\n".to_owned();
+    for (way, to) in found.ways.iter().zip(&found.question.to) {
+        let name = if to.name.contains([',', '"']) {
+            format!("\"{}\"", to.name.replace('"', "\"\""))
+        } else {
+            to.name.clone()
+        };
+        let (magnitudes, phases) = (decibels(&way.response), degrees(&way.response));
+        for (n, (w, l)) in way.frequencies.iter().zip(&way.response).enumerate() {
+            text.push_str(&format!("{name},{w},{},{},{},{}\n", magnitudes[n], phases[n], l.re, l.im));
+        }
+    }
+    text
+}
