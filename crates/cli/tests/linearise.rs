@@ -149,7 +149,7 @@ fn a_dc_motor_has_its_known_transfer_functions() {
     let (r, l, k, j) = (1.5, 2.5e-3, 0.22, 5e-5);
     near(&found["ways"][0]["static_gain"], 1.0 / k);
     near(&found["ways"][1]["static_gain"], 0.0);
-    assert_eq!(found["ways"][1]["zeros"][0][0], 0.0);
+    near(&found["ways"][1]["zeros"][0][0], 0.0);
     assert_eq!(found["ways"][0]["zeros"].as_array().map(Vec::len), Some(0));
     // L J s^2 + R J s + k^2.
     let pole = &found["ways"][0]["poles"][0];
@@ -159,7 +159,17 @@ fn a_dc_motor_has_its_known_transfer_functions() {
 
 #[test]
 fn a_pendulum_is_found_at_rest_with_its_frequency() {
-    let words = ["diagrams/pendulum.ron", "--from", "pivot.q", "--to", "pivot.w", "--steady", "--json"];
+    let words = [
+        "diagrams/pendulum.ron",
+        "--from",
+        "pivot.q",
+        "--to",
+        "pivot.w",
+        "--at",
+        "0.1s",
+        "--steady",
+        "--json",
+    ];
     let found = json(&linearise(&root(), &words));
     let poles = found["poles"].as_array().expect("poles");
     // A rod of length 1 m about its end: (3 g / 2)^1/2. Upwards it would not swing but fall.
@@ -182,8 +192,8 @@ fn what_keeps_moving_is_named_where_there_is_no_rest() {
     let desk = Desk::new("restless");
     let ramp = r#"Diagram(
         simulation: (stop_time: "1 s"),
-        blocks: { "one": Constant(value: 1.0), "sum": Integrator, "scope": Scope(inputs: ["y"]) },
-        connections: ["one.y -> sum.u", "sum.y -> scope.y"],
+        blocks: { "one": Constant(value: 1.0), "sum": Integrator, "lag": LowPass(tau: 1.0), "scope": Scope(inputs: ["y"]) },
+        connections: ["one.y -> sum.u", "sum.y -> lag.u, scope.y"],
     )"#;
     std::fs::write(desk.0.join("ramp.ron"), ramp).expect("a model");
     let output = desk.linearise(&["ramp.ron", "--from", "one.y", "--to", "sum.y", "--steady"]);
@@ -226,7 +236,7 @@ fn mistakes_are_told_with_a_remedy() {
         assert_eq!(output.status.code(), Some(code), "{words:?}: {}", said(&output));
         assert!(said(&output).contains(expected), "{words:?}: {}", said(&output));
     }
-    let element = desk.json(&["lags.ron", "--from", "gain.y", "--to", "both.y[1]", "--open", "scope.actual"]);
+    let element = desk.json(&["lags.ron", "--from", "gain.y", "--to", "both.y[0]", "--open", "scope.actual"]);
     near(&element["ways"][0]["static_gain"], 1.0);
     assert_eq!(desk.linearise(&["nothing.ron", "--open", "gain.y"]).status.code(), Some(4));
 }

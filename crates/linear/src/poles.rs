@@ -7,6 +7,8 @@ use crate::LinearError;
 
 /// Rounds of the QR iteration for each row after which it is given up.
 const ROUNDS: usize = 200;
+/// Of a singular matrix, eigenvalues below this part of the largest are zero.
+const SPREAD: f64 = 1e-7;
 
 /// A pole in words of control.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +43,16 @@ pub fn poles(a: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, LinearError> {
     let mut poles: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
     if poles.iter().any(|pole| !pole.re.is_finite() || !pole.im.is_finite()) {
         return Err(LinearError::NoConvergence);
+    }
+    // Several integrators in a row are one eigenvalue, which rounding spreads to the root of its size and more.
+    let largest = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    let is_singular = || {
+        let sizes = a.singular_values();
+        sizes.min() <= 1e-14 * sizes.max()
+    };
+    let near_zero = |pole: &Complex<f64>| pole.norm() <= SPREAD * largest;
+    if largest > 0.0 && poles.iter().any(near_zero) && is_singular() {
+        poles.iter_mut().filter(|pole| near_zero(pole)).for_each(|pole| *pole = Complex::new(0.0, 0.0));
     }
     poles.sort_by(|a, b| {
         let (size_a, size_b) = (a.norm(), b.norm());
@@ -135,6 +147,15 @@ mod tests {
         // Electrical and mechanical poles of a drive with an integrator: 0, -3, -2e4.
         let system = transfer(&[1.0], &[1.0, 20003.0, 60000.0, 0.0]);
         near(&poles(&system.a).unwrap(), &[(0.0, 0.0), (-3.0, 0.0), (-2e4, 0.0)], 1e-10);
+    }
+
+    #[test]
+    fn integrators_in_a_row_have_poles_at_zero_and_slow_poles_do_not() {
+        let double = transfer(&[1.0], &[1.0, 700.0, 160_000.0, 0.0, 0.0]);
+        let found = poles(&transformed(&double, 10.0).a).unwrap();
+        assert!(found[..2].iter().all(|pole| pole.norm() == 0.0), "{found:?}");
+        let slow = transfer(&[1.0], &[1.0, 1.0 + 1e-9, 1e-9]);
+        assert!((poles(&slow.a).unwrap()[0].re / -1e-9 - 1.0).abs() < 1e-6);
     }
 
     #[test]

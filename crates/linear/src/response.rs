@@ -100,8 +100,15 @@ pub fn static_gain(channel: &Channel, poles: &[Complex<f64>]) -> Gain {
     if poles.iter().any(|pole| (pole - rest).norm() <= 1e-10 * largest) {
         return Gain::Infinite;
     }
-    let gain = Response::new(channel).at(0.0).re;
-    if gain.is_finite() { Gain::Finite(gain) } else { Gain::Infinite }
+    let response = Response::new(channel);
+    let gain = response.at(0.0).re;
+    // Against what comes through elsewhere rounding is nothing.
+    let elsewhere = poles.iter().map(|pole| response.at(pole.norm()).norm()).filter(|size| size.is_finite());
+    match gain {
+        gain if !gain.is_finite() => Gain::Infinite,
+        gain if gain.abs() <= 1e-13 * elsewhere.fold(0.0, f64::max) => Gain::Finite(0.0),
+        gain => Gain::Finite(gain),
+    }
 }
 
 #[cfg(test)]

@@ -27,6 +27,7 @@ pub fn json(found: &Found) -> Value {
         "title": found.title,
         "t": found.t,
         "steady": found.steady,
+        "adrift": found.adrift,
         "loop": question.is_loop,
         "from": { "name": question.from.name, "unit": question.from.unit(), "value": system.values[0] },
         "to": to.collect::<Vec<_>>(),

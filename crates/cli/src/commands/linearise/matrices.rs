@@ -106,7 +106,13 @@ pub fn linearise(frozen: Frozen, question: &Question) -> Result<Linearised, NoMa
         let (dx, y) = out.split_at_mut(n);
         frozen.evaluate(&z[..n], &change, dx)?;
         for (y, to) in y.iter_mut().zip(&question.to) {
-            *y = if question.is_loop { -frozen.given()[0] } else { frozen.signal(to.cell) };
+            // In front of a cut stands what comes to it.
+            let cut = taps.iter().position(|tap| tap.open && tap.cell == to.cell);
+            *y = match cut {
+                Some(_) if question.is_loop => -frozen.given()[0],
+                Some(cut) => frozen.given()[cut],
+                None => frozen.signal(to.cell),
+            };
         }
         Ok(())
     };

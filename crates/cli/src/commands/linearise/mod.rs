@@ -41,6 +41,8 @@ pub struct Found {
     pub t: f64,
     /// Whether nothing moves there.
     pub steady: bool,
+    /// States that move all the same, as nothing depends on them.
+    pub adrift: Vec<String>,
     /// The matrices.
     pub linearised: Linearised,
     /// All poles of the system.
@@ -153,8 +155,9 @@ impl From<NoMatrices> for Failure {
 
 fn found(args: &LineariseArgs, schedule: &Arc<Schedule>, question: Question) -> Result<Found, Failure> {
     let mut frozen = point::at(schedule, args.at)?;
+    let mut adrift = Vec::new();
     if args.steady {
-        frozen = point::steady(frozen)?;
+        (frozen, adrift) = point::steady(frozen)?;
     }
     let linearised = matrices::linearise(frozen, &question)?;
     let wrong = |error: blocksim_linear::LinearError| Failure::Said(error.to_string());
@@ -165,7 +168,7 @@ fn found(args: &LineariseArgs, schedule: &Arc<Schedule>, question: Question) -> 
     } else {
         schedule.title.clone()
     };
-    Ok(Found { title, question, t: args.at, steady: args.steady, linearised, modes, ways })
+    Ok(Found { title, question, t: args.at, steady: args.steady, adrift, linearised, modes, ways })
 }
 
 /// What the command line asks for, in terms of the model.

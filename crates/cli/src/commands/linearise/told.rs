@@ -51,6 +51,12 @@ fn heading(found: &Found) -> String {
     if !system.names.is_empty() {
         text.push_str(&format!("slopes are good to {}\n", part(system.accuracy)));
     }
+    if !found.adrift.is_empty() {
+        let names: Vec<String> = found.adrift.iter().take(FEW).map(|name| format!("`{name}`")).collect();
+        let more = found.adrift.len().saturating_sub(FEW);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        text.push_str(&format!("moves on, as nothing depends on it: {}{more}\n", names.join(", ")));
+    }
     for kink in system.kinks.iter().take(FEW) {
         text.push_str(&format!("not smooth here: {kink}; the mean is taken\n"));
     }
