@@ -282,3 +282,21 @@ fn the_loss_of_a_gear_is_that_of_the_published_law() {
         close(run.last("show.source"), 1.0, 3e-7, &format!("torque of the source at {speed} rad/s"));
     }
 }
+
+/// A swing of one radian per second: it passes a value near its turning point upwards and, soon after, downwards. Between
+/// the two lies less than a fiftieth of the step that the solver would take.
+#[test]
+fn crossings_of_a_value_near_the_peak_of_a_swing_are_counted_in_their_direction() {
+    let run = diagram(
+        r#"stop_time: "40 s", solver: Ode45(rtol: 1e-10, atol: 1e-12)"#,
+        r#""v": Integrator(x0: 1), "x": Integrator, "back": Gain(k: -1), "any": HitCrossing(at: 0.99998),
+           "up": HitCrossing(at: 0.99998, direction: Rising), "down": HitCrossing(at: 0.99998, direction: Falling),
+           "n": Scope(inputs: ["any", "up", "down"]), "t": Scope(inputs: ["up", "down"])"#,
+        r#""x.y -> back.u, any.u, up.u, down.u", "back.y -> v.u", "v.y -> x.u", "any.count -> n.any",
+           "up.count -> n.up", "down.count -> n.down", "up.time -> t.up", "down.time -> t.down""#,
+    );
+    assert_eq!(["n.any", "n.up", "n.down"].map(|name| run.last(name)), [14.0, 7.0, 7.0]);
+    let (half, peak) = (0.99998_f64.acos(), std::f64::consts::FRAC_PI_2 + 12.0 * std::f64::consts::PI);
+    close(run.last("t.up"), peak - half, 1e-5, "the last time upwards");
+    close(run.last("t.down"), peak + half, 1e-5, "the last time downwards");
+}

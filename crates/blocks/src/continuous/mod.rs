@@ -13,6 +13,7 @@ pub use pid_law::{AntiWindup, Form, PidLaw};
 pub(crate) mod rational;
 mod reset;
 pub use reset::Reset;
+pub(crate) use reset::UNSEEN;
 mod ring;
 mod state_space;
 pub use state_space::StateSpace;

@@ -1,0 +1,120 @@
+use crate::continuous::{Reset, UNSEEN};
+use crate::math::elements::parameters_like;
+use blocksim_block::prelude::*;
+
+/// Counts how often a signal crosses a value, and tells when it last did; element by element.
+///
+/// The solver stops at each crossing in the direction that counts, and at no other, also where the signal only dips through
+/// the value and back within a step. A signal that reaches the value has crossed it; one that turns round there has as
+/// well. Where it stands at the start is no crossing.
+///
+/// ```ron
+/// HitCrossing(at: "90 deg", direction: Rising)
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Discontinuities", symbol = Text("u × → n"))]
+pub struct HitCrossing {
+    /// The value, in the unit of the input.
+    #[block(default = 0.0)]
+    pub at: f64,
+    /// Which crossings count: `Rising`, `Falling` or `Either`.
+    #[block(default = Crossing::Either)]
+    pub direction: Crossing,
+}
+
+impl HitCrossing {
+    fn edge(&self) -> Reset {
+        match self.direction {
+            Crossing::Either => Reset::Either,
+            Crossing::Rising => Reset::Rising,
+            Crossing::Falling => Reset::Falling,
+        }
+    }
+}
+
+impl Block for HitCrossing {
+    fn check(&self) -> Result<(), ParamError> {
+        finite("at", self.at)
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let u = given.input_or_unknown("u");
+        parameters_like(given, "u", u.dimension, &["at"])?;
+        let n = u.shape.len();
+        let interface = Interface::new()
+            .input(Input::real("u"))
+            .output(Output::real("count").shape(u.shape).doc("crossings so far"))
+            .output(
+                Output::real("time")
+                    .shape(u.shape)
+                    .unit("s")
+                    .doc("when the last one was; 0 before the first"),
+            )
+            .memory("side", n, UNSEEN)
+            .memory("count", n, 0.0)
+            .memory("time", n, 0.0)
+            .settles();
+        Ok((0..n).fold(interface, |interface, i| {
+            let name = if n == 1 { "crosses".to_owned() } else { format!("crosses[{i}]") };
+            interface.guard_when(self.direction, name)
+        }))
+    }
+
+    fn settle(&self, c: &Context, d: &mut [f64]) {
+        let n = c.u.len();
+        for (i, u) in c.u.iter().enumerate() {
+            if self.edge().fires(&mut d[i], u - self.at) {
+                d[n + i] += 1.0;
+                d[2 * n + i] = c.t;
+            }
+        }
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        y.copy_from_slice(&c.d[c.u.len()..]);
+    }
+
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
+        g.iter_mut().zip(c.u).for_each(|(g, u)| *g = u - self.at);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use blocksim_block::testing::Bench;
+
+    fn counts(direction: Crossing, values: &[f64]) -> [f64; 2] {
+        let mut bench = Bench::new(HitCrossing { at: 1.0, direction });
+        let mut y = Vec::new();
+        for (k, value) in values.iter().enumerate() {
+            bench.t = k as f64;
+            y = bench.set(0, &[*value]).major();
+        }
+        [y[0], y[1]]
+    }
+
+    #[test]
+    fn each_direction_counts_its_own_and_tells_the_last_time() {
+        let values = [0.0, 2.0, 0.5, 3.0, 1.0, 0.0, 0.0];
+        assert_eq!(counts(Crossing::Rising, &values), [2.0, 3.0]);
+        assert_eq!(counts(Crossing::Falling, &values), [2.0, 4.0]);
+        assert_eq!(counts(Crossing::Either, &values), [4.0, 4.0]);
+        assert_eq!(counts(Crossing::Either, &[2.0, 2.0]), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn the_guard_has_the_direction_and_elements_count_alone() {
+        let block = HitCrossing { at: 1.0, direction: Crossing::Falling };
+        let mut bench = Bench::with_inputs(block, vec![("u".to_owned(), PortType::vector(2))]);
+        assert!(bench.interface.guards.iter().all(|guard| guard.crossing == Crossing::Falling));
+        bench.set(0, &[2.0, 2.0]).major();
+        bench.t = 0.5;
+        assert_eq!(bench.set(0, &[2.0, 0.0]).major(), [0.0, 1.0, 0.0, 0.5]);
+        assert_eq!(bench.guards(), [1.0, -1.0]);
+        assert_eq!(
+            HitCrossing { at: f64::NAN, direction: Crossing::Either }.check().unwrap_err().param,
+            "at"
+        );
+    }
+}
