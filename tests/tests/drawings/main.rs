@@ -19,6 +19,8 @@ fn models() -> Vec<(String, PathBuf)> {
         .expect("the diagrams")
         .map(|entry| entry.expect("an entry").path())
         .filter(|path| path.extension().is_some_and(|ending| ending == "ron"))
+        // Some hold the parameters of others.
+        .filter(|path| std::fs::read_to_string(path).expect("a text").contains("Diagram("))
         .map(|path| (path.file_stem().expect("a name").to_string_lossy().into_owned(), path))
         .collect();
     found.push(("irb2600".to_owned(), folder.join("irb2600/irb2600.ron")));
