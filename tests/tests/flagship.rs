@@ -258,6 +258,20 @@ fn slip_control_halves_the_errors_of_the_open_loop() {
     tracks(&run_file(MODEL, &["speed_control=slip", "drive=asm_switched"]), [0.3; 6]);
 }
 
+/// A joint that carries a load is held by a frequency against the speed that is wanted: the direction is that of the frequency.
+/// Joints with little load stand at a frequency about zero, where the jumps of the field turn them to and fro.
+#[test]
+fn slip_control_holds_a_load_whatever_reverses_the_machine() {
+    for reverser in ["reverser=signal", "reverser=power"] {
+        let run = run_file(MODEL, &["speed_control=slip", reverser]);
+        for axis in 1..=6 {
+            let (largest, last) = errors(&run, axis);
+            let (way, rest) = if axis <= 3 { (0.1, 0.01) } else { (1.0, 1.0) };
+            assert!(largest < way && last < rest, "{reverser}, axis {axis}: {largest}, {last} degrees");
+        }
+    }
+}
+
 /// A motor of the robot that runs backwards from rest: the field stands still at the angle zero, whose mirror image it is.
 #[test]
 fn a_motor_that_starts_backwards_does_not_care_how_it_is_reversed() {
