@@ -146,15 +146,15 @@ fn a_dc_motor_has_its_known_transfer_functions() {
     let words =
         ["diagrams/dc_motor_start.ron", "--from", "switch.y", "--to", "encoder.w,ammeter.i", "--json"];
     let found = json(&linearise(&root(), &words));
-    let (r, l, k, j) = (1.5, 2.5e-3, 0.22, 5e-5);
+    let (r, l, k, j) = (1.5_f64, 2.5e-3_f64, 0.22_f64, 5e-5_f64);
     near(&found["ways"][0]["static_gain"], 1.0 / k);
     near(&found["ways"][1]["static_gain"], 0.0);
     near(&found["ways"][1]["zeros"][0][0], 0.0);
     assert_eq!(found["ways"][0]["zeros"].as_array().map(Vec::len), Some(0));
     // L J s^2 + R J s + k^2.
     let pole = &found["ways"][0]["poles"][0];
-    near(&pole["frequency"], k / (l * j as f64).sqrt());
-    near(&pole["damping"], r / 2.0 / k * (j / l as f64).sqrt());
+    near(&pole["frequency"], k / (l * j).sqrt());
+    near(&pole["damping"], r / 2.0 / k * (j / l).sqrt());
 }
 
 #[test]
