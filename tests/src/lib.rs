@@ -71,7 +71,7 @@ fn plain(sources: &Sources, problem: &Problem) -> String {
     let mut out = format!("{:?}[{}]: {}\n", problem.severity, problem.code, problem.message).to_lowercase();
     // Only the severity is lowered; the message keeps its capitals.
     out.replace_range(out.find(']').map_or(0, |at| at + 3).., &format!("{}\n", problem.message));
-    for Label { place, text } in &problem.labels {
+    for Label { place, text, .. } in &problem.labels {
         let file = sources.file(place.file);
         let line = file.text[..place.span.start].matches('\n').count() + 1;
         let column = place.span.start - file.text[..place.span.start].rfind('\n').map_or(0, |at| at + 1) + 1;

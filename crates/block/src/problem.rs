@@ -22,6 +22,19 @@ pub struct Label {
     pub place: Place,
     /// What is to be seen there; may be empty.
     pub text: String,
+    /// The change there that mends the problem, where no other one is likely.
+    pub edit: Option<Edit>,
+}
+
+/// A change of a text that mends a problem.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Edit {
+    /// What is replaced; nothing is where the span is empty.
+    pub place: Place,
+    /// What stands there. Where something else does, the edit means nothing.
+    pub old: String,
+    /// What is to stand there.
+    pub new: String,
 }
 
 /// Whether a problem stops the run.
@@ -70,7 +83,7 @@ impl Problem {
 
     /// Adds a place.
     pub fn at(mut self, place: &Place, text: impl Into<String>) -> Self {
-        self.labels.push(Label { place: place.clone(), text: text.into() });
+        self.labels.push(Label { place: place.clone(), text: text.into(), edit: None });
         self
     }
 
@@ -78,6 +91,19 @@ impl Problem {
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
+    }
+
+    /// Adds the change that mends it to its first place.
+    pub fn edit(mut self, place: Place, old: impl Into<String>, new: impl Into<String>) -> Self {
+        if let Some(label) = self.labels.first_mut() {
+            label.edit = Some(Edit { place, old: old.into(), new: new.into() });
+        }
+        self
+    }
+
+    /// The change of the text that mends it, if no other one is likely.
+    pub fn remedy(&self) -> Option<&Edit> {
+        self.labels.iter().find_map(|label| label.edit.as_ref())
     }
 
     /// Adds a further fact.

@@ -8,7 +8,7 @@ use blocksim_signal::closest;
 
 use crate::ast::{Ast, ConnectionAst, Reference};
 use crate::model::{Content, Model, ModelBlock, PortKind};
-use crate::problems::{Problems, list};
+use crate::problems::{Problems, list, mended};
 
 /// Checks the connections of a diagram and of all diagrams inside it.
 pub(crate) fn check(model: &Model, problems: &mut Problems) {
@@ -75,6 +75,7 @@ impl<'a> Level<'a> {
             let problem =
                 Problem::error("unknown_block_name", format!("there is no block `{}`", reference.block))
                     .at(&place, "no such block");
+            let problem = mended(problem, place, &reference.block, known.iter().copied());
             self.problems.push(match closest(&reference.block, known.iter().copied()) {
                 Some(close) => problem.help(format!("did you mean `{close}`?")),
                 None => problem.help(format!("the blocks here are {}", list(&known))),
@@ -104,6 +105,9 @@ impl<'a> Level<'a> {
         )
         .at(&place, "no such port")
         .at(&declared, format!("`{}` is of kind {kind}", reference.block));
+        let start = reference.span.start + reference.block.len() + 1;
+        let named = self.ast().place(&(start..start + reference.port.len()));
+        let problem = mended(problem, named, &reference.port, known.iter().map(String::as_str));
         let listed = if known.is_empty() {
             format!("`{}` has no {side}s", reference.block)
         } else {
@@ -139,6 +143,9 @@ impl<'a> Level<'a> {
         let problem =
             Problem::error("unknown_port", format!("this diagram has no input `{}`", reference.port))
                 .at(&place, "no such input");
+        let start = reference.span.start + "in.".len();
+        let named = self.ast().place(&(start..start + reference.port.len()));
+        let problem = mended(problem, named, &reference.port, known.iter().copied());
         self.problems.push(match closest(&reference.port, known.iter().copied()) {
             Some(close) => problem.help(format!("did you mean `in.{close}`?")),
             None if known.is_empty() => problem.help("declare it: `inputs: { \"name\": (unit: \"1\") }`"),

@@ -27,6 +27,7 @@ mod scope;
 mod settings;
 mod sort;
 mod source;
+mod targets;
 #[cfg(test)]
 mod toys;
 mod tree;
@@ -49,7 +50,8 @@ pub use parameter::{has_parameter, parameter};
 pub use rates::off_grid;
 pub use resolve::HIERARCHY;
 pub use source::{Reader, SourceFile, Sources};
-pub use tree::{Name, Node, Shape, SyntaxError, read as read_tree};
+pub use targets::{Found, Origin, Site, Spelling, Target, below, find, spelled, targets};
+pub use tree::{Name, Node, Remedy, Shape, SyntaxError, read as read_tree};
 
 /// What became of a diagram.
 #[derive(Debug, Clone, Default)]

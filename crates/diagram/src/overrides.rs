@@ -24,6 +24,8 @@ pub(crate) struct Override {
     pub node: Node,
     /// Whether something had this name.
     pub used: Cell<bool>,
+    /// Whether a parameter of the top diagram had it.
+    pub of_parameter: Cell<bool>,
 }
 
 impl Override {
@@ -86,6 +88,7 @@ pub(crate) fn parse(sources: &Sources, text: &str) -> Result<Override, Problem> 
         file,
         node: Node { span, value },
         used: Cell::new(false),
+        of_parameter: Cell::new(false),
     })
 }
 

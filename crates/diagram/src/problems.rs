@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use blocksim_block::problem::{Problem, Severity};
+use blocksim_block::problem::{Place, Problem, Severity};
+use blocksim_signal::surely;
 
 /// The problems found so far. A problem that is found twice (six instances of one file) is kept once.
 #[derive(Debug, Clone, Default)]
@@ -43,6 +44,26 @@ impl Problems {
     /// Whether any of them stops the run.
     pub(crate) fn any_error(&self) -> bool {
         self.all.iter().any(|problem| problem.severity == Severity::Error)
+    }
+}
+
+/// Adds the edit that writes the known word which is meant beyond doubt by the one at a place; the word may stand in
+/// quotes there.
+pub(crate) fn mended<'a>(
+    problem: Problem,
+    place: Place,
+    word: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Problem {
+    let quotes = place.span.len().checked_sub(word.len());
+    let span = match quotes {
+        Some(0) => place.span.clone(),
+        Some(2) => place.span.start + 1..place.span.end - 1,
+        _ => return problem,
+    };
+    match surely(word, known) {
+        Some(meant) => problem.edit(Place { span, ..place }, word, meant),
+        None => problem,
     }
 }
 

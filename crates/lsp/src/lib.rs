@@ -13,12 +13,13 @@
 //! | `models` | which model a file belongs to, its problems, its ports |
 //! | `scan`, `context`, `names` | words and brackets around the cursor, what they mean, what a file declares |
 //! | `library` | what is known of kinds, parameters, ports |
-//! | `complete`, `hover`, `definition`, `outline`, `formatting` | an answer each |
+//! | `complete`, `hover`, `definition`, `outline`, `formatting`, `fixes` | an answer each |
 //! | `position`, `uri` | places and files as the protocol writes them |
 
 mod complete;
 mod context;
 mod definition;
+mod fixes;
 mod formatting;
 mod hover;
 mod library;

@@ -9,6 +9,7 @@ use lsp_types::{
     Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, Range as Span,
 };
 
+use crate::fixes::{Fix, fix};
 use crate::names::{Section, declared};
 use crate::position::span;
 use crate::texts::Texts;
@@ -43,6 +44,8 @@ pub struct Models {
     /// The model of each open file.
     roots: BTreeMap<PathBuf, PathBuf>,
     blocks: BTreeMap<PathBuf, Blocks>,
+    /// What mends the problems of each file, as it was looked at last.
+    fixes: BTreeMap<PathBuf, Vec<Fix>>,
 }
 
 impl Models {
@@ -56,9 +59,15 @@ impl Models {
         self.blocks.get(path)
     }
 
+    /// What mends the problems of a file.
+    pub fn fixes(&self, path: &Path) -> &[Fix] {
+        self.fixes.get(path).map_or(&[], Vec::as_slice)
+    }
+
     /// Compiles the models of all open files; problems by file, with an empty list for each file without any.
     pub fn look(&mut self, texts: &Texts) -> Found {
         let mut found = Found::new();
+        self.fixes.clear();
         let mut roots: Vec<PathBuf> = Vec::new();
         for path in texts.open() {
             let root = self.roots.entry(path.clone()).or_insert_with(|| root_of(path, texts)).clone();
@@ -76,8 +85,10 @@ impl Models {
             }
             for problem in &problems {
                 let (path, diagnostic) = diagnostic(problem, &files, &root);
-                let of_file = found.entry(path).or_default();
+                let of_file = found.entry(path.clone()).or_default();
                 if !of_file.contains(&diagnostic) {
+                    let fix = fix(problem, &diagnostic, &files);
+                    self.fixes.entry(path).or_default().extend(fix);
                     of_file.push(diagnostic);
                 }
             }

@@ -9,20 +9,22 @@ use lsp_types::notification::{
     PublishDiagnostics,
 };
 use lsp_types::request::{
-    Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, Request as _,
+    CodeActionRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest,
+    Request as _,
 };
 use lsp_types::{
-    CompletionOptions, CompletionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams,
-    DidOpenTextDocumentParams, DidSaveTextDocumentParams, DocumentFormattingParams, DocumentSymbolParams,
-    DocumentSymbolResponse, GotoDefinitionParams, GotoDefinitionResponse, HoverParams,
-    HoverProviderCapability, InitializeParams, Location, OneOf, PublishDiagnosticsParams, Range as Span,
-    ServerCapabilities, TextDocumentPositionParams, TextDocumentSyncCapability, TextDocumentSyncKind,
-    TextDocumentSyncOptions, Uri,
+    CodeActionParams, CodeActionProviderCapability, CompletionOptions, CompletionParams,
+    DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams,
+    DidSaveTextDocumentParams, DocumentFormattingParams, DocumentSymbolParams, DocumentSymbolResponse,
+    GotoDefinitionParams, GotoDefinitionResponse, HoverParams, HoverProviderCapability, InitializeParams,
+    Location, OneOf, PublishDiagnosticsParams, Range as Span, ServerCapabilities, TextDocumentPositionParams,
+    TextDocumentSyncCapability, TextDocumentSyncKind, TextDocumentSyncOptions, Uri,
 };
 use serde_json::{Value, json};
 
 use crate::complete::complete;
 use crate::definition::{Target, definition};
+use crate::fixes::offered;
 use crate::formatting::laid_out;
 use crate::hover::hover;
 use crate::library::Prose;
@@ -188,6 +190,14 @@ impl Server {
                 }
                 None => wrong(id),
             },
+            CodeActionRequest::METHOD => match read::<CodeActionParams>(params) {
+                Some(asked) => {
+                    let uri = &asked.text_document.uri;
+                    let path = path_of(uri).unwrap_or_default();
+                    Response::new_ok(id, offered(self.models.fixes(&path), uri, &asked.range))
+                }
+                None => wrong(id),
+            },
             Formatting::METHOD => match read::<DocumentFormattingParams>(params) {
                 Some(asked) => {
                     let path = path_of(&asked.text_document.uri);
@@ -262,6 +272,7 @@ fn capabilities() -> ServerCapabilities {
         hover_provider: Some(HoverProviderCapability::Simple(true)),
         definition_provider: Some(OneOf::Left(true)),
         document_symbol_provider: Some(OneOf::Left(true)),
+        code_action_provider: Some(CodeActionProviderCapability::Simple(true)),
         document_formatting_provider: Some(OneOf::Left(true)),
         ..ServerCapabilities::default()
     }

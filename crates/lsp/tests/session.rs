@@ -239,6 +239,27 @@ fn what_stands_under_the_cursor_is_told_and_found() {
 }
 
 #[test]
+fn a_text_is_laid_out_and_mended_on_request() {
+    let mut editor = Editor::new("mended");
+    let loose = SERVO.replace("Gain(k: \"gain\")", "Gian(k:\"gain\")");
+    editor.open("servo.ron", &loose);
+    assert_eq!(editor.problems("servo.ron")[0]["code"], "unknown_block");
+    let file = json!({ "uri": editor.uri("servo.ron") });
+    let options = json!({ "tabSize": 4, "insertSpaces": true });
+    let edits = editor.ask("textDocument/formatting", json!({ "textDocument": file, "options": options }));
+    assert_eq!(edits.as_array().unwrap().len(), 1, "{edits}");
+    assert_eq!(edits[0]["newText"], "        \"amplifier\": Gian(k: \"gain\"),\n");
+    let at = |line: u32| json!({ "start": { "line": line, "character": 24 }, "end": { "line": line, "character": 24 } });
+    let context = json!({ "diagnostics": [] });
+    let asked = |line| json!({ "textDocument": file, "range": at(line), "context": context });
+    let actions = editor.ask("textDocument/codeAction", asked(4));
+    assert_eq!((&actions[0]["title"], &actions[0]["kind"]), (&json!("Write `Gain`"), &json!("quickfix")));
+    let edit = &actions[0]["edit"]["changes"][editor.uri("servo.ron")][0];
+    assert_eq!((&edit["newText"], &edit["range"]["start"]["line"]), (&json!("Gain"), &json!(4)), "{actions}");
+    assert_eq!(editor.ask("textDocument/codeAction", asked(5)), json!([]));
+}
+
+#[test]
 fn no_key_that_is_pressed_ends_the_server() {
     let mut editor = Editor::new("keys");
     editor.open("servo.ron", SERVO);

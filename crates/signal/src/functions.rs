@@ -1,7 +1,7 @@
 //! The functions an expression may call.
 
 use crate::arithmetic::{Operand, mismatch, sound};
-use crate::{Dimension, ExprError, Quantity, Value, closest};
+use crate::{Dimension, ExprError, Quantity, Value, closest, surely};
 use std::{f64::consts::TAU, ops::Range};
 
 /// Names with the least and the greatest number of arguments.
@@ -45,7 +45,8 @@ pub(crate) fn call(
 ) -> Result<Value, ExprError> {
     let Some((_, least, most)) = FUNCTIONS.iter().find(|(known, ..)| *known == name) else {
         let known = FUNCTIONS.map(|(known, ..)| known);
-        let error = ExprError::new(named, format!("unknown function `{name}`"));
+        let error = ExprError::new(named, format!("unknown function `{name}`"))
+            .remedy(surely(name, known).map(str::to_owned));
         return Err(match closest(name, known) {
             Some(near) => error.help(format!("did you mean `{near}`?")),
             None => error.help(format!("the functions are: {}", known.join(", "))),

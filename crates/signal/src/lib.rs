@@ -27,6 +27,6 @@ pub use expression::evaluate;
 pub use quantity::{Quantity, si_text};
 pub use scope::{Lookup, Scope};
 pub use shape::{Kind, SampleTime, Shape};
-pub use spelling::closest;
+pub use spelling::{closest, surely};
 pub use unit::{Unit, UnitError};
 pub use value::Value;

@@ -1,7 +1,7 @@
 //! Members of sets and items of lists.
 
 use crate::arithmetic::Operand;
-use crate::{ExprError, Value, closest};
+use crate::{ExprError, Value, closest, surely};
 use std::ops::Range;
 
 /// The member `name` of a set; `span` is the place of the name.
@@ -17,8 +17,9 @@ pub(crate) fn member(from: Operand, name: &str, span: Range<usize>) -> Result<Va
     if let Some((_, value)) = members.iter().find(|(key, _)| key == name) {
         return Ok(value.clone());
     }
-    let error = ExprError::new(span, format!("no member `{name}`"));
     let names: Vec<&str> = members.iter().map(|(key, _)| key.as_str()).collect();
+    let error = ExprError::new(span, format!("no member `{name}`"))
+        .remedy(surely(name, names.iter().copied()).map(str::to_owned));
     Err(match closest(name, names.iter().copied()) {
         Some(near) => error.help(format!("did you mean `{near}`?")),
         None if names.is_empty() => error.help("the set is empty"),

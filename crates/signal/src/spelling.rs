@@ -5,12 +5,26 @@
 /// Near is an edit distance (insert, delete, replace, swap neighbours; letters compared without case) of at most a
 /// third of the longer word. Among equals the one with the same capitals wins, then the first.
 pub fn closest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    nearest(word, known).map(|(meant, _)| meant)
+}
+
+/// The known word that is meant beyond doubt: as [`closest`], and no other one is as near. A slip of the pen changes
+/// letters; words that differ in a digit, such as `axis1` and `axis2`, may both be meant as they are.
+pub fn surely<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let digits = |text: &str| text.chars().filter(char::is_ascii_digit).collect::<String>();
+    let (meant, is_alone) = nearest(word, known)?;
+    (is_alone && digits(meant) == digits(word)).then_some(meant)
+}
+
+/// The known word most like `word`, and whether it is nearer than all others.
+fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<(&'a str, bool)> {
     let exact: Vec<char> = word.chars().take(MAX_LETTERS + 1).collect();
     if exact.is_empty() || exact.len() > MAX_LETTERS {
         return None;
     }
     let folded = fold(&exact);
     let mut best: Option<((usize, usize), &str)> = None;
+    let mut is_alone = true;
     for candidate in known {
         let letters: Vec<char> = candidate.chars().take(MAX_LETTERS + 1).collect();
         let longer = letters.len().max(exact.len());
@@ -18,12 +32,21 @@ pub fn closest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
             continue;
         }
         let far = distance(&folded, &fold(&letters));
+        if far * 3 > longer || best.is_some_and(|(_, meant)| meant == candidate) {
+            continue;
+        }
         let rank = (far, distance(&exact, &letters));
-        if far * 3 <= longer && best.is_none_or(|(least, _)| rank < least) {
+        let least = best.map(|(least, _)| least);
+        match least {
+            Some((least, _)) if far == least => is_alone = false,
+            Some((least, _)) if far > least => {}
+            _ => is_alone = true,
+        }
+        if least.is_none_or(|least| rank < least) {
             best = Some((rank, candidate));
         }
     }
-    best.map(|(_, candidate)| candidate)
+    best.map(|(_, candidate)| (candidate, is_alone))
 }
 
 /// Longer words get no help: the distance costs the product of both lengths.
@@ -82,6 +105,16 @@ mod tests {
     #[test]
     fn the_same_capitals_win_among_equals() {
         assert_eq!(closest("MHz", ["mHz", "MHz"]), Some("MHz"));
+    }
+
+    #[test]
+    fn a_word_is_sure_if_no_other_is_as_near_and_no_digit_differs() {
+        assert_eq!(surely("Gian", ["Gain", "Step"]), Some("Gain"));
+        assert_eq!(surely("lowr", ["lower", "lows"]), None, "two of them are one letter away");
+        assert_eq!(surely("Mhz", ["mHz", "MHz"]), None, "capitals are letters, too");
+        assert_eq!(surely("axis2", ["axis1", "gears"]), None);
+        assert_eq!(surely("axs2", ["axis1", "axis2"]), Some("axis2"));
+        assert_eq!(surely("Gian", ["Gain", "Gain"]), Some("Gain"), "the same word twice is one");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Help for units that are not known.
 
-use crate::{closest, unit_table};
+use crate::{closest, surely, unit_table};
 
 /// What may be meant by an unknown symbol: a word for a unit, a plural, other capitals, a product without sign, or a
 /// slip of the pen.
@@ -27,6 +27,16 @@ pub(crate) fn hint(symbol: &str) -> String {
             (None, None) => KNOWN.to_string(),
         },
     }
+}
+
+/// The unit that is meant beyond doubt, of those that [`hint`] speaks of.
+pub(crate) fn remedy(symbol: &str) -> Option<String> {
+    let said = hint(symbol);
+    let named = said.strip_prefix("write `").and_then(|rest| rest.strip_suffix('`'));
+    // Capitals and prefixes tell units apart, so a symbol must be alone among those that are spelt like it.
+    let symbols = || unit_table::symbols();
+    let near = || surely(symbol, symbols().iter().map(String::as_str)).map(str::to_owned);
+    named.map(str::to_owned).or_else(near)
 }
 
 const KNOWN: &str =

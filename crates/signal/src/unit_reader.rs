@@ -2,7 +2,10 @@
 
 use crate::lexer::{Lexeme, Token};
 use crate::unit_table::{self, Factor};
-use crate::{ExprError, unit_hint::hint};
+use crate::{
+    ExprError,
+    unit_hint::{hint, remedy},
+};
 use std::ops::Range;
 
 /// Parentheses within parentheses that a unit may have.
@@ -201,5 +204,5 @@ fn spell(token: Token) -> &'static str {
 }
 
 fn unknown(symbol: &str, span: Range<usize>) -> ExprError {
-    ExprError::new(span, format!("unknown unit `{symbol}`")).help(hint(symbol))
+    ExprError::new(span, format!("unknown unit `{symbol}`")).help(hint(symbol)).remedy(remedy(symbol))
 }

@@ -7,7 +7,7 @@ use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_signal::closest;
 
 use super::{Ast, BlockAst, Reference};
-use crate::problems::{Problems, list};
+use crate::problems::{Problems, list, mended};
 use crate::tree::{Name, Node, Shape};
 
 const SECTIONS: [&str; 9] =
@@ -81,6 +81,7 @@ pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Optio
                 let mut problem =
                     Problem::error("unknown_parameter", format!("a diagram has no section `{other}`"))
                         .at(&place(&name.span), "no such section");
+                problem = mended(problem, place(&name.span), other, SECTIONS);
                 problem = problem.help(match closest(other, SECTIONS) {
                     Some(known) => format!("did you mean `{known}`?"),
                     None => format!("the sections are {}", list(&SECTIONS)),

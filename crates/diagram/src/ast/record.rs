@@ -5,7 +5,7 @@ use blocksim_signal::closest;
 
 use super::parse::{Section, unique};
 use super::{RATES, RecordAst};
-use crate::problems::list;
+use crate::problems::{list, mended};
 use crate::tree::{Name, Node, Shape};
 
 /// What an entry may look like.
@@ -83,6 +83,7 @@ impl Section<'_> {
         let words = || ["signals"].into_iter().chain(RATES);
         let place = self.place(&name.span);
         let problem = Problem::error("unknown_parameter", format!("`record` knows no `{}`", name.text));
+        let problem = mended(problem, place.clone(), &name.text, words());
         self.problems.push(problem.at(&place, "no such word").help(match closest(&name.text, words()) {
             Some(known) => format!("did you mean `{known}`?"),
             None => format!("the words are {}", list(&words().collect::<Vec<_>>())),

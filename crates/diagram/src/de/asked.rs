@@ -1,7 +1,7 @@
 //! What stands in a file becomes whatever serde asks for.
 
 use blocksim_block::VALUE_ENUM;
-use blocksim_block::problem::Problem;
+use blocksim_block::problem::{Place, Problem};
 use blocksim_signal::Value;
 use serde::de::{Deserializer, Visitor};
 
@@ -208,6 +208,12 @@ impl<'de> Deserializer<'de> for Written<'_, '_> {
             let place = self.reading.place(self.node);
             let field = self.expected.field.map(|field| format!(" for `{field}`")).unwrap_or_default();
             let problem = Problem::error("parameter", format!("`{word}` is no choice{field}")).at(&place, "");
+            let named = match &self.node.value {
+                Shape::Struct(Some(name), _) | Shape::Tuple(Some(name), _) => name.span.clone(),
+                _ => self.node.span.clone(),
+            };
+            let at = Place { span: named, ..place };
+            let problem = crate::problems::mended(problem, at, word, variants.iter().copied());
             let problem = match blocksim_signal::closest(word, variants.iter().copied()) {
                 Some(known) => problem.help(format!(
                     "did you mean `{known}`? The choices are {}",

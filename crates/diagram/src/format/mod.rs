@@ -34,6 +34,7 @@ pub fn format(text: &str) -> Result<String, SyntaxError> {
     }
     Err(SyntaxError {
         span: before.span.start..before.span.start,
+        remedy: None,
         message: "this text cannot be laid out without changing it".to_owned(),
         help: Some(
             "it was left as it is; write each value on a line of its own, and comments above them".to_owned(),

@@ -19,24 +19,62 @@ use crate::overrides::Override;
 use crate::problems::Problems;
 use crate::scope::{Scope, read_tree};
 use crate::source::Sources;
+use crate::tree::{Name, Node};
 
 pub use hierarchy::HIERARCHY;
+
+/// A diagram that was built, with its parameters.
+pub(crate) struct Instance<'a> {
+    /// Path of the subsystem; empty at the top.
+    pub path: String,
+    pub ast: Rc<Ast>,
+    pub scope: Rc<Scope<'a>>,
+    /// Who built it; nobody the top.
+    pub giver: Option<Giver<'a>>,
+}
+
+/// The block that makes a diagram, which may give it parameters.
+pub(crate) struct Giver<'a> {
+    pub block: BlockAst,
+    pub file: FileId,
+    pub scope: Rc<Scope<'a>>,
+}
+
+impl Giver<'_> {
+    /// What it gives.
+    pub(crate) fn with(&self) -> &[(Name, Node)] {
+        let with = self.block.parameters.iter().find(|(name, _)| name.text == "with");
+        with.and_then(|(_, node)| node.members()).unwrap_or_default()
+    }
+}
 
 /// Resolves the top diagram and everything below it.
 pub(crate) struct Resolver<'a> {
     pub sources: &'a Sources<'a>,
     pub overrides: Vec<Override>,
     pub problems: RefCell<Problems>,
+    /// The diagrams that were built, each before those inside it.
+    pub instances: RefCell<Vec<Instance<'a>>>,
     asts: RefCell<HashMap<FileId, Option<Rc<Ast>>>>,
 }
 
 impl<'a> Resolver<'a> {
     pub(crate) fn new(sources: &'a Sources<'a>, overrides: Vec<Override>) -> Self {
-        Self { sources, overrides, problems: RefCell::default(), asts: RefCell::default() }
+        Self {
+            sources,
+            overrides,
+            problems: RefCell::default(),
+            instances: RefCell::default(),
+            asts: RefCell::default(),
+        }
     }
 
     fn report(&self, problem: Problem) {
         self.problems.borrow_mut().push(problem);
+    }
+
+    fn built(&self, instance: Instance<'a>) {
+        self.instances.borrow_mut().push(instance);
     }
 
     /// Reads a diagram once.
@@ -58,6 +96,7 @@ impl<'a> Resolver<'a> {
     /// The top diagram with its scope.
     pub(crate) fn top(&self, file: FileId) -> Option<(Model, Rc<Scope<'a>>)> {
         let (ast, scope) = self.parameters(file)?;
+        self.built(Instance { path: String::new(), ast: ast.clone(), scope: scope.clone(), giver: None });
         let model = self.model(&ast, &scope, "", &[file]);
         for unused in self.overrides.iter().filter(|o| !o.used.get()) {
             self.report(self.unknown_override(unused, &model));

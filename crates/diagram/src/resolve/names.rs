@@ -6,7 +6,7 @@ use blocksim_signal::closest;
 
 use super::{HIERARCHY, Resolver};
 use crate::ast::{Ast, BlockAst};
-use crate::problems::list;
+use crate::problems::{list, mended};
 use crate::tree::{Name, Node};
 
 impl Resolver<'_> {
@@ -15,6 +15,7 @@ impl Resolver<'_> {
         known.extend(HIERARCHY.iter().map(|info| info.kind));
         let problem = Problem::error("unknown_block", format!("there is no block kind `{}`", kind.text))
             .at(&ast.place(&kind.span), "unknown kind");
+        let problem = mended(problem, ast.place(&kind.span), &kind.text, known.iter().copied());
         self.report(match closest(&kind.text, known.iter().copied()) {
             Some(close) => {
                 problem.help(format!("did you mean `{close}`? `blocksim blocks {close}` describes it"))
@@ -40,6 +41,10 @@ impl Resolver<'_> {
                 format!("`{}` has no parameter `{}`", info.kind, name.text),
             )
             .at(&ast.place(&name.span), "unknown parameter");
+            // One that is given already is not meant.
+            let free =
+                known.iter().copied().filter(|known| !parameters.iter().any(|(n, _)| n.text == *known));
+            let problem = mended(problem, ast.place(&name.span), &name.text, free);
             self.report(match (closest(&name.text, known.iter().copied()), known.as_slice()) {
                 (_, []) => problem.help(format!("`{}` has no parameters", info.kind)),
                 (Some(close), _) => {
@@ -70,6 +75,7 @@ impl Resolver<'_> {
         let problem =
             Problem::error("unknown_parameter", format!("`{file}` has no parameter `{}`", given.text))
                 .at(&ast.place(&given.span), "unknown parameter");
+        let problem = mended(problem, ast.place(&given.span), &given.text, known.iter().map(String::as_str));
         self.report(match closest(&given.text, known.iter().map(String::as_str)) {
             Some(close) => problem.help(format!("did you mean `{close}`?")),
             None if known.is_empty() => problem.help("the file declares no parameters"),

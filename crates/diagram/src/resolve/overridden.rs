@@ -72,19 +72,27 @@ impl<'a> Resolver<'a> {
 
     /// Parameters of a diagram that the command line replaces.
     pub(super) fn override_parameters(&self, ast: &Ast, scope: &Rc<Scope<'a>>, path: &str) {
-        for over in self.overrides.iter().filter(|over| over.path == path && scope.has(&over.names[0])) {
+        for over in &self.overrides {
+            // At the top a subsystem and a parameter look alike: `arm.gain`.
+            let is_here = over.path == path;
+            let is_alike = !is_here && over.path.is_empty() && over.names.len() > 1 && over.names[0] == path;
+            let names = if is_alike { &over.names[1..] } else { &over.names[..] };
+            if !(is_here || is_alike && !over.of_parameter.get()) || !scope.has(&names[0]) {
+                continue;
+            }
             // A block may bear the name of a parameter; what the parameter does not have is meant for the block.
-            let is_block = ast.blocks.iter().any(|block| block.name.text == over.names[0]);
-            let member = over.names.get(1);
+            let is_block = ast.blocks.iter().any(|block| block.name.text == names[0]);
+            let member = names.get(1);
             let has_member = |value: Value| member.is_none_or(|member| value.get(member).is_some());
-            if is_block && !scope.value(&over.names[0]).and_then(Result::ok).is_some_and(has_member) {
+            if is_block && !scope.value(&names[0]).and_then(Result::ok).is_some_and(has_member) {
                 continue;
             }
             over.used.set(true);
+            over.of_parameter.set(path.is_empty());
             let declared =
-                ast.parameters.iter().find(|(name, _)| name.text == over.names[0]).map(|(_, node)| node);
-            match self.overridden(over, declared, scope) {
-                Ok(value) => scope.set(&over.names[0], value),
+                ast.parameters.iter().find(|(name, _)| name.text == names[0]).map(|(_, node)| node);
+            match self.overridden(over, names, declared, scope) {
+                Ok(value) => scope.set(&names[0], value),
                 Err(problem) => self.report(problem),
             }
         }
@@ -93,19 +101,20 @@ impl<'a> Resolver<'a> {
     fn overridden(
         &self,
         over: &Override,
+        names: &[String],
         declared: Option<&Node>,
         scope: &Rc<Scope<'a>>,
     ) -> Result<Value, Problem> {
         let alternatives = declared.map(choices).unwrap_or_default();
         let fail = |message: String| Problem::error("unknown_override", message).at(&over.place(), "");
-        if over.names.len() == 1 && !alternatives.is_empty() {
+        if names.len() == 1 && !alternatives.is_empty() {
             let (Shape::Word(word) | Shape::Text(word)) = &over.node.value else {
-                return Err(fail(format!("`{}` is one of {}", over.names[0], list(&alternatives))));
+                return Err(fail(format!("`{}` is one of {}", names[0], list(&alternatives))));
             };
             if alternatives.contains(word) {
                 return Ok(Value::Text(word.clone()));
             }
-            let problem = fail(format!("`{}` has no alternative `{word}`", over.names[0]));
+            let problem = fail(format!("`{}` has no alternative `{word}`", names[0]));
             return Err(match closest(word, alternatives.iter().map(String::as_str)) {
                 Some(close) => problem
                     .help(format!("did you mean `{close}`? The alternatives are {}", list(&alternatives))),
@@ -114,13 +123,13 @@ impl<'a> Resolver<'a> {
         }
         let required =
             matches!(declared.map(|node| &node.value), Some(Shape::Word(word)) if word == "Required");
-        let mut value = match scope.value(&over.names[0]) {
+        let mut value = match scope.value(&names[0]) {
             Some(Ok(value)) => value,
-            Some(Err(_)) if required && over.names.len() == 1 => Value::Bool(false),
+            Some(Err(_)) if required && names.len() == 1 => Value::Bool(false),
             Some(Err(problem)) => return Err(problem),
-            None => return Err(fail(format!("there is no parameter `{}`", over.names[0]))),
+            None => return Err(fail(format!("there is no parameter `{}`", names[0]))),
         };
-        let old_is_text = matches!(value, Value::Text(_)) && over.names.len() == 1;
+        let old_is_text = matches!(value, Value::Text(_)) && names.len() == 1;
         let new = match &over.node.value {
             Shape::Word(word) | Shape::Text(word) if old_is_text => Value::Text(word.clone()),
             _ => {
@@ -128,7 +137,7 @@ impl<'a> Resolver<'a> {
                 Evaluation { scope, file: over.file, stack: &stack }.value(&value_node(over, true))?
             }
         };
-        replace(&mut value, &over.names[1..], new).map_err(fail)?;
+        replace(&mut value, &names[1..], new).map_err(fail)?;
         Ok(value)
     }
 

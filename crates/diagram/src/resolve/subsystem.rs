@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Problem};
 
-use super::{HIERARCHY, Resolver};
+use super::{Giver, HIERARCHY, Instance, Resolver};
 use crate::ast::{Ast, BlockAst};
 use crate::model::Content;
 use crate::scope::{Scope, missing_file};
@@ -83,6 +83,13 @@ impl<'a> Resolver<'a> {
         if !fits {
             return Content::Unknown;
         }
+        let giver = Giver { block: block.clone(), file: ast.file, scope: scope.clone() };
+        self.built(Instance {
+            path: path.to_owned(),
+            ast: inside.clone(),
+            scope: inner.clone(),
+            giver: Some(giver),
+        });
         let mut stack = stack.to_vec();
         stack.push(file);
         Content::Diagram(Box::new(self.model(&inside, &inner, path, &stack)))

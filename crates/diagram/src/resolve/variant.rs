@@ -63,8 +63,15 @@ impl<'a> Resolver<'a> {
             return (None, Content::Unknown);
         }
         // All alternatives are read and checked; one is kept.
-        let built: Vec<ModelBlock> =
-            alternatives.iter().map(|block| self.block(ast, block, scope, path.to_owned(), stack)).collect();
+        let build = |block: &BlockAst| {
+            let before = self.instances.borrow().len();
+            let built = self.block(ast, block, scope, path.to_owned(), stack);
+            if block.name.text != chosen {
+                self.instances.borrow_mut().truncate(before);
+            }
+            built
+        };
+        let built: Vec<ModelBlock> = alternatives.iter().map(build).collect();
         for (model, block) in built.iter().zip(&alternatives) {
             if let Content::Diagram(model) = &model.content
                 && block.name.text != chosen

@@ -82,12 +82,8 @@ impl<'a> Evaluation<'_, 'a> {
         if name.is_some_and(|name| name.text == "Choice") {
             return self.choice(node, members);
         }
-        let described = members.iter().any(|(name, _)| name.text == "value")
-            && members
-                .iter()
-                .all(|(name, _)| name.text == "value" || PROVENANCE.contains(&name.text.as_str()));
-        match members.iter().find(|(name, _)| name.text == "value") {
-            Some((_, value)) if described && name.is_none() => self.value(value),
+        match described(members) {
+            Some(value) if name.is_none() => self.value(value),
             _ => self.set(members),
         }
     }
@@ -144,6 +140,13 @@ impl<'a> Evaluation<'_, 'a> {
         stack.push(self.file);
         Evaluation { scope: self.scope, file, stack: &stack }.value(&root)
     }
+}
+
+/// The value of one that says where it comes from: `(value: "4000 W", source: "a data sheet")`.
+pub(crate) fn described(members: &[(Name, Node)]) -> Option<&Node> {
+    let fits = |name: &str| name == "value" || PROVENANCE.contains(&name);
+    let (_, value) = members.iter().find(|(name, _)| name.text == "value")?;
+    members.iter().all(|(name, _)| fits(&name.text)).then_some(value)
 }
 
 /// The alternatives of `Choice(default: .., of: [..])`.

@@ -52,23 +52,31 @@ pub(crate) fn expression(
     // Signs are counted that may open a level; a parameter on the way costs as much stack as some brackets.
     let levels = 8 + text.matches(['(', '[', '^', '-', '+', '!']).count();
     let place = || Place { file, span: whole.clone() };
-    let evaluated = || evaluate(text, &visible).map_err(|error| located(error, &visible, file, start, whole));
+    let evaluated =
+        || evaluate(text, &visible).map_err(|error| located(error, text, &visible, file, start, whole));
     scope.deeper(levels, place, evaluated)
 }
 
 /// The problem of a parameter that could not be computed, or what is wrong with the text itself.
-fn located(error: ExprError, visible: &Visible, file: FileId, start: usize, whole: &Range<usize>) -> Problem {
+fn located(
+    error: ExprError,
+    text: &str,
+    visible: &Visible,
+    file: FileId,
+    start: usize,
+    whole: &Range<usize>,
+) -> Problem {
     if let Some(problem) = visible.failed.take() {
         return problem;
     }
     // Texts with escapes are longer in the file than in memory: then the whole text is shown.
     let inside = start + error.span.end <= whole.end;
-    let span = if inside && !error.span.is_empty() {
-        start + error.span.start..start + error.span.end
-    } else {
-        whole.clone()
-    };
-    let problem = Problem::error("expression", error.message).at(&Place { file, span }, "");
+    let is_exact = inside && !error.span.is_empty();
+    let span = if is_exact { start + error.span.start..start + error.span.end } else { whole.clone() };
+    let mut problem = Problem::error("expression", error.message).at(&Place { file, span: span.clone() }, "");
+    if let (Some(remedy), Some(old), true) = (error.remedy, text.get(error.span), is_exact) {
+        problem = problem.edit(Place { file, span }, old, remedy);
+    }
     match error.help {
         Some(help) => problem.help(help),
         None => problem,

@@ -14,7 +14,7 @@ use indexmap::IndexMap;
 use crate::source::Sources;
 use crate::tree::{Name, Node};
 
-pub(crate) use evaluation::{Evaluation, choices};
+pub(crate) use evaluation::{Evaluation, choices, described};
 pub(crate) use expression::expression;
 pub(crate) use files::{missing_file, read_tree};
 

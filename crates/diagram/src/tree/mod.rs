@@ -8,7 +8,7 @@ pub(crate) mod scan;
 
 use std::ops::Range;
 
-pub use read::{SyntaxError, read};
+pub use read::{Remedy, SyntaxError, read};
 
 /// A value and its place.
 #[derive(Debug, Clone, PartialEq)]

@@ -23,6 +23,19 @@ pub struct SyntaxError {
     pub message: String,
     /// What to do.
     pub help: Option<String>,
+    /// The change that mends it, where no other one is likely.
+    pub remedy: Option<Box<Remedy>>,
+}
+
+/// A change that makes RON of a text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Remedy {
+    /// Bytes that are replaced.
+    pub span: Range<usize>,
+    /// What stands there.
+    pub old: String,
+    /// What is to stand there.
+    pub new: String,
 }
 
 /// Reads a text: values of any kind, each with its place.
@@ -30,16 +43,41 @@ pub struct SyntaxError {
 /// # Errors
 /// The first place that is no RON.
 pub fn read(text: &str) -> Result<Node, SyntaxError> {
+    read_once(text).map_err(|error| missing_comma(text, &error).unwrap_or(error))
+}
+
+fn read_once(text: &str) -> Result<Node, SyntaxError> {
     let reader = Reader { text };
     if skip(text) == text.len() {
         return Err(SyntaxError {
             span: 0..0,
             message: "there is nothing in this file".to_owned(),
             help: None,
+            remedy: None,
         });
     }
     let raw: &RawValue = options().from_str(text).map_err(|error| reader.error(text, &error))?;
     reader.node(raw.get_ron())
+}
+
+/// A comma that is missing before the place where reading failed: with it, reading gets further.
+fn missing_comma(text: &str, error: &SyntaxError) -> Option<SyntaxError> {
+    let start = error.span.start;
+    let end = trim_end(text.get(..start)?).len();
+    let begins_anew = end < start && text[start..].starts_with(|c: char| !",:)]}".contains(c));
+    if !begins_anew || error.remedy.is_some() || text[..end].ends_with(['(', '[', '{', ',', ':']) {
+        return None;
+    }
+    let with_comma = format!("{},{}", &text[..end], &text[end..]);
+    if read_once(&with_comma).is_err_and(|other| other.span.start <= start + 1) {
+        return None;
+    }
+    Some(SyntaxError {
+        span: error.span.clone(),
+        message: "a comma is missing before this".to_owned(),
+        help: Some("write `,` between two values".to_owned()),
+        remedy: Some(Box::new(Remedy { span: end..end, old: String::new(), new: ",".to_owned() })),
+    })
 }
 
 fn options() -> Options {
@@ -144,12 +182,15 @@ impl<'a> Reader<'a> {
         let mut message = error.code.to_string();
         let mut help = None;
         let mut span = start..end;
+        let mut remedy = None;
         if let Some(comma) = decimal_comma(self.text, start) {
             message = format!("`{}` is no number", &self.text[comma.clone()]);
-            help = Some(format!("decimal comma? write {}", self.text[comma.clone()].replace(',', ".")));
+            let (old, new) = (&self.text[comma.clone()], self.text[comma.clone()].replace(',', "."));
+            help = Some(format!("decimal comma? write {new}"));
+            remedy = Some(Box::new(Remedy { span: comma.clone(), old: old.to_owned(), new }));
             span = comma;
         }
-        SyntaxError { span, message, help }
+        SyntaxError { span, message, help, remedy }
     }
 }
 
@@ -262,6 +303,23 @@ Diagram(
         let error = read("Diagram(\n  blocks: {\n    \"pid\": Pid(kp: 1,05, ki: 2.0),\n  },\n)").unwrap_err();
         assert_eq!(error.message, "`1,05` is no number");
         assert_eq!(error.help.as_deref(), Some("decimal comma? write 1.05"));
+    }
+
+    #[test]
+    fn a_missing_comma_is_found_where_it_belongs() {
+        let text = "(\n  a: \"x\" // the first\n  b: [1 2],\n)";
+        let error = read(text).unwrap_err();
+        assert_eq!(
+            (error.message.as_str(), &text[error.span.start..][..1]),
+            ("a comma is missing before this", "b")
+        );
+        let remedy = error.remedy.expect("a comma");
+        assert_eq!((remedy.span, remedy.new.as_str()), (10..10, ","));
+        let error = read(&text.replace("\"x\"", "\"x\",")).unwrap_err();
+        assert_eq!(error.remedy.map(|remedy| remedy.span), Some(32..32));
+        for other in ["(a: 1", "[1, 2)", "(a: )", "(a: 1, b)"] {
+            assert_eq!(read(other).unwrap_err().remedy, None, "{other}");
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What to say when an expression cannot be read.
 
 use super::{Parser, is_unit};
-use crate::{ExprError, closest, functions, lexer::Token, select};
+use crate::{ExprError, closest, functions, lexer::Token, select, surely};
 use std::ops::Range;
 
 impl Parser<'_> {
@@ -46,7 +46,8 @@ impl Parser<'_> {
             before.span.start..after.span.end,
             format!("`{whole},{fraction}` is not a number"),
         );
-        Some(error.help(format!("decimal comma? write {whole}.{fraction}")))
+        let remedy = (!separates).then(|| format!("{whole}.{fraction}"));
+        Some(error.help(format!("decimal comma? write {whole}.{fraction}")).remedy(remedy))
     }
 
     pub(super) fn unknown_name(&self, word: &str, span: Range<usize>) -> ExprError {
@@ -58,7 +59,11 @@ impl Parser<'_> {
                 .help(format!("`{word}` is also a unit; a unit stands behind a number, as in 1 {word}"));
         }
         match closest(word, known) {
-            Some(near) => error.help(format!("did you mean `{near}`?")),
+            Some(near) => {
+                let names = names.iter().map(String::as_str).chain(["pi", "true", "false"]);
+                let remedy = surely(word, names).map(str::to_owned);
+                error.help(format!("did you mean `{near}`?")).remedy(remedy)
+            }
             None if functions::exists(word) => {
                 error.help(format!("`{word}` is a function; write {word}(...)"))
             }
