@@ -1,6 +1,7 @@
 //! Files on the disk: those of a model, read; results, written whole.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,24 @@ impl Reader for Disk {
         let text = text(path).map_err(|error| reason(&error))?;
         self.read.borrow_mut().push(path.to_owned());
         Ok(text)
+    }
+}
+
+/// The disk, with other texts for some of its files.
+#[derive(Debug, Default)]
+pub struct Overlaid {
+    /// What lies below.
+    pub disk: Disk,
+    /// Texts by the paths under which the model names the files.
+    pub texts: BTreeMap<PathBuf, String>,
+}
+
+impl Reader for Overlaid {
+    fn read(&self, path: &Path) -> Result<String, String> {
+        match self.texts.get(path) {
+            Some(text) => Ok(text.clone()),
+            None => self.disk.read(path),
+        }
     }
 }
 
@@ -123,7 +142,7 @@ fn likely(model: &Path) -> Option<PathBuf> {
 }
 
 /// Models of a folder by name; the one named as the folder first.
-fn models(folder: &Path) -> Vec<PathBuf> {
+pub fn models(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     let mut files: Vec<PathBuf> = entries
         .filter_map(|entry| Some(entry.ok()?.path()))

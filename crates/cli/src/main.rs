@@ -32,36 +32,14 @@ use crate::exit::Exit;
 use crate::running::interrupt;
 use crate::terminal::console::Console;
 
-/// What `blocksim` alone prints.
-const HINTS: &str = "\
-blocksim simulates block diagrams written as text.
-
-  blocksim run MODEL.ron                    simulate, show and keep the results
-  blocksim run MODEL.ron --set drive=dc     with another value of a parameter
-  blocksim plot latest                      draw its signals, also as SVG or PNG
-  blocksim runs                             list what was run
-  blocksim export latest --csv FILE         its signals for other programs
-  blocksim collisions RUN                   what touched, and how near the rest came
-  blocksim report RUN                       one HTML page of a run: scopes, robot, numbers
-  blocksim check MODEL.ron                  tell all problems without running
-  blocksim graph MODEL.ron                  draw the block diagram
-  blocksim linearise MODEL.ron --open pid.u margins of a loop, poles, frequency response
-  blocksim import ROBOT.urdf --out DIR      make a model of a robot description
-  blocksim identify friction                measure the friction of the robot's axes
-  blocksim params export SET.ron            a workbook of parameters, for Excel and LibreOffice
-  blocksim blocks                           which kinds of block there are
-  blocksim blocks Gain                      all about one of them
-
-`blocksim --help` tells all commands, `blocksim run --help` the options of one.
-";
-
 fn main() -> ExitCode {
     bug::report_panics();
     interrupt::survive_full_files();
     let args = Args::parse();
     let console = Console::of_process(args.color, args.ascii);
     let outcome = match &args.command {
-        None => console.data(HINTS).map(|()| Exit::Done),
+        None => commands::hints(console),
+        Some(Command::New(args)) => commands::new(args, console),
         Some(Command::Run(args)) if args.watch => {
             watch::watch(&args.model, console, || commands::run(args, console))
         }
@@ -84,6 +62,8 @@ fn main() -> ExitCode {
         Some(Command::Import(args)) => commands::import(args, console),
         Some(Command::Lsp) => commands::lsp(console),
         Some(Command::Blocks(args)) => commands::blocks(args, console),
+        Some(Command::Doctor(args)) => commands::doctor(args, console),
+        Some(Command::Completions(args)) => commands::completions(args, console),
         Some(Command::Explain(args)) => commands::explain(args, console),
         Some(Command::Identify(command)) => commands::identify(command, console),
         Some(Command::Plan(command)) => commands::plan(command, console),

@@ -14,6 +14,7 @@ pub mod plan;
 pub mod plot;
 pub mod plugin;
 pub mod report;
+pub mod start;
 pub mod sweep;
 pub mod values;
 
@@ -33,6 +34,7 @@ use self::plan::PlanCommand;
 use self::plot::{CompareArgs, PlotArgs};
 use self::plugin::PluginCommand;
 use self::report::ReportArgs;
+use self::start::{CompletionsArgs, DoctorArgs, NewArgs};
 use self::sweep::SweepArgs;
 use crate::terminal::console::Colour;
 
@@ -56,6 +58,8 @@ pub struct Args {
 /// The verbs.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Make a project that runs at once.
+    New(NewArgs),
     /// Simulate a model, show what happened and keep it in a folder.
     Run(RunArgs),
     /// Draw a run: in the terminal, as SVG or PNG, with numbers of how set values are followed.
@@ -89,6 +93,10 @@ pub enum Command {
     Blocks(BlocksArgs),
     /// Serve an editor: problems while you write, completion, pages of blocks (Language Server Protocol).
     Lsp,
+    /// Tell whether everything is there that runs, plug-ins and pages need.
+    Doctor(DoctorArgs),
+    /// Print what makes a shell complete commands and options.
+    Completions(CompletionsArgs),
     /// Explain a problem by the word that stands in its brackets: `error[unknown_port]`.
     Explain(ExplainArgs),
     /// Measure a robot of a diagram by experiments, and compare with its parameters.
@@ -100,7 +108,7 @@ pub enum Command {
     /// Controllers as dynamic libraries: make the crate of one, tell what one offers.
     #[command(subcommand)]
     Plugin(PluginCommand),
-    /// Sets of parameters as workbooks for Excel and LibreOffice, and back.
+    /// Parameters of a model: list, get and set them; sets as workbooks for Excel and LibreOffice, and back.
     #[command(subcommand)]
     Params(ParamsCommand),
 }

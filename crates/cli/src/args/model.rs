@@ -80,12 +80,18 @@ pub struct RunArgs {
 
 /// `blocksim check`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  blocksim check servo.ron\n  blocksim check servo.ron --watch\n  \
+                        blocksim check servo.ron --fix      mend what has one likely remedy, and show it")]
 pub struct CheckArgs {
     #[command(flatten)]
     pub model: ModelArgs,
     /// How problems are told: with the text around them, a line each, or as JSON, an object a line.
     #[arg(long, value_enum, default_value_t = Format::Full, value_name = "FORMAT")]
     pub output_format: Format,
+    /// Mend the problems that have one likely remedy, such as a name spelt wrong or a missing comma, in the texts of the
+    /// model; shows each change.
+    #[arg(long, conflicts_with = "watch")]
+    pub fix: bool,
     /// Check again whenever a file of the model or a source of a plug-in changes.
     #[arg(long)]
     pub watch: bool,

@@ -7,6 +7,12 @@ use clap::{Args, Subcommand};
 /// The verbs of `blocksim params`.
 #[derive(Debug, Subcommand)]
 pub enum ParamsCommand {
+    /// List the parameters of a model with their values, and where these are written.
+    List(ListArgs),
+    /// Tell what a parameter is worth and where that is written; all below it, of a set or a block.
+    Get(GetArgs),
+    /// Write another value of a parameter into the text that holds it, if the model has no errors with it.
+    Set(SetArgs),
     /// Write a set of parameters as a workbook of nine sheets.
     Export(ExportArgs),
     /// Take changed numbers from a workbook into a set of parameters; shows them, and writes only if told so.
@@ -15,6 +21,60 @@ pub enum ParamsCommand {
     Diff(DiffArgs),
     /// Tell what is wrong in a workbook and what changed on which side since it was exported.
     Check(CheckArgs),
+}
+
+/// `blocksim params list`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  blocksim params list servo.ron\n  blocksim params list servo.ron pid --all"
+)]
+pub struct ListArgs {
+    /// The model, or a set of parameters.
+    pub model: PathBuf,
+    /// Part of the names.
+    pub pattern: Option<String>,
+    /// Also parameters that are not written, with their defaults.
+    #[arg(long)]
+    pub all: bool,
+    /// As JSON, an object for each; values in SI.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `blocksim params get`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  blocksim params get servo.ron pid.kp\n  blocksim params get servo.ron motor"
+)]
+pub struct GetArgs {
+    /// The model, or a set of parameters.
+    pub model: PathBuf,
+    /// The parameter as `--set` names it: `drive`, `robot.axis1.gear.ring_teeth`, `pid.kp`, `arm/link3.drive`.
+    pub target: String,
+    /// As JSON, an object for each; values in SI.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `blocksim params set`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  blocksim params set servo.ron pid.kp 12\n  \
+                        blocksim params set servo.ron motor.l \"3 mH\" --dry-run\n\nExit codes: 0 written, 2 there is no such \
+                        parameter or it cannot be said so, 3 the model has errors with it and nothing was written, 4 files.")]
+pub struct SetArgs {
+    /// The model, or a set of parameters.
+    pub model: PathBuf,
+    /// The parameter as `--set` names it: `drive`, `robot.axis1.gear.ring_teeth`, `pid.kp`, `arm/link3.drive`.
+    pub target: String,
+    /// The value: `12`, `\"3 mH\"`, `\"2 * kp\"`, `dc`.
+    #[arg(allow_hyphen_values = true)]
+    pub value: String,
+    /// Change a text that several parts of the model are made of.
+    #[arg(long)]
+    pub all: bool,
+    /// Show what would change, and change nothing.
+    #[arg(long)]
+    pub dry_run: bool,
 }
 
 /// `blocksim params export`.

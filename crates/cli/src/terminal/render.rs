@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
-use blocksim_block::problem::{FileId, Label, Problem, Severity};
+use blocksim_block::problem::{FileId, Label, Place, Problem, Severity};
 use blocksim_diagram::SourceFile;
 use serde_json::{Value, json};
 
@@ -42,7 +42,7 @@ pub fn full(problem: &Problem, files: &[SourceFile], colour: bool) -> String {
 /// `file:line:column: error[code]: message`, for editors and `grep`.
 pub fn short(problem: &Problem, files: &[SourceFile]) -> String {
     let said = format!("{}[{}]: {}", word(problem.severity), problem.code, problem.message);
-    match problem.labels.first().and_then(|label| located(label, files)) {
+    match problem.labels.first().and_then(|label| located(&label.place, files)) {
         Some((file, line, column)) => format!("{}:{line}:{column}: {said}", file.path.display()),
         None => said,
     }
@@ -51,7 +51,7 @@ pub fn short(problem: &Problem, files: &[SourceFile]) -> String {
 /// The same as data. Lines and columns count from 1, columns in characters; spans are bytes.
 pub fn json(problem: &Problem, files: &[SourceFile]) -> Value {
     let label = |label: &Label| {
-        let (file, line, column) = located(label, files)?;
+        let (file, line, column) = located(&label.place, files)?;
         let span = &label.place.span;
         Some(json!({
             "file": file.path.display().to_string(),
@@ -71,6 +71,18 @@ pub fn json(problem: &Problem, files: &[SourceFile]) -> Value {
         "labels": problem.labels.iter().filter_map(label).collect::<Vec<_>>(),
         "notes": problem.notes,
         "help": problem.help,
+        "edit": problem.remedy().and_then(|edit| {
+            let (file, line, column) = located(&edit.place, files)?;
+            Some(json!({
+                "file": file.path.display().to_string(),
+                "line": line,
+                "column": column,
+                "start": edit.place.span.start,
+                "end": edit.place.span.end,
+                "old": edit.old,
+                "new": edit.new,
+            }))
+        }),
     })
 }
 
@@ -113,10 +125,10 @@ fn files_in_order(labels: &[Label]) -> Vec<FileId> {
     files
 }
 
-/// File, line and column of a label.
-fn located<'a>(label: &Label, files: &'a [SourceFile]) -> Option<(&'a SourceFile, usize, usize)> {
-    let file = files.get(label.place.file.0 as usize)?;
-    let before = &file.text[..within(&file.text, &label.place.span).start];
+/// File, line and column of a place.
+pub fn located<'a>(place: &Place, files: &'a [SourceFile]) -> Option<(&'a SourceFile, usize, usize)> {
+    let file = files.get(place.file.0 as usize)?;
+    let before = &file.text[..within(&file.text, &place.span).start];
     let start_of_line = before.rfind('\n').map_or(0, |at| at + 1);
     let line = before.bytes().filter(|&byte| byte == b'\n').count() + 1;
     Some((file, line, before[start_of_line..].chars().count() + 1))

@@ -1,5 +1,7 @@
 //! What tests of the program share.
 
+#![allow(dead_code, reason = "each of the tests that use this needs a part of it")]
+
 use std::path::PathBuf;
 
 /// The folder of the project.

@@ -4,9 +4,13 @@ mod check;
 mod diff;
 mod export;
 mod files;
+mod get;
 mod import;
+mod list;
 mod model;
 mod said;
+mod set;
+mod told;
 
 use std::io;
 
@@ -14,12 +18,15 @@ use crate::args::params::ParamsCommand;
 use crate::exit::Exit;
 use crate::terminal::console::Console;
 
-/// Sets of parameters as workbooks and back.
+/// Parameters of models one by one, and sets of them as workbooks and back.
 ///
 /// # Errors
 /// If the standard output cannot be written.
 pub fn params(command: &ParamsCommand, console: Console) -> io::Result<Exit> {
     match command {
+        ParamsCommand::List(args) => list::list(args, console),
+        ParamsCommand::Get(args) => get::get(args, console),
+        ParamsCommand::Set(args) => set::set(args, console),
         ParamsCommand::Export(args) => export::export(args, console),
         ParamsCommand::Import(args) => import::import(args, console),
         ParamsCommand::Diff(args) => diff::diff(args, console),

@@ -3,6 +3,8 @@
 mod new;
 mod show;
 
+pub(super) use self::new::made;
+
 use std::io;
 
 use crate::args::plugin::PluginCommand;

@@ -79,7 +79,7 @@ fn capitals(name: &str) -> String {
 }
 
 /// Writes the crate, whole or not at all.
-fn made(args: &PluginNewArgs, name: &str, kind: &str) -> Result<(), (Exit, String)> {
+pub fn made(args: &PluginNewArgs, name: &str, kind: &str) -> Result<(), (Exit, String)> {
     let folder = &args.folder;
     let failed = |what: &str, error: &io::Error| {
         (

@@ -1,3 +1,5 @@
+mod fix;
+
 use std::io;
 
 use blocksim_block::schedule::Schedule;
@@ -16,6 +18,11 @@ use crate::terminal::render;
 /// # Errors
 /// If the standard output cannot be written.
 pub fn check(args: &CheckArgs, console: Console) -> io::Result<Exit> {
+    if args.fix
+        && let Err(exit) = fix::fix(args, console)?
+    {
+        return Ok(exit);
+    }
     let Some(loaded) = load(&args.model, console) else { return Ok(Exit::Files) };
     let problems = &loaded.compiled.problems;
     tell(problems, &loaded.files, args.output_format, console)?;
@@ -25,6 +32,11 @@ pub fn check(args: &CheckArgs, console: Console) -> io::Result<Exit> {
         (Some(schedule), _) => console.data(&format!("{said}; {}\n", size(schedule)))?,
         (None, Format::Json) => {}
         (None, _) => console.say(&said),
+    }
+    let remedies = problems.iter().filter(|problem| problem.remedy().is_some()).count();
+    if remedies > 0 && !args.fix && args.output_format == Format::Full {
+        let which = if problems.len() == 1 { "it".to_owned() } else { format!("{remedies} of them") };
+        console.say(&format!("  = help: `--fix` mends {which}"));
     }
     Ok(if loaded.compiled.schedule.is_some() { Exit::Done } else { Exit::Model })
 }

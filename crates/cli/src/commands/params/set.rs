@@ -1,0 +1,107 @@
+use std::io;
+
+use blocksim_diagram::{Found, Sources, Target, compile, find, read_tree, spelled, targets};
+
+use super::told::unknown;
+use crate::args::model::Format;
+use crate::args::params::SetArgs;
+use crate::commands::tell;
+use crate::disk::{Overlaid, refusal, write_file};
+use crate::exit::Exit;
+use crate::terminal::console::Console;
+use crate::terminal::diff::difference;
+use crate::terminal::render::{errors, plural};
+
+/// Writes another value of a parameter into the text that holds it, if the model accepts it.
+pub fn set(args: &SetArgs, console: Console) -> io::Result<Exit> {
+    if let Some(refusal) = refusal(&args.model) {
+        console.say(&refusal);
+        return Ok(Exit::Files);
+    }
+    crate::loaded::tell_builds();
+    let mut disk = Overlaid::default();
+    let sources = Sources::new(&disk);
+    let (all, problems) = targets(&sources, &args.model);
+    let files = sources.all();
+    let refuse = |exit: Exit, said: &str, help: &str| {
+        console.say(&format!("error: {said}\n  = help: {help}\nnothing was written"));
+        Ok(exit)
+    };
+    let target = match find(&all, &args.target) {
+        Found::One(one) => one,
+        Found::Several(several) => {
+            let names: Vec<&str> = several.iter().take(5).map(|target| target.name.as_str()).collect();
+            let said = format!("`{}` holds {}", args.target, plural(several.len(), "value"));
+            return refuse(Exit::Usage, &said, &format!("name one of them, such as {}", names.join(", ")));
+        }
+        Found::Nothing(help) => {
+            tell(&problems, &files, Format::Full, console)?;
+            return Ok(unknown(&args.model, &args.target, &help, console));
+        }
+    };
+    let Some(file) = files.get(target.site.place.file.0 as usize) else { return Ok(Exit::Files) };
+    if target.sharers > 1 && !args.all {
+        let said = format!("{} parts of the model are made of `{}`", target.sharers, file.path.display());
+        return refuse(
+            Exit::Usage,
+            &said,
+            &format!(
+                "add --all to change all of them, or set one of them for a run: --set {}=...",
+                target.name
+            ),
+        );
+    }
+    let new = match spelled(target, &args.value) {
+        Ok(new) => new,
+        Err((said, help)) => return refuse(Exit::Usage, &said, &help),
+    };
+    let text = changed(&file.text, target, &new);
+    if *text == *file.text {
+        console.data(&format!("{}: `{}` is {new} already\n", file.path.display(), target.name))?;
+        return Ok(Exit::Done);
+    }
+    let (path, old_text) = (file.path.clone(), file.text.clone());
+    disk.texts.insert(path.clone(), text.clone());
+    let sources = Sources::new(&disk);
+    let (is_diagram, problems) = match read_tree(&text) {
+        Ok(_) if is_set(&sources, args) => (false, targets(&sources, &args.model).1),
+        _ => (true, compile(&sources, &args.model, &[]).problems),
+    };
+    let found = errors(&problems);
+    tell(&problems, &sources.all(), Format::Full, console)?;
+    if found > 0 {
+        let what = if is_diagram { "the model" } else { "the set" };
+        console.say(&format!(
+            "{what} has {} with `{}` = {new}; nothing was written",
+            plural(found, "error"),
+            target.name
+        ));
+        return Ok(Exit::Model);
+    }
+    console.data(&difference(&path, &old_text, &text))?;
+    if args.dry_run {
+        console.say("nothing was written");
+        return Ok(Exit::Done);
+    }
+    match write_file(&path, text.as_bytes(), true, console) {
+        Ok(()) => {
+            console.say(&format!("{}: `{}` was {}, is {new}", path.display(), target.name, target.written));
+            Ok(Exit::Done)
+        }
+        Err(exit) => Ok(exit),
+    }
+}
+
+/// The text with another value at the place of the target.
+fn changed(text: &str, target: &Target, new: &str) -> String {
+    let site = &target.site;
+    let mut text = text.to_owned();
+    text.replace_range(site.place.span.clone(), &format!("{}{new}{}", site.before, site.after));
+    text
+}
+
+/// Whether the file is a set of values, which cannot be compiled.
+fn is_set(sources: &Sources, args: &SetArgs) -> bool {
+    let text = sources.open(&args.model).map(|file| sources.file(file).text);
+    text.is_ok_and(|text| read_tree(&text).is_ok_and(|root| root.word() != Some("Diagram")))
+}
