@@ -9,9 +9,8 @@ use blocksim_results::{
     Ended, EventRow, Manifest, Recording, ResultsError, Run, RunFolder, STORE, Store, clock, probe,
 };
 use blocksim_scene::Scene;
-use blocksim_sim::{Control, Counts, Observer, Simulation};
+use blocksim_sim::Simulation;
 
-use super::measure::Rows;
 use crate::args::model::ModelArgs;
 use crate::loaded::Loaded;
 use crate::running::keep::{Csv, Rest, keep};
@@ -52,7 +51,7 @@ pub fn name(run: usize, of: usize) -> String {
 /// A run that is being recorded beside what is measured of it.
 pub struct Keeping<'a> {
     folder: RunFolder,
-    recorder: Recorder,
+    pub(super) recorder: Recorder,
     selection: Selection,
     loaded: &'a Loaded,
     model: &'a ModelArgs,
@@ -131,36 +130,6 @@ impl<'a> Keeping<'a> {
         match lost {
             Some(error) => Err(told(error)),
             None => kept.map_err(told).and_then(|kept| kept.untold.map_or(Ok(()), |error| Err(told(error)))),
-        }
-    }
-}
-
-/// Gives rows both to what is measured and to what is kept, where anything is.
-pub struct Both<'k, 'a> {
-    /// All rows in memory.
-    pub rows: Rows,
-    /// What goes to the disk.
-    pub keeping: Option<&'k mut Keeping<'a>>,
-}
-
-impl Observer for Both<'_, '_> {
-    fn row(&mut self, t: f64, values: &[f64]) {
-        self.rows.row(t, values);
-        if let Some(keeping) = &mut self.keeping {
-            keeping.recorder.row(t, values);
-        }
-    }
-
-    fn event(&mut self, t: f64, path: &str, what: &str) {
-        if let Some(keeping) = &mut self.keeping {
-            keeping.recorder.event(t, path, what);
-        }
-    }
-
-    fn progress(&mut self, t: f64, counts: &Counts) -> Control {
-        match &mut self.keeping {
-            Some(keeping) => keeping.recorder.progress(t, counts),
-            None => self.rows.progress(t, counts),
         }
     }
 }

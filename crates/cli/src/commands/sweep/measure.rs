@@ -5,15 +5,16 @@ use std::sync::Arc;
 
 use blocksim_analysis::{Metrics, metrics, statistics, without_jumps};
 use blocksim_block::schedule::{Recorded, Schedule};
-use blocksim_results::{Ended as How, Recording};
-use blocksim_sim::{Control, Counts, Ended, Observer, SimError, Simulation};
+use blocksim_results::Ended as How;
+use blocksim_sim::{Ended, SimError, Simulation};
 
-use super::kept::{Both, Keeping};
+use super::kept::Keeping;
+use super::rows::{Both, Rows};
 use crate::args::model::ModelArgs;
 use crate::args::sweep::{Metric, SweepArgs, Wanted};
 use crate::loaded::Loaded;
 use crate::running::blame::reason;
-use crate::running::{interrupt, solver};
+use crate::running::solver;
 use crate::signals::naming::{fits, short_names};
 use crate::signals::shown::{Shown, recording, shown, turn};
 use crate::signals::tracking::{Tracking, trackings};
@@ -103,20 +104,6 @@ pub fn measure(
                 .to_owned(),
         )),
         None => Ok(found),
-    }
-}
-
-/// Takes the rows as they come.
-pub struct Rows(Recording);
-
-impl Observer for Rows {
-    fn row(&mut self, t: f64, values: &[f64]) {
-        let pushed = self.0.push_row(t, values);
-        debug_assert!(pushed.is_ok(), "the engine gives rows in their order");
-    }
-
-    fn progress(&mut self, _t: f64, _counts: &Counts) -> Control {
-        if interrupt::is_requested() { Control::Stop } else { Control::Go }
     }
 }
 

@@ -3,6 +3,7 @@
 mod combinations;
 mod kept;
 mod measure;
+mod rows;
 mod told;
 
 use std::io;
