@@ -56,7 +56,9 @@ impl<'a> Series<'a> {
                 }
                 let (t0, t1) = (self.time[from - 1], self.time[from]);
                 let share = (t - t0) / (t1 - t0);
-                let between = value(from - 1) * (1.0 - share) + value(from) * share;
+                let (a, b) = (value(from - 1), value(from));
+                // What does not change keeps all its bits.
+                let between = if a == b { a } else { a * (1.0 - share) + b * share };
                 Some((between, between))
             }
         }
@@ -74,6 +76,11 @@ mod tests {
         assert_eq!(linear(0.5), (1.0, 1.0));
         assert_eq!(linear(1.0), (2.0, 5.0));
         assert_eq!(linear(2.0), (7.0, 7.0));
+        let level = std::f64::consts::FRAC_PI_2;
+        let levels = [level; 2];
+        let constant = Series::new(&[0.0, 0.7], &levels);
+        let mut all = (0..100).map(|k| constant.at(f64::from(k) * 7e-3, Interpolation::Linear, 0.0));
+        assert!(all.all(|found| found == Some((level, level))));
         assert_eq!((linear(-1.0).0, linear(4.0).0), (0.0, 9.0));
         let held = |t| series.at(t, Interpolation::Hold, 0.0).unwrap().1;
         assert_eq!([held(0.9), held(1.0), held(2.9), held(-1.0)], [0.0, 5.0, 5.0, 0.0]);

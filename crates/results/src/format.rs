@@ -66,8 +66,26 @@ pub fn degrees(angle: f64, decimals: usize) -> String {
     fixed(angle.to_degrees(), decimals)
 }
 
-/// A duration in s: `0.42 s`, `7.62 s`, from a minute on `2:03.4`, from an hour on `1:02:03`.
+/// A time in s with so many decimals; three significant digits of one that would have none or one of them.
+pub fn seconds(t: f64, decimals: usize) -> String {
+    let least = 10_f64.powi(1 - decimals as i32);
+    if t != 0.0 && t.abs() < least { significant(t, 3) } else { fixed(t, decimals) }
+}
+
+/// A simulated time with its unit: `2.000 s`, `0.200 ms`.
+pub fn simulated(t: f64) -> String {
+    match t {
+        t if t > 0.0 && t < 1e-5 => format!("{} us", significant(1e6 * t, 3)),
+        t if t > 0.0 && t < 0.01 => format!("{} ms", significant(1e3 * t, 3)),
+        t => format!("{} s", fixed(t, 3)),
+    }
+}
+
+/// A duration: `1.6 ms`, `0.42 s`, `7.62 s`, from a minute on `2:03.4`, from an hour on `1:02:03`.
 pub fn duration(seconds: f64) -> String {
+    if seconds > 0.0 && seconds < 0.00995 {
+        return format!("{} ms", significant(1e3 * seconds, 2));
+    }
     if !seconds.is_finite() || seconds < 59.995 {
         return format!("{} s", fixed(seconds, 2));
     }
@@ -149,11 +167,16 @@ mod tests {
 
     #[test]
     fn durations_and_counts_read_well() {
-        assert_eq!(duration(0.42), "0.42 s");
+        assert_eq!([0.0, 0.0016, 0.42].map(duration), ["0.00 s", "1.6 ms", "0.42 s"]);
         assert_eq!(duration(59.999), "1:00.0");
         assert_eq!(duration(123.44), "2:03.4");
         assert_eq!(duration(3599.97), "1:00:00");
         assert_eq!(duration(3723.2), "1:02:03");
+        assert_eq!([2.0, 2e-4, 3e-6, 0.0].map(simulated), ["2.000 s", "0.200 ms", "3.00 us", "0.000 s"]);
+        assert_eq!(
+            [0.5, 0.012, 0.0012, 1.2e-5, 0.0].map(|t| seconds(t, 3)),
+            ["0.500", "0.012", "1.20e-3", "12.0e-6", "0.000"]
+        );
         assert_eq!([0, 96, 4183, 1_234_567].map(count), ["0", "96", "4 183", "1 234 567"]);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::format::{count, duration, fixed};
+use crate::format::{count, duration, simulated};
 use crate::manifest::{Ended, Manifest};
 
 /// One line on how a run ended, what it cost and where it lies. `place` is `None` where nothing was kept.
@@ -15,7 +15,7 @@ pub fn done_line(manifest: &Manifest, signals: usize, place: Option<&Path>) -> S
         Ended::Failed { .. } => "Failed",
     };
     let mut line =
-        format!("{how:>11} {} s in {}", fixed(manifest.simulated_time, 3), duration(manifest.wall_time));
+        format!("{how:>11} {} in {}", simulated(manifest.simulated_time), duration(manifest.wall_time));
     let factor = manifest.simulated_time / manifest.wall_time;
     if factor.is_finite() {
         line.push_str(&format!(" ({}×)", crate::format::significant(factor, 3)));

@@ -1,6 +1,6 @@
 use std::io;
 
-use blocksim_results::format::{duration, fixed};
+use blocksim_results::format::{duration, fixed, simulated};
 use blocksim_results::{Align, Kept, Table, history};
 use serde_json::json;
 
@@ -48,9 +48,7 @@ pub fn runs(args: &RunsArgs, console: Console) -> io::Result<Exit> {
         });
         let [simulated, took] = match manifest.filter(|_| !kept.is_unfinished()) {
             None => ["".to_owned(), "".to_owned()],
-            Some(manifest) => {
-                [format!("{} s", fixed(manifest.simulated_time, 3)), duration(manifest.wall_time)]
-            }
+            Some(manifest) => [simulated(manifest.simulated_time), duration(manifest.wall_time)],
         };
         table.row([kept.name.clone(), model, kept.ended().to_owned(), simulated, took, size(kept.bytes)]);
     }

@@ -1,6 +1,6 @@
 //! What a run was, in a few lines.
 
-use blocksim_results::format::{count, duration, fixed, significant};
+use blocksim_results::format::{count, duration, significant, simulated};
 use blocksim_results::{Align, Choice, Ended, Manifest, Table};
 use blocksim_sim::Counts;
 
@@ -22,8 +22,7 @@ pub fn summary(
         true => format!(" ({} times real time)", times(factor)),
         false => String::new(),
     };
-    let simulated =
-        format!("{} s in {}{speed}", fixed(manifest.simulated_time, 3), short(manifest.wall_time));
+    let simulated = format!("{} in {}{speed}", simulated(manifest.simulated_time), short(manifest.wall_time));
     let n = |n: u64, name: &str| format!("{} {name}{}", count(n), if n == 1 { "" } else { "s" });
     table.row(["simulated", &simulated]);
     match &manifest.ended {

@@ -1,6 +1,6 @@
 //! How well actual values follow their set values, as a table and as data.
 
-use blocksim_results::format::fixed;
+use blocksim_results::format::seconds;
 use blocksim_results::{Align, Table};
 use serde_json::{Value, json};
 
@@ -60,7 +60,7 @@ fn group(table: &mut Table, unit: &str, rows: &[&(&str, Errors)]) {
     ]);
     let (largest, last) = (errors(|e| e.largest), errors(|e| e.last));
     for (n, (name, errors)) in rows.iter().enumerate() {
-        table.row([*name, &largest[n], &fixed(errors.at, 3), &last[n], &peaks[n]]);
+        table.row([*name, &largest[n], &seconds(errors.at, 3), &last[n], &peaks[n]]);
     }
 }
 

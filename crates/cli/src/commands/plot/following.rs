@@ -1,7 +1,7 @@
 //! How actual values follow their set values, as a table and as data.
 
 use blocksim_analysis::{Metrics, metrics};
-use blocksim_results::format::{fixed, significant};
+use blocksim_results::format::{fixed, seconds, significant};
 use blocksim_results::{Align, Column, Table};
 use serde_json::{Value, json};
 
@@ -73,21 +73,21 @@ pub fn table(rows: &[Row], several: bool) -> String {
     let columns: Vec<(&str, Align)> =
         headings.iter().enumerate().map(|(n, name)| (*name, aligned(n))).collect();
     let mut table = Table::new(&columns);
-    let seconds = |t: Option<f64>| t.map_or_else(|| "-".to_owned(), |t| fixed(t, 4));
+    let time = |t: Option<f64>| t.map_or_else(|| "-".to_owned(), |t| seconds(t, 4));
     for Row { name, unit, run, metrics: m, .. } in rows {
         let name = if several { format!("{name}, {run}") } else { name.clone() };
         table.row([
             name,
             unit.clone(),
             significant(m.step, 4),
-            seconds(m.rise),
+            time(m.rise),
             m.overshoot.map_or_else(|| "-".to_owned(), |x| format!("{} %", fixed(100.0 * x, 2))),
-            seconds(m.settling),
+            time(m.settling),
             significant(m.iae, 4),
             significant(m.ise, 4),
             significant(m.steady_state_error, 4),
             significant(m.max_error, 4),
-            fixed(m.max_error_at, 4),
+            seconds(m.max_error_at, 4),
         ]);
     }
     table.render()

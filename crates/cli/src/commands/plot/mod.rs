@@ -11,6 +11,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use blocksim_plot::{Theme, svg};
+use blocksim_results::Column;
 use blocksim_signal::closest;
 
 use self::drawn::{Drawn, add_once, read};
@@ -19,6 +20,7 @@ use self::panels::{figure, panel};
 use crate::args::plot::PlotArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
+use crate::mechanism::recorded;
 use crate::picture_file::write_pictures;
 use crate::signals::traces::{Book, Mapping, check_mappings, mappings, told};
 use crate::terminal::console::Console;
@@ -70,6 +72,9 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, (String, Exit)> {
     for group in groups.into_iter().take(PANELS) {
         add_once(&mut all, read(group, &books, &range).map_err(files)?);
     }
+    if args.signals.is_empty() {
+        leave_joints(&mut all, &books[0], &joints(&args.run));
+    }
     if left > 0 {
         console.say(&format!("note: {left} more pictures are left out; choose signals to see them"));
     }
@@ -110,6 +115,26 @@ pub fn open(name: &str, maps: &[Mapping]) -> Result<Book, String> {
 
 fn locate(name: &str) -> Result<PathBuf, String> {
     blocksim_results::locate(name, Path::new(RUNS)).map_err(told)
+}
+
+/// Signals that only the view in space of a run needs.
+fn joints(run: &str) -> Vec<String> {
+    let scene = locate(run).ok().and_then(|folder| recorded::scene(&folder).ok().flatten());
+    scene.and_then(|scene| recorded::signals(&scene).ok()).unwrap_or_default()
+}
+
+/// Leaves pictures of joints away whose positions other pictures show: nobody asked for them.
+fn leave_joints(all: &mut Vec<Drawn>, book: &Book, joints: &[String]) {
+    let is_joint =
+        |drawn: &Drawn| drawn.group.traces.iter().all(|&at| joints.contains(&book.traces[at].path));
+    let (asked, unasked): (Vec<Drawn>, Vec<Drawn>) = all.drain(..).partition(|drawn| !is_joint(drawn));
+    let is_shown = |drawn: &Drawn, column: &Column| {
+        let same = |other: &Column| other.time == column.time && other.values == column.values;
+        asked.iter().any(|other| other.group.unit == drawn.group.unit && other.columns.iter().any(same))
+    };
+    let new = |drawn: &Drawn| !drawn.columns.iter().all(|column| is_shown(drawn, column));
+    let rest: Vec<Drawn> = unasked.into_iter().filter(new).collect();
+    *all = asked.into_iter().chain(rest).collect();
 }
 
 /// What is shown: what the options say, else all that there is.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use blocksim_report::{Report, Rows};
-use blocksim_results::format::{count, duration, fixed, significant};
+use blocksim_results::format::{count, duration, fixed, significant, simulated};
 use blocksim_results::{Ended, Manifest, Run, hash};
 
 use crate::running::solver;
@@ -30,7 +30,7 @@ pub fn add(run: &Run, path: &Path, report: &mut Report) {
         let simulated = match (&manifest.ended, run.span()) {
             (Ended::Unfinished, Some((_, end))) => format!("until {} s at least", fixed(end, 3)),
             _ => {
-                format!("{} s in {}{speed}", fixed(manifest.simulated_time, 3), duration(manifest.wall_time))
+                format!("{} in {}{speed}", simulated(manifest.simulated_time), duration(manifest.wall_time))
             }
         };
         fact("simulated", simulated);

@@ -175,7 +175,9 @@ fn table(rows: &[Row]) -> Rows {
         "largest error",
         "at [s]",
     ];
-    let seconds = |t: Option<f64>| t.map_or_else(|| "–".to_owned(), |t| fixed(t, 3));
+    // Those of fast circuits are far below a second.
+    let time = |t: f64| if t != 0.0 && t.abs() < 0.01 { readable(t, 3) } else { fixed(t, 3) };
+    let seconds = |t: Option<f64>| t.map_or_else(|| "–".to_owned(), time);
     let row = |Row { name, unit, metrics: m, .. }: &Row| {
         vec![
             name.clone(),
@@ -187,7 +189,7 @@ fn table(rows: &[Row]) -> Rows {
             readable(m.iae, 4),
             readable(m.steady_state_error, 3),
             readable(m.max_error, 3),
-            fixed(m.max_error_at, 3),
+            time(m.max_error_at),
         ]
     };
     Rows { head: head.map(str::to_owned).to_vec(), rows: rows.iter().map(row).collect() }
