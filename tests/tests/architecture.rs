@@ -174,6 +174,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("plot", &["block", "blocks", "diagram", "sim"]),
         ("analysis", &["*"]),
         ("layout", &["*"]),
+        ("linear", &["block", "blocks", "ron", "serde", "diagram", "sim"]),
         ("drawing", &["blocks", "sim", "host"]),
         ("report", &["block", "blocks", "diagram", "results"]),
         ("lsp", &["blocks", "sim", "host"]),

@@ -334,19 +334,27 @@ fn every_diagram_compiles_without_any_problem_under_every_choice() {
 }
 
 #[test]
-fn every_part_is_used_by_some_diagram() {
+fn every_part_is_used_by_some_diagram_or_page() {
     let folder = root().join("diagrams");
     let mut paths = Vec::new();
     files(&folder, &mut paths);
-    let texts: Vec<String> =
-        paths.iter().map(|path| std::fs::read_to_string(path).expect("a text")).collect();
+    let read = |path: &PathBuf| std::fs::read_to_string(path).expect("a text");
+    let texts: Vec<String> = paths.iter().map(read).collect();
+    let pages =
+        std::fs::read_dir(root().join("docs")).expect("the manual").map(|page| page.expect("a page").path());
+    let pages: Vec<String> = pages
+        .filter(|page| page.extension().is_some_and(|ending| ending == "md"))
+        .map(|page| read(&page))
+        .collect();
     for (path, text) in paths.iter().zip(&texts) {
         let offers =
             ["\n    inputs:", "\n    outputs:", "\n    ports:"].iter().any(|section| text.contains(section));
         let is_data = !text.contains("Diagram(");
         let name = path.file_name().and_then(|name| name.to_str()).expect("a name");
         let named = texts.iter().any(|other| other.contains(&format!("{name}\"")));
-        assert!(!(offers || is_data) || named, "nothing uses {}", path.display());
+        let place = path.strip_prefix(root()).expect("below the root").display().to_string();
+        let shown = pages.iter().any(|page| page.contains(&place));
+        assert!(!(offers || is_data) || named || shown, "nothing uses {place}");
     }
 }
 
