@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use blocksim_multibody::Placement;
 
+use crate::apart::Apart;
 use crate::check::Check;
 use crate::distance::Distance;
 
@@ -54,17 +55,14 @@ struct Group {
 
 /// Goes through poses one after another.
 ///
-/// Of each pair of solids a distance is kept that it has at least, which shrinks by what both move by at most; a pair is
-/// measured where it may touch, or may be nearer than its names were before.
+/// A pair of solids is measured where it may touch, or may be nearer than its names were before.
 #[derive(Debug)]
 struct Follow<'c> {
     check: &'c Check,
     groups: Vec<Group>,
     /// The group of each pair.
     of_pair: Vec<usize>,
-    /// What each pair is apart at least, m.
-    apart: Vec<f64>,
-    places: Vec<Placement>,
+    apart: Apart<'c>,
     history: History,
 }
 
@@ -77,24 +75,6 @@ impl Check {
             follow.step(time, poses.as_ref());
         }
         follow.told()
-    }
-
-    /// How far any point of a solid comes at most from one pose to another, m.
-    pub fn moved(&self, from: &[Placement], to: &[Placement]) -> f64 {
-        let (from, to) = (self.places(from), self.places(to));
-        (0..from.len()).map(|i| self.came(i, &from[i], &to[i])).fold(0.0, f64::max)
-    }
-
-    /// How far the points of a solid come at most from one place to another, m.
-    pub(crate) fn came(&self, item: usize, from: &Placement, to: &Placement) -> f64 {
-        match self.items[item].body {
-            None | Some(0) => 0.0,
-            // a turn by φ moves a point at the distance r by 2 r sin(φ/2); the norm of the difference is √2 times that of r = 1
-            Some(_) => {
-                let turned = (to.rotation - from.rotation).norm() / std::f64::consts::SQRT_2;
-                (to.translation - from.translation).norm() + turned * self.reach[item]
-            }
-        }
     }
 }
 
@@ -112,35 +92,18 @@ impl<'c> Follow<'c> {
             }
             of_pair.push(group);
         }
-        let apart = vec![f64::NEG_INFINITY; check.pairs.len()];
-        Follow { check, groups, of_pair, apart, places: Vec::new(), history: History::default() }
+        Follow { check, groups, of_pair, apart: Apart::new(check), history: History::default() }
     }
 
     fn step(&mut self, time: f64, poses: &[Placement]) {
-        let check = self.check;
-        let places = check.places(poses);
-        let came: Vec<f64> = match self.places.is_empty() {
-            true => vec![0.0; places.len()],
-            false => (0..places.len()).map(|i| check.came(i, &self.places[i], &places[i])).collect(),
-        };
-        for ((pair, apart), group) in check.pairs.iter().zip(&mut self.apart).zip(&self.of_pair) {
-            let ([i, k], group) = (pair.of, &mut self.groups[*group]);
+        self.apart.go(poses);
+        for (n, pair) in self.check.pairs.iter().enumerate() {
+            let group = &mut self.groups[self.of_pair[n]];
             let least = group.least.map_or(f64::INFINITY, |least| least.distance.distance);
             // What touches is measured however deep it was before.
             let enough = pair.bound(least.max(f64::MIN_POSITIVE));
-            *apart -= came[i] + came[k];
-            if *apart >= enough {
-                continue;
-            }
-            let centres = (places[i].translation - places[k].translation).norm();
-            let bound = centres - check.reach[i] - check.reach[k];
-            if bound >= enough {
-                *apart = bound;
-                continue;
-            }
-            let mut found = check.between(i, k, &places);
-            *apart = found.distance;
-            if check.items[i].name != group.names[0] {
+            let Some(mut found) = self.apart.measured(n, enough) else { continue };
+            if self.check.items[pair.of[0]].name != group.names[0] {
                 found.points.reverse();
             }
             if found.distance <= 0.0 && group.now.is_none_or(|now| found.distance < now.distance) {
@@ -150,7 +113,6 @@ impl<'c> Follow<'c> {
                 group.least = Some(Nearest { time, distance: found });
             }
         }
-        self.places = places;
         self.history.poses += 1;
         for group in &mut self.groups {
             group.note(time, &mut self.history.contacts);

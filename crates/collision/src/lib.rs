@@ -7,6 +7,7 @@
 //!
 //! Neighbours, bodies joined by a joint, may touch; and so may what touches at rest. [`Check::left_out`] lists the latter.
 
+mod apart;
 mod check;
 mod convex;
 mod depth;

@@ -2,6 +2,7 @@
 
 use blocksim_multibody::Placement;
 
+use crate::apart::Apart;
 use crate::check::{Check, Clearance};
 
 /// What happens on a way.
@@ -13,16 +14,12 @@ pub struct Course {
     pub least: Option<(usize, Clearance)>,
 }
 
-/// Goes through poses and finds where solids are nearest, measuring only what may matter.
-///
-/// Of each pair a distance is kept that it has at least. From pose to pose this shrinks by what both solids move by at
-/// most; a pair is measured anew only where it may have come nearer than the nearest so far.
+/// Goes through poses and finds where solids are nearest, measuring only what may matter: pairs that may have come nearer
+/// than the nearest so far.
 #[derive(Debug)]
 pub struct Walk<'c> {
     check: &'c Check,
-    places: Vec<Placement>,
-    /// What each pair is apart at least, m.
-    apart: Vec<f64>,
+    apart: Apart<'c>,
     /// The least distance so far, m.
     least: f64,
 }
@@ -30,40 +27,21 @@ pub struct Walk<'c> {
 impl<'c> Walk<'c> {
     /// Before the first pose.
     pub fn new(check: &'c Check) -> Self {
-        let apart = vec![f64::NEG_INFINITY; check.pairs.len()];
-        Walk { check, places: Vec::new(), apart, least: f64::INFINITY }
+        Walk { check, apart: Apart::new(check), least: f64::INFINITY }
     }
 
     /// The next pose, with the world first: the nearest pair, if it is nearer than any before.
     pub fn step(&mut self, poses: &[Placement]) -> Option<Clearance> {
-        let check = self.check;
-        let places = check.places(poses);
-        let moved: Vec<f64> = match self.places.is_empty() {
-            true => vec![0.0; places.len()],
-            false => (0..places.len()).map(|i| check.came(i, &self.places[i], &places[i])).collect(),
-        };
+        self.apart.go(poses);
         let mut best = None;
-        for (pair, apart) in check.pairs.iter().zip(&mut self.apart) {
-            let ([i, k], enough) = (pair.of, pair.bound(self.least));
-            *apart -= moved[i] + moved[k];
-            if *apart >= enough {
-                continue;
-            }
-            let centres = (places[i].translation - places[k].translation).norm();
-            let bound = centres - check.reach[i] - check.reach[k];
-            if bound >= enough {
-                *apart = bound;
-                continue;
-            }
-            let found = check.between(i, k, &places);
-            *apart = found.distance;
-            if found.distance < enough {
+        for (n, pair) in self.check.pairs.iter().enumerate() {
+            let enough = pair.bound(self.least);
+            if let Some(found) = self.apart.measured(n, enough).filter(|found| found.distance < enough) {
                 self.least = found.distance;
                 best = Some((pair.of, found));
             }
         }
-        self.places = places;
-        best.map(|(pair, found)| check.clearance_of(pair, found))
+        best.map(|(pair, found)| self.check.clearance_of(pair, found))
     }
 }
 
