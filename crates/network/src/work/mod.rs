@@ -102,6 +102,10 @@ pub(crate) struct Work {
     pub rests: Vec<Rest>,
     pub trial_x: Vec<f64>,
     pub trial_d: Vec<f64>,
+    /// Modes that are put aside for a moment.
+    pub kept: Vec<f64>,
+    /// Something rigid slides that must not.
+    pub struck: bool,
     pub residual: Vec<f64>,
     pub mesh: MeshScratch,
     pub mesh_speed: Vec<f64>,
@@ -194,6 +198,8 @@ impl Work {
             rests: vec![Rest::Free; frictions],
             trial_x: vec![0.0; network.interface.states.len()],
             trial_d: vec![0.0; network.interface.discrete.len()],
+            kept: vec![0.0; frictions],
+            struck: false,
             residual: vec![0.0; r.nodes.len() + j],
             mesh: MeshScratch::new(g),
             mesh_speed: vec![0.0; g],

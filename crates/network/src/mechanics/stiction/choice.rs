@@ -26,9 +26,10 @@ impl Network {
         self.without_drift(c, w, |w| self.must_choose(c, w) && self.change_modes(c, w, x, d))
     }
 
-    /// Sorts the frictions by what is to be decided about them; returns whether a mode is wrong.
+    /// Whether a mode is wrong; sorts the frictions by what is to be decided about them.
     fn must_choose(&self, c: &Context, w: &mut Work) -> bool {
         let mut wrong = false;
+        w.struck = false;
         for (i, mode) in self.stiction.of(c.d).iter().copied().enumerate() {
             let (speed, zero, drifted) = self.slip(i, c.x, &w.s);
             // A freewheel that is struck, a mesh that jams: they stop at once.
@@ -36,12 +37,13 @@ impl Network {
                 || self.jam(i, mode, w) < 0.0;
             let threshold = if mode == 0.0 { drifted } else { zero };
             let moves = speed.abs() > threshold && (mode == 0.0 || mode * speed > 0.0);
+            w.struck |= never && speed.abs() > threshold;
             w.rests[i] = if moves && !never {
                 wrong |= mode == 0.0;
                 Rest::Moves(speed.signum())
             } else {
                 wrong |= moves || speed.abs() > threshold || self.verdict(i, mode, w, false).is_some();
-                if self.is_free(i, w) { Rest::Free } else { Rest::Stands }
+                self.stands(i, w)
             };
         }
         wrong
@@ -52,6 +54,9 @@ impl Network {
         let (mut at, mut modes) = (std::mem::take(&mut w.trial_x), std::mem::take(&mut w.trial_d));
         at.copy_from_slice(c.x);
         modes.copy_from_slice(c.d);
+        if w.struck {
+            self.collide(c, w, &mut at, &mut modes);
+        }
         let range = self.stiction.modes.clone();
         for (i, mode) in modes[range].iter_mut().enumerate() {
             *mode = match w.rests[i] {
@@ -61,18 +66,9 @@ impl Network {
                 Rest::Free => *mode,
             };
         }
-        self.again(&Context { x: &at, d: &modes, ..*c }, w);
-        self.stop(w, &mut at);
         self.pivot(c, w, &at, &mut modes);
+        self.come_to_rest(c, w, &mut at, &mut modes);
 
-        // What slides on keeps its speed, unless that is on the wrong side of zero.
-        let sliding = self.stiction.of(&modes).iter().enumerate();
-        let mut wrong = sliding
-            .filter(|(i, mode)| w.rests[*i] == Rest::Stands && **mode * self.slip(*i, c.x, &w.s).0 < 0.0);
-        if wrong.next().is_none() {
-            at.copy_from_slice(c.x);
-            self.stop(w, &mut at);
-        }
         let speeds = self.positions..self.positions + self.rotation.free;
         let changed = x[speeds.clone()] != at[speeds.clone()] || *d != *modes;
         x[speeds.clone()].copy_from_slice(&at[speeds]);
@@ -82,8 +78,32 @@ impl Network {
         changed
     }
 
+    /// Makes the speeds of what is stuck zero, and of what starts to slide where they are on the wrong side. They are
+    /// zero already up to rounding where crossings are located, and up to a part of a step where they are not: no
+    /// friction takes more than that from a motion in an instant.
+    fn come_to_rest(&self, c: &Context, w: &mut Work, at: &mut [f64], modes: &mut [f64]) {
+        let backward = |i: usize, mode: f64, w: &Work| {
+            let (speed, zero, _) = self.slip(i, at, &w.s);
+            let least = if self.frames.loops.is_empty() { 0.0 } else { zero };
+            w.rests[i] == Rest::Stands && mode * speed < -least
+        };
+        let range = self.stiction.modes.clone();
+        let sliding = self.stiction.of(modes).iter().enumerate();
+        if sliding.clone().any(|(i, mode)| backward(i, *mode, w)) {
+            w.kept.copy_from_slice(self.stiction.of(modes));
+            for i in 0..self.stiction.len() {
+                if backward(i, w.kept[i], w) {
+                    modes[range.start + i] = 0.0;
+                }
+            }
+            self.again(&Context { x: at, d: modes, ..*c }, w);
+            modes[range].copy_from_slice(&w.kept);
+        }
+        self.stop(w, at);
+    }
+
     /// Takes speeds onto the constraints of the last evaluation by an impulse.
-    fn stop(&self, w: &mut Work, x: &mut [f64]) {
+    pub(super) fn stop(&self, w: &mut Work, x: &mut [f64]) {
         let v = &mut x[self.positions..self.positions + self.rotation.free];
         if w.rows.is_empty() {
             return;
@@ -166,6 +186,11 @@ impl Network {
             true => Some(0.0),
             false => None,
         }
+    }
+
+    /// What is to be decided about a part at rest.
+    pub(super) fn stands(&self, i: usize, w: &Work) -> Rest {
+        if self.is_free(i, w) { Rest::Free } else { Rest::Stands }
     }
 
     /// Nothing holds it, or nothing would move if it were held.

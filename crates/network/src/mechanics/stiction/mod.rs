@@ -2,10 +2,12 @@
 //!
 //! The modes are discrete states of the network. While it slides, friction is a torque like others. While it is stuck,
 //! its speed is constrained to zero and its torque follows from the constraint. Guards end both: a speed that comes to
-//! zero, a torque that reaches what is held (`guards.rs`); `choice.rs` decides which modes follow.
+//! zero, a torque that reaches what is held (`guards.rs`); `choice.rs` decides which modes follow. Where something rigid is struck,
+//! speeds jump first (`impact.rs`).
 
 mod choice;
 mod guards;
+mod impact;
 mod meshes;
 pub(crate) mod parts;
 mod torques;

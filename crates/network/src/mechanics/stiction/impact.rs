@@ -1,0 +1,89 @@
+//! Impacts: speeds that jump because something rigid is struck.
+//!
+//! Only what is rigid passes an impulse on: a freewheel that locks, a mesh that locks itself, closed loops. A dry
+//! friction has a finite torque, whose impulse in no time is zero, however large the torque is: what is struck slides.
+//!
+//! Speeds behind a plastic impact: of all that no freewheel forbids, those nearest in kinetic energy. For the slips
+//! `u` in the direction that each freewheel locks and its impulses `p` this is the complementarity problem
+//! `u+ = u - S p`, `u+ <= 0`, `p >= 0`, `u+ p = 0` (J. J. Moreau, Unilateral contact and dry friction in finite freedom
+//! dynamics, 1988), solved by least-index pivoting.
+
+use blocksim_block::Context;
+
+use super::parts::{Place, Rest};
+use crate::network::Network;
+use crate::work::Work;
+
+/// How a part takes part in an impact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Rigid {
+    /// Not at all: its torque is finite.
+    No,
+    /// It never slides in this direction.
+    OneWay(f64),
+    /// It stops at once.
+    BothWays,
+}
+
+impl Network {
+    /// Speeds after an impact, when `w` holds the evaluation at `c`, and what is then to be decided about each part.
+    pub(super) fn collide(&self, c: &Context, w: &mut Work, at: &mut [f64], modes: &mut [f64]) {
+        let count = self.stiction.len();
+        let first = self.stiction.modes.start;
+        for (i, mode) in self.stiction.of(c.d).iter().copied().enumerate() {
+            let (speed, zero, _) = self.slip(i, c.x, &w.s);
+            let slides = |sign: f64| if speed == 0.0 { sign } else { speed.signum() };
+            (w.rests[i], modes[first + i]) = match self.rigid(i, mode, w) {
+                Rigid::No => (Rest::Free, slides(if mode == 0.0 { 1.0 } else { mode })),
+                Rigid::OneWay(sign) if sign * speed <= zero => (Rest::Stands, -sign),
+                Rigid::OneWay(_) | Rigid::BothWays => (Rest::Stands, 0.0),
+            };
+        }
+        for _ in 0..10 + 10 * count * count {
+            at.copy_from_slice(c.x);
+            self.again(&Context { x: c.x, d: modes, ..*c }, w);
+            self.stop(w, at);
+            let wrong = (0..count).find(|i| self.is_wrong(*i, modes[first + i], at, w));
+            let Some(i) = wrong else { break };
+            modes[first + i] = match self.rigid(i, 0.0, w) {
+                Rigid::OneWay(sign) if modes[first + i] == 0.0 => -sign,
+                _ => 0.0,
+            };
+        }
+        for i in 0..count {
+            let (speed, zero, drifted) = self.slip(i, at, &w.s);
+            let locked = modes[first + i] == 0.0;
+            let still = if self.stiction.of(c.d)[i] == 0.0 { drifted } else { zero };
+            w.rests[i] = match locked || speed.abs() <= still {
+                true => self.stands(i, w),
+                false => Rest::Moves(speed.signum()),
+            };
+        }
+    }
+
+    /// Whether a freewheel pulls, or slides the way that it locks.
+    fn is_wrong(&self, i: usize, mode: f64, at: &[f64], w: &Work) -> bool {
+        let Rigid::OneWay(sign) = self.rigid(i, 0.0, w) else { return false };
+        match self.row_of(i, w) {
+            Some(row) => mode == 0.0 && sign * w.schur.lambda[row] > 0.0,
+            None => {
+                let (speed, zero, _) = self.slip(i, at, &w.s);
+                sign * speed > zero
+            }
+        }
+    }
+
+    fn rigid(&self, i: usize, mode: f64, w: &Work) -> Rigid {
+        match (self.stiction.parts[i], w.grip[i].hold.map(f64::is_infinite)) {
+            // A mesh that jams, and one that is stuck and that no load turns.
+            (Place::Gear(gear), _) => {
+                let locks = mode == 0.0 && w.mesh.dry[gear].0.share[1] >= 1.0;
+                if locks || self.jam(i, mode, w) < 0.0 { Rigid::BothWays } else { Rigid::No }
+            }
+            (Place::Pin(_), [true, true]) => Rigid::BothWays,
+            (Place::Pin(_), [true, false]) => Rigid::OneWay(1.0),
+            (Place::Pin(_), [false, true]) => Rigid::OneWay(-1.0),
+            (Place::Pin(_), [false, false]) => Rigid::No,
+        }
+    }
+}
