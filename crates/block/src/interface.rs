@@ -42,6 +42,11 @@ pub enum Crossing {
     Rising,
     /// From above zero to zero or below.
     Falling,
+    /// From zero or above to below zero: the guard of a mode that is right while the guard is not negative. The engine
+    /// has the modes chosen again at once where such a guard is negative at the start of a step, and ends the run if it
+    /// stays so. What is zero but for rounding must be given as zero.
+    #[serde(skip)]
+    Holds,
 }
 
 impl Crossing {
@@ -49,8 +54,12 @@ impl Crossing {
     /// not a number crosses nothing.
     #[inline]
     pub fn happens(self, start: f64, end: f64) -> bool {
-        self != Self::Rising && start > 0.0 && end <= 0.0
-            || self != Self::Falling && start < 0.0 && end >= 0.0
+        match self {
+            Self::Either => start > 0.0 && end <= 0.0 || start < 0.0 && end >= 0.0,
+            Self::Rising => start < 0.0 && end >= 0.0,
+            Self::Falling => start > 0.0 && end <= 0.0,
+            Self::Holds => start >= 0.0 && end < 0.0,
+        }
     }
 }
 
@@ -98,6 +107,8 @@ pub struct Interface {
     pub implicit: bool,
     /// Largest step that the block allows, s.
     pub max_step: Option<f64>,
+    /// Shortest period with which the outputs swing with time alone, s.
+    pub period: Option<f64>,
     /// The block records its inputs.
     pub recorded: Option<Recorded>,
 }
@@ -221,6 +232,13 @@ impl Interface {
     /// Steps may not be longer than this, s.
     pub fn max_step(mut self, step: f64) -> Self {
         self.max_step = Some(step);
+        self
+    }
+
+    /// The outputs swing with time alone, with this period, s. Steps are made short enough to see it wherever a
+    /// derivative, a guard or a memory depends on the outputs. Zero or infinite is no period.
+    pub fn period(mut self, period: f64) -> Self {
+        self.period = Some(period).filter(|period| *period > 0.0 && period.is_finite());
         self
     }
 

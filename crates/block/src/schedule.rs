@@ -223,7 +223,7 @@ pub enum Solver {
         rtol: f64,
         /// Absolute tolerance, in SI units of each state.
         atol: f64,
-        /// Largest step, s; infinite when nothing limits it.
+        /// Largest step, s; infinite for the default, a fiftieth of the run.
         max_step: f64,
     },
 }

@@ -46,6 +46,20 @@ impl Diagram {
         Ok(())
     }
 
+    /// Takes down the guards at a point where derivatives have just been evaluated, if anybody looks. Off the
+    /// solution a guard may make no sense; that is then no look.
+    pub fn look(&mut self, t: f64) {
+        if !self.looks.is_on() {
+            return;
+        }
+        let mut looks = std::mem::take(&mut self.looks);
+        if self.guards(looks.row(t)).is_err() {
+            self.failure = None;
+            looks.forget(t);
+        }
+        self.looks = looks;
+    }
+
     /// The next time event of each block in `Plan::timed`.
     pub fn next_events(&mut self, times: &mut [f64]) -> Result<(), Failed> {
         for (i, time) in times.iter_mut().enumerate() {

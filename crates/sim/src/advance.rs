@@ -34,6 +34,9 @@ impl Simulation {
             let start = self.t;
             let begun = self.guards.begin(&mut self.diagram, self.t, &self.x);
             self.held(begun)?;
+            if let Some(guard) = self.guards.broken() {
+                return self.choose_again(guard);
+            }
             self.step(stop.t)?;
             let mut arrival = self.cut(start, stop.t, observer)?;
             if self.t >= stop.t {
@@ -53,12 +56,24 @@ impl Simulation {
         }
     }
 
+    /// Has the modes chosen again at this time, because one of them is wrong.
+    fn choose_again(&mut self, guard: usize) -> Result<Arrival, SimError> {
+        self.guards.known = false;
+        if self.guards.chatters(self.t) {
+            self.guards.fired.fill(false);
+            self.guards.fired[guard] = true;
+            return Err(self.chatter());
+        }
+        Ok(Arrival { event: true, cut: true, ..Arrival::default() })
+    }
+
     /// One step of the solver, or all the way where there is nothing to integrate.
     fn step(&mut self, limit: f64) -> Result<(), SimError> {
         let Some(stepper) = &mut self.stepper else {
             self.t = limit;
             return Ok(());
         };
+        self.diagram.looks.clear();
         let stepped = stepper.step(&mut self.diagram, &mut self.t, &mut self.x, limit);
         stepped.map_err(|error| diagnose::step(&self.schedule, &mut self.diagram, &self.x, error))
     }

@@ -4,6 +4,7 @@ use blocksim_block::schedule::{Schedule, When};
 use blocksim_block::{Context, Fault, Scratch};
 use blocksim_solve::Failed;
 
+use crate::looks::Looks;
 use crate::plan::{Call, Plan, Source, Unit};
 
 /// Everything that the evaluation of a diagram needs and changes, except time and states, which belong to whoever
@@ -17,6 +18,8 @@ pub(crate) struct Diagram {
     pub(crate) now: Now,
     pub(crate) scratch: Vec<Scratch>,
     pub settle: Settling,
+    /// Guards at the stages of the solver.
+    pub looks: Looks,
     /// Derivatives that nobody asked for.
     pub(crate) unused: Vec<f64>,
     /// The first failure, until someone takes it.
@@ -125,6 +128,7 @@ impl Diagram {
             },
             scratch: schedule.blocks.iter().map(|instance| instance.block.scratch()).collect(),
             settle: Settling { last: vec![0; plan.units.len()], before: vec![0.0; discrete], changed: false },
+            looks: Looks::default(),
             unused: vec![0.0; schedule.states],
             failure: None,
             plan,

@@ -7,14 +7,14 @@
 //!
 //! A guard that is exactly zero at the start of a step is not crossing. But where it goes from there the block could not
 //! know when it chose its branch, so the step is cut just behind its start, at 2^-40 h (or at 2^-20 h if it is still zero
-//! there), and the branch chosen anew. In the same manner it is found out whether a guard that has just crossed turns
-//! back at once.
+//! there), or else where it leaves zero, and the branch chosen anew. In the same manner it is found out whether a guard that
+//! has just crossed turns back at once.
 //!
 //! Methods of fixed step do not look for crossings: blocks choose their branches at each step.
 //!
-//! A guard that crosses zero twice within one step is found by its slope, see `turn.rs`. One that has an odd number of
-//! crossings more than it shows is not seen; a limit of the step size helps. Nor are impacts that come faster and faster,
-//! once time cannot tell them apart; the block needs a state of rest.
+//! A guard that crosses zero twice within one step is found by what it is at the stages of the method (`looks.rs`), by its
+//! slopes (`turn.rs`), and where these leave a doubt by samples of the dense output (`scan.rs`). Impacts that come faster
+//! and faster are not told apart once time cannot do so; the block needs a state of rest.
 //!
 //! Of a guard with a direction the other crossing is no event. The step is cut there only if the guard turns back within
 //! the same step, so that the next step begins on the other side of zero.
@@ -24,6 +24,7 @@ use blocksim_solve::{Failed, locate};
 
 use crate::evaluate::Diagram;
 use crate::guards::{Guards, Stride};
+use crate::looks::Looks;
 
 /// Crossings in a row, without time getting on, after which nobody looks whether a guard turns back at once: near the start of a
 /// step the dense output is off by a little of what the whole step changes, and where all is nearly at rest that looks like
@@ -49,6 +50,18 @@ impl Guards {
         }
         diagram.minor(stride.t1, stride.x1)?;
         diagram.guards(&mut self.end)?;
+        let mut looks = std::mem::take(&mut diagram.looks);
+        let found = self.find(&mut looks, diagram, stride);
+        diagram.looks = looks;
+        found
+    }
+
+    fn find(
+        &mut self,
+        looks: &mut Looks,
+        diagram: &mut Diagram,
+        stride: &Stride,
+    ) -> Result<Option<Cut>, Failed> {
         let mut right = stride.t1;
         if self.must_look_near() {
             for near in NEAR.map(|part| stride.t0 + (stride.t1 - stride.t0) * part) {
@@ -57,7 +70,6 @@ impl Guards {
                 }
                 self.at(near, diagram, stride)?;
                 if self.crossing(&self.trial, false).is_some() {
-                    std::mem::swap(&mut self.trial, &mut self.end);
                     right = near;
                     break;
                 }
@@ -66,12 +78,21 @@ impl Guards {
                 }
             }
         }
-        let turned = if right == stride.t1 { self.turn(diagram, stride)? } else { None };
-        right = turned.unwrap_or(right);
+        // Of what crosses zero and comes back, both crossings matter.
+        let both = right == stride.t1;
+        if both {
+            let seen = self.see(looks, diagram, stride)?;
+            let turned = self.turn(looks, diagram, stride)?;
+            right = [seen, turned].into_iter().flatten().fold(right, f64::min);
+        }
+        let both = both && right < stride.t1;
+        if right < stride.t1 {
+            self.at(right, diagram, stride)?;
+            std::mem::swap(&mut self.trial, &mut self.end);
+        }
         self.fired.fill(false);
-        // Of what turns, both crossings matter.
-        let both = turned.is_some();
-        let Some(mut guard) = self.crossing(&self.end, both) else {
+        let first = self.crossing(&self.end, both).or_else(|| self.departing(&self.end));
+        let Some(mut guard) = first else {
             // What comes next starts where this step ends.
             self.turns.pass(&self.start, stride.t1 - stride.t0);
             self.start.copy_from_slice(&self.end);
@@ -80,7 +101,8 @@ impl Guards {
         loop {
             let (left, end) = self.bracket(guard, right, diagram, stride)?;
             self.at(left, diagram, stride)?;
-            if let Some(earlier) = self.crossing(&self.trial, both).filter(|_| left > stride.t0) {
+            let earlier = self.crossing(&self.trial, both).or_else(|| self.departing(&self.trial));
+            if let Some(earlier) = earlier.filter(|_| left > stride.t0) {
                 std::mem::swap(&mut self.trial, &mut self.end);
                 (guard, right) = (earlier, left);
                 continue;
@@ -95,6 +117,16 @@ impl Guards {
         }
     }
 
+    /// The first guard, by number, that was zero at the start and is not any longer.
+    fn departing(&self, values: &[f64]) -> Option<usize> {
+        (0..values.len()).find(|&i| self.leaves(i, values[i]))
+    }
+
+    /// Whether guard `i` has anything to leave: a mode that holds at zero holds beyond it.
+    fn leaves(&self, i: usize, value: f64) -> bool {
+        self.events[i] != Crossing::Holds && self.start[i] == 0.0 && value != 0.0
+    }
+
     /// Whether a guard was zero at the start and is no longer, or has just fired and seems to have stayed.
     fn must_look_near(&self) -> bool {
         let patient = self.chatter.1 < HASTE;
@@ -103,20 +135,19 @@ impl Guards {
             // What has crossed in its direction cannot do so again before it has crossed back.
             let turns_back =
                 || patient && events == Crossing::Either && self.fired[i] && !events.happens(start, end);
-            if start == 0.0 { end != 0.0 } else { turns_back() }
+            if start == 0.0 { self.leaves(i, end) } else { turns_back() }
         })
     }
 
     /// Takes down, as those that fired, the guards that were zero at the start and are no longer at the trial point;
     /// returns whether there are any.
     fn leave_zero(&mut self) -> bool {
-        let left = |(&start, &trial): (&f64, &f64)| start == 0.0 && trial != 0.0;
-        let mut ends = self.start.iter().zip(&self.trial);
-        if !ends.any(left) {
+        if self.departing(&self.trial).is_none() {
             return false;
         }
-        let ends = self.start.iter().zip(&self.trial);
-        self.fired.iter_mut().zip(ends).for_each(|(fired, ends)| *fired = left(ends));
+        for i in 0..self.fired.len() {
+            self.fired[i] = self.leaves(i, self.trial[i]);
+        }
         true
     }
 
@@ -129,10 +160,13 @@ impl Guards {
         stride: &Stride,
     ) -> Result<(f64, f64), Failed> {
         let tolerance = 1e-15 * stride.t1.abs().max(stride.t1 - stride.t0);
-        let (start, end) = (self.start[guard], self.end[guard]);
+        // Where a mode holds at zero, zero is on the near side.
+        let holds = self.events[guard] == Crossing::Holds;
+        let sided = |value: f64| if holds && value == 0.0 { f64::MIN_POSITIVE } else { value };
+        let (start, end) = (sided(self.start[guard]), self.end[guard]);
         let mut failed = None;
         let value = |t| match self.at(t, diagram, stride) {
-            Ok(()) => self.trial[guard],
+            Ok(()) => sided(self.trial[guard]),
             Err(failure) => {
                 failed.get_or_insert(failure);
                 f64::NAN

@@ -4,6 +4,7 @@ use blocksim_block::Crossing;
 use blocksim_solve::{Failed, Stepper};
 
 use crate::evaluate::Diagram;
+use crate::scan::Samples;
 use crate::slopes::Turns;
 
 /// Crossings in a row, without time getting on, that are taken for chatter.
@@ -29,6 +30,15 @@ pub(crate) struct Guards {
     /// At its end, which moves towards the first crossing.
     pub end: Vec<f64>,
     pub trial: Vec<f64>,
+    /// The least and the greatest value within the step, as far as anybody looked.
+    pub low: Vec<f64>,
+    pub high: Vec<f64>,
+    /// How far it went from look to look, to and fro.
+    pub path: Vec<f64>,
+    /// Those that may have crossed zero unseen.
+    pub doubtful: Vec<bool>,
+    /// Values at many points of a step.
+    pub samples: Samples,
     /// What is known of their slopes.
     pub turns: Turns,
     /// States at a trial point, and at the cut in the end.
@@ -50,6 +60,11 @@ impl Guards {
             turns: Turns::new(guards),
             start: zeros.clone(),
             end: zeros.clone(),
+            low: zeros.clone(),
+            high: zeros.clone(),
+            path: zeros.clone(),
+            doubtful: vec![false; guards],
+            samples: Samples::new(guards),
             trial: zeros,
             x: vec![0.0; states],
             fired: vec![false; guards],
@@ -76,7 +91,8 @@ impl Guards {
     pub fn crossing(&self, values: &[f64], both: bool) -> Option<usize> {
         let mut ends = self.start.iter().zip(values).zip(&self.events);
         ends.position(|((&start, &value), &events)| {
-            if both { Crossing::Either } else { events }.happens(start, value)
+            let counts = if both && events != Crossing::Holds { Crossing::Either } else { events };
+            counts.happens(start, value)
         })
     }
 
@@ -87,6 +103,12 @@ impl Guards {
         }
         diagram.minor(t, &self.x)?;
         diagram.guards(&mut self.trial)
+    }
+
+    /// The first guard that says at the start of a step that a mode is wrong.
+    pub fn broken(&self) -> Option<usize> {
+        let mut guards = self.start.iter().zip(&self.events);
+        guards.position(|(&start, &events)| events == Crossing::Holds && start < 0.0)
     }
 
     /// Counts a cut and tells whether there have been too many.

@@ -1,5 +1,6 @@
 //! The stepper that a diagram asks for.
 
+use blocksim_block::Interface;
 use blocksim_block::schedule::{FixedMethod, OutputTimes, Schedule, Solver, VariableMethod};
 use blocksim_solve::{FixedStep, Ode23, Ode45, Rodas4, Ros34pw2, StepLimits, Stepper, Tolerances};
 
@@ -37,22 +38,43 @@ fn variable(method: VariableMethod, tolerances: Tolerances, limits: StepLimits) 
     }
 }
 
+/// Steps of a run, at least, where nobody says how long a step may be.
+const FEWEST: f64 = 50.0;
+
+/// Steps in a period of what swings with time alone, at least.
+const PER_PERIOD: f64 = 8.0;
+
 /// Longest step of a method that chooses its step, s.
+///
+/// An error estimate sees nothing of a condition that depends on time alone, and little of a short pulse between long steps.
+/// So no step is longer than a fiftieth of the run, and none longer than an eighth of the period of a source
+/// that a derivative, a guard or a memory depends on.
 fn longest(schedule: &Schedule) -> f64 {
     let Solver::Variable { max_step, .. } = schedule.settings.solver else { return f64::INFINITY };
-    schedule.blocks.iter().filter_map(|block| block.interface.max_step).fold(max_step, f64::min)
+    let bounds = schedule.blocks.iter().filter_map(|block| block.interface.max_step);
+    let mut periods = f64::INFINITY;
+    for step in &schedule.steps {
+        if let Some(period) = schedule.blocks[step.block as usize].interface.period
+            && (step.minor || schedule.states == 0)
+        {
+            periods = periods.min(period);
+        }
+    }
+    let longest = if max_step.is_finite() { max_step } else { default_longest(schedule.settings.stop_time) };
+    bounds.fold(longest, f64::min).min(periods / PER_PERIOD)
 }
 
-/// The spacing of the steps, s, unless a solver chooses them. What depends on time alone and has no longest step is
-/// looked at fifty times.
+/// The longest step of a run that ends at `stop_time`, s, where the settings give none.
+fn default_longest(stop_time: f64) -> f64 {
+    if stop_time > 0.0 { stop_time / FEWEST } else { f64::INFINITY }
+}
+
+/// The spacing of the steps, s, unless a solver chooses them.
 pub(crate) fn grid(schedule: &Schedule) -> Option<f64> {
-    let stop_time = schedule.settings.stop_time;
     match schedule.settings.solver {
         Solver::Fixed { step, .. } => Some(step),
-        Solver::Variable { .. } if schedule.states > 0 || stop_time == 0.0 => None,
-        Solver::Variable { .. } => {
-            Some(longest(schedule)).filter(|h| h.is_finite()).or(Some(stop_time / 50.0))
-        }
+        Solver::Variable { .. } if schedule.states > 0 || schedule.settings.stop_time == 0.0 => None,
+        Solver::Variable { .. } => Some(longest(schedule)),
     }
 }
 
@@ -100,7 +122,8 @@ fn not_below_zero(value: f64) -> bool {
 
 fn block_steps(schedule: &Schedule) -> Result<(), SimError> {
     let wrong = schedule.blocks.iter().find_map(|block| {
-        let step = block.interface.max_step.filter(|step| step.is_nan() || *step <= 0.0)?;
+        let Interface { max_step, period, .. } = block.interface;
+        let step = [max_step, period].into_iter().flatten().find(|step| step.is_nan() || *step <= 0.0)?;
         Some((&block.path, step))
     });
     wrong.map_or(Ok(()), |(path, step)| {

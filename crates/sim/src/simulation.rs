@@ -9,6 +9,7 @@ use crate::advance::Stop;
 use crate::clock::{Grid, Hits};
 use crate::evaluate::Diagram;
 use crate::guards::Guards;
+use crate::looks::Looks;
 use crate::record::Rows;
 use crate::{Control, Observer, SimError, diagnose, methods};
 
@@ -93,6 +94,10 @@ impl Simulation {
             let guards = schedule.blocks.iter().flat_map(|block| &block.interface.guards);
             guards.map(|guard| guard.crossing).collect()
         };
+        if !guards.is_empty() {
+            diagram.looks = Looks::new(guards.len());
+        }
+        let plan = &diagram.plan;
         let moves = schedule.states > 0 || !plan.continuous.is_empty() || is_fixed && plan.stepwise;
         let grid = methods::grid(&schedule).filter(|_| moves).map(Grid::new);
         Ok(Self {

@@ -14,6 +14,8 @@ pub(crate) struct Turns {
     pub end: Vec<f64>,
     /// Whether they are known.
     pub end_known: bool,
+    /// How many looks there were within this step.
+    pub looks: usize,
     /// The guards to be looked at.
     pub turning: Vec<Turn>,
 }
@@ -38,6 +40,7 @@ impl Turns {
             start_known: false,
             end: zeros,
             end_known: false,
+            looks: 0,
             turning: Vec::with_capacity(guards),
         }
     }

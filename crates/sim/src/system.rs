@@ -11,7 +11,9 @@ impl System for Diagram {
 
     fn derivatives(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), Failed> {
         self.minor(t, x)?;
-        self.derive(dx)
+        self.derive(dx)?;
+        self.look(t);
+        Ok(())
     }
 
     fn prepare(&mut self, t: f64, x: &[f64], hg: f64) -> Result<(), Failed> {

@@ -1,9 +1,10 @@
-//! Guards that turn within a step: they cross zero twice and have the same sign at both ends.
+//! Guards that turn within a step: they cross zero and come back, with the same sign at both ends.
 //!
-//! A guard that moves towards zero at the start of a step and away from it at the end has an extremum in between. A cubic
-//! through both ends with their slopes says how near to zero it comes; where that is near, the extremum is looked for on
-//! the dense output until a value on the other side of zero is found, which brackets the first crossing, or until it is
-//! clear that there is none.
+//! What the guards are at the stages of the method shows most of it for nothing (`see`). A guard that moves towards zero at
+//! the start of a step and away from it at the end has an extremum in between. A cubic through both ends with their slopes
+//! says how near to zero it comes; where that is near, the extremum is looked for on the dense output until a value on the
+//! other side of zero is found, which brackets the first crossing, or until it is clear that there is none. Where
+//! the cubic and the stages contradict each other by a part of the distance to zero, the step is sampled (`scan.rs`).
 //!
 //! Slopes are differences over 2^-10 of the step, one minor pass for the end of a step; that of the start is known from
 //! the step before unless something has jumped. A guard that is far from zero as compared with its way over two
@@ -13,6 +14,7 @@ use blocksim_solve::Failed;
 
 use crate::evaluate::Diagram;
 use crate::guards::{Guards, Stride};
+use crate::looks::Looks;
 use crate::slopes::Turn;
 
 /// Over which part of a step a slope is taken.
@@ -21,16 +23,69 @@ const PART: f64 = 1.0 / 1024.0;
 const REACH: f64 = 4.0;
 /// A step that grows by more than this has nothing to be compared with.
 const GROWTH: f64 = 10.0;
+/// Fewest looks within a step that stand in for a comparison with the step before.
+const FEW: usize = 3;
 /// Evaluations for one extremum, at most.
 const TRIALS: u32 = 12;
+/// Part of the distance to zero by which the looks may differ from the cubic.
+const DOUBT: f64 = 0.25;
+/// A look that is nearer to zero than its neighbours is a dip that may go on to zero, if no more than this many times its
+/// depth is left.
+const NEAR: f64 = 2.0;
+/// A guard that crosses zero goes there straight if its way from look to look is no longer than this many times the
+/// distance of its ends.
+const DETOUR: f64 = 1.5;
 
 impl Guards {
-    /// A time at which some guard has another sign than at both ends of the step, where `self.start` and `self.end` hold. The
-    /// values of all guards at that time are then in `self.end`.
-    pub(crate) fn turn(&mut self, diagram: &mut Diagram, stride: &Stride) -> Result<Option<f64>, Failed> {
+    /// A time at which the stages of the method have shown a guard on the other side of zero, and the dense output agrees.
+    pub(crate) fn see(
+        &mut self,
+        looks: &mut Looks,
+        diagram: &mut Diagram,
+        stride: &Stride,
+    ) -> Result<Option<f64>, Failed> {
+        let Stride { t0, t1, .. } = *stride;
+        let mut count = looks.find_within(t0, t1);
+        let middle = t0 + 0.5 * (t1 - t0);
+        if count == 0 && middle > t0 && middle < t1 {
+            self.at(middle, diagram, stride)?;
+            looks.row(middle).copy_from_slice(&self.trial);
+            count = looks.find_within(t0, t1);
+        }
+        self.turns.looks = count;
+        for i in 0..self.start.len() {
+            let (a, b) = (self.start[i], self.end[i]);
+            (self.low[i], self.high[i]) = (a.min(b), a.max(b));
+            let mut last = a;
+            self.path[i] = 0.0;
+            for value in (0..count).map(|k| looks.within(k).1[i]).chain([b]) {
+                (self.low[i], self.high[i]) = (self.low[i].min(value), self.high[i].max(value));
+                self.path[i] += (value - last).abs();
+                last = value;
+            }
+        }
+        for k in 0..count {
+            let (t, values) = looks.within(k);
+            if self.crossing(values, true).is_some() {
+                self.at(t, diagram, stride)?;
+                if self.crossing(&self.trial, true).is_some() {
+                    return Ok(Some(t));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// A time at which some guard has another sign than at both ends of the step, where `self.start` and `self.end` hold.
+    pub(crate) fn turn(
+        &mut self,
+        looks: &Looks,
+        diagram: &mut Diagram,
+        stride: &Stride,
+    ) -> Result<Option<f64>, Failed> {
         let h = stride.t1 - stride.t0;
         if !(0..self.start.len()).any(|i| self.may_turn(i, h)) {
-            return Ok(None);
+            return if self.is_doubtful(looks, stride) { self.scan(diagram, stride) } else { Ok(None) };
         }
         if let Some(t) = self.find_slopes(diagram, stride)? {
             return Ok(Some(t));
@@ -54,19 +109,68 @@ impl Guards {
                 found = self.seek(turn, diagram, stride)?.or(found);
             }
         }
+        if self.is_doubtful(looks, stride) {
+            let scanned = self.scan(diagram, stride)?;
+            found = [found, scanned].into_iter().flatten().reduce(f64::min);
+        }
         Ok(found)
     }
 
     /// Whether a guard has one sign at both ends and is near enough to zero to have reached it in between.
     fn may_turn(&self, i: usize, h: f64) -> bool {
-        let (a, b, c) = (self.start[i], self.end[i], self.turns.before[i]);
-        let near = a.abs().min(b.abs());
-        let way = a.max(b).max(c) - a.min(b).min(c);
-        a * b > 0.0 && (h > GROWTH * self.turns.length || REACH * way >= near)
+        let c = self.turns.before[i];
+        let way = self.high[i].max(c) - self.low[i].min(c);
+        let grown = self.turns.looks < FEW && h > GROWTH * self.turns.length;
+        self.start[i] * self.end[i] > 0.0 && (grown || REACH * way >= self.nearest(i))
+    }
+
+    /// How near to zero a guard is known to have come.
+    fn nearest(&self, i: usize) -> f64 {
+        self.low[i].max(-self.high[i]).max(0.0)
+    }
+
+    /// Finds the guards of which neither slopes nor looks say for sure that they have not crossed zero.
+    fn is_doubtful(&mut self, looks: &Looks, stride: &Stride) -> bool {
+        let h = stride.t1 - stride.t0;
+        for i in 0..self.start.len() {
+            let (a, b) = (self.start[i], self.end[i]);
+            self.doubtful[i] = if a * b > 0.0 {
+                // What depends on time alone may do anything between two looks.
+                self.may_turn(i, h) && (stride.stepper.is_none() || self.dips(i, looks, stride))
+            } else {
+                self.path[i] > DETOUR * (b - a).abs()
+            };
+        }
+        self.doubtful.contains(&true)
+    }
+
+    /// Whether a guard comes nearer to zero at a look than around it, by as much as is left, or is not where the cubic
+    /// through its ends has it.
+    fn dips(&self, i: usize, looks: &Looks, stride: &Stride) -> bool {
+        let (a, b, count) = (self.start[i], self.end[i], looks.len());
+        let value = |k: usize| match k {
+            0 => a,
+            k if k > count => b,
+            k => looks.within(k - 1).1[i],
+        };
+        let low = |k: usize| {
+            let (left, here, right) = (value(k - 1).abs(), value(k).abs(), value(k + 1).abs());
+            let depth = (left - here).max(right - here);
+            here <= left && here <= right && here < NEAR * depth
+        };
+        let h = stride.t1 - stride.t0;
+        let (da, db) = (h * self.turns.start[i], h * self.turns.end[i]);
+        let (c2, c3) = (3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db);
+        let near = self.nearest(i);
+        let off = |k: usize| {
+            let s = (looks.within(k).0 - stride.t0) / h;
+            (value(k + 1) - (a + s * (da + s * (c2 + s * c3)))).abs() > DOUBT * near
+        };
+        (1..=count).any(low) || self.turns.start_known && (0..count).any(off)
     }
 
     /// Finds the slopes at the end of a step and, where a guard moves away from zero there, at the start. Returns the place of
-    /// a crossing that is found on the way, with the values in `self.end`.
+    /// a crossing that is found on the way.
     fn find_slopes(&mut self, diagram: &mut Diagram, stride: &Stride) -> Result<Option<f64>, Failed> {
         let h = stride.t1 - stride.t0;
         let late = stride.t1 - PART * h;
@@ -76,7 +180,6 @@ impl Guards {
         }
         self.at(late, diagram, stride)?;
         if self.crossing(&self.trial, true).is_some() {
-            std::mem::swap(&mut self.trial, &mut self.end);
             return Ok(Some(late));
         }
         for i in 0..self.end.len() {
@@ -89,7 +192,6 @@ impl Guards {
         }
         self.at(early, diagram, stride)?;
         if self.crossing(&self.trial, true).is_some() {
-            std::mem::swap(&mut self.trial, &mut self.end);
             return Ok(Some(early));
         }
         for i in 0..self.start.len() {
@@ -110,7 +212,6 @@ impl Guards {
             self.at(t, diagram, stride)?;
             let value = sign * self.trial[turn.guard];
             if value <= 0.0 {
-                std::mem::swap(&mut self.trial, &mut self.end);
                 return Ok(Some(t));
             }
             // The least value so far stays in the middle.

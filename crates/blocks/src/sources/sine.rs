@@ -33,7 +33,10 @@ impl Block for Sine {
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let dimension = common_unit(given, &[("amplitude", self.amplitude), ("bias", self.bias)])?;
-        Ok(Interface::new().output(Output::real("y").dimension(Some(dimension))).uses_time())
+        Ok(Interface::new()
+            .output(Output::real("y").dimension(Some(dimension)))
+            .uses_time()
+            .period(1.0 / self.frequency))
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {

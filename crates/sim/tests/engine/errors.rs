@@ -130,7 +130,7 @@ fn a_time_event_in_the_past_is_refused() {
         expect![[r#"
             error[time_event] at t = 0.5 s: the next event of `stubborn` is said to be at 0.5 s
             help: a time event must lie after the present time
-            block: stubborn, rows: 26
+            block: stubborn, rows: 2
         "#]],
     );
 }

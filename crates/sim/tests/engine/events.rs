@@ -258,7 +258,7 @@ fn a_sine_is_seen_above_a_threshold_just_below_its_peak() {
             method: blocksim_block::schedule::VariableMethod::Ode45,
             rtol: 1e-10,
             atol: 1e-12,
-            max_step: f64::INFINITY,
+            max_step: f64::MAX,
         };
         let mut tape = Tape::default();
         Simulation::new(toy.schedule(&["x"], 40.0, solver, Every(40.0))).unwrap().run(&mut tape).unwrap();
@@ -307,6 +307,6 @@ fn a_guard_with_a_direction_fires_in_that_direction_alone() {
     assert_times(&times(Rising, 8.0, slow), &[3.0 * quarter], 1e-9);
     // Both crossings within one step.
     let dip: fn(f64, f64) -> f64 = |x, _| (x - 61.0) * (x - 61.5);
-    assert_times(&times(Falling, f64::INFINITY, dip), &[61.0], 1e-9);
-    assert_times(&times(Rising, f64::INFINITY, dip), &[61.5], 1e-9);
+    assert_times(&times(Falling, f64::MAX, dip), &[61.0], 1e-9);
+    assert_times(&times(Rising, f64::MAX, dip), &[61.5], 1e-9);
 }

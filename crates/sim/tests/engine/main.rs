@@ -3,6 +3,7 @@
 mod errors;
 mod events;
 mod freezing;
+mod looking;
 mod recording;
 mod sampling;
 mod solvers;

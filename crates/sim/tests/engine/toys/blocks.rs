@@ -37,6 +37,20 @@ impl Block for Time {
     }
 }
 
+/// y = sin(2 pi f t), which says how fast it swings.
+#[derive(Debug)]
+pub struct Sine(pub f64);
+
+impl Block for Sine {
+    fn interface(&self, _: &Given) -> Result {
+        Ok(Interface::new().output(Output::real("y")).uses_time().period(1.0 / self.0))
+    }
+
+    fn outputs(&self, _: usize, c: &Context, _: &mut Scratch, y: &mut [f64]) {
+        y[0] = (std::f64::consts::TAU * (self.0 * c.t).fract()).sin();
+    }
+}
+
 /// y = f(u1, u2).
 #[derive(Debug)]
 pub struct Function2(pub fn(f64, f64) -> f64);

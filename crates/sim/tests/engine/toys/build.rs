@@ -13,6 +13,7 @@ use blocksim_signal::{Kind, SampleTime, Shape};
 pub struct Toy {
     blocks: Vec<Part>,
     major: Vec<String>,
+    not_minor: Vec<String>,
 }
 
 /// Path, block, interface and where its inputs come from.
@@ -23,7 +24,7 @@ pub fn ode4(step: f64) -> Solver {
 }
 
 pub fn ode45() -> Solver {
-    Solver::Variable { method: VariableMethod::Ode45, rtol: 1e-8, atol: 1e-10, max_step: f64::INFINITY }
+    Solver::Variable { method: VariableMethod::Ode45, rtol: 1e-8, atol: 1e-10, max_step: f64::MAX }
 }
 
 impl Toy {
@@ -44,6 +45,12 @@ impl Toy {
     /// The outputs of this block change at major steps only.
     pub fn major(mut self, path: &str) -> Self {
         self.major.push(path.to_owned());
+        self
+    }
+
+    /// No derivative and no guard depends on the outputs of this block.
+    pub fn not_minor(mut self, path: &str) -> Self {
+        self.not_minor.push(path.to_owned());
         self
     }
 
@@ -113,7 +120,8 @@ impl Toy {
                 _ if self.major.contains(path) => When::Major,
                 _ => When::Continuous,
             };
-            Step { block: block as u32, group: group as u32, when, minor: when == When::Continuous }
+            let minor = when == When::Continuous && !self.not_minor.contains(path);
+            Step { block: block as u32, group: group as u32, when, minor }
         });
         let steps = steps.collect();
 

@@ -1,0 +1,105 @@
+//! Conditions that must not be passed over, however long the steps are.
+
+use blocksim_block::schedule::OutputTimes::Every;
+use blocksim_block::schedule::{Solver, VariableMethod};
+use blocksim_sim::{Counts, Simulation};
+
+use crate::toys::*;
+
+const METHODS: [VariableMethod; 4] =
+    [VariableMethod::Ode23, VariableMethod::Ode45, VariableMethod::Rodas4, VariableMethod::RosW3];
+
+fn solver(method: VariableMethod, max_step: f64) -> Solver {
+    Solver::Variable { method, rtol: 1e-6, atol: 1e-9, max_step }
+}
+
+fn run(toy: Toy, recorded: &[&str], stop: f64, solver: Solver) -> (Tape, Counts) {
+    let mut tape = Tape::default();
+    let mut sim = Simulation::new(toy.schedule(recorded, stop, solver, Every(stop))).unwrap();
+    sim.run(&mut tape).unwrap();
+    (tape, sim.counts())
+}
+
+/// A sine of `frequency` less `level`, its sign, and the integral of that.
+fn sign_of_sine(frequency: f64, level: f64) -> Toy {
+    Toy::new()
+        .with("sine", Sine(frequency), &[])
+        .with("level", Constant(level), &[])
+        .with("over", Function2(|u, level| u - level), &["sine", "level"])
+        .with("sign", Sign, &["over"])
+        .with("x", Integrator(0.0), &["sign"])
+}
+
+#[test]
+fn each_swing_of_a_sine_is_seen_where_nothing_else_moves() {
+    // A share of acos(level)/pi of each period lies above the level.
+    for level in [0.0, 0.5, 0.95, 0.999, -0.9999] {
+        let share = f64::acos(level) / std::f64::consts::PI;
+        for method in METHODS {
+            let (tape, _) = run(sign_of_sine(7.0, level), &["x"], 10.0, solver(method, f64::INFINITY));
+            let expected = 10.0 * (2.0 * share - 1.0);
+            // At the start the sine is zero and rises.
+            let events = if level == 0.0 { 139 } else { 140 };
+            assert!((tape.at(10.0, 0) - expected).abs() < 1e-9, "{method:?} {level}: {}", tape.at(10.0, 0));
+            assert!(tape.events.len().abs_diff(events) <= 1, "{method:?} {level}: {}", tape.events.len());
+        }
+    }
+}
+
+#[test]
+fn a_source_that_nobody_looks_at_limits_no_step() {
+    let toy = Toy::new().with("sine", Sine(1e6), &[]).with("one", Constant(1.0), &[]);
+    let toy = toy.with("x", Integrator(0.0), &["one"]).not_minor("sine");
+    let (_, counts) = run(toy, &["x", "sine"], 1.0, solver(VariableMethod::Ode45, f64::INFINITY));
+    assert!(counts.accepted < 100, "{counts:?}");
+}
+
+#[test]
+fn a_guard_that_swings_faster_than_its_state_is_followed() {
+    // sin(40 x) with x' = 1: the step control sees a straight line.
+    for method in METHODS {
+        let toy = Toy::new().with("one", Constant(1.0), &[]).with("x", Integrator(0.0), &["one"]);
+        let toy = toy.with("u", Function2(|x, _| (40.0 * x).sin() - 0.3), &["x", "x"]);
+        let (tape, _) = run(toy.with("sign", Sign, &["u"]), &["sign"], 10.0, solver(method, f64::INFINITY));
+        // 400 rad: 63 swings and two thirds of one, of which each rises above the level and falls below it.
+        assert_eq!(tape.events.len(), 128, "{method:?}");
+    }
+}
+
+#[test]
+fn what_depends_on_time_alone_is_sampled_until_nothing_can_hide() {
+    // Two lobes of 10 ms within a second, in a run without states: (t - a)(t - b) near a and b.
+    let hidden = |t: f64, _: f64| (t - 0.313) * (t - 0.318) * (t - 0.771) * (t - 0.781);
+    let toy = Toy::new().with("t", Time, &[]).with("u", Function2(hidden), &["t", "t"]);
+    let (tape, _) =
+        run(toy.with("sign", Sign, &["u"]), &["sign"], 1.0, solver(VariableMethod::Ode45, f64::INFINITY));
+    let times: Vec<f64> = tape.events.iter().map(|event| event.0).collect();
+    assert_eq!(times.len(), 4, "{times:?}");
+    for (time, expected) in times.iter().zip([0.313, 0.318, 0.771, 0.781]) {
+        assert!((time - expected).abs() < 1e-9, "{times:?}");
+    }
+}
+
+#[test]
+fn a_guard_that_rests_on_zero_and_leaves_it_within_a_step_is_seen() {
+    // max(0, x - 3) rests on zero for three seconds; its negative leaves it downwards.
+    for sign in [1.0, -1.0] {
+        let toy = Toy::new().with("one", Constant(sign), &[]).with("x", Integrator(0.0), &["one"]);
+        let rest: fn(f64, f64) -> f64 = |x, _| if x.abs() > 3.0 { x - 3.0 * x.signum() } else { 0.0 };
+        let toy = toy.with("u", Function2(rest), &["x", "x"]).with("sign", Sign, &["u"]);
+        let toy = toy.with("y", Integrator(0.0), &["sign"]);
+        let (tape, _) = run(toy, &["y"], 10.0, solver(VariableMethod::Ode45, f64::MAX));
+        // The sign of zero is one.
+        let expected = if sign > 0.0 { 10.0 } else { 3.0 - 7.0 };
+        assert!((tape.at(10.0, 0) - expected).abs() < 1e-6, "{sign}: {}", tape.at(10.0, 0));
+    }
+}
+
+#[test]
+fn no_step_is_longer_than_a_fiftieth_of_the_run_unless_the_settings_say_so() {
+    let toy = || Toy::new().with("one", Constant(1.0), &[]).with("x", Integrator(0.0), &["one"]);
+    let accepted = |max_step| run(toy(), &["x"], 10.0, solver(VariableMethod::Ode45, max_step)).1.accepted;
+    assert!((50..70).contains(&accepted(f64::INFINITY)), "{}", accepted(f64::INFINITY));
+    assert!(accepted(f64::MAX) < 20);
+    assert!(accepted(0.01) >= 1000);
+}
