@@ -1,5 +1,7 @@
 //! From one major step to the next: steps of the solver, events, rows in between.
 
+use blocksim_block::schedule::{Instance, Schedule};
+
 use crate::clock::{Grid, earliest, same};
 use crate::guards::Stride;
 use crate::major::Arrival;
@@ -36,6 +38,9 @@ impl Simulation {
             self.held(begun)?;
             if let Some(guard) = self.guards.broken() {
                 return self.choose_again(guard);
+            }
+            if let Some(audit) = &mut self.audit {
+                audit.begin(&self.guards.start);
             }
             self.step(stop.t)?;
             let mut arrival = self.cut(start, stop.t, observer)?;
@@ -84,6 +89,20 @@ impl Simulation {
         let stride = Stride { t0, t1: self.t, x1: &self.x, stepper: self.stepper.as_deref() };
         let cut = self.guards.cut(&mut self.diagram, &stride);
         let cut = cut.map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))?;
+        if let Some(audit) = &mut self.audit
+            && !self.guards.is_empty()
+        {
+            // The search has left the state at the cut in the guards' own place.
+            self.guards.kept.clone_from(&self.guards.x);
+            let fired = self.guards.trial.clone();
+            let end = cut.map_or(self.t, |cut| cut.t);
+            let looked = audit.look(&mut self.guards, &mut self.diagram, &stride, end);
+            looked.map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))?;
+            self.guards.x.clone_from(&self.guards.kept);
+            self.guards.trial = fired;
+            let schedule = &self.schedule;
+            audit.report(|guard| name_of(schedule, guard));
+        }
         let Some(cut) = cut else { return Ok(arrival) };
         // A crossing just before something else that is due is part of it.
         if cut.t < self.t && !(self.t == limit && cut.t >= limit - same(limit)) {
@@ -112,11 +131,7 @@ impl Simulation {
 
     fn chatter(&self) -> SimError {
         let fired = self.guards.fired.iter().position(|&fired| fired);
-        let blocks = self.diagram.plan.guarded.iter().map(|&block| &self.schedule.blocks[block]);
-        let named = blocks.zip(fired).find_map(|(block, guard)| {
-            let names = &block.interface.guards;
-            Some((block, &names.get(guard.checked_sub(block.g)?)?.name))
-        });
+        let named = fired.and_then(|guard| guard_of(&self.schedule, guard));
         let help = "give the switching a hysteresis, or use a method of fixed step";
         match named {
             Some((block, name)) => {
@@ -162,4 +177,16 @@ impl Simulation {
         let accepted = self.diagram.accept();
         self.held(accepted)
     }
+}
+
+/// The block that has a guard, and the name of the guard.
+fn guard_of(schedule: &Schedule, guard: usize) -> Option<(&Instance, &str)> {
+    schedule.blocks.iter().find_map(|block| {
+        let guard = block.interface.guards.get(guard.checked_sub(block.g)?)?;
+        Some((block, guard.name.as_str()))
+    })
+}
+
+fn name_of(schedule: &Schedule, guard: usize) -> Option<(String, String)> {
+    guard_of(schedule, guard).map(|(block, name)| (block.path.clone(), name.to_owned()))
 }

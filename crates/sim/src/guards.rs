@@ -43,6 +43,8 @@ pub(crate) struct Guards {
     pub turns: Turns,
     /// States at a trial point, and at the cut in the end.
     pub x: Vec<f64>,
+    /// The latter, while an audit looks elsewhere.
+    pub kept: Vec<f64>,
     /// Those that crossed or left zero at the last cut, if that was the last step.
     pub fired: Vec<bool>,
     /// Whether `start` holds for the step to come.
@@ -67,6 +69,7 @@ impl Guards {
             samples: Samples::new(guards),
             trial: zeros,
             x: vec![0.0; states],
+            kept: Vec::new(),
             fired: vec![false; guards],
             known: false,
             chatter: (f64::NEG_INFINITY, 0),

@@ -9,6 +9,8 @@
 //! | `simulation` | the step loop |
 //! | `major` | what happens at one instant: outputs, jumps, record, updates |
 //! | `advance` | from one instant to the next: solver, events, rows in between |
+//! | `guards`, `looks`, `slopes`, `turn`, `scan` | conditions over a step: values, looks at stages, extrema, samples |
+//! | `audit` | was anything passed over? |
 //! | `plan` | the schedule as the hot loop wants it |
 //! | `evaluate`, `act`, `system` | calls of the blocks: outputs, all else, and what the solver sees |
 //! | `clock`, `events`, `record` | sample hits and time events; zero crossings; rows |
@@ -17,6 +19,7 @@
 
 mod act;
 mod advance;
+mod audit;
 mod clock;
 mod diagnose;
 mod error;
@@ -36,6 +39,7 @@ mod snapshot;
 mod system;
 mod turn;
 
+pub use audit::{Findings, Missed};
 pub use diagnose::state_names;
 pub use error::SimError;
 pub use frozen::{Frozen, Tap};

@@ -6,6 +6,7 @@ use blocksim_block::schedule::{Schedule, Solver};
 use blocksim_solve::Stepper;
 
 use crate::advance::Stop;
+use crate::audit::{Audit, Findings};
 use crate::clock::{Grid, Hits};
 use crate::evaluate::Diagram;
 use crate::guards::Guards;
@@ -37,6 +38,8 @@ pub struct Simulation {
     pub(crate) unasked: u32,
     /// Whether its last answer was to stop.
     pub(crate) interrupted: bool,
+    /// Present if the run is audited.
+    pub(crate) audit: Option<Audit>,
     pub(crate) majors: u64,
     pub(crate) events: u64,
     pub(crate) hit_count: u64,
@@ -111,6 +114,7 @@ impl Simulation {
             started: false,
             unasked: 0,
             interrupted: false,
+            audit: None,
             majors: 0,
             events: 0,
             hit_count: 0,
@@ -186,6 +190,20 @@ impl Simulation {
         SimError::new("time_event", self.t, format!("the next event of `{path}` is said to be at {next} s"))
             .at(path)
             .help("a time event must lie after the present time")
+    }
+
+    /// Has every step looked at on a fine grid from now on, for changes of conditions that were passed over. Returns
+    /// `false` where there is nothing to audit: a method of fixed step chooses all branches at its steps, and does
+    /// not look in between.
+    pub fn audit(&mut self) -> bool {
+        let fixed = matches!(self.schedule.settings.solver, Solver::Fixed { .. });
+        self.audit = (!fixed).then(Audit::default);
+        !fixed
+    }
+
+    /// What an audit has found so far, if there is one.
+    pub fn findings(&self) -> Option<&Findings> {
+        self.audit.as_ref().map(|audit| &audit.findings)
     }
 
     /// The compiled diagram.

@@ -103,3 +103,36 @@ fn no_step_is_longer_than_a_fiftieth_of_the_run_unless_the_settings_say_so() {
     assert!(accepted(f64::MAX) < 20);
     assert!(accepted(0.01) >= 1000);
 }
+
+/// x' = 1 and a dip of 1.4 s in a guard, around a third of the run.
+fn dip() -> Toy {
+    let toy = Toy::new().with("one", Constant(1.0), &[]).with("x", Integrator(0.0), &["one"]);
+    let toy = toy.with("u", Function2(|x, _| 1.0 - 2.0 * (-(x - 57.0) * (x - 57.0)).exp()), &["x", "x"]);
+    toy.with("sign", Sign, &["u"])
+}
+
+#[test]
+fn an_audit_finds_what_long_steps_have_passed_over() {
+    let audited = |toy: Toy, solver| {
+        let mut tape = Tape::default();
+        let mut sim = Simulation::new(toy.schedule(&["x", "sign"], 100.0, solver, Every(100.0))).unwrap();
+        let is_audited = sim.audit();
+        sim.run(&mut tape).unwrap();
+        (is_audited, tape.bits(), tape.events.len(), sim.findings().cloned())
+    };
+    let (_, _, events, findings) = audited(dip(), solver(VariableMethod::Ode45, f64::MAX));
+    let findings = findings.unwrap();
+    assert_eq!((events, findings.count), (0, 2), "{findings:?}");
+    assert_eq!((findings.missed[0].path.as_str(), findings.missed[0].guard.as_str()), ("sign", "zero"));
+    assert!((findings.missed[0].t - 57.0).abs() < 0.9, "{findings:?}");
+    // The default finds both crossings by itself, and an audit changes nothing.
+    for method in METHODS {
+        let (_, bits, events, findings) = audited(dip(), solver(method, f64::INFINITY));
+        let findings = findings.unwrap();
+        assert_eq!((events, findings.count), (2, 0), "{method:?}: {findings:?}");
+        assert!(findings.looks > 3000);
+        let (tape, _) = run(dip(), &["x", "sign"], 100.0, solver(method, f64::INFINITY));
+        assert_eq!(tape.bits(), bits);
+    }
+    assert!(!audited(dip(), ode4(0.1)).0);
+}
