@@ -67,6 +67,10 @@ pub struct RunArgs {
     /// Make a page of the run, `report.html` in the folder of the results.
     #[arg(long)]
     pub report: bool,
+    /// Look at all conditions on a fine grid within each step and list the changes that the run has passed over, if any.
+    /// The results stay the same; the run takes several times as long.
+    #[arg(long)]
+    pub audit: bool,
     /// Run again whenever a file of the model or a source of a plug-in changes, each time into a folder of its own.
     #[arg(long, conflicts_with = "out")]
     pub watch: bool,

@@ -72,6 +72,12 @@ pub fn keep_and_tell(
         (_, true) => format!("{place}\n"),
         _ => report.text(Some(&place), args, console),
     })?;
+    if let Some(findings) = simulation.findings() {
+        console.say(&super::audit::text(findings));
+        if findings.count > 0 && exit == Exit::Done {
+            exit = Exit::Failed;
+        }
+    }
     if let Some(warning) = report.plot_warning(args) {
         console.say(&warning);
     }

@@ -1,5 +1,6 @@
 //! `blocksim run`: the main job.
 
+mod audit;
 mod finish;
 mod halt;
 mod prepare;

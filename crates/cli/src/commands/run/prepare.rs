@@ -22,6 +22,9 @@ use crate::running::{interrupt, solver};
 use crate::terminal::console::Console;
 use crate::terminal::render;
 
+/// Why a run cannot be audited.
+const FIXED: &str = "--audit makes no sense with a method of fixed step, which looks at conditions only at its steps\n  = help: use a method of variable step, for example `--solver Ode45`";
+
 /// A model that is ready to run, and where its results go.
 pub struct Prepared {
     /// The model.
@@ -55,7 +58,7 @@ pub fn prepare(args: &RunArgs, console: Console) -> Result<Prepared, Halt> {
     let started = SystemTime::now();
     let folder = results_folder(args, started).map_err(|error| refused(&error, console))?;
     let schedule = Arc::new(schedule);
-    let simulation = match Simulation::new(Arc::clone(&schedule)) {
+    let mut simulation = match Simulation::new(Arc::clone(&schedule)) {
         Ok(simulation) => simulation,
         Err(error) => {
             tell(&[failure(&error, &schedule)], &loaded.files, format(args), console)?;
@@ -63,6 +66,9 @@ pub fn prepare(args: &RunArgs, console: Console) -> Result<Prepared, Halt> {
             return Err(Halt::Exit(Exit::Failed));
         }
     };
+    if args.audit && !simulation.audit() {
+        return Err(usage(FIXED, console));
+    }
     Ok(Prepared { loaded, schedule, simulation, selection, folder, started })
 }
 

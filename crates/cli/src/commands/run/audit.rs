@@ -1,0 +1,54 @@
+//! What an audit of a run has found, in words.
+
+use blocksim_sim::Findings;
+
+use crate::terminal::format::short_time;
+use crate::terminal::render::plural;
+
+/// Changes that are listed.
+const LISTED: usize = 20;
+
+/// The findings as a note, or as an error if anything was passed over.
+pub fn text(findings: &Findings) -> String {
+    let looks = plural(usize::try_from(findings.looks).unwrap_or(usize::MAX), "point");
+    if findings.count == 0 {
+        return format!("note: audited at {looks} within steps: no change of a condition was passed over");
+    }
+    let count = plural(usize::try_from(findings.count).unwrap_or(usize::MAX), "change");
+    let mut text =
+        format!("error: the run has passed over {count} of a condition, seen at {looks} within steps");
+    for missed in findings.missed.iter().take(LISTED) {
+        let (t, path, guard) = (short_time(missed.t), &missed.path, &missed.guard);
+        text +=
+            &format!("\n  = note: t = {t} s: `{path}` ({guard}) was beyond zero by {:.3e}", missed.beyond);
+    }
+    if findings.missed.len() > LISTED || findings.count > LISTED as u64 {
+        text += &format!("\n  = note: and {} more", findings.count - LISTED as u64);
+    }
+    text + "\n  = help: limit the steps, for example with `--step 1ms`, or use a smaller `--rtol`"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use blocksim_sim::Missed;
+
+    #[test]
+    fn what_was_passed_over_is_listed_with_time_block_and_remedy() {
+        let missed = |t| Missed { t, path: "relay".to_owned(), guard: "switches".to_owned(), beyond: 0.125 };
+        let findings =
+            Findings { looks: 640, count: 30, missed: (0..30).map(|k| missed(f64::from(k))).collect() };
+        let text = text(&findings);
+        assert!(
+            text.starts_with("error: the run has passed over 30 changes of a condition, seen at 640 points")
+        );
+        assert!(text.contains("`relay` (switches) was beyond zero by 1.250e-1"), "{text}");
+        assert!(text.contains("and 10 more") && text.contains("--step 1ms"), "{text}");
+    }
+
+    #[test]
+    fn an_audit_without_findings_is_a_note() {
+        let text = text(&Findings { looks: 1, ..Findings::default() });
+        assert_eq!(text, "note: audited at 1 point within steps: no change of a condition was passed over");
+    }
+}
