@@ -1,7 +1,9 @@
 //! The loop of every method with an error estimate: propose, try, keep or repeat.
 
-use crate::step_size::{StepSize, Trial, error_norm, first_guess, second_guess, worst};
-use crate::stepper::Memory;
+use crate::radau::Stages;
+use crate::step_size::{StepSize, Trial};
+use crate::stepper::{Experience, Memory};
+use crate::weights::{Learnt, Weights};
 use crate::{Counts, StepError, StepLimits, Stepper, System, Tolerances};
 
 /// Why a trial broke off.
@@ -16,6 +18,7 @@ pub enum Fault {
 pub struct Work<'a> {
     pub(crate) system: &'a mut dyn System,
     pub(crate) counts: &'a mut Counts,
+    pub(crate) weights: &'a Weights,
 }
 
 impl Work<'_> {
@@ -40,8 +43,8 @@ pub trait Method: Send {
     /// Power of h in the error estimate.
     const ERROR_POWER: f64;
 
-    /// Work space for as many states as there are absolute tolerances.
-    fn new(tolerances: &Tolerances) -> Self;
+    /// Work space for `n` states.
+    fn new(n: usize) -> Self;
 
     /// Provides the derivative at the start of a step; `known` when the last step was accepted and nothing has changed
     /// since, so that its last stage may serve.
@@ -70,6 +73,17 @@ pub trait Method: Send {
         &mut []
     }
 
+    /// Whether a step that is hardly longer than the one before is better as long as that, because factors serve on.
+    const KEEPS_SIZE: bool = false;
+
+    /// What a method carries over besides the last derivative.
+    fn stages(&self) -> Option<Box<Stages>> {
+        None
+    }
+
+    /// Takes that over.
+    fn recall(&mut self, _stages: &Stages) {}
+
     /// State at the fraction `theta` of the last step, which had the size `h`.
     fn interpolate(&self, theta: f64, h: f64, x0: &[f64], x1: &[f64], x: &mut [f64]);
 }
@@ -95,7 +109,7 @@ pub struct Adaptive<M> {
     method: M,
     control: StepSize,
     max: f64,
-    tolerances: Tolerances,
+    weights: Weights,
     /// Whether the derivative at the end of the last step still holds.
     known: bool,
     last: Span,
@@ -110,10 +124,10 @@ impl<M: Method> Adaptive<M> {
     pub fn new(tolerances: Tolerances, limits: StepLimits) -> Self {
         let n = tolerances.absolute.len();
         Self {
-            method: M::new(&tolerances),
-            control: StepSize::new(limits, M::ERROR_POWER),
+            method: M::new(n),
+            control: StepSize::new(limits, M::ERROR_POWER, M::KEEPS_SIZE),
             max: limits.max,
-            tolerances,
+            weights: Weights::new(tolerances),
             known: false,
             last: Span { t0: 0.0, t1: 0.0, h: 0.0 },
             x0: vec![0.0; n],
@@ -123,22 +137,32 @@ impl<M: Method> Adaptive<M> {
         }
     }
 
+    /// Goes on where a method of another kind has got to, with steps of the size that it had.
+    pub(crate) fn go_on(&mut self, learnt: Option<&Learnt>, h: f64) {
+        self.restart();
+        self.weights.recall(learnt);
+        self.control.learnt = Experience { wanted: Some(h), ..Experience::default() };
+    }
+
+    /// The method, its weights, and the ends of the last step.
+    pub(crate) fn parts(&self) -> (&M, &Weights, &[f64], &[f64]) {
+        (&self.method, &self.weights, &self.x0, &self.x1)
+    }
+
     /// Hairer's guess of the first step size, for one evaluation; never looks beyond `limit`.
-    fn guess(&mut self, system: &mut dyn System, t: f64, limit: f64) -> Result<(), StepError> {
+    fn guess(&mut self, system: &mut dyn System, t: f64, limit: f64) {
         let max = self.max.min(limit - t);
         let (f0, f1) = self.method.first_derivative();
-        let h = first_guess(&self.tolerances, &self.x0, f0, max);
+        let h = self.weights.first_guess(&self.x0, f0, max);
         for ((x1, x0), f0) in self.x1.iter_mut().zip(&self.x0).zip(f0) {
             *x1 = x0 + h * f0;
         }
-        let mut work = Work { system, counts: &mut self.counts };
+        let mut work = Work { system, counts: &mut self.counts, weights: &self.weights };
         let h = match work.derivatives(t + h, &self.x1, f1) {
-            Ok(()) => second_guess(&self.tolerances, &self.x0, f0, f1, h, M::ORDER),
-            Err(Fault::NotFinite(_)) => h,
-            Err(Fault::System) => return Err(StepError::System),
+            Ok(()) => self.weights.second_guess([&self.x0, &self.x1], f0, f1, h, M::ORDER),
+            Err(_) => h,
         };
         self.control.set(h);
-        Ok(())
     }
 
     /// Tries ever smaller steps from (t, x0) until one is kept in x1.
@@ -149,34 +173,38 @@ impl<M: Method> Adaptive<M> {
         known: bool,
         limit: f64,
     ) -> Result<Span, StepError> {
-        let mut work = Work { system, counts: &mut self.counts };
+        let mut work = Work { system, counts: &mut self.counts, weights: &self.weights };
         self.method.begin(&mut work, t, &self.x0, known).map_err(|fault| match fault {
             Fault::System => StepError::System,
             Fault::NotFinite(state) => StepError::NotFinite { t, state },
         })?;
         if self.control.is_unknown() {
-            self.guess(system, t, limit)?;
+            self.guess(system, t, limit);
         }
         loop {
             let trial = self.control.propose(t, limit);
-            let mut work = Work { system: &mut *system, counts: &mut self.counts };
+            let mut work = Work { system: &mut *system, counts: &mut self.counts, weights: &self.weights };
             let attempt =
                 self.method.attempt(&mut work, trial.into(), &self.x0, &mut self.x1, &mut self.error);
             let err = match attempt {
-                Ok(()) => error_norm(&self.tolerances, &self.x0, &self.x1, &self.error),
-                Err(Fault::NotFinite(_)) => f64::INFINITY,
-                Err(Fault::System) => return Err(StepError::System),
+                Ok(()) => self.weights.norm(&self.x0, &self.x1, &self.error, trial.h),
+                Err(_) => f64::INFINITY,
             };
             if err <= 1.0 {
                 self.control.accept(trial, err);
+                self.weights.accepted();
                 self.counts.accepted += 1;
                 return Ok(trial.into());
             }
             self.counts.rejected += 1;
+            if attempt.is_ok() {
+                self.counts.evaluations += self.weights.rejected(system, t, &self.x0, trial.h);
+            }
             if !self.control.reject(trial, err) {
                 let state = match attempt {
+                    Err(Fault::System) => return Err(StepError::System),
                     Err(Fault::NotFinite(state)) => state,
-                    _ => worst(&self.tolerances, &self.x0, &self.x1, &self.error),
+                    Ok(()) => self.weights.worst(&self.x0, &self.x1, &self.error, trial.h),
                 };
                 return Err(StepError::Underflow { t, h: trial.h, state });
             }
@@ -201,6 +229,7 @@ impl<M: Method> Stepper for Adaptive<M> {
             return Ok(());
         }
         self.x0.copy_from_slice(x);
+        self.weights.note(x);
         let known = std::mem::take(&mut self.known);
         self.last = self.advance(system, *t, known, limit)?;
         self.known = true;
@@ -226,16 +255,28 @@ impl<M: Method> Stepper for Adaptive<M> {
 
     fn memory(&self) -> Memory {
         let derivative = self.known.then(|| self.method.last_derivative().to_vec());
-        Memory { derivative: derivative.filter(|known| !known.is_empty()), size: self.control.learnt }
+        Memory {
+            derivative: derivative.filter(|known| !known.is_empty()),
+            size: self.control.learnt,
+            tolerances: self.weights.learnt().cloned(),
+            history: None,
+            turn: None,
+            stages: self.method.stages().map(|stages| (stages, self.known)),
+        }
     }
 
     fn recall(&mut self, memory: &Memory) {
         self.control.learnt = memory.size;
+        self.weights.recall(memory.tolerances.as_ref());
         let known = memory.derivative.as_deref().unwrap_or_default();
         let here = self.method.last_derivative_mut();
         self.known = !known.is_empty() && known.len() == here.len();
         if self.known {
             here.copy_from_slice(known);
+        }
+        if let Some((stages, begun)) = &memory.stages {
+            self.method.recall(stages);
+            self.known = *begun;
         }
     }
 

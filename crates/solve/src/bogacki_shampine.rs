@@ -6,7 +6,6 @@
 //! P. Bogacki, L. F. Shampine: A 3(2) pair of Runge-Kutta formulas, Appl. Math. Lett. 2 (1989),
 //! doi 10.1016/0893-9659(89)90079-7.
 
-use crate::Tolerances;
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::combine::{combine, combine_error};
 
@@ -33,8 +32,7 @@ impl Method for BogackiShampine {
     const ORDER: f64 = 3.0;
     const ERROR_POWER: f64 = 3.0;
 
-    fn new(tolerances: &Tolerances) -> Self {
-        let n = tolerances.absolute.len();
+    fn new(n: usize) -> Self {
         Self { k: std::array::from_fn(|_| vec![0.0; n]) }
     }
 

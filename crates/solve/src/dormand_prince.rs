@@ -8,9 +8,10 @@
 //! doi 10.1016/0771-050X(80)90013-3. Continuous extension: E. Hairer, S. P. Nørsett, G. Wanner: Solving Ordinary
 //! Differential Equations I, 2nd ed., section II.6.
 
-use crate::Tolerances;
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::combine::{combine, combine_error};
+use crate::weights::Learnt;
+use crate::{Ode15s, Stepper};
 
 /// Order 5 for systems that are not stiff; the default.
 pub type Ode45 = Adaptive<DormandPrince>;
@@ -45,6 +46,35 @@ const D: [f64; 6] = [
 /// Stages of [`Ode45`].
 pub struct DormandPrince {
     k: [Vec<f64>; 7],
+    /// Where stage 6 was evaluated, at the end of the step as the last one.
+    sixth: Vec<f64>,
+}
+
+impl Ode45 {
+    /// h |lambda| of the last step, as stages 6 and 7 tell it: by how much f differs at two states that are both near the end.
+    pub(crate) fn radius_of_step(&self) -> f64 {
+        let (method, weights, x0, x1) = self.parts();
+        let [.., k6, k7] = &method.k;
+        let (mut above, mut below) = (0.0, 0.0);
+        for i in 0..x1.len() {
+            let unit = weights.unit(i, x0[i].abs().max(x1[i].abs()));
+            above += ((k7[i] - k6[i]) / unit).powi(2);
+            below += ((x1[i] - method.sixth[i]) / unit).powi(2);
+        }
+        let (t0, t1) = self.last_step();
+        if below > 0.0 { (t1 - t0) * (above / below).sqrt() } else { 0.0 }
+    }
+
+    /// Goes on where the stiff method has got to.
+    pub(crate) fn follow(&mut self, stiff: &Ode15s) {
+        let (t0, t1) = stiff.last_step();
+        self.go_on(stiff.learnt(), t1 - t0);
+    }
+
+    /// What has been learnt of the sizes of states.
+    pub(crate) fn learnt(&self) -> Option<&Learnt> {
+        self.parts().1.learnt()
+    }
 }
 
 impl Method for DormandPrince {
@@ -52,9 +82,8 @@ impl Method for DormandPrince {
     const ORDER: f64 = 5.0;
     const ERROR_POWER: f64 = 5.0;
 
-    fn new(tolerances: &Tolerances) -> Self {
-        let n = tolerances.absolute.len();
-        Self { k: std::array::from_fn(|_| vec![0.0; n]) }
+    fn new(n: usize) -> Self {
+        Self { k: std::array::from_fn(|_| vec![0.0; n]), sixth: vec![0.0; n] }
     }
 
     fn begin(&mut self, work: &mut Work, t: f64, x: &[f64], known: bool) -> Result<(), Fault> {
@@ -96,6 +125,7 @@ impl Method for DormandPrince {
         combine(x1, x0, h, A5, [k1, k2, k3, k4]);
         work.derivatives(t0 + C5 * h, x1, k5)?;
         combine(x1, x0, h, A6, [k1, k2, k3, k4, k5]);
+        self.sixth.copy_from_slice(x1);
         work.derivatives(t1, x1, k6)?;
         let [b1, _, b3, b4, b5, b6] = B;
         combine(x1, x0, h, [b1, b3, b4, b5, b6], [k1, k3, k4, k5, k6]);

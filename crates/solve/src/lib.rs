@@ -5,8 +5,11 @@
 //!
 //! | stepper | order | for |
 //! |---|---|---|
-//! | [`Ode45`] | 5(4) | anything that is not stiff; the default |
+//! | [`Auto`] | 5(4), 1 to 5 | anything: `Ode45`, and `Ode15s` where that is stiff; the default |
+//! | [`Ode45`] | 5(4) | anything that is not stiff |
 //! | [`Ode23`] | 3(2) | loose tolerances, rough derivatives |
+//! | [`Ode15s`] | 1 to 5 | stiff systems, large and sparse ones too |
+//! | [`Radau5`] | 5 | stiff systems at tight tolerances |
 //! | [`Rodas4`] | 4(3) | small stiff systems |
 //! | [`Ros34pw2`] | 3(2) | stiff systems that know a cheap part of their Jacobian |
 //! | [`FixedStep`] | 1 to 5 | the same steps every time |
@@ -25,28 +28,37 @@
 //! ```
 
 mod adaptive;
+mod auto;
 mod bogacki_shampine;
 mod combine;
 mod dormand_prince;
+mod jacobian;
 pub mod linear;
+mod ode15s;
 pub mod problems;
+mod radau;
 mod rodas;
 mod roots;
 mod ros34pw2;
 mod runge_kutta;
+mod sparse;
 mod step_size;
 mod stepper;
 mod system;
 mod tableau;
 #[cfg(test)]
 mod trees;
+mod weights;
 
 pub use adaptive::Adaptive;
+pub use auto::Auto;
 pub use bogacki_shampine::Ode23;
 pub use dormand_prince::Ode45;
+pub use ode15s::Ode15s;
+pub use radau::Radau5;
 pub use rodas::Rodas4;
 pub use roots::locate;
 pub use ros34pw2::Ros34pw2;
 pub use runge_kutta::FixedStep;
-pub use stepper::{Counts, Memory, StepError, StepLimits, Stepper, integrate};
+pub use stepper::{Counts, Memory, Share, StepError, StepLimits, Stepper, integrate};
 pub use system::{Failed, System, Tolerances};

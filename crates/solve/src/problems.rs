@@ -168,3 +168,72 @@ pub fn pole() -> impl System {
 pub fn draining_tank() -> impl System {
     function(1, |_, x, dx| dx[0] = -x[0].sqrt())
 }
+
+/// HIRES, the high irradiance response of plants to light: eight chemical species, stiff, from
+/// (1, 0, 0, 0, 0, 0, 0, 0.0057) to t = 321.8122.
+///
+/// E. Schäfer: A new approach to explain the "high irradiance responses" of photomorphogenesis on the basis of phytochrome,
+/// J. Math. Biology 2 (1975), doi 10.1007/BF00276015; problem hires of Mazzia and Magherini's test set.
+pub fn hires() -> impl System {
+    function(8, |_, x, dx| {
+        dx[0] = -1.71 * x[0] + 0.43 * x[1] + 8.32 * x[2] + 0.0007;
+        dx[1] = 1.71 * x[0] - 8.75 * x[1];
+        dx[2] = -10.03 * x[2] + 0.43 * x[3] + 0.035 * x[4];
+        dx[3] = 8.32 * x[1] + 1.71 * x[2] - 1.12 * x[3];
+        dx[4] = -1.745 * x[4] + 0.43 * x[5] + 0.43 * x[6];
+        dx[5] = -280.0 * x[5] * x[7] + 0.69 * x[3] + 1.71 * x[4] - 0.43 * x[5] + 0.69 * x[6];
+        dx[6] = 280.0 * x[5] * x[7] - 1.81 * x[6];
+        dx[7] = -dx[6];
+    })
+}
+
+/// The Oregonator, a chemical reaction that oscillates, from (1, 2, 3) to t = 360; stiff, with steep fronts.
+///
+/// R. J. Field, R. M. Noyes: Oscillations in chemical systems IV, J. Chem. Phys. 60 (1974), doi 10.1063/1.1681288; problem
+/// orego of Mazzia and Magherini's test set.
+pub fn oregonator() -> impl System {
+    function(3, |_, x, dx| {
+        dx[0] = 77.27 * (x[1] + x[0] * (1.0 - 8.375e-6 * x[0] - x[1]));
+        dx[1] = (x[2] - (1.0 + x[0]) * x[1]) / 77.27;
+        dx[2] = 0.161 * (x[0] - x[2]);
+    })
+}
+
+/// The Pleiades: seven stars in a plane whose masses are 1 to 7, with near encounters; not stiff. States are the
+/// coordinates x, then y, then the velocities. Runs to t = 3 from [`PLEIADES`].
+///
+/// E. Hairer, S. P. Nørsett, G. Wanner: Solving Ordinary Differential Equations I, section II.10.
+pub fn pleiades() -> impl System {
+    function(28, |_, x, dx| {
+        dx[..14].copy_from_slice(&x[14..]);
+        dx[14..].fill(0.0);
+        for i in 0..7 {
+            for j in (0..7).filter(|&j| j != i) {
+                let (a, b) = (x[j] - x[i], x[j + 7] - x[i + 7]);
+                let pull = (j + 1) as f64 / (a * a + b * b).powf(1.5);
+                dx[14 + i] += pull * a;
+                dx[21 + i] += pull * b;
+            }
+        }
+    })
+}
+
+/// Where the [`pleiades`] start.
+pub const PLEIADES: [f64; 28] = [
+    3.0, 3.0, -1.0, -3.0, 2.0, -2.0, 2.0, // x
+    3.0, -3.0, 2.0, 0.0, 0.0, -4.0, 4.0, // y
+    0.0, 0.0, 0.0, 0.0, 0.0, 1.75, -1.5, // x'
+    0.0, 0.0, 0.0, -1.25, 1.0, 0.0, 0.0, // y'
+];
+
+/// Heat in a rod of `n` cells that is held at 1 at its left end and is insulated at its right one; starts at 0.
+pub fn heat(n: usize) -> impl System {
+    let rate = (n * n) as f64;
+    function(n, move |_, x, dx| {
+        for i in 0..n {
+            let left = if i > 0 { x[i - 1] } else { 1.0 };
+            let right = if i + 1 < n { x[i + 1] } else { x[i] };
+            dx[i] = rate * (left - 2.0 * x[i] + right);
+        }
+    })
+}

@@ -10,7 +10,6 @@
 
 #![expect(clippy::excessive_precision, reason = "the digits are those of the tables")]
 
-use crate::Tolerances;
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::combine::combine;
 use crate::linear::{lu_factor, lu_solve};
@@ -42,9 +41,6 @@ const H2: [f64; 5] =
 const H3: [f64; 5] =
     [-0.6762803392801253, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872];
 
-/// A time that counts as small when f is differentiated by it, s.
-const TYPICAL_TIME: f64 = 1e-3;
-
 /// Stages and matrices of [`Rodas4`].
 pub struct Rodas {
     u: [Vec<f64>; 6],
@@ -59,8 +55,6 @@ pub struct Rodas {
     /// I - h gamma J, factored.
     lu: Vec<f64>,
     pivots: Vec<usize>,
-    /// Magnitude per state below which it counts as small.
-    typical: Vec<f64>,
 }
 
 impl Rodas {
@@ -70,23 +64,23 @@ impl Rodas {
         work.counts.jacobians += 1;
         for j in 0..n {
             let before = x[j];
-            let size = increment(before, self.typical[j]);
+            let size = work.weights.increment(j, before, span.h * self.f0[j]);
             x[j] = before + size;
-            if let Err(Fault::NotFinite(_)) = work.derivatives(span.t0, x, &mut self.f) {
+            if work.derivatives(span.t0, x, &mut self.f).is_err() {
                 x[j] = before - size;
                 work.derivatives(span.t0, x, &mut self.f)?;
             }
             let size = x[j] - before;
             x[j] = before;
             for i in 0..n {
-                self.jacobian[i * n + j] = (self.f[i] - self.f0[i]) / size;
+                self.jacobian[i * n + j] = work.weights.difference(i, self.f[i], self.f0[i]) / size;
             }
         }
         // Within the step, because f may change its law behind either end.
-        let t = span.t0 + increment(span.t0, TYPICAL_TIME).min(span.h);
+        let t = span.t0 + (f64::EPSILON.sqrt() * span.t0.abs().max(span.h)).min(span.h);
         work.derivatives(t, x, &mut self.f)?;
         for i in 0..n {
-            self.ft[i] = (self.f[i] - self.f0[i]) / (t - span.t0);
+            self.ft[i] = work.weights.difference(i, self.f[i], self.f0[i]) / (t - span.t0);
         }
         self.jacobian_is_current = true;
         Ok(())
@@ -121,24 +115,12 @@ impl Rodas {
     }
 }
 
-/// Half of the digits of the value are varied.
-fn increment(value: f64, typical: f64) -> f64 {
-    f64::EPSILON.sqrt() * value.abs().max(typical)
-}
-
-/// The magnitude where the absolute tolerance takes over from the relative one: what the user calls small. A fixed bound
-/// would miss the slopes of states that live below it, such as the second of Robertson's reaction near 1e-13.
-fn typical(absolute: f64, relative: f64) -> f64 {
-    (absolute / relative.max(f64::EPSILON)).max(1e-10)
-}
-
 impl Method for Rodas {
     const NAME: &'static str = "Rodas4";
     const ORDER: f64 = 4.0;
     const ERROR_POWER: f64 = 4.0;
 
-    fn new(tolerances: &Tolerances) -> Self {
-        let n = tolerances.absolute.len();
+    fn new(n: usize) -> Self {
         Self {
             u: std::array::from_fn(|_| vec![0.0; n]),
             f0: vec![0.0; n],
@@ -148,7 +130,6 @@ impl Method for Rodas {
             jacobian_is_current: false,
             lu: vec![0.0; n * n],
             pivots: vec![0; n],
-            typical: tolerances.absolute.iter().map(|a| typical(*a, tolerances.relative)).collect(),
         }
     }
 

@@ -21,7 +21,6 @@
 
 #![expect(clippy::excessive_precision, reason = "the digits are those of the tables")]
 
-use crate::Tolerances;
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::combine::{combine, combine_error};
 
@@ -139,8 +138,7 @@ impl Method for RangAngermann {
     const ORDER: f64 = 3.0;
     const ERROR_POWER: f64 = 3.0;
 
-    fn new(tolerances: &Tolerances) -> Self {
-        let n = tolerances.absolute.len();
+    fn new(n: usize) -> Self {
         Self { u: std::array::from_fn(|_| vec![0.0; n]), f0: vec![0.0; n], f: vec![0.0; n] }
     }
 

@@ -1,11 +1,11 @@
-//! The choice of the step size: error norm, PI controller, first guess, and how steps meet a limit.
+//! The choice of the step size: PI controller, and how steps meet a limit.
 //!
 //! E. Hairer, S. P. Nørsett, G. Wanner: Solving Ordinary Differential Equations I, 2nd ed., section II.4;
 //! K. Gustafsson: Control-theoretic techniques for stepsize selection in explicit Runge-Kutta methods,
 //! ACM TOMS 17 (1991), doi 10.1145/210232.210242.
 
+use crate::StepLimits;
 use crate::stepper::Experience;
-use crate::{StepLimits, Tolerances};
 
 /// Aims below the tolerance, so that few steps are rejected.
 const SAFETY: f64 = 0.9;
@@ -13,6 +13,8 @@ const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 /// The largest factor from one step to the next.
 const GROW: f64 = 10.0;
+/// Growth that is not worth new factors, for methods that keep them.
+const LITTLE: f64 = 1.2;
 /// Errors far below the tolerance say little; the controller remembers none smaller. Logarithm of 1e-4.
 const SMALLEST_REMEMBERED: f64 = -4.0 * std::f64::consts::LN_10;
 /// A step is stretched by up to this factor to land on a limit instead of leaving a sliver.
@@ -38,18 +40,21 @@ pub(crate) struct StepSize {
     beta: f64,
     /// Exponent where nothing is known of the error before: h_new = h * SAFETY * err^-elementary.
     elementary: f64,
+    /// Whether a step stays as it is rather than to grow by less than [`LITTLE`].
+    keeps: bool,
     pub learnt: Experience,
 }
 
 impl StepSize {
-    /// `k` is the power of h in the error estimate: its order plus one.
-    pub fn new(limits: StepLimits, k: f64) -> Self {
+    /// `k` is the power of h in the error estimate: its order plus one. `keeps` if a little growth is not worth a change.
+    pub fn new(limits: StepLimits, k: f64, keeps: bool) -> Self {
         let beta = 0.2 / k;
         Self {
             limits,
             exponent: 1.0 / k - 0.75 * beta,
             beta,
             elementary: 1.0 / k,
+            keeps,
             learnt: Experience { wanted: limits.first, ..Experience::default() },
         }
     }
@@ -95,6 +100,7 @@ impl StepSize {
         };
         let factor = SAFETY * power.exp();
         let growth = factor.clamp(SHRINK, if self.learnt.rejected { 1.0 } else { GROW });
+        let growth = if self.keeps && (1.0..LITTLE).contains(&growth) { 1.0 } else { growth };
         let next = trial.h * growth;
         if trial.cut && factor > growth && !self.learnt.rejected {
             // The error of a step cut short is too small to tell how long a full one may be.
@@ -120,83 +126,9 @@ impl StepSize {
 }
 
 /// The smallest step worth trying at `t`: 16 units in the last place.
-fn smallest(t: f64, min: f64) -> f64 {
+pub(crate) fn smallest(t: f64, min: f64) -> f64 {
     let unit = t.abs().next_up() - t.abs();
     min.max(16.0 * unit)
-}
-
-/// Root mean square of the error in units of the tolerances; infinite when anything is not finite.
-/// `x0` and `x1` are the states before and after the step.
-pub(crate) fn error_norm(tolerances: &Tolerances, x0: &[f64], x1: &[f64], error: &[f64]) -> f64 {
-    let n = error.len();
-    if n == 0 {
-        return 0.0;
-    }
-    let (x0, x1, absolute) = (&x0[..n], &x1[..n], &tolerances.absolute[..n]);
-    let mut sum = 0.0;
-    for i in 0..n {
-        let r = error[i] / scale(tolerances.relative, absolute[i], x0[i].abs().max(x1[i].abs()));
-        // An infinite state would hide its error behind an infinite tolerance.
-        sum += r * r + 0.0 * x1[i];
-    }
-    let norm = (sum / n as f64).sqrt();
-    if norm.is_finite() { norm } else { f64::INFINITY }
-}
-
-/// The state with the largest error, or the first one that is not finite.
-pub(crate) fn worst(tolerances: &Tolerances, x0: &[f64], x1: &[f64], error: &[f64]) -> usize {
-    let mut worst = (0, -1.0);
-    for (i, &e) in error.iter().enumerate() {
-        let r = (e / scale(tolerances.relative, tolerances.absolute[i], x0[i].abs().max(x1[i].abs()))).abs();
-        if !r.is_finite() || !x1[i].is_finite() {
-            return i;
-        }
-        if r > worst.1 {
-            worst = (i, r);
-        }
-    }
-    worst.0
-}
-
-/// Tolerance of a state of this magnitude; never zero, so that 0/0 cannot occur.
-pub(crate) fn scale(relative: f64, absolute: f64, magnitude: f64) -> f64 {
-    (absolute + relative * magnitude).max(f64::MIN_POSITIVE)
-}
-
-/// First guess of a step size, from the derivative `f0` at `x0`: an explicit Euler step moves `x0` by one hundredth of its
-/// magnitude (Hairer, Nørsett, Wanner, section II.4, a and b).
-pub(crate) fn first_guess(tolerances: &Tolerances, x0: &[f64], f0: &[f64], max: f64) -> f64 {
-    let (d0, d1) = (norm_of(tolerances, x0, x0), norm_of(tolerances, x0, f0));
-    let h = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
-    h.min(max)
-}
-
-/// Second guess, from the derivative `f1` after an Euler step of the size `h`: h^order times the larger of the first and second
-/// derivatives is one hundredth of the tolerance (ibid., c to f).
-pub(crate) fn second_guess(
-    tolerances: &Tolerances,
-    x0: &[f64],
-    f0: &[f64],
-    f1: &[f64],
-    h: f64,
-    order: f64,
-) -> f64 {
-    let n = x0.len().max(1) as f64;
-    let mut sum = 0.0;
-    for i in 0..x0.len() {
-        let r = (f1[i] - f0[i]) / scale(tolerances.relative, tolerances.absolute[i], x0[i].abs());
-        sum += r * r;
-    }
-    let d1 = norm_of(tolerances, x0, f0);
-    let d2 = (sum / n).sqrt() / h;
-    let d = d1.max(d2);
-    let h1 = if d <= 1e-15 { (h * 1e-3).max(1e-6) } else { (0.01 / d).powf(1.0 / order) };
-    (100.0 * h).min(h1)
-}
-
-/// Root mean square of `v` in units of the tolerances at `x`.
-fn norm_of(tolerances: &Tolerances, x: &[f64], v: &[f64]) -> f64 {
-    error_norm(tolerances, x, x, v)
 }
 
 #[cfg(test)]
@@ -204,7 +136,7 @@ mod tests {
     use super::*;
 
     fn control(h: f64, max: f64) -> StepSize {
-        StepSize::new(StepLimits { first: Some(h), max, ..StepLimits::default() }, 5.0)
+        StepSize::new(StepLimits { first: Some(h), max, ..StepLimits::default() }, 5.0, false)
     }
 
     #[test]
@@ -259,15 +191,6 @@ mod tests {
         let (t, limit) = (0.1 + 0.2, 0.4);
         assert_eq!(control.propose(t, limit).t1, limit);
         assert!(control.propose(0.0, 0.1005).h < 0.1);
-    }
-
-    #[test]
-    fn a_value_that_is_not_finite_is_an_infinite_error() {
-        let tolerances = Tolerances::uniform(2, 1e-3, 1e-6);
-        assert_eq!(error_norm(&tolerances, &[1.0, 1.0], &[1.0, 1.0], &[0.0, f64::NAN]), f64::INFINITY);
-        assert_eq!(error_norm(&tolerances, &[1.0, 1.0], &[f64::INFINITY, 1.0], &[0.0, 0.0]), f64::INFINITY);
-        assert_eq!(worst(&tolerances, &[1.0, 1.0], &[1.0, f64::NAN], &[5.0, 0.0]), 1);
-        assert_eq!(worst(&tolerances, &[1.0, 1.0], &[1.0, 1.0], &[0.1, -0.2]), 1);
     }
 
     #[test]

@@ -1,6 +1,10 @@
 //! What integrates: one accepted step at a time, so that the caller owns time, events and recording.
 
 use crate::System;
+use crate::auto::Turn;
+use crate::jacobian::Slopes;
+use crate::radau::Stages;
+use crate::weights::Learnt;
 
 /// A method of integration with its memory of the last step. No call allocates.
 pub trait Stepper: Send {
@@ -42,6 +46,11 @@ pub trait Stepper: Send {
     /// Work done since construction.
     fn counts(&self) -> Counts;
 
+    /// What a method that is two has used of each; nothing of others.
+    fn share(&self) -> Option<Share> {
+        None
+    }
+
     /// Name of the method, as users know it.
     fn name(&self) -> &'static str;
 }
@@ -63,13 +72,53 @@ pub fn integrate(
     Ok(())
 }
 
-/// What a stepper carries from one step to the next. Jacobians are not among it: every step makes its own.
+/// What a stepper carries from one step to the next.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Memory {
     /// The derivative at the end of the last step, if the method uses it and it still holds.
     pub(crate) derivative: Option<Vec<f64>>,
     /// What the controller of the step size knows.
     pub(crate) size: Experience,
+    /// What automatic tolerances have learnt.
+    pub(crate) tolerances: Option<Learnt>,
+    /// What a method of many steps knows of those before.
+    pub(crate) history: Option<Box<History>>,
+    /// Which method of two is at work, whether the other one goes on, and what each has done.
+    pub(crate) turn: Option<(Turn, bool, Share)>,
+    /// Stages of a method that begins with those of the step before, and whether they still hold.
+    pub(crate) stages: Option<(Box<Stages>, bool)>,
+}
+
+/// How much of its work a method that is two has left to the stiff one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Share {
+    /// Steps of the stiff method.
+    pub stiff: u64,
+    /// Changes from one to the other.
+    pub changes: u64,
+    /// When the stiff method came first, s.
+    pub first: Option<f64>,
+}
+
+/// What a method of many steps knows of those before.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct History {
+    pub begun: bool,
+    /// Backward differences, column after column.
+    pub differences: Vec<f64>,
+    /// Time to which they belong, and step, s.
+    pub t: f64,
+    pub h: f64,
+    pub order: usize,
+    /// Step and order to go on with.
+    pub next: (f64, usize),
+    pub steady: usize,
+    pub slopes: Option<Slopes>,
+    /// The g of the factors of I - g J.
+    pub factored: Option<f64>,
+    /// Bound of the eigenvalues of J, 1/s.
+    pub radius: f64,
+    pub rate: Option<f64>,
 }
 
 /// What the controller of the step size has learnt.
@@ -118,7 +167,7 @@ impl Default for StepLimits {
 /// Why a step could not be made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StepError {
-    /// [`System::derivatives`] or [`System::prepare`] failed.
+    /// [`System::derivatives`] or [`System::prepare`] failed at the start of the step or however near to it.
     System,
     /// The tolerances cannot be met: the solution has a pole or a jump, or the derivative is not finite ahead.
     Underflow {

@@ -10,17 +10,19 @@ pub trait System {
 
     /// Writes f(t, x) to `dx`. Both slices have length n.
     ///
-    /// A value that is not finite is no failure: it rejects the trial step, which is repeated with a smaller one.
+    /// A value that is not finite, or a failure, at a trial point rejects the trial step, which is repeated with a smaller
+    /// one: the point need not be one of the solution.
     ///
     /// # Errors
-    /// [`Failed`] ends the integration; the system keeps the details.
+    /// [`Failed`] ends the integration where it happens at the start of a step, or at trial points however near to it;
+    /// the system keeps the details of the last one.
     fn derivatives(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), Failed>;
 
     /// Prepares [`solve`](System::solve): an approximation J of the Jacobian df/dx at (t, x), as rough as is cheap,
     /// and the factorisation of I - hg J. Asked for by W-methods only, once per trial step. Default: J = 0.
     ///
     /// # Errors
-    /// [`Failed`] ends the integration, as above.
+    /// [`Failed`], as above.
     fn prepare(&mut self, _t: f64, _x: &[f64], _hg: f64) -> Result<(), Failed> {
         Ok(())
     }
@@ -50,11 +52,19 @@ pub struct Tolerances {
     pub relative: f64,
     /// Floor per state, in its unit: what counts as nothing. Its length is the dimension of the system.
     pub absolute: Vec<f64>,
+    /// Whether the floor rises with the size that a state has had, to a thousandth of the relative tolerance there;
+    /// `absolute` is then the least, mostly zero. States that are nothing but rounding are found out.
+    pub automatic: bool,
 }
 
 impl Tolerances {
     /// The same tolerances for all of `dimension` states.
     pub fn uniform(dimension: usize, relative: f64, absolute: f64) -> Self {
-        Self { relative, absolute: vec![absolute; dimension] }
+        Self { relative, absolute: vec![absolute; dimension], automatic: false }
+    }
+
+    /// A relative tolerance alone; what counts as nothing follows from the sizes of the states.
+    pub fn automatic(dimension: usize, relative: f64) -> Self {
+        Self { relative, absolute: vec![0.0; dimension], automatic: true }
     }
 }

@@ -1,0 +1,369 @@
+//! `Radau5`: Radau IIA, three implicit stages of order 5, L-stable and stiffly accurate; continuous extension of order 3. For
+//! stiff systems at tight tolerances, where differentiation formulas take many short steps.
+//!
+//! Stages are found by simplified Newton iteration in coordinates in which the three equations are one and a pair; the pair
+//! is solved as one of twice the size. The Jacobian is kept as long as the iteration converges
+//! quickly, the factors as long as the step stays, too.
+//!
+//! E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, 2nd ed., section IV.8,
+//! doi 10.1007/978-3-642-05221-7.
+
+#![expect(clippy::excessive_precision, reason = "the digits are those of the tables")]
+
+use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
+use crate::jacobian::{Age, Jacobian, Slopes, Twice};
+
+/// Order 5 for stiff systems at tight tolerances.
+pub type Radau5 = Adaptive<RadauIIA>;
+
+const SQRT6: f64 = 2.449_489_742_783_178;
+const C: [f64; 3] = [(4.0 - SQRT6) / 10.0, (4.0 + SQRT6) / 10.0, 1.0];
+
+/// Eigenvalues of the inverse of the matrix of the method: one real, and a complex pair by its parts.
+const REAL: f64 = 3.637_834_252_744_495_7;
+const PAIR: (f64, f64) = (2.681_082_873_627_752_1, 3.050_430_199_247_410_6);
+
+/// Coordinates in which it is that real one and [a b; -b a], and back: Z = T W, W = I Z.
+const T: [[f64; 3]; 3] = [
+    [0.09443876248897524, -0.14125529502095421, 0.03002919410514742],
+    [0.25021312296533332, 0.20412935229379994, -0.38294211275726192],
+    [1.0, 1.0, 0.0],
+];
+const I: [[f64; 3]; 3] = [
+    [4.17871859155190428, 0.32768282076106237, 0.52337644549944951],
+    [-4.17871859155190428, -0.32768282076106237, 0.47662355450055044],
+    [0.50287263494578682, -2.57192694985560522, 0.59603920482822492],
+];
+
+/// Weights of the error estimate.
+const E: [f64; 3] = [(-13.0 - 7.0 * SQRT6) / 3.0, (-13.0 + 7.0 * SQRT6) / 3.0, -1.0 / 3.0];
+
+/// The extension: coefficients of theta, theta^2, theta^3 for each stage.
+const P: [[f64; 3]; 3] = [
+    [13.0 / 3.0 + 7.0 * SQRT6 / 3.0, -23.0 / 3.0 - 22.0 * SQRT6 / 3.0, 10.0 / 3.0 + 5.0 * SQRT6],
+    [13.0 / 3.0 - 7.0 * SQRT6 / 3.0, -23.0 / 3.0 + 22.0 * SQRT6 / 3.0, 10.0 / 3.0 - 5.0 * SQRT6],
+    [1.0 / 3.0, -8.0 / 3.0, 10.0 / 3.0],
+];
+
+/// Newton iterations of one step, at most.
+const ITERATIONS: usize = 7;
+/// Error of the iteration, as a part of what the step may err by.
+const CONVERGED: f64 = 0.03;
+/// Convergence that is quick enough to keep the Jacobian.
+const QUICK: f64 = 1e-3;
+
+/// Stages and matrices of [`Radau5`].
+pub struct RadauIIA {
+    jacobian: Jacobian,
+    pair: Twice,
+    /// Whether there is a Jacobian, and whether it belongs to the start of this step.
+    slopes: Age,
+    /// Step that the factors belong to; not a number if there are none.
+    factored: f64,
+    /// Whether the last iteration was so quick that its Jacobian may serve on.
+    quick: bool,
+    f0: Vec<f64>,
+    f: [Vec<f64>; 3],
+    /// What the stages add to the state, and the same in the other coordinates.
+    z: [Vec<f64>; 3],
+    w: [Vec<f64>; 3],
+    /// Corrections of the pair.
+    both: Vec<f64>,
+    one: Vec<f64>,
+    /// Size of the step before, if `z` are its stages and may be continued; and of a trial from the same start.
+    before: Option<f64>,
+    tried: Option<f64>,
+}
+
+/// What [`Radau5`] carries from one step to the next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stages {
+    slopes: Option<Slopes>,
+    quick: bool,
+    tried: Option<f64>,
+    z: [Vec<f64>; 3],
+}
+
+/// How an iteration ended.
+enum Iteration {
+    Converged,
+    Slow,
+    Failed(Fault),
+}
+
+impl RadauIIA {
+    /// First values of the stages: the polynomial of the step before goes on, or nothing moves.
+    fn guess(&mut self, h: f64) {
+        let n = self.f0.len();
+        let (shift, length) = (if self.tried.is_some() { 0.0 } else { 1.0 }, self.tried.or(self.before));
+        (self.before, self.tried) = (None, None);
+        let Some(length) = length else {
+            self.z.iter_mut().chain(&mut self.w).for_each(|column| column.fill(0.0));
+            return;
+        };
+        for i in 0..n {
+            let z = [self.z[0][i], self.z[1][i], self.z[2][i]];
+            let mut next = [0.0; 3];
+            for (next, c) in next.iter_mut().zip(C) {
+                *next = extension(&z, shift + c * h / length) - shift * z[2];
+            }
+            for j in 0..3 {
+                self.z[j][i] = next[j];
+                self.w[j][i] = I[j][0] * next[0] + I[j][1] * next[1] + I[j][2] * next[2];
+            }
+        }
+    }
+
+    fn iterate(&mut self, work: &mut Work, span: Span, x0: &[f64], x1: &mut [f64]) -> Iteration {
+        let (h, n) = (span.h, x0.len());
+        let mut size_before = f64::NAN;
+        let mut slowest: f64 = 0.0;
+        for iteration in 0..ITERATIONS {
+            for (j, c) in C.into_iter().enumerate() {
+                x1.iter_mut().zip(x0).zip(&self.z[j]).for_each(|((x, x0), z)| *x = x0 + z);
+                let t = if j == 2 { span.t1 } else { span.t0 + c * h };
+                if let Err(fault) = work.derivatives(t, x1, &mut self.f[j]) {
+                    return Iteration::Failed(fault);
+                }
+            }
+            // In units of the step: h / gamma (I F) - W for the real one, h / a for the pair.
+            for i in 0..n {
+                let f = [self.f[0][i], self.f[1][i], self.f[2][i]];
+                let of = |row: &[f64; 3]| h * (row[0] * f[0] + row[1] * f[1] + row[2] * f[2]);
+                let (a, b) = PAIR;
+                self.one[i] = of(&I[0]) / REAL - self.w[0][i];
+                self.both[i] = of(&I[1]) / a - self.w[1][i] - b / a * self.w[2][i];
+                self.both[n + i] = of(&I[2]) / a - self.w[2][i] + b / a * self.w[1][i];
+            }
+            self.jacobian.solve(&mut self.one);
+            self.pair.solve(&mut self.both);
+            let mut size = 0.0;
+            for (j, correction) in [&self.one[..], &self.both[..n], &self.both[n..]].into_iter().enumerate() {
+                self.w[j].iter_mut().zip(correction).for_each(|(w, c)| *w += c);
+                size += work.weights.norm(x0, x0, correction, h).powi(2);
+            }
+            let size = (size / 3.0).sqrt();
+            for i in 0..n {
+                let w = [self.w[0][i], self.w[1][i], self.w[2][i]];
+                for (z, row) in self.z.iter_mut().zip(&T) {
+                    z[i] = row[0] * w[0] + row[1] * w[1] + row[2] * w[2];
+                }
+            }
+            if !size.is_finite() {
+                return Iteration::Slow;
+            }
+            let least = 10.0 * f64::EPSILON / work.weights.relative().max(f64::EPSILON);
+            if size <= least.min(CONVERGED) {
+                self.quick = slowest <= QUICK;
+                return Iteration::Converged;
+            }
+            if iteration > 0 {
+                let rate = size / size_before;
+                if rate >= 0.99 {
+                    return Iteration::Slow;
+                }
+                slowest = slowest.max(rate);
+                let left = rate / (1.0 - rate) * size;
+                if left <= CONVERGED {
+                    self.quick = slowest <= QUICK;
+                    return Iteration::Converged;
+                }
+                if left * rate.powi((ITERATIONS - 1 - iteration) as i32) > CONVERGED {
+                    return Iteration::Slow;
+                }
+            }
+            size_before = size;
+        }
+        Iteration::Slow
+    }
+
+    fn differentiate(&mut self, work: &mut Work, span: Span, x0: &[f64]) -> Result<(), Fault> {
+        self.jacobian.evaluate(work, span.t0, x0, &self.f0, span.h)?;
+        (self.slopes, self.factored) = (Age::Current, f64::NAN);
+        Ok(())
+    }
+
+    fn factor(&mut self, work: &mut Work, h: f64) -> Result<(), Fault> {
+        if self.factored != h {
+            self.factored = f64::NAN;
+            self.jacobian.factor(work, h / REAL)?;
+            self.jacobian.factor_pair(work, &mut self.pair, h / PAIR.0, PAIR.1 / PAIR.0)?;
+            self.factored = h;
+        }
+        Ok(())
+    }
+}
+
+/// How much the state has changed at a fraction of the step.
+fn extension(z: &[f64; 3], theta: f64) -> f64 {
+    let mut sum = 0.0;
+    for (z, p) in z.iter().zip(&P) {
+        sum += z * theta * (p[0] + theta * (p[1] + theta * p[2]));
+    }
+    sum
+}
+
+impl Method for RadauIIA {
+    const NAME: &'static str = "Radau5";
+    const ORDER: f64 = 5.0;
+    const ERROR_POWER: f64 = 4.0;
+    const KEEPS_SIZE: bool = true;
+
+    fn new(n: usize) -> Self {
+        let zeros = || vec![0.0; n];
+        Self {
+            jacobian: Jacobian::new(n),
+            pair: Twice::new(n),
+            slopes: Age::Unknown,
+            factored: f64::NAN,
+            quick: false,
+            f0: zeros(),
+            f: std::array::from_fn(|_| zeros()),
+            z: std::array::from_fn(|_| zeros()),
+            w: std::array::from_fn(|_| zeros()),
+            both: vec![0.0; 2 * n],
+            one: zeros(),
+            before: None,
+            tried: None,
+        }
+    }
+
+    fn begin(&mut self, work: &mut Work, t: f64, x: &[f64], known: bool) -> Result<(), Fault> {
+        if self.slopes == Age::Current {
+            self.slopes = Age::Old;
+        }
+        self.before = self.tried.take().filter(|_| known);
+        self.quick &= known;
+        work.derivatives(t, x, &mut self.f0)
+    }
+
+    fn first_derivative(&mut self) -> (&[f64], &mut [f64]) {
+        (&self.f0, &mut self.f[0])
+    }
+
+    fn attempt(
+        &mut self,
+        work: &mut Work,
+        span: Span,
+        x0: &[f64],
+        x1: &mut [f64],
+        error: &mut [f64],
+    ) -> Result<(), Fault> {
+        let h = span.h;
+        if self.slopes == Age::Unknown || self.slopes == Age::Old && !self.quick {
+            self.differentiate(work, span, x0)?;
+        }
+        self.guess(h);
+        loop {
+            self.factor(work, h)?;
+            match self.iterate(work, span, x0, x1) {
+                Iteration::Converged => break,
+                Iteration::Failed(fault) => return Err(fault),
+                Iteration::Slow if self.slopes == Age::Current => {
+                    return Err(Fault::NotFinite(work.weights.worst(x0, x0, &self.one, h)));
+                }
+                Iteration::Slow => {
+                    self.differentiate(work, span, x0)?;
+                    self.guess(h);
+                }
+            }
+        }
+        let n = x0.len();
+        let jump = |z: &[Vec<f64>; 3], i: usize| (E[0] * z[0][i] + E[1] * z[1][i] + E[2] * z[2][i]) / h;
+        for i in 0..n {
+            x1[i] = x0[i] + self.z[2][i];
+            error[i] = h / REAL * (self.f0[i] + jump(&self.z, i));
+        }
+        self.jacobian.solve(error);
+        if work.weights.norm(x0, x1, error, h) >= 1.0 {
+            // What is stiff hides the error; once more, from where the estimate leads.
+            for i in 0..n {
+                self.one[i] = x0[i] + error[i];
+            }
+            work.derivatives(span.t0, &self.one, &mut self.f[0])?;
+            for (i, error) in error.iter_mut().enumerate() {
+                *error = h / REAL * (self.f[0][i] + jump(&self.z, i));
+            }
+            self.jacobian.solve(error);
+        }
+        self.tried = Some(h);
+        Ok(())
+    }
+
+    fn interpolate(&self, theta: f64, _h: f64, x0: &[f64], _x1: &[f64], x: &mut [f64]) {
+        for i in 0..x.len() {
+            x[i] = x0[i] + extension(&[self.z[0][i], self.z[1][i], self.z[2][i]], theta);
+        }
+    }
+
+    fn stages(&self) -> Option<Box<Stages>> {
+        Some(Box::new(Stages {
+            slopes: (self.slopes != Age::Unknown).then(|| self.jacobian.slopes()),
+            quick: self.quick,
+            tried: self.tried,
+            z: self.z.clone(),
+        }))
+    }
+
+    fn recall(&mut self, stages: &Stages) {
+        (self.slopes, self.factored) = (Age::Unknown, f64::NAN);
+        if let Some(slopes) = &stages.slopes {
+            self.jacobian.recall(slopes);
+            self.slopes = Age::Old;
+        }
+        (self.quick, self.before, self.tried) = (stages.quick, None, stages.tried);
+        self.z.clone_from(&stages.z);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trees::{Family, largest_defect};
+
+    /// The matrix of the method.
+    fn table() -> [[f64; 3]; 3] {
+        let s = SQRT6;
+        [
+            [(88.0 - 7.0 * s) / 360.0, (296.0 - 169.0 * s) / 1800.0, (-2.0 + 3.0 * s) / 225.0],
+            [(296.0 + 169.0 * s) / 1800.0, (88.0 + 7.0 * s) / 360.0, (-2.0 - 3.0 * s) / 225.0],
+            [(16.0 - s) / 36.0, (16.0 + s) / 36.0, 1.0 / 9.0],
+        ]
+    }
+
+    fn times(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+        std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
+    }
+
+    #[test]
+    fn the_table_meets_the_conditions_of_order_five() {
+        let a = table().map(|row| row.to_vec());
+        let defect = |order| largest_defect(Family::RungeKutta, &a, &[], &table()[2], 1.0, order);
+        assert!(defect(5) < 1e-14, "{:e}", defect(5));
+        assert!(defect(6) > 1e-4);
+    }
+
+    #[test]
+    fn the_coordinates_take_the_equations_apart() {
+        // T [gamma 0 0; 0 a b; 0 -b a] I is the inverse of the matrix.
+        let (a, b) = PAIR;
+        let parts = [[REAL, 0.0, 0.0], [0.0, a, b], [0.0, -b, a]];
+        let one = times(&times(&times(&T, &parts), &I), &table());
+        for (i, row) in one.iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                assert!((entry - f64::from(i == j)).abs() < 1e-13, "{one:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_extension_passes_through_the_stages() {
+        for (k, c) in C.into_iter().enumerate() {
+            let mut z = [0.0; 3];
+            z[k] = 1.0;
+            for (j, other) in C.into_iter().enumerate() {
+                assert!((extension(&z, other) - f64::from(j == k)).abs() < 1e-13, "{c} {other}");
+            }
+        }
+    }
+}

@@ -1,0 +1,354 @@
+//! What an error is measured by: the weights of the states, given or found while the solution goes on.
+//!
+//! An error e of a state that goes from x0 to x1 counts as e / (relative max(|x0|, |x1|) + absolute). An automatic absolute
+//! tolerance follows the size that a state has had so far, so that neither units nor sizes have to be told: it is
+//! [`SHARE`] of the relative one at the largest magnitude up to now. A state that has just left zero is thus followed
+//! from its first move on. Two things keep that from going on for ever:
+//!
+//! * A state far smaller than all others ([`DWARF`]) counts as nothing. What diffuses through a thousand cells arrives
+//!   at the last ones as t^1000, of which no method knows a single digit.
+//! * A state that is zero but for rounding cannot be exact to six digits. Where steps are thrown away again and again,
+//!   f is evaluated at five points within a 200th of the step, where states differ by their last bits. Of what is smooth
+//!   the fourth difference vanishes there; what it is not is noise, and what noise does to a state over a step is no error.
+//!   It never hides more than a share of the largest state.
+
+use crate::{System, Tolerances};
+
+/// Part of the largest magnitude of a state, so far, below which it counts as nothing.
+const SHARE: f64 = 1e-3;
+/// The same part of the largest magnitude of any state.
+const DWARF: f64 = 1e-12;
+/// Part of the largest magnitude of any state that one of unknown size is taken for.
+const UNKNOWN: f64 = 1e-5;
+/// A magnitude where nothing is known.
+const LEAST: f64 = 1e-10;
+/// How far rounding may add up within a step, as a multiple of what was seen of it.
+const PILE: f64 = 8.0;
+/// Rejections, less a part of the steps that were kept since, that look like noise.
+const SUSPICION: f64 = 3.0;
+/// What a step that was kept takes away from the suspicion.
+const TRUST: f64 = 0.2;
+/// Distance of the points at which noise is looked for, as a part of the step.
+const APART: f64 = 1.0 / 1024.0;
+/// Weights of a fourth difference whose root sum square is one: what it makes of noise is as large as the noise.
+const FOURTH: [f64; 5] = {
+    let norm = 8.366_600_265_340_756;
+    [1.0 / norm, -4.0 / norm, 6.0 / norm, -4.0 / norm, 1.0 / norm]
+};
+/// Steps that are kept until noise is looked for again.
+const PATIENCE: f64 = 50.0;
+
+/// Weights of the states of one stepper.
+pub(crate) struct Weights {
+    relative: f64,
+    /// What was given: the tolerance itself, or the least automatic one.
+    given: Vec<f64>,
+    /// The absolute tolerances in force.
+    absolute: Vec<f64>,
+    /// What an automatic tolerance has learnt.
+    learnt: Option<Learnt>,
+    /// A point, its derivative, and the differences of a look at the noise.
+    look: Option<Box<[Vec<f64>; 3]>>,
+}
+
+/// What automatic tolerances carry from one step to the next.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Learnt {
+    /// Largest magnitude of each state so far.
+    pub size: Vec<f64>,
+    /// Largest of these.
+    pub largest: f64,
+    /// Variation of each derivative by rounding.
+    pub noise: Vec<f64>,
+    /// Whether any is known.
+    pub noisy: bool,
+    /// Rejections that have not been explained.
+    pub suspicion: f64,
+}
+
+impl Weights {
+    pub fn new(tolerances: Tolerances) -> Self {
+        let Tolerances { relative, absolute, automatic } = tolerances;
+        let n = absolute.len();
+        let zeros = || vec![0.0; n];
+        Self {
+            relative,
+            given: absolute.clone(),
+            absolute,
+            learnt: automatic.then(|| Learnt {
+                size: zeros(),
+                largest: 0.0,
+                noise: zeros(),
+                noisy: false,
+                suspicion: 0.0,
+            }),
+            look: automatic.then(|| Box::new([zeros(), zeros(), zeros()])),
+        }
+    }
+
+    pub fn relative(&self) -> f64 {
+        self.relative
+    }
+
+    /// Takes the sizes of a state that is a solution.
+    pub fn note(&mut self, x: &[f64]) {
+        let Some(learnt) = &mut self.learnt else { return };
+        let mut grown = false;
+        for (size, x) in learnt.size.iter_mut().zip(x) {
+            if x.abs() > *size {
+                *size = x.abs();
+                grown = true;
+                learnt.largest = learnt.largest.max(*size);
+            }
+        }
+        if grown {
+            self.renew();
+        }
+    }
+
+    /// Finds the absolute tolerances anew.
+    fn renew(&mut self) {
+        let Some(learnt) = &self.learnt else { return };
+        let least = self.relative * DWARF * learnt.largest;
+        for ((absolute, given), size) in self.absolute.iter_mut().zip(&self.given).zip(&learnt.size) {
+            *absolute = given.max(self.relative * SHARE * size).max(least);
+        }
+    }
+
+    /// What has been learnt, for a stepper that goes on from here.
+    pub fn learnt(&self) -> Option<&Learnt> {
+        self.learnt.as_ref()
+    }
+
+    /// Takes over what another has learnt.
+    pub fn recall(&mut self, learnt: Option<&Learnt>) {
+        if let (Some(here), Some(there)) = (&mut self.learnt, learnt) {
+            here.clone_from(there);
+            self.renew();
+        }
+    }
+
+    /// Error of state `i` that counts as one, in a step of the size `h` through magnitudes up to `magnitude`. Never zero,
+    /// so that 0/0 cannot occur.
+    #[inline]
+    fn scale(&self, i: usize, magnitude: f64, h: f64) -> f64 {
+        let plain = self.absolute[i] + self.relative * magnitude;
+        let noise = match &self.learnt {
+            Some(learnt) if learnt.noisy => {
+                (PILE * h * learnt.noise[i]).min(self.relative * SHARE * learnt.largest)
+            }
+            _ => 0.0,
+        };
+        (plain + noise).max(f64::MIN_POSITIVE)
+    }
+
+    /// Error of state `i` that counts as one at a magnitude.
+    pub fn unit(&self, i: usize, magnitude: f64) -> f64 {
+        self.scale(i, magnitude, 0.0)
+    }
+
+    /// What stands for the largest state where none has been above zero: dwarfs of the trial itself.
+    fn first(&self, x1: &[f64]) -> f64 {
+        match &self.learnt {
+            Some(learnt) if learnt.largest == 0.0 => {
+                self.relative * DWARF * x1.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()))
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Root mean square of an error in units of the tolerances; infinite when anything is not finite.
+    /// `x0` and `x1` are the states before and after the step of the size `h`.
+    pub fn norm(&self, x0: &[f64], x1: &[f64], error: &[f64], h: f64) -> f64 {
+        let n = error.len();
+        if n == 0 {
+            return 0.0;
+        }
+        let (x0, x1) = (&x0[..n], &x1[..n]);
+        let first = self.first(x1);
+        let mut sum = 0.0;
+        for i in 0..n {
+            let r = error[i] / (self.scale(i, x0[i].abs().max(x1[i].abs()), h) + first);
+            // An infinite state would hide its error behind an infinite tolerance.
+            sum += r * r + 0.0 * x1[i];
+        }
+        let norm = (sum / n as f64).sqrt();
+        if norm.is_finite() { norm } else { f64::INFINITY }
+    }
+
+    /// The state with the largest error, or the first one that is not finite.
+    pub fn worst(&self, x0: &[f64], x1: &[f64], error: &[f64], h: f64) -> usize {
+        let first = self.first(x1);
+        let mut worst = (0, -1.0);
+        for (i, &e) in error.iter().enumerate() {
+            let r = (e / (self.scale(i, x0[i].abs().max(x1[i].abs()), h) + first)).abs();
+            if !r.is_finite() || !x1[i].is_finite() {
+                return i;
+            }
+            if r > worst.1 {
+                worst = (i, r);
+            }
+        }
+        worst.0
+    }
+
+    /// First guess of a step size, from the derivative `f0` at `x0`: an explicit Euler step moves `x0` by one hundredth of its
+    /// magnitude (Hairer, Nørsett, Wanner, section II.4, a and b).
+    pub fn first_guess(&self, x0: &[f64], f0: &[f64], max: f64) -> f64 {
+        let (mut d0, mut d1) = (0.0, 0.0);
+        for i in 0..x0.len() {
+            // Where an automatic tolerance knows no size yet, a state of zero says nothing.
+            if self.learnt.is_none() || x0[i] != 0.0 {
+                let scale = self.scale(i, x0[i].abs(), 0.0);
+                (d0, d1) = (d0 + (x0[i] / scale).powi(2), d1 + (f0[i] / scale).powi(2));
+            }
+        }
+        let n = x0.len().max(1) as f64;
+        let (d0, d1) = ((d0 / n).sqrt(), (d1 / n).sqrt());
+        let h = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
+        if h.is_finite() { h.min(max) } else { max.min(1e-6) }
+    }
+
+    /// Second guess, from the derivative `f1` at `x1` after an Euler step of the size `h`: h^order times the larger of the
+    /// first and second derivatives is one hundredth of the tolerance (ibid., c to f).
+    pub fn second_guess(&self, x: [&[f64]; 2], f0: &[f64], f1: &[f64], h: f64, order: f64) -> f64 {
+        let [x0, x1] = x;
+        let n = x0.len().max(1) as f64;
+        let first = self.first(x1);
+        let (mut d1, mut d2) = (0.0, 0.0);
+        for i in 0..x0.len() {
+            // An automatic tolerance gets to know the size of what is zero by the step itself.
+            let moved = if self.learnt.is_some() { x1[i].abs() } else { 0.0 };
+            let scale = self.scale(i, x0[i].abs().max(moved), h) + first;
+            (d1, d2) = (d1 + (f0[i] / scale).powi(2), d2 + ((f1[i] - f0[i]) / scale).powi(2));
+        }
+        let (d1, d2) = ((d1 / n).sqrt(), (d2 / n).sqrt() / h);
+        let d = d1.max(d2);
+        let h1 = if d <= 1e-15 { (h * 1e-3).max(1e-6) } else { (0.01 / d).powf(1.0 / order) };
+        (100.0 * h).min(h1)
+    }
+
+    /// How much state `i` of the value `x` is varied for a difference: half of its digits, or of those of the magnitude where
+    /// the absolute tolerance takes over from the relative one. A fixed magnitude would miss the slopes of states that live
+    /// below it, such as the second of Robertson's reaction near 1e-13. `moved` is what it moves in a step, for states of which
+    /// nothing else is known.
+    pub fn increment(&self, i: usize, x: f64, moved: f64) -> f64 {
+        let small = self.absolute[i] / self.relative.max(f64::EPSILON);
+        let small = match &self.learnt {
+            // Of what has hardly ever moved the size is unknown; beside the others its slopes must not drown in rounding.
+            Some(learnt) if learnt.size[i] <= DWARF * learnt.largest => {
+                small.max(moved.abs()).max(UNKNOWN * learnt.largest)
+            }
+            Some(_) => small,
+            None => small.max(LEAST),
+        };
+        f64::EPSILON.sqrt() * x.abs().max(if small > 0.0 { small } else { LEAST })
+    }
+
+    /// A difference of two values of the derivative of state `i`; zero where that is all noise.
+    pub fn difference(&self, i: usize, a: f64, b: f64) -> f64 {
+        let noise = self.learnt.as_ref().map_or(0.0, |learnt| learnt.noise[i]);
+        if noise > 0.0 && (a - b).abs() <= PILE * noise { 0.0 } else { a - b }
+    }
+
+    /// Notes that a step was kept.
+    pub fn accepted(&mut self) {
+        if let Some(learnt) = &mut self.learnt {
+            learnt.suspicion = if learnt.suspicion < 0.0 {
+                learnt.suspicion + SUSPICION / PATIENCE
+            } else {
+                (learnt.suspicion - TRUST).max(0.0)
+            };
+        }
+    }
+
+    /// Notes that a step from (`t`, `x`) with the size `h` was thrown away, and looks for noise if that happens often. Returns
+    /// the evaluations that it took.
+    pub fn rejected(&mut self, system: &mut dyn System, t: f64, x: &[f64], h: f64) -> u64 {
+        let (Some(learnt), Some(look)) = (&mut self.learnt, &mut self.look) else { return 0 };
+        learnt.suspicion += 1.0;
+        if learnt.suspicion < SUSPICION {
+            return 0;
+        }
+        learnt.suspicion = -SUSPICION;
+        let [at, f, difference] = &mut **look;
+        difference.fill(0.0);
+        for (p, weight) in FOURTH.into_iter().enumerate() {
+            for (j, (at, x)) in at.iter_mut().zip(x).enumerate() {
+                // Signs without a pattern: the top bit of multiples of an odd number.
+                let bits = (5 * j as u64 + p as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+                let sign = if bits >> 63 == 0 { 1.0 } else { -1.0 };
+                *at = x + sign * 2.0 * f64::EPSILON * x;
+            }
+            let evaluated = system.derivatives(t + (p + 1) as f64 * APART * h, at, f);
+            if evaluated.is_err() || f.iter().any(|f| !f.is_finite()) {
+                return p as u64 + 1;
+            }
+            difference.iter_mut().zip(f.iter()).for_each(|(sum, f)| *sum += weight * f);
+        }
+        for (noise, seen) in learnt.noise.iter_mut().zip(difference) {
+            if seen.abs() > *noise {
+                *noise = seen.abs();
+                learnt.noisy = true;
+            }
+        }
+        FOURTH.len() as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problems::function;
+
+    #[test]
+    fn a_value_that_is_not_finite_is_an_infinite_error() {
+        let weights = Weights::new(Tolerances::uniform(2, 1e-3, 1e-6));
+        assert_eq!(weights.norm(&[1.0, 1.0], &[1.0, 1.0], &[0.0, f64::NAN], 1.0), f64::INFINITY);
+        assert_eq!(weights.norm(&[1.0, 1.0], &[f64::INFINITY, 1.0], &[0.0, 0.0], 1.0), f64::INFINITY);
+        assert_eq!(weights.worst(&[1.0, 1.0], &[1.0, f64::NAN], &[5.0, 0.0], 1.0), 1);
+        assert_eq!(weights.worst(&[1.0, 1.0], &[1.0, 1.0], &[0.1, -0.2], 1.0), 1);
+    }
+
+    #[test]
+    fn an_automatic_tolerance_follows_the_size_that_a_state_has_had() {
+        let mut weights = Weights::new(Tolerances::automatic(3, 1e-6));
+        weights.note(&[1e-6, -2e3, 0.0]);
+        weights.note(&[0.0, 1.0, 0.0]);
+        let error = |weights: &Weights, i: usize, e: f64| {
+            let mut error = [0.0; 3];
+            error[i] = e;
+            weights.norm(&[0.0; 3], &[0.0; 3], &error, 1.0) * 3f64.sqrt()
+        };
+        // A thousandth of the relative tolerance at its largest; what never moved counts against the largest of all.
+        for (i, one) in [1e-15, 2e-6, 2e-15].into_iter().enumerate() {
+            let one = if i == 0 { 2e-15 } else { one };
+            assert!((error(&weights, i, one) - 1.0).abs() < 1e-12, "{i}: {}", error(&weights, i, one));
+        }
+        let scaled = {
+            let mut weights = Weights::new(Tolerances::automatic(3, 1e-6));
+            weights.note(&[1e-6 * 4096.0, 2e3 * 4096.0, 0.0]);
+            weights
+        };
+        assert_eq!(error(&weights, 1, 1e-7), error(&scaled, 1, 1e-7 * 4096.0));
+    }
+
+    #[test]
+    fn noise_is_what_the_last_bits_change_and_nothing_else() {
+        // The first derivative is what rounding leaves of large terms, the second is steep but smooth.
+        let mut system = function(2, |t, x, dx| {
+            dx[0] = (1e3 + x[1]) - 1e3 - x[1];
+            dx[1] = 1e6 * (x[1] - t) + (1e3 * t).sin();
+        });
+        let mut weights = Weights::new(Tolerances::automatic(2, 1e-6));
+        let x = [0.0, 0.7];
+        weights.note(&x);
+        let spent: u64 = (0..3).map(|_| weights.rejected(&mut system, 0.1, &x, 1e-3)).sum();
+        assert_eq!(spent, 5);
+        let noise = &weights.learnt().unwrap().noise;
+        assert!(noise[0] > 1e-17 && noise[0] < 3e-13, "{noise:?}");
+        assert!(noise[1] < 1e6 * 3e-16, "{noise:?}");
+        // Not again before many steps have been kept.
+        assert_eq!((0..3).map(|_| weights.rejected(&mut system, 0.1, &x, 1e-3)).sum::<u64>(), 0);
+    }
+}
