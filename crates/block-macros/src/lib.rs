@@ -72,7 +72,15 @@ fn expand(input: &DeriveInput) -> Result<TokenStream> {
 
             impl<'de> serde::Deserialize<'de> for #ident {
                 fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> ::std::result::Result<Self, D::Error> {
-                    ::blocksim_block::private::read_parameters(#kind, deserializer)
+                    let mut read = <#ident as ::blocksim_block::Parameters>::Read::default();
+                    ::blocksim_block::private::read_parameters(
+                        #kind,
+                        <#ident as ::blocksim_block::Parameters>::NAMES,
+                        &mut |index, values| <#ident as ::blocksim_block::Parameters>::read(&mut read, index, values),
+                        deserializer,
+                    )?;
+                    <#ident as ::blocksim_block::Parameters>::whole(read)
+                        .map_err(|missing| serde::de::Error::missing_field(missing.0))
                 }
             }
 
@@ -116,7 +124,7 @@ fn parameters(ident: &Ident, fields: &[Parameter]) -> TokenStream {
                 places.push(quote!(pub #field: <#ty as #trait_path>::Read));
                 reads.push(quote! {
                     if index < <#ty as #trait_path>::INFOS.len() {
-                        return <#ty as #trait_path>::read(&mut read.#field, index, map);
+                        return <#ty as #trait_path>::read(&mut read.#field, index, values);
                     }
                     let index = index - <#ty as #trait_path>::INFOS.len();
                 });
@@ -139,7 +147,7 @@ fn parameters(ident: &Ident, fields: &[Parameter]) -> TokenStream {
                     }
                     None => (
                         quote!(::std::option::Option::None),
-                        quote!(return ::std::result::Result::Err(E::missing_field(#name))),
+                        quote!(return ::std::result::Result::Err(::blocksim_block::private::Missing(#name))),
                     ),
                 };
                 infos.push(quote! {
@@ -148,7 +156,7 @@ fn parameters(ident: &Ident, fields: &[Parameter]) -> TokenStream {
                 places.push(quote!(pub #field: ::std::option::Option<#ty>));
                 reads.push(quote! {
                     if index == 0 {
-                        return ::blocksim_block::private::read_value(&mut read.#field, #name, map);
+                        return ::blocksim_block::private::read_value(&mut read.#field, #name, values);
                     }
                     let index = index - 1;
                 });
@@ -175,17 +183,17 @@ fn parameters(ident: &Ident, fields: &[Parameter]) -> TokenStream {
             const NAMES: &'static [&'static str] = &::blocksim_block::private::names::<COUNT>(Self::INFOS);
             type Read = Read;
 
-            fn read<'de, M: ::blocksim_block::private::serde::de::MapAccess<'de>>(
+            fn read<'de>(
                 read: &mut Read,
                 index: usize,
-                map: &mut M,
-            ) -> ::std::result::Result<(), M::Error> {
+                values: &mut dyn ::blocksim_block::private::Values<'de>,
+            ) -> ::std::result::Result<(), ::blocksim_block::private::ReadError> {
                 #(#reads)*
-                let _ = (read, map);
+                let _ = (read, values);
                 ::std::unreachable!("a parameter {index} behind the last one")
             }
 
-            fn whole<E: ::blocksim_block::private::serde::de::Error>(read: Read) -> ::std::result::Result<Self, E> {
+            fn whole(read: Read) -> ::std::result::Result<Self, ::blocksim_block::private::Missing> {
                 let _ = &read;
                 ::std::result::Result::Ok(#ident { #(#whole),* })
             }

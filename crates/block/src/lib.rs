@@ -16,6 +16,7 @@ mod parameters;
 pub mod physical;
 mod ports;
 pub mod problem;
+mod reading;
 mod registry;
 pub mod schedule;
 mod shapes;
@@ -38,7 +39,8 @@ pub use symbol::{Curve, Symbol};
 /// What the derive macro needs; not for use by hand.
 #[doc(hidden)]
 pub mod private {
-    pub use crate::parameters::{count, joined, names, read_parameters, read_value, with_default};
+    pub use crate::parameters::{Missing, count, joined, names, read_parameters, read_value, with_default};
+    pub use crate::reading::{ReadError, Values};
     pub use inventory;
     pub use serde;
     pub use typetag;

@@ -1,9 +1,10 @@
 //! Sets of parameters: those of a kind of block, and groups of them that several kinds share.
 
 use std::fmt;
-use std::marker::PhantomData;
 
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
+
+use crate::reading::{Of, ReadError, Source, Values};
 
 /// What is known of one parameter.
 #[derive(Debug, Clone, Copy)]
@@ -31,45 +32,52 @@ pub trait Parameters: Sized {
     /// What was read so far.
     type Read: Default;
 
-    /// Reads the next value of a map, that of the parameter with this index.
+    /// Reads the next value, that of the parameter with this index.
     ///
     /// # Errors
     /// The value is not of its type, or the parameter was there before.
-    fn read<'de, M: MapAccess<'de>>(read: &mut Self::Read, index: usize, map: &mut M)
-    -> Result<(), M::Error>;
+    fn read<'de>(read: &mut Self::Read, index: usize, values: &mut dyn Values<'de>) -> Result<(), ReadError>;
 
     /// All parameters, defaults in the places of those that were not given.
     ///
     /// # Errors
     /// One without a default is missing.
-    fn whole<E: Error>(read: Self::Read) -> Result<Self, E>;
+    fn whole(read: Self::Read) -> Result<Self, Missing>;
 }
 
-/// Reads all parameters of a struct of this name.
+/// The name of a parameter that is missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Missing(pub &'static str);
+
+/// Reads parameters of these names: `read` takes the value of the one with an index.
 ///
 /// # Errors
-/// A name that is not known or stands twice, a value that is not of its type, a parameter that is missing.
-pub fn read_parameters<'de, P: Parameters, D: Deserializer<'de>>(
+/// A name that is not known, a value that `read` refuses.
+pub fn read_parameters<'de, D: Deserializer<'de>>(
     name: &'static str,
+    names: &'static [&'static str],
+    read: &mut dyn FnMut(usize, &mut dyn Values<'de>) -> Result<(), ReadError>,
     deserializer: D,
-) -> Result<P, D::Error> {
-    deserializer.deserialize_struct(name, P::NAMES, Struct(name, PhantomData))
+) -> Result<(), D::Error> {
+    deserializer.deserialize_struct(name, names, Struct { name, names, read })
 }
 
 /// Reads the value of one parameter.
 ///
 /// # Errors
 /// As [`Parameters::read`].
-pub fn read_value<'de, T: serde::Deserialize<'de>, M: MapAccess<'de>>(
+pub fn read_value<'de, T: serde::Deserialize<'de>>(
     place: &mut Option<T>,
     name: &'static str,
-    map: &mut M,
-) -> Result<(), M::Error> {
+    values: &mut dyn Values<'de>,
+) -> Result<(), ReadError> {
     if place.is_some() {
-        return Err(M::Error::duplicate_field(name));
+        return Err(ReadError::DuplicateField(name));
     }
-    *place = Some(map.next_value()?);
-    Ok(())
+    values.next(&mut |value| {
+        *place = Some(T::deserialize(Source::new(value))?);
+        Ok(())
+    })
 }
 
 /// Number of parameters in lists.
@@ -133,21 +141,25 @@ pub const fn names<const N: usize>(infos: &[ParameterInfo]) -> [&'static str; N]
     names
 }
 
-struct Struct<P>(&'static str, PhantomData<P>);
+/// Parameters by name, on their way to the one that reads them.
+struct Struct<'r, 'de> {
+    name: &'static str,
+    names: &'static [&'static str],
+    read: &'r mut dyn FnMut(usize, &mut dyn Values<'de>) -> Result<(), ReadError>,
+}
 
-impl<'de, P: Parameters> Visitor<'de> for Struct<P> {
-    type Value = P;
+impl<'de> Visitor<'de> for Struct<'_, 'de> {
+    type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "struct {}", self.0)
+        write!(f, "struct {}", self.name)
     }
 
-    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<P, M::Error> {
-        let mut read = P::Read::default();
-        while let Some(index) = map.next_key_seed(Name(P::NAMES))? {
-            P::read(&mut read, index, &mut map)?;
+    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<(), M::Error> {
+        while let Some(index) = map.next_key_seed(Name(self.names))? {
+            (self.read)(index, &mut Of(&mut map)).map_err(ReadError::raise)?;
         }
-        P::whole(read)
+        Ok(())
     }
 }
 

@@ -1,0 +1,4 @@
+//! Parameters of kinds of block, as they are read.
+
+mod groups;
+mod reading;
