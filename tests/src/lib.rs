@@ -19,6 +19,16 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_path_buf).unwrap_or_default()
 }
 
+/// Diagrams of the project that run in an instant, from several fields.
+pub const SMALL_DIAGRAMS: [&str; 6] = [
+    "diagrams/servo.ron",
+    "diagrams/dc_motor_start.ron",
+    "diagrams/asm_direct_on_line.ron",
+    "diagrams/pendulum.ron",
+    "diagrams/bouncing_mass.ron",
+    "diagrams/pid_anti_windup.ron",
+];
+
 /// Reads files of the project, and texts that a test makes up.
 #[derive(Debug, Default)]
 pub struct Desk {
@@ -50,6 +60,12 @@ impl Reader for Desk {
 /// Compiles a diagram of the project.
 pub fn compile_file(path: &str, overrides: &[&str]) -> (Compiled, String) {
     compile_with(&Desk::new(), &root().join(path), overrides)
+}
+
+/// The schedule of a diagram of the project; panics with its problems where there is none.
+pub fn schedule(path: &str, overrides: &[&str]) -> Schedule {
+    let (compiled, problems) = compile_file(path, overrides);
+    compiled.schedule.unwrap_or_else(|| panic!("{problems}"))
 }
 
 /// Compiles a diagram that a test makes up.

@@ -1,0 +1,279 @@
+//! `blocksim linearise` as users call it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use crate::support::{arguments, commands_of, root};
+use serde_json::Value;
+
+/// A loop of a gain and three equal lags with a time constant of 1 s, L = gain / (s + 1)^3, behind a limit of 10; a sampled
+/// copy of its output, which nobody reads but a scope; a vector and a flag.
+const LAGS: &str = r#"Diagram(
+    title: "Lags",
+    parameters: { "gain": 2.0, "after": 0.5 },
+    simulation: (stop_time: "20 s", solver: Ode45(rtol: 1e-9), output: Every("0.1 s")),
+    blocks: {
+        "demand": Step(time: "1 s", after: "after"),
+        "error": Sum(signs: "+-"),
+        "gain": Gain(k: "gain"),
+        "limit": Saturation(lower: -10, upper: 10),
+        "a": LowPass(tau: "1 s"), "b": LowPass(tau: "1 s"), "c": LowPass(tau: "1 s"),
+        "hold": ZeroOrderHold(ts: "0.1 s"),
+        "slow": LowPass(tau: "5 s"),
+        "both": Mux(inputs: 2),
+        "late": Compare(operator: Greater, constant: 0.3),
+        "scope": Scope(inputs: ["set", "actual", "held", "both"]),
+        "flag": Scope(inputs: ["late"]),
+    },
+    connections: [
+        "demand.y -> error.u1, scope.set",
+        "error.y -> gain.u",
+        "gain.y -> limit.u",
+        "limit.y -> a.u",
+        "a.y -> b.u",
+        "b.y -> c.u, both.u1",
+        "c.y -> error.u2, hold.u, both.u2, late.u, scope.actual",
+        "hold.y -> slow.u",
+        "slow.y -> scope.held",
+        "both.y -> scope.both",
+        "late.y -> flag.late",
+    ],
+)
+"#;
+
+/// A folder with a model that is removed at the end.
+struct Desk(PathBuf);
+
+impl Desk {
+    fn new(name: &str) -> Desk {
+        let path = std::env::temp_dir().join(format!("blocksim-linearise-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&path).expect("a folder");
+        std::fs::write(path.join("lags.ron"), LAGS).expect("a model");
+        Desk(path)
+    }
+
+    fn linearise(&self, words: &[&str]) -> Output {
+        linearise(&self.0, words)
+    }
+
+    fn json(&self, words: &[&str]) -> Value {
+        json(&self.linearise(&[words, &["--json"]].concat()))
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn linearise(folder: &Path, words: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+    command.current_dir(folder).env("NO_COLOR", "1").env_remove("COLUMNS").arg("linearise").args(words);
+    command.output().expect("the program runs")
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn json(output: &Output) -> Value {
+    assert_eq!(output.status.code(), Some(0), "{}", said(output));
+    serde_json::from_slice(&output.stdout).expect("data")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn near(value: &Value, expected: f64) {
+    let value = number(value);
+    assert!((value - expected).abs() <= 1e-6 * expected.abs().max(1e-3), "{value} is not {expected}");
+}
+
+#[test]
+fn the_margins_of_three_lags_are_those_of_the_formula_wherever_the_loop_is_cut() {
+    let desk = Desk::new("margins");
+    for cut in ["gain.y", "limit.y", "error.y", "b.y", "scope.actual"] {
+        let found = desk.json(&["lags.ron", "--open", cut]);
+        let way = &found["ways"][0];
+        assert_eq!(way["order"], 3, "{cut}");
+        let margins = &way["margins"];
+        // The phase is -180 deg at sqrt 3, where the gain is 2 / 8.
+        near(&margins["gain"][0]["value"], 4.0);
+        near(&margins["gain"][0]["frequency"], 3.0_f64.sqrt());
+        let crossover = (4.0_f64.cbrt() - 1.0).sqrt();
+        near(&margins["phase"][0]["frequency"], crossover);
+        near(&margins["phase"][0]["value"], std::f64::consts::PI - 3.0 * crossover.atan());
+        assert_eq!(margins["stable"], true);
+        near(&way["static_gain"], 2.0);
+    }
+    let fast = desk.json(&["lags.ron", "--set", "gain=8.1", "--open", "gain.y"]);
+    assert_eq!(fast["ways"][0]["margins"]["stable"], false);
+}
+
+#[test]
+fn a_closed_loop_has_the_poles_of_its_polynomial_and_a_cut_one_those_of_its_parts() {
+    let desk = Desk::new("poles");
+    let found = desk.json(&["lags.ron", "--from", "demand.y", "--to", "c.y,error.y"]);
+    near(&found["ways"][0]["static_gain"], 2.0 / 3.0);
+    near(&found["ways"][1]["static_gain"], 1.0 / 3.0);
+    // (s + 1)^3 = -2: s = -1 + cbrt 2 times the third roots of -1.
+    let root = 2.0_f64.cbrt();
+    let poles = found["ways"][0]["poles"].as_array().expect("poles");
+    let has = |re: f64, im: f64| {
+        poles.iter().any(|p| (number(&p["pole"][0]) - re).hypot(number(&p["pole"][1]) - im) < 1e-6)
+    };
+    assert!(has(-1.0 - root, 0.0) && has(root / 2.0 - 1.0, root * 0.75_f64.sqrt()), "{poles:?}");
+    let cut = desk.json(&["lags.ron", "--from", "demand.y", "--to", "c.y", "--open", "scope.actual"]);
+    near(&cut["ways"][0]["static_gain"], 2.0);
+    near(&cut["ways"][0]["bandwidth"], (2.0_f64.cbrt() - 1.0).sqrt());
+    // A change at a signal that is measured there: the sensitivity.
+    let sensitivity = desk.json(&["lags.ron", "--from", "gain.y", "--to", "gain.y"]);
+    near(&sensitivity["ways"][0]["static_gain"], 1.0 / 3.0);
+    let alias = Command::new(env!("CARGO_BIN_EXE_blocksim"))
+        .current_dir(&desk.0)
+        .args(["linearize", "lags.ron", "--open", "gain.y", "--no-plot"])
+        .output()
+        .expect("the program runs");
+    assert_eq!(alias.status.code(), Some(0));
+}
+
+#[test]
+fn a_dc_motor_has_its_known_transfer_functions() {
+    let words =
+        ["diagrams/dc_motor_start.ron", "--from", "switch.y", "--to", "encoder.w,ammeter.i", "--json"];
+    let found = json(&linearise(&root(), &words));
+    let (r, l, k, j) = (1.5_f64, 2.5e-3_f64, 0.22_f64, 5e-5_f64);
+    near(&found["ways"][0]["static_gain"], 1.0 / k);
+    near(&found["ways"][1]["static_gain"], 0.0);
+    near(&found["ways"][1]["zeros"][0][0], 0.0);
+    assert_eq!(found["ways"][0]["zeros"].as_array().map(Vec::len), Some(0));
+    // L J s^2 + R J s + k^2.
+    let pole = &found["ways"][0]["poles"][0];
+    near(&pole["frequency"], k / (l * j).sqrt());
+    near(&pole["damping"], r / 2.0 / k * (j / l).sqrt());
+}
+
+#[test]
+fn a_pendulum_is_found_at_rest_with_its_frequency() {
+    let words = [
+        "diagrams/pendulum.ron",
+        "--from",
+        "pivot.q",
+        "--to",
+        "pivot.w",
+        "--at",
+        "0.1s",
+        "--steady",
+        "--json",
+    ];
+    let found = json(&linearise(&root(), &words));
+    let poles = found["poles"].as_array().expect("poles");
+    // A rod of length 1 m about its end: (3 g / 2)^1/2. Upwards it would not swing but fall.
+    let w = (1.5_f64 * 9.80665).sqrt();
+    assert_eq!(poles.len(), 2);
+    near(&poles[0]["frequency"], w);
+    let q = number(&found["states"][0]["value"]);
+    let falls = number(&poles[0]["pole"][0]).abs() > 1.0;
+    assert_eq!(falls, q.cos() < 0.0, "{found}");
+    assert!(q.sin().abs() < 1e-6);
+
+    let words =
+        ["diagrams/dc_motor_start.ron", "--from", "switch.y", "--to", "encoder.w", "--at", "2ms", "--steady"];
+    let found = json(&linearise(&root(), &[&words[..], &["--json"]].concat()));
+    near(&found["to"][0]["value"], 24.0 / 0.22);
+}
+
+#[test]
+fn what_keeps_moving_is_named_where_there_is_no_rest() {
+    let desk = Desk::new("restless");
+    let ramp = r#"Diagram(
+        simulation: (stop_time: "1 s"),
+        blocks: { "one": Constant(value: 1.0), "sum": Integrator, "lag": LowPass(tau: 1.0), "scope": Scope(inputs: ["y"]) },
+        connections: ["one.y -> sum.u", "sum.y -> lag.u, scope.y"],
+    )"#;
+    std::fs::write(desk.0.join("ramp.ron"), ramp).expect("a model");
+    let output = desk.linearise(&["ramp.ron", "--from", "one.y", "--to", "sum.y", "--steady"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said(&output).contains("what keeps moving: `sum.x` by 1 a second"), "{}", said(&output));
+}
+
+#[test]
+fn limits_and_samples_are_told_where_nothing_comes_through() {
+    let desk = Desk::new("held");
+    let held = desk.linearise(&["lags.ron", "--from", "c.y", "--to", "slow.y", "--no-plot"]);
+    let text = String::from_utf8_lossy(&held.stdout).into_owned();
+    assert!(text.contains("held between samples, so that no change passes: `hold` (0.1 s)"), "{text}");
+    assert!(text.contains("begin or end at its output"), "{text}");
+    let from_there = desk.json(&["lags.ron", "--from", "hold.y", "--to", "slow.y"]);
+    near(&from_there["ways"][0]["static_gain"], 1.0);
+    near(&from_there["ways"][0]["bandwidth"], 0.2);
+    let limited =
+        desk.linearise(&["lags.ron", "--set", "after=50", "--at", "1.1s", "--open", "gain.y", "--no-plot"]);
+    let text = String::from_utf8_lossy(&limited.stdout).into_owned();
+    assert!(text.contains("nothing comes through") && text.contains("is at a limit or sticks"), "{text}");
+}
+
+#[test]
+fn mistakes_are_told_with_a_remedy() {
+    let desk = Desk::new("mistakes");
+    for (words, code, expected) in [
+        (&["--open", "gian.y"][..], 2, "did you mean `gain.y`?"),
+        (&["--open", "gain.u"], 2, "name the signal that leads to it, `error.y`"),
+        (&["--from", "gain.y", "--to", "both.y"], 2, "name one of them, from `both.y[0]` to `both.y[1]`"),
+        (&["--from", "gain.y", "--to", "both.y[2]"], 2, "`both.y` has no element 2"),
+        (&["--from", "gain.y", "--to", "late.y"], 2, "has no values in between"),
+        (&["--open", "gain.y", "--at", "21s"], 2, "the run is over at 20 s"),
+        (&["--open", "gain.y", "--at=-1s"], 2, "begins at 0 s"),
+        (&["--from", "gain.y"], 2, "--to"),
+        (&[], 2, "--open"),
+        (&["--open", "gain.y", "--set", "gain=x"], 3, "x"),
+    ] {
+        let output = desk.linearise(&[&["lags.ron"], words].concat());
+        assert_eq!(output.status.code(), Some(code), "{words:?}: {}", said(&output));
+        assert!(said(&output).contains(expected), "{words:?}: {}", said(&output));
+    }
+    let element = desk.json(&["lags.ron", "--from", "gain.y", "--to", "both.y[0]", "--open", "scope.actual"]);
+    near(&element["ways"][0]["static_gain"], 1.0);
+    assert_eq!(desk.linearise(&["nothing.ron", "--open", "gain.y"]).status.code(), Some(4));
+}
+
+#[test]
+fn tables_and_drawings_are_written_whole_and_never_over_others() {
+    let desk = Desk::new("files");
+    let words = ["lags.ron", "--open", "gain.y", "--csv", "l.csv", "--svg", "l.svg", "--png", "l.png"];
+    let output = desk.linearise(&words);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let table = std::fs::read_to_string(desk.0.join("l.csv")).expect("a table");
+    assert!(
+        table.starts_with("to,frequency [rad/s],magnitude [dB],phase [deg],real,imaginary\ngain.y,"),
+        "{table}"
+    );
+    for line in table.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').skip(1).map(|cell| cell.parse().expect("a number")).collect();
+        let (w, db, phase) = (cells[0], cells[1], cells[2]);
+        assert!((db - 20.0 * (2.0 / (1.0 + w * w).powf(1.5)).log10()).abs() < 1e-6, "{line}");
+        assert!((phase + 3.0 * w.atan().to_degrees()).abs() < 1e-5, "{line}");
+    }
+    let drawing = std::fs::read_to_string(desk.0.join("l.svg")).expect("a drawing");
+    assert!(drawing.contains("frequency [rad/s]") && drawing.contains("phase margin"), "{drawing}");
+    assert!(std::fs::read(desk.0.join("l.png")).expect("a picture").starts_with(b"\x89PNG"));
+    let again = desk.linearise(&words);
+    assert_eq!(again.status.code(), Some(4));
+    assert!(said(&again).contains("is there already"), "{}", said(&again));
+    assert_eq!(desk.linearise(&[&words[..], &["--yes"]].concat()).status.code(), Some(0));
+}
+
+#[test]
+fn the_page_shows_what_the_program_says() {
+    let shown = commands_of("linear.md");
+    assert!(shown.len() >= 3, "{} commands with answers", shown.len());
+    for (command, answer) in shown {
+        let words = arguments(&command);
+        assert_eq!(words[..2], ["blocksim", "linearise"], "{command}");
+        let words: Vec<&str> = words[2..].iter().map(String::as_str).collect();
+        let output = linearise(&root(), &words);
+        assert_eq!(String::from_utf8_lossy(&output.stdout), answer, "{command}: {}", said(&output));
+    }
+}

@@ -1,0 +1,26 @@
+//! The program as users call it.
+
+mod collisions;
+mod commands;
+mod desk;
+#[cfg(unix)]
+mod faults;
+mod fix;
+mod fmt;
+mod identify;
+mod import;
+mod linearise;
+mod params;
+mod plan;
+mod plots;
+mod plugin;
+mod recording;
+mod report;
+mod report_faults;
+mod set;
+mod start;
+mod support;
+mod sweep;
+mod tables;
+#[cfg(unix)]
+mod watch;

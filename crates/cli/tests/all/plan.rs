@@ -1,0 +1,269 @@
+//! `blocksim plan` as users call it.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::support::{arguments, commands_of, root};
+
+/// Exit code, standard output and standard error.
+fn plan(arguments: &[&str]) -> (i32, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+    command.current_dir(root()).arg("plan").args(arguments).env_remove("CLICOLOR_FORCE");
+    let output = command.output().unwrap();
+    let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+    (output.status.code().unwrap(), out, err)
+}
+
+/// A file that goes away.
+struct Fresh(PathBuf);
+
+impl Fresh {
+    fn named(name: &str) -> Fresh {
+        let path = std::env::temp_dir().join(format!("blocksim-plan-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_file(&path);
+        Fresh(path)
+    }
+
+    fn path(&self) -> &str {
+        self.0.to_str().unwrap()
+    }
+}
+
+impl Drop for Fresh {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+const TARGET: &str = "60 deg, 30 deg, -20 deg, 45 deg, 60 deg, 90 deg";
+
+#[test]
+fn a_joint_move_tells_duration_and_margins() {
+    let (code, out, err) = plan(&["joint", "--to", TARGET]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    // T_end of the demo move: 0.36735 s + 0.85714 s.
+    assert!(out.starts_with("move       1.22449 s"), "{out}");
+    assert!(out.contains("   1        0.00      60.00           120.00    40 %          83 %"), "{out}");
+}
+
+#[test]
+fn a_line_is_written_once_and_planned_again_from_its_file() {
+    let file = Fresh::named("line.ron");
+    let asked = ["linear", "--from-point", "1 m, 100 mm, 1.3 m", "--to", "1.2 m, -300 mm, 900 mm", "--out"];
+    let asked: Vec<&str> = asked.into_iter().chain([file.path()]).collect();
+    let (code, out, _) = plan(&asked);
+    assert_eq!(code, 0, "{out}");
+    let text = std::fs::read_to_string(file.path()).unwrap();
+    assert!(text.contains(r#"target: ["1.2 m", "-300 mm", "900 mm"]"#), "as it was typed: {text}");
+    assert!(text.contains("result: (planner:"), "{text}");
+
+    let (code, _, err) = plan(&asked);
+    assert!(code == 4 && err.contains("is there already"), "{code}: {err}");
+    assert_eq!(std::fs::read_to_string(file.path()).unwrap(), text, "and it is left as it was");
+
+    let (code, again, err) = plan(&["sequence", file.path()]);
+    assert_eq!(code, 0, "{err}");
+    assert_eq!(again.lines().next(), out.lines().next(), "the same duration");
+}
+
+#[test]
+fn what_is_exceeded_is_told_with_place_and_remedy_and_nothing_is_written() {
+    let file = Fresh::named("fast.ron");
+    let start = "25 deg, 20 deg, 5 deg, 0 deg, 40 deg, 0 deg";
+    let slow = "robot.axis1.limits.acceleration=0.5 rad/s^2";
+    let (code, out, err) = plan(&[
+        "linear",
+        "--from",
+        start,
+        "--to",
+        "1300 mm, -100 mm, 900 mm",
+        "--set",
+        slow,
+        "--out",
+        file.path(),
+    ]);
+    assert_eq!(code, 1, "{out}{err}");
+    assert!(out.contains("exceeded   at ") && out.contains("% of the path (s = "), "{out}");
+    assert!(out.contains("(links[") && out.contains("= help: lower the acceleration to"), "{out}");
+    assert!(err.contains("nothing was written") && !file.0.exists());
+}
+
+/// Each call with what it says: what is refused before anything is solved, and what is found on the way.
+#[test]
+fn wrong_requests_are_answered_with_place_reason_and_remedy() {
+    let home = "0, 0, 0, 0, 0, 0";
+    let at = ["--from-point", "1.2 m, 0, 1 m"];
+    let linear = |more: &[&'static str]| [&["linear"], more].concat();
+    let to = |more: &[&'static str]| [&["linear", "--to", "1.2 m, 0 m, 1 m"], more].concat();
+    let calls: Vec<Vec<&str>> = vec![
+        // numbers
+        vec!["joint", "--to", "60, 30"],
+        vec!["joint", "--to", "1,5 deg, 30 deg, 0, 0, 0, 0"],
+        vec!["joint", "--to", "NaN, 0, 0, 0, 0, 0"],
+        vec!["joint", "--to", "0,, 0"],
+        vec!["joint", "--to", TARGET, "--velocity", "40 mm/s"],
+        vec!["joint", "--to", TARGET, "--velocity", "1,5"],
+        vec!["joint", "--to", TARGET, "--velocity", "140"],
+        linear(&["--to", "1 s, 0 m, 1 m"]),
+        linear(&["--to", "1 m, 0 m"]),
+        linear(&["--to", "1,2 m, 0, 1 m"]),
+        linear(&["--to", "1.2 m, inf, 1 m"]),
+        to(&["--velocity", "0"]),
+        to(&["--velocity", "-250"]),
+        to(&["--acceleration", "150"]),
+        to(&["--resolution", "1e-9"]),
+        // words and members
+        to(&["--profile", "fast"]),
+        to(&["--orientation", "loose"]),
+        to(&["--orientation", "interpolated"]),
+        to(&["--rotation", "0, 90, 0"]),
+        to(&["--configuration", "front"]),
+        to(&["--surroundings", "no.ron"]),
+        vec!["joint", "--to", TARGET, "--robot", "diagrams/servo.ron"],
+        // places
+        vec!["joint", "--to", home],
+        vec!["joint", "--to", "200, 0, 0, 0, 0, 0"],
+        vec!["joint", "--to", TARGET, "--from", "0, 0, 80, 0, 0, 0"],
+        linear(&["--from", "0, 0, 80, 0, 0, 0", "--to", "1 m, 0 m, 1 m"]),
+        linear(&[at[0], at[1], "--to", "1.2 m, 0, 1 m"]),
+        linear(&["--to", "3 m, 0 m, 1 m"]),
+        linear(&["--to", "3 m, 0 m, 1 m", "--orientation", "fixed"]),
+        linear(&["--from-point", "9 m, 0, 0", "--to", "1 m, 0 m, 1 m"]),
+        vec!["circular", at[0], at[1], "--via", "1.2 m, 0.1 m, 1 m", "--to", "1.2 m, 0.2 m, 1 m"],
+        vec!["circular", at[0], at[1], "--via", "1.2 m, 0.1 m, 3 m", "--to", "1.2 m, 0.2 m, 1 m"],
+        // on the way: through the base, from and through a pose with axes 4 and 6 in line
+        linear(&[at[0], at[1], "--to", "-1.2 m, 0, 1 m"]),
+        linear(&[at[0], at[1], "--to", "-1.2 m, 0, 1 m", "--orientation", "fixed"]),
+        linear(&["--from", home, "--to", "1.1 m, 0.4 m, 1.2 m", "--orientation", "fixed"]),
+        linear(&[
+            "--from-point",
+            "1382, -400, 1340.5",
+            "--from-rotation",
+            "0, 144.2, 0",
+            "--to",
+            "1382, 400, 1340.5",
+            "--orientation",
+            "fixed",
+            "--configuration",
+            "front-up-plain",
+        ]),
+    ];
+    let mut said = String::new();
+    for call in calls {
+        let (code, out, err) = plan(&call);
+        assert!(!err.contains("panicked"), "{call:?}: {err}");
+        let kept =
+            |line: &&str| ["exceeded", "collision", "  = help"].iter().any(|word| line.starts_with(word));
+        let found: Vec<&str> = out.lines().filter(kept).collect();
+        let words: Vec<String> = call
+            .iter()
+            .map(|word| if word.contains(' ') { format!("{word:?}") } else { word.to_string() })
+            .collect();
+        said += &format!("$ blocksim plan {}\n{err}", words.join(" "));
+        said += &found.iter().map(|line| format!("{line}\n")).collect::<String>();
+        said += &format!("exit code {code}\n\n");
+    }
+    expect_test::expect_file!["plan_answers.txt"].assert_eq(&said);
+}
+
+#[test]
+fn the_page_shows_what_the_program_says() {
+    let shown = commands_of("moves.md");
+    assert!(shown.len() >= 4, "{} commands with answers", shown.len());
+    for (command, answer) in shown {
+        let words = arguments(&command);
+        assert_eq!(words[..2], ["blocksim", "plan"], "{command}");
+        let words: Vec<&str> = words[2..].iter().map(String::as_str).collect();
+        let (_, out, err) = plan(&words);
+        assert_eq!(format!("{out}{err}"), answer, "{command}");
+    }
+}
+
+#[test]
+fn a_file_of_its_own_says_what_stands_around_and_what_may_touch() {
+    let around = |name: &str, text: &str| {
+        let file = Fresh::named(name);
+        std::fs::write(&file.0, text).unwrap();
+        file
+    };
+    let down =
+        ["linear", "--from-point", "1.2 m, 0, 1 m", "--to", "1.2 m, 0, 800 mm", "--json", "--surroundings"];
+    let hit = |file: &Fresh| {
+        let arguments: Vec<&str> = down.into_iter().chain([file.path()]).collect();
+        let (code, out, err) = plan(&arguments);
+        let data: serde_json::Value = serde_json::from_str(&out).unwrap_or_default();
+        (code, data["collisions"]["first"].clone(), err)
+    };
+    let shape = "shapes: [(kind: Text(\"box\"), size: [\"0.4 m\", \"0.4 m\", \"0.1 m\"], centre: [\"1.2 m\", 0, \"0.85 m\"])]";
+    let block = around("block.ron", &format!("(things: [(name: Text(\"block\"), {shape})])"));
+    let (code, first, _) = hit(&block);
+    assert_eq!((code, first["names"][1].as_str()), (1, Some("block")), "{first}");
+    let soft = around(
+        "soft.ron",
+        &format!(
+            "(things: [(name: Text(\"foam\"), {shape})], may_touch: [[Text(\"tool\"), Text(\"foam\")], [Text(\"link6\"), Text(\"foam\")]])"
+        ),
+    );
+    let (code, first, err) = hit(&soft);
+    assert!(code == 0 && first.is_null(), "{code} {first} {err}");
+    for (name, text, reason) in [
+        ("taken.ron", format!("(things: [(name: Text(\"tool\"), {shape})])"), "no name for a thing"),
+        ("pair.ron", "(may_touch: [[Text(\"tool\"), Text(\"cat\")]])".to_owned(), "there is no part `cat`"),
+        ("member.ron", "(ceiling: \"3 m\")".to_owned(), "ceiling"),
+        ("shape.ron", "(things: [(name: Text(\"a\"), shapes: [(kind: Text(\"egg\"))])])".to_owned(), "egg"),
+        ("unit.ron", "(floor: \"3 s\")".to_owned(), "expected a value in m"),
+    ] {
+        let (code, _, err) = hit(&around(name, &text));
+        assert!(code == 3 && err.contains(reason), "{name}: {code} {err}");
+    }
+}
+
+#[test]
+fn bare_numbers_have_the_units_of_the_help_and_are_written_with_them() {
+    let file = Fresh::named("bare.ron");
+    let bare = [
+        "linear",
+        "--from-point",
+        "1000, 100, 1300",
+        "--to",
+        "1200,-300,900",
+        "--velocity",
+        "250",
+        "--acceleration",
+    ];
+    let (code, out, err) = plan(&bare.into_iter().chain(["40", "--out", file.path()]).collect::<Vec<_>>());
+    assert_eq!(code, 0, "{out}{err}");
+    let text = std::fs::read_to_string(file.path()).unwrap();
+    assert!(
+        text.contains(r#"target: ["1200 mm", "-300 mm", "900 mm"]"#) && text.contains("\"250 mm/s\""),
+        "{text}"
+    );
+    let with = ["linear", "--from-point", "1 m, 0.1 m, 1.3 m", "--to", "1.2 m, -0.3 m, 0.9 m"];
+    assert_eq!(plan(&with).1.lines().next(), out.lines().next());
+}
+
+#[test]
+fn a_turn_on_the_spot_is_planned_with_degrees_per_second() {
+    let spot =
+        ["linear", "--from-point", "1200, 0, 1000", "--from-rotation", "0, 150, 0", "--to", "1200, 0, 1000"];
+    let turn = ["--orientation", "interpolated", "--rotation", "30, 150, 0", "--json"];
+    let planned = |more: &[&'static str]| {
+        let arguments: Vec<&str> = spot.iter().chain(&turn).chain(more).copied().collect();
+        let (code, out, err) = plan(&arguments);
+        let data: serde_json::Value = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{out}{err}"));
+        (code, data["duration"].as_f64().unwrap())
+    };
+    let slow = planned(&["--rotation-velocity", "10", "--rotation-acceleration", "100"]);
+    // sin²: d / v + 2 v / a with 30 deg, which turn about the vertical
+    assert!(slow.0 == 0 && (slow.1 - 3.2).abs() < 1e-9, "{slow:?}");
+    assert!(planned(&[]).1 < 1.2);
+}
+
+#[test]
+fn programs_get_json() {
+    let (code, out, _) = plan(&["joint", "--to", TARGET, "--json"]);
+    let data: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((code, data["v"].as_i64()), (0, Some(1)));
+    assert!((data["duration"].as_f64().unwrap() - 1.2244897959).abs() < 1e-9);
+    assert_eq!(data["axes"].as_array().unwrap().len(), 6);
+}

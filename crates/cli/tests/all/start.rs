@@ -1,0 +1,115 @@
+//! `blocksim new`, `completions` and `doctor` as users call them.
+
+use crate::desk::Desk;
+use crate::support::{arguments, commands_of};
+
+#[test]
+fn every_template_is_a_project_that_is_right_and_laid_out() {
+    let desk = Desk::with(&[]);
+    let listed = desk.call(&["new", "--list"]).out;
+    let names: Vec<&str> = listed.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert_eq!(names, ["servo", "robot", "plugin", "empty"]);
+    for name in names {
+        let answer = desk.call(&["new", name, "--template", name]);
+        assert_eq!(answer.code, Some(0), "{}", answer.text());
+        let run = answer.out.lines().find(|line| line.contains("blocksim run ")).expect("a command");
+        let words: Vec<&str> = run.split('#').next().expect("a command").split_whitespace().skip(1).collect();
+        let readme = desk.read(&format!("{name}/README.md"));
+        assert_eq!(readme.matches("\nblocksim ").count(), 3, "{readme}");
+        assert!(readme.starts_with(&format!("# {name}\n")), "{readme}");
+        assert_eq!(desk.call(&["fmt", name, "--check"]).code, Some(0), "{name}");
+        // The plug-in is that of `plugin new`, which has its own test.
+        if name != "plugin" {
+            let outcome = desk.call(&[&words[..], &["--no-plot", "--until", "0.5 s"]].concat());
+            assert_eq!(outcome.code, Some(0), "{words:?}: {}", outcome.text());
+        }
+    }
+    let lib = desk.read("plugin/controller/src/lib.rs");
+    assert!(lib.contains("Controller") && !lib.contains("MyController"), "{lib}");
+    let model = desk.read("plugin/loop.ron");
+    assert!(model.contains("library: \"controller\"") && !model.contains("my_controller"), "{model}");
+}
+
+#[test]
+fn nothing_that_is_there_is_replaced_by_a_project() {
+    let desk = Desk::with(&[("lab", "a file")]);
+    let answer = desk.call(&["new", "lab"]);
+    assert_eq!((answer.code, desk.read("lab").as_str()), (Some(4), "a file"));
+    assert!(answer.err.contains("`lab` is there already"), "{}", answer.err);
+    std::fs::create_dir(desk.0.join("empty")).expect("a folder");
+    assert_eq!(desk.call(&["new", "empty"]).code, Some(0), "an empty folder is as good as none");
+    assert_eq!(desk.call(&["new", "empty"]).code, Some(4));
+    assert_eq!(desk.call(&["new"]).code, Some(2));
+    assert_eq!(desk.call(&["new", "lost", "--template", "plugin", "--blocksim", "nowhere"]).code, Some(2));
+    assert!(!desk.0.join("lost").exists() && std::fs::read_dir(&desk.0).expect("a folder").count() == 2);
+}
+
+#[test]
+fn shells_get_what_they_can_read() {
+    let desk = Desk::with(&[]);
+    for (shell, part) in [
+        ("bash", "complete -F"),
+        ("zsh", "#compdef blocksim"),
+        ("fish", "complete -c blocksim"),
+        ("powershell", "Register-ArgumentCompleter"),
+    ] {
+        let answer = desk.call(&["completions", shell]);
+        assert_eq!(answer.code, Some(0), "{}", answer.text());
+        for part in [part, "sweep", "output-format"] {
+            assert!(answer.out.contains(part), "{shell}: {part}");
+        }
+    }
+    assert_eq!(desk.call(&["completions", "cmd"]).code, Some(2));
+}
+
+#[test]
+fn the_doctor_tells_each_thing_with_a_remedy() {
+    let desk = Desk::with(&[("runs", "a file in the way")]);
+    let answer = desk.call(&["doctor"]);
+    assert_eq!(answer.code, Some(1), "{}", answer.text());
+    assert!(
+        answer.out.contains("missing  runs folder  `runs` is a file\n  = help: rename it"),
+        "{}",
+        answer.out
+    );
+    let well = Desk::with(&[]).call(&["doctor", "--json"]);
+    let lines: Vec<serde_json::Value> =
+        well.out.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    let whats: Vec<&str> = lines.iter().filter_map(|line| line["what"].as_str()).collect();
+    assert_eq!(whats, ["blocksim", "cargo", "C compiler", "sources", "runs folder", "disk", "browser"]);
+    for line in &lines {
+        assert_eq!(line["state"] == "ok", line["help"].is_null(), "{line}");
+    }
+    let alone = Desk::with(&[]);
+    let output = alone.command(&["doctor"]).env("PATH", "/nowhere").env("CARGO", "/nowhere/cargo").output();
+    let output = output.expect("the program runs");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.code() == Some(1) && text.contains("https://rustup.rs"), "{text}");
+    let folder = Desk::with(&[]);
+    folder.call(&["new", "lab", "--template", "plugin"]);
+    let within =
+        folder.command(&["doctor"]).current_dir(folder.0.join("lab")).output().expect("the program runs");
+    assert!(String::from_utf8_lossy(&within.stdout).contains("controller is not built yet"), "{within:?}");
+}
+
+#[test]
+fn the_program_alone_names_a_model_of_the_folder() {
+    let desk = Desk::with(&[("part.ron", "Diagram(inputs: {})")]);
+    assert!(desk.call(&[]).out.contains("  blocksim new lab "), "no whole model is here");
+    desk.call(&["new", "lab"]);
+    let output = desk.command(&[]).current_dir(desk.0.join("lab")).output().expect("the program runs");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("  blocksim run servo.ron ") && !text.contains("blocksim new"), "{text}");
+}
+
+#[test]
+fn the_page_shows_what_the_program_does() {
+    let desk = Desk::with(&[]);
+    let shown = commands_of("start.md");
+    assert_eq!(shown.len(), 2);
+    for (line, answer) in shown {
+        let words = arguments(&line);
+        let told = desk.call(&words[1..].iter().map(String::as_str).collect::<Vec<_>>());
+        assert_eq!(told.out + &told.err, answer, "{line}");
+    }
+}

@@ -1,0 +1,36 @@
+//! What tests of the program share.
+
+use std::path::PathBuf;
+
+/// The folder of the project.
+pub fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// Commands of a page of the manual with the answers that stand right below them.
+pub fn commands_of(page: &str) -> Vec<(String, String)> {
+    let page = std::fs::read_to_string(root().join("docs").join(page)).expect("the page");
+    let mut fences = page.split("```").skip(1).step_by(2).peekable();
+    let mut shown = Vec::new();
+    while let Some(fence) = fences.next() {
+        let answer = fences.peek().and_then(|next| next.strip_prefix("text\n"));
+        if let (Some(command), Some(answer)) = (fence.strip_prefix("sh\n"), answer) {
+            shown.push((command.trim().to_owned(), answer.to_owned()));
+        }
+    }
+    shown
+}
+
+/// The arguments of a command: words, and what stands between quotes.
+pub fn arguments(command: &str) -> Vec<String> {
+    let (mut words, mut quoted) = (vec![String::new()], false);
+    for sign in command.replace("\\\n", " ").chars() {
+        match sign {
+            '"' => quoted = !quoted,
+            _ if sign.is_whitespace() && !quoted => words.push(String::new()),
+            _ => words.last_mut().expect("one word").push(sign),
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}

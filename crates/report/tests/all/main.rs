@@ -1,0 +1,5 @@
+//! The page of a run.
+
+mod browser;
+mod page;
+mod values;

@@ -1,0 +1,5 @@
+//! Solvers of differential equations: order, limits, work.
+
+mod convergence;
+mod limits;
+mod work;

@@ -1,0 +1,259 @@
+//! What ARCHITECTURE.md promises, checked against the sources.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use blocksim_tests::root;
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Names of the folders in `crates/`.
+fn crates() -> BTreeSet<String> {
+    let entries = std::fs::read_dir(root().join("crates")).expect("the crates");
+    let folders =
+        entries.map(|entry| entry.expect("an entry").path()).filter(|path| path.join("Cargo.toml").is_file());
+    folders.filter_map(|path| path.file_name()?.to_str().map(str::to_owned)).collect()
+}
+
+/// The rows of the table of crates: name, what it knows nothing of.
+fn table(page: &str) -> BTreeMap<String, String> {
+    let rows = page.lines().filter_map(|line| {
+        let cells: Vec<&str> = line.strip_prefix("| `")?.split('|').map(str::trim).collect();
+        Some((cells[0].trim_end_matches('`').to_owned(), cells.get(2)?.to_string()))
+    });
+    rows.collect()
+}
+
+/// Dependencies of a crate within the project, those of its tests left out; short names.
+fn dependencies(name: &str) -> BTreeSet<String> {
+    let manifest = read(&root().join("crates").join(name).join("Cargo.toml"));
+    let section = manifest.split("\n[").find_map(|section| section.strip_prefix("dependencies]"));
+    let keys = section.unwrap_or_default().lines().filter_map(|line| {
+        let key = line.split(['=', '.']).next()?.trim();
+        (!key.is_empty() && !key.starts_with('#')).then_some(key)
+    });
+    keys.map(|key| key.strip_prefix("blocksim-").unwrap_or(key).to_owned()).collect()
+}
+
+/// All that a crate depends on, directly or through others.
+fn reach(name: &str) -> BTreeSet<String> {
+    let (mut found, mut open) = (BTreeSet::new(), vec![name.to_owned()]);
+    while let Some(next) = open.pop() {
+        let inside = root().join("crates").join(&next).is_dir();
+        let further = if inside { dependencies(&next) } else { BTreeSet::new() };
+        open.extend(further.into_iter().filter(|dependency| found.insert(dependency.clone())));
+    }
+    found
+}
+
+#[test]
+fn the_page_names_every_crate_and_no_other() {
+    let page = read(&root().join("ARCHITECTURE.md"));
+    let named: BTreeSet<String> = table(&page).into_keys().collect();
+    assert_eq!(named, crates());
+}
+
+/// Every program of tests is linked for itself, with all that it depends on: a crate has one, and one more where an
+/// allocator counts.
+#[test]
+fn every_crate_has_one_program_of_tests() {
+    let folders = crates().into_iter().map(|name| root().join("crates").join(name).join("tests"));
+    for folder in folders.chain([root().join("tests/tests")]).filter(|folder| folder.is_dir()) {
+        let entries = std::fs::read_dir(&folder).expect("tests").map(|entry| entry.expect("an entry").path());
+        let programs = entries.filter(|path| {
+            let counts = path.file_stem().is_some_and(|stem| stem == "allocation");
+            !counts && (path.extension().is_some_and(|e| e == "rs") || path.join("main.rs").is_file())
+        });
+        let programs: Vec<PathBuf> = programs.collect();
+        assert!(programs.len() <= 1, "make these modules of one program: {programs:?}");
+    }
+}
+
+/// What stands between backticks, without blocks of code.
+fn spans(page: &str) -> Vec<&str> {
+    let prose: Vec<&str> = page.split("```").step_by(2).collect();
+    prose.into_iter().flat_map(|part| part.split('`').skip(1).step_by(2)).collect()
+}
+
+#[test]
+fn every_path_on_the_page_exists() {
+    let page = read(&root().join("ARCHITECTURE.md"));
+    let files: Vec<PathBuf> = crates().iter().flat_map(|name| sources_of(name)).collect();
+    let mut looked_at = 0;
+    for span in spans(&page) {
+        // `crates/blocks/src/<category>/`, `diagram/tree.rs`, `docs/`; neither commands nor formulas.
+        if span.contains([' ', '*', '=', '(', ':']) || !(span.contains('/') || span.ends_with(".rs")) {
+            continue;
+        }
+        let path = span.split('<').next().unwrap_or_default().trim_end_matches('/');
+        let in_crate =
+            path.split_once('/').map(|(name, rest)| root().join("crates").join(name).join("src").join(rest));
+        let alone = |path: &str| files.iter().any(|file| !path.contains('/') && file.ends_with(path));
+        let exists = root().join(path).exists() || in_crate.is_some_and(|path| path.exists()) || alone(path);
+        assert!(exists, "`{span}` does not exist");
+        looked_at += 1;
+    }
+    assert!(looked_at >= 8, "only {looked_at} paths were found on the page");
+}
+
+#[test]
+fn every_function_type_and_crate_on_the_page_exists() {
+    let page = read(&root().join("ARCHITECTURE.md"));
+    let mut sources = String::new();
+    for file in crates().iter().flat_map(|name| sources_of(name)) {
+        sources.push_str(&read(&file));
+    }
+    for span in spans(&page) {
+        let is_name = span.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        let known = crates().contains(span)
+            || sources.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|w| w == span);
+        assert!(!is_name || known, "nothing is called `{span}`");
+    }
+}
+
+/// All Rust files of a crate's sources.
+fn sources_of(name: &str) -> Vec<PathBuf> {
+    let (mut files, mut folders) = (Vec::new(), vec![root().join("crates").join(name).join("src")]);
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("sources").map(|entry| entry.expect("an entry").path())
+        {
+            if entry.is_dir() {
+                folders.push(entry);
+            } else if entry.extension().is_some_and(|extension| extension == "rs") {
+                files.push(entry);
+            }
+        }
+    }
+    files
+}
+
+/// Whether a line of code holds this word; comments and texts do not count.
+fn holds_word(line: &str, word: &str) -> bool {
+    let code: String =
+        line.split("//").next().unwrap_or_default().split('"').step_by(2).collect::<Vec<_>>().join(" ");
+    // A word with a hyphen, as in a policy of a page, is none of Rust.
+    code.split(|c: char| !(c.is_alphanumeric() || c == '_' || c == '-')).any(|found| found == word)
+}
+
+#[test]
+fn unsafe_occurs_in_abi_controller_and_host_alone() {
+    let mut found = BTreeSet::new();
+    for name in crates() {
+        for file in sources_of(&name) {
+            if read(&file).lines().any(|line| holds_word(line, "unsafe")) {
+                found.insert(name.clone());
+            }
+        }
+    }
+    let expected: BTreeSet<String> = ["abi", "controller", "host"].map(str::to_owned).into();
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn all_other_crates_take_the_lint_that_forbids_it() {
+    let lints = read(&root().join("Cargo.toml"));
+    assert!(lints.contains("unsafe_code = \"forbid\""), "the workspace forbids it");
+    for name in crates() {
+        let manifest = read(&root().join("crates").join(&name).join("Cargo.toml"));
+        let takes = manifest.contains("[lints]\nworkspace = true");
+        assert_eq!(takes, !["abi", "controller", "host"].contains(&name.as_str()), "{name}");
+    }
+}
+
+#[test]
+fn no_crate_depends_on_what_it_knows_nothing_of() {
+    let nothing_of = [
+        ("signal", &["*"][..]),
+        ("solve", &["block", "blocks", "ron", "serde"]),
+        ("multibody", &["block", "blocks", "diagram"]),
+        ("scene", &["block", "blocks", "diagram", "ron"]),
+        ("collision", &["block", "blocks", "diagram", "ron"]),
+        ("kinematics", &["block", "blocks", "ron", "serde"]),
+        ("motion", &["block", "blocks", "ron", "serde"]),
+        ("identify", &["block", "blocks", "ron", "serde", "diagram", "sim"]),
+        ("planner", &["block", "blocks", "ron"]),
+        ("robot", &["block", "blocks", "ron", "serde"]),
+        ("block", &["blocks", "diagram", "ron"]),
+        ("blocks", &["diagram", "network", "sim", "ron"]),
+        ("network", &["ron", "diagram", "blocks"]),
+        ("diagram", &["blocks", "sim", "host", "results"]),
+        ("sim", &["ron", "diagram", "blocks", "network", "results"]),
+        ("abi", &["*"]),
+        ("controller", &["host", "block", "diagram"]),
+        ("host", &["diagram", "blocks", "sim"]),
+        ("import", &["block", "blocks", "diagram", "ron"]),
+        ("results", &["block", "blocks", "diagram", "sim"]),
+        ("params", &["blocks", "sim"]),
+        ("picture", &["block", "blocks", "diagram", "plot"]),
+        ("plot", &["block", "blocks", "diagram", "sim"]),
+        ("analysis", &["*"]),
+        ("layout", &["*"]),
+        ("linear", &["block", "blocks", "ron", "serde", "diagram", "sim"]),
+        ("drawing", &["blocks", "sim", "host"]),
+        ("report", &["block", "blocks", "diagram", "results"]),
+        ("lsp", &["blocks", "sim", "host"]),
+    ];
+    for (name, absent) in nothing_of {
+        let reached = reach(name);
+        for other in absent {
+            assert!(
+                if *other == "*" { reached.is_empty() } else { !reached.contains(*other) },
+                "{name} reaches {reached:?}"
+            );
+        }
+    }
+    // The page's own words agree with the list above: a crate with an entry in the last column is in it.
+    let page = read(&root().join("ARCHITECTURE.md"));
+    for (name, absent) in table(&page) {
+        let listed = nothing_of.iter().any(|(listed, _)| *listed == name);
+        assert_eq!(listed, !absent.is_empty(), "{name}: knows nothing of {absent:?}");
+    }
+}
+
+/// The check of absences sees what is there.
+#[test]
+fn the_edges_reach_all_crates_of_the_program() {
+    let reached = reach("cli");
+    for name in [
+        "blocks",
+        "diagram",
+        "network",
+        "multibody",
+        "motion",
+        "solve",
+        "sim",
+        "host",
+        "abi",
+        "results",
+        "ron",
+    ] {
+        assert!(reached.contains(name), "cli does not reach {name}: {reached:?}");
+    }
+    assert!(holds_word("let x = unsafe { y };", "unsafe") && !holds_word("// unsafe", "unsafe"));
+    assert!(!holds_word("unsafe_code = 1; \"unsafe\"", "unsafe"));
+}
+
+/// Opening files from a pass of the compiler, or printing below the program, would break the layers.
+#[test]
+fn no_pass_of_the_compiler_opens_a_file_and_no_library_prints() {
+    for name in crates() {
+        for file in sources_of(&name) {
+            let text = read(&file);
+            let tests = file.to_string_lossy().ends_with("_tests.rs")
+                || file.to_string_lossy().ends_with("/tests.rs");
+            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+            let opens = |line: &str| line.contains("std::fs") && !line.trim_start().starts_with("//");
+            if ["diagram", "sim", "block", "blocks", "network", "signal", "solve"].contains(&name.as_str())
+                && !tests
+            {
+                assert!(!code.lines().any(opens), "{} opens files", file.display());
+            }
+            if name != "cli" && !tests {
+                let prints = |line: &str| ["println", "eprintln"].iter().any(|word| holds_word(line, word));
+                assert!(!code.lines().any(prints), "{} prints", file.display());
+            }
+        }
+    }
+}

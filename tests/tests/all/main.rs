@@ -1,0 +1,41 @@
+//! Whole diagrams and what holds for the project as a whole. One program, because every program is linked for itself.
+
+mod architecture;
+mod bad_input;
+mod bad_physics;
+mod bridges;
+mod central_control;
+mod circuits;
+mod converters;
+mod damaged_files;
+mod determinism;
+mod drawings;
+mod drives;
+mod energy;
+mod energy_of_components;
+mod energy_of_networks;
+mod examples;
+mod flagship;
+mod formatting;
+mod impacts;
+mod import;
+mod induction;
+mod inverters;
+mod library;
+mod lossy_gears;
+mod motors;
+mod moves;
+mod oracles;
+mod pages;
+mod parameters;
+#[cfg(unix)]
+mod plugins;
+mod power;
+mod robots;
+mod run_time;
+mod scenes;
+mod sliding_axes;
+mod steppers;
+mod stiction;
+mod translation;
+mod windings;
