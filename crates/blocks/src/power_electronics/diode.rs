@@ -3,8 +3,8 @@ use blocksim_block::prelude::*;
 
 use super::valve::Valve;
 
-/// Diode: conducts from `p` (anode) to `n` (cathode) with $v = v_f + r_{on} i$ while its current is positive, and blocks
-/// with $i = g_{off} v$ until its voltage exceeds $v_f$.
+/// Diode: blocks with $i = g_{off} v$ until its voltage from `p` (anode) to `n` (cathode) exceeds $v_f$, and conducts with
+/// $v = v_f + r_{on} (i - g_{off} v_f)$ until its current falls below $g_{off} v_f$, at which both lines meet.
 ///
 /// The solver stops at both instants. There is no recovery: the current ends at zero.
 ///

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::ops::Range;
 
 use blocksim_block::physical::{Element, LossModel, Needs};
-use blocksim_block::{Input, Interface, Output};
+use blocksim_block::{Crossing, Input, Interface, Output};
 
 use crate::accounts::Accounts;
 use crate::electrics::{Electrics, Separate};
@@ -44,7 +44,7 @@ impl Network {
     pub(crate) fn new(
         members: Vec<Member>,
         rotation: Rotation,
-        electrics: Electrics,
+        mut electrics: Electrics,
         frames: Frames,
         fed_by: &[Option<usize>],
     ) -> Result<Self, Vec<NetworkProblem>> {
@@ -173,7 +173,14 @@ impl Network {
         }
         for valve in &natural {
             let path = &seats[electrics.valves[*valve].member].member.path;
-            interface = interface.guard(format!("{path}.conducts"));
+            interface = interface.guard_when(Crossing::Falling, format!("{path}.conducts"));
+        }
+        for island in with_valves(&electrics) {
+            let path = seats[electrics.islands[island].members[0]].member.path.clone();
+            electrics.islands[island].size = Some(interface.discrete.len());
+            for what in ["voltage", "current"] {
+                interface = interface.discrete(format!("{path}.most_{what}"), 0.0);
+            }
         }
         if !natural.is_empty() {
             let steps = seats.iter().filter_map(|seat| seat.member.part.max_step);

@@ -98,7 +98,13 @@ fn add(member: usize, element: &Element, fed: bool, electrics: &mut Electrics, p
                 off_conductance,
             };
             piece(p, n, branch);
-            electrics.valves.push(Valve { member, kind, forward_voltage, two_pin: pieces.len() - 1 });
+            electrics.valves.push(Valve {
+                member,
+                kind,
+                forward_voltage,
+                holding_current: off_conductance * forward_voltage,
+                two_pin: pieces.len() - 1,
+            });
         }
         Element::Supply { ac } if !fed => {
             (0..3).for_each(|k| piece(Pin::Phase(ac, k), Pin::Ground, source(electrics)));

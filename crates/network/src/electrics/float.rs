@@ -67,10 +67,11 @@ impl Network {
         }
         // The common potential of a group that windings do not connect to the rest is free here.
         for group in &floating.groups {
-            let scale = group.iter().map(|a| room.matrix[a * k + a]).sum::<f64>().max(f64::MIN_POSITIVE);
-            for a in group {
-                for b in group {
-                    room.matrix[a * k + b] += scale;
+            let diagonal = group.iter().map(|(a, _)| room.matrix[a * k + a]);
+            let scale = diagonal.sum::<f64>().max(f64::MIN_POSITIVE);
+            for (a, by_a) in group {
+                for (b, by_b) in group {
+                    room.matrix[a * k + b] += scale * by_a * by_b;
                 }
             }
         }
@@ -121,7 +122,7 @@ impl Network {
                     floating.leaks.iter().map(|(at, z)| z[b] * w.voltage[two_pins[*at].index]).sum();
                 common -= floating.leak_inverse[a * g + b] * pull;
             }
-            floating.groups[a].iter().for_each(|part| room.phi[*part] = common);
+            floating.groups[a].iter().for_each(|(part, by)| room.phi[*part] += common * by);
         }
         self.shift(island, floating, &room.phi, w);
     }

@@ -8,14 +8,17 @@
 //! (W' Gamma W) phi = W' Gamma (u - v_0)
 //! ```
 //!
+//! An ideal transformer ties potentials of such parts to each other: what remains free are coordinates over which the
+//! potential of each part is a linear form, mostly the potential of one part each; below a part means such a coordinate.
+//!
 //! Where only open valves connect a group of such parts to ground, their leakage decides, however small it is: the
 //! potential at which the squares of the voltages over these valves have the least sum.
 
 use nalgebra::DMatrix;
-use petgraph::unionfind::UnionFind;
 
 use super::conducting::{Conducting, Unsolvable};
 use super::{Branch, Electrics, GivenBy, Island, Joined, TwoPin};
+use crate::assembly::eliminate::{Eliminated, Relations};
 
 /// The windings of a member that cross borders.
 #[derive(Debug, Clone)]
@@ -38,8 +41,10 @@ pub(crate) struct Floating {
     pub leaving: Vec<Vec<(usize, f64)>>,
     /// Two-pins of the island (their position) whose voltage changes with the potential of a part: part and sign.
     pub shifts: Vec<(usize, Vec<(usize, f64)>)>,
-    /// The parts of each group that windings do not connect to the rest.
-    pub groups: Vec<Vec<usize>>,
+    /// Nodes whose potentials are these coordinates.
+    pub nodes: Vec<usize>,
+    /// The parts of each group that windings do not connect to the rest, and how far each moves with its potential.
+    pub groups: Vec<Vec<(usize, f64)>>,
     /// Open valves between groups or to the rest: position of the two-pin, and its sign for each group.
     pub leaks: Vec<(usize, Vec<f64>)>,
     /// Inverse of `Z'Z` of the leaks, by rows.
@@ -54,49 +59,53 @@ impl Floating {
         conducting: Conducting,
         part: &[usize],
     ) -> Result<Option<Self>, Unsolvable> {
-        let parts = part.iter().max().copied().unwrap_or(0);
+        let all = part.iter().max().copied().unwrap_or(0);
+        if all == 0 {
+            return Ok(None);
+        }
+        let Eliminated { free, over_free, .. } = tied(island, part, all);
+        let parts = free.len();
         if parts == 0 {
             return Ok(None);
         }
-        let of = |node: Option<usize>| node.map_or(0, |node| part[node]);
+        let nodes = free.iter().map(|i| part.iter().position(|p| *p == i + 1).unwrap_or(0)).collect();
         // The change of the voltage of a two-pin with the potential of each part.
         let signs = |pin: &TwoPin| -> Vec<f64> {
-            let mut signs = vec![0.0; parts + 1];
-            signs[of(pin.p)] += 1.0;
-            signs[of(pin.n)] -= 1.0;
-            signs.split_off(1)
+            let mut signs = vec![0.0; parts];
+            for (node, sign) in [(pin.p, 1.0), (pin.n, -1.0)] {
+                if let Some(at) = node.and_then(|node| part[node].checked_sub(1)) {
+                    signs.iter_mut().zip(&over_free[at]).for_each(|(to, by)| *to += sign * by);
+                }
+            }
+            signs
         };
         let mut leaving = vec![Vec::new(); parts];
-        let mut joined = UnionFind::new(parts + 1);
+        let mut joined = Relations::new(parts, 0);
         let mut cut = Vec::new();
         for (position, pin) in island.two_pins.iter().enumerate() {
             let Branch::Given(index) = pin.branch else { continue };
-            if of(pin.p) == of(pin.n) {
+            let signs: Vec<(usize, f64)> =
+                signs(pin).into_iter().enumerate().filter(|(_, sign)| *sign != 0.0).collect();
+            if signs.is_empty() {
                 continue;
             }
             if electrics.windings[index - electrics.sources] == GivenBy::State {
-                joined.union(of(pin.p), of(pin.n));
+                joined.add(&signs, &[]);
             } else {
                 cut.push(position);
             }
-            for (i, sign) in signs(pin).into_iter().enumerate().filter(|(_, sign)| *sign != 0.0) {
-                leaving[i].push((index, sign));
-            }
+            signs.into_iter().for_each(|(i, sign)| leaving[i].push((index, sign)));
         }
         if !cut.is_empty() {
             return Err(Unsolvable::Cut(cut));
         }
-        let rest = joined.find(0);
-        let mut groups: Vec<Vec<usize>> = Vec::new();
-        for i in 1..=parts {
-            if joined.find(i) == rest {
-                continue;
-            }
-            match groups.iter_mut().find(|group| joined.find(group[0] + 1) == joined.find(i)) {
-                Some(group) => group.push(i - 1),
-                None => groups.push(vec![i - 1]),
-            }
-        }
+        // What no winding sees.
+        let loose = joined.eliminate(|_| 0);
+        let group = |g: usize| -> Vec<(usize, f64)> {
+            let moved = loose.over_free.iter().enumerate().map(|(i, by)| (i, by[g]));
+            moved.filter(|(_, by)| *by != 0.0).collect()
+        };
+        let groups: Vec<Vec<(usize, f64)>> = (0..loose.free.len()).map(group).collect();
 
         let is_open =
             |branch: &Branch| matches!(branch, Branch::Valve { index, .. } if conducting >> index & 1 == 0);
@@ -104,8 +113,8 @@ impl Floating {
         for (position, pin) in island.two_pins.iter().enumerate().filter(|(_, pin)| is_open(&pin.branch)) {
             let signs = signs(pin);
             let of_groups: Vec<f64> =
-                groups.iter().map(|group| group.iter().map(|i| signs[*i]).sum()).collect();
-            if of_groups.iter().any(|sign| *sign != 0.0) {
+                groups.iter().map(|group| group.iter().map(|(i, by)| signs[*i] * by).sum()).collect();
+            if of_groups.iter().any(|sign: &f64| *sign != 0.0) {
                 leaks.push((position, of_groups));
             }
         }
@@ -115,10 +124,11 @@ impl Floating {
             Some(factor) => factor.inverse().transpose().iter().copied().collect(),
             None => {
                 let lost = (0..g).find(|i| square[(*i, *i)] == 0.0).unwrap_or(0);
-                let in_group = |node: &usize| {
-                    part[*node].checked_sub(1).is_some_and(|part| groups[lost].contains(&part))
+                let moves = |node: &usize| {
+                    let at = part[*node].checked_sub(1);
+                    at.is_some_and(|at| groups[lost].iter().any(|(i, by)| over_free[at][*i] * by != 0.0))
                 };
-                return Err(Unsolvable::Floating((0..part.len()).filter(in_group).collect()));
+                return Err(Unsolvable::Floating((0..part.len()).filter(moves).collect()));
             }
         };
         let shifts = island.two_pins.iter().enumerate().filter_map(|(position, pin)| {
@@ -132,8 +142,25 @@ impl Floating {
             Some(Crossing { member: *member, border: border.0, weights: border.1 })
         });
         let crossing = crossing.collect();
-        Ok(Some(Self { parts, crossing, leaving, shifts, groups, leaks, leak_inverse }))
+        Ok(Some(Self { parts, nodes, crossing, leaving, shifts, groups, leaks, leak_inverse }))
     }
+}
+
+/// Potentials of the parts over those that ideal transformers leave free.
+fn tied(island: &Island, part: &[usize], parts: usize) -> Eliminated {
+    let mut relations = Relations::new(parts, 0);
+    let place = |node: Option<usize>, factor: f64| {
+        node.and_then(|node| part[node].checked_sub(1)).map(|at| (at, factor))
+    };
+    for (position, pin) in island.two_pins.iter().enumerate() {
+        let Branch::Primary(ratio) = pin.branch else { continue };
+        let other = &island.two_pins[position + 1];
+        let ends = [(pin.p, 1.0), (pin.n, -1.0), (other.p, -ratio), (other.n, ratio)];
+        let terms: Vec<(usize, f64)> =
+            ends.into_iter().filter_map(|(node, factor)| place(node, factor)).collect();
+        relations.add(&terms, &[]);
+    }
+    relations.eliminate(|_| 0)
 }
 
 /// `W` of a member in the coordinates of its reluctance, with the weights of the coordinates; `None` if none of its

@@ -22,13 +22,19 @@
 //! | `float` | potentials of the parts that float |
 //! | `convert` | transformers whose ratio varies |
 //! | `commutation` | which valves conduct, chosen at events |
+//! | `margin` | how far a valve is from having to change: verdict and guard |
+//! | `drift` | where the margins go from here |
+//! | `arc` | currents that have lost their path |
 //! | `separate` | circuits that the network integrates by itself |
 
+pub(crate) mod arc;
 pub(crate) mod circuits;
 pub(crate) mod commutation;
 pub(crate) mod convert;
 pub(crate) mod currents;
+pub(crate) mod drift;
 pub(crate) mod float;
+pub(crate) mod margin;
 pub(crate) mod separate;
 
 mod collect;
@@ -95,6 +101,8 @@ pub(crate) struct Valve {
     pub member: usize,
     pub kind: ValveKind,
     pub forward_voltage: f64,
+    /// Current at the forward voltage, A: that of the leakage, below which it lets go.
+    pub holding_current: f64,
     pub two_pin: usize,
 }
 
@@ -164,6 +172,8 @@ pub(crate) struct Island {
     pub has_windings: bool,
     /// Length of a coupling step, if the network integrates the island by itself.
     pub separate: Option<f64>,
+    /// Where the discrete states lie that remember how large its voltages and currents have been.
+    pub size: Option<usize>,
 }
 
 /// The electrical side of a network.

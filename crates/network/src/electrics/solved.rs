@@ -20,7 +20,7 @@ use petgraph::unionfind::UnionFind;
 use super::conducting::{Conducting, Unsolvable};
 use super::floating::Floating;
 use super::{Branch, Electrics, Island, TwoPin};
-use crate::assembly::eliminate::Form;
+use crate::assembly::eliminate::{Form, Relations};
 
 /// Voltages and currents of the two-pins of an island, in their order.
 #[derive(Debug, Clone)]
@@ -28,6 +28,8 @@ pub(crate) struct Solved {
     pub voltages: Vec<Form>,
     pub currents: Vec<Form>,
     pub floating: Option<Floating>,
+    /// Conducting valves whose current is zero because its way ends in a part that floats.
+    pub idle: Conducting,
     /// No voltage follows from a current that components give.
     pub stiff: bool,
 }
@@ -56,7 +58,9 @@ fn now(branch: Branch, conducting: Conducting, one: usize) -> Now {
         Branch::Primary(ratio) => Now::Primary(ratio),
         Branch::Secondary => Now::Secondary,
         Branch::Valve { index, on_resistance, forward_voltage, off_conductance } => {
-            let forward = (forward_voltage != 0.0).then_some((one, forward_voltage));
+            // Both lines meet at the forward voltage and the leakage that flows there.
+            let remains = forward_voltage * (1.0 - on_resistance * off_conductance);
+            let forward = (remains != 0.0).then_some((one, remains));
             if conducting >> index & 1 == 0 {
                 match off_conductance {
                     0.0 => Now::Open,
@@ -121,8 +125,8 @@ pub(crate) fn solve(
             Now::Open | Now::Secondary => {}
         }
     }
-    for first in first_nodes(&part).into_iter().skip(1) {
-        matrix[(first, first)] += 1.0;
+    for node in floating.iter().flat_map(|floating| &floating.nodes) {
+        matrix[(*node, *node)] += 1.0;
     }
     let Some(solution) = matrix.clone().lu().solve(&right).filter(|s| well(&matrix, s, &right)) else {
         let closed = |b: &Now| matches!(b, Now::Row(_) | Now::Primary(_) | Now::Secondary);
@@ -140,7 +144,7 @@ pub(crate) fn solve(
         };
         drop + given.filter(|(index, _)| *index == k).map_or(0.0, |(_, factor)| factor)
     };
-    let mut solved = Solved { voltages: Vec::new(), currents: Vec::new(), floating, stiff: false };
+    let mut solved = Solved { voltages: Vec::new(), currents: Vec::new(), floating, idle: 0, stiff: false };
     for (i, (pin, branch)) in island.two_pins.iter().zip(&branches).enumerate() {
         let voltage: Vec<f64> = match closed_beside(island, &branches, i) {
             Some((closed, sign)) => (0..given).map(|k| sign * known(closed, k)).collect(),
@@ -159,11 +163,40 @@ pub(crate) fn solve(
         solved.voltages.push(form(&voltage));
         solved.currents.push(form(&current));
     }
+    solved.idle = idle(island, &branches, &solved, given);
     let of_sources = |form: &Form| {
         form.terms().iter().all(|(i, _)| (*i as usize) < electrics.sources || *i as usize == given - 1)
     };
     solved.stiff = solved.floating.is_none() && solved.voltages.iter().all(of_sources);
     Ok(solved)
+}
+
+/// Valves whose current is a sum of currents that leave floating parts, which are zero.
+fn idle(island: &Island, branches: &[Now], solved: &Solved, given: usize) -> Conducting {
+    if island.valves.is_empty() {
+        return 0;
+    }
+    let mut ended = Relations::new(given, 0);
+    for leaving in solved.floating.iter().flat_map(|floating| &floating.leaving) {
+        ended.add(leaving, &[]);
+    }
+    let ended = ended.eliminate(|_| 0);
+    let is_zero = |form: &Form| {
+        let mut rest = vec![0.0; ended.free.len()];
+        let mut size = 0.0_f64;
+        for (i, factor) in form.terms() {
+            size = size.max(factor.abs());
+            rest.iter_mut().zip(&ended.over_free[*i as usize]).for_each(|(to, by)| *to += factor * by);
+        }
+        rest.iter().all(|rest| rest.abs() <= 1e-9 * size)
+    };
+    let valves = island.two_pins.iter().zip(branches).zip(&solved.currents);
+    valves.fold(0, |idle, ((pin, now), current)| match pin.branch {
+        Branch::Valve { index, .. } if !matches!(now, Now::Open | Now::Conductance(_)) => {
+            idle | Conducting::from(is_zero(current)) << index
+        }
+        _ => idle,
+    })
 }
 
 /// The first branch between the nodes of a two-pin that gives the voltage there, the two-pin itself if it does, and whether
@@ -207,12 +240,13 @@ pub(super) fn form(row: &[f64]) -> Form {
     Form::from_dense(&row.iter().map(|v| if v.abs() < 1e-12 * scale { 0.0 } else { *v }).collect::<Vec<_>>())
 }
 
-/// The part of the circuit that each node belongs to: 0 is what is connected to ground by voltages or conductances.
+/// The part of the circuit that each node belongs to: 0 is what is connected to ground by voltages or conductances;
+/// transformers connect nothing.
 fn parts(island: &Island, branches: &[Now]) -> Vec<usize> {
     let ground = island.nodes.len();
     let mut joined = UnionFind::new(ground + 1);
     for (pin, branch) in island.two_pins.iter().zip(branches) {
-        if !matches!(branch, Now::Given(_) | Now::Open) {
+        if !matches!(branch, Now::Given(_) | Now::Open | Now::Primary(_) | Now::Secondary) {
             joined.union(pin.p.unwrap_or(ground), pin.n.unwrap_or(ground));
         }
     }
@@ -226,10 +260,4 @@ fn parts(island: &Island, branches: &[Now]) -> Vec<usize> {
             })
         })
         .collect()
-}
-
-/// The first node of each part; that of part 0 has no meaning.
-fn first_nodes(part: &[usize]) -> Vec<usize> {
-    let parts = part.iter().max().map_or(1, |max| max + 1);
-    (0..parts).map(|i| part.iter().position(|p| *p == i).unwrap_or(0)).collect()
 }

@@ -14,6 +14,7 @@ use self::linear::Linear;
 use self::loops::LoopWork;
 use crate::electrics::Conducting;
 use crate::electrics::circuits::Circuits;
+use crate::electrics::drift::Ahead;
 use crate::mechanics::lock::Lock;
 use crate::mechanics::mesh::MeshScratch;
 use crate::mechanics::schur::{Rows, Schur};
@@ -60,10 +61,9 @@ pub(crate) struct Work {
     pub circuits: Vec<Circuits>,
     /// Whether the gate of each valve is on.
     pub gates: Vec<bool>,
-    /// Per island: an instant, and the valves that have changed at it.
-    pub commutated: Vec<(f64, Conducting)>,
-    /// Per island: the largest current so far, A.
-    pub most_current: Vec<f64>,
+    /// Per island: an instant, and the valves that have changed at it for what comes.
+    pub drifted: Vec<(f64, Conducting)>,
+    pub ahead: Ahead,
     pub float: FloatRoom,
     pub convert: Convert,
     pub room: Room,
@@ -166,8 +166,8 @@ impl Work {
                 .map(|i| Circuits::new(&network.electrics, i))
                 .collect(),
             gates: vec![false; network.electrics.valves.len()],
-            commutated: vec![(f64::NAN, 0); network.electrics.islands.len()],
-            most_current: vec![0.0; network.electrics.islands.len()],
+            drifted: vec![(f64::NAN, 0); network.electrics.islands.len()],
+            ahead: Ahead::new(network),
             float: FloatRoom::new(&network.electrics),
             convert: Convert::new(&network.electrics),
             room: Room::new(network),
