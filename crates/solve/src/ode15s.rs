@@ -297,7 +297,9 @@ impl Ode15s {
     /// Tries ever smaller steps from (t, x0) until one is kept in x1.
     fn advance(&mut self, system: &mut dyn System, t: f64, limit: f64) -> Result<(), StepError> {
         let (mut wanted, order) = self.next;
-        self.order = order;
+        if order != self.order {
+            (self.order, self.steady) = (order, 0);
+        }
         // The first failure of the error test may be met by the order, more of them speak of a history that is none.
         let mut failures = 0;
         let n = self.x0.len();
@@ -427,7 +429,8 @@ impl Ode15s {
         self.differences[..n].copy_from_slice(&self.x1);
         self.last = span;
         self.next = (span.h, k);
-        if self.steady >= k + 2 {
+        // A step that cannot grow needs no other order.
+        if self.steady >= k + 2 && span.h < self.limits.max * (1.0 - 1e-9) {
             let growth = |err: f64, safety: f64, order: usize| {
                 (safety * err.powf(1.0 / (order as f64 + 1.0))).recip().min(GROW)
             };

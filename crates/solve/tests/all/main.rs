@@ -2,4 +2,6 @@
 
 mod convergence;
 mod limits;
+mod stiff;
+mod tolerances;
 mod work;
