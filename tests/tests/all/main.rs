@@ -6,6 +6,7 @@ mod bad_physics;
 mod bridges;
 mod central_control;
 mod circuits;
+mod commutation;
 mod converters;
 mod damaged_files;
 mod determinism;

@@ -114,7 +114,7 @@ fn random_circuits_agree_with_the_reference() {
     check(0..12);
 }
 
-/// `BLOCKSIM_SEEDS=0..2000 cargo test -p blocksim-tests --test commutation many -- --ignored`
+/// `BLOCKSIM_SEEDS=0..2000 cargo test -p blocksim-tests --test all many -- --ignored`
 #[test]
 #[ignore = "long"]
 fn many_random_circuits_agree_with_the_reference() {
