@@ -42,6 +42,7 @@ mod roots;
 mod ros34pw2;
 mod runge_kutta;
 mod sparse;
+mod start_slope;
 mod step_size;
 mod stepper;
 mod system;

@@ -1,5 +1,5 @@
 //! `Rodas4`: Hairer and Wanner's Rosenbrock method. Order 4 with an error estimate of order 3, six stages, stiffly
-//! accurate and L-stable; continuous extension of order 3.
+//! accurate and L-stable; continuous extension of order 3, with the slope of the solution where a step begins.
 //!
 //! For stiff systems of up to about thirty states: each accepted step takes a Jacobian by forward differences, n + 1
 //! evaluations with the time derivative, and each trial a dense factorisation. No Newton iteration, so nothing fails to
@@ -13,6 +13,7 @@
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::combine::combine;
 use crate::linear::{lu_factor, lu_solve};
+use crate::start_slope::bend;
 
 /// Order 4 for small stiff systems.
 pub type Rodas4 = Adaptive<Rodas>;
@@ -189,7 +190,7 @@ impl Method for Rodas {
         Ok(())
     }
 
-    fn interpolate(&self, theta: f64, _h: f64, x0: &[f64], x1: &[f64], x: &mut [f64]) {
+    fn interpolate(&self, theta: f64, h: f64, x0: &[f64], x1: &[f64], x: &mut [f64]) {
         let rest = 1.0 - theta;
         for i in 0..x.len() {
             let (mut h2, mut h3) = (0.0, 0.0);
@@ -197,7 +198,8 @@ impl Method for Rodas {
                 h2 += H2[j] * self.u[j][i];
                 h3 += H3[j] * self.u[j][i];
             }
-            x[i] = rest * x0[i] + theta * (x1[i] + rest * (h2 + theta * h3));
+            let bend = bend(h * self.f0[i], x1[i] - x0[i] + h2, x1[i] - x0[i]);
+            x[i] = rest * x0[i] + theta * (x1[i] + rest * (h2 + theta * h3 + rest * bend));
         }
     }
 }

@@ -37,6 +37,7 @@ mod run_time;
 mod scenes;
 mod sliding_axes;
 mod steppers;
+mod stick_slip;
 mod stiction;
 mod translation;
 mod windings;
