@@ -71,7 +71,7 @@ impl Block for ElasticGear {
 
 impl Component for ElasticGear {
     fn part(&self, _given: &Given) -> Part {
-        Part::new()
+        let part = Part::new()
             .port("base", Domain::Rotational, "input side")
             .port("follower", Domain::Rotational, "output side")
             .inner("teeth", Domain::Rotational)
@@ -84,7 +84,8 @@ impl Component for ElasticGear {
                 ratio: self.direction.ratio(1.0 / self.ratio),
                 loss: self.losses.mesh().element(),
             })
-            .element(Element::Branch { r: 2, c: 1 })
+            .element(Element::Branch { r: 2, c: 1 });
+        self.shaft().events(part)
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
@@ -93,6 +94,10 @@ impl Component for ElasticGear {
 
     fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
         losses.fill(self.losses.mesh().dry());
+    }
+
+    fn guards(&self, c: &Law, g: &mut [f64]) {
+        self.shaft().guards(c.x[0], g);
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {

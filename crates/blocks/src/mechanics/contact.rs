@@ -39,6 +39,18 @@ impl SpringDamper {
         self.flank().energy(deflection.abs() - 0.5 * self.backlash, side * speed)
     }
 
+    /// Adds what happens where flanks meet and part; nothing without play.
+    pub(crate) fn events(&self, part: Part) -> Part {
+        if self.backlash > 0.0 { part.guard("lower_flank").guard("upper_flank") } else { part }
+    }
+
+    /// Distances from the flanks at a deflection.
+    pub(crate) fn guards(&self, deflection: f64, g: &mut [f64]) {
+        for (g, side) in g.iter_mut().zip([1.0, -1.0]) {
+            *g = 0.5 * self.backlash + side * deflection;
+        }
+    }
+
     fn flank(&self) -> JointLimit {
         JointLimit { stiffness: self.k, damping: self.d, transition: self.transition }
     }
@@ -74,6 +86,16 @@ impl Travel {
         let above = self.end.push(position - self.upper, speed);
         let below = self.end.push(self.lower - position, -speed);
         Torque { value: above.value - below.value, slope: above.slope + below.slope }
+    }
+
+    /// Adds what happens where an end is reached and left.
+    pub(crate) fn events(&self, part: Part) -> Part {
+        part.guard("lower").guard("upper")
+    }
+
+    /// Distances from both ends at a position.
+    pub(crate) fn guards(&self, position: f64, g: &mut [f64]) {
+        g[..2].copy_from_slice(&[position - self.lower, self.upper - position]);
     }
 
     /// Energy and heat of both ends.

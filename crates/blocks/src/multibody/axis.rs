@@ -55,6 +55,25 @@ impl Inside {
         torque
     }
 
+    /// Adds what happens where an end of travel is reached and left; `number` tells several axes apart.
+    pub(crate) fn events(&self, mut part: Part, number: &str) -> Part {
+        for (name, _) in self.ends(0.0) {
+            part = part.guard(&format!("{name}{number}"));
+        }
+        part
+    }
+
+    /// Writes the distances from the ends of travel at a position; returns how many there are.
+    pub(crate) fn guards(&self, q: f64, g: &mut [f64]) -> usize {
+        self.ends(q).zip(g).map(|((_, distance), g)| *g = distance).count()
+    }
+
+    /// Names of the ends of travel and distances from them.
+    fn ends(&self, q: f64) -> impl Iterator<Item = (&'static str, f64)> {
+        let lower = self.lower.map(|lower| ("lower", q - lower));
+        lower.into_iter().chain(self.upper.map(|upper| ("upper", upper - q)))
+    }
+
     /// What spring, damper and both ends of travel store and turn into heat.
     pub(crate) fn energy(&self, q: f64, w: f64) -> Energy {
         let above = self.upper.map(|upper| self.limit.energy(q - upper, w));

@@ -101,10 +101,15 @@ impl Component for PointPlaneContact {
             .measures("slip", "m/s", Needs::State, "speed of the point along the plane")
             .element(Element::FrameForce { frame: 0 })
             .element(Element::FrameForce { frame: 1 })
+            .guard("touch")
     }
 
     fn wrenches(&self, c: &Law, f: &mut [Wrench]) {
         f.copy_from_slice(&between(&c.frames[0], &c.frames[1], self.touch(c.frames).force));
+    }
+
+    fn guards(&self, c: &Law, g: &mut [f64]) {
+        g[0] = self.touch(c.frames).depth;
     }
 
     fn energy(&self, c: &Law) -> Energy {

@@ -89,7 +89,7 @@ impl Component for PrismaticJoint {
     fn part(&self, _given: &Given) -> Part {
         let slide =
             Axis::new(["x", "v"], unit(self.axis)).driven(2, 3).starting(self.position, self.velocity);
-        Part::new()
+        let part = Part::new()
             .port("base", Domain::Frame, "frame that carries the axis")
             .port("follower", Domain::Frame, "frame that slides")
             .port("r", Domain::Translational, "rod of the drive side")
@@ -99,12 +99,17 @@ impl Component for PrismaticJoint {
             .measures("v", "m/s", Needs::State, "speed of the follower against the base")
             .measures("a", "m/s^2", Needs::Motion, "acceleration of the follower against the base")
             .measures("f", "N", Needs::Motion, "force of the actuators: input and drive side")
-            .element(Element::Joint { base: 0, follower: 1, freedoms: vec![Freedom::Slide(slide)] })
+            .element(Element::Joint { base: 0, follower: 1, freedoms: vec![Freedom::Slide(slide)] });
+        self.inside().events(part, "")
     }
 
     fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
         let inside = self.inside().torque(c.joint[0].q, c.joint[0].w);
         tau[0] = Torque { value: inside.value + c.scalar(0), slope: inside.slope };
+    }
+
+    fn guards(&self, c: &Law, g: &mut [f64]) {
+        self.inside().guards(c.joint[0].q, g);
     }
 
     fn energy(&self, c: &Law) -> Energy {

@@ -95,7 +95,7 @@ impl Block for RevoluteJoint {
 impl Component for RevoluteJoint {
     fn part(&self, _given: &Given) -> Part {
         let turn = Axis::new(["q", "w"], unit(self.axis)).driven(2, 3).starting(self.position, self.velocity);
-        Part::new()
+        let part = Part::new()
             .port("base", Domain::Frame, "frame that carries the axis")
             .port("follower", Domain::Frame, "frame that turns")
             .port("r", Domain::Rotational, "rod of the drive side")
@@ -105,12 +105,17 @@ impl Component for RevoluteJoint {
             .measures("w", "rad/s", Needs::State, "speed of the follower against the base")
             .measures("a", "rad/s^2", Needs::Motion, "acceleration of the follower against the base")
             .measures("tau", "N*m", Needs::Motion, "torque of the actuators: input and drive side")
-            .element(Element::Joint { base: 0, follower: 1, freedoms: vec![Freedom::Turn(turn)] })
+            .element(Element::Joint { base: 0, follower: 1, freedoms: vec![Freedom::Turn(turn)] });
+        self.inside().events(part, "")
     }
 
     fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
         let inside = self.inside().torque(c.joint[0].q, c.joint[0].w);
         tau[0] = Torque { value: inside.value + c.scalar(0), slope: inside.slope };
+    }
+
+    fn guards(&self, c: &Law, g: &mut [f64]) {
+        self.inside().guards(c.joint[0].q, g);
     }
 
     fn energy(&self, c: &Law) -> Energy {

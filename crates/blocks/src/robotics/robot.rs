@@ -225,6 +225,7 @@ impl Component for Robot {
         if let Some(last) = axes.checked_sub(1) {
             part = part.element(transform(link(last), 1, &self.robot.flange.placement()));
         }
+        part = (0..axes).fold(part, |part, axis| self.inside(axis).events(part, &(axis + 1).to_string()));
         self.robot.load.iter().fold(part, |part, body| body.add_to(part, 1))
     }
 
@@ -233,6 +234,11 @@ impl Component for Robot {
             *to = self.inside(axis).torque(joint.q, joint.w);
             to.value += input;
         }
+    }
+
+    fn guards(&self, c: &Law, g: &mut [f64]) {
+        let joints = c.joint.iter().enumerate();
+        joints.fold(0, |first, (axis, joint)| first + self.inside(axis).guards(joint.q, &mut g[first..]));
     }
 
     fn energy(&self, c: &Law) -> Energy {

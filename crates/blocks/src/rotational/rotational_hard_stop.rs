@@ -57,11 +57,15 @@ impl Block for RotationalHardStop {
 
 impl Component for RotationalHardStop {
     fn part(&self, _given: &Given) -> Part {
-        ROTATION.elastic(self.phi0)
+        self.travel().events(ROTATION.elastic(self.phi0))
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
         tau[0] = self.travel().load(c.x[0], c.speed[0]);
+    }
+
+    fn guards(&self, c: &Law, g: &mut [f64]) {
+        self.travel().guards(c.x[0], g);
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {

@@ -58,11 +58,15 @@ impl Block for RotationalSpringDamper {
 
 impl Component for RotationalSpringDamper {
     fn part(&self, _given: &Given) -> Part {
-        ROTATION.elastic(self.phi0)
+        self.law().events(ROTATION.elastic(self.phi0))
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
         tau[0] = self.law().load(c.x[0], c.speed[0]);
+    }
+
+    fn guards(&self, c: &Law, g: &mut [f64]) {
+        self.law().guards(c.x[0], g);
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {

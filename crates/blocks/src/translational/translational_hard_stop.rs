@@ -57,11 +57,15 @@ impl Block for TranslationalHardStop {
 
 impl Component for TranslationalHardStop {
     fn part(&self, _given: &Given) -> Part {
-        TRANSLATION.elastic(self.x0)
+        self.travel().events(TRANSLATION.elastic(self.x0))
     }
 
     fn torques(&self, c: &Law, f: &mut [Torque]) {
         f[0] = self.travel().load(c.x[0], c.speed[0]);
+    }
+
+    fn guards(&self, c: &Law, g: &mut [f64]) {
+        self.travel().guards(c.x[0], g);
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {

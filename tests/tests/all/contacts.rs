@@ -1,0 +1,71 @@
+//! Elastic contacts of bodies and ends of travel against closed forms, for all methods.
+
+use std::f64::consts::PI;
+
+use blocksim_tests::{Run, compile_text, run};
+
+/// Runs a diagram of `blocks` and `connections`.
+fn simulate(stop: &str, solver: &str, blocks: &str, connections: &str) -> Run {
+    let text = format!(
+        "Diagram(simulation: (stop_time: \"{stop}\", solver: {solver}), \
+         blocks: {{ {blocks} }}, connections: [ {connections} ])"
+    );
+    let (compiled, problems) = compile_text(&text);
+    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+    assert!(run.error.is_none(), "{solver}: {:?}", run.error);
+    run
+}
+
+#[track_caller]
+fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected} (tolerance {tolerance})");
+}
+
+const SOLVERS: [&str; 6] = ["Ode45", "Ode23", "RosW3", "Rodas4", "RosW3(rtol: 1e-7)", "Rodas4(rtol: 1e-8)"];
+const G: f64 = 9.80665;
+
+/// A ball falls on an elastic plane and bounces without loss: the time in contact is that of a half swing about the depth
+/// at which its weight rests, and it comes back to where it was let go.
+#[test]
+fn a_ball_on_an_elastic_plane_comes_back_to_its_height() {
+    let (m, k, height) = (2.0, 1e6, 1.0_f64);
+    let speed = (2.0 * G * height).sqrt();
+    let omega = f64::sqrt(k / m);
+    let touch = 2.0 / omega * (PI - f64::atan(speed * omega / G));
+    let period = 2.0 * speed / G + touch;
+    let plane = format!("PointPlaneContact(stiffness: {k:?}, damping: 0.0, transition: 0.0)");
+    let blocks = format!(
+        r#""world": World, "fall": FreeJoint(position: (0.0, 0.0, {height:?})),
+           "ball": Body(mass: {m:?}, com: (0.0, 0.0, 0.0), moi: (0.01, 0.01, 0.01)), "floor": {plane},
+           "look": TransformSensor, "scope": Scope(inputs: ["p"])"#
+    );
+    let wires = r#""world.frame <-> fall.base <-> floor.base <-> look.base",
+        "fall.follower <-> ball.frame <-> floor.follower <-> look.follower", "look.x -> scope.p""#;
+    let limit = format!(
+        r#""world": World, "fall": PrismaticJoint(axis: (0.0, 0.0, 1.0), position: {height:?}, lower: 0.0,
+             limit_stiffness: {k:?}, limit_damping: 0.0, limit_transition: 0.0),
+           "ball": Body(mass: {m:?}, com: (0.0, 0.0, 0.0), moi: (0.01, 0.01, 0.01)), "scope": Scope(inputs: ["p"])"#
+    );
+    let slide = r#""world.frame <-> fall.base", "fall.follower <-> ball.frame", "fall.x -> scope.p""#;
+    let stop = format!("{:?} s", 5.0 * period);
+    for solver in SOLVERS {
+        for (blocks, wires, name) in
+            [(blocks.as_str(), wires, "scope.p[2]"), (limit.as_str(), slide, "scope.p")]
+        {
+            let run = simulate(&stop, solver, blocks, wires);
+            let tolerance = if solver.contains("rtol") { 2e-3 } else { 0.1 };
+            let name =
+                run.recorded.iter().map(|r| r.path.as_str()).find(|p| *p == name).unwrap_or_else(|| {
+                    panic!("{:?}", run.recorded.iter().map(|r| r.path.clone()).collect::<Vec<_>>())
+                });
+            let what = format!("{solver} {name}");
+            close(run.last(name), height, tolerance, &what);
+            let least = run.column(name).iter().copied().fold(f64::INFINITY, f64::min);
+            let depth =
+                G / omega.powi(2) + (speed.powi(2) / omega.powi(2) + (G / omega.powi(2)).powi(2)).sqrt();
+            assert!(least > -1.05 * depth, "{what}: {least} m is deeper than {depth} m");
+            let highest = run.column(name).iter().copied().fold(0.0, f64::max);
+            assert!(highest < height * (1.0 + tolerance), "{what}: thrown to {highest} m");
+        }
+    }
+}
