@@ -581,12 +581,12 @@ fn coupled_clutches_lock_and_part_as_their_torques_say() {
     }
 }
 
-/// Driven, `(J1 + J2 / eta) w' = tau - load / eta - bearing`; driving, `(J1 + eta J2) w' = tau - eta load + bearing`; all at
-/// the motor.
+/// Driven, `(J1 + J2 / eta) w' = tau - (load + bearing) / eta`; driving, `(J1 + eta J2) w' = tau - eta (load - bearing)`; all
+/// at the motor.
 #[test]
 fn a_hoist_lifts_holds_and_lets_down_as_its_efficiencies_say() {
     let run = run_file("diagrams/lossy_gear.ron", &[]);
-    let (up, down, j1, j2) = (0.4 / 0.75 + 0.02, 0.4 * 0.6 - 0.02, 2e-3, 5.0 / 2500.0);
+    let (up, down, j1, j2) = ((0.4 + 0.02) / 0.75, (0.4 - 0.02) * 0.6, 2e-3, 5.0 / 2500.0);
     let (driven, driving) = (j1 + j2 / 0.75, j1 + 0.6 * j2);
     let lifted = (0.8 - up) / driven * 2.0;
     let rest = 3.0 + lifted * driven / (up - 0.4);

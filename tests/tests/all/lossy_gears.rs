@@ -31,18 +31,31 @@ const SOLVERS: [&str; 3] =
 const NOTHING: &str = r#"Constant(value: "0 N*m")"#;
 const GEAR: &str = r#"LossyGear(ratio: 50.0, direction: Same, losses: [(0.0, 0.75, 0.6, 0.02, 0.02)])"#;
 
+/// A train that slows down: the base drives while it coasts, the load drives while the motor brakes.
 #[test]
 fn a_coasting_gear_stops_when_its_closed_form_says() {
-    // The load drives: w' (J1 + eta J2 / i^2) = -tau.
-    let inertia = 2e-4 + 0.6 * 0.5 / 2500.0;
-    for solver in SOLVERS {
-        let run =
-            train("4 s", solver, GEAR, "Inertia(j: 2e-4, w0: 100.0)", "Inertia(j: 0.5)", NOTHING, NOTHING);
-        let stops: Vec<f64> = run.events.iter().filter(|e| e.2 == "gear.mode").map(|e| e.0).collect();
-        assert_eq!(stops.len(), 1, "{solver}: {:?}", run.events);
-        close(stops[0], 100.0 * inertia / 0.02, 1e-9);
-        close(run.last("scope.phi"), 100.0 * 100.0 * inertia / 0.02 / 2.0, 1e-7);
-        assert_eq!((run.last("scope.w"), run.last("scope.back")), (0.0, 0.0), "{solver}");
+    let (rotor, load) = (2e-4, 0.5 / 2500.0);
+    for (brake, driven) in [(0.0, false), (0.06, true)] {
+        // T_B = -brake - J1 w', T = J2/i^2 w', T = min(0.75 T_B - 0.02, T_B / 0.6 - 0.02).
+        let rates = [(0.75, 0.02), (1.0 / 0.6, 0.02)]
+            .map(|(factor, tau): (f64, f64)| -(factor * brake + tau) / (load + factor * rotor));
+        let lines = |rate: f64| {
+            let base = -brake - rotor * rate;
+            (0.75 * base - 0.02, base / 0.6 - 0.02)
+        };
+        let rate = rates[usize::from(driven)];
+        assert_eq!(lines(rate).1 < lines(rate).0, driven, "the line that is lower counts");
+        let stop = -100.0 / rate;
+        for solver in SOLVERS {
+            let push = format!("Step(time: \"{stop:?} s\", before: \"{:?} N*m\", after: \"0 N*m\")", -brake);
+            let run =
+                train("12 s", solver, GEAR, "Inertia(j: 2e-4, w0: 100.0)", "Inertia(j: 0.5)", &push, NOTHING);
+            let stops: Vec<f64> = run.events.iter().filter(|e| e.2 == "gear.mode").map(|e| e.0).collect();
+            assert!(stops.len() <= 1, "{solver}: {:?}", run.events);
+            stops.iter().for_each(|found| close(*found, stop, 1e-8));
+            close(run.last("scope.phi"), 0.5 * 100.0 * stop, 1e-6);
+            assert_eq!((run.last("scope.w"), run.last("scope.back")), (0.0, 0.0), "{solver}");
+        }
     }
 }
 
@@ -58,13 +71,13 @@ fn a_stuck_gear_breaks_away_where_the_motor_overcomes_the_load_and_the_losses() 
         r#"Ramp(initial: "0.3 N*m", slope: "0.1 N*m/s")"#,
         r#"Constant(value: "-20 N*m")"#,
     );
-    // Stuck from the start; up it goes when the motor bears load / eta + bearing.
+    // Stuck from the start; up it goes when the motor bears (load + bearing) / eta.
     let first = run.events.iter().find(|e| e.2 == "gear.mode").expect("it breaks away").0;
-    close(first, (0.4 / 0.75 + 0.02 - 0.3) / 0.1, 1e-9);
+    close(first, ((0.4 + 0.02) / 0.75 - 0.3) / 0.1, 1e-9);
     assert!(run.time.iter().zip(run.column("scope.w")).all(|(t, w)| *t > first || *w == 0.0));
     assert!(run.last("scope.w") > 0.0);
 
-    // Down it goes when the motor bears less than eta load - bearing.
+    // Down it goes when the motor bears less than eta (load - bearing).
     let run = train(
         "10 s",
         SOLVERS[0],
@@ -75,7 +88,7 @@ fn a_stuck_gear_breaks_away_where_the_motor_overcomes_the_load_and_the_losses() 
         r#"Constant(value: "-20 N*m")"#,
     );
     let first = run.events.iter().find(|e| e.2 == "gear.mode").expect("it breaks away").0;
-    close(first, (0.3 - (0.6 * 0.4 - 0.02)) / 0.1, 1e-9);
+    close(first, (0.3 - 0.6 * (0.4 - 0.02)) / 0.1, 1e-9);
     assert!(run.last("scope.w") < 0.0);
 }
 

@@ -5,17 +5,18 @@ use super::mesh::Direction;
 
 /// Pair of gear wheels with losses of the mesh and friction of the bearings, that sticks: $w_B = \mp i\, w_F$.
 ///
-/// With $T$ the torque that passes from the base to the follower, $T_B = T + T_f$, the loss $T_f$ opposes the speed of
-/// the base:
+/// The torque $T$ that passes from the base to the follower, counted at the base, is for a base that turns forward
 ///
-/// $$ |T_f| = \begin{cases} (1/\eta_{BF} - 1)\,|T| + \tau_{BF} & \text{the base drives} \\
-///    (1 - \eta_{FB})\,|T| + \tau_{FB} & \text{the follower drives} \end{cases} $$
+/// $$ T = \min\left(\eta_{BF}\,T_B - \tau_{BF},\; \frac{T_B}{\eta_{FB}} - \tau_{FB}\right) $$
 ///
-/// At rest it takes any value up to that, and the gear stands still exactly until the torques on both sides move it.
+/// and the mirror image of it backward. The first line is the one of a base that drives, the second that of a follower
+/// that drives; the law changes from one to the other where they meet, so it never jumps. The rest, $T_B - T$, is lost.
+/// At rest any loss between both directions is taken, and the gear stands still exactly until the torques on both sides
+/// move it.
 /// Efficiencies and bearing torques are given over the amount of the base's speed; between two rows they are
 /// interpolated, beyond the last they stay. The gear has no inertia; its housing stands still (an implied ground).
 ///
-/// Each row of `losses` holds the speed (rad/s), $\eta_{BF}$, $\eta_{FB}$, $\tau_{BF}$ and $\tau_{FB}$ (N*m at the base).
+/// Each row of `losses` holds the speed (rad/s), $\eta_{BF}$, $\eta_{FB}$, $\tau_{BF}$ and $\tau_{FB}$ (N*m).
 ///
 /// ```ron
 /// LossyGear(ratio: 40.0, direction: Same, losses: [
@@ -48,11 +49,16 @@ impl LossyGear {
         let width = high[0] - low[0];
         let share = if width > 0.0 { (w - low[0]) / width } else { 0.0 };
         let mix = |column: usize| low[column] + share * (high[column] - low[column]);
-        let bearing = |column: usize| {
+        // Over the torque that passes: T_B = (T + tau_BF) / eta_BF and T_B = eta_FB (T + tau_FB).
+        let (forward, backward) = (1.0 / mix(1), mix(2));
+        let bearing = |column: usize, factor: f64| {
             let slope = if width > 0.0 { (high[column] - low[column]) / width } else { 0.0 };
-            Torque { value: mix(column), slope: slope.max(0.0) }
+            Torque { value: factor * mix(column), slope: factor * slope.max(0.0) }
         };
-        DryMesh { share: [1.0 / mix(1) - 1.0, 1.0 - mix(2)], bearing: [bearing(3), bearing(4)] }
+        DryMesh {
+            share: [forward - 1.0, 1.0 - backward],
+            bearing: [bearing(3, forward), bearing(4, backward)],
+        }
     }
 }
 
@@ -146,7 +152,26 @@ mod tests {
             let law = gear.at(w);
             assert!((law.share[0] - (1.0 / forward - 1.0)).abs() < 1e-15, "{w}");
             assert!((law.share[1] - (1.0 - backward)).abs() < 1e-15, "{w}");
-            assert!((law.bearing[0].value - bearing).abs() < 1e-15, "{w}");
+            assert!((law.bearing[0].value - bearing / forward).abs() < 1e-14, "{w}");
+            assert!((law.bearing[1].value - 2.0 * backward).abs() < 1e-15, "{w}");
+        }
+    }
+
+    #[test]
+    fn the_torque_that_passes_is_the_lower_of_both_lines_and_never_jumps() {
+        let (eta, back, tau, tau_back) = (0.75, 0.6, 0.02, 0.05);
+        let law = gear(&[[0.0, eta, back, tau, tau_back]]).at(3.0);
+        let mut before = None;
+        for i in -2000..2000 {
+            let base = f64::from(i) * 1e-4;
+            let passes = f64::min(eta * base - tau, base / back - tau_back);
+            for sense in [1.0, -1.0] {
+                let (loss, ..) = law.loss(sense * passes, sense);
+                assert!((loss - sense * (base - passes)).abs() < 1e-14, "{base}");
+            }
+            let loss = base - passes;
+            assert!(before.is_none_or(|before: f64| (loss - before).abs() < 1e-4), "it jumps at {base}");
+            before = Some(loss);
         }
     }
 
