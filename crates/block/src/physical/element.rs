@@ -24,8 +24,8 @@ pub enum Element {
         port: usize,
         /// Moment of inertia, kg*m^2; mass, kg.
         inertia: f64,
-        /// Speed at the start, rad/s or m/s.
-        speed: f64,
+        /// Speed at the start, rad/s or m/s; without one, what it is coupled to tells, else it is zero.
+        speed: Option<f64>,
     },
     /// A torque between two mechanical ports of one domain that [`Component::torques`](super::Component::torques) gives.
     Branch {

@@ -80,7 +80,7 @@ impl Component for DcMotor {
             .port("c", Domain::Rotational, "housing")
             .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: self.l > 0.0 })
             .element(Element::Branch { r: 2, c: 3 })
-            .element(Element::Inertia { port: 2, inertia: self.j, speed: 0.0 });
+            .element(Element::Inertia { port: 2, inertia: self.j, speed: None });
         if self.l > 0.0 {
             part.linear().state("i", self.i0).measures("i", "A", Needs::State, "current from p to n")
         } else {

@@ -153,7 +153,7 @@ impl Component for StepperMotor {
             .element(winding(0))
             .element(winding(2))
             .element(Element::Branch { r: 4, c: 5 })
-            .element(Element::Inertia { port: 4, inertia: self.j, speed: 0.0 });
+            .element(Element::Inertia { port: 4, inertia: self.j, speed: None });
         let (part, needs) = if from_state {
             (part.linear().state("i_a", self.i_a0).state("i_b", self.i_b0), Needs::State)
         } else {

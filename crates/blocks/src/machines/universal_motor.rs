@@ -73,7 +73,7 @@ impl Component for UniversalMotor {
             .port("c", Domain::Rotational, "housing")
             .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true })
             .element(Element::Branch { r: 2, c: 3 })
-            .element(Element::Inertia { port: 2, inertia: self.j, speed: 0.0 })
+            .element(Element::Inertia { port: 2, inertia: self.j, speed: None })
             .state("i", self.i0)
             .measures("i", "A", Needs::State, "current from p to n")
             .measures("torque", "N*m", Needs::State, "torque of the armature, before the damping")

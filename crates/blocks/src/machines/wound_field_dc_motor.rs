@@ -97,7 +97,7 @@ impl Component for WoundFieldDcMotor {
             .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true })
             .element(Element::Winding { p: Pin::Port(2), n: Pin::Port(3), from_state: true })
             .element(Element::Branch { r: 4, c: 5 })
-            .element(Element::Inertia { port: 4, inertia: self.j, speed: 0.0 })
+            .element(Element::Inertia { port: 4, inertia: self.j, speed: None })
             .state("i", self.i0)
             .state("i_f", self.i_f0)
             .measures("i", "A", Needs::State, "current of the armature from p to n")

@@ -100,7 +100,7 @@ impl Quantities {
     }
 
     /// A part with inertia or mass.
-    pub(crate) fn inertia(&self, doc: &'static str, inertia: f64, speed: f64) -> Part {
+    pub(crate) fn inertia(&self, doc: &'static str, inertia: f64, speed: Option<f64>) -> Part {
         Part::new().port("r", self.domain, doc).element(Element::Inertia { port: 0, inertia, speed })
     }
 

@@ -1,6 +1,7 @@
 use blocksim_block::prelude::*;
 
 use crate::mechanics::quantities::ROTATION;
+use crate::multibody::axis::finite_start;
 
 /// A rotating mass: $\tau = J \dot w$, against an implied ground.
 ///
@@ -16,15 +17,15 @@ pub struct Inertia {
     /// Moment of inertia; zero is allowed where something else gives the part its inertia.
     #[block(unit = "kg*m^2")]
     pub j: f64,
-    /// Speed at the start.
-    #[block(unit = "rad/s", default = 0.0)]
-    pub w0: f64,
+    /// Speed at the start. Where none is given it is that of the parts it is coupled to, else zero.
+    #[block(unit = "rad/s", default = None)]
+    pub w0: Option<f64>,
 }
 
 impl Block for Inertia {
     fn check(&self) -> Result<(), ParamError> {
         not_negative("j", self.j)?;
-        finite("w0", self.w0)
+        finite_start("w0", self.w0)
     }
 
     fn component(&self) -> Option<&dyn Component> {

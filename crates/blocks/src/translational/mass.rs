@@ -1,6 +1,7 @@
 use blocksim_block::prelude::*;
 
 use crate::mechanics::quantities::TRANSLATION;
+use crate::multibody::axis::finite_start;
 
 /// A mass that slides: $F = m \dot v$, against an implied ground.
 ///
@@ -17,15 +18,15 @@ pub struct Mass {
     /// Mass; zero is allowed where something else gives the part its mass.
     #[block(unit = "kg")]
     pub m: f64,
-    /// Velocity at the start.
-    #[block(unit = "m/s", default = 0.0)]
-    pub v0: f64,
+    /// Velocity at the start. Where none is given it is that of the parts it is coupled to, else zero.
+    #[block(unit = "m/s", default = None)]
+    pub v0: Option<f64>,
 }
 
 impl Block for Mass {
     fn check(&self) -> Result<(), ParamError> {
         not_negative("m", self.m)?;
-        finite("v0", self.v0)
+        finite_start("v0", self.v0)
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -45,7 +46,7 @@ mod tests {
 
     #[test]
     fn a_negative_mass_is_refused() {
-        assert_eq!(Mass { m: -1.0, v0: 0.0 }.check().unwrap_err().param, "m");
-        assert_eq!(Mass { m: 0.0, v0: 0.0 }.check(), Ok(()));
+        assert_eq!(Mass { m: -1.0, v0: None }.check().unwrap_err().param, "m");
+        assert_eq!(Mass { m: 0.0, v0: None }.check(), Ok(()));
     }
 }

@@ -67,7 +67,7 @@ pub(super) fn relate(m: &Members, frames: &Frames, sources: usize) -> Related {
         match *element {
             Element::Inertia { port, inertia, speed } => {
                 related.inertia[node(port)] += inertia;
-                if speed != 0.0 {
+                if let Some(speed) = speed {
                     related.starts.push(Start { node: node(port), speed, member });
                 }
             }
