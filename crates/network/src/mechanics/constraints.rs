@@ -33,6 +33,9 @@ impl Network {
         let m = w.rows.len();
         w.lambda[..m].copy_from_slice(&w.schur.lambda[..m]);
         w.pull += w.schur.pulled(&w.lambda[..m]);
+        if w.schur.has_dependent_rows(&w.rows) {
+            self.share_load(w);
+        }
         self.holding_torques(w);
     }
 }

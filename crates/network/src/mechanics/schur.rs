@@ -11,6 +11,8 @@
 
 use blocksim_solve::linear::{cholesky_factor, cholesky_solve};
 
+use crate::mechanics::bounded::Bounded;
+
 /// A row counts as dependent when less than this is left of its square (in the metric of `M^-1`) after the part that
 /// the others explain: an angle of 3e-6 rad. Rounding leaves about 1e-15.
 pub(crate) const DEPENDENT: f64 = 1e-11;
@@ -133,6 +135,25 @@ impl Schur {
     /// Whether a row follows from others, so that no force of its own could make it hold.
     pub(crate) fn is_dependent(&self, row: usize) -> bool {
         self.dependent[row]
+    }
+
+    /// Whether some rows follow from others.
+    pub(crate) fn has_dependent_rows(&self, rows: &Rows) -> bool {
+        self.rank < rows.len()
+    }
+
+    /// Writes the problem of multipliers within bounds for the gaps that `lambda` closes: unknowns are the multipliers
+    /// times their scale. Returns the rank.
+    pub(crate) fn within_bounds(&self, rows: &Rows, lambda: &[f64], to: &mut Bounded) -> usize {
+        let (m, r) = (rows.len(), self.rank);
+        to.y[..r].fill(0.0);
+        for i in 0..m {
+            let column = &self.g[i * m..i * m + r];
+            to.columns[i * r..(i + 1) * r].copy_from_slice(column);
+            let z = lambda[i] * self.scale[i];
+            to.y[..r].iter_mut().zip(column).for_each(|(y, a)| *y += z * a);
+        }
+        r
     }
 
     /// `sqrt(D M^-1 D')` of a row.

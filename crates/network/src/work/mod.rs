@@ -15,6 +15,7 @@ use self::loops::LoopWork;
 use crate::electrics::Conducting;
 use crate::electrics::circuits::Circuits;
 use crate::electrics::drift::Ahead;
+use crate::mechanics::bounded::Bounded;
 use crate::mechanics::lock::Lock;
 use crate::mechanics::mesh::MeshScratch;
 use crate::mechanics::schur::{Rows, Schur};
@@ -85,6 +86,8 @@ pub(crate) struct Work {
     pub rows: Rows,
     pub schur: Schur,
     pub implicit_schur: Schur,
+    /// Multipliers within what is held, where several constraints say the same.
+    pub bounded: Bounded,
     /// Multipliers of the constraints, and what a loss of one in each mesh takes from them.
     pub lambda: Vec<f64>,
     pub mesh_lambda: Vec<f64>,
@@ -185,6 +188,7 @@ impl Work {
             rows: Rows::new(n, rows),
             schur: Schur::new(n, rows),
             implicit_schur: Schur::new(n, rows),
+            bounded: Bounded::new(rows),
             lambda: vec![0.0; rows],
             mesh_lambda: vec![0.0; g * rows],
             grip: vec![Grip::default(); frictions],

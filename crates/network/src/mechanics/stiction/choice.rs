@@ -120,6 +120,7 @@ impl Network {
     fn pivot(&self, c: &Context, w: &mut Work, at: &[f64], modes: &mut [f64]) {
         let count = self.stiction.len();
         for soft in [false, true] {
+            self.first_modes(soft, c, w, at, modes);
             for _ in 0..10 + 10 * count * count {
                 let now = Context { x: at, d: modes, ..*c };
                 self.again(&now, w);
@@ -141,9 +142,22 @@ impl Network {
         );
     }
 
-    /// The mode that is to be tried instead of a wrong one, at rest; `None` if it is right. With `soft`, no more is
-    /// held than slides.
-    fn verdict(&self, i: usize, mode: f64, w: &mut Work, soft: bool) -> Option<f64> {
+    /// Where pivoting begins: with everything at rest stuck, or where several frictions hold the same parts, which give
+    /// no one solution one at a time, with the modes of the bounded problem.
+    fn first_modes(&self, soft: bool, c: &Context, w: &mut Work, at: &[f64], modes: &mut [f64]) {
+        for (mode, rest) in modes[self.stiction.modes.clone()].iter_mut().zip(&w.rests) {
+            if *rest == Rest::Stands {
+                *mode = 0.0;
+            }
+        }
+        self.again(&Context { x: at, d: modes, ..*c }, w);
+        if w.schur.has_dependent_rows(&w.rows) && self.meshes.is_empty() && !w.stuck.is_empty() {
+            self.fitting_modes(soft, w, modes);
+        }
+    }
+
+    /// What is held in each direction; with `soft`, no more than slides.
+    pub(super) fn held(&self, i: usize, soft: bool, w: &Work) -> [f64; 2] {
         let grip = w.grip[i];
         let mut hold = grip.hold;
         if soft {
@@ -151,6 +165,14 @@ impl Network {
                 *hold = hold.min(slide.value);
             }
         }
+        hold
+    }
+
+    /// The mode that is to be tried instead of a wrong one, at rest; `None` if it is right. With `soft`, no more is
+    /// held than slides.
+    fn verdict(&self, i: usize, mode: f64, w: &mut Work, soft: bool) -> Option<f64> {
+        let grip = w.grip[i];
+        let hold = self.held(i, soft, w);
         let is_free = self.is_free(i, w);
         if mode == 0.0 {
             if is_free {

@@ -10,6 +10,7 @@ mod guards;
 mod impact;
 mod meshes;
 pub(crate) mod parts;
+mod shares;
 mod torques;
 
 use blocksim_block::Context;
