@@ -11,7 +11,10 @@ use blocksim_solve::linear::{cholesky_factor, cholesky_solve};
 use crate::mechanics::schur::dot;
 
 /// Slopes below this part of what is to be reached are rounding.
-const ROUNDING: f64 = 1e-11;
+const ROUNDING: f64 = 1e-12;
+
+/// Columns of which less than this part (of the square) does not follow from others are dependent.
+const DEPENDENT: f64 = 1e-10;
 
 /// Space to work in.
 #[derive(Debug, Clone, Default)]
@@ -49,8 +52,9 @@ impl Bounded {
         }
     }
 
-    /// Solves for `m` unknowns and `r` rows. Returns whether the right-hand side is reached.
-    pub(crate) fn solve(&mut self, m: usize, r: usize) -> bool {
+    /// Solves for `m` unknowns and `r` rows. Returns what slope is rounding: the right-hand side is reached where no
+    /// slope is larger.
+    pub(crate) fn solve(&mut self, m: usize, r: usize) -> f64 {
         self.free.clear();
         self.z[..m].fill(0.0);
         self.barred[..m].fill(false);
@@ -75,7 +79,7 @@ impl Bounded {
             }
         }
         self.miss(m, r);
-        dot(&self.residual[..r], &self.residual[..r]).sqrt() <= small
+        small
     }
 
     /// Slope of what is missed over one unknown: above zero if it should grow.
@@ -120,7 +124,7 @@ impl Bounded {
             }
         }
         if cholesky_factor(&mut self.gram[..k * k], k).is_err()
-            || (0..k).any(|a| self.gram[a * k + a].powi(2) < ROUNDING)
+            || (0..k).any(|a| self.gram[a * k + a].powi(2) > 1.0 / DEPENDENT)
         {
             return false;
         }
@@ -143,7 +147,7 @@ impl Bounded {
         }
         for (a, i) in self.free.iter().enumerate() {
             let z = self.z[*i] + part * (self.aim[a] - self.z[*i]);
-            self.z[*i] = z.clamp(self.lower[*i], self.upper[*i]);
+            self.z[*i] = z.max(self.lower[*i]).min(self.upper[*i]);
         }
         if stops == m {
             return true;
@@ -174,7 +178,8 @@ mod tests {
         for (i, (lower, upper)) in bounds.iter().enumerate() {
             (b.lower[i], b.upper[i]) = (*lower, *upper);
         }
-        let reached = b.solve(m, r);
+        let small = b.solve(m, r);
+        let reached = (0..m).all(|i| b.slope(i, r).abs() <= small);
         (reached, b.z[..m].to_vec(), b)
     }
 

@@ -22,8 +22,9 @@ impl Network {
         if !self.meshes.is_empty() || w.stuck.is_empty() || !too_much(w) {
             return;
         }
-        if self.fit(false, w).1 {
-            let m = w.rows.len();
+        let (rank, small) = self.fit(false, w);
+        let m = w.rows.len();
+        if (0..m).all(|i| w.bounded.slope(i, rank).abs() <= small) {
             for i in 0..m {
                 let scale = w.schur.scale(i);
                 w.lambda[i] = if scale > 0.0 { w.bounded.z[i] / scale } else { 0.0 };
@@ -32,14 +33,14 @@ impl Network {
             for (k, i) in w.stuck.iter().enumerate() {
                 let [forward, backward] = w.grip[*i].hold;
                 let lambda = &mut w.lambda[w.first_stuck + k];
-                *lambda = lambda.clamp(-forward, backward);
+                *lambda = lambda.max(-forward).min(backward);
             }
         }
     }
 
     /// Torques of what is stuck within what it holds, as near as possible to what keeps all of it still. Returns the
-    /// number of independent constraints, and whether all of it is kept still.
-    pub(super) fn fit(&self, soft: bool, w: &mut Work) -> (usize, bool) {
+    /// number of independent constraints, and the slope that is rounding: beyond it a part is not kept still.
+    pub(super) fn fit(&self, soft: bool, w: &mut Work) -> (usize, f64) {
         let m = w.rows.len();
         let rank = w.schur.within_bounds(&w.rows, &w.lambda[..m], &mut w.bounded);
         w.bounded.lower[..m].fill(f64::NEG_INFINITY);
@@ -61,14 +62,10 @@ impl Network {
     /// Modes of what stands, from the torques that come nearest to keeping it still: what cannot be kept still slides the
     /// way it is pulled. `w` holds the evaluation with all of it stuck.
     pub(super) fn fitting_modes(&self, soft: bool, w: &mut Work, modes: &mut [f64]) {
-        let (rank, all) = self.fit(soft, w);
-        if all {
-            return;
-        }
-        let pulls = w.bounded.y[..rank].iter().map(|y| y * y).sum::<f64>().sqrt();
+        let (rank, small) = self.fit(soft, w);
         for (k, i) in w.stuck.iter().enumerate() {
             let slope = w.bounded.slope(w.first_stuck + k, rank);
-            if slope.abs() > 1e-10 * pulls {
+            if slope.abs() > small {
                 modes[self.stiction.modes.start + i] = -slope.signum();
             }
         }
