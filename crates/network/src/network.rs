@@ -6,6 +6,7 @@ use blocksim_scene::Scene;
 
 use crate::accounts::Accounts;
 use crate::electrics::{Electrics, Separate};
+use crate::mechanics::envelope::Envelope;
 use crate::mechanics::frames::Frames;
 use crate::mechanics::rotation::Rotation;
 use crate::mechanics::scene;
@@ -23,6 +24,8 @@ pub struct Network {
     pub(crate) seats: Vec<Seat>,
     pub(crate) rotation: Rotation,
     pub(crate) stiction: Stiction,
+    /// Shape of the mass matrix.
+    pub(crate) envelope: Envelope,
     pub(crate) electrics: Electrics,
     pub(crate) frames: Frames,
     pub(crate) meshes: Vec<MeshLoss>,

@@ -1,7 +1,6 @@
 //! What must hold before a network can run.
 
 use blocksim_block::{Context, Fault};
-use blocksim_solve::linear::cholesky_factor;
 
 use crate::network::Network;
 use crate::problem::NetworkProblem;
@@ -17,7 +16,7 @@ impl Network {
             self.close_loops(&self.frames.position, &mut work);
         }
         work.factor.copy_from_slice(&work.mass);
-        if cholesky_factor(&mut work.factor, n).is_ok() {
+        if self.envelope.factor(&mut work.factor).is_ok() {
             return Ok(());
         }
         let weak = (0..n).min_by(|i, j| work.mass[i * n + i].total_cmp(&work.mass[j * n + j])).unwrap_or(0);

@@ -62,7 +62,9 @@ impl Relations {
             let scale = row.iter().fold(0.0_f64, |max, value| max.max(value.abs()));
             for (pivot, other) in &done {
                 let factor = row[*pivot];
-                row.iter_mut().zip(other).for_each(|(to, from)| *to -= factor * from);
+                if factor != 0.0 {
+                    row.iter_mut().zip(other).for_each(|(to, from)| *to -= factor * from);
+                }
             }
             row.iter_mut().filter(|value| value.abs() <= ZERO * scale).for_each(|value| *value = 0.0);
             let pivot = (0..n).filter(|i| row[*i] != 0.0).min_by(|i, j| {
@@ -76,7 +78,9 @@ impl Relations {
             row.iter_mut().for_each(|value| *value *= inverse);
             for (_, other) in &mut done {
                 let factor = other[pivot];
-                other.iter_mut().zip(&row).for_each(|(to, from)| *to -= factor * from);
+                if factor != 0.0 {
+                    other.iter_mut().zip(&row).for_each(|(to, from)| *to -= factor * from);
+                }
             }
             done.push((pivot, row));
         }

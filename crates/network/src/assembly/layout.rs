@@ -9,6 +9,7 @@ use blocksim_block::{Crossing, Input, Interface, Output};
 
 use crate::accounts::Accounts;
 use crate::electrics::{Electrics, Separate};
+use crate::mechanics::envelope::Envelope;
 use crate::mechanics::frames::Frames;
 use crate::mechanics::rotation::Rotation;
 use crate::mechanics::scene;
@@ -165,6 +166,7 @@ impl Network {
             Some(reads[STATE].clone()),
         ];
         let stiction = Stiction::new(&seats, &rotation, &mut interface);
+        let envelope = Envelope::of(&rotation, frames.model.is_some());
         let first_latch = interface.discrete.len();
         let first_natural = interface.guards.len();
         let natural = electrics.natural();
@@ -199,6 +201,7 @@ impl Network {
             seats,
             rotation,
             stiction,
+            envelope,
             electrics,
             frames,
             supplies,

@@ -36,11 +36,7 @@ impl Network {
             }
             lu_solve(&linear.a, &linear.pivots, &mut linear.sb);
             let slope: f64 = linear.c.iter().zip(&linear.sb).map(|(c, sb)| c * sb).sum();
-            self.rotation.pins[linear.pin].speed.square_to(
-                hg * hg * slope,
-                &mut w.implicit,
-                self.rotation.free,
-            );
+            self.envelope.square(&self.rotation.pins[linear.pin].speed, hg * hg * slope, &mut w.implicit);
         }
         w.linear = members;
     }

@@ -3,7 +3,6 @@
 pub(crate) mod linear;
 
 use blocksim_block::Context;
-use blocksim_solve::linear::{cholesky_factor, cholesky_solve};
 
 use crate::network::Network;
 use crate::work::Work;
@@ -15,30 +14,27 @@ impl Network {
     pub(crate) fn prepare_implicit(&self, c: &Context, hg: f64, w: &mut Work) {
         self.motion_phase(c, w);
         let r = &self.rotation;
-        let n = r.free;
-        w.damping.fill(0.0);
+        self.envelope.clear(&mut w.damping);
         for (torque, pin) in w.torque.iter().zip(&r.branches).filter(|(torque, _)| torque.slope != 0.0) {
-            r.pins[*pin].speed.square_to(torque.slope, &mut w.damping, n);
+            self.envelope.square(&r.pins[*pin].speed, torque.slope, &mut w.damping);
         }
         for (torque, joint) in w.joint_torque.iter().zip(&r.joints).filter(|(torque, _)| torque.slope != 0.0)
         {
-            joint.square_to(torque.slope, &mut w.damping, n);
+            self.envelope.square(joint, torque.slope, &mut w.damping);
         }
         for (gear, slope) in r.gears.iter().zip(&w.mesh.by_speed) {
-            gear.base.square_to(*slope, &mut w.damping, n);
+            self.envelope.square(&gear.base, *slope, &mut w.damping);
         }
-        for ((to, mass), damping) in w.implicit.iter_mut().zip(&w.mass).zip(&w.damping) {
-            *to = mass + hg * damping;
-        }
+        self.envelope.sum(&mut w.implicit, &w.mass, hg, &w.damping);
         w.hg = hg;
         self.prepare_linear(c, hg, w);
         w.position.copy_from_slice(self.positions(c));
-        if cholesky_factor(&mut w.implicit, n).is_err() {
+        if self.envelope.factor(&mut w.implicit).is_err() {
             c.fail("the mass matrix lost its positive definiteness: check masses and inertias");
             return;
         }
         if !w.rows.is_empty() {
-            w.implicit_schur.factor(&w.rows, &w.implicit);
+            w.implicit_schur.factor(&w.rows, &w.implicit, &self.envelope);
         }
     }
 
@@ -47,11 +43,9 @@ impl Network {
         let n = self.rotation.free;
         let (q, rest) = r.split_at_mut(self.positions);
         let (v, x) = rest.split_at_mut(n);
-        for (row, to) in w.product.iter_mut().enumerate() {
-            *to = w.mass[row * n..(row + 1) * n].iter().zip(v.iter()).map(|(m, v)| m * v).sum();
-        }
+        self.envelope.product(&w.mass, v, &mut w.product);
         self.eliminate_states(w, x);
-        cholesky_solve(&w.implicit, &mut w.product);
+        self.envelope.solve(&w.implicit, &mut w.product);
         if !w.rows.is_empty() {
             // The Jacobian leaves `D v` alone, so the solution has that of `r`.
             w.implicit_schur.impose(&w.rows, &mut w.product, |i| w.rows.of(i, v));

@@ -28,7 +28,15 @@ impl Network {
         if w.rows.is_empty() {
             return;
         }
-        w.schur.factor(&w.rows, &w.factor);
+        // Rows of frictions are constant, and so is the mass matrix without bodies.
+        if !(w.factored && w.schur_of == w.stuck) {
+            w.schur.factor(&w.rows, &w.factor, &self.envelope);
+            w.schur_of.clear();
+            // Shares depend on what is held.
+            if !w.schur.has_dependent_rows(&w.rows) {
+                w.schur_of.extend_from_slice(&w.stuck);
+            }
+        }
         w.schur.impose(&w.rows, &mut w.dv, |i| w.rows.b[i]);
         let m = w.rows.len();
         w.lambda[..m].copy_from_slice(&w.schur.lambda[..m]);

@@ -3,7 +3,7 @@
 use blocksim_block::Context;
 use blocksim_block::physical::Torque;
 use blocksim_multibody::mass_and_bias;
-use blocksim_solve::linear::{cholesky_factor, cholesky_solve, cholesky_solve_matrix};
+use blocksim_solve::linear::cholesky_solve_matrix;
 
 use crate::mechanics::mesh;
 use crate::network::Network;
@@ -14,6 +14,9 @@ impl Network {
     /// Mass matrix over the independent speeds, bias forces of the joints.
     pub(crate) fn mass(&self, q: &[f64], w: &mut Work) {
         let (n, j) = (self.rotation.free, self.joints);
+        if w.factored {
+            return;
+        }
         w.mass.copy_from_slice(&self.rotation.reflected);
         let (Some(model), Some(data)) = (w.loaded.as_ref().or(self.frames.model.as_ref()), &mut w.data)
         else {
@@ -48,7 +51,6 @@ impl Network {
         self.electrics_phase(c, w);
         w.evaluation[MOTION] = c.evaluation;
         let r = &self.rotation;
-        let n = r.free;
 
         let mut torque = std::mem::take(&mut w.torque);
         for seat in self.active.branches.iter().map(|i| &self.seats[*i]) {
@@ -88,14 +90,17 @@ impl Network {
         if !self.frames.loops.is_empty() {
             self.close_loops(self.positions(c), w);
         }
-        w.factor.copy_from_slice(&w.mass);
-        if cholesky_factor(&mut w.factor, n).is_err() {
-            c.fail("the mass matrix lost its positive definiteness: check masses and inertias");
-            w.dv.fill(0.0);
-            return;
+        if !w.factored {
+            w.factor.copy_from_slice(&w.mass);
+            if self.envelope.factor(&mut w.factor).is_err() {
+                c.fail("the mass matrix lost its positive definiteness: check masses and inertias");
+                w.dv.fill(0.0);
+                return;
+            }
+            w.factored = self.frames.model.is_none();
         }
         w.dv.copy_from_slice(&w.force);
-        cholesky_solve(&w.factor, &mut w.dv);
+        self.envelope.solve(&w.factor, &mut w.dv);
         self.constrain(c, w);
         if !self.meshes.is_empty() {
             self.dry_meshes(c, w);

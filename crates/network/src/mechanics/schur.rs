@@ -12,6 +12,7 @@
 use blocksim_solve::linear::{cholesky_factor, cholesky_solve};
 
 use crate::mechanics::bounded::Bounded;
+use crate::mechanics::envelope::Envelope;
 
 /// A row counts as dependent when less than this is left of its square (in the metric of `M^-1`) after the part that
 /// the others explain: an angle of 3e-6 rad. Rounding leaves about 1e-15.
@@ -166,13 +167,13 @@ impl Schur {
         lambda.iter().zip(&self.scale).map(|(lambda, scale)| (lambda * scale).abs()).sum()
     }
 
-    /// Factors `D M^-1 D'`; `l` is the Cholesky factor of `M`.
-    pub(crate) fn factor(&mut self, rows: &Rows, l: &[f64]) {
+    /// Factors `D M^-1 D'`; `l` is the Cholesky factor of `M`, with its shape.
+    pub(crate) fn factor(&mut self, rows: &Rows, l: &[f64], envelope: &Envelope) {
         let (m, n) = (rows.len(), rows.width);
         for i in 0..m {
             let column = &mut self.columns[i * n..(i + 1) * n];
             column.copy_from_slice(rows.row(i));
-            cholesky_solve(l, column);
+            envelope.solve(l, column);
             for j in 0..=i {
                 let value = rows.of(j, column);
                 self.s[i * m + j] = value;
@@ -339,7 +340,7 @@ mod tests {
     fn solve(rows: &Rows, m: &[f64], l: &[f64], f: &[f64]) -> (Vec<f64>, Vec<f64>, usize) {
         let n = f.len();
         let mut schur = Schur::new(n, rows.len());
-        schur.factor(rows, l);
+        schur.factor(rows, l, &Envelope::full(n));
         let mut dv = f.to_vec();
         cholesky_solve(l, &mut dv);
         schur.impose(rows, &mut dv, |i| rows.b[i]);

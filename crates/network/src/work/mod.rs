@@ -78,6 +78,8 @@ pub(crate) struct Work {
     /// Mass matrix over the independent speeds, and its Cholesky factor.
     pub mass: Vec<f64>,
     pub factor: Vec<f64>,
+    /// Without bodies the mass matrix never changes: both hold for good.
+    pub factored: bool,
     pub joint_mass: Vec<f64>,
     pub bias: Vec<f64>,
     pub force: Vec<f64>,
@@ -85,6 +87,8 @@ pub(crate) struct Work {
     /// Constraints that hold at this evaluation, their Schur complement, and that of implicit steps.
     pub rows: Rows,
     pub schur: Schur,
+    /// What was stuck when it was factored, where that is all it depends on.
+    pub schur_of: Vec<usize>,
     pub implicit_schur: Schur,
     /// Multipliers within what is held, where several constraints say the same.
     pub bounded: Bounded,
@@ -109,6 +113,8 @@ pub(crate) struct Work {
     pub kept: Vec<f64>,
     /// Something rigid slides that must not.
     pub struck: bool,
+    /// Slip of each part behind an impact, if it is rigid.
+    pub bounce: Vec<f64>,
     pub residual: Vec<f64>,
     pub mesh: MeshScratch,
     pub mesh_speed: Vec<f64>,
@@ -181,12 +187,14 @@ impl Work {
             user_torque: vec![Torque::default(); j],
             mass: vec![0.0; n * n],
             factor: vec![0.0; n * n],
+            factored: false,
             joint_mass: vec![0.0; j * j],
             bias: vec![0.0; j],
             force: vec![0.0; n],
             dv: vec![0.0; n],
             rows: Rows::new(n, rows),
             schur: Schur::new(n, rows),
+            schur_of: Vec::with_capacity(frictions),
             implicit_schur: Schur::new(n, rows),
             bounded: Bounded::new(rows),
             lambda: vec![0.0; rows],
@@ -204,6 +212,7 @@ impl Work {
             trial_d: vec![0.0; network.interface.discrete.len()],
             kept: vec![0.0; frictions],
             struck: false,
+            bounce: vec![0.0; frictions],
             residual: vec![0.0; r.nodes.len() + j],
             mesh: MeshScratch::new(g),
             mesh_speed: vec![0.0; g],

@@ -7,7 +7,6 @@
 //! solutions and pivoting may go round in circles; then what is held counts as what slides, which has one solution.
 
 use blocksim_block::Context;
-use blocksim_solve::linear::cholesky_solve;
 
 use super::ROUNDING;
 use super::parts::{Place, Rest};
@@ -199,7 +198,7 @@ impl Network {
         // D M^-1 D': what a torque of one does.
         w.product.fill(0.0);
         form.add_to(1.0, &mut w.product);
-        cholesky_solve(&w.factor, &mut w.product);
+        self.envelope.solve(&w.factor, &mut w.product);
         let largest = [hold[0], hold[1], grip.slide[side].value].into_iter().filter(|t| t.is_finite());
         let square = form.of(&w.product);
         let rounding = ROUNDING * (square * largest.fold(0.0, f64::max) + square.max(0.0).sqrt() * w.pull);
@@ -230,7 +229,7 @@ impl Network {
     fn escapes(&self, i: usize, hold: [f64; 2], w: &mut Work) -> Option<f64> {
         let row = self.row_of(i, w).filter(|row| w.schur.is_dependent(*row))?;
         w.product.copy_from_slice(&w.force);
-        cholesky_solve(&w.factor, &mut w.product);
+        self.envelope.solve(&w.factor, &mut w.product);
         let rows = &w.rows;
         w.schur.impose(rows, &mut w.product, |k| rows.b[k]);
         let acceleration = rows.of(row, &w.product) - rows.b[row];
