@@ -148,3 +148,71 @@ fn a_slider_with_dry_friction_goes_through_its_dead_centres() {
         }
     }
 }
+
+/// A ball that bounces on a rigid floor: the bounces accumulate at a time that is known, and then it lies still.
+#[test]
+fn a_ball_on_a_rigid_floor_comes_to_rest_when_its_bounces_have_added_up() {
+    let (g, height, e) = (9.80665, 10.0, 0.8);
+    let speed = f64::sqrt(2.0 * g * height);
+    let first = speed / g;
+    let end = first + 2.0 * first * e / (1.0 - e);
+    for (solver, tolerance) in
+        [("Ode45", 1e-5), ("Ode23", 1e-5), ("RosW3", 1e-4), ("Rodas4", 1e-5), ("Ode4(step: 1e-4)", 0.05)]
+    {
+        let run = simulate(
+            "20 s",
+            solver,
+            &format!(
+                r#""ball": Mass(m: 2.0), "weight": ConstantForce(f: {:?}), "ground": TranslationalReference,
+                   "floor": TranslationalRigidStop(lower: 0.0, restitution: {e:?}, x0: {height:?}),
+                   "sensor": TranslationalMotionSensor, "scope": Scope(inputs: ["x", "v"])"#,
+                -2.0 * g
+            ),
+            r#""ball.r <-> weight.r <-> floor.r <-> sensor.r", "weight.c <-> floor.c <-> sensor.c <-> ground.r",
+               "floor.x -> scope.x", "sensor.v -> scope.v""#,
+        );
+        let (x, v) = (run.column("scope.x"), run.column("scope.v"));
+        let last = run.time.iter().zip(v).filter(|(_, v)| **v != 0.0).map(|(t, _)| *t).fold(0.0, f64::max);
+        close(last, end, tolerance * end, solver);
+        assert_eq!(run.last("scope.v"), 0.0, "{solver}");
+        let fixed = if solver.contains("step") { 1e-3 } else { 1e-9 };
+        close(run.last("scope.x"), 0.0, fixed, solver);
+        assert!(x.iter().all(|x| *x > -1.5 * speed * fixed), "{solver}: it fell through");
+        // Half a second around the top of the third bounce.
+        let third = first * (1.0 + 2.0 * e + 2.0 * e * e + e.powi(3));
+        close(run.at("scope.v", third - 0.25), 0.25 * g, 2e-2, solver);
+        close(run.at("scope.v", third + 0.25), -0.25 * g, 2e-2, solver);
+    }
+}
+
+/// Balls that meet exchange momentum as Newton's law says, and a row of them passes it on.
+#[test]
+fn a_row_of_balls_passes_an_impact_on() {
+    for e in [0.0, 0.5, 1.0] {
+        let run = simulate(
+            "1 s",
+            "Ode45",
+            &format!(
+                r#""a": Mass(m: 1.0, v0: 2.0), "b": Mass(m: 1.0), "c": Mass(m: 1.0),
+                   "ab": TranslationalRigidStop(upper: 0.0, restitution: {e:?}, x0: -0.5),
+                   "bc": TranslationalRigidStop(upper: 0.0, restitution: {e:?}, x0: -0.25),
+                   "sa": TranslationalMotionSensor, "sb": TranslationalMotionSensor, "sc": TranslationalMotionSensor,
+                   "ground": TranslationalReference, "scope": Scope(inputs: ["a", "b", "c"])"#
+            ),
+            r#""a.r <-> ab.r <-> sa.r", "b.r <-> ab.c <-> bc.r <-> sb.r", "c.r <-> bc.c <-> sc.r",
+               "sa.c <-> sb.c <-> sc.c <-> ground.r", "sa.v -> scope.a", "sb.v -> scope.b", "sc.v -> scope.c""#,
+        );
+        // After 0.25 s b goes with 1 + e, and hits c; with e below 1 a catches up, so only the first two are compared.
+        close(run.at("scope.b", 0.3), 1.0 + e, 1e-9, "b");
+        close(run.at("scope.a", 0.3), 1.0 - e, 1e-9, "a");
+        let after = 0.25 + 0.25 / (1.0 + e) + 1e-3;
+        if e > 0.0 {
+            close(run.at("scope.c", after), (1.0 + e) * (1.0 + e) / 2.0, 1e-9, "c");
+        } else {
+            // Both arrive as one: 2 m/s of one are shared by three.
+            close(run.at("scope.c", after), 2.0 / 3.0, 1e-9, "c");
+        }
+        let momentum = run.last("scope.a") + run.last("scope.b") + run.last("scope.c");
+        close(momentum, 2.0, 1e-9, "momentum");
+    }
+}

@@ -21,12 +21,23 @@ pub struct Grip {
     /// speed in this direction. A step of the solver that steps over standstill asks for the direction that it came
     /// from: go on smoothly there.
     pub slide: [Torque; 2],
+    /// What happens where something that holds without bound is struck; plastic unless given.
+    pub stop: Option<Stop>,
+}
+
+/// A rigid end of travel: nothing is held before it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Stop {
+    /// Part of the speed that is left after a bounce, 0 to 1.
+    pub restitution: f64,
+    /// How far it is beyond its end, rad or m: nothing where ends are located, a part of a step where they are not.
+    pub depth: f64,
 }
 
 impl Grip {
     /// The same in both directions: what it holds, and its torque over the amount of the speed.
     pub fn symmetric(hold: f64, speed: f64, slide: impl Fn(f64) -> Torque) -> Self {
-        Self { hold: [hold; 2], slide: [slide(speed), slide(-speed)] }
+        Self { hold: [hold; 2], slide: [slide(speed), slide(-speed)], stop: None }
     }
 }
 

@@ -23,7 +23,7 @@ mod port;
 mod supply;
 
 pub use component::Component;
-pub use effort::{Grip, Torque, Wrench};
+pub use effort::{Grip, Stop, Torque, Wrench};
 pub use element::{Element, ValveKind};
 pub use energy::Energy;
 pub use freedom::{Axis, Freedom};

@@ -103,7 +103,11 @@ impl Pressed {
     /// (NaN) as it is.
     pub(crate) fn grip(&self, share: f64) -> Grip {
         let capacity = share.clamp(0.0, 1.0) * self.torque;
-        Grip { hold: [self.peak * capacity; 2], slide: [Torque { value: capacity, slope: 0.0 }; 2] }
+        Grip {
+            hold: [self.peak * capacity; 2],
+            slide: [Torque { value: capacity, slope: 0.0 }; 2],
+            stop: None,
+        }
     }
 
     pub(crate) fn measure(&self, c: &Law, y: &mut [f64]) {

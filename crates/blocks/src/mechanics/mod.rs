@@ -3,6 +3,7 @@
 pub(crate) mod contact;
 pub(crate) mod friction_model;
 pub(crate) mod quantities;
+pub(crate) mod rigid_stop;
 pub(crate) mod stribeck;
 #[cfg(test)]
 pub(crate) mod testing;

@@ -72,6 +72,14 @@ impl Quantities {
             .output(output(self.load), Needs::Motion)
     }
 
+    /// An element with the deflection as a state, and outputs as [`show_deflection`] fills them.
+    pub(crate) fn held(&self, element: Element, start: f64) -> Part {
+        self.between(element)
+            .state(self.position.0, start)
+            .output(output(self.position), Needs::State)
+            .output(output(self.load), Needs::Motion)
+    }
+
     /// A source of torque or force with an input.
     pub(crate) fn effort_source(&self) -> Part {
         self.branch().input(input(self.drive))

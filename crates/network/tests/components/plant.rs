@@ -59,12 +59,12 @@ fn block(text: &str) -> Arc<dyn Block> {
         FreeJoint HarmonicDrive IdealAngleSource IdealSpeedSource IdealTorqueSource Inertia LossyGear LuGreFriction
         MotionSensor OneWayClutch PermanentMagnetMachine PlanarJoint PlanetaryGear PrismaticJoint QuadraticLoad RevoluteJoint
         RotationalDamper RotationalFriction RotationalHardStop RotationalReference RotationalSpring
-        RotationalSpringDamper SimpleGear SphericalJoint StarPoint ThreePhaseSource TorqueSensor
+        RotationalRigidStop RotationalSpringDamper SimpleGear SphericalJoint StarPoint ThreePhaseSource TorqueSensor
         Transform UniversalJoint UniversalMotor
         VectorInverter VoltageSensor VoltageSource WeldJoint World WormGear WoundFieldDcMotor
         ConstantForce ForceSensor IdealForceSource IdealVelocitySource LeadScrew LeadScrewByFriction Mass
         RackAndPinion TranslationalDamper TranslationalFriction TranslationalHardStop
-        TranslationalMotionSensor TranslationalReference TranslationalSpring TranslationalSpringDamper
+        TranslationalMotionSensor TranslationalReference TranslationalRigidStop TranslationalSpring TranslationalSpringDamper
         WheelAndAxle
     )
 }

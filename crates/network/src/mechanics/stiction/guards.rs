@@ -17,7 +17,11 @@ impl Network {
     fn distances(&self, c: &Context, w: &Work, g: &mut [f64]) {
         let g = &mut g[self.stiction.guards.clone()];
         for (i, (g, mode)) in g.iter_mut().zip(self.stiction.of(c.d)).enumerate() {
-            *g = if *mode == 0.0 {
+            // Before the end of a travel the way it moves makes no difference.
+            let before_end = w.grip[i].stop.is_some() && w.grip[i].hold == [0.0; 2];
+            *g = if before_end && *mode != 0.0 {
+                FAR
+            } else if *mode == 0.0 {
                 let [forward, backward] = self.reserve(i, w.grip[i].hold, w);
                 forward.min(backward).min(FAR)
             } else {

@@ -7,12 +7,18 @@
 //! `u` in the direction that each freewheel locks and its impulses `p` this is the complementarity problem
 //! `u+ = u - S p`, `u+ <= 0`, `p >= 0`, `u+ p = 0` (J. J. Moreau, Unilateral contact and dry friction in finite freedom
 //! dynamics, 1988), solved by least-index pivoting.
+//!
+//! A rigid end of travel with a restitution `e` bounces: `u+ <= -e u` instead (Newton's law of impacts). Each bounce is
+//! shorter than the last by `e`, and all of them end at a finite time; below [`RESTS`] it stays where it is.
 
 use blocksim_block::Context;
 
 use super::parts::{Place, Rest};
 use crate::network::Network;
 use crate::work::Work;
+
+/// A bounce that would end sooner than this, s, is none.
+const RESTS: f64 = 1e-7;
 
 /// How a part takes part in an impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,11 +44,15 @@ impl Network {
                 Rigid::OneWay(sign) if sign * speed <= zero => (Rest::Stands, -sign),
                 Rigid::OneWay(_) | Rigid::BothWays => (Rest::Stands, 0.0),
             };
+            w.bounce[i] = match self.rigid(i, mode, w) {
+                Rigid::OneWay(sign) if sign * speed > zero => -sign * self.rebound(i, sign, sign * speed, w),
+                _ => 0.0,
+            };
         }
         for _ in 0..10 + 10 * count * count {
             at.copy_from_slice(c.x);
             self.again(&Context { x: c.x, d: modes, ..*c }, w);
-            self.stop(w, at);
+            self.throw(w, at);
             let wrong = (0..count).find(|i| self.is_wrong(*i, modes[first + i], at, w));
             let Some(i) = wrong else { break };
             modes[first + i] = match self.rigid(i, 0.0, w) {
@@ -52,7 +62,7 @@ impl Network {
         }
         for i in 0..count {
             let (speed, zero, drifted) = self.slip(i, at, &w.s);
-            let locked = modes[first + i] == 0.0;
+            let locked = modes[first + i] == 0.0 && w.bounce[i] == 0.0;
             let still = if self.stiction.of(c.d)[i] == 0.0 { drifted } else { zero };
             w.rests[i] = match locked || speed.abs() <= still {
                 true => self.stands(i, w),
@@ -68,9 +78,34 @@ impl Network {
             Some(row) => mode == 0.0 && sign * w.schur.lambda[row] > 0.0,
             None => {
                 let (speed, zero, _) = self.slip(i, at, &w.s);
-                sign * speed > zero
+                sign * speed > zero - w.bounce[i].abs()
             }
         }
+    }
+
+    /// Speed at which an end of travel throws back what hits it with a speed in the direction of `sign`, while `w` holds the
+    /// evaluation before.
+    fn rebound(&self, i: usize, sign: f64, speed: f64, w: &Work) -> f64 {
+        let Some(stop) = w.grip[i].stop else { return 0.0 };
+        let (form, prescribed) = self.sticky(i);
+        let pull = sign * (form.of(&w.dv) + prescribed.of(&w.ds));
+        let back = stop.restitution * speed;
+        // It comes back after 2 back / pull, and rises by back^2 / (2 pull).
+        let rests = pull > 0.0 && (2.0 * back < RESTS * pull || back * back <= 2.0 * pull * stop.depth);
+        if rests { 0.0 } else { back }
+    }
+
+    /// Takes speeds onto the constraints of the last evaluation by an impulse, with what bounces.
+    fn throw(&self, w: &mut Work, at: &mut [f64]) {
+        if w.stuck.iter().all(|i| w.bounce[*i] == 0.0) {
+            return self.stop(w, at);
+        }
+        let v = &mut at[self.positions..self.positions + self.rotation.free];
+        let (first, stuck, s, bounce) = (w.first_stuck, &w.stuck, &w.s, &w.bounce);
+        w.schur.impose(&w.rows, v, |row| match row.checked_sub(first) {
+            Some(k) => bounce[stuck[k]] - self.sticky(stuck[k]).1.of(s),
+            None => w.loops.target[row],
+        });
     }
 
     fn rigid(&self, i: usize, mode: f64, w: &Work) -> Rigid {

@@ -72,6 +72,7 @@ impl Network {
                 w.grip[first + k] = Grip {
                     hold: [forward, backward],
                     slide: [forward, backward].map(|value| Torque { value, slope: 0.0 }),
+                    stop: None,
                 };
             }
         }

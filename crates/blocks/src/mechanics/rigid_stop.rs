@@ -1,0 +1,105 @@
+//! Rigid ends of travel between two parts that turn or slide.
+
+use blocksim_block::physical::{Element, Grip, Stop};
+use blocksim_block::prelude::*;
+
+use super::quantities::Quantities;
+
+/// Free between two positions; an end is never passed. Units are those of rotation, in translation m and m/s.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RigidStop {
+    pub lower: Option<f64>,
+    pub upper: Option<f64>,
+    /// Part of the speed that is left after a bounce.
+    pub restitution: f64,
+}
+
+impl RigidStop {
+    /// Whether the numbers make sense; the start, a parameter with its name, lies within the travel.
+    pub(crate) fn check(&self, (name, start): (&str, f64), unit: &str) -> Result<(), ParamError> {
+        for (name, end) in [("lower", self.lower), ("upper", self.upper)] {
+            end.map_or(Ok(()), |end| finite(name, end))?;
+        }
+        if self.lower.is_none() && self.upper.is_none() {
+            return Err(
+                ParamError::new("lower", "the travel has no end").help("give `lower`, `upper` or both")
+            );
+        }
+        if let (Some(lower), Some(upper)) = (self.lower, self.upper) {
+            ordered("lower", lower, "upper", upper)?;
+        }
+        if !(0.0..=1.0).contains(&self.restitution) {
+            return Err(ParamError::new(
+                "restitution",
+                format!(
+                    "`restitution` is {}, but what bounces keeps between 0 and 1 of its speed",
+                    self.restitution
+                ),
+            )
+            .help("0 does not bounce, 1 loses nothing"));
+        }
+        finite(name, start)?;
+        if self.lower.is_some_and(|lower| start < lower) || self.upper.is_some_and(|upper| start > upper) {
+            return Err(ParamError::new(
+                name,
+                format!("the parts start at {start} {unit}, beyond an end of travel"),
+            )
+            .help("start within the travel, or move `lower` and `upper`"));
+        }
+        Ok(())
+    }
+
+    /// Ports, state, outputs and events.
+    pub(crate) fn part(&self, quantities: &Quantities, start: f64) -> Part {
+        let mut part = quantities.held(Element::Friction { r: 0, c: 1 }, start);
+        for (name, _) in self.ends(start) {
+            part = part.guard(name);
+        }
+        part
+    }
+
+    /// Nothing is held within the travel, everything at its ends.
+    pub(crate) fn grip(&self, position: f64) -> Grip {
+        let upper = self.upper.filter(|upper| position >= *upper).map(|upper| position - upper);
+        let lower = self.lower.filter(|lower| position <= *lower).map(|lower| lower - position);
+        let hold = [upper, lower].map(|beyond| if beyond.is_some() { f64::INFINITY } else { 0.0 });
+        let depth = upper.or(lower).unwrap_or(0.0);
+        Grip { hold, stop: Some(Stop { restitution: self.restitution, depth }), ..Grip::default() }
+    }
+
+    /// Distances from the ends.
+    pub(crate) fn guards(&self, position: f64, g: &mut [f64]) {
+        self.ends(position).zip(g).for_each(|((_, distance), g)| *g = distance);
+    }
+
+    fn ends(&self, position: f64) -> impl Iterator<Item = (&'static str, f64)> {
+        let lower = self.lower.map(|lower| ("lower", position - lower));
+        lower.into_iter().chain(self.upper.map(|upper| ("upper", upper - position)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FLOOR: RigidStop = RigidStop { lower: Some(0.0), upper: None, restitution: 0.5 };
+
+    #[test]
+    fn it_holds_at_its_end_and_pushes_one_way() {
+        assert_eq!(FLOOR.grip(0.1).hold, [0.0, 0.0]);
+        assert_eq!(FLOOR.grip(0.0).hold, [0.0, f64::INFINITY]);
+        assert_eq!(FLOOR.grip(-0.25).stop, Some(Stop { restitution: 0.5, depth: 0.25 }));
+        let both = RigidStop { upper: Some(2.0), ..FLOOR };
+        assert_eq!(both.grip(2.0).hold, [f64::INFINITY, 0.0]);
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        let check = |stop: RigidStop, start| stop.check(("x0", start), "m").err().map(|error| error.param);
+        assert_eq!(check(FLOOR, 1.0), None);
+        assert_eq!(check(FLOOR, -1.0).as_deref(), Some("x0"));
+        assert_eq!(check(RigidStop { lower: None, ..FLOOR }, 1.0).as_deref(), Some("lower"));
+        assert_eq!(check(RigidStop { upper: Some(-1.0), ..FLOOR }, 0.0).as_deref(), Some("upper"));
+        assert_eq!(check(RigidStop { restitution: 1.5, ..FLOOR }, 0.0).as_deref(), Some("restitution"));
+    }
+}

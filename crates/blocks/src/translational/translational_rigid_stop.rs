@@ -1,0 +1,75 @@
+use blocksim_block::physical::Grip;
+use blocksim_block::prelude::*;
+
+use crate::mechanics::quantities::{TRANSLATION, show_deflection};
+use crate::mechanics::rigid_stop::RigidStop;
+
+/// Rigid end of travel between two sliding parts: free between two positions, and an end is never passed.
+///
+/// What hits an end bounces back with the part $e$ of its speed,
+///
+/// $$ v^+ = -e\,v^- $$
+///
+/// and the impulse goes through everything that is rigidly coupled, not through dry friction. The bounces of what falls
+/// on an end follow each other ever faster and are over at a finite time: then it rests there, exactly, until it is pulled
+/// away. With $e = 0$ it rests at once.
+///
+/// Ends with a spring and a damper are a `TranslationalHardStop`.
+///
+/// ```ron
+/// TranslationalRigidStop(lower: "0 m", restitution: 0.8)
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Translational", symbol = HardStop)]
+pub struct TranslationalRigidStop {
+    /// Least position; none unless given.
+    #[block(unit = "m", default = None)]
+    pub lower: Option<f64>,
+    /// Largest position; none unless given.
+    #[block(unit = "m", default = None)]
+    pub upper: Option<f64>,
+    /// Restitution $e$: part of the speed that is left after a bounce, 0 to 1.
+    #[block(default = 0.0)]
+    pub restitution: f64,
+    /// Position at the start.
+    #[block(unit = "m", default = 0.0)]
+    pub x0: f64,
+}
+
+impl TranslationalRigidStop {
+    fn law(&self) -> RigidStop {
+        RigidStop { lower: self.lower, upper: self.upper, restitution: self.restitution }
+    }
+}
+
+impl Block for TranslationalRigidStop {
+    fn check(&self) -> Result<(), ParamError> {
+        self.law().check(("x0", self.x0), "m")
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for TranslationalRigidStop {
+    fn part(&self, _given: &Given) -> Part {
+        self.law().part(&TRANSLATION, self.x0)
+    }
+
+    fn grips(&self, c: &Law, grips: &mut [Grip]) {
+        grips[0] = self.law().grip(c.x[0]);
+    }
+
+    fn guards(&self, c: &Law, g: &mut [f64]) {
+        self.law().guards(c.x[0], g);
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = c.speed[0];
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        show_deflection(c, needs, y);
+    }
+}
