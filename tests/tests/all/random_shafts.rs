@@ -5,7 +5,7 @@
 //! dynamics, 1988; M. Jean, The non-smooth contact dynamics method, 1999). It is of first order, so two step sizes tell
 //! its own error.
 //!
-//! `BLOCKSIM_RANDOM=2000 cargo test -p blocksim-tests --test random_shafts` runs as many; the seeds of failures are printed.
+//! `BLOCKSIM_RANDOM=2000 cargo test -p blocksim-tests random_shafts` runs as many; the seeds of failures are printed.
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
