@@ -266,6 +266,17 @@ fn start_values_that_contradict_each_other() {
               help: give one part of a rigidly coupled train its start speed, or start values that fit the ratios
         "#]],
     );
+    // A zero that is written counts; without it `b` turns with `a`.
+    check(
+        r#""a": Inertia(j: 1, w0: "10 rad/s"), "b": Inertia(j: 1, w0: "0 rad/s"),"#,
+        r#""a.r <-> b.r""#,
+        &expect![[r#"
+            error[start_conflict]: the speed of 0 rad/s at the start does not fit the parts it is coupled to
+              model.ron:4:41 `"b"` `b` asks for it
+              model.ron:4:5 `"a"` `a` has a speed at the start, too
+              help: give one part of a rigidly coupled train its start speed, or start values that fit the ratios
+        "#]],
+    );
     check(
         r#""a": Inertia(j: 1, w0: "1 rad/s"), "g": SimpleGear(ratio: 3), "b": Inertia(j: 1, w0: "2 rad/s"), "c": Inertia(j: 1, w0: "7 rad/s"),"#,
         r#""a.r <-> g.base", "g.follower <-> b.r""#,

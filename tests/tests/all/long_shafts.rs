@@ -1,4 +1,4 @@
-//! Shafts of many discs: the cost grows in proportion to their number.
+//! Shafts of many discs: the cost of an evaluation grows in proportion to their number.
 
 use std::fmt::Write;
 use std::time::Instant;
@@ -32,26 +32,20 @@ fn shaft(n: usize) -> String {
     )
 }
 
-/// Seconds to compile and to run, and the speed at the driven end.
-fn cost(n: usize) -> ([f64; 2], f64) {
-    let text = shaft(n);
-    let start = Instant::now();
-    let (compiled, problems) = compile_text(&text);
-    let schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
-    let compiled_in = start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let run = run(schedule);
-    assert!(run.error.is_none(), "{:?}", run.error);
-    ([compiled_in, start.elapsed().as_secs_f64()], run.last("scope.w"))
-}
-
 #[test]
-fn ten_times_as_many_discs_cost_about_ten_times_as_much() {
-    let (_, _) = cost(100);
-    let (few, end_of_few) = cost(100);
-    let (many, end_of_many) = cost(1000);
-    println!("100 discs: {few:?} s; 1000 discs: {many:?} s; {end_of_few} {end_of_many}");
+fn a_thousand_discs_run_in_a_moment() {
+    let run_of = |n: usize| {
+        let (compiled, problems) = compile_text(&shaft(n));
+        let schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+        let start = Instant::now();
+        let run = run(schedule);
+        assert!(run.error.is_none(), "{:?}", run.error);
+        (run.last("scope.w"), run.counts.evaluations, start.elapsed())
+    };
+    let (few, many) = (run_of(100), run_of(1000));
     // The wave has not come back from the far end of either.
-    assert!((end_of_few - end_of_many).abs() < 1e-3, "{end_of_few} {end_of_many}");
-    assert!(many[1] < 20.0 * few[1], "{few:?} {many:?}");
+    assert!((few.0 - many.0).abs() < 1e-3, "{few:?} {many:?}");
+    assert!(many.1 < 2 * few.1, "{few:?} {many:?}");
+    // Measured are 0.15 s without optimisation; with full matrices it takes minutes.
+    assert!(many.2.as_secs_f64() < 5.0, "{few:?} {many:?}");
 }

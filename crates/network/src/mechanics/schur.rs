@@ -148,10 +148,10 @@ impl Schur {
     pub(crate) fn within_bounds(&self, rows: &Rows, lambda: &[f64], to: &mut Bounded) -> usize {
         let (m, r) = (rows.len(), self.rank);
         to.y[..r].fill(0.0);
-        for i in 0..m {
+        for (i, (lambda, scale)) in lambda.iter().zip(&self.scale).enumerate() {
             let column = &self.g[i * m..i * m + r];
             to.columns[i * r..(i + 1) * r].copy_from_slice(column);
-            let z = lambda[i] * self.scale[i];
+            let z = lambda * scale;
             to.y[..r].iter_mut().zip(column).for_each(|(y, a)| *y += z * a);
         }
         r
