@@ -119,7 +119,7 @@ impl Network {
     fn pivot(&self, c: &Context, w: &mut Work, at: &[f64], modes: &mut [f64]) {
         let count = self.stiction.len();
         for soft in [false, true] {
-            self.first_modes(soft, c, w, at, modes);
+            self.first_modes(soft, false, c, w, at, modes);
             for _ in 0..10 + 10 * count * count {
                 let now = Context { x: at, d: modes, ..*c };
                 self.again(&now, w);
@@ -134,6 +134,12 @@ impl Network {
                 }
             }
         }
+        if self.meshes.is_empty() {
+            // Pivoting turns in circles where values are zero to rounding. The bounded problem is convex while no more is
+            // held than slides: its solution holds as it stands.
+            self.first_modes(true, true, c, w, at, modes);
+            return self.again(&Context { x: at, d: modes, ..*c }, w);
+        }
         c.fail(
             self.self_locking(w).unwrap_or_else(|| {
                 "the dry frictions find no modes that agree: make one of them smooth".into()
@@ -142,15 +148,18 @@ impl Network {
     }
 
     /// Where pivoting begins: with everything at rest stuck, or where several frictions hold the same parts, which give
-    /// no one solution one at a time, with the modes of the bounded problem.
-    fn first_modes(&self, soft: bool, c: &Context, w: &mut Work, at: &[f64], modes: &mut [f64]) {
+    /// no one solution one at a time, with the modes of the bounded problem; with `fit`, always with these.
+    fn first_modes(&self, soft: bool, fit: bool, c: &Context, w: &mut Work, at: &[f64], modes: &mut [f64]) {
         for (mode, rest) in modes[self.stiction.modes.clone()].iter_mut().zip(&w.rests) {
             if *rest == Rest::Stands {
                 *mode = 0.0;
             }
         }
         self.again(&Context { x: at, d: modes, ..*c }, w);
-        if w.schur.has_dependent_rows(&w.rows) && self.meshes.is_empty() && !w.stuck.is_empty() {
+        if w.stuck.is_empty() || !self.meshes.is_empty() {
+            return;
+        }
+        if fit || w.schur.has_dependent_rows(&w.rows) {
             self.fitting_modes(soft, w, modes);
         }
     }
