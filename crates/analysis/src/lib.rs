@@ -9,6 +9,7 @@ mod compare;
 mod metrics;
 mod series;
 mod statistics;
+mod together;
 mod turns;
 
 pub use align::lag;
@@ -16,4 +17,5 @@ pub use compare::{Comparison, Deviation, Instants, Rule, compare};
 pub use metrics::{Metrics, metrics};
 pub use series::{Interpolation, Series};
 pub use statistics::{Statistics, statistics};
+pub use together::together;
 pub use turns::{jumps, with_gaps, without_jumps};

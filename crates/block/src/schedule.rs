@@ -167,6 +167,8 @@ pub struct Recorded {
     pub legend: Option<String>,
     /// Which rows are kept, as far as the diagram says it.
     pub keep: Keep,
+    /// Whether it keeps its value from one row to the next, since it changes at sample hits and events alone.
+    pub held: bool,
 }
 
 /// Which rows of a run are kept of a signal.

@@ -60,18 +60,18 @@ pub fn derivative(values: &[f64], step: f64) -> Vec<f64> {
 }
 
 /// Values at `count` instants from `from` on, `step` apart, by linear interpolation. Of two values at one time the later
-/// counts.
+/// counts, also where rounding puts an instant just before it.
 pub fn on_grid(time: &[f64], values: &[f64], from: f64, step: f64, count: usize) -> Vec<f64> {
     let mut right = 0;
     (0..count)
         .map(|k| {
             let t = from + step * k as f64;
-            while right < time.len() && time[right] <= t {
+            while right < time.len() && time[right] <= t + 1e-6 * step {
                 right += 1;
             }
             match (right.checked_sub(1), time.get(right)) {
                 (Some(left), Some(end)) => {
-                    let share = (t - time[left]) / (end - time[left]);
+                    let share = ((t - time[left]) / (end - time[left])).max(0.0);
                     values[left] + share * (values[right] - values[left])
                 }
                 (Some(left), None) => values[left],

@@ -16,6 +16,7 @@ mod extremes;
 mod foreign;
 pub mod format;
 pub mod hash;
+mod held;
 mod history;
 mod manifest;
 mod place;

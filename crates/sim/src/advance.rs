@@ -51,8 +51,8 @@ impl Simulation {
             let every = self.diagram.plan.every_step || self.rows.grid.is_none();
             let major = self.t >= stop.t || arrival.cut || arrival.event || every || self.is_impatient();
             self.record_within(if major { self.t - same(self.t) } else { self.t }, observer)?;
-            if arrival.event {
-                self.look_back()?;
+            if arrival.event || self.rows.jump_at(self.t, &self.hits) {
+                self.look_back(arrival.event)?;
             }
             self.accept()?;
             if major {
@@ -159,11 +159,11 @@ impl Simulation {
         Ok(())
     }
 
-    /// Takes the row just before an event, while all branches and memories are still as they were.
-    fn look_back(&mut self) -> Result<(), SimError> {
+    /// Takes the row just before an event or a hit, while all branches and memories are still as they were.
+    fn look_back(&mut self, is_event: bool) -> Result<(), SimError> {
         let evaluated = self.diagram.continuous(self.t, &self.x);
         self.held(evaluated)?;
-        self.rows.take_before(&self.diagram.signals);
+        self.rows.take_before(&self.diagram.signals, is_event);
         Ok(())
     }
 

@@ -13,7 +13,8 @@
 //! | `audit` | was anything passed over? |
 //! | `plan` | the schedule as the hot loop wants it |
 //! | `evaluate`, `act`, `system` | calls of the blocks: outputs, all else, and what the solver sees |
-//! | `clock`, `events`, `record` | sample hits and time events; zero crossings; rows |
+//! | `clock`, `events` | sample hits and time events; zero crossings |
+//! | `record`, `sides` | rows; which sample hits need them on both sides |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
 //! | `methods`, `error`, `diagnose`, `snapshot` | choice of the solver; what can go wrong and why; save and restore |
 
@@ -33,6 +34,7 @@ mod methods;
 mod plan;
 mod record;
 mod scan;
+mod sides;
 mod simulation;
 mod slopes;
 mod snapshot;

@@ -3,7 +3,8 @@
 use blocksim_block::schedule::{OutputTimes, Schedule};
 
 use crate::Counts;
-use crate::clock::Grid;
+use crate::clock::{Grid, Hits, same};
+use crate::sides::Sides;
 
 /// Changes of a value at an event that are below this part of it, or of 0.001 SI units, come from rounding.
 const ROUNDING: f64 = 1e-9;
@@ -11,7 +12,8 @@ const ROUNDING: f64 = 1e-9;
 /// Who is told what a simulation brings.
 pub trait Observer {
     /// A row: time in s and one value, in SI units, for each entry of `Schedule::recorded`. Times do not decrease; two
-    /// rows of one time stand around a jump: of a state, or of an output at a time event or a zero crossing.
+    /// rows of one time stand around a jump: of a state, or of an output at a time event, a zero crossing or a sample hit.
+    /// Of signals that are held (`Recorded::held`) a sample hit has only the row behind the jump.
     fn row(&mut self, t: f64, values: &[f64]);
 
     /// A guard of the block at `path` crossed zero, or the block jumped (`what` is then `jump`).
@@ -40,8 +42,12 @@ pub(crate) struct Rows {
     pub values: Vec<f64>,
     /// The row at the time of an event, with the branches of before it.
     before: Vec<f64>,
-    /// Whether `before` belongs to the instant at hand.
+    /// Whether `before` belongs to the instant at hand, and whether that is an event rather than a sample hit.
     is_before_known: bool,
+    is_event: bool,
+    /// Whether a value has jumped at the instant at hand.
+    jumped: bool,
+    sides: Sides,
     /// The grid, unless all major steps are recorded.
     pub grid: Option<Grid>,
 }
@@ -53,6 +59,9 @@ impl Rows {
             values: vec![0.0; cells.len()],
             before: vec![0.0; cells.len()],
             is_before_known: false,
+            is_event: false,
+            jumped: false,
+            sides: Sides::new(schedule),
             source: Copies::new(cells),
             grid: match schedule.settings.output {
                 OutputTimes::Steps => None,
@@ -66,23 +75,37 @@ impl Rows {
         self.source.take(&mut self.values, signals)
     }
 
-    /// Takes the row just before an event. One that is not finite is none.
-    pub fn take_before(&mut self, signals: &[f64]) {
+    /// Whether a sample hit at `t` may need rows on both sides.
+    pub fn jump_at(&self, t: f64, hits: &Hits) -> bool {
+        let mut rates = hits.times().iter().zip(&self.sides.rates);
+        rates.any(|(&time, &jumps)| jumps && time <= t + same(t))
+    }
+
+    /// Takes the row just before an event or a sample hit. One that is not finite is none.
+    pub fn take_before(&mut self, signals: &[f64], is_event: bool) {
         self.is_before_known = self.source.take(&mut self.before, signals);
+        self.is_event = is_event;
     }
 
-    /// The row just before the event at this instant, once, if a value has jumped since. What a kink changes by
-    /// rounding is no jump.
+    /// The row just before this instant, once, if a value has jumped since; at a sample hit one that is not held, since
+    /// of the others one row tells enough. What a kink changes by rounding is no jump.
     pub fn jumped_from(&mut self) -> Option<&[f64]> {
-        let known = std::mem::take(&mut self.is_before_known);
-        let mut pairs = self.before.iter().zip(&self.values);
-        let jumped = known && pairs.any(|(&a, &b)| (a - b).abs() > ROUNDING * (1e-3 + a.abs().max(b.abs())));
-        jumped.then_some(&self.before)
+        if !std::mem::take(&mut self.is_before_known) {
+            return None;
+        }
+        let mut told = false;
+        for ((&a, &b), &held) in self.before.iter().zip(&self.values).zip(&self.sides.held) {
+            let jumped = (a - b).abs() > ROUNDING * (1e-3 + a.abs().max(b.abs()));
+            self.jumped |= jumped;
+            told |= jumped && (self.is_event || !held);
+        }
+        told.then_some(&self.before)
     }
 
-    /// Whether a row is due at a major step for the sake of its time.
+    /// Whether a row is due at a major step, for the sake of its time or of a jump.
     pub fn are_due(&mut self, t: f64) -> bool {
-        self.grid.as_mut().is_none_or(|grid| grid.pass(t))
+        let jumped = std::mem::take(&mut self.jumped);
+        self.grid.as_mut().is_none_or(|grid| grid.pass(t)) || jumped
     }
 
     /// The next point of the grid, if it lies before `end` (or at it).

@@ -114,6 +114,7 @@ fn the_plug_in_and_the_description_ask_the_same_torques_of_the_motors() {
             title: Vec::new(),
             legend: None,
             keep: Keep::All,
+            held: false,
         }
     };
     let set =

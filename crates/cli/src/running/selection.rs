@@ -161,6 +161,7 @@ mod tests {
             title: Vec::new(),
             legend: None,
             keep: Keep::All,
+            held: false,
         }
     }
 

@@ -55,6 +55,7 @@ pub fn layout(recorded: &[Recorded]) -> Layout {
         title: r.title.clone(),
         legend: r.legend.clone(),
         kind: kind(r),
+        held: r.held,
         base: 0,
     };
     Layout { rates: vec![Rate::All], signals: recorded.iter().map(info).collect() }
@@ -122,6 +123,7 @@ pub mod tests {
                 title: Vec::new(),
                 legend: None,
                 keep: Keep::All,
+                held: false,
             })
             .collect();
         let mut recording = recording(&recorded);

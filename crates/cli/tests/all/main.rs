@@ -7,6 +7,7 @@ mod desk;
 mod faults;
 mod fix;
 mod fmt;
+mod held;
 mod identify;
 mod import;
 mod linearise;

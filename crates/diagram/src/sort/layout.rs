@@ -2,11 +2,12 @@
 
 use std::collections::{HashMap, HashSet};
 
-use blocksim_block::schedule::{Clock, Instance, Keep, Recorded, Schedule, Settings, Signal, Step};
+use blocksim_block::schedule::{Clock, Instance, Keep, Recorded, Schedule, Settings, Signal, Step, When};
 
 use super::clock::rate_of;
 use super::order::Order;
 use super::when::{needed_in_minor_steps, watched, when};
+use crate::flatten::Source;
 
 pub(super) fn lay_out(
     title: String,
@@ -48,6 +49,10 @@ pub(super) fn lay_out(
     let mut blocks: Vec<Instance> = Vec::new();
     let (mut x, mut d, mut g) = (0, 0, 0);
     let mut recorded = Columns::default();
+    let held = |source: &Source| {
+        let group = typed.interfaces[source.block].group_of[source.output];
+        when[&(source.block, group)] != When::Continuous
+    };
     for (index, (block, interface)) in flat.blocks.iter().zip(&typed.interfaces).enumerate() {
         let mut gather = Vec::new();
         let mut inputs = Vec::new();
@@ -72,6 +77,7 @@ pub(super) fn lay_out(
                 let signal = &signals[first_signal[source.block].0 + source.output];
                 let name = format!("{}.{}", block.path, input.name);
                 let called = Called {
+                    held: held(source),
                     display: wanted.display.as_deref(),
                     title: &block.title,
                     legend: wanted.legend.get(number).map(String::as_str),
@@ -107,7 +113,7 @@ pub(super) fn lay_out(
     }
     for (name, source) in &flat.recorded {
         let signal = &signals[first_signal[source.block].0 + source.output];
-        recorded.push(name, signal, &Called::default());
+        recorded.push(name, signal, &Called { held: held(source), ..Called::default() });
     }
     let steps = sorted
         .iter()
@@ -136,6 +142,7 @@ pub(super) fn lay_out(
 /// How a recorded signal is shown.
 #[derive(Default)]
 struct Called<'a> {
+    held: bool,
     display: Option<&'a str>,
     title: &'a [String],
     legend: Option<&'a str>,
@@ -167,6 +174,7 @@ impl Columns {
                 title: called.title.to_vec(),
                 legend: called.legend.map(numbered),
                 keep: Keep::All,
+                held: called.held,
             });
         }
     }

@@ -26,7 +26,8 @@ const MOST: u64 = (1 << 31) - 1;
 
 /// Writes signals within a range of time. Each becomes a column vector of doubles named after its path with `_` for what
 /// names in MATLAB may not have; each time base becomes `time`, `time_2` and so on. The structs `path`, `unit` and
-/// `time_of` tell for each variable the path, the SI unit and the name of its times.
+/// `time_of` tell for each variable the path, the SI unit and the name of its times. Held signals have both values of their
+/// jumps, and all signals of their time base a row for them.
 ///
 /// # Errors
 /// What the destination answers; `InvalidData` where a signal has more values than such a file can hold, and for what
@@ -45,22 +46,24 @@ pub fn write_mat(
     destination.write_all(&header)?;
 
     let mut names = HashSet::from(["path", "unit", "time_of"].map(str::to_owned));
-    let mut times: Vec<(usize, String, u64)> = Vec::new();
+    let mut bases: Vec<Base> = Vec::new();
     let mut about: [Vec<(String, String)>; 3] = Default::default();
     for &at in signals {
         let Some(info) = run.signals().get(at) else { continue };
-        let (time, rows) = match times.iter().find(|(base, ..)| *base == info.base) {
-            Some((_, name, rows)) => (name.clone(), *rows),
+        let known = bases.iter().position(|base| base.number == info.base);
+        let base = match known {
+            Some(known) => &bases[known],
             None => {
-                let rows = count(run, info.base, range)?;
-                let name = unused("time", &mut names);
-                vector(destination, &name, rows, run, info.base, None, range)?;
-                times.push((info.base, name.clone(), rows));
-                (name, rows)
+                let mut base = Base::of(run, info.base, signals, range)?;
+                base.time = unused("time", &mut names);
+                vector(destination, &base.time, run, &base, None, range)?;
+                bases.push(base);
+                &bases[bases.len() - 1]
             }
         };
         let name = unused(&identifier(&info.path), &mut names);
-        vector(destination, &name, rows, run, info.base, Some(at), range)?;
+        vector(destination, &name, run, base, Some(at), range)?;
+        let time = base.time.clone();
         about[0].push((name.clone(), info.path.clone()));
         about[1].push((name.clone(), info.unit.clone()));
         about[2].push((name, time));
@@ -71,26 +74,55 @@ pub fn write_mat(
     destination.flush()
 }
 
-fn count(run: &Run, base: usize, range: &RangeInclusive<f64>) -> io::Result<u64> {
-    let mut rows = 0;
-    let counted = run.blocks(base, &[], range, &mut |time, _| {
-        rows += time.len() as u64;
-        Ok(())
-    });
-    counted.map_err(within)?;
-    Ok(rows)
+/// A time base of the file.
+struct Base {
+    /// Its number in the run.
+    number: usize,
+    /// Name of its times.
+    time: String,
+    /// Rows, those before jumps of held signals included.
+    rows: u64,
+    /// Recorded rows that have one before them, because a held signal jumps there.
+    doubled: Vec<u64>,
+}
+
+impl Base {
+    fn of(run: &Run, number: usize, signals: &[usize], range: &RangeInclusive<f64>) -> io::Result<Base> {
+        let is_held = |&at: &usize| run.signals().get(at).is_some_and(|s| s.base == number && s.held);
+        let held: Vec<usize> = signals.iter().copied().filter(is_held).collect();
+        let mut base = Base { number, time: String::new(), rows: 0, doubled: Vec::new() };
+        let mut before: Option<(f64, Vec<f64>)> = None;
+        let counted = run.recorded_blocks(number, &held, range, &mut |time, values| {
+            for (row, &t) in time.iter().enumerate() {
+                let now: Vec<f64> = values.iter().map(|column| column[row]).collect();
+                let jumps = before.as_ref().is_some_and(|(last, old)| {
+                    t > *last && old.iter().zip(&now).any(|(old, now)| old.to_bits() != now.to_bits())
+                });
+                if jumps {
+                    base.doubled.push(base.rows);
+                }
+                base.rows += 1;
+                before = Some((t, now));
+            }
+            Ok(())
+        });
+        counted.map_err(within)?;
+        base.rows += base.doubled.len() as u64;
+        Ok(base)
+    }
 }
 
 /// A column vector: the times of a base, or a signal of it.
 fn vector(
     destination: &mut dyn Write,
     name: &str,
-    rows: u64,
     run: &Run,
-    base: usize,
+    base: &Base,
     signal: Option<usize>,
     range: &RangeInclusive<f64>,
 ) -> io::Result<()> {
+    let rows = base.rows;
+    let is_held = signal.is_some_and(|at| run.signals()[at].held);
     let too_long = || {
         let message = format!(
             "`{name}` has {rows} values, too many for a MAT-file; export part of the time or every n-th"
@@ -107,9 +139,19 @@ fn vector(
     destination.write_all(&bytes)?;
     let mut refused = None;
     let wanted: Vec<usize> = signal.into_iter().collect();
-    let done = run.blocks(base, &wanted, range, &mut |time, values| {
+    let mut doubled = base.doubled.iter().copied().peekable();
+    let (mut row, mut last) = (0_u64, 0.0_f64);
+    let done = run.recorded_blocks(base.number, &wanted, range, &mut |time, values| {
         let column = values.first().map_or(time, Vec::as_slice);
-        let bytes: Vec<u8> = column.iter().flat_map(|value| value.to_le_bytes()).collect();
+        let mut bytes = Vec::with_capacity(16 * column.len());
+        for &value in column {
+            if doubled.next_if_eq(&row).is_some() {
+                let before = if is_held { last } else { value };
+                bytes.extend(before.to_le_bytes());
+            }
+            bytes.extend(value.to_le_bytes());
+            (row, last) = (row + 1, value);
+        }
         destination.write_all(&bytes).map_err(|error| {
             let kind = error.kind();
             refused = Some(error);
@@ -207,6 +249,27 @@ mod tests {
         assert_eq!(name("ü"), "x");
         assert_eq!(name(""), "x_2");
         assert_eq!((name(&long).len(), name(&long).len()), (63, 63));
+    }
+
+    #[test]
+    fn what_is_held_has_both_values_of_its_jumps_and_all_vectors_of_a_base_have_as_many() {
+        use crate::{Layout, SignalInfo};
+        let info = |path: &str, held| SignalInfo { path: path.to_owned(), held, ..SignalInfo::default() };
+        let mut recording =
+            Recording::new(["held", "moving"].map(|path| Signal::new(path, "1", Kind::Real)).to_vec());
+        for (t, row) in [(0.0, [0.0, 5.0]), (1.0, [3.0, 6.0]), (2.0, [3.0, 7.0])] {
+            recording.push_row(t, &row).unwrap();
+        }
+        let layout =
+            Layout { signals: vec![info("held", true), info("moving", false)], ..Layout::of(&recording) };
+        let run = Run::of_layout(recording, layout, "memory".as_ref());
+        let mut bytes = Vec::new();
+        write_mat(&mut bytes, &run, &[1, 0], &ALWAYS).unwrap();
+        let doubles = |values: [f64; 4]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+        let has = |values| bytes.windows(32).any(|window| window == doubles(values));
+        assert!(has([0.0, 1.0, 1.0, 2.0]), "time");
+        assert!(has([5.0, 6.0, 6.0, 7.0]), "moving");
+        assert!(has([0.0, 0.0, 3.0, 3.0]), "held");
     }
 
     #[test]

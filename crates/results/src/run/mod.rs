@@ -86,6 +86,12 @@ impl Run {
         Run::alone(path, Source::Table { recording, layout })
     }
 
+    /// The run of a recording in memory of this layout.
+    #[cfg(test)]
+    pub(crate) fn of_layout(recording: Recording, layout: Layout, path: &Path) -> Run {
+        Run::alone(path, Source::Table { recording, layout })
+    }
+
     /// Signals of which nothing else is known.
     fn alone(path: &Path, source: Source) -> Run {
         Run { path: path.to_owned(), source, manifest: None, unread: None, events: None }

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use super::{Run, Source};
 use crate::error::ResultsError;
 use crate::extremes::Extremes;
+use crate::held::Unfolding;
 use crate::recording::{Column, Recording, Signal};
 use crate::store::Take;
 
@@ -15,7 +16,7 @@ const MOST_ROWS: u64 = 1 << 27;
 const BLOCK: usize = 1 << 16;
 
 impl Run {
-    /// A signal within a range of time, bounds included. Reads nothing else.
+    /// A signal within a range of time, bounds included, with both values of its jumps. Reads nothing else.
     ///
     /// # Errors
     /// [`ResultsError`] where the file cannot be read, is damaged, or has more rows than fit into memory.
@@ -31,7 +32,8 @@ impl Run {
         Ok(column)
     }
 
-    /// Several signals of one time base within a range of time.
+    /// Several signals of one time base within a range of time, on common times: where one of them is held, all have a row
+    /// on both sides of its jumps.
     ///
     /// # Errors
     /// As [`Run::read`], and [`ResultsError::TwoRates`] if the signals are not of one time base.
@@ -85,6 +87,8 @@ impl Run {
                 after.saturating_sub(before(*range.start())) as u64
             }
         };
+        // Each row of what is held may come twice.
+        let rows = if self.signals()[signal].held { 2 * rows } else { rows };
         let mut extremes = Extremes::new(rows, points);
         self.blocks(base, &[signal], range, &mut |time, values| {
             time.iter().zip(&values[0]).for_each(|(&t, &y)| extremes.push(t, y));
@@ -94,7 +98,8 @@ impl Run {
     }
 
     /// Hands the rows of a time base within a range of time to `take`, some thousands at a time: times, and the
-    /// values of each of the signals, which must be of this time base.
+    /// values of each of the signals, which must be of this time base. Where one of these signals is held there is a row
+    /// on both sides of each of its jumps, so that all of them may be taken to go straight from row to row.
     ///
     /// # Errors
     /// [`ResultsError`] where the file cannot be read or is damaged, and whatever `take` answers.
@@ -108,6 +113,24 @@ impl Run {
         for &signal in signals {
             self.base_of(signal)?;
         }
+        let held = signals.iter().map(|&at| self.signals()[at].held).collect();
+        let Some(mut unfolding) = Unfolding::new(held) else {
+            return self.recorded_blocks(base, signals, range, take);
+        };
+        self.recorded_blocks(base, signals, range, &mut |time, values| {
+            let (time, values) = unfolding.unfold(time, values);
+            take(time, values)
+        })
+    }
+
+    /// As [`Run::blocks`], with the rows as they were recorded.
+    pub(crate) fn recorded_blocks(
+        &self,
+        base: usize,
+        signals: &[usize],
+        range: &RangeInclusive<f64>,
+        take: Take,
+    ) -> Result<(), ResultsError> {
         match &self.source {
             Source::Store(store) => store.blocks(base, signals, range, take),
             Source::Table { recording, .. } => {

@@ -47,6 +47,10 @@ pub struct SignalInfo {
     /// What the values are.
     #[serde(default)]
     pub kind: Kind,
+    /// Whether it keeps the value of a row until the next one, as what is sampled does. [`Run`](crate::Run) hands out rows
+    /// on both sides of its jumps.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub held: bool,
     /// Its time base: position among [`Layout::rates`].
     #[serde(default)]
     pub base: usize,

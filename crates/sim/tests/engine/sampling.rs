@@ -25,9 +25,33 @@ fn a_held_value_stays_between_hits() {
     let schedule = toy.schedule(&["t", "hold"], 1.0, ode45(), Every(0.1));
     let mut tape = Tape::default();
     Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
-    assert_eq!(tape.times(), (0..=10).map(|k| f64::from(k) / 10.0).collect::<Vec<_>>());
+    // The hits that the grid has no point for have rows of their own, as they are further apart than its points.
+    let times = [0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.9, 1.0];
+    assert_eq!(tape.times(), times);
     assert_eq!(tape.column(0), tape.times());
-    assert_eq!(tape.column(1), [0.0, 0.0, 0.0, 0.25, 0.25, 0.5, 0.5, 0.5, 0.75, 0.75, 1.0]);
+    assert_eq!(tape.column(1), times.map(|t| (4.0 * t + 1e-9).floor() / 4.0));
+}
+
+#[test]
+fn what_goes_on_and_jumps_at_hits_has_rows_on_both_sides_of_them() {
+    let rows = |output, recorded: &[&str]| {
+        let toy = Toy::new().with("x", Time, &[]).with("hold", Hold(0.25), &["x"]);
+        let toy = toy.with("mixed", Function2(|x, held| x - held), &["x", "hold"]);
+        let schedule = toy.schedule(recorded, 1.0, ode45(), output);
+        let mut tape = Tape::default();
+        Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+        tape
+    };
+    let tape = rows(Every(0.1), &["hold", "mixed"]);
+    let jumps: Vec<(f64, f64)> = tape.rows.iter().map(|(t, row)| (*t, row[1])).collect();
+    for hit in [0.25, 0.5, 0.75, 1.0] {
+        let sides: Vec<f64> = jumps.iter().filter(|(t, _)| *t == hit).map(|(_, y)| *y).collect();
+        assert!(matches!(sides[..], [a, b] if (a - 0.25).abs() < 1e-9 && b.abs() < 1e-9), "{hit}: {sides:?}");
+    }
+    // What is held needs one row for each jump, and a grid as fine as the hits has no rows beside its points.
+    let held = rows(Steps, &["hold"]);
+    assert!(held.times().windows(2).all(|pair| pair[0] < pair[1]), "{:?}", held.times());
+    assert_eq!(rows(Every(0.25), &["hold", "mixed"]).times(), [0.0, 0.25, 0.5, 0.75, 1.0]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What is found about each signal.
 
 use blocksim_analysis::{Comparison, Instants, Interpolation, Rule, Series, compare};
-use blocksim_results::{ALWAYS, Kind};
+use blocksim_results::ALWAYS;
 use blocksim_signal::Unit;
 
 use crate::args::plot::{Between, CompareArgs, Sync};
@@ -68,7 +68,6 @@ pub fn rule(args: &CompareArgs, trace: &Trace) -> Rule {
     let specific = args.absolute.iter().rev().find(|tolerance| tolerance.dimension.is_some_and(own));
     let absolute =
         specific.or_else(|| args.absolute.iter().rev().find(|tolerance| tolerance.dimension.is_none()));
-    let held = trace.kind != Kind::Real;
     Rule {
         absolute: absolute.map_or(0.0, |tolerance| tolerance.value),
         relative: args.relative,
@@ -80,7 +79,7 @@ pub fn rule(args: &CompareArgs, trace: &Trace) -> Rule {
         interpolation: match args.interpolation {
             Some(Between::Linear) => Interpolation::Linear,
             Some(Between::Zoh) => Interpolation::Hold,
-            None if held => Interpolation::Hold,
+            None if trace.held => Interpolation::Hold,
             None => Interpolation::Linear,
         },
     }

@@ -157,6 +157,7 @@ impl Bench {
             title: Vec::new(),
             legend: None,
             keep: blocksim_block::schedule::Keep::All,
+            held: false,
         };
         let measured: Vec<&Axis> = experiment.measured.iter().map(|index| &self.axes[*index]).collect();
         let cells = measured.iter().flat_map(|axis| {

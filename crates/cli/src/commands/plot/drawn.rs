@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
 
-use blocksim_analysis::{Interpolation, Series, with_gaps, without_jumps};
-use blocksim_results::{Column, Kind};
+use blocksim_analysis::{Interpolation, Series, together, with_gaps, without_jumps};
+use blocksim_results::Column;
 use blocksim_signal::Unit;
 
 use super::groups::Group;
@@ -30,12 +30,11 @@ pub struct Drawn {
 pub fn read(group: Group, books: &[Book], range: &RangeInclusive<f64>) -> Result<Drawn, String> {
     let first = &books[0];
     let mut drawn = Drawn { columns: Vec::new(), steps: Vec::new(), others: Vec::new(), group };
-    for (n, &at) in drawn.group.traces.iter().enumerate() {
+    drawn.columns = first.pictures(&drawn.group.traces, range)?;
+    for (n, (&at, column)) in drawn.group.traces.iter().zip(&mut drawn.columns).enumerate() {
         let trace = &first.traces[at];
-        let mut column = first.picture(at, range)?;
         column.values.iter_mut().for_each(|value| *value = trace.unit.from_si(*value));
-        drawn.columns.push(column);
-        drawn.steps.push(trace.kind != Kind::Real);
+        drawn.steps.push(trace.held);
         for (number, book) in books.iter().enumerate().skip(1) {
             let Some(there) = book.find(&trace.path) else { continue };
             let other = &book.traces[there];
@@ -83,20 +82,21 @@ pub fn with_breaks<'c>(column: &'c Column, unit: &str) -> Cow<'c, Column> {
     }
 }
 
-/// Set value, at the times of the actual one, and actual value. Angles in `unit` that jump by whole turns are made to go on.
-pub fn followed(set: &Column, actual: &Column, unit: &str) -> (Vec<f64>, Vec<f64>) {
-    let (mut wanted, mut there) = (set.clone(), actual.values.clone());
+/// Set and actual value on common times: times, set values, actual values. Angles in `unit` that jump by whole turns are
+/// made to go on.
+pub fn followed(set: &Column, actual: &Column, unit: &str) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    let (mut wanted, mut there) = (set.values.clone(), actual.values.clone());
     if let Some(turn) = Unit::parse(unit).ok().and_then(|unit| turn(&unit)) {
-        without_jumps(&mut wanted.values, &mut there, turn);
+        without_jumps(&mut wanted, &mut there, turn);
     }
-    (at_times(&wanted, &actual.time), there)
+    together(Series::new(&set.time, &wanted), Series::new(&actual.time, &there))
 }
 
-/// Set value less actual value, at the times of the actual one.
+/// Set value less actual value.
 pub fn error(set: &Column, actual: &Column, unit: &str) -> Column {
-    let (wanted, there) = followed(set, actual, unit);
+    let (time, wanted, there) = followed(set, actual, unit);
     let values = wanted.iter().zip(&there).map(|(set, actual)| set - actual).collect();
-    Column { values, time: actual.time.clone() }
+    Column { time, values }
 }
 
 /// The values of a signal at other times.

@@ -1,12 +1,14 @@
 //! How actual values follow their set values, as a table and as data.
 
+use std::ops::RangeInclusive;
+
 use blocksim_analysis::{Metrics, metrics};
 use blocksim_results::format::{fixed, seconds, significant};
 use blocksim_results::{Align, Column, Table};
 use serde_json::{Value, json};
 
 use super::drawn::{Drawn, followed};
-use crate::signals::traces::Book;
+use crate::signals::traces::{Book, Trace};
 
 /// The numbers of one pair of set and actual value.
 pub struct Row {
@@ -22,24 +24,41 @@ pub struct Row {
     pub metrics: Metrics,
 }
 
-/// The numbers of all pairs, those of the first run before those of the others.
-pub fn rows(all: &[Drawn], books: &[Book]) -> Vec<Row> {
+/// The numbers of all pairs, those of the first run before those of the others. Of all values, not of those alone that a
+/// picture needs.
+///
+/// # Errors
+/// What to tell the person at the keyboard.
+pub fn rows(all: &[Drawn], books: &[Book], range: &RangeInclusive<f64>) -> Result<Vec<Row>, String> {
     let mut rows = Vec::new();
-    for (number, book) in books.iter().enumerate() {
+    for book in books {
         for drawn in all {
             for &(set, actual) in &drawn.group.pairs {
-                let own = |n: usize| -> Option<&Column> {
-                    if number == 0 {
-                        return drawn.columns.get(n);
+                let trace = |n: usize| &books[0].traces[drawn.group.traces[n]];
+                let Some(follows) = book.find(&trace(actual).path) else { continue };
+                // What a table does not have it was told to do as the first run was.
+                let both: Vec<Column> = match book.find(&trace(set).path) {
+                    Some(wanted) => {
+                        let shown =
+                            [(trace(set), &book.traces[wanted]), (trace(actual), &book.traces[follows])];
+                        let columns = book.together(&[wanted, follows], range)?.into_iter();
+                        columns
+                            .zip(shown)
+                            .map(|(column, (shown, own))| shown_as(column, shown, own))
+                            .collect()
                     }
-                    drawn.others.iter().find(|other| other.0 == number && other.1 == n).map(|other| &other.2)
+                    None => {
+                        let wanted = books[0].read(drawn.group.traces[set], range)?;
+                        let there = book.read(follows, range)?;
+                        let there = shown_as(there, trace(actual), &book.traces[follows]);
+                        vec![shown_as(wanted, trace(set), trace(set)), there]
+                    }
                 };
-                let Some(follows) = own(actual) else { continue };
-                let wanted = own(set).unwrap_or(&drawn.columns[set]);
-                let (wanted, there) = followed(wanted, follows, &drawn.group.unit);
-                let Some(metrics) = metrics(&follows.time, Some(&wanted), &there) else { continue };
+                let [wanted, follows] = &both[..] else { continue };
+                let (time, wanted, there) = followed(wanted, follows, &drawn.group.unit);
+                let Some(metrics) = metrics(&time, Some(&wanted), &there) else { continue };
                 rows.push(Row {
-                    path: books[0].traces[drawn.group.traces[actual]].path.clone(),
+                    path: trace(actual).path.clone(),
                     name: match drawn.group.pairs.len() {
                         1 if !drawn.group.title.is_empty() => drawn.group.title.clone(),
                         _ => format!("{} {}", drawn.group.title, drawn.group.names[actual]).trim().to_owned(),
@@ -51,7 +70,15 @@ pub fn rows(all: &[Drawn], books: &[Book]) -> Vec<Row> {
             }
         }
     }
-    rows
+    Ok(rows)
+}
+
+/// A signal in the unit that `shown` has. Without a unit of its own it is in that one already.
+fn shown_as(mut column: Column, shown: &Trace, own: &Trace) -> Column {
+    if own.has_unit {
+        column.values.iter_mut().for_each(|value| *value = shown.unit.from_si(*value));
+    }
+    column
 }
 
 /// A row for each pair.

@@ -78,7 +78,11 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, (String, Exit)> {
     if left > 0 {
         console.say(&format!("note: {left} more pictures are left out; choose signals to see them"));
     }
-    let rows = if args.metrics || args.json { following::rows(&all, &books) } else { Vec::new() };
+    let rows = if args.metrics || args.json {
+        following::rows(&all, &books, &range).map_err(files)?
+    } else {
+        Vec::new()
+    };
     let mut text = String::new();
     if args.svg.is_some() || args.png.is_some() {
         let panels = all.iter().map(|drawn| panel(drawn, &books, &range)).collect();

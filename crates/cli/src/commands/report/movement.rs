@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use blocksim_analysis::{Interpolation, Series};
 use blocksim_blocks::robotics::Surroundings;
 use blocksim_report::{Animation, Contact};
-use blocksim_results::{ALWAYS, Run};
+use blocksim_results::{ALWAYS, Column, Run};
 
 use super::meshes::surfaces;
 use super::numbers::readable;
@@ -29,7 +30,7 @@ pub fn read(
 ) -> Result<Option<Animation>, String> {
     let Some(mut scene) = scene(folder)? else { return Ok(None) };
     let Some(movement) = movement(run, &scene)? else { return Ok(None) };
-    let set = set_values(run, &movement.positions);
+    let set = set_values(run, &movement);
     let mechanism = mechanism(&scene).ok();
     surroundings::draw(around, &mut scene);
     let surfaces = surfaces(&mut scene, folder, full, warnings);
@@ -69,15 +70,16 @@ pub fn joints(folder: &Path) -> Vec<String> {
 
 /// Set values of the joints: those of the scope whose actual value is the joint's position; the position itself where
 /// there is no such scope. `None` if there is none for any joint.
-fn set_values(run: &Run, positions: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+fn set_values(run: &Run, movement: &Movement) -> Option<Vec<Vec<f64>>> {
+    let Movement { time, positions } = movement;
     let mut found: Vec<Option<Vec<f64>>> = vec![None; positions.len()];
     for signal in run.signals() {
         let Some(block) = signal.path.strip_suffix(".actual") else { continue };
         let Ok(set) = run.find(&format!("{block}.set")) else { continue };
         let Ok(actual) = run.find(&signal.path).and_then(|at| run.read(at, &ALWAYS)) else { continue };
         for (found, position) in found.iter_mut().zip(positions) {
-            if found.is_none() && *position == actual.values {
-                *found = run.read(set, &ALWAYS).ok().map(|column| column.values);
+            if found.is_none() && *position == actual.values && *time == actual.time {
+                *found = run.read(set, &ALWAYS).ok().map(|column| at_times(&column, time));
             }
         }
     }
@@ -85,4 +87,10 @@ fn set_values(run: &Run, positions: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
         return None;
     }
     Some(found.into_iter().zip(positions).map(|(set, here)| set.unwrap_or_else(|| here.clone())).collect())
+}
+
+/// The values of a signal at these times, behind its jumps.
+fn at_times(column: &Column, time: &[f64]) -> Vec<f64> {
+    let series = Series::new(&column.time, &column.values);
+    time.iter().map(|&t| series.at(t, Interpolation::Linear, 0.0).map_or(f64::NAN, |at| at.1)).collect()
 }

@@ -4,7 +4,7 @@ use blocksim_analysis::jumps;
 use blocksim_plot::pretty_unit;
 use blocksim_report::{Panel, Report, Role, Rows, Series, telling_rows};
 use blocksim_results::format::fixed;
-use blocksim_results::{ALWAYS, Column, Kind};
+use blocksim_results::{ALWAYS, Column};
 use blocksim_signal::Unit;
 
 use super::numbers::{readable, shortest};
@@ -49,13 +49,12 @@ pub fn add(books: &[Book; 1], titles: &Titles, joints: &[String], report: &mut R
     }
     let mut all: Vec<Drawn> = Vec::new();
     for group in groups.into_iter().take(PANELS) {
-        let mut drawn = Drawn { columns: Vec::new(), steps: Vec::new(), others: Vec::new(), group };
-        for &at in &drawn.group.traces {
+        let columns = book.together(&group.traces, &ALWAYS)?;
+        let mut drawn = Drawn { columns, steps: Vec::new(), others: Vec::new(), group };
+        for (&at, column) in drawn.group.traces.iter().zip(&mut drawn.columns) {
             let trace = &book.traces[at];
-            let mut column = book.read(at, &ALWAYS)?;
             column.values.iter_mut().for_each(|value| *value = trace.unit.from_si(*value));
-            drawn.columns.push(column);
-            drawn.steps.push(trace.kind != Kind::Real);
+            drawn.steps.push(trace.held);
         }
         if !report.full {
             shorten(&mut drawn);
@@ -70,7 +69,7 @@ pub fn add(books: &[Book; 1], titles: &Titles, joints: &[String], report: &mut R
         report.panels.extend(panels(drawn, book, titles));
         report.warnings.extend(not_finite(drawn));
     }
-    report.metrics = table(&rows(&all, books));
+    report.metrics = table(&rows(&all, books, &ALWAYS)?);
     Ok(())
 }
 

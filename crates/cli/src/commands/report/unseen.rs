@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use blocksim_plot::pretty_unit;
 use blocksim_report::{Report, Unseen, few};
-use blocksim_results::{ALWAYS, Kind};
+use blocksim_results::ALWAYS;
 
 use crate::signals::traces::Book;
 
@@ -36,7 +36,7 @@ pub fn add(book: &Book, report: &mut Report) -> Result<(), String> {
         let mut signal = Unseen {
             path: trace.path.clone(),
             unit: pretty_unit(&trace.unit.to_string()),
-            held: trace.kind != Kind::Real,
+            held: trace.held,
             ..Unseen::default()
         };
         if report.full {

@@ -82,20 +82,20 @@ pub fn measure(
     let mut keeping = place.map(begin).transpose()?;
     let mut both = Both { rows: Rows(recording(recorded)), keeping: keeping.as_mut() };
     let outcome = simulation.run(&mut both);
-    let rows = both.rows;
+    let rows = both.rows.0.unfolded(recorded.iter().map(|recorded| recorded.held).collect());
     if let Some(keeping) = keeping {
         let ended = match &outcome {
             Ok(Ended::Finished) => How::Complete,
             Ok(Ended::Interrupted) => How::Interrupted,
             Err(error) => How::Failed { reason: reason(error) },
         };
-        keeping.end(&schedule, &simulation, &rows.0, ended).map_err(Failure::Simulation)?;
+        keeping.end(&schedule, &simulation, &rows, ended).map_err(Failure::Simulation)?;
     }
     if outcome.map_err(|error| failed(&error))? == Ended::Interrupted {
         return Err(Failure::Interrupted);
     }
-    let signals = shown(recorded, &rows.0);
-    let found = numbers(&signals, &rows.0.time, wanted);
+    let signals = shown(recorded, &rows);
+    let found = numbers(&signals, &rows.time, wanted);
     match wanted.iter().find(|wanted| !found.iter().any(|measured| measured.metric == wanted.metric)) {
         Some(without) => Err(Failure::Usage(no_signal(without, &all))),
         None if found.is_empty() => Err(Failure::Usage(

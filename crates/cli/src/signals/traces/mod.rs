@@ -26,6 +26,8 @@ pub struct Trace {
     pub has_unit: bool,
     /// Real, Bool or Int.
     pub kind: Kind,
+    /// Whether it keeps its value until the next one, as what is sampled does.
+    pub held: bool,
     /// Labels of its scope and of the subsystems around it, the outermost first; empty without.
     pub title: Vec<String>,
     /// What the diagram calls it in legends, if it does.
@@ -83,6 +85,7 @@ impl Book {
                     unit,
                     has_unit: si.is_some(),
                     kind: info.kind,
+                    held: info.held || info.kind != Kind::Real,
                     title: info.title.clone(),
                     legend: info.legend.clone(),
                 }
@@ -136,13 +139,52 @@ impl Book {
         }
     }
 
+    /// Signals in SI, those of one time base on common times: where one of them is held, all have a row on both sides of
+    /// its jumps.
+    ///
+    /// # Errors
+    /// What to tell the person at the keyboard.
+    pub fn together(&self, traces: &[usize], range: &RangeInclusive<f64>) -> Result<Vec<Column>, String> {
+        let Source::Run(run) = &self.source else {
+            return traces.iter().map(|&trace| self.read(trace, range)).collect();
+        };
+        let mut columns = vec![Column::default(); traces.len()];
+        for base in 0..run.rates().len() {
+            let places: Vec<usize> =
+                (0..traces.len()).filter(|&at| run.signals()[traces[at]].base == base).collect();
+            let signals: Vec<usize> = places.iter().map(|&at| traces[at]).collect();
+            let read = run.read_together(&signals, range).map_err(told)?;
+            for (at, signal) in places.into_iter().zip(read.signals) {
+                columns[at] = Column { time: read.time.clone(), values: signal.values };
+            }
+        }
+        Ok(columns)
+    }
+
+    /// Whether a signal has so many rows that a picture needs only some of them.
+    fn is_long(&self, trace: usize) -> bool {
+        matches!(&self.source, Source::Run(run) if run.rows(run.signals()[trace].base) > PICTURE)
+    }
+
+    /// Signals in SI as a picture needs them: those of one time base on common times or, where there are very many rows,
+    /// the extremes of short stretches.
+    ///
+    /// # Errors
+    /// What to tell the person at the keyboard.
+    pub fn pictures(&self, traces: &[usize], range: &RangeInclusive<f64>) -> Result<Vec<Column>, String> {
+        if traces.iter().any(|&trace| self.is_long(trace)) {
+            return traces.iter().map(|&trace| self.picture(trace, range)).collect();
+        }
+        self.together(traces, range)
+    }
+
     /// A signal in SI as a picture needs it: all values or, of very many, the extremes of short stretches.
     ///
     /// # Errors
     /// What to tell the person at the keyboard.
     pub fn picture(&self, trace: usize, range: &RangeInclusive<f64>) -> Result<Column, String> {
         match &self.source {
-            Source::Run(run) if run.rows(run.signals()[trace].base) > PICTURE => {
+            Source::Run(run) if self.is_long(trace) => {
                 run.overview(trace, range, PICTURE as usize).map_err(told)
             }
             _ => self.read(trace, range),

@@ -77,7 +77,15 @@ impl Table {
             let has_unit = found.is_some() || kind != Kind::Real;
             let si = found.as_ref().map(|unit| Unit::si(unit.dimension));
             let unit = shown_in(si.or_else(|| has_unit.then(|| Unit::si(Dimension::NONE))), found);
-            traces.push(Trace { path, unit, has_unit, kind, title: Vec::new(), legend: None });
+            traces.push(Trace {
+                path,
+                unit,
+                has_unit,
+                kind,
+                held: kind != Kind::Real,
+                title: Vec::new(),
+                legend: None,
+            });
             table.values.push(values);
             table.troubles.push(trouble);
         }

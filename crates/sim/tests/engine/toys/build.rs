@@ -123,7 +123,14 @@ impl Toy {
             let minor = when == When::Continuous && !self.not_minor.contains(path);
             Step { block: block as u32, group: group as u32, when, minor }
         });
-        let steps = steps.collect();
+        let steps: Vec<Step> = steps.collect();
+        let held = |name: &str| {
+            let (block, port) = self.find(name);
+            let group = self.blocks[block].2.group_of[port];
+            let mut of_port =
+                steps.iter().filter(|step| (step.block as usize, step.group as usize) == (block, group));
+            of_port.all(|step| step.when != When::Continuous)
+        };
 
         let (mut y, mut x, mut d, mut g) = (0, 0, 0, 0);
         let starts: Vec<usize> = self
@@ -172,16 +179,20 @@ impl Toy {
             d += interface.discrete.len();
             g += interface.guards.len();
         }
-        let recorded = recorded.iter().map(|name| Recorded {
-            path: (*name).to_owned(),
-            cell: cell(name),
-            kind: Kind::Real,
-            dimension: None,
-            display: None,
-            title: Vec::new(),
-            legend: None,
-            keep: Keep::All,
-        });
+        let recorded: Vec<Recorded> = recorded
+            .iter()
+            .map(|name| Recorded {
+                path: (*name).to_owned(),
+                cell: cell(name),
+                kind: Kind::Real,
+                dimension: None,
+                display: None,
+                title: Vec::new(),
+                legend: None,
+                keep: Keep::All,
+                held: held(name),
+            })
+            .collect();
         Arc::new(Schedule {
             title: "toy".to_owned(),
             steps,
@@ -190,7 +201,7 @@ impl Toy {
             discrete: d,
             guards: g,
             clock,
-            recorded: recorded.collect(),
+            recorded,
             settings: Settings { stop_time, solver, output, seed: 0 },
             blocks,
             signals,
