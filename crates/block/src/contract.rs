@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use std::path::Path;
 
 use crate::physical::Component;
-use crate::{Context, Given, Interface, InterfaceError, ParamError};
+use crate::{Context, Given, Interface, InterfaceError, ParamError, Piece};
 
 /// A block: parameters and pure functions.
 ///
@@ -86,8 +86,19 @@ pub trait Block: Any + Debug + Send + Sync {
         f64::INFINITY
     }
 
-    /// Notes what an accepted step brought (delay lines, rate limits).
+    /// Notes what an accepted step brought (rate limits, backlash).
     fn accept(&self, _c: &Context, _d: &mut [f64]) {}
+
+    /// Notes the inputs over a part of an accepted step, as exactly as the method knows them (delay lines); the parts of a
+    /// step come one behind the other, before `accept`. The [`Context`] is that of the end of the part. Only when the
+    /// interface says `remembers`.
+    fn remember(&self, _c: &Context, _piece: &Piece, _d: &mut [f64]) {}
+
+    /// The next time after `c.t` at which a derivative of an output jumps, though the output does not. It is hit exactly, but
+    /// is no event: nothing is recorded for its sake. Only when the interface says `remembers`.
+    fn next_kink(&self, _c: &Context) -> f64 {
+        f64::INFINITY
+    }
 
     /// Prepares [`solve`](Self::solve): factorises `I - hg J`, with `J` a cheap approximation of the Jacobian of
     /// this block's own states, into `w`; called right after

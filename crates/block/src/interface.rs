@@ -101,6 +101,8 @@ pub struct Interface {
     pub jumps: bool,
     /// Has `accept`.
     pub accepts: bool,
+    /// Has `remember`, and gives what it notes back after this time at the earliest, s.
+    pub remembers: Option<f64>,
     /// Has `next_event`.
     pub time_events: bool,
     /// Has `prepare` and `solve`.
@@ -214,6 +216,12 @@ impl Interface {
     /// Has `accept`.
     pub fn accepts(mut self) -> Self {
         self.accepts = true;
+        self
+    }
+
+    /// Has `remember`, and gives what it notes back after `shortest`, s, at the earliest. Steps are a little shorter than that.
+    pub fn remembers(mut self, shortest: f64) -> Self {
+        self.remembers = Some(shortest);
         self
     }
 

@@ -14,6 +14,7 @@ mod interface;
 mod parameter;
 mod parameters;
 pub mod physical;
+mod piece;
 mod ports;
 pub mod problem;
 mod reading;
@@ -31,6 +32,7 @@ pub use given::{Given, ParamUnits};
 pub use interface::{Crossing, Discrete, Guard, Interface, InterfaceError, Recorded, State};
 pub use parameter::{ParamError, ParamValue, VALUE_ENUM, at_least, finite, not_negative, ordered, positive};
 pub use parameters::{ParameterInfo, Parameters};
+pub use piece::{NODES, Piece, roughness, through};
 pub use ports::{Input, Output, PortType};
 pub use registry::{BlockInfo, BlockKind, kinds};
 pub use shapes::Shapes;
@@ -51,8 +53,8 @@ pub mod prelude {
     pub use crate::physical::{Component, Energy, Law, Needs, Part, Torque};
     pub use crate::{
         Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Crossing, Discrete, Files, Given, Input,
-        Interface, InterfaceError, LoadError, Output, ParamError, ParamValue, Parameters, PortType, Scratch,
-        Shapes, State, at_least, finite, not_negative, ordered, positive,
+        Interface, InterfaceError, LoadError, Output, ParamError, ParamValue, Parameters, Piece, PortType,
+        Scratch, Shapes, State, at_least, finite, not_negative, ordered, positive,
     };
     pub use blocksim_signal::{Dimension, Kind, SampleTime, Shape};
     pub use serde::Deserialize;

@@ -1,6 +1,6 @@
 //! A bench for single blocks: what the engine does, for one block, in slow motion.
 
-use crate::{Block, Context, Fault, Given, Interface, ParamUnits, PortType, Scratch};
+use crate::{Block, Context, Fault, Given, Interface, NODES, ParamUnits, Piece, PortType, Scratch};
 
 /// One block with its buffers.
 #[derive(Debug)]
@@ -190,6 +190,29 @@ impl<B: Block> Bench<B> {
         let mut d = self.d.clone();
         self.block.accept(&self.context(&self.x, &[]), &mut d);
         self.d = d;
+    }
+
+    /// Notes a step to `end` in which all inputs were `u(t)`, and goes there.
+    ///
+    /// # Panics
+    /// Panics if the block fails.
+    pub fn remember(&mut self, end: f64, is_fresh: bool, u: impl Fn(f64) -> Vec<f64>) {
+        let begin = self.t;
+        let inputs: Vec<f64> = NODES.iter().flat_map(|share| u(begin + share * (end - begin))).collect();
+        self.t = end;
+        self.u = u(end);
+        let mut d = self.d.clone();
+        let piece = Piece { begin, end, is_fresh, inputs: &inputs };
+        self.block.remember(&self.context(&self.x, &[]), &piece, &mut d);
+        self.d = d;
+        if let Some(reason) = self.fault.take() {
+            panic!("the block failed: {reason}");
+        }
+    }
+
+    /// The next kink.
+    pub fn next_kink(&self) -> f64 {
+        self.block.next_kink(&self.context(&self.x, &self.d))
     }
 
     /// The next time event.

@@ -1,6 +1,6 @@
 //! What blocks do besides outputs. Each function belongs to the point of the last evaluation.
 
-use blocksim_block::{Block, Context, Scratch};
+use blocksim_block::{Block, Context, NODES, Piece, Scratch};
 use blocksim_solve::Failed;
 
 use crate::evaluate::Diagram;
@@ -98,6 +98,49 @@ impl Diagram {
             self.forget();
         }
         Ok(())
+    }
+
+    /// Tells the blocks that remember what they saw of a part of a step; `inputs` are those of each block in turn, at the
+    /// nodes. The signals belong to the end of the part.
+    pub fn remember(&mut self, piece: &Piece) -> Result<(), Failed> {
+        let mut at = 0;
+        for i in 0..self.plan.remembering.len() {
+            let block = self.plan.remembering[i];
+            let len = NODES.len() * self.plan.units[block].width as usize;
+            let own = Piece { inputs: &piece.inputs[at..at + len], ..*piece };
+            at += len;
+            self.change(block, |block, c, _, d| block.remember(c, &own, d))?;
+        }
+        self.forget();
+        Ok(())
+    }
+
+    /// The first time at which a block that remembers has a kink.
+    pub fn next_kink(&mut self) -> Result<f64, Failed> {
+        let mut first = f64::INFINITY;
+        for i in 0..self.plan.remembering.len() {
+            let block = self.plan.remembering[i];
+            let Self { plan, now, signals, d, .. } = self;
+            let unit = &plan.units[block];
+            let c = now.context(unit, signals, &d[unit.d.range()]);
+            first = first.min(unit.block.next_kink(&c));
+            self.checked(block)?;
+        }
+        Ok(first)
+    }
+
+    /// Writes the inputs of the blocks that remember, as they are at node `node` of a piece, to `inputs`, laid out as
+    /// [`remember`](Self::remember) takes them.
+    pub fn inputs(&mut self, node: usize, inputs: &mut [f64]) {
+        let mut at = 0;
+        let Self { plan, now, signals, .. } = self;
+        for &block in &plan.remembering {
+            let unit = &plan.units[block];
+            let width = unit.width as usize;
+            let from = at + node * width;
+            inputs[from..from + width].copy_from_slice(now.context(unit, signals, &[]).u);
+            at += NODES.len() * width;
+        }
     }
 
     fn change(

@@ -14,6 +14,8 @@ pub(crate) struct Stop {
     pub t: f64,
     /// Whether a block changes by itself then.
     event: bool,
+    /// Whether a block has a kink then.
+    kink: bool,
     /// Whether the run ends then.
     end: bool,
 }
@@ -23,9 +25,14 @@ impl Stop {
     pub fn first(sim: &Simulation, end: f64) -> Self {
         let step = sim.grid.as_ref().map_or(f64::INFINITY, Grid::time);
         let times = sim.hits.times().iter().chain(&sim.event_times).copied();
-        let t = earliest(times.chain([end, step])).min(end);
+        let t = earliest(times.chain([end, step, sim.past.kink])).min(end);
         let is_due = |time: f64| time <= t + same(t);
-        Self { t, event: sim.event_times.iter().any(|&time| is_due(time)), end: t == end }
+        Self {
+            t,
+            event: sim.event_times.iter().any(|&time| is_due(time)),
+            kink: is_due(sim.past.kink),
+            end: t == end,
+        }
     }
 }
 
@@ -46,14 +53,17 @@ impl Simulation {
             let mut arrival = self.cut(start, stop.t, observer)?;
             if self.t >= stop.t {
                 arrival.event |= stop.event;
+                arrival.cut |= stop.kink;
                 arrival.end = stop.end;
             }
-            let every = self.diagram.plan.every_step || self.rows.grid.is_none();
+            // When what is remembered of this step comes out again is not known before.
+            let every = self.diagram.plan.every_step || self.rows.grid.is_none() || self.past.is_new();
             let major = self.t >= stop.t || arrival.cut || arrival.event || every || self.is_impatient();
             self.record_within(if major { self.t - same(self.t) } else { self.t }, observer)?;
             if arrival.event || self.rows.jump_at(self.t, &self.hits) {
                 self.look_back(arrival.event)?;
             }
+            self.remember(start)?;
             self.accept()?;
             if major {
                 return Ok(arrival);

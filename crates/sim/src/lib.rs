@@ -31,6 +31,7 @@ mod guards;
 mod looks;
 mod major;
 mod methods;
+mod past;
 mod plan;
 mod record;
 mod scan;

@@ -48,6 +48,10 @@ impl Simulation {
             grid.pass(self.t);
         }
         self.guards.known = false;
+        let busy = self.hits.due.iter().zip(&self.diagram.plan.busy).any(|(&due, &busy)| due && busy);
+        if why.event || why.cut || jumped || self.diagram.settle.changed || busy {
+            self.past.fresh = true;
+        }
         if why.event || why.cut || jumped || self.diagram.settle.changed {
             self.guards.turns.forget();
         }
@@ -118,7 +122,7 @@ impl Simulation {
 
     /// Turns a failure of a block into an error.
     #[inline]
-    pub(crate) fn held(&mut self, result: Result<(), Failed>) -> Result<(), SimError> {
+    pub(crate) fn held<T>(&mut self, result: Result<T, Failed>) -> Result<T, SimError> {
         result.map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))
     }
 }

@@ -51,7 +51,10 @@ const PER_PERIOD: f64 = 8.0;
 /// that a derivative, a guard or a memory depends on.
 fn longest(schedule: &Schedule) -> f64 {
     let Solver::Variable { max_step, .. } = schedule.settings.solver else { return f64::INFINITY };
-    let bounds = schedule.blocks.iter().filter_map(|block| block.interface.max_step);
+    let bounds = schedule.blocks.iter().flat_map(|block| {
+        let Interface { max_step, remembers, .. } = block.interface;
+        [max_step, remembers.map(|shortest| WITHIN * shortest)].into_iter().flatten()
+    });
     let mut periods = f64::INFINITY;
     for step in &schedule.steps {
         if let Some(period) = schedule.blocks[step.block as usize].interface.period
@@ -63,6 +66,10 @@ fn longest(schedule: &Schedule) -> f64 {
     let longest = if max_step.is_finite() { max_step } else { default_longest(schedule.settings.stop_time) };
     bounds.fold(longest, f64::min).min(periods / PER_PERIOD)
 }
+
+/// Longest step as a share of the shortest delay: a jump at the beginning of a step is to come out behind its end, as
+/// nobody knows of it before.
+const WITHIN: f64 = 0.999;
 
 /// The longest step of a run that ends at `stop_time`, s, where the settings give none.
 fn default_longest(stop_time: f64) -> f64 {
@@ -108,8 +115,24 @@ pub(crate) fn check(schedule: &Schedule) -> Result<(), SimError> {
         OutputTimes::Every(spacing) if !above_zero(spacing) => {
             refuse("the spacing of the output", spacing, "of seconds above zero")
         }
-        _ => block_steps(schedule),
+        _ => block_steps(schedule).and_then(|()| delays(schedule)),
     }
+}
+
+/// A fixed step that is longer than a delay would need what it computes itself.
+fn delays(schedule: &Schedule) -> Result<(), SimError> {
+    let Solver::Fixed { step, .. } = schedule.settings.solver else { return Ok(()) };
+    let shorter = schedule.blocks.iter().find_map(|block| {
+        let shortest = block.interface.remembers.filter(|shortest| *shortest < step * (1.0 - 1e-9))?;
+        Some((&block.path, shortest))
+    });
+    shorter.map_or(Ok(()), |(path, shortest)| {
+        let message =
+            format!("the fixed step of {step} s is longer than the delay of `{path}`, {shortest} s");
+        Err(SimError::new("settings", 0.0, message)
+            .at(path)
+            .help("take a step that is no longer than the delay, or a method that chooses its steps"))
+    })
 }
 
 fn above_zero(value: f64) -> bool {

@@ -104,6 +104,7 @@ pub(crate) struct Plan {
     pub guarded: Vec<usize>,
     pub jumping: Vec<usize>,
     pub accepting: Vec<usize>,
+    pub remembering: Vec<usize>,
     pub timed: Vec<usize>,
     pub updated: Vec<Updated>,
     /// Whether anything happens at the hits of each rate.
@@ -153,6 +154,7 @@ impl Plan {
             guarded: chosen(&|b| b.watched),
             jumping: chosen(&|b| b.interface.jumps),
             accepting: chosen(&|b| b.interface.accepts),
+            remembering: chosen(&|b| b.interface.remembers.is_some()),
             timed: chosen(&|b| b.interface.time_events),
             busy: busy(schedule, &updated),
             updated,

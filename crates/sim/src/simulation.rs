@@ -11,6 +11,7 @@ use crate::clock::{Grid, Hits};
 use crate::evaluate::Diagram;
 use crate::guards::Guards;
 use crate::looks::Looks;
+use crate::past::Past;
 use crate::record::Rows;
 use crate::{Control, Observer, SimError, diagnose, methods};
 
@@ -28,6 +29,8 @@ pub struct Simulation {
     pub(crate) hits: Hits,
     pub(crate) guards: Guards,
     pub(crate) rows: Rows,
+    /// What blocks remember of steps.
+    pub(crate) past: Past,
     /// Ends of the steps that no solver chooses, if anything happens in between.
     pub(crate) grid: Option<Grid>,
     /// Next time event of each block that has some.
@@ -109,6 +112,7 @@ impl Simulation {
             hits: Hits::new(&schedule.clock),
             guards: Guards::new(guards, schedule.states),
             rows: Rows::new(&schedule),
+            past: Past::new(&schedule),
             grid,
             event_times: vec![f64::INFINITY; diagram.plan.timed.len()],
             started: false,
@@ -182,6 +186,10 @@ impl Simulation {
         if let Some(i) = self.event_times.iter().position(|&next| next.is_nan() || next <= self.t) {
             return Err(self.event_in_the_past(self.diagram.plan.timed[i], self.event_times[i]));
         }
+        self.past.kink = {
+            let next = self.diagram.next_kink();
+            self.held(next)?
+        };
         Ok(Stop::first(self, end))
     }
 

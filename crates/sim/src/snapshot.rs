@@ -3,6 +3,7 @@
 use blocksim_solve::Memory;
 
 use crate::guards::Guards;
+use crate::past::Past;
 use crate::{SimError, Simulation, methods};
 
 /// All that a simulation remembers, between two calls of `run`.
@@ -22,6 +23,7 @@ pub struct Snapshot {
     next_row: u64,
     next_step: u64,
     guards: Guards,
+    past: Past,
     stepper: Option<Memory>,
     unasked: u32,
     interrupted: bool,
@@ -41,6 +43,7 @@ impl Simulation {
             next_row: self.rows.grid.as_ref().map_or(0, |grid| grid.next),
             next_step: self.grid.as_ref().map_or(0, |grid| grid.next),
             guards: self.guards.clone(),
+            past: self.past.clone(),
             stepper: self.stepper.as_ref().map(|stepper| stepper.memory()),
             unasked: self.unasked,
             interrupted: self.interrupted,
@@ -72,6 +75,7 @@ impl Simulation {
         self.rows.grid.iter_mut().for_each(|grid| grid.next = snapshot.next_row);
         self.grid.iter_mut().for_each(|grid| grid.next = snapshot.next_step);
         self.guards.clone_from(&snapshot.guards);
+        self.past.clone_from(&snapshot.past);
         self.stepper = methods::stepper(&self.schedule);
         if let (Some(stepper), Some(memory)) = (&mut self.stepper, &snapshot.stepper) {
             stepper.recall(memory);

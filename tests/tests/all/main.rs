@@ -10,6 +10,7 @@ mod commutation;
 mod contacts;
 mod converters;
 mod damaged_files;
+mod dead_time;
 mod determinism;
 mod drawings;
 mod drives;

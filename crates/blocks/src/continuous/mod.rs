@@ -2,6 +2,7 @@
 
 mod derivative;
 pub use derivative::Derivative;
+mod history;
 mod integrator;
 pub use integrator::{Integrator, Wrap};
 mod low_pass;
@@ -14,7 +15,6 @@ pub(crate) mod rational;
 mod reset;
 pub use reset::Reset;
 pub(crate) use reset::UNSEEN;
-mod ring;
 mod state_space;
 pub use state_space::StateSpace;
 mod transfer_function;
@@ -22,3 +22,5 @@ pub use transfer_function::TransferFunction;
 mod transport_delay;
 pub use transport_delay::TransportDelay;
 pub(crate) mod units;
+mod variable_transport_delay;
+pub use variable_transport_delay::VariableTransportDelay;

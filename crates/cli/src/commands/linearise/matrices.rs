@@ -222,7 +222,7 @@ fn held(schedule: &Schedule, between: &[usize]) -> Vec<(String, Hold)> {
     let held = between.iter().map(|&block| &schedule.blocks[block]).filter_map(|block| {
         let hold = match block.rate {
             Some(rate) => Hold::Sampled(clock.time(clock.rates.get(rate)?.period)),
-            None if block.interface.accepts => Hold::Remembers,
+            None if block.interface.accepts || block.interface.remembers.is_some() => Hold::Remembers,
             None => return None,
         };
         Some((block.path.clone(), hold))

@@ -1,0 +1,87 @@
+use blocksim_block::prelude::*;
+
+use super::history::{self, History, Told, note, same};
+use super::units::agrees;
+
+/// Delays a signal by a time that is a signal, as a pipe does whose flow varies.
+///
+/// $$ y(t) = u(t - \tau), \qquad \tau = \min(\max(\tau_u, T_{min}), T_{max}) $$
+///
+/// with the delay $\tau_u$ at the second input; before the start the input was $y_0$. What comes out has gone in already:
+/// the delay is never below $T_{min}$, and steps are a little shorter than that. The input is remembered as exactly as the
+/// method knows it. Where the input jumped, or a derivative of it, the time at which that comes out is found as a zero
+/// crossing. Direct feedthrough of the delay alone. Vectors are delayed element by element.
+///
+/// ```ron
+/// VariableTransportDelay(min_delay: "10 ms", max_delay: "2 s")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Continuous", symbol = Text("e⁻ˢᵀ"))]
+pub struct VariableTransportDelay {
+    /// Least delay $T_{min}$, positive; steps are no longer.
+    #[block(unit = "s")]
+    pub min_delay: f64,
+    /// Largest delay $T_{max}$, which says for how long the input is remembered.
+    #[block(unit = "s")]
+    pub max_delay: f64,
+    /// Output until the first input comes out, in the unit of the input.
+    #[block(default = 0.0)]
+    pub y0: f64,
+    /// Most steps within the largest delay that can be remembered, at least 16. Where there are more, the run ends with an
+    /// error.
+    #[block(default = 4096)]
+    pub buffer: usize,
+}
+
+impl VariableTransportDelay {
+    fn delay(&self, c: &Context) -> f64 {
+        c.scalar(1).clamp(self.min_delay, self.max_delay)
+    }
+}
+
+impl Block for VariableTransportDelay {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("min_delay", self.min_delay)?;
+        ordered("min_delay", self.min_delay, "max_delay", self.max_delay)?;
+        at_least("buffer", self.buffer as f64, 16.0)?;
+        finite("y0", self.y0)
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let u = given.input_or_unknown("u");
+        agrees(given, "y0", "u", u.dimension)?;
+        let delay = Input::real("delay").scalar().unit("s");
+        let ports =
+            Interface::new().input(Input::real("u")).input(delay).output_reading(&[1], Output::like("y", u));
+        let states = history::states(ports, u.shape.len(), self.buffer);
+        let guarded = states.guard_when(Crossing::Rising, "next").guard_when(Crossing::Falling, "last");
+        Ok(guarded.uses_time().remembers(self.min_delay))
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        let history = History::new(c.d, y.len());
+        let (last, next) = history.window();
+        if !history.read((c.t - self.delay(c)).clamp(last, next), y) {
+            y.fill(self.y0);
+        }
+    }
+
+    /// Which way what is read passes a break: of the one ahead, and back over the one behind.
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
+        let (last, next) = History::new(c.d, c.input(0).len()).window();
+        let s = c.t - self.delay(c);
+        // Nothing is infinite that the engine takes for a distance.
+        g[0] = if next == f64::INFINITY { -self.max_delay } else { s - next };
+        g[1] = if last == f64::MIN { self.max_delay } else { s - last + 3.0 * same(c.t) };
+    }
+
+    fn remember(&self, c: &Context, piece: &Piece, d: &mut [f64]) {
+        let told =
+            Told { n: c.input(0).len(), initial: self.y0, delay: self.delay(c), longest: self.max_delay };
+        note(c, d, piece, told);
+    }
+}
+
+#[cfg(test)]
+#[path = "variable_transport_delay_tests.rs"]
+mod tests;

@@ -1,0 +1,183 @@
+//! Dead time in loops against the method of steps and the roots of their characteristic equations, with the default
+//! tolerance of each method.
+
+use blocksim_tests::{Run, compile_text, run_text};
+
+const METHODS: [&str; 4] = ["Ode23", "Ode45", "Rodas4", "RosW3"];
+
+/// x' = -k x(t - 1) from x = 1, with nothing before the start.
+fn integrator_with_dead_time(simulation: &str, k: f64) -> Run {
+    run_text(&format!(
+        r#"Diagram(
+            simulation: ({simulation}),
+            blocks: {{ "x": Integrator(x0: 1), "late": TransportDelay(delay: "1 s"), "k": Gain(k: {}), "show": Scope }},
+            connections: ["x.y -> late.u, show.u", "late.y -> k.u", "k.y -> x.u"],
+        )"#,
+        -k
+    ))
+}
+
+/// Method of steps: x = sum of (-k)^j (t - j)^j / j! over all j up to t.
+fn by_steps(k: f64, t: f64) -> f64 {
+    let mut sum = 0.0;
+    for j in 0..=t as i32 {
+        let factorial: f64 = (1..=j).map(f64::from).product();
+        sum += (-k * (t - f64::from(j))).powi(j) / factorial;
+    }
+    sum
+}
+
+/// Largest difference to the method of steps until 8 s, beyond which its sum loses digits.
+fn error(simulation: &str, k: f64) -> f64 {
+    let run = integrator_with_dead_time(&format!(r#"stop_time: "8 s", {simulation}"#), k);
+    assert_eq!(run.error, None);
+    let pairs = run.time.iter().zip(run.column("show.u"));
+    pairs.map(|(&t, x)| (x - by_steps(k, t)).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn an_integrator_with_dead_time_follows_the_method_of_steps() {
+    for method in METHODS {
+        for k in [0.2, 1.0, std::f64::consts::FRAC_PI_2, 1.6] {
+            let default = error(&format!(r#"solver: {method}, output: Every("10 ms")"#), k);
+            assert!(default < 4e-3, "{method} with k = {k}: {default}");
+            let tight =
+                error(&format!(r#"solver: {method}(rtol: 1e-8, atol: 1e-8), output: Every("10 ms")"#), k);
+            assert!(tight < 1e-6, "{method} with k = {k}: {tight}");
+        }
+    }
+}
+
+/// With k = pi/2 the roots s of s + k exp(-s) = 0 next to the imaginary axis lie on it, at +-i pi/2, and X = 1 / (s + k exp(-s))
+/// has the residue 1 / (1 + s) there: x goes on for ever as 2 Re(exp(s t) / (1 + s)).
+#[test]
+fn with_a_gain_of_half_pi_it_oscillates_for_ever() {
+    let amplitude = 2.0 / (1.0 + std::f64::consts::FRAC_PI_2.powi(2)).sqrt();
+    for method in METHODS {
+        let run = integrator_with_dead_time(
+            &format!(r#"stop_time: "200 s", solver: {method}(rtol: 1e-5), output: Every("10 ms")"#),
+            std::f64::consts::FRAC_PI_2,
+        );
+        let last = run.time.iter().zip(run.column("show.u")).filter(|(t, _)| **t > 195.0);
+        let peak = last.map(|(_, x)| x.abs()).fold(0.0, f64::max);
+        assert!((peak / amplitude - 1.0).abs() < 0.01, "{method}: {peak} instead of {amplitude}");
+    }
+}
+
+/// With k = 1.6 the pair of roots is at 0.01311 +- 1.57910i (Newton's method on s + k exp(-s) = 0).
+#[test]
+fn with_a_larger_gain_it_grows_as_its_root_says() {
+    let (mut a, mut b) = (0.0_f64, 1.57_f64);
+    for _ in 0..50 {
+        // f = s + k exp(-s), f' = 1 - k exp(-s), with s = a + i b.
+        let (er, ei) = (1.6 * (-a).exp() * b.cos(), -1.6 * (-a).exp() * b.sin());
+        let (fr, fi, gr, gi) = (a + er, b + ei, 1.0 - er, -ei);
+        let square = gr * gr + gi * gi;
+        (a, b) = (a - (fr * gr + fi * gi) / square, b - (fi * gr - fr * gi) / square);
+    }
+    assert!((a - 0.013114).abs() < 1e-6 && (b - 1.579101).abs() < 1e-6, "{a} {b}");
+    for method in METHODS {
+        let run = integrator_with_dead_time(
+            &format!(r#"stop_time: "120 s", solver: {method}(rtol: 1e-5), output: Every("10 ms")"#),
+            1.6,
+        );
+        let peak = |from: f64, to: f64| {
+            let rows = run.time.iter().zip(run.column("show.u"));
+            rows.filter(|(t, _)| **t > from && **t < to).map(|(_, x)| x.abs()).fold(0.0, f64::max)
+        };
+        // Over a whole number of half periods.
+        let half = std::f64::consts::PI / b;
+        let later = 40.0 * half;
+        let growth = peak(30.0 + later, 30.0 + later + half) / peak(30.0, 30.0 + half);
+        assert!((growth.ln() / later - a).abs() < 2e-4, "{method}: {} instead of {a}", growth.ln() / later);
+    }
+}
+
+/// u = sin(3 t) of an oscillator, delayed by a time that goes to and fro, against the formula.
+#[test]
+fn a_variable_delay_gives_what_went_in_then() {
+    for method in METHODS {
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "6 s", solver: {method}(rtol: 1e-8, atol: 1e-8), output: Every("10 ms")),
+                blocks: {{
+                    "v": Integrator(x0: 3), "u": Integrator, "back": Gain(k: -9),
+                    "time": Sine(amplitude: "0.2 s", frequency: "1 Hz", bias: "0.5 s"),
+                    "late": VariableTransportDelay(min_delay: "50 ms", max_delay: "2 s"),
+                    "show": Scope,
+                }},
+                connections: [
+                    "v.y -> u.u", "u.y -> back.u, late.u", "back.y -> v.u", "time.y -> late.delay", "late.y -> show.u",
+                ],
+            )"#
+        ));
+        for (t, y) in run.time.iter().zip(run.column("show.u")) {
+            let s = t - 0.5 - 0.2 * (std::f64::consts::TAU * t).sin();
+            let expected = if s < 0.0 { 0.0 } else { (3.0 * s).sin() };
+            assert!((y - expected).abs() < 1e-6, "{method} at {t} s: {y} instead of {expected}");
+        }
+    }
+}
+
+/// A step at 0.25 s through a delay of 0.1 s + 0.5 t comes out when t - 0.1 - 0.5 t = 0.25, at 0.7 s.
+#[test]
+fn a_jump_comes_out_of_a_variable_delay_at_its_time() {
+    for method in METHODS {
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "2 s", solver: {method}),
+                blocks: {{
+                    "step": Step(time: "0.25 s", after: 3), "time": Ramp(slope: "0.5 s/s", initial: "0.1 s"),
+                    "late": VariableTransportDelay(min_delay: "10 ms", max_delay: "5 s"),
+                    "sum": Integrator, "show": Scope(inputs: ["y", "sum"]),
+                }},
+                connections: ["step.y -> late.u", "time.y -> late.delay", "late.y -> sum.u, show.y", "sum.y -> show.sum"],
+            )"#
+        ));
+        let end = run.column("show.sum").last().copied().unwrap();
+        assert!((end - 3.0 * 1.3).abs() < 1e-9, "{method}: {end}");
+        let sides: Vec<f64> = run
+            .time
+            .iter()
+            .zip(run.column("show.y"))
+            .filter(|(t, _)| (**t - 0.7).abs() < 1e-9)
+            .map(|(_, y)| *y)
+            .collect();
+        assert_eq!(sides, [0.0, 3.0], "{method}");
+    }
+}
+
+/// A sine of time alone, in a diagram without states, over many of its periods within one delay.
+#[test]
+fn what_depends_on_time_alone_is_remembered_to_the_tolerance() {
+    let run = run_text(
+        r#"Diagram(
+            simulation: (stop_time: "5 s", output: Every("7 ms")),
+            blocks: {
+                "u": Sine(amplitude: 2, frequency: "3 Hz"), "late": TransportDelay(delay: "2.1 s"), "show": Scope,
+            },
+            connections: ["u.y -> late.u", "late.y -> show.u"],
+        )"#,
+    );
+    assert!(run.time.len() > 700);
+    for (t, y) in run.time.iter().zip(run.column("show.u")).filter(|(t, _)| **t > 2.1) {
+        let expected = 2.0 * (std::f64::consts::TAU * 3.0 * (t - 2.1)).sin();
+        assert!((y - expected).abs() < 2e-3, "{t}: {y} instead of {expected}");
+    }
+}
+
+#[test]
+fn a_fixed_step_follows_the_method_of_steps_and_one_longer_than_the_delay_is_refused() {
+    let coarse = error(r#"solver: Ode4(step: "0.1 s")"#, 1.0);
+    let fine = error(r#"solver: Ode4(step: "0.05 s")"#, 1.0);
+    assert!(coarse < 1e-5 && fine < coarse / 8.0, "{coarse} {fine}");
+    let text = r#"Diagram(
+        simulation: (stop_time: "1 s", solver: Ode4(step: "2 ms")),
+        blocks: { "x": Integrator(x0: 1), "late": TransportDelay(delay: "1 ms"), "k": Gain(k: -1), "show": Scope },
+        connections: ["x.y -> late.u, show.u", "late.y -> k.u", "k.y -> x.u"],
+    )"#;
+    let error = blocksim_sim::Simulation::new(compile_text(text).0.schedule.unwrap().into()).unwrap_err();
+    assert_eq!(error.code, "settings");
+    assert!(error.message.contains("0.002 s") && error.message.contains("`late`"), "{}", error.message);
+    assert!(error.help.unwrap().contains("no longer than the delay"));
+}
