@@ -8,7 +8,8 @@
 //! |---|---|
 //! | `differences` | derivatives of a function, with their accuracy and the kinks at hand |
 //! | `system` | the matrices; one channel of them; sampling with a zero-order hold |
-//! | `minimal` | what of a channel can be reached and seen |
+//! | `minimal` | what of a channel can be reached and seen, and what leaving the rest away changes |
+//! | `parts` | which states depend on each other in a circle |
 //! | `poles`, `zeros` | eigenvalues with damping and frequency; invariant zeros |
 //! | `response`, `course` | over frequency; over time |
 //! | `grid`, `margins` | frequencies worth looking at; gain, phase and delay margins, bandwidth |
@@ -19,6 +20,7 @@ mod error;
 mod grid;
 mod margins;
 mod minimal;
+mod parts;
 mod poles;
 mod response;
 mod system;
@@ -29,7 +31,7 @@ pub use differences::{Jacobian, Kink, jacobian};
 pub use error::LinearError;
 pub use grid::frequencies;
 pub use margins::{Margin, Margins, bandwidth, margins};
-pub use minimal::minimal;
+pub use minimal::{Reduced, minimal, reduced};
 pub use nalgebra::Complex;
 pub use nalgebra::DMatrix;
 pub use poles::{Mode, is_stable, modes, poles};

@@ -205,18 +205,23 @@ impl Diagram {
         Ok(())
     }
 
-    /// As [`continuous`](Self::continuous), but always and with someone who may change signals behind each call, whose
-    /// number among those of the plan he is told. Nobody takes the signals for known afterwards.
+    /// As [`continuous`](Self::continuous), but always, with the calls of a major pass that are `asked` for and with someone
+    /// who may change signals behind each call, whose number among those of the plan he is told. Nobody takes the signals
+    /// for known afterwards.
     pub fn touched(
         &mut self,
         t: f64,
         x: &[f64],
+        asked: &[bool],
         mut touch: impl FnMut(usize, &mut [f64]),
     ) -> Result<(), Failed> {
         self.enter(t, x);
-        for i in 0..self.plan.continuous.len() {
+        for i in 0..self.plan.major.len() {
+            if !asked[i] {
+                continue;
+            }
             let Self { plan, now, signals, d, scratch, .. } = self;
-            let call = &plan.continuous[i];
+            let call = &plan.major[i];
             outputs(call, now, signals, d, scratch);
             if now.fault.is_raised() {
                 let block = call.block as usize;

@@ -1,6 +1,6 @@
 //! A simulation at one instant: what derivatives and signals would be, were states or signals a bit different.
 
-use blocksim_block::schedule::{Schedule, When};
+use blocksim_block::schedule::{Schedule, Step, When};
 
 use crate::{Observer, SimError, Simulation};
 
@@ -19,8 +19,10 @@ pub struct Tap {
 pub struct Frozen {
     simulation: Simulation,
     taps: Vec<Tap>,
-    /// Behind which call of an evaluation the signal of each tap is there; none if it does not change between two
-    /// major steps.
+    /// Which calls of a major pass are evaluated: those of what goes on between major steps, and of what would change there
+    /// if the taps did.
+    asked: Vec<bool>,
+    /// Behind which call of an evaluation the signal of each tap is there; none if it is not evaluated.
     written: Vec<Option<usize>>,
     /// All signals of the instant.
     signals: Vec<f64>,
@@ -43,8 +45,9 @@ impl Frozen {
             return Err(SimError::new("settings", simulation.t, message));
         }
         let schedule = &simulation.schedule;
-        let written = taps.iter().map(|tap| writer(schedule, tap.cell)).collect();
-        Ok(Frozen { given: vec![0.0; taps.len()], written, taps, signals, simulation })
+        let asked = asked(schedule, &taps);
+        let written = taps.iter().map(|tap| writer(schedule, tap.cell).filter(|&call| asked[call])).collect();
+        Ok(Frozen { asked, given: vec![0.0; taps.len()], written, taps, signals, simulation })
     }
 
     /// Evaluates the diagram at other states `x`, with `change` added at each tap; writes the derivatives of all states.
@@ -52,7 +55,7 @@ impl Frozen {
     /// # Errors
     /// `block_failed` if a block cannot go on there.
     pub fn evaluate(&mut self, x: &[f64], change: &[f64], dx: &mut [f64]) -> Result<(), SimError> {
-        let Frozen { simulation, taps, written, signals: before, given, .. } = self;
+        let Frozen { simulation, taps, asked, written, signals: before, given } = self;
         let diagram = &mut simulation.diagram;
         diagram.signals.copy_from_slice(before);
         let mut touch = |call: Option<usize>, signals: &mut [f64]| {
@@ -62,7 +65,7 @@ impl Frozen {
             }
         };
         touch(None, &mut diagram.signals);
-        let evaluated = diagram.touched(simulation.t, x, |call, signals| touch(Some(call), signals));
+        let evaluated = diagram.touched(simulation.t, x, asked, |call, signals| touch(Some(call), signals));
         let evaluated = evaluated.and_then(|()| diagram.derive(dx));
         simulation.held(evaluated)
     }
@@ -127,15 +130,42 @@ impl Frozen {
     }
 }
 
-/// Number among the calls between major steps of the one that writes a cell.
-fn writer(schedule: &Schedule, cell: usize) -> Option<usize> {
-    let mut calls = schedule.steps.iter().filter(|step| step.when == When::Continuous);
-    calls.position(|step| {
+/// Which calls of a major pass are evaluated. What is constant or changes by events alone, as a gain behind a step, still
+/// passes a change of its input on at once; what is sampled does not.
+fn asked(schedule: &Schedule, taps: &[Tap]) -> Vec<bool> {
+    let mut touched = vec![false; schedule.initial_signals.len()];
+    taps.iter().for_each(|tap| touched[tap.cell] = true);
+    let step = |step: &Step| {
         let block = &schedule.blocks[step.block as usize];
-        let ports = block.outputs.iter().zip(&block.interface.group_of);
-        let mut written = ports.filter(|(_, group)| **group == step.group as usize);
-        written.any(|((start, end), _)| (block.y + *start as usize..block.y + *end as usize).contains(&cell))
-    })
+        let group = step.group as usize;
+        let read = block.gather.iter().enumerate().any(|(input, &(from, len))| {
+            let cells = from as usize..(from + len) as usize;
+            block.interface.reads(group, input) && touched[cells].contains(&true)
+        });
+        let asked = match step.when {
+            When::Continuous => true,
+            When::Major | When::Constant => read,
+            When::Sampled(_) => false,
+        };
+        if asked && read {
+            written(schedule, step).for_each(|cell| touched[cell] = true);
+        }
+        asked
+    };
+    schedule.steps.iter().map(step).collect()
+}
+
+/// Cells that a group of outputs writes.
+fn written<'a>(schedule: &'a Schedule, step: &'a Step) -> impl Iterator<Item = usize> + 'a {
+    let block = &schedule.blocks[step.block as usize];
+    let ports = block.outputs.iter().zip(&block.interface.group_of);
+    let own = ports.filter(move |(_, group)| **group == step.group as usize);
+    own.flat_map(move |((start, end), _)| block.y + *start as usize..block.y + *end as usize)
+}
+
+/// Number among the calls of a major pass of the one that writes a cell.
+fn writer(schedule: &Schedule, cell: usize) -> Option<usize> {
+    schedule.steps.iter().position(|step| written(schedule, step).any(|written| written == cell))
 }
 
 /// Does not look.

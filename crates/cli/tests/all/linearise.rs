@@ -277,3 +277,57 @@ fn the_page_shows_what_the_program_says() {
         assert_eq!(String::from_utf8_lossy(&output.stdout), answer, "{command}: {}", said(&output));
     }
 }
+
+/// Sources that are constant or step, through a gain of 3, into a chain of two integrators and a lag of 1 us.
+const SOURCES: &str = r#"Diagram(
+    simulation: (stop_time: "1 s"),
+    blocks: {
+        "step": Step(time: "2 s", after: 1), "constant": Constant(value: 2), "both": Sum(signs: "++"),
+        "gain": Gain(k: 3), "fast": LowPass(tau: "1 us"), "speed": Integrator, "place": Integrator,
+        "scope": Scope,
+    },
+    connections: [
+        "step.y -> both.u1", "constant.y -> both.u2", "both.y -> gain.u", "gain.y -> fast.u", "fast.y -> speed.u",
+        "speed.y -> place.u", "place.y -> scope.u",
+    ],
+)
+"#;
+
+#[test]
+fn constants_and_steps_reach_through_gains_and_integrators_are_at_zero_exactly() {
+    let desk = Desk::new("sources");
+    std::fs::write(desk.0.join("sources.ron"), SOURCES).unwrap();
+    for from in ["step.y", "constant.y"] {
+        let found = desk.json(&["sources.ron", "--from", from, "--to", "gain.y,fast.y,place.y"]);
+        let ways = found["ways"].as_array().unwrap();
+        near(&ways[0]["static_gain"], 3.0);
+        near(&ways[1]["static_gain"], 3.0);
+        near(&ways[1]["step"]["rise"], 1e-6 * 9_f64.ln());
+        assert!(ways[2]["static_gain"].is_null() && ways[2]["order"] == 3, "{}", ways[2]);
+        let poles: Vec<f64> =
+            ways[2]["poles"].as_array().unwrap().iter().map(|p| number(&p["pole"][0])).collect();
+        assert!(poles[..2] == [0.0, 0.0] && (poles[2] / -1e6 - 1.0).abs() < 1e-9, "{poles:?}");
+    }
+}
+
+/// Lags of 1e-9 s and of 100 s in one loop: G = 1 / ((1e-9 s + 1)(100 s + 1) + 1), which is 1/2 at rest.
+const APART: &str = r#"Diagram(
+    simulation: (stop_time: "1 s"),
+    blocks: {
+        "demand": Constant(value: 1), "error": Sum(signs: "+-"), "fast": LowPass(tau: "1 ns"), "slow": LowPass(tau: "100 s"),
+        "scope": Scope,
+    },
+    connections: ["demand.y -> error.u1", "error.y -> fast.u", "fast.y -> slow.u", "slow.y -> error.u2, scope.u"],
+)
+"#;
+
+#[test]
+fn slow_parts_beside_fast_ones_are_not_left_away() {
+    let desk = Desk::new("apart");
+    std::fs::write(desk.0.join("apart.ron"), APART).unwrap();
+    let found = desk.json(&["apart.ron", "--from", "demand.y", "--to", "slow.y"]);
+    let way = &found["ways"][0];
+    assert_eq!(way["order"], 2, "{way}");
+    near(&way["static_gain"], 0.5);
+    assert!((number(&way["step"]["rise"]) / (50.0 * 9_f64.ln()) - 1.0).abs() < 1e-5, "{way}");
+}

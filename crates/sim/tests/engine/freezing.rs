@@ -62,3 +62,20 @@ fn what_changes_at_hits_alone_can_be_changed_but_does_not_move() {
         assert_eq!(dx, [3.0]);
     }
 }
+
+#[test]
+fn a_gain_behind_what_stays_constant_passes_a_change_on() {
+    for stays in [true, false] {
+        let toy = Toy::new().with("hold", Hold(0.25), &["x"]).with("gain", Gain(3.0), &["hold"]);
+        let toy = toy.with("x", Integrator(2.0), &["gain"]);
+        let toy = if stays { toy.major("gain") } else { toy };
+        let simulation = Simulation::new(toy.schedule(&["x"], 1.0, ode45(), Steps)).unwrap();
+        let hold = cell(&simulation, "hold");
+        let mut frozen = Frozen::new(simulation, vec![Tap { cell: hold, open: false }]).unwrap();
+        let mut dx = [0.0];
+        for change in [0.0, 0.5] {
+            frozen.evaluate(&[7.0], &[change], &mut dx).unwrap();
+            assert_eq!(dx, [3.0 * (2.0 + change)]);
+        }
+    }
+}

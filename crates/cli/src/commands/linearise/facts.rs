@@ -1,8 +1,8 @@
 //! What is told of each way from the input to an output.
 
 use blocksim_linear::{
-    Channel, Complex, Gain, LinearError, Margins, Mode, Response, StepInfo, bandwidth, frequencies,
-    is_stable, margins, minimal, modes, poles, static_gain, step_info, zeros,
+    Channel, Complex, Gain, LinearError, Margins, Mode, Reduced, Response, StepInfo, bandwidth, frequencies,
+    is_stable, margins, modes, poles, reduced, static_gain, step_info, zeros,
 };
 
 use super::matrices::Linearised;
@@ -12,6 +12,8 @@ use super::matrices::Linearised;
 pub struct Way {
     /// The channel itself.
     pub channel: Channel,
+    /// By how much, relative to its size, the response changed when states were left away.
+    pub reduction: f64,
     /// Its poles.
     pub modes: Vec<Mode>,
     /// Its zeros, none if nothing comes through.
@@ -47,7 +49,7 @@ pub fn ways(linearised: &Linearised, is_loop: bool) -> Result<Vec<Way>, LinearEr
 }
 
 fn way(linearised: &Linearised, output: usize, is_loop: bool) -> Result<Way, LinearError> {
-    let channel = minimal(&linearised.system.channel(0, output));
+    let Reduced { channel, error } = reduced(&linearised.system.channel(0, output));
     let period = channel.period;
     let poles = poles(&channel.a)?;
     let zeros = zeros(&channel)?;
@@ -65,6 +67,7 @@ fn way(linearised: &Linearised, output: usize, is_loop: bool) -> Result<Way, Lin
         response: frequencies.iter().map(|&w| response.at(w)).collect(),
         frequencies,
         zeros,
+        reduction: error,
         channel,
     })
 }

@@ -104,6 +104,11 @@ fn part(accuracy: f64) -> String {
     }
 }
 
+/// A change as a power of ten that it is below.
+fn changed(change: f64) -> String {
+    format!("less than 1e{}", change.max(1e-15).log10().floor() + 1.0)
+}
+
 fn of_way(found: &Found, way: &Way, output: usize) -> String {
     let question = &found.question;
     let to = &question.to[output];
@@ -117,7 +122,11 @@ fn of_way(found: &Found, way: &Way, output: usize) -> String {
         text.push_str(&format!("to `{}`{unit}: ", to.name));
     }
     let states = found.linearised.names.len();
-    text.push_str(&format!("{} of {states} states take part\n", way.channel.order()));
+    let left = match way.reduction {
+        0.0 => String::new(),
+        change => format!("; leaving the others away changes the response by {}", changed(change)),
+    };
+    text.push_str(&format!("{} of {states} states take part{left}\n", way.channel.order()));
     if way.zeros.is_none() {
         text.push_str(&nothing(found));
         return text;
