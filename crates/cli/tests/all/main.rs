@@ -2,6 +2,7 @@
 
 mod collisions;
 mod commands;
+mod data;
 mod desk;
 #[cfg(unix)]
 mod faults;

@@ -146,8 +146,8 @@ fn the_numbers_of_a_first_order_lag_are_those_of_its_closed_form() {
     for (name, expected, tolerance) in [
         ("begin", 0.1, 1e-9),
         ("step", 90.0, 1e-9),
-        ("rise_time", 0.2 * 9_f64.ln(), 1e-5),
-        ("settling_time", 0.2 * 50_f64.ln(), 1e-5),
+        ("rise", 0.2 * 9_f64.ln(), 1e-5),
+        ("settling", 0.2 * 50_f64.ln(), 1e-5),
         ("overshoot", 0.0, 1e-9),
         ("iae", 90.0 * 0.2, 1e-3),
         ("ise", 90.0 * 90.0 * 0.1, 1e-1),

@@ -469,7 +469,7 @@ fn runs_that_are_damaged_or_hardly_there_are_told() {
         1 signal agrees: 1 exactly, 0 within the tolerances
         warning: `unread` is not whole: its manifest cannot be read: EOF while parsing an object at line 1 column 1
         exit code 0
-        {"following":[],"type":"metrics","v":1}
+        {"following":[],"type":"metrics","v":2}
         warning: `unread` is not whole: its manifest cannot be read: EOF while parsing an object at line 1 column 1
         exit code 0
 

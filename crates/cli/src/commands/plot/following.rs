@@ -130,15 +130,15 @@ pub fn json(rows: &[Row]) -> Value {
             "unit": row.unit,
             "begin": m.begin,
             "step": m.step,
-            "rise_time": m.rise,
+            "rise": m.rise,
             "overshoot": m.overshoot,
-            "settling_time": m.settling,
+            "settling": m.settling,
             "iae": m.iae,
             "ise": m.ise,
-            "steady_state_error": m.steady_state_error,
+            "final_error": m.steady_state_error,
             "largest_error": m.max_error,
             "largest_error_at": m.max_error_at,
         })
     };
-    json!({ "v": 1, "type": "metrics", "following": rows.iter().map(row).collect::<Vec<_>>() })
+    json!({ "v": 2, "type": "metrics", "following": rows.iter().map(row).collect::<Vec<_>>() })
 }

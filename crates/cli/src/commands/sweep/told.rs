@@ -221,9 +221,10 @@ impl<'a> Sheet<'a> {
                 .map(|(target, value)| ((*target).to_owned(), json!(value)))
                 .collect();
             let numbers = self.columns.iter().zip(&line.cells).map(|(column, value)| {
-                json!({
-                    "metric": column.metric.name(), "signal": column.path, "unit": column.unit, "value": value,
-                })
+                // People read per cent, programs a share as everywhere.
+                let (unit, size) = if column.unit == "%" { ("1", 0.01) } else { (column.unit, 1.0) };
+                let value = value.map(|value| size * value);
+                json!({ "metric": column.metric.name(), "signal": column.path, "unit": unit, "value": value })
             });
             let mut row =
                 json!({ "set": set, "metrics": numbers.collect::<Vec<_>>(), "failed": line.failed });
@@ -232,7 +233,7 @@ impl<'a> Sheet<'a> {
             }
             row
         };
-        json!({ "v": 1, "type": "sweep", "runs": self.lines.iter().map(row).collect::<Vec<_>>() })
+        json!({ "v": 2, "type": "sweep", "runs": self.lines.iter().map(row).collect::<Vec<_>>() })
     }
 }
 
@@ -314,7 +315,8 @@ mod tests {
         .assert_eq(&sheet.csv());
         let data = sheet.json();
         assert_eq!(data["runs"][1]["set"]["pid.kp"], "8 mH");
-        assert_eq!(data["runs"][0]["metrics"][1]["value"], 10.5);
+        assert_eq!(data["runs"][0]["metrics"][1]["value"], 0.105);
+        assert_eq!(data["runs"][0]["metrics"][1]["unit"], "1");
         assert!(data["runs"][1]["metrics"][1]["value"].is_null() && data["runs"][1]["failed"].is_null());
     }
 

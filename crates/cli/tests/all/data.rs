@@ -1,0 +1,80 @@
+//! `--json` of several commands about the same thing: one name, one unit, one value.
+
+use serde_json::Value;
+
+use crate::desk::Desk;
+
+/// w^2 / (s^2 + 2 z w s + w^2) with w = 10 rad/s and z = 0.5, and a step.
+const SECOND: &str = r#"Diagram(
+    parameters: { "height": 2.0 },
+    simulation: (stop_time: "3 s", solver: Ode45(rtol: 1e-9, atol: 1e-9), output: Every("0.2 ms")),
+    blocks: {
+        "demand": Step(time: "0 s", after: "height"),
+        "plant": TransferFunction(num: [100], den: [1, 10, 100]),
+        "scope": Scope(inputs: ["set", "actual"]),
+    },
+    connections: ["demand.y -> plant.u, scope.set", "plant.y -> scope.actual"],
+)
+"#;
+
+fn data(desk: &Desk, words: &[&str]) -> Value {
+    let answer = desk.call(words);
+    assert_eq!(answer.code, Some(0), "{answer:?}");
+    serde_json::from_str(answer.out.lines().last().unwrap())
+        .unwrap_or_else(|error| panic!("{error}: {answer:?}"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[test]
+fn a_quantity_has_one_name_and_one_unit_wherever_it_stands() {
+    let desk = Desk::with(&[("second.ron", SECOND)]);
+    let run = data(&desk, &["run", "second.ron", "--json", "--out", "kept"]);
+    let plot = data(&desk, &["plot", "kept", "--json"]);
+    let linear = data(&desk, &["linearise", "second.ron", "--from", "demand.y", "--to", "plant.y", "--json"]);
+    let metrics = "--metric=rise,overshoot,settling,iae,ise,final_error,largest_error";
+    let sweep = data(&desk, &["sweep", "second.ron", "--over", "height=2", metrics, "--json"]);
+    let pair = &plot["following"][0];
+    let step = &linear["ways"][0]["step"];
+    let swept = |name: &str| {
+        let all = sweep["runs"][0]["metrics"].as_array().unwrap();
+        all.iter()
+            .find(|metric| metric["metric"] == name)
+            .unwrap_or_else(|| panic!("{name} in {sweep}"))
+            .clone()
+    };
+    for name in ["rise", "overshoot", "settling"] {
+        let found = number(&pair[name]);
+        assert!((number(&step[name]) / found - 1.0).abs() < 1e-4, "{name}: {step} {pair}");
+        assert!((number(&swept(name)["value"]) / found - 1.0).abs() < 1e-9, "{name}");
+    }
+    for name in ["iae", "ise", "final_error", "largest_error"] {
+        let found = number(&pair[name]);
+        assert!((number(&swept(name)["value"]) - found).abs() <= 1e-9 * found.abs(), "{name}");
+    }
+    // exp(-pi z / sqrt(1 - z^2)) of the step, a share and no per cent.
+    let overshoot = (-std::f64::consts::PI * 0.5 / 0.75_f64.sqrt()).exp();
+    assert!((number(&pair["overshoot"]) - overshoot).abs() < 1e-5, "{pair}");
+    assert_eq!((&swept("overshoot")["unit"], &swept("rise")["unit"]), (&"1".into(), &"s".into()));
+    let tracking = &run["tracking"][0];
+    for name in ["largest_error", "largest_error_at"] {
+        assert_eq!(number(&tracking[name]), number(&pair[name]), "{name}");
+    }
+    assert!(tracking["last_error"].is_number() && tracking["signal"] == pair["signal"]);
+}
+
+#[test]
+fn all_names_of_numbers_are_in_the_manual() {
+    let manual = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/data.md")).unwrap();
+    let desk = Desk::with(&[("second.ron", SECOND)]);
+    data(&desk, &["run", "second.ron", "--json", "--out", "kept"]);
+    let plot = data(&desk, &["plot", "kept", "--json"]);
+    let linear = data(&desk, &["linearise", "second.ron", "--from", "demand.y", "--to", "plant.y", "--json"]);
+    for of in [&plot["following"][0], &linear["ways"][0]["step"]] {
+        for name in of.as_object().unwrap().keys() {
+            assert!(manual.contains(&format!("`{name}`")), "`{name}` is not in docs/data.md");
+        }
+    }
+}
