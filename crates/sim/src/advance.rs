@@ -41,6 +41,7 @@ impl Simulation {
     pub(crate) fn advance(&mut self, stop: Stop, observer: &mut dyn Observer) -> Result<Arrival, SimError> {
         loop {
             let start = self.t;
+            self.refine.begin(&self.diagram.signals);
             let begun = self.guards.begin(&mut self.diagram, self.t, &self.x);
             self.held(begun)?;
             if let Some(guard) = self.guards.broken() {
@@ -60,6 +61,7 @@ impl Simulation {
             let every = self.diagram.plan.every_step || self.rows.grid.is_none() || self.past.is_new();
             let major = self.t >= stop.t || arrival.cut || arrival.event || every || self.is_impatient();
             self.record_within(if major { self.t - same(self.t) } else { self.t }, observer)?;
+            self.record_between(start, observer);
             if arrival.event || self.rows.jump_at(self.t, &self.hits) {
                 self.look_back(arrival.event)?;
             }

@@ -14,7 +14,8 @@
 //! | `plan` | the schedule as the hot loop wants it |
 //! | `evaluate`, `act`, `system` | calls of the blocks: outputs, all else, and what the solver sees |
 //! | `clock`, `events` | sample hits and time events; zero crossings |
-//! | `record`, `sides` | rows; which sample hits need them on both sides |
+//! | `record`, `sides`, `refine` | rows; which sample hits need them on both sides; rows within steps |
+//! | `past` | what blocks remember of steps |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
 //! | `methods`, `error`, `diagnose`, `snapshot` | choice of the solver; what can go wrong and why; save and restore |
 
@@ -34,6 +35,7 @@ mod methods;
 mod past;
 mod plan;
 mod record;
+mod refine;
 mod scan;
 mod sides;
 mod simulation;

@@ -13,6 +13,7 @@ use crate::guards::Guards;
 use crate::looks::Looks;
 use crate::past::Past;
 use crate::record::Rows;
+use crate::refine::Refine;
 use crate::{Control, Observer, SimError, diagnose, methods};
 
 /// Steps after which the observer is asked whether to go on.
@@ -29,6 +30,8 @@ pub struct Simulation {
     pub(crate) hits: Hits,
     pub(crate) guards: Guards,
     pub(crate) rows: Rows,
+    /// Where rows are needed within steps.
+    pub(crate) refine: Refine,
     /// What blocks remember of steps.
     pub(crate) past: Past,
     /// Ends of the steps that no solver chooses, if anything happens in between.
@@ -112,6 +115,7 @@ impl Simulation {
             hits: Hits::new(&schedule.clock),
             guards: Guards::new(guards, schedule.states),
             rows: Rows::new(&schedule),
+            refine: Refine::new(&schedule),
             past: Past::new(&schedule),
             grid,
             event_times: vec![f64::INFINITY; diagram.plan.timed.len()],

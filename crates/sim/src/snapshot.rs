@@ -4,6 +4,7 @@ use blocksim_solve::Memory;
 
 use crate::guards::Guards;
 use crate::past::Past;
+use crate::refine::Refine;
 use crate::{SimError, Simulation, methods};
 
 /// All that a simulation remembers, between two calls of `run`.
@@ -24,6 +25,7 @@ pub struct Snapshot {
     next_step: u64,
     guards: Guards,
     past: Past,
+    refine: Refine,
     stepper: Option<Memory>,
     unasked: u32,
     interrupted: bool,
@@ -44,6 +46,7 @@ impl Simulation {
             next_step: self.grid.as_ref().map_or(0, |grid| grid.next),
             guards: self.guards.clone(),
             past: self.past.clone(),
+            refine: self.refine.clone(),
             stepper: self.stepper.as_ref().map(|stepper| stepper.memory()),
             unasked: self.unasked,
             interrupted: self.interrupted,
@@ -76,6 +79,7 @@ impl Simulation {
         self.grid.iter_mut().for_each(|grid| grid.next = snapshot.next_step);
         self.guards.clone_from(&snapshot.guards);
         self.past.clone_from(&snapshot.past);
+        self.refine.clone_from(&snapshot.refine);
         self.stepper = methods::stepper(&self.schedule);
         if let (Some(stepper), Some(memory)) = (&mut self.stepper, &snapshot.stepper) {
             stepper.recall(memory);

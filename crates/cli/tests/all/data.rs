@@ -78,3 +78,27 @@ fn all_names_of_numbers_are_in_the_manual() {
         }
     }
 }
+
+#[test]
+fn numbers_do_not_depend_on_how_far_the_steps_of_the_solver_are_apart() {
+    let overshoot = (-std::f64::consts::PI * 0.5 / 0.75_f64.sqrt()).exp();
+    for solver in ["Ode23", "Ode45", "Rodas4", "RosW3"] {
+        let model = SECOND.replace(
+            r#"solver: Ode45(rtol: 1e-9, atol: 1e-9), output: Every("0.2 ms")"#,
+            &format!("solver: {solver}"),
+        );
+        assert_ne!(model, SECOND);
+        let exact = Desk::with(&[("second.ron", SECOND)]);
+        let desk = Desk::with(&[("second.ron", &model)]);
+        let pair = |desk: &Desk| {
+            data(desk, &["run", "second.ron", "--json", "--out", "kept"]);
+            data(desk, &["plot", "kept", "--json"])["following"][0].clone()
+        };
+        let (fine, coarse) = (pair(&exact), pair(&desk));
+        assert!((number(&coarse["overshoot"]) - overshoot).abs() < 3e-3, "{solver}: {coarse}");
+        for name in ["rise", "settling", "iae", "ise"] {
+            let (fine, coarse) = (number(&fine[name]), number(&coarse[name]));
+            assert!((coarse / fine - 1.0).abs() < 1e-2, "{solver}, {name}: {coarse} instead of {fine}");
+        }
+    }
+}
