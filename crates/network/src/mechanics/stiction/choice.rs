@@ -34,7 +34,7 @@ impl Network {
             // A freewheel that is struck, a mesh that jams: they stop at once.
             let never = speed != 0.0 && w.grip[i].hold[usize::from(speed < 0.0)] == f64::INFINITY
                 || self.jam(i, mode, w) < 0.0;
-            let threshold = if mode == 0.0 { drifted } else { zero };
+            let threshold = if mode == 0.0 { drifted } else { zero } + self.jitter(i, c, w);
             let moves = speed.abs() > threshold && (mode == 0.0 || mode * speed > 0.0);
             w.struck |= never && speed.abs() > threshold;
             w.rests[i] = if moves && !never {

@@ -38,6 +38,7 @@ impl Network {
         let first = self.stiction.modes.start;
         for (i, mode) in self.stiction.of(c.d).iter().copied().enumerate() {
             let (speed, zero, _) = self.slip(i, c.x, &w.s);
+            let zero = zero + self.jitter(i, c, w);
             let slides = |sign: f64| if speed == 0.0 { sign } else { speed.signum() };
             (w.rests[i], modes[first + i]) = match self.rigid(i, mode, w) {
                 Rigid::No => (Rest::Free, slides(if mode == 0.0 { 1.0 } else { mode })),
@@ -53,7 +54,7 @@ impl Network {
             at.copy_from_slice(c.x);
             self.again(&Context { x: c.x, d: modes, ..*c }, w);
             self.throw(w, at);
-            let wrong = (0..count).find(|i| self.is_wrong(*i, modes[first + i], at, w));
+            let wrong = (0..count).find(|i| self.is_wrong(*i, modes[first + i], c, at, w));
             let Some(i) = wrong else { break };
             modes[first + i] = match self.rigid(i, 0.0, w) {
                 Rigid::OneWay(sign) if modes[first + i] == 0.0 => -sign,
@@ -63,7 +64,7 @@ impl Network {
         for i in 0..count {
             let (speed, zero, drifted) = self.slip(i, at, &w.s);
             let locked = modes[first + i] == 0.0 && w.bounce[i] == 0.0;
-            let still = if self.stiction.of(c.d)[i] == 0.0 { drifted } else { zero };
+            let still = if self.stiction.of(c.d)[i] == 0.0 { drifted } else { zero } + self.jitter(i, c, w);
             w.rests[i] = match locked || speed.abs() <= still {
                 true => self.stands(i, w),
                 false => Rest::Moves(speed.signum()),
@@ -72,13 +73,13 @@ impl Network {
     }
 
     /// Whether a freewheel pulls, or slides the way that it locks.
-    fn is_wrong(&self, i: usize, mode: f64, at: &[f64], w: &Work) -> bool {
+    fn is_wrong(&self, i: usize, mode: f64, c: &Context, at: &[f64], w: &Work) -> bool {
         let Rigid::OneWay(sign) = self.rigid(i, 0.0, w) else { return false };
         match self.row_of(i, w) {
             Some(row) => mode == 0.0 && sign * w.schur.lambda[row] > 0.0,
             None => {
                 let (speed, zero, _) = self.slip(i, at, &w.s);
-                sign * speed > zero - w.bounce[i].abs()
+                sign * speed > zero + self.jitter(i, c, w) - w.bounce[i].abs()
             }
         }
     }

@@ -32,6 +32,9 @@ const DRIFT: f64 = 1e-9;
 /// causes.
 const ROUNDING: f64 = 1e-12;
 
+/// Part of the time up to which crossings are located, ten times over.
+const RESOLUTION: f64 = 1e-14;
+
 /// A distance from breakaway that is as good as infinite, N*m.
 const FAR: f64 = 1e9;
 
@@ -77,6 +80,13 @@ impl Network {
         // The stabilisation of closed loops moves what stands by as much as it has drifted.
         let drift = if self.frames.loops.is_empty() { 0.0 } else { AT_REST };
         (speed, STANDS * scale + drift, DRIFT * scale + drift)
+    }
+
+    /// What the resolution of time leaves of a speed at a crossing that was located, beside [`slip`](Self::slip): times are
+    /// good to some units in the last place, and so are speeds to that times the accelerations of what moves.
+    fn jitter(&self, i: usize, c: &Context, w: &Work) -> f64 {
+        let own = self.sticky(i).0.terms().iter();
+        RESOLUTION * c.t.abs() * own.map(|(k, factor)| (factor * w.dv[*k as usize]).abs()).sum::<f64>()
     }
 
     /// Modes that the speeds alone tell: at the start, and after impacts.
