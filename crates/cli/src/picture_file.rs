@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use blocksim_picture::png;
 use blocksim_results::{ResultsError, write_whole};
 
 /// Writes a drawing as SVG and as PNG, where asked for, each whole or not at all; returns the files.
@@ -32,15 +31,27 @@ pub fn write_pictures(
             ));
         }
     }
+    // The picture is made before the first file is written.
+    let picture = as_png.map(|file| Ok::<_, String>((file, png(drawing, scale, file)?))).transpose()?;
     let mut written = Vec::new();
     if let Some(file) = as_svg {
         written.push(write(file, drawing.as_bytes())?);
     }
-    if let Some(file) = as_png {
-        let picture = png(drawing, scale).map_err(|error| format!("error: {error}"))?;
+    if let Some((file, picture)) = picture {
         written.push(write(file, &picture)?);
     }
     Ok(written)
+}
+
+#[cfg(feature = "png")]
+fn png(drawing: &str, scale: f64, _file: &Path) -> Result<Vec<u8>, String> {
+    blocksim_picture::png(drawing, scale).map_err(|error| format!("error: {error}"))
+}
+
+#[cfg(not(feature = "png"))]
+fn png(_drawing: &str, _scale: f64, file: &Path) -> Result<Vec<u8>, String> {
+    let done = format!("cannot write `{}`", file.display());
+    Err(crate::left_out::said(&done, "pictures as PNG (those as SVG are there)", "png"))
 }
 
 fn write(file: &Path, content: &[u8]) -> Result<PathBuf, String> {

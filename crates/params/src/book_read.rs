@@ -9,30 +9,11 @@ use calamine::{DataRef, Reader, Xlsx, XlsxError, XlsxFormulaMetadata};
 
 use crate::BookError;
 use crate::archive::inspect;
+use crate::book::{Book, same_name};
 use crate::cell::{Address, Cell, Sheet};
 
 /// Most cells with content in a workbook.
 const MOST_CELLS: usize = 100_000;
-
-/// A workbook.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Book {
-    /// Sheets that were asked for, in their order.
-    pub sheets: Vec<Sheet>,
-    /// Names of all sheets.
-    pub names: Vec<String>,
-}
-
-impl Book {
-    /// A sheet by its name; capitals and blanks around it do not count.
-    pub fn sheet(&self, name: &str) -> Option<&Sheet> {
-        self.sheets.iter().find(|sheet| same_name(&sheet.name, name))
-    }
-}
-
-fn same_name(a: &str, b: &str) -> bool {
-    a.trim().eq_ignore_ascii_case(b.trim())
-}
 
 type Open<'a> = Xlsx<Cursor<&'a [u8]>>;
 

@@ -4,8 +4,9 @@ use blocksim_results::hash::fingerprint;
 
 use crate::book_write::{Look, Out, OutSheet, write};
 use crate::label::label;
-use crate::layout::{Layout, MEMORY, Row, SHEETS, layout};
+use crate::layout::{MEMORY, SHEETS};
 use crate::quantity::{Content, Quantity, SetError, quantities};
+use crate::rows::{Layout, Row, layout};
 
 /// The row of the headings, counted from 0, in an exported sheet.
 const HEADINGS: u32 = 2;

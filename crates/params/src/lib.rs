@@ -9,27 +9,41 @@
 //! Everything is plain data and nothing opens a file. A workbook remembers in a hidden sheet what was exported, so
 //! that a change in the sheets is told from one in the set. Only numerals are replaced in the text of a set: its
 //! comments, order, units and sources stay.
+//!
+//! Workbooks themselves are read and written where the feature `xlsx` is on.
 
+#[cfg(feature = "xlsx")]
 mod archive;
+mod book;
+#[cfg(feature = "xlsx")]
 mod book_read;
+#[cfg(feature = "xlsx")]
 mod book_write;
 mod cell;
 mod compare;
 mod difference;
 mod edit;
+#[cfg(feature = "xlsx")]
 mod export;
+#[cfg(feature = "xlsx")]
 mod label;
 mod layout;
 mod numeral;
 mod quantity;
+#[cfg(feature = "xlsx")]
+mod rows;
 mod table;
 
+#[cfg(feature = "xlsx")]
 pub use archive::{pack, unpack};
-pub use book_read::{Book, read_book};
+pub use book::Book;
+#[cfg(feature = "xlsx")]
+pub use book_read::read_book;
 pub use cell::{Address, Cell, Sheet};
 pub use compare::{Change, Comparison, Conflict, Known, compare};
 pub use difference::{Difference, difference};
 pub use edit::edited;
+#[cfg(feature = "xlsx")]
 pub use export::export;
 pub use layout::{MEMORY, SHEETS, sheet_of};
 pub use numeral::written;
@@ -40,6 +54,7 @@ pub use table::{Reading, Tables, Value, read_tables};
 ///
 /// # Errors
 /// As [`read_book`].
+#[cfg(feature = "xlsx")]
 pub fn open_workbook(bytes: &[u8]) -> Result<Tables, BookError> {
     let mut wanted = SHEETS.to_vec();
     wanted.push(MEMORY);
@@ -55,6 +70,7 @@ pub struct BookError {
     pub help: String,
 }
 
+#[cfg(feature = "xlsx")]
 impl BookError {
     pub(crate) fn new(message: impl Into<String>, help: impl Into<String>) -> BookError {
         BookError { message: message.into(), help: help.into() }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::Fault;
-use crate::book_read::Book;
+use crate::book::Book;
 use crate::cell::{Address, Cell, Sheet};
 use crate::layout::{MEMORY, SHEETS, is_value_heading, path_of};
 use crate::numeral;

@@ -1,11 +1,10 @@
 //! The one font: DejaVu Sans, reduced to Latin, Greek and the signs of formulas.
 
-use std::fmt::Write;
 use std::sync::LazyLock;
 
-use ttf_parser::{Face, GlyphId, OutlineBuilder};
+use ttf_parser::{Face, GlyphId};
 
-static FACE: LazyLock<Option<Face<'static>>> =
+pub(crate) static FACE: LazyLock<Option<Face<'static>>> =
     LazyLock::new(|| Face::parse(include_bytes!("../assets/sans.ttf"), 0).ok());
 
 /// Width of `text` in the font of pictures, in the unit of `size`, the font size. Browsers that draw the same text
@@ -16,21 +15,8 @@ pub fn text_width(text: &str, size: f64) -> f64 {
     f64::from(units) * scale(face, size)
 }
 
-/// The outlines of `text` as data of an SVG path, the base line beginning at `(x, y)`.
-pub(crate) fn outline(text: &str, x: f64, y: f64, size: f64) -> String {
-    let mut path = Path { data: String::new(), x, y, scale: 0.0 };
-    let Some(face) = &*FACE else { return path.data };
-    path.scale = scale(face, size);
-    for sign in text.chars() {
-        let glyph = glyph(face, sign);
-        face.outline_glyph(glyph, &mut path);
-        path.x += f64::from(advance(face, glyph)) * path.scale;
-    }
-    path.data
-}
-
 /// The picture of a sign; that of `?` where the font has none.
-fn glyph(face: &Face, sign: char) -> GlyphId {
+pub(crate) fn glyph(face: &Face, sign: char) -> GlyphId {
     // Control characters have no width anywhere.
     if sign.is_control() {
         return GlyphId(0);
@@ -38,53 +24,12 @@ fn glyph(face: &Face, sign: char) -> GlyphId {
     face.glyph_index(sign).or_else(|| face.glyph_index('?')).unwrap_or_default()
 }
 
-fn advance(face: &Face, glyph: GlyphId) -> u16 {
+pub(crate) fn advance(face: &Face, glyph: GlyphId) -> u16 {
     if glyph.0 == 0 { 0 } else { face.glyph_hor_advance(glyph).unwrap_or(0) }
 }
 
-fn scale(face: &Face, size: f64) -> f64 {
+pub(crate) fn scale(face: &Face, size: f64) -> f64 {
     size / f64::from(face.units_per_em())
-}
-
-struct Path {
-    data: String,
-    x: f64,
-    y: f64,
-    scale: f64,
-}
-
-impl Path {
-    /// Appends a command and its points; the font counts upwards, SVG downwards.
-    fn push(&mut self, command: char, points: &[(f32, f32)]) {
-        self.data.push(command);
-        for (x, y) in points {
-            let (x, y) = (self.x + f64::from(*x) * self.scale, self.y - f64::from(*y) * self.scale);
-            // Writing to a string cannot fail.
-            let _ = write!(self.data, "{x:.3} {y:.3} ");
-        }
-    }
-}
-
-impl OutlineBuilder for Path {
-    fn move_to(&mut self, x: f32, y: f32) {
-        self.push('M', &[(x, y)]);
-    }
-
-    fn line_to(&mut self, x: f32, y: f32) {
-        self.push('L', &[(x, y)]);
-    }
-
-    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        self.push('Q', &[(x1, y1), (x, y)]);
-    }
-
-    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        self.push('C', &[(x1, y1), (x2, y2), (x, y)]);
-    }
-
-    fn close(&mut self) {
-        self.push('Z', &[]);
-    }
 }
 
 #[cfg(test)]
@@ -97,22 +42,5 @@ mod tests {
         assert!((text_width("0", 2048.0) - 1303.0).abs() < 1e-9);
         assert!((text_width("Wi", 2048.0) - 2594.0).abs() < 1e-9);
         assert_eq!(text_width("", 12.0), 0.0);
-    }
-
-    #[test]
-    fn signs_of_the_field_have_pictures_and_foreign_ones_a_question_mark() {
-        let face = FACE.as_ref().unwrap();
-        for sign in "τωΩφθ°·²³⁻¹µ−±≤≈∫√∞Δ→ä§".chars() {
-            assert!(face.glyph_index(sign).is_some(), "{sign}");
-        }
-        assert_eq!(outline("漢", 0.0, 0.0, 10.0), outline("?", 0.0, 0.0, 10.0));
-        assert_eq!(text_width("\u{7}\n", 10.0), 0.0);
-    }
-
-    #[test]
-    fn outlines_lie_on_the_base_line() {
-        let path = outline("l", 5.0, 20.0, 10.0);
-        assert!(path.starts_with('M') && path.ends_with('Z'), "{path}");
-        assert!(path.contains(" 20.000 "), "a foot of the letter: {path}");
     }
 }

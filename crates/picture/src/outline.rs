@@ -5,7 +5,8 @@ use std::fmt::Write;
 use roxmltree::{Document, Node};
 
 use crate::error::PictureError;
-use crate::font::{outline, text_width};
+use crate::font::text_width;
+use crate::glyphs::outline;
 
 /// Font size where nothing says one, as in browsers.
 const SIZE: f64 = 16.0;

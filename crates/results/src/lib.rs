@@ -35,7 +35,9 @@ mod titles;
 pub use csv::{ReadLimits, read_csv, read_csv_file, read_events};
 pub use csv_write::{write_events, write_signals};
 pub use error::{CsvError, RecordingError, ResultsError};
-pub use export::{resampled, write_mat, write_parquet, write_run_csv};
+#[cfg(feature = "parquet")]
+pub use export::write_parquet;
+pub use export::{resampled, write_mat, write_run_csv};
 pub use foreign::{Foreign, ForeignColumn, read_foreign, read_foreign_file};
 pub use history::{Kept, history, locate};
 pub use manifest::{

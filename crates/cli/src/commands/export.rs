@@ -2,9 +2,7 @@ use std::io::{self, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use blocksim_results::{
-    ResultsError, Run, locate, resampled, write_mat, write_parquet, write_run_csv, write_whole,
-};
+use blocksim_results::{ResultsError, Run, locate, resampled, write_mat, write_run_csv, write_whole};
 
 use crate::args::export::ExportArgs;
 use crate::args::values::RUNS;
@@ -22,6 +20,12 @@ pub fn export(args: &ExportArgs, console: Console) -> io::Result<Exit> {
         console.say(&told(error));
         Ok(Exit::Files)
     };
+    #[cfg(not(feature = "parquet"))]
+    if let Some(file) = &args.parquet {
+        let done = format!("cannot write `{}`", file.display());
+        console.say(&crate::left_out::said(&done, "Parquet (CSV and MAT are there)", "parquet"));
+        return Ok(Exit::Files);
+    }
     let run = match locate(&args.run, Path::new(RUNS)).and_then(|path| Run::open(&path)) {
         Ok(run) => run,
         Err(error) => return refuse(&error),
@@ -113,8 +117,9 @@ fn write(
             signals.iter().copied().filter(|&at| run.signals()[at].base == base).collect();
         let file = if number == 0 { file.clone() } else { numbered(file, number + 1) };
         files.push(fresh(&file, |w| match args.parquet {
-            Some(_) => write_parquet(w, run, base, &of_base, range),
-            None => write_run_csv(w, run, base, &of_base, range),
+            #[cfg(feature = "parquet")]
+            Some(_) => blocksim_results::write_parquet(w, run, base, &of_base, range),
+            _ => write_run_csv(w, run, base, &of_base, range),
         })?);
     }
     Ok(files)

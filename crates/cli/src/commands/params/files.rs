@@ -6,7 +6,9 @@ use std::path::Path;
 
 use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_diagram::{Reader, SourceFile};
-use blocksim_params::{Quantity, SetError, Tables, open_workbook, quantities};
+#[cfg(feature = "xlsx")]
+use blocksim_params::open_workbook;
+use blocksim_params::{Quantity, SetError, Tables, quantities};
 
 use crate::disk::{Disk, reason, refusal};
 use crate::exit::Exit;
@@ -61,6 +63,12 @@ pub fn read_workbook(path: &Path, console: Console) -> Result<Tables, Exit> {
     };
     let bytes = bytes(path).map_err(|error| refuse(&reason(&error), None))?;
     open_workbook(&bytes).map_err(|error| refuse(&error.message, Some(&error.help)))
+}
+
+#[cfg(not(feature = "xlsx"))]
+fn open_workbook(_bytes: &[u8]) -> Result<Tables, blocksim_params::BookError> {
+    use crate::left_out::{help, reason};
+    Err(blocksim_params::BookError { message: reason("workbooks"), help: help("xlsx") })
 }
 
 fn bytes(path: &Path) -> io::Result<Vec<u8>> {

@@ -2,6 +2,7 @@
 
 mod check;
 mod diff;
+#[cfg(feature = "xlsx")]
 mod export;
 mod files;
 mod get;
@@ -27,7 +28,14 @@ pub fn params(command: &ParamsCommand, console: Console) -> io::Result<Exit> {
         ParamsCommand::List(args) => list::list(args, console),
         ParamsCommand::Get(args) => get::get(args, console),
         ParamsCommand::Set(args) => set::set(args, console),
+        #[cfg(feature = "xlsx")]
         ParamsCommand::Export(args) => export::export(args, console),
+        #[cfg(not(feature = "xlsx"))]
+        ParamsCommand::Export(args) => {
+            let asked = format!("cannot export `{}`", args.set.display());
+            console.say(&crate::left_out::said(&asked, "workbooks", "xlsx"));
+            Ok(Exit::Files)
+        }
         ParamsCommand::Import(args) => import::import(args, console),
         ParamsCommand::Diff(args) => diff::diff(args, console),
         ParamsCommand::Check(args) => check::check(args, console),

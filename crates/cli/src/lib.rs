@@ -1,0 +1,88 @@
+//! `blocksim`: simulates block diagrams written as text, as a library of one function.
+//!
+//! This file parses the command line and dispatches; `commands` has one function for each verb. Data goes to the
+//! standard output, what is said to people about it to the standard error.
+
+// Blocks register themselves when they are linked, and only crates that are named are linked.
+use blocksim_blocks as _;
+use blocksim_host as _;
+
+mod args;
+mod bug;
+mod commands;
+mod disk;
+mod exit;
+#[cfg_attr(
+    all(feature = "lsp", feature = "parquet", feature = "png", feature = "xlsx", not(test)),
+    expect(dead_code, reason = "nothing is left out")
+)]
+mod left_out;
+mod loaded;
+mod mechanism;
+mod picture_file;
+mod running;
+mod scene;
+mod seal;
+mod signals;
+mod terminal;
+mod watch;
+
+use std::io;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::args::{Args, Command};
+use crate::exit::Exit;
+use crate::running::interrupt;
+use crate::terminal::console::Console;
+
+/// Does what the command line asks for.
+pub fn main() -> ExitCode {
+    bug::report_panics();
+    interrupt::survive_full_files();
+    let args = Args::parse();
+    let console = Console::of_process(args.color, args.ascii);
+    let outcome = match &args.command {
+        None => commands::hints(console),
+        Some(Command::New(args)) => commands::new(args, console),
+        Some(Command::Run(args)) if args.watch => {
+            watch::watch(&args.model, console, || commands::run(args, console))
+        }
+        Some(Command::Run(args)) => commands::run(args, console),
+        Some(Command::Report(args)) => commands::report(args, console),
+        Some(Command::Plot(args)) => commands::plot(args, console),
+        Some(Command::Compare(args)) => commands::compare(args, console),
+        Some(Command::Collisions(args)) => commands::collisions(args, console),
+        Some(Command::Check(args)) if args.watch => {
+            watch::watch(&args.model, console, || commands::check(args, console))
+        }
+        Some(Command::Check(args)) => commands::check(args, console),
+        Some(Command::Fmt(args)) => commands::fmt(args, console),
+        Some(Command::Runs(args)) => commands::runs(args, console),
+        Some(Command::Sweep(args)) => commands::sweep(args, console),
+        Some(Command::Linearise(args)) => commands::linearise(args, console),
+        Some(Command::Export(args)) => commands::export(args, console),
+        Some(Command::Emit(args)) => commands::emit(args, console),
+        Some(Command::Graph(args)) => commands::graph(args, console),
+        Some(Command::Import(args)) => commands::import(args, console),
+        Some(Command::Lsp) => commands::lsp(console),
+        Some(Command::Blocks(args)) => commands::blocks(args, console),
+        Some(Command::Doctor(args)) => commands::doctor(args, console),
+        Some(Command::Completions(args)) => commands::completions(args, console),
+        Some(Command::Explain(args)) => commands::explain(args, console),
+        Some(Command::Identify(command)) => commands::identify(command, console),
+        Some(Command::Plan(command)) => commands::plan(command, console),
+        Some(Command::Plugin(command)) => commands::plugin(command, console),
+        Some(Command::Params(command)) => commands::params(command, console),
+    };
+    match outcome {
+        Ok(exit) => exit.into(),
+        // Whoever reads only the first lines, such as `head`, has what they want.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Exit::Done.into(),
+        Err(error) => {
+            console.say(&format!("error: cannot write to the standard output: {error}"));
+            Exit::Files.into()
+        }
+    }
+}
