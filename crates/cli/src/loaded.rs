@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use blocksim_diagram::{Compiled, SourceFile, Sources, compile};
-use blocksim_results::{FileUsed, hash};
+use blocksim_diagram::{Compiled, SourceFile, Sources, compile, fingerprint};
+use blocksim_results::FileUsed;
 use blocksim_scene::Scene;
 
 use crate::args::model::ModelArgs;
@@ -71,7 +71,7 @@ pub fn files_of(args: &ModelArgs) -> Vec<PathBuf> {
 
 /// The library of a plug-in. One that cannot be read any more has an empty hash.
 fn library_used(path: &Path) -> FileUsed {
-    let hash = std::fs::read(path).map(|bytes| hash::fingerprint(&bytes)).unwrap_or_default();
+    let hash = std::fs::read(path).map(|bytes| fingerprint(&bytes)).unwrap_or_default();
     FileUsed { path: with_slashes(path), hash }
 }
 

@@ -1,7 +1,7 @@
 //! The last line of a file that the program writes and may write again: a fingerprint of the lines above. It tells
 //! whether somebody has changed them.
 
-use blocksim_results::hash::fingerprint;
+use blocksim_diagram::fingerprint;
 
 const MARK: &str = "// Fingerprint of the lines above: ";
 

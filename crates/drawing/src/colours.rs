@@ -1,7 +1,7 @@
 //! Colours of a drawing: elements say their role by a class, one style sheet says what a role looks like.
 
 use blocksim_block::physical::Domain;
-use blocksim_plot::{Palette, Theme};
+use blocksim_picture::{Palette, Theme};
 
 /// Font of all texts; the last one is what pictures in PNG are drawn with.
 pub(crate) const FONT: &str = "system-ui,'Segoe UI','DejaVu Sans',sans-serif";

@@ -20,7 +20,7 @@ mod symbols;
 mod text;
 mod walk;
 
-pub use blocksim_plot::Theme;
+pub use blocksim_picture::Theme;
 pub use colours::{style_sheet, style_variables};
 pub use figure::{Figure, Look, PortLook};
 pub use level::{Level, Line, level};

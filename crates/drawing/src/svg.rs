@@ -4,8 +4,7 @@ use std::fmt::Write;
 
 use blocksim_block::Symbol;
 use blocksim_layout::{Layout, Placed, PlacedPort, PortKind, Side};
-use blocksim_picture::text_width;
-use blocksim_plot::Theme;
+use blocksim_picture::{Theme, text_width};
 
 use crate::canvas::{Canvas, Paint, THIN, classes, escaped, number};
 use crate::colours::{Colour, Fill, fixed};

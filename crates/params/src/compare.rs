@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use blocksim_results::hash::fingerprint;
+use blocksim_diagram::fingerprint;
 use blocksim_signal::{Unit, closest};
 
 use crate::Fault;

@@ -1,6 +1,6 @@
 //! A set as a workbook for people.
 
-use blocksim_results::hash::fingerprint;
+use blocksim_diagram::fingerprint;
 
 use crate::book_write::{Look, Out, OutSheet, write};
 use crate::label::label;

@@ -1,6 +1,6 @@
 //! One pair of axes: from times and values to dots.
 
-use blocksim_results::ticks::{Range, labels};
+use blocksim_numbers::ticks::{Range, labels};
 
 use crate::figure::Line;
 

@@ -9,14 +9,13 @@ mod figure;
 mod frame;
 mod legend;
 mod paired;
-mod palette;
 mod straighten;
 mod svg;
 mod units;
 
+pub use blocksim_picture::{Palette, Theme};
 pub use decimate::thinned;
 pub use figure::{Across, Figure, Line, Panel, Strip, Style};
 pub use paired::pairs;
-pub use palette::{Palette, Theme};
 pub use svg::svg;
 pub use units::pretty_unit;

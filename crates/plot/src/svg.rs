@@ -2,13 +2,12 @@
 
 use std::fmt::Write;
 
-use blocksim_picture::text_width;
-use blocksim_results::ticks::{Range, labels, powers};
+use blocksim_numbers::ticks::{Range, labels, powers};
+use blocksim_picture::{Palette, Theme, text_width};
 
 use crate::figure::{Across, Figure, Line, Panel, Style};
 use crate::frame::{Area, Axis};
 use crate::legend::{ROW, SAMPLE, SIZE, entries, fitted, rows};
-use crate::palette::{Palette, Theme};
 use crate::straighten::straightened;
 use crate::units::pretty_unit;
 

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::format::{count, duration, simulated};
 use crate::manifest::{Ended, Manifest};
+use blocksim_numbers::format::{count, duration, simulated};
 
 /// One line on how a run ended, what it cost and where it lies. `place` is `None` where nothing was kept.
 pub fn done_line(manifest: &Manifest, signals: usize, place: Option<&Path>) -> String {
@@ -18,7 +18,7 @@ pub fn done_line(manifest: &Manifest, signals: usize, place: Option<&Path>) -> S
         format!("{how:>11} {} in {}", simulated(manifest.simulated_time), duration(manifest.wall_time));
     let factor = manifest.simulated_time / manifest.wall_time;
     if factor.is_finite() {
-        line.push_str(&format!(" ({}×)", crate::format::significant(factor, 3)));
+        line.push_str(&format!(" ({}×)", blocksim_numbers::format::significant(factor, 3)));
     }
     let counts = manifest.counts;
     let parts = [

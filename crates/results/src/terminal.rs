@@ -1,8 +1,9 @@
 //! Series over time in the terminal, in braille or plain ASCII.
 
+use blocksim_numbers::format::{count, significant};
+use blocksim_numbers::ticks::{Range, labels, powers};
+
 use crate::canvas::{Canvas, MARKS};
-use crate::format::{count, significant};
-use crate::ticks::{Range, labels, powers};
 
 /// One series of a plot.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -166,6 +166,7 @@ fn all_other_crates_take_the_lint_that_forbids_it() {
 fn no_crate_depends_on_what_it_knows_nothing_of() {
     let nothing_of = [
         ("signal", &["*"][..]),
+        ("numbers", &["*"]),
         ("solve", &["block", "blocks", "ron", "serde"]),
         ("multibody", &["block", "blocks", "diagram"]),
         ("scene", &["block", "blocks", "diagram", "ron"]),
@@ -185,13 +186,13 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("host", &["diagram", "blocks", "sim"]),
         ("import", &["block", "blocks", "diagram", "ron"]),
         ("results", &["block", "blocks", "diagram", "sim"]),
-        ("params", &["blocks", "sim"]),
+        ("params", &["blocks", "sim", "results"]),
         ("picture", &["block", "blocks", "diagram", "plot"]),
-        ("plot", &["block", "blocks", "diagram", "sim"]),
+        ("plot", &["block", "blocks", "diagram", "sim", "results"]),
         ("analysis", &["*"]),
         ("layout", &["*"]),
         ("linear", &["block", "blocks", "ron", "serde", "diagram", "sim"]),
-        ("drawing", &["blocks", "sim", "host"]),
+        ("drawing", &["blocks", "sim", "host", "results", "plot"]),
         ("report", &["block", "blocks", "diagram", "results"]),
         ("lsp", &["blocks", "sim", "host"]),
     ];
@@ -210,6 +211,45 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         let listed = nothing_of.iter().any(|(listed, _)| *listed == name);
         assert_eq!(listed, !absent.is_empty(), "{name}: knows nothing of {absent:?}");
     }
+}
+
+/// Heavy crates of others: who alone may need them, and not without its feature.
+#[test]
+fn heavy_crates_stand_behind_a_feature_of_the_one_that_needs_them() {
+    let heavy = [
+        ("parquet", "results", "parquet"),
+        ("calamine", "params", "xlsx"),
+        ("rust_xlsxwriter", "params", "xlsx"),
+        ("zip", "params", "xlsx"),
+        ("resvg", "picture", "png"),
+        ("lsp", "cli", "lsp"),
+    ];
+    let manifest = |name: &str| read(&root().join("crates").join(name).join("Cargo.toml"));
+    for (heavy, owner, feature) in heavy {
+        let users: Vec<String> =
+            crates().into_iter().filter(|name| dependencies(name).contains(heavy)).collect();
+        assert_eq!(users, [owner], "{heavy}");
+        let text = manifest(owner);
+        let line = text.lines().find(|line| {
+            let key = line.split(['=', '.']).next().unwrap_or_default().trim();
+            key.strip_prefix("blocksim-").unwrap_or(key) == heavy && line.contains("optional")
+        });
+        assert!(line.is_some_and(|line| line.contains("optional = true")), "{heavy} in {owner}");
+        let brings = |line: &str| {
+            line.split_once(" = ").is_some_and(|(key, crates)| key == feature && crates.contains("dep:"))
+        };
+        assert!(text.lines().any(brings), "no feature `{feature}` of {owner}");
+    }
+    // The program takes them by features of the same names and has none of them by default.
+    let program = manifest("cli");
+    for (_, owner, feature) in heavy.iter().filter(|(_, owner, _)| *owner != "cli") {
+        assert!(program.contains(&format!("{feature} = [\"blocksim-{owner}/{feature}\"]")), "{feature}");
+    }
+    assert!(program.contains("full = [\"lsp\", \"parquet\", \"png\", \"xlsx\"]"));
+    assert!(
+        !program.lines().any(|line| line.starts_with("default =")),
+        "all of them are off where a clone first builds"
+    );
 }
 
 /// The check of absences sees what is there.

@@ -1,10 +1,8 @@
 //! The manifest of a run: enough to repeat it.
 
 use blocksim_block::schedule::Schedule;
-use blocksim_diagram::SourceFile;
-use blocksim_results::{
-    Choice, Counts, Ended, FileUsed, Layout, Manifest, Override, Program, RecordedUsed, hash,
-};
+use blocksim_diagram::{SourceFile, fingerprint};
+use blocksim_results::{Choice, Counts, Ended, FileUsed, Layout, Manifest, Override, Program, RecordedUsed};
 use blocksim_sim::Simulation;
 
 use crate::args::model::ModelArgs;
@@ -45,7 +43,7 @@ pub fn of(facts: &Facts) -> Manifest {
         // The model itself is the first file that is read.
         model: files.next().unwrap_or_else(|| FileUsed {
             path: facts.model.model.display().to_string(),
-            hash: hash::fingerprint(&[]),
+            hash: fingerprint(&[]),
         }),
         files: files.chain(facts.loaded.plugins.iter().cloned()).collect(),
         overrides: facts.model.set.iter().map(|text| override_of(text)).collect(),
@@ -67,7 +65,7 @@ pub fn of(facts: &Facts) -> Manifest {
 }
 
 fn file_used(file: &SourceFile) -> FileUsed {
-    FileUsed { path: with_slashes(&file.path), hash: hash::fingerprint(file.text.as_bytes()) }
+    FileUsed { path: with_slashes(&file.path), hash: fingerprint(file.text.as_bytes()) }
 }
 
 fn override_of(text: &str) -> Override {

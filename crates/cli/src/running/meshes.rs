@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
-use blocksim_results::{ResultsError, RunFolder, hash};
+use blocksim_diagram::fingerprint;
+use blocksim_results::{ResultsError, RunFolder};
 use blocksim_scene::{Form, Scene};
 
 /// Bytes of all meshes that a run keeps; what comes on top is shown only as long as it stays where it is.
@@ -37,7 +38,7 @@ pub fn keep(folder: &RunFolder, scene: &Scene) -> Result<HashMap<String, String>
 
 /// `mesh-0f3a….stl`: named after what is in it.
 fn name(file: &str, bytes: &[u8]) -> String {
-    let sum = hash::fingerprint(bytes);
+    let sum = fingerprint(bytes);
     let sum = sum.rsplit(':').next().unwrap_or_default();
     let ending = Path::new(file).extension().map(|ending| ending.to_string_lossy().to_lowercase());
     let ending =

@@ -110,8 +110,8 @@ pub(crate) mod tests {
         Manifest {
             schema: Manifest::SCHEMA,
             program: Program { name: "blocksim".into(), version: "0.1.0".into() },
-            model: FileUsed { path: "diagrams/arm.ron".into(), hash: crate::hash::fingerprint(b"arm") },
-            files: vec![FileUsed { path: "params/arm.ron".into(), hash: crate::hash::fingerprint(b"p") }],
+            model: FileUsed { path: "diagrams/arm.ron".into(), hash: "fnv1a64:e756c0190570ccb5".into() },
+            files: vec![FileUsed { path: "params/arm.ron".into(), hash: "fnv1a64:af63ed4c8602096f".into() }],
             overrides: vec![Override { path: "axis1.control.kp".into(), value: "2.5".into() }],
             variants: vec![Choice { variant: "drive".into(), choice: "dc".into() }],
             solver: SolverUsed { name: "rk45".into(), rtol: Some(1e-6), atol: Some(1e-9), step: None },

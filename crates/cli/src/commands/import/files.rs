@@ -5,12 +5,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use blocksim_diagram::fingerprint;
 use blocksim_import::smidata::{self, SmiData};
 use blocksim_import::{
     Chain, Differences, Files, Mechanism, MeshFile, Provenance, diagram, differences, file_name, named_in,
     parameters, robot,
 };
-use blocksim_results::{clock::iso, hash::fingerprint, write_whole};
+use blocksim_results::{clock::iso, write_whole};
 
 use crate::args::import::ImportArgs;
 use crate::seal::{Seal, seal, sealed};

@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::Path;
 
+use blocksim_diagram::fingerprint;
 use blocksim_report::{Report, Rows};
 use blocksim_results::format::{count, duration, fixed, significant, simulated};
-use blocksim_results::{Ended, Manifest, Run, hash};
+use blocksim_results::{Ended, Manifest, Run};
 
 use crate::running::solver;
 
@@ -87,7 +88,7 @@ fn lists(manifest: &Manifest) -> Vec<(String, Rows)> {
 fn changed(manifest: &Manifest) -> Option<String> {
     let files = std::iter::once(&manifest.model).chain(&manifest.files);
     let differs = |path: &str, known: &str| {
-        fs::read(path).is_ok_and(|bytes| hash::fingerprint(&bytes) != known && !known.is_empty())
+        fs::read(path).is_ok_and(|bytes| fingerprint(&bytes) != known && !known.is_empty())
     };
     let changed: Vec<&str> =
         files.filter(|file| differs(&file.path, &file.hash)).map(|file| file.path.as_str()).collect();

@@ -1,4 +1,4 @@
-//! Numbers for people. Files get all digits; see [`crate::write_signals`].
+//! Numbers for people. Files get all digits.
 
 /// A number as the place in a row: `1st`, `2nd`, `3rd`, `4th`, `11th`, `21st`.
 pub fn ordinal(n: u64) -> String {
