@@ -43,11 +43,11 @@ pub(crate) fn parts(a: &DMatrix<f64>) -> Vec<Vec<usize>> {
         let mut at = 0;
         while at < part.len() {
             let node = part[at];
-            for from in 0..n {
-                if open[from] && leads(from, node) {
-                    open[from] = false;
-                    part.push(from);
-                }
+            for (from, open) in
+                open.iter_mut().enumerate().filter(|(from, open)| **open && leads(*from, node))
+            {
+                *open = false;
+                part.push(from);
             }
             at += 1;
         }

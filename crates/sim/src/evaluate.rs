@@ -216,10 +216,7 @@ impl Diagram {
         mut touch: impl FnMut(usize, &mut [f64]),
     ) -> Result<(), Failed> {
         self.enter(t, x);
-        for i in 0..self.plan.major.len() {
-            if !asked[i] {
-                continue;
-            }
+        for (i, _) in asked.iter().enumerate().filter(|(_, asked)| **asked) {
             let Self { plan, now, signals, d, scratch, .. } = self;
             let call = &plan.major[i];
             outputs(call, now, signals, d, scratch);
