@@ -102,6 +102,9 @@ impl From<Trial> for Span {
     }
 }
 
+/// Part of what is to be integrated that no first guess is below.
+const LEAST_FIRST: f64 = 1e-14;
+
 /// A one-step method with error control, in the form of a [`Stepper`].
 ///
 /// The named methods are aliases of it, for instance [`Ode45`](crate::Ode45).
@@ -159,10 +162,13 @@ impl<M: Method> Adaptive<M> {
         }
         let mut work = Work { system, counts: &mut self.counts, weights: &self.weights };
         let h = match work.derivatives(t + h, &self.x1, f1) {
-            Ok(()) => self.weights.second_guess([&self.x0, &self.x1], f0, f1, h, M::ORDER),
+            Ok(()) => {
+                self.weights.sow(f0, f1, h);
+                self.weights.second_guess([&self.x0, &self.x1], f0, f1, h, M::ORDER)
+            }
             Err(_) => h,
         };
-        self.control.set(h);
+        self.control.set(h.max(LEAST_FIRST * max));
     }
 
     /// Tries ever smaller steps from (t, x0) until one is kept in x1.

@@ -165,10 +165,17 @@ impl Ode15s {
                     for ((c, f1), f0) in correction.iter_mut().zip(&*step).zip(&*f) {
                         *c = 0.5 * (f1 - f0) / h;
                     }
+                    weights.sow(f, step, h);
+                    // What does not move at first has the size that it moves by next.
+                    for ((x1, x0), f1) in x1.iter_mut().zip(&*x0).zip(&*step) {
+                        if (h * f1).abs() > x1.abs() {
+                            *x1 = x0 + h * f1;
+                        }
+                    }
                     let curvature = weights.norm(x0, x1, correction, h);
                     h = if curvature > 0.0 { (0.5 / curvature).sqrt() } else { 100.0 * h };
                 }
-                h.min(max)
+                h.max(1e-14 * max).min(max)
             }
         };
         let h = h.max(smallest(t, self.limits.min));
@@ -250,7 +257,7 @@ impl Ode15s {
                 self.step[i] += self.correction[i];
                 self.x1[i] = self.predicted[i] + self.step[i];
             }
-            let size = self.weights.norm(&self.x0, &self.predicted, &self.correction, span.h);
+            let size = self.weights.norm(&self.x0, &self.x1, &self.correction, span.h);
             // Rounding of the states themselves.
             let least = 100.0 * f64::EPSILON / self.weights.relative().max(f64::EPSILON);
             if size <= least.min(CONVERGED) {

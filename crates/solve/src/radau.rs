@@ -137,18 +137,20 @@ impl RadauIIA {
             }
             self.jacobian.solve(&mut self.one);
             self.pair.solve(&mut self.both);
-            let mut size = 0.0;
-            for (j, correction) in [&self.one[..], &self.both[..n], &self.both[n..]].into_iter().enumerate() {
-                self.w[j].iter_mut().zip(correction).for_each(|(w, c)| *w += c);
-                size += work.weights.norm(x0, x0, correction, h).powi(2);
+            let corrections = [&self.one[..], &self.both[..n], &self.both[n..]];
+            for (w, correction) in self.w.iter_mut().zip(corrections) {
+                w.iter_mut().zip(correction).for_each(|(w, c)| *w += c);
             }
-            let size = (size / 3.0).sqrt();
             for i in 0..n {
                 let w = [self.w[0][i], self.w[1][i], self.w[2][i]];
                 for (z, row) in self.z.iter_mut().zip(&T) {
                     z[i] = row[0] * w[0] + row[1] * w[1] + row[2] * w[2];
                 }
+                x1[i] = x0[i] + self.z[2][i];
             }
+            // What begins at zero has the size that the step gives it.
+            let squares = corrections.map(|correction| work.weights.norm(x0, x1, correction, h).powi(2));
+            let size = (squares.iter().sum::<f64>() / 3.0).sqrt();
             if !size.is_finite() {
                 return Iteration::Slow;
             }

@@ -58,6 +58,8 @@ pub(crate) struct Learnt {
     pub size: Vec<f64>,
     /// Largest of these.
     pub largest: f64,
+    /// What a first guess of a step moves where all begins at rest and zero: a size until there is a larger one.
+    pub seed: f64,
     /// Variation of each derivative by rounding.
     pub noise: Vec<f64>,
     /// Whether any is known.
@@ -78,6 +80,7 @@ impl Weights {
             learnt: automatic.then(|| Learnt {
                 size: zeros(),
                 largest: 0.0,
+                seed: 0.0,
                 noise: zeros(),
                 noisy: false,
                 suspicion: 0.0,
@@ -112,6 +115,16 @@ impl Weights {
         let least = self.relative * DWARF * learnt.largest;
         for ((absolute, given), size) in self.absolute.iter_mut().zip(&self.given).zip(&learnt.size) {
             *absolute = given.max(self.relative * SHARE * size).max(least);
+        }
+    }
+
+    /// Where all is zero and at rest: takes for a size what a guess of the first step moves, by the derivatives at its ends. A
+    /// state that begins as t^2 would else be followed by low orders from far below that.
+    pub fn sow(&mut self, f0: &[f64], f1: &[f64], h: f64) {
+        let rests = f0.iter().all(|f| *f == 0.0);
+        if let Some(learnt) = self.learnt.as_mut().filter(|learnt| rests && learnt.largest == 0.0) {
+            let moved = f1.iter().fold(0.0, |largest: f64, f| largest.max(h * f.abs()));
+            learnt.seed = if moved.is_finite() { moved } else { 0.0 };
         }
     }
 
@@ -150,8 +163,9 @@ impl Weights {
     /// What stands for the largest state where none has been above zero: dwarfs of the trial itself.
     fn first(&self, x1: &[f64]) -> f64 {
         match &self.learnt {
-            Some(learnt) if learnt.largest == 0.0 => {
-                self.relative * DWARF * x1.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()))
+            Some(learnt) if learnt.largest <= learnt.seed => {
+                let moved = x1.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+                self.relative * (DWARF * moved).max(SHARE * learnt.seed)
             }
             _ => 0.0,
         }
@@ -217,8 +231,9 @@ impl Weights {
         let first = self.first(x1);
         let (mut d1, mut d2) = (0.0, 0.0);
         for i in 0..x0.len() {
-            // An automatic tolerance gets to know the size of what is zero by the step itself.
-            let moved = if self.learnt.is_some() { x1[i].abs() } else { 0.0 };
+            // An automatic tolerance gets to know the size of what is zero by the step itself, or by the next one where
+            // nothing moves at first.
+            let moved = if self.learnt.is_some() { x1[i].abs().max(h * f1[i].abs()) } else { 0.0 };
             let scale = self.scale(i, x0[i].abs().max(moved), h) + first;
             (d1, d2) = (d1 + (f0[i] / scale).powi(2), d2 + ((f1[i] - f0[i]) / scale).powi(2));
         }

@@ -85,7 +85,7 @@ fn stiff_problems_end_where_the_literature_says_with_little_work() {
 }
 
 /// Evaluations of the problems above.
-const PINNED: [[u64; 3]; 4] = [[1872, 3101, 4584], [969, 1516, 2801], [710, 1009, 1642], [2418, 3546, 6018]];
+const PINNED: [[u64; 3]; 4] = [[1872, 3101, 4584], [963, 1476, 2622], [776, 1036, 1695], [2419, 3546, 6018]];
 
 #[test]
 fn the_pleiades_end_where_the_literature_says() {
@@ -117,7 +117,7 @@ fn a_rod_of_a_thousand_cells_is_solved_with_a_sparse_jacobian() {
     }
     let counts = stepper.counts();
     // A thousand of the evaluations tell which entries there are.
-    assert_eq!((counts.evaluations, counts.accepted, counts.jacobians), (4311, 1293, 2));
+    assert_eq!((counts.evaluations, counts.accepted, counts.jacobians), (4284, 1294, 2));
 }
 
 const VAN_DER_POL: [f64; 2] = [1.706_167_732_170_469, -0.892_809_701_024_812_5e-3];
@@ -253,16 +253,16 @@ fn auto_solves_the_stiff_problems_by_default() {
 fn radau_gains_digits_where_tolerances_are_tight() {
     type Case<'a> = (&'a str, Box<dyn System>, &'a [f64], f64, &'a [f64], [u64; 2]);
     let cases: [Case; 3] = [
-        ("Van der Pol", Box::new(van_der_pol(1000.0)), &[2.0, 0.0], 2000.0, &VAN_DER_POL, [6572, 16_779]),
+        ("Van der Pol", Box::new(van_der_pol(1000.0)), &[2.0, 0.0], 2000.0, &VAN_DER_POL, [6576, 16_774]),
         (
             "HIRES",
             Box::new(hires()),
             &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0057],
             321.8122,
             &HIRES,
-            [3396, 8980],
+            [3407, 8970],
         ),
-        ("Oregonator", Box::new(oregonator()), &[1.0, 2.0, 3.0], 360.0, &OREGONATOR, [8516, 21_735]),
+        ("Oregonator", Box::new(oregonator()), &[1.0, 2.0, 3.0], 360.0, &OREGONATOR, [8449, 21_732]),
     ];
     for (name, mut system, start, end, expected, pinned) in cases {
         let mut found = [0; 2];

@@ -2,7 +2,8 @@
 
 use blocksim_solve::problems::{function, robertson};
 use blocksim_solve::{
-    Counts, Ode23, Ode45, Radau5, Rodas4, Ros34pw2, StepLimits, Stepper, System, Tolerances, integrate,
+    Counts, Ode15s, Ode23, Ode45, Radau5, Rodas4, Ros34pw2, StepLimits, Stepper, System, Tolerances,
+    integrate,
 };
 
 fn all(n: usize, relative: f64) -> Vec<Box<dyn Stepper>> {
@@ -137,5 +138,25 @@ fn a_tighter_tolerance_is_never_worse() {
             assert!(error < before && error < 1e-9 * 100.0 * relative, "{k}, {relative:e}: {error:e}");
             before = error;
         }
+    }
+}
+
+#[test]
+fn what_is_at_rest_until_it_is_driven_begins_with_a_step_of_good_size() {
+    let mut steppers = all(2, 1e-6);
+    steppers.push(Box::new(Ode15s::new(Tolerances::automatic(2, 1e-6), StepLimits::default())));
+    for mut stepper in steppers {
+        // Nothing moves at t = 0.
+        let mut lag = function(2, |t: f64, x, dx| {
+            dx[0] = t.sin() - x[0];
+            dx[1] = x[0] - x[1];
+        });
+        let (mut t, mut x) = (0.0, [0.0; 2]);
+        stepper.step(&mut lag, &mut t, &mut x, 10.0).unwrap();
+        // The second state grows with a power of time that low orders know no digit of, until it is no dwarf.
+        assert!(t > 1e-20, "{}: {t:e}", stepper.name());
+        integrate(&mut *stepper, &mut lag, &mut t, &mut x, 10.0).unwrap();
+        let exact = 0.5 * (10f64.sin() - 10f64.cos() + (-10f64).exp());
+        assert!((x[0] - exact).abs() < 1e-5, "{}: {x:?} {exact}", stepper.name());
     }
 }
