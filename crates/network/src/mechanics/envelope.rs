@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn the_envelope_gives_what_the_full_matrix_gives() {
-        let n = 40;
+        let n = 40_usize;
         let number = |i: usize| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5;
         let first: Vec<usize> = (0..n).map(|i| i.saturating_sub(i * 7 % 5)).collect();
         let mut a = vec![0.0; n * n];

@@ -440,7 +440,7 @@ mod tests {
         let (m, l) = mass(3);
         let rows = rows(3, &[(&[1.0, -2.0, 0.0], 0.0, 1.0)]);
         let mut schur = Schur::new(3, 1);
-        schur.factor(&rows, &l);
+        schur.factor(&rows, &l, &Envelope::full(3));
         let before = [1.0, 0.5, -2.0];
         let mut after = before;
         schur.impose(&rows, &mut after, |_| 0.75);
