@@ -158,15 +158,23 @@ impl Diagram {
     pub fn jump(&mut self, x: &mut [f64], mut jumped: impl FnMut(usize)) -> Result<(), Failed> {
         for i in 0..self.plan.jumping.len() {
             let block = self.plan.jumping[i];
-            let Self { plan, now, signals, d, scratch, .. } = self;
-            let unit = &plan.units[block];
-            let c = Context { x: &[], ..now.context(unit, signals, &[]) };
-            if unit.block.jump(&c, &mut scratch[block], &mut x[unit.x.range()], &mut d[unit.d.range()]) {
+            if self.jump_one(block, x)? {
                 jumped(block);
-                self.forget();
             }
-            self.checked(block)?;
         }
         Ok(())
+    }
+
+    /// Lets one block jump if it wants to; returns whether it did.
+    pub fn jump_one(&mut self, block: usize, x: &mut [f64]) -> Result<bool, Failed> {
+        let Self { plan, now, signals, d, scratch, .. } = self;
+        let unit = &plan.units[block];
+        let c = Context { x: &[], ..now.context(unit, signals, &[]) };
+        let jumped = unit.block.jump(&c, &mut scratch[block], &mut x[unit.x.range()], &mut d[unit.d.range()]);
+        if jumped {
+            self.forget();
+        }
+        self.checked(block)?;
+        Ok(jumped)
     }
 }

@@ -1,10 +1,10 @@
 //! From one major step to the next: steps of the solver, events, rows in between.
 
-use blocksim_block::schedule::{Instance, Schedule};
-
 use crate::clock::{Grid, earliest, same};
+use crate::diagnose::guard_of;
 use crate::guards::Stride;
 use crate::major::Arrival;
+use crate::rhythm::Accumulation;
 use crate::{Observer, SimError, Simulation, diagnose};
 
 /// The next instant that must not be stepped over.
@@ -112,8 +112,6 @@ impl Simulation {
             looked.map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))?;
             self.guards.x.clone_from(&self.guards.kept);
             self.guards.trial = fired;
-            let schedule = &self.schedule;
-            audit.report(|guard| name_of(schedule, guard));
         }
         let Some(cut) = cut else { return Ok(arrival) };
         // A crossing just before something else that is due is part of it.
@@ -126,6 +124,9 @@ impl Simulation {
         if cut.crossed {
             self.events += 1;
             self.tell_events(observer);
+            if let Some((guard, accumulation)) = self.guards.beat(self.t) {
+                return Err(self.endless(guard, accumulation));
+            }
         }
         if self.guards.chatters(self.t) { Err(self.chatter()) } else { Ok(arrival) }
     }
@@ -139,6 +140,19 @@ impl Simulation {
                 }
             }
         }
+    }
+
+    fn endless(&self, guard: usize, Accumulation { interval, ratio, end }: Accumulation) -> SimError {
+        let (path, name) =
+            guard_of(&self.schedule, guard).map_or(("", ""), |(block, name)| (block.path.as_str(), name));
+        let message = format!(
+            "events come faster and faster without end: `{path}` (`{name}`) has fired {interval:.2e} s after the last time, \
+             {ratio:.3} times the interval before, and would fire for ever before {end:.6} s"
+        );
+        SimError::new("endless_events", self.t, message).at(path).help(
+            "give the law a state of rest, for instance a speed below which an impact ends in contact, or a hysteresis; \
+             or stop the run before",
+        )
     }
 
     fn chatter(&self) -> SimError {
@@ -172,7 +186,7 @@ impl Simulation {
     }
 
     /// Takes the row just before an event or a hit, while all branches and memories are still as they were.
-    fn look_back(&mut self, is_event: bool) -> Result<(), SimError> {
+    pub(crate) fn look_back(&mut self, is_event: bool) -> Result<(), SimError> {
         let evaluated = self.diagram.continuous(self.t, &self.x);
         self.held(evaluated)?;
         self.rows.take_before(&self.diagram.signals, is_event);
@@ -189,16 +203,4 @@ impl Simulation {
         let accepted = self.diagram.accept();
         self.held(accepted)
     }
-}
-
-/// The block that has a guard, and the name of the guard.
-fn guard_of(schedule: &Schedule, guard: usize) -> Option<(&Instance, &str)> {
-    schedule.blocks.iter().find_map(|block| {
-        let guard = block.interface.guards.get(guard.checked_sub(block.g)?)?;
-        Some((block, guard.name.as_str()))
-    })
-}
-
-fn name_of(schedule: &Schedule, guard: usize) -> Option<(String, String)> {
-    guard_of(schedule, guard).map(|(block, name)| (block.path.clone(), name.to_owned()))
 }

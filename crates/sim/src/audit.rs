@@ -3,9 +3,10 @@
 //! The search for events chooses where it looks; the audit looks everywhere, at a price. Between the ends of a step no
 //! guard may cross zero in the way that it watches, because the step would have been cut there.
 
-use blocksim_block::Crossing;
+use blocksim_block::schedule::Schedule;
 use blocksim_solve::Failed;
 
+use crate::diagnose::guard_of;
 use crate::evaluate::Diagram;
 use crate::guards::{Guards, Stride};
 
@@ -14,7 +15,7 @@ const POINTS: u32 = 64;
 /// Part of the largest value that a guard has had, below which it is zero but for rounding.
 const ROUNDING: f64 = 1e-10;
 /// Findings that are kept; all are counted.
-const KEPT: usize = 100;
+const KEPT: usize = 1000;
 
 /// A change of a watched condition that a run has passed over.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,21 +37,22 @@ pub struct Findings {
     pub looks: u64,
     /// Changes that were passed over.
     pub count: u64,
-    /// The first hundred of them.
+    /// The first thousand of them.
     pub missed: Vec<Missed>,
 }
 
 /// An audit of a run in progress.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Audit {
-    pub findings: Findings,
+    looks: u64,
     /// Guards at the start of the step, and at the last point.
     start: Vec<f64>,
     last: Vec<f64>,
     /// Largest magnitude of each guard so far.
     scale: Vec<f64>,
-    /// Guards that crossed unseen in this step, with place and value.
+    /// Guards that crossed unseen, with time and value; and how many more.
     hits: Vec<(usize, f64, f64)>,
+    more: u64,
 }
 
 impl Audit {
@@ -59,9 +61,12 @@ impl Audit {
         self.start.clear();
         self.start.extend_from_slice(start);
         self.scale.resize(start.len(), 0.0);
+        for (scale, start) in self.scale.iter_mut().zip(start) {
+            *scale = scale.max(start.abs());
+        }
     }
 
-    /// Looks at a step that ends at `end`, at an event if `cut`.
+    /// Looks at a step that ends at `end`, at an event if it was cut.
     pub fn look(
         &mut self,
         guards: &mut Guards,
@@ -71,38 +76,43 @@ impl Audit {
     ) -> Result<(), Failed> {
         let h = end - stride.t0;
         self.last.clone_from(&self.start);
-        self.hits.clear();
         for k in 1..POINTS {
             let t = stride.t0 + h * (f64::from(k) / f64::from(POINTS));
             if t <= stride.t0 || t >= end {
                 continue;
             }
             guards.at(t, diagram, stride)?;
-            self.findings.looks += 1;
+            self.looks += 1;
             for (i, &value) in guards.trial.iter().enumerate() {
                 self.scale[i] = self.scale[i].max(value.abs());
-                let near = value.abs() <= ROUNDING * self.scale[i];
-                let crosses = |events: Crossing| events.happens(self.last[i], value);
-                if !near && crosses(guards.events[i]) {
-                    self.hits.push((i, t, value.abs()));
+                if value.abs() <= ROUNDING * self.scale[i] {
+                    continue;
                 }
-                if !near {
-                    self.last[i] = value;
+                if guards.events[i].happens(self.last[i], value) {
+                    if self.hits.len() < KEPT {
+                        self.hits.push((i, t, value.abs()));
+                    } else {
+                        self.more += 1;
+                    }
                 }
+                self.last[i] = value;
             }
         }
         Ok(())
     }
 
-    /// Takes down what the last step has passed over; `name` says which block and guard a number means.
-    pub fn report(&mut self, mut name: impl FnMut(usize) -> Option<(String, String)>) {
-        for &(i, t, beyond) in &self.hits {
-            self.findings.count += 1;
-            if self.findings.missed.len() < KEPT
-                && let Some((path, guard)) = name(i)
-            {
-                self.findings.missed.push(Missed { t, path, guard, beyond });
-            }
-        }
+    /// What was passed over so far. What is rounding, the whole run decides.
+    pub fn findings(&self, schedule: &Schedule) -> Findings {
+        let counts = |&&(guard, _, beyond): &&(usize, f64, f64)| beyond > ROUNDING * self.scale[guard];
+        let missed: Vec<Missed> = self
+            .hits
+            .iter()
+            .filter(counts)
+            .filter_map(|&(guard, t, beyond)| {
+                let (block, name) = guard_of(schedule, guard)?;
+                Some(Missed { t, path: block.path.clone(), guard: name.to_owned(), beyond })
+            })
+            .collect();
+        Findings { looks: self.looks, count: missed.len() as u64 + self.more, missed }
     }
 }

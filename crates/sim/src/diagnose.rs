@@ -76,6 +76,14 @@ fn state_name(block: &Instance, state: &str) -> String {
     if block.path.starts_with("network(") { state.to_owned() } else { format!("{}.{state}", block.path) }
 }
 
+/// The block that has a guard, and the name of the guard.
+pub(crate) fn guard_of(schedule: &Schedule, guard: usize) -> Option<(&Instance, &str)> {
+    schedule.blocks.iter().find_map(|block| {
+        let guard = block.interface.guards.get(guard.checked_sub(block.g)?)?;
+        Some((block, guard.name.as_str()))
+    })
+}
+
 /// The inputs of a block, in words: all of a few, of many those that are suspicious. Nothing if none is.
 fn inputs(block: &Instance, signals: &[f64]) -> Vec<String> {
     let cells = block.gather.iter().flat_map(|&(from, len)| &signals[from as usize..(from + len) as usize]);

@@ -5,7 +5,8 @@ use std::fmt::{Display, Formatter, Result};
 /// A simulation that could not go on. Rows up to then have been handed to the observer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimError {
-    /// A word for the manual: `settings`, `block_failed`, `not_finite`, `step_size`, `chatter`, `time_event`.
+    /// A word for the manual: `settings`, `block_failed`, `not_finite`, `step_size`, `chatter`,
+    /// `endless_events`, `time_event`.
     pub code: &'static str,
     /// When, s.
     pub t: f64,

@@ -139,24 +139,10 @@ impl Diagram {
     /// `first` whether constants are evaluated, too.
     pub fn major(&mut self, t: f64, x: &[f64], due: &[bool], first: bool) -> Result<(), Failed> {
         self.enter(t, x);
-        let Self { plan, now, signals, d, scratch, settle, .. } = self;
-        for call in &plan.major {
-            let wanted = match call.when {
-                When::Continuous | When::Major => true,
-                When::Sampled(rate) => due[rate as usize],
-                When::Constant => first,
-            };
-            if wanted {
-                let block = call.block as usize;
-                if call.settles && settle.last[block] != now.evaluation {
-                    settle.run(block, &call.unit, now, signals, d);
-                }
-                outputs(call, now, signals, d, scratch);
-                if now.fault.is_raised() {
-                    return Err(self.failed(block));
-                }
-            }
+        for call in 0..self.plan.major.len() {
+            self.call(call, due, first)?;
         }
+        let Self { plan, now, signals, d, settle, .. } = self;
         for &(block, rate) in &plan.settling {
             if rate.is_none_or(|rate| due[rate]) {
                 settle.run(block, &plan.units[block], now, signals, d);
@@ -166,6 +152,29 @@ impl Diagram {
             }
         }
         now.known = Known::Continuous;
+        Ok(())
+    }
+
+    /// One call of a major pass, if it is its time.
+    #[inline(always)]
+    pub(crate) fn call(&mut self, call: usize, due: &[bool], first: bool) -> Result<(), Failed> {
+        let Self { plan, now, signals, d, scratch, settle, .. } = self;
+        let call = &plan.major[call];
+        let wanted = match call.when {
+            When::Continuous | When::Major => true,
+            When::Sampled(rate) => due[rate as usize],
+            When::Constant => first,
+        };
+        if wanted {
+            let block = call.block as usize;
+            if call.settles && settle.last[block] != now.evaluation {
+                settle.run(block, &call.unit, now, signals, d);
+            }
+            outputs(call, now, signals, d, scratch);
+            if now.fault.is_raised() {
+                return Err(self.failed(block));
+            }
+        }
         Ok(())
     }
 

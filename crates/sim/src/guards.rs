@@ -4,6 +4,7 @@ use blocksim_block::Crossing;
 use blocksim_solve::{Failed, Stepper};
 
 use crate::evaluate::Diagram;
+use crate::rhythm::{Accumulation, Rhythm};
 use crate::scan::Samples;
 use crate::slopes::Turns;
 
@@ -47,6 +48,8 @@ pub(crate) struct Guards {
     pub kept: Vec<f64>,
     /// Those that crossed or left zero at the last cut, if that was the last step.
     pub fired: Vec<bool>,
+    /// When each fired lately.
+    pub rhythm: Rhythm,
     /// Whether `start` holds for the step to come.
     pub known: bool,
     /// Since when, and how often, guards have crossed without time getting on.
@@ -71,6 +74,7 @@ impl Guards {
             x: vec![0.0; states],
             kept: Vec::new(),
             fired: vec![false; guards],
+            rhythm: Rhythm::new(guards),
             known: false,
             chatter: (f64::NEG_INFINITY, 0),
         }
@@ -112,6 +116,12 @@ impl Guards {
     pub fn broken(&self) -> Option<usize> {
         let mut guards = self.start.iter().zip(&self.events);
         guards.position(|(&start, &events)| events == Crossing::Holds && start < 0.0)
+    }
+
+    /// Notes the guards that have fired at `t`; returns one whose events have no end.
+    pub fn beat(&mut self, t: f64) -> Option<(usize, Accumulation)> {
+        let fired = (0..self.fired.len()).filter(|&i| self.fired[i]);
+        fired.fold(None, |endless, i| endless.or(self.rhythm.beat(i, t).map(|found| (i, found))))
     }
 
     /// Counts a cut and tells whether there have been too many.

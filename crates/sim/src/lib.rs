@@ -8,8 +8,10 @@
 //! |---|---|
 //! | `simulation` | the step loop |
 //! | `major` | what happens at one instant: outputs, jumps, record, updates |
+//! | `early` | resets from outside, which come before all else of their time |
 //! | `advance` | from one instant to the next: solver, events, rows in between |
 //! | `guards`, `looks`, `slopes`, `turn`, `scan` | conditions over a step: values, looks at stages, extrema, samples |
+//! | `rhythm` | events that come faster and faster |
 //! | `audit` | was anything passed over? |
 //! | `plan` | the schedule as the hot loop wants it |
 //! | `evaluate`, `act`, `system` | calls of the blocks: outputs, all else, and what the solver sees |
@@ -24,6 +26,7 @@ mod advance;
 mod audit;
 mod clock;
 mod diagnose;
+mod early;
 mod error;
 mod evaluate;
 mod events;
@@ -36,6 +39,7 @@ mod past;
 mod plan;
 mod record;
 mod refine;
+mod rhythm;
 mod scan;
 mod sides;
 mod simulation;

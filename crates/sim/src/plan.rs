@@ -7,6 +7,8 @@ use std::sync::Arc;
 use blocksim_block::Block;
 use blocksim_block::schedule::{Instance, Schedule, Step, When};
 
+use crate::early::Early;
+
 /// A range of indices in half the space.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Span {
@@ -103,6 +105,8 @@ pub(crate) struct Plan {
     /// Blocks whose guards can cross zero between major steps.
     pub guarded: Vec<usize>,
     pub jumping: Vec<usize>,
+    /// Those of them that jump before the rest of the diagram is evaluated.
+    pub early: Early,
     pub accepting: Vec<usize>,
     pub remembering: Vec<usize>,
     pub timed: Vec<usize>,
@@ -153,6 +157,7 @@ impl Plan {
             implicit: chosen(&|b| b.interface.implicit),
             guarded: chosen(&|b| b.watched),
             jumping: chosen(&|b| b.interface.jumps),
+            early: Early::new(schedule),
             accepting: chosen(&|b| b.interface.accepts),
             remembering: chosen(&|b| b.interface.remembers.is_some()),
             timed: chosen(&|b| b.interface.time_events),

@@ -87,6 +87,11 @@ impl Rows {
         self.is_event = is_event;
     }
 
+    /// Whether the row before the present instant is known.
+    pub fn knows_before(&self) -> bool {
+        self.is_before_known
+    }
+
     /// The row just before this instant, once, if a value has jumped since; at a sample hit one that is not held, since
     /// of the others one row tells enough. What a kink changes by rounding is no jump.
     pub fn jumped_from(&mut self) -> Option<&[f64]> {

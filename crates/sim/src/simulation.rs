@@ -214,8 +214,8 @@ impl Simulation {
     }
 
     /// What an audit has found so far, if there is one.
-    pub fn findings(&self) -> Option<&Findings> {
-        self.audit.as_ref().map(|audit| &audit.findings)
+    pub fn findings(&self) -> Option<Findings> {
+        Some(self.audit.as_ref()?.findings(&self.schedule))
     }
 
     /// The compiled diagram.

@@ -6,10 +6,11 @@
 //! other side of zero is found, which brackets the first crossing, or until it is clear that there is none. Where
 //! the cubic and the stages contradict each other by a part of the distance to zero, the step is sampled (`scan.rs`).
 //!
-//! Slopes are differences over 2^-10 of the step, one minor pass for the end of a step; that of the start is known from
+//! Slopes are differences over 2^-10 of the step (2^-22 at its start), one minor pass for the end of a step; that of the start is known from
 //! the step before unless something has jumped. A guard that is far from zero as compared with its way over two
 //! steps is left alone, so that most steps cost nothing.
 
+use blocksim_block::Crossing;
 use blocksim_solve::Failed;
 
 use crate::evaluate::Diagram;
@@ -17,8 +18,10 @@ use crate::guards::{Guards, Stride};
 use crate::looks::Looks;
 use crate::slopes::Turn;
 
-/// Over which part of a step a slope is taken.
-const PART: f64 = 1.0 / 1024.0;
+/// Over which part of a step the slope at its end is taken.
+const LATE: f64 = 1.0 / 1024.0;
+/// The same at its start, where something may just have happened: a hop may be a millionth of the step.
+const EARLY: f64 = 1.0 / (1_u64 << 22) as f64;
 /// A guard that is farther from zero than this many times its way is not looked at.
 const REACH: f64 = 4.0;
 /// A step that grows by more than this has nothing to be compared with.
@@ -173,13 +176,13 @@ impl Guards {
     /// a crossing that is found on the way.
     fn find_slopes(&mut self, diagram: &mut Diagram, stride: &Stride) -> Result<Option<f64>, Failed> {
         let h = stride.t1 - stride.t0;
-        let late = stride.t1 - PART * h;
-        let early = stride.t0 + PART * h;
-        if late <= early {
+        let late = stride.t1 - LATE * h;
+        let early = stride.t0 + EARLY * h;
+        if late <= early || early <= stride.t0 {
             return Ok(None);
         }
         self.at(late, diagram, stride)?;
-        if self.crossing(&self.trial, true).is_some() {
+        if self.has_turned() {
             return Ok(Some(late));
         }
         for i in 0..self.end.len() {
@@ -191,7 +194,7 @@ impl Guards {
             return Ok(None);
         }
         self.at(early, diagram, stride)?;
-        if self.crossing(&self.trial, true).is_some() {
+        if self.has_turned() {
             return Ok(Some(early));
         }
         for i in 0..self.start.len() {
@@ -199,6 +202,16 @@ impl Guards {
         }
         self.turns.start_known = true;
         Ok(None)
+    }
+
+    /// Whether a guard has another sign at the trial point than at both ends. Those that have crossed by the end are found
+    /// anyway, and must not end the search for the others.
+    fn has_turned(&self) -> bool {
+        let ends = self.start.iter().zip(&self.end).zip(&self.trial);
+        ends.zip(&self.events).any(|(((&start, &end), &trial), &events)| {
+            let counts = if events == Crossing::Holds { events } else { Crossing::Either };
+            counts.happens(start, trial) && !counts.happens(start, end)
+        })
     }
 
     /// Looks for the other side of zero near an extremum, by parabolas through three points that enclose it.

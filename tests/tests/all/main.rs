@@ -1,6 +1,7 @@
 //! Whole diagrams and what holds for the project as a whole. One program, because every program is linked for itself.
 
 mod architecture;
+mod audit;
 mod bad_input;
 mod bad_physics;
 mod bridges;

@@ -23,7 +23,7 @@ const WITHOUT_DIAGRAM: [(&str, &str); 9] = [
 ];
 
 /// Pages whose diagram fails while it runs.
-const AT_RUN_TIME: [&str; 4] = ["block_failed", "chatter", "not_finite", "step_size"];
+const AT_RUN_TIME: [&str; 5] = ["block_failed", "chatter", "endless_events", "not_finite", "step_size"];
 
 /// Pages whose diagram fails by what the command line says.
 const WITH_OVERRIDE: [(&str, &str, &str); 1] = [("unknown_override", "levle=2", "level=2")];

@@ -310,3 +310,72 @@ fn a_guard_with_a_direction_fires_in_that_direction_alone() {
     assert_times(&times(Falling, f64::MAX, dip), &[61.0], 1e-9);
     assert_times(&times(Rising, f64::MAX, dip), &[61.5], 1e-9);
 }
+
+/// Both inputs above a half, as a number below or above zero.
+fn both(a: f64, b: f64) -> f64 {
+    if a > 0.5 && b > 0.5 { 1.0 } else { -1.0 }
+}
+
+#[test]
+fn at_a_reset_from_outside_nobody_sees_the_new_trigger_beside_the_old_value() {
+    use blocksim_block::Crossing::Rising;
+    let toy = Toy::new()
+        .with("trigger", StepAt(0.8), &[])
+        .major("trigger")
+        .with("watch", Stopwatch, &["trigger"])
+        .with("both", Function2(both), &["trigger", "watch"])
+        .with("count", Crossings(Rising), &["both"]);
+    let schedule = toy.schedule(&["watch", "count"], 1.2, ode45(), Every(10.0));
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    // Before the reset the trigger was low, after it the watch shows less than a half.
+    assert_eq!(tape.at(1.2, 1), 0.0);
+    let there: Vec<f64> = tape.rows.iter().filter(|row| row.0 == 0.8).map(|row| row.1[0]).collect();
+    assert!(there.len() == 2 && (there[0] - 0.8).abs() < 1e-12 && there[1] == 0.0, "{there:?}");
+    let jumps: Vec<&(f64, String)> = tape.events.iter().filter(|event| event.1 == "watch jump").collect();
+    assert!(jumps.len() == 1 && jumps[0].0 == 0.8, "{jumps:?}");
+    assert!((tape.at(1.2, 0) - 0.4).abs() < 1e-12);
+}
+
+#[test]
+fn a_sampled_trigger_resets_with_rows_on_both_sides() {
+    let toy = Toy::new()
+        .with("trigger", StepAt(0.7), &[])
+        .major("trigger")
+        .with("hold", Hold(0.25), &["trigger"])
+        .with("watch", Stopwatch, &["hold"]);
+    let schedule = toy.schedule(&["watch"], 1.0, ode45(), Every(10.0));
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    let there: Vec<f64> = tape.rows.iter().filter(|row| row.0 == 0.75).map(|row| row.1[0]).collect();
+    assert!(there.len() == 2 && (there[0] - 0.75).abs() < 1e-12 && there[1] == 0.0, "{there:?}");
+}
+
+#[test]
+fn who_resets_itself_has_reached_its_limit_for_all_to_see() {
+    use blocksim_block::Crossing::Rising;
+    let toy = Toy::new()
+        .with("full", Function2(|x, _| x - 1.0), &["watch", "watch"])
+        .with("sign", Sign, &["full"])
+        .with("watch", Stopwatch, &["sign"])
+        .with("count", Crossings(Rising), &["sign"]);
+    let schedule = toy.schedule(&["watch", "count"], 10.5, ode45(), Every(20.0));
+    let mut tape = Tape::default();
+    Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+    assert_eq!(tape.at(10.5, 1), 10.0);
+    assert!((tape.at(10.5, 0) - 0.5).abs() < 1e-9, "{}", tape.at(10.5, 0));
+}
+
+#[test]
+fn events_that_come_faster_and_faster_without_end_are_an_error_and_not_a_fall_through_the_floor() {
+    let ball = Ball { height: 10.0, restitution: 0.8 };
+    let schedule = Toy::new().with("ball", ball, &[]).schedule(&["ball.h"], 14.0, ode45(), Every(0.1));
+    let mut tape = Tape::default();
+    let error = Simulation::new(schedule).unwrap().run(&mut tape).unwrap_err();
+    assert_eq!((error.code, error.path.as_deref()), ("endless_events", Some("ball")));
+    let fall = (2.0 * 10.0 / GRAVITY).sqrt();
+    let end = fall + 2.0 * fall * 0.8 / 0.2;
+    assert!(error.t < end && error.t > end - 1e-6, "{} and not {end}", error.t);
+    assert!(tape.rows.iter().all(|row| row.1[0] > -1e-12), "rows so far are kept and right");
+    assert!(tape.rows.len() > 120);
+}

@@ -68,14 +68,14 @@ fn a_guard_that_swings_faster_than_its_state_is_followed() {
 
 #[test]
 fn what_depends_on_time_alone_is_sampled_until_nothing_can_hide() {
-    // Two lobes of 10 ms within a second, in a run without states: (t - a)(t - b) near a and b.
-    let hidden = |t: f64, _: f64| (t - 0.313) * (t - 0.318) * (t - 0.771) * (t - 0.781);
+    // Two lobes of 10 and 15 ms within a second, in a run without states: (t - a)(t - b) near a and b.
+    let hidden = |t: f64, _: f64| (t - 0.313) * (t - 0.328) * (t - 0.771) * (t - 0.781);
     let toy = Toy::new().with("t", Time, &[]).with("u", Function2(hidden), &["t", "t"]);
     let (tape, _) =
         run(toy.with("sign", Sign, &["u"]), &["sign"], 1.0, solver(VariableMethod::Ode45, f64::INFINITY));
     let times: Vec<f64> = tape.events.iter().map(|event| event.0).collect();
     assert_eq!(times.len(), 4, "{times:?}");
-    for (time, expected) in times.iter().zip([0.313, 0.318, 0.771, 0.781]) {
+    for (time, expected) in times.iter().zip([0.313, 0.328, 0.771, 0.781]) {
         assert!((time - expected).abs() < 1e-9, "{times:?}");
     }
 }
@@ -118,7 +118,7 @@ fn an_audit_finds_what_long_steps_have_passed_over() {
         let mut sim = Simulation::new(toy.schedule(&["x", "sign"], 100.0, solver, Every(100.0))).unwrap();
         let is_audited = sim.audit();
         sim.run(&mut tape).unwrap();
-        (is_audited, tape.bits(), tape.events.len(), sim.findings().cloned())
+        (is_audited, tape.bits(), tape.events.len(), sim.findings())
     };
     let (_, _, events, findings) = audited(dip(), solver(VariableMethod::Ode45, f64::MAX));
     let findings = findings.unwrap();
@@ -135,4 +135,18 @@ fn an_audit_finds_what_long_steps_have_passed_over() {
         assert_eq!(tape.bits(), bits);
     }
     assert!(!audited(dip(), ode4(0.1)).0);
+}
+
+#[test]
+fn a_dip_is_seen_in_a_step_at_whose_end_another_guard_has_crossed() {
+    // The sign of `dip` changes twice just behind 30 s, that of `late` once at 31 s; steps are seconds long.
+    for method in METHODS {
+        let toy = Toy::new().with("one", Constant(1.0), &[]).with("x", Integrator(0.0), &["one"]);
+        let toy = toy.with("u", Function2(|x, _| (x - 30.0) * (x - 30.1)), &["x", "x"]);
+        let toy = toy.with("v", Function2(|x, _| x - 31.0), &["x", "x"]);
+        let toy = toy.with("dip", Sign, &["u"]).with("late", Sign, &["v"]);
+        let (tape, _) = run(toy, &["dip"], 100.0, solver(method, f64::MAX));
+        let names: Vec<&str> = tape.events.iter().map(|event| event.1.as_str()).collect();
+        assert_eq!(names, ["dip zero", "dip zero", "late zero"], "{method:?}");
+    }
 }

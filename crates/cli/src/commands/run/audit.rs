@@ -11,6 +11,9 @@ const LISTED: usize = 20;
 /// The findings as a note, or as an error if anything was passed over.
 pub fn text(findings: &Findings) -> String {
     let looks = plural(usize::try_from(findings.looks).unwrap_or(usize::MAX), "point");
+    if findings.looks == 0 {
+        return "note: audited: the model has no condition that could change within a step".to_owned();
+    }
     if findings.count == 0 {
         return format!("note: audited at {looks} within steps: no change of a condition was passed over");
     }

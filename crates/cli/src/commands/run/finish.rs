@@ -73,7 +73,7 @@ pub fn keep_and_tell(
         _ => report.text(Some(&place), args, console),
     })?;
     if let Some(findings) = simulation.findings() {
-        console.say(&super::audit::text(findings));
+        console.say(&super::audit::text(&findings));
         if findings.count > 0 && exit == Exit::Done {
             exit = Exit::Failed;
         }

@@ -295,6 +295,34 @@ impl Block for Ball {
     }
 }
 
+/// x' = 1, back to zero when the input becomes one.
+#[derive(Debug)]
+pub struct Stopwatch;
+
+impl Block for Stopwatch {
+    fn interface(&self, _: &Given) -> Result {
+        let interface = inputs(&["reset"]).output_from_state(Output::real("y")).state("x", 0.0);
+        Ok(interface.discrete("last", 0.0).jumps())
+    }
+
+    fn outputs(&self, _: usize, c: &Context, _: &mut Scratch, y: &mut [f64]) {
+        y[0] = c.x[0];
+    }
+
+    fn derivatives(&self, _: &Context, _: &mut Scratch, dx: &mut [f64]) {
+        dx[0] = 1.0;
+    }
+
+    fn jump(&self, c: &Context, _w: &mut Scratch, x: &mut [f64], d: &mut [f64]) -> bool {
+        let rises = d[0] <= 0.0 && c.scalar(0) > 0.0;
+        d[0] = c.scalar(0);
+        if rises {
+            x[0] = 0.0;
+        }
+        rises
+    }
+}
+
 /// Jumps whenever it is asked.
 #[derive(Debug)]
 pub struct Restless;

@@ -1,0 +1,60 @@
+//! No shipped diagram passes over a change of a condition: every run is looked at on a fine grid.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use blocksim_block::schedule::Solver;
+use blocksim_sim::{Observer, Simulation};
+use blocksim_tests::{compile_file, root};
+
+struct Nobody;
+
+impl Observer for Nobody {
+    fn row(&mut self, _t: f64, _values: &[f64]) {}
+}
+
+/// Runs are audited up to this time, s; the robot alone makes thousands of steps in a second.
+const LONGEST: f64 = 0.5;
+
+fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            collect(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "ron") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn no_shipped_diagram_passes_over_a_change_of_a_condition() {
+    let mut paths = Vec::new();
+    collect(&root().join("diagrams"), &mut paths);
+    paths.sort();
+    let (mut audited, mut looks, mut wrong) = (0, 0, Vec::new());
+    for path in &paths {
+        let name = path.strip_prefix(root()).expect("below the root").display().to_string();
+        // Parts of models and files of moves are no runs.
+        let Some(schedule) = compile_file(&name, &[]).0.schedule else { continue };
+        if matches!(schedule.settings.solver, Solver::Fixed { .. }) || schedule.guards == 0 {
+            continue;
+        }
+        let end = if name.contains("irb2600") { LONGEST } else { schedule.settings.stop_time };
+        let end = end.min(schedule.settings.stop_time);
+        let mut simulation = Simulation::new(Arc::new(schedule)).expect("a start");
+        assert!(simulation.audit());
+        if let Err(error) = simulation.run_until(end, &mut Nobody) {
+            wrong.push(format!("{name}: {error}"));
+            continue;
+        }
+        let findings = simulation.findings().expect("an audit");
+        if findings.count > 0 {
+            wrong.push(format!("{name}: {findings:?}"));
+        }
+        audited += 1;
+        looks += findings.looks;
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(audited >= 15 && looks > 1_000_000, "only {audited} runs were audited, at {looks} points");
+}
