@@ -15,8 +15,9 @@ impl Block for Network {
         Scratch::new(Work::new(self))
     }
 
-    fn initialize(&self, _c: &Context, x: &mut [f64], d: &mut [f64]) {
+    fn initialize(&self, c: &Context, x: &mut [f64], d: &mut [f64]) {
         self.follow_speeds(x, &[], d);
+        self.turn_machines(c, x, d);
     }
 
     fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
@@ -36,7 +37,9 @@ impl Block for Network {
             self.held_circuits(c, w);
         }
         for seat in self.active.measures[group].iter().map(|i| &self.seats[*i]) {
-            if let (Some(needs), Some(component)) = (seat.measures[group], seat.component()) {
+            if let (ELECTRICS, Some(held)) = (group, &seat.held) {
+                self.measure_mean(c, seat, held, w, &mut y[seat.y.clone()]);
+            } else if let (Some(needs), Some(component)) = (seat.measures[group], seat.component()) {
                 let law = if group == MOTION { self.whole_law(c, seat, w) } else { self.law(c, seat, w) };
                 component.measure(&law, needs, &mut y[seat.y.clone()]);
             }

@@ -73,6 +73,12 @@ pub(crate) struct Held {
     pub d_end: Range<usize>,
     /// Mean torque of each branch.
     pub torque: Range<usize>,
+    /// Means over the step: states, voltages and currents of the two-pins, space vector and zero sequence of the supply.
+    pub mean: Range<usize>,
+    /// Speed of each pin that is expected at the end of the step, and where it lies how far off it has been of late and the greatest
+    /// speed so far.
+    pub expected: Range<usize>,
+    pub missed: usize,
 }
 
 impl Seat {

@@ -4,6 +4,7 @@ use blocksim_block::{Context, Fault};
 
 use crate::network::Network;
 use crate::problem::NetworkProblem;
+use crate::seat::Role;
 use crate::work::Work;
 
 impl Network {
@@ -55,5 +56,33 @@ impl Network {
             problems.extend(self.misfit(index, &work));
         }
         if problems.is_empty() { Ok(()) } else { Err(problems) }
+    }
+
+    /// Turns the fluxes that machines start with to the voltage that their circuit has at the start, where sources alone
+    /// decide it. A machine that a source feeds directly is in the frame of that source already.
+    pub(crate) fn turn_machines(&self, c: &Context, x: &mut [f64], d: &[f64]) {
+        let is_machine = |i: &&usize| matches!(self.seats[**i].role, Role::Machine(_));
+        let islands = self.electrics.islands.iter().enumerate();
+        let mut known = islands.filter(|(_, island)| {
+            island.valves.is_empty()
+                && island.separate.is_none()
+                && island.members.iter().any(|i| is_machine(&i))
+        });
+        let Some(first) = known.next() else { return };
+        let mut work = Work::new(self);
+        let before = x.to_vec();
+        let c = Context { x: &before, d, ..*c };
+        self.state_phase(&c, &mut work);
+        for (index, island) in std::iter::once(first).chain(known) {
+            if self.circuit(index, &c, &mut work).is_err() || !work.circuits[index].is_stiff() {
+                continue;
+            }
+            for seat in island.members.iter().filter(is_machine).map(|i| &self.seats[*i]) {
+                let [d, q] = seat.supply.map_or([0.0; 2], |slot| work.supply[slot].voltage);
+                if let Some(component) = seat.component().filter(|_| d != 0.0 || q != 0.0) {
+                    component.turn(q.atan2(d), &mut x[seat.x.clone()]);
+                }
+            }
+        }
     }
 }

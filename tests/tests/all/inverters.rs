@@ -17,12 +17,14 @@ fn at_fixed_speed(inverter: &str, speed: f64, stop: &str) -> String {
             start: Magnetised(voltage: "220 V", frequency: "60 Hz", slip: 0.02),
         ),
         "turn": IdealSpeedSource, "frame": RotationalReference,
-        "s": Scope(inputs: ["torque", "shaft", "slip"]),
+        "s": Scope(inputs: ["torque", "shaft", "slip", "v", "i", "p", "q", "dc"]),
     }},
     connections: [
         "v.y -> inverter.v", "f.y -> inverter.f", "w.y -> turn.w",
         "inverter.ac <-> machine.ac", "machine.r <-> turn.r", "machine.c <-> turn.c <-> frame.r",
         "machine.torque -> s.torque", "turn.tau -> s.shaft", "machine.slip -> s.slip",
+        "machine.v_rms -> s.v", "machine.i_rms -> s.i", "machine.power -> s.p", "machine.reactive_power -> s.q",
+        "inverter.power -> s.dc",
     ],
 )"#
     )
@@ -63,7 +65,8 @@ fn a_switching_inverter_gives_the_torque_of_its_mean() {
         // The shaft gets the mean of each coupling step.
         close(-mean(&run, "s.shaft"), TORQUE, 5e-3);
         // Against the flux of the rotor, as a circuit does not tell its frequency.
-        close(run.column("s.slip")[run.time.len() - 1], 0.02, 1e-3);
+        // A mean of fluxes that turn is a little shorter.
+        close(run.column("s.slip")[run.time.len() - 1], 0.02, 2e-3);
     }
 }
 
@@ -90,21 +93,109 @@ fn separate_is_as_together(sampling: &str) {
     }
 }
 
-/// The reference machine that runs up an inertia from rest behind an inverter of 8 kHz.
-fn run_up(integration: &str) -> Run {
-    run_text(&format!(
+/// Instants at which a carrier begins say nothing of voltages: all legs are low.
+#[test]
+fn a_separate_circuit_shows_the_means_of_what_switches() {
+    let averaged = run_text(&at_fixed_speed("AveragedInverter(vdc: \"400 V\")", SPEED, "60 ms"));
+    let switched = "SwitchedInverter(vdc: \"400 V\", switching_frequency: \"10 kHz\", integration: Separate(periods: 1))";
+    let separate = run_text(&at_fixed_speed(switched, SPEED, "60 ms"));
+    for (name, relative) in [("s.v", 2e-3), ("s.i", 2e-3), ("s.p", 2e-3), ("s.q", 5e-3), ("s.dc", 2e-3)] {
+        close(mean(&separate, name), mean(&averaged, name), relative);
+    }
+    // What the inverter takes arrives at the machine.
+    for (dc, p) in separate.column("s.dc").iter().zip(separate.column("s.p")).skip(10) {
+        assert!((dc - p).abs() < 1e-3 * p.abs(), "{dc} != {p}");
+    }
+}
+
+/// A machine that starts in the steady state of its source has no transient, also where a sensor lies between.
+#[test]
+fn a_magnetised_machine_knows_the_phase_of_its_source_through_a_sensor() {
+    for source in [
+        r#""mains": ThreePhaseSource(voltage: "220 V", frequency: "60 Hz", phase: "70 deg")"#,
+        r#""mains": ThreePhaseSource(voltage: "220 V", frequency: "60 Hz", phase: "-2", neutral: Floating)"#,
+    ] {
+        let text = at_fixed_speed("ThreePhaseCurrentSensor", SPEED, "60 ms")
+            .replace("\"inverter\": ", &format!("{source}, \"inverter\": "))
+            .replace("\"v.y -> inverter.v\", \"f.y -> inverter.f\", ", "\"mains.ac <-> inverter.ac1\", ")
+            .replace("inverter.ac <-> machine.ac", "inverter.ac2 <-> machine.ac")
+            .replace(
+                "\"v\": Constant(value: \"179.62924780409972 V\"), \"f\": Constant(value: \"60 Hz\"), ",
+                "",
+            )
+            .replace("\"inverter.power -> s.dc\",", "\"mains.power -> s.dc\",");
+        let run = run_text(&text);
+        let torque = run.column("s.torque");
+        assert!(
+            torque.iter().all(|torque| (torque / TORQUE - 1.0).abs() < 1e-4),
+            "{source}: {:?}",
+            &torque[..5]
+        );
+    }
+}
+
+#[test]
+fn a_negative_amplitude_turns_the_voltages_by_half_a_turn() {
+    let torques = ["", "-"].map(|sign| {
+        let text = at_fixed_speed("AveragedInverter(vdc: \"400 V\")", SPEED, "0.3 s")
+            .replace("179.62924780409972 V", &format!("{sign}179.62924780409972 V"));
+        mean(&run_text(&text), "s.torque")
+    });
+    close(torques[1], torques[0], 1e-3);
+}
+
+/// An exchange of two phases turns the field the other way; what magnetises the machine stays positive.
+#[test]
+fn reactive_power_does_not_know_which_way_the_field_turns() {
+    let powers = [("60 Hz", SPEED), ("-60 Hz", -SPEED)].map(|(frequency, speed)| {
+        let text = at_fixed_speed("AveragedInverter(vdc: \"400 V\")", speed, "0.3 s")
+            .replace("f\": Constant(value: \"60 Hz\")", &format!("f\": Constant(value: \"{frequency}\")"))
+            .replace(
+                "start: Magnetised(voltage: \"220 V\", frequency: \"60 Hz\"",
+                &format!("start: Magnetised(voltage: \"220 V\", frequency: \"{frequency}\""),
+            );
+        let run = run_text(&text);
+        [mean(&run, "s.p"), mean(&run, "s.q")]
+    });
+    assert!(powers[0][1] > 1e3, "{powers:?}");
+    (0..2).for_each(|k| close(powers[1][k], powers[0][k], 1e-6));
+}
+
+/// A rotor so light that it changes its speed within a coupling step as fast as the currents.
+#[test]
+fn a_light_rotor_runs_up_as_it_does_together_with_its_circuit() {
+    let runs = ["Together", "Separate(periods: 1)"]
+        .map(|integration| run_up_of("1e-4 kg*m^2", "2 kHz", integration));
+    let size = runs[0].column("s.w").iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+    for ms in 1..=32 {
+        let t = 1e-3 * f64::from(ms);
+        let [together, separate] = [0, 1].map(|k: usize| {
+            let run = &runs[k];
+            run.column("s.w")[run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row")]
+        });
+        assert!((together - separate).abs() < 0.03 * size, "{separate} != {together} at {t}");
+    }
+}
+
+fn run_up_of(inertia: &str, carrier: &str, integration: &str) -> Run {
+    run_text(&run_up_text(inertia, carrier, integration))
+}
+
+/// The reference machine that runs up an inertia from rest behind an inverter.
+fn run_up_text(inertia: &str, carrier: &str, integration: &str) -> String {
+    format!(
         r#"Diagram(
     simulation: (stop_time: "32 ms", solver: Ode45(rtol: 1e-9, atol: 1e-9), output: Every("1 ms")),
     blocks: {{
         "v": Constant(value: "60 V"), "f": Constant(value: "20 Hz"),
         "inverter": SwitchedInverter(
-            vdc: "400 V", switching_frequency: "8 kHz", modulation: SpaceVector, integration: {integration},
+            vdc: "400 V", switching_frequency: "{carrier}", modulation: SpaceVector, integration: {integration},
         ),
         "machine": AsynchronousMachine(
             rated_power: "15 kW", rated_voltage: "220 V", rated_frequency: "60 Hz", pole_pairs: 1,
             r_s: "0.25 ohm", x_ls: "0.9 ohm", r_r: "0.14 ohm", x_lr: "0.41 ohm", x_m: "17 ohm",
         ),
-        "rotor": Inertia(j: "0.01 kg*m^2"), "encoder": MotionSensor, "frame": RotationalReference,
+        "rotor": Inertia(j: "{inertia}"), "encoder": MotionSensor, "frame": RotationalReference,
         "s": Scope(inputs: ["w"]),
     }},
     connections: [
@@ -112,26 +203,46 @@ fn run_up(integration: &str) -> Run {
         "machine.r <-> rotor.r <-> encoder.r", "machine.c <-> encoder.c <-> frame.r", "encoder.w -> s.w",
     ],
 )"#
-    ))
+    )
 }
 
-#[test]
-fn the_coupling_of_a_separate_circuit_is_of_order_two() {
+/// Largest error of the speed at instants that belong to all coupling steps (1 ms, 0.5 ms, 0.25 ms) in parts of the speed, of a
+/// rotor with this load.
+fn coupling_errors(load: &str) -> [f64; 3] {
+    let wired = if load.contains("load") { "\"rotor.r <-> load.r\", \"load.c <-> far.r\", " } else { "" };
+    let run = |integration: &str| {
+        let text =
+            run_up_text("0.01 kg*m^2", "8 kHz", integration).replace("\"encoder\": MotionSensor", load);
+        run_text(&text.replace("connections: [", &format!("connections: [{wired}")))
+    };
     let speed = |run: &Run, ms: f64| {
         let row = run.time.iter().rposition(|t| (t - 1e-3 * ms).abs() < 1e-9).expect("a row");
         run.column("s.w")[row]
     };
-    let exact = run_up("Together");
-    // Largest error at instants that belong to all coupling steps: 1 ms, 0.5 ms, 0.25 ms.
-    let errors = [8, 4, 2].map(|periods| {
-        let run = run_up(&format!("Separate(periods: {periods})"));
-        (1..=32)
-            .map(|ms| (speed(&run, f64::from(ms)) - speed(&exact, f64::from(ms))).abs())
-            .fold(0.0, f64::max)
-    });
+    let exact = run("Together");
+    [8, 4, 2].map(|periods| {
+        let run = run(&format!("Separate(periods: {periods})"));
+        let error = |ms: i32| (speed(&run, f64::from(ms)) - speed(&exact, f64::from(ms))).abs();
+        (1..=32).map(error).fold(0.0, f64::max) / speed(&exact, 32.0).abs()
+    })
+}
+
+/// What the torques do to a speed through an inertia the circuit knows by itself.
+#[test]
+fn a_separate_circuit_with_a_mere_inertia_is_as_exact_as_together_with_it() {
+    let errors = coupling_errors("\"encoder\": MotionSensor");
+    assert!(errors.iter().all(|error| *error < 1e-8), "{errors:?}");
+}
+
+#[test]
+fn the_coupling_of_a_separate_circuit_is_of_order_two() {
+    // A load whose torque the circuit takes for constant within a coupling step.
+    let errors = coupling_errors(
+        "\"encoder\": MotionSensor, \"load\": RotationalDamper(d: \"1 N*m*s/rad\"), \"far\": RotationalReference",
+    );
+    assert!(errors[2] < 1e-3, "{errors:?}");
     for pair in errors.windows(2) {
         let ratio = pair[0] / pair[1];
-        assert!((3.2..5.5).contains(&ratio), "{errors:?}");
+        assert!((3.0..6.0).contains(&ratio), "{errors:?}");
     }
-    assert!(errors[2] < 1e-3 * speed(&exact, 32.0).abs(), "{errors:?}");
 }

@@ -47,6 +47,10 @@ pub trait Component: Debug + Send + Sync {
     /// does in no time when a contact opens.
     fn strike(&self, _c: &Law, _volt_seconds: &[f64], _x: &mut [f64]) {}
 
+    /// Turns the states at the start, which hold for a voltage vector along the axis of phase a, to one at this angle, rad. Called
+    /// once for machines in circuits whose voltages are known at the start.
+    fn turn(&self, _angle: f64, _x: &mut [f64]) {}
+
     /// Torque of each branch.
     fn torques(&self, _c: &Law, _tau: &mut [Torque]) {}
 

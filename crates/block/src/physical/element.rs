@@ -187,6 +187,8 @@ pub enum Element {
     Supply {
         /// Three-phase port.
         ac: usize,
+        /// Star point.
+        n: Pin,
     },
     /// A three-phase winding that is symmetric and has inductance; it sees [`Law::supply`](super::Law::supply) and gives
     /// [`Component::line_current`](super::Component::line_current).

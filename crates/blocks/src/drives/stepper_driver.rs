@@ -15,8 +15,8 @@ use blocksim_block::prelude::*;
 /// | `Micro(m)` | $m$ | $A (\cos\varphi, \sin\varphi)$ |
 ///
 /// With `command: Pulses` each rise of `step` counts one position, down while `reverse` is true. With
-/// `command: Angle(teeth: ..)` the position is the one nearest to the input `angle` of the rotor; the solver stops halfway
-/// between two of them. For a commanded speed, integrate it to an angle. A motor that cannot follow loses steps: nobody
+/// `command: Angle(teeth: ..)` the position is the one at which the field stands nearest to the input `angle` of the rotor
+/// (with `Full` half a step beside the full steps); the solver stops halfway between two of them. For a commanded speed, integrate it to an angle. A motor that cannot follow loses steps: nobody
 /// looks whether it does.
 ///
 /// Give the outputs to two `ControlledVoltageSource`, or compare them with the currents of the motor.
@@ -74,6 +74,11 @@ impl Drive {
         }
     }
 
+    /// How far the field stands ahead of a position, in positions.
+    fn ahead(self) -> f64 {
+        if self == Self::Full { 0.5 } else { 0.0 }
+    }
+
     /// Shares of the amplitude of both phases at a position.
     fn phases(self, n: f64) -> [f64; 2] {
         // The turn of four full steps is reduced first, so that many positions lose no digits.
@@ -97,9 +102,9 @@ const N: usize = 0;
 const WAS: usize = 1;
 
 impl StepperDriver {
-    /// Positions for each radian of the rotor.
-    fn per_radian(&self, teeth: u32) -> f64 {
-        f64::from(teeth) * f64::from(self.drive.positions()) / FRAC_PI_2
+    /// The position, not rounded, at which the field stands at an angle of the rotor.
+    fn wanted(&self, angle: f64, teeth: u32) -> f64 {
+        angle * f64::from(teeth) * f64::from(self.drive.positions()) / FRAC_PI_2 - self.drive.ahead()
     }
 }
 
@@ -150,9 +155,9 @@ impl Block for StepperDriver {
                 d[WAS] = f64::from(step != 0.0);
             }
             Command::Angle { teeth } => {
-                let wanted = c.scalar(0) * self.per_radian(teeth);
-                // What is no number moves nothing.
-                if (wanted - d[N]).abs() >= 0.5 {
+                let wanted = self.wanted(c.scalar(0), teeth);
+                // What is no number moves nothing, nor does a tie.
+                if (wanted - d[N]).abs() > 0.5 {
                     d[N] = wanted.round();
                 }
             }
@@ -166,7 +171,7 @@ impl Block for StepperDriver {
 
     fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         if let Command::Angle { teeth } = self.command {
-            let ahead = c.scalar(0) * self.per_radian(teeth) - c.d[N];
+            let ahead = self.wanted(c.scalar(0), teeth) - c.d[N];
             (g[0], g[1]) = (ahead - 0.5, ahead + 0.5);
         }
     }
@@ -232,6 +237,23 @@ mod tests {
         let guards = bench.guards();
         assert!((guards[0] + 0.3).abs() < 1e-12 && (guards[1] - 0.7).abs() < 1e-12, "{guards:?}");
         assert_eq!(bench.set(0, &[f64::NAN]).major()[2], 100.0);
+    }
+
+    /// Wherever it is commanded to, the field is at most half a position away from there.
+    #[test]
+    fn the_field_stands_nearest_to_the_wanted_angle_with_every_drive() {
+        for drive in [Drive::Wave, Drive::Full, Drive::Half, Drive::Micro(4)] {
+            let command = Command::Angle { teeth: 50 };
+            let mut bench = Bench::new(StepperDriver { drive, command, ..DRIVER });
+            let position = PI / 100.0 / f64::from(drive.positions());
+            for k in -100..100 {
+                let angle = 0.0011 * f64::from(k) + 1e-5;
+                let y = bench.set(0, &[angle]).major();
+                let field = y[1].atan2(y[0]);
+                let off = (50.0 * angle - field + PI).rem_euclid(2.0 * PI) - PI;
+                assert!((off / 50.0).abs() <= 0.5 * position * (1.0 + 1e-9), "{drive:?} at {angle}: {off}");
+            }
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@ use blocksim_block::prelude::*;
 use super::asynchronous_machine_outputs as out;
 use super::asynchronous_machine_parameters::{Connection, Start};
 use super::induction::{Base, Circuit, Complex, Machine};
+use super::space_vector::turned;
 
 /// Speeds of the flux, in per unit, below which a slip against it says nothing.
 const STANDSTILL: f64 = 1e-6;
@@ -26,6 +27,8 @@ pub(super) struct Motor {
     line: f64,
     /// Fluxes at the start.
     start: Vec<f64>,
+    /// They belong to a voltage along the axis of phase a.
+    turns: bool,
 }
 
 /// Whether a machine of this connection can have a current of the zero sequence.
@@ -53,7 +56,9 @@ impl Motor {
         };
         let (voltage, line) = (delta / base.v, delta * base.i);
         let machine = Machine::new(circuit, base.w);
-        let mut motor = Self { base, machine, power, connection, voltage, line, start: Vec::new() };
+        let mut motor =
+            Self { base, machine, power, connection, voltage, line, start: Vec::new(), turns: false };
+        motor.turns = matches!(start, Start::Magnetised { .. });
         motor.start = motor.fluxes(start)?;
         Ok(motor)
     }
@@ -112,12 +117,22 @@ impl Motor {
         (TAU * c.supply.frequency / self.base.w, self.base.speed * c.speed[0])
     }
 
-    /// Slip against the supply where its frequency is known, else against the flux of the rotor.
-    fn slip(&self, c: &Law) -> f64 {
+    /// Speed of the supply in per unit where its frequency is known, else of the flux of the rotor.
+    fn field_speed(&self, c: &Law) -> f64 {
         let (w, w_r) = self.speeds(c);
-        let w = if w == 0.0 { self.machine.rotor_flux_speed(c.x, w_r) } else { w };
+        if w == 0.0 { self.machine.rotor_flux_speed(c.x, w_r) } else { w }
+    }
+
+    /// Slip against the field.
+    fn slip(&self, c: &Law) -> f64 {
+        let (w, w_r) = (self.field_speed(c), self.speeds(c).1);
         if w.abs() < STANDSTILL { 0.0 } else { 1.0 - w_r / w }
     }
+}
+
+/// Mean over the three windings of the square of what has this space vector (peak) and zero sequence.
+fn mean_square(vector: Complex, zero: f64) -> f64 {
+    0.5 * vector.dot(vector) + zero * zero
 }
 
 impl Component for Motor {
@@ -172,6 +187,15 @@ impl Component for Motor {
         }
     }
 
+    fn turn(&self, angle: f64, x: &mut [f64]) {
+        if self.turns {
+            let fluxes = 2 * (1 + self.machine.circuit().cages.count());
+            for flux in x[..fluxes].chunks_exact_mut(2) {
+                flux.copy_from_slice(&turned([flux[0], flux[1]], angle));
+            }
+        }
+    }
+
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
         tau[0] = Torque { value: -self.base.t * self.machine.torque(c.x), slope: 0.0 };
     }
@@ -202,14 +226,15 @@ impl Component for Motor {
                 y[out::PU_VELOCITY] = velocity;
                 y[out::SLIP_RATED] = 1.0 - velocity;
                 y[out::PU_CURRENT] = i.abs();
-                y[out::I_RMS] = base.i / SQRT_2 * i.abs();
+                y[out::I_RMS] = base.i * mean_square(i, self.machine.zero_current(c.x)).sqrt();
             }
             Needs::Electrics => {
                 let ((v, v_0), i_0) = (self.winding_voltage(c), self.machine.zero_current(c.x));
                 y[out::SLIP] = self.slip(c);
                 let p = v.dot(i) + 2.0 * v_0 * i_0;
-                let q = -v.cross(i);
-                let s = p.hypot(q);
+                // What magnetises a winding is positive, whichever way the field turns.
+                let q = -v.cross(i) * if self.field_speed(c) < 0.0 { -1.0 } else { 1.0 };
+                let s = 2.0 * (mean_square(v, v_0) * mean_square(i, i_0)).sqrt();
                 let powers = [out::PU_POWER, out::PU_REACTIVE_POWER, out::PU_APPARENT_POWER];
                 let in_watts = [out::POWER, out::REACTIVE_POWER, out::APPARENT_POWER];
                 for ((value, pu), si) in [p, q, s].into_iter().zip(powers).zip(in_watts) {
@@ -218,7 +243,7 @@ impl Component for Motor {
                 }
                 y[out::POWER_FACTOR] = if s == 0.0 { 0.0 } else { p / s };
                 y[out::PU_VOLTAGE] = v.abs();
-                y[out::V_RMS] = base.v / SQRT_2 * v.abs();
+                y[out::V_RMS] = base.v * mean_square(v, v_0).sqrt();
                 // The voltage of a winding in delta leads that of the phase by 30 degrees.
                 let lead = if self.connection == Connection::Delta { FRAC_PI_6 } else { 0.0 };
                 let angle = c.supply.angle + lead - base.w * c.t;

@@ -35,11 +35,16 @@ pub(super) fn measured(part: Part) -> Part {
         .measures("velocity", "rad/s", State, "speed of the rotor against the housing")
         .measures("slip", "1", Electrics, "slip against the frequency of the supply")
         .measures("slip_rated", "1", State, "slip against the rated frequency")
-        .measures("i_rms", "A", State, "RMS current of a winding")
-        .measures("v_rms", "V", Electrics, "RMS voltage of a winding")
+        .measures("i_rms", "A", State, "current of a winding: root of the mean square over the three of them")
+        .measures(
+            "v_rms",
+            "V",
+            Electrics,
+            "voltage of a winding: root of the mean square over the three of them",
+        )
         .measures("power", "W", Electrics, "power drawn from the lines")
-        .measures("reactive_power", "W", Electrics, "reactive power drawn from the lines")
-        .measures("apparent_power", "W", Electrics, "apparent power")
+        .measures("reactive_power", "var", Electrics, "reactive power drawn from the lines")
+        .measures("apparent_power", "VA", Electrics, "apparent power")
         .measures("power_factor", "1", Electrics, "power over apparent power; 0 without any")
         .measures("v_ds", "V", Electrics, "stator voltage, direct axis, peak")
         .measures("v_qs", "V", Electrics, "stator voltage, quadrature axis, peak")

@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use blocksim_block::physical::{Domain, Element, Supply};
+use blocksim_block::physical::{Domain, Element, Pin, Supply};
 use blocksim_block::prelude::*;
 
 use crate::drives::modulation::Modulation;
@@ -9,11 +9,12 @@ use crate::three_phase::three_phase_source::delivered;
 
 /// Three-phase inverter without its switching: the mean of the phase voltages over a switching period.
 ///
-/// $$ \dot\theta = 2\pi f, \qquad v_a = \hat v \cos\theta, \qquad \hat v = \min(v, v_{max}) $$
+/// $$ \dot\theta = 2\pi f, \qquad v_a = \hat v \cos\theta, \qquad |\hat v| = \min(|v|, v_{max}) $$
 ///
 /// The angle is an integral of the frequency, so the voltages have no jump when the frequency changes. The DC
 /// link limits the amplitude: $v_{max} = V_{dc}/2$ for sine modulation, $V_{dc}/\sqrt3$ for space-vector
-/// modulation and the discontinuous laws of `PwmGenerator`. With `reverse` the phases b and c are exchanged: angle
+/// modulation and the discontinuous laws of `PwmGenerator`; `limited` tells when it does. A negative amplitude turns the
+/// voltages by half a turn. With `reverse` the phases b and c are exchanged: angle
 /// and frequency are mirrored. A negative frequency turns the field the other way as well, and does it without a
 /// jump of the voltages.
 ///
@@ -74,15 +75,19 @@ impl Component for AveragedInverter {
             .measures("theta", "rad", Needs::State, "angle of phase a")
             .measures("amplitude", "V", Needs::Electrics, "peak phase voltage after the limit")
             .measures("power", "W", Needs::Electrics, "power taken from the DC link")
+            .output(Output::boolean("limited").doc("the DC link limits the amplitude"), Needs::Electrics)
             .state("theta", 0.0)
             .state("frame", 0.0)
-            .element(Element::Supply { ac: 0 })
+            .element(Element::Supply { ac: 0, n: Pin::Ground })
     }
 
     fn supply(&self, c: &Law) -> Supply {
         let sequence = sequence(c);
         Supply {
-            voltage: turned([c.scalar(V).clamp(0.0, self.limit()), 0.0], sequence * c.x[THETA] - c.x[FRAME]),
+            voltage: turned(
+                [c.scalar(V).clamp(-self.limit(), self.limit()), 0.0],
+                sequence * c.x[THETA] - c.x[FRAME],
+            ),
             zero: 0.0,
             frequency: sequence * c.scalar(F),
             angle: c.x[FRAME],
@@ -100,6 +105,7 @@ impl Component for AveragedInverter {
             Needs::Electrics => {
                 y[1] = c.supply.amplitude();
                 y[2] = delivered(c.supply, *c.line_current);
+                y[3] = f64::from(c.scalar(V).abs() > self.limit());
             }
             Needs::Motion => {}
         }
@@ -121,7 +127,8 @@ mod tests {
         assert_eq!(amplitude(&sine, 150.0), 150.0);
         assert_eq!(amplitude(&sine, 250.0), 200.0);
         assert!((amplitude(&vectors, 250.0) - 230.940_107_676).abs() < 1e-8);
-        assert_eq!(amplitude(&sine, -1.0), 0.0);
+        assert_eq!(amplitude(&sine, -1.0), 1.0);
+        assert_eq!(amplitude(&sine, -250.0), 200.0);
     }
 
     #[test]

@@ -20,8 +20,12 @@ use crate::machines::space_vector::turned;
 /// `integration: Together` leaves the circuit to the solver of the diagram, which stops at every edge. `Separate`
 /// integrates the circuit by itself, from edge to edge, and couples it to the mechanics every so many periods of the
 /// carrier: the shaft gets the mean torque of these periods, the machine the speed that is expected for them. That is
-/// many times faster, and exact to second order in the length of a coupling step; what is recorded of the circuit are then
-/// its values at the beginnings of coupling steps.
+/// many times faster, and exact to second order in the length of a coupling step. What needs voltages (powers, RMS voltages, slip)
+/// is then measured on the means over the coupling step; currents and states are those at its beginning, and `v_legs` says
+/// how the legs stand there. Where a shaft does not move as its circuit has expected, the run ends with an error.
+///
+/// Amplitudes beyond what the link and the modulation give are limited, as `limited` tells; a negative one turns the voltages
+/// by half a turn.
 ///
 /// ```ron
 /// SwitchedInverter(vdc: "560 V", switching_frequency: "8 kHz", integration: Separate(periods: 1))
@@ -78,7 +82,8 @@ impl SwitchedInverter {
 
     /// Reference voltages of the phases, V, this time later, s.
     fn references(&self, c: &Law, later: f64) -> [f64; LEGS] {
-        let amplitude = c.scalar(V).clamp(0.0, self.modulation.limit(self.vdc));
+        let limit = self.modulation.limit(self.vdc);
+        let amplitude = c.scalar(V).clamp(-limit, limit);
         let angle = c.x[0] + TAU * c.scalar(F) * later;
         let [a, b, c_] = Supply { voltage: turned([amplitude, 0.0], angle), ..Supply::default() }.phases();
         if c.scalar(REVERSE) == 0.0 { [a, b, c_] } else { [a, c_, b] }
@@ -137,6 +142,7 @@ impl Component for SwitchedInverter {
                 Needs::State,
             )
             .measures("power", "W", Needs::Electrics, "power taken from the DC link")
+            .output(Output::boolean("limited").doc("the DC link limits the amplitude"), Needs::Electrics)
             .state("theta", 0.0)
             .jumps()
             .time_events()
@@ -179,7 +185,10 @@ impl Component for SwitchedInverter {
                 self.voltages(c, &mut y[1..1 + LEGS]);
             }
             // The current of a source is counted from its positive pin through it.
-            Needs::Electrics => y[1 + LEGS] = (0..LEGS).map(|leg| -self.pole(c, leg) * c.current[leg]).sum(),
+            Needs::Electrics => {
+                y[1 + LEGS] = -c.voltage.iter().zip(c.current).map(|(v, i)| v * i).sum::<f64>();
+                y[2 + LEGS] = f64::from(c.scalar(V).abs() > self.modulation.limit(self.vdc));
+            }
             Needs::Motion => {}
         }
     }

@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use blocksim_block::physical::{Domain, Element, Supply};
+use blocksim_block::physical::{Domain, Element, Pin, Supply};
 use blocksim_block::prelude::*;
 
 use crate::drives::modulation::Modulation;
@@ -17,7 +17,7 @@ use crate::three_phase::three_phase_source::delivered;
 /// then $v_d$ and $v_q$ are the voltages that the windings see in the frame of the rotor. Amplitudes are peak
 /// phase voltages. The DC link limits the length of the vector and keeps its direction: $v_{max} = V_{dc}/2$ for
 /// sine modulation, $V_{dc}/\sqrt3$ for space-vector modulation. A controller with an integral part needs limits
-/// and protection against windup of its own.
+/// and protection against windup of its own; `limited` tells when the link limits.
 ///
 /// The input `f` changes no voltage. It is the speed of the frame in which an asynchronous machine holds its
 /// fluxes and measures its slip; a machine with permanent magnets has a frame of its own. Power balances: what
@@ -70,8 +70,9 @@ impl Component for VectorInverter {
             .input(Input::real("f").scalar().unit("Hz").default(0.0).doc("speed of the frame of the fluxes"))
             .measures("amplitude", "V", Needs::Electrics, "peak phase voltage after the limit")
             .measures("power", "W", Needs::Electrics, "power taken from the DC link")
+            .output(Output::boolean("limited").doc("the DC link limits the amplitude"), Needs::Electrics)
             .state("frame", 0.0)
-            .element(Element::Supply { ac: 0 })
+            .element(Element::Supply { ac: 0, n: Pin::Ground })
     }
 
     fn supply(&self, c: &Law) -> Supply {
@@ -94,7 +95,9 @@ impl Component for VectorInverter {
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
         if needs == Needs::Electrics {
-            y.copy_from_slice(&[c.supply.amplitude(), delivered(c.supply, *c.line_current)]);
+            let limited = c.scalar(V_D).hypot(c.scalar(V_Q)) > self.limit();
+            let power = delivered(c.supply, *c.line_current);
+            y.copy_from_slice(&[c.supply.amplitude(), power, f64::from(limited)]);
         }
     }
 }

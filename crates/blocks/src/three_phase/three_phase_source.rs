@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use blocksim_block::physical::{Domain, Element, Supply};
+use blocksim_block::physical::{Domain, Element, Pin, Supply};
 use blocksim_block::prelude::*;
 
 /// Ideal symmetric three-phase source, such as the mains.
@@ -9,7 +9,8 @@ use blocksim_block::prelude::*;
 ///    v_b, v_c \text{ lag by } 120° \text{ and } 240° $$
 ///
 /// $V$ is the RMS voltage from line to line. A negative frequency exchanges the phases b and c: a machine
-/// then turns the other way.
+/// then turns the other way. Its star point is grounded, unless `neutral: Floating`: a rectifier behind a grounded one must
+/// not have a reference on its DC side, nor a load another grounded star point that is meant to carry no current.
 ///
 /// ```ron
 /// ThreePhaseSource(voltage: "400 V", frequency: "50 Hz")
@@ -26,6 +27,19 @@ pub struct ThreePhaseSource {
     /// Angle of phase a at the start.
     #[block(unit = "rad", default = 0.0)]
     pub phase: f64,
+    /// Star point: `Grounded` or `Floating`.
+    #[block(default = Neutral::Grounded)]
+    pub neutral: Neutral,
+}
+
+/// The star point of a source.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum Neutral {
+    /// At potential zero.
+    #[default]
+    Grounded,
+    /// Connected to nothing: the three currents add up to zero.
+    Floating,
 }
 
 impl Block for ThreePhaseSource {
@@ -45,7 +59,10 @@ impl Component for ThreePhaseSource {
         Part::new()
             .port("ac", Domain::ThreePhase, "phases a, b, c")
             .measures("power", "W", Needs::Electrics, "power that the source delivers")
-            .element(Element::Supply { ac: 0 })
+            .element(Element::Supply {
+                ac: 0,
+                n: if self.neutral == Neutral::Grounded { Pin::Ground } else { Pin::Inner(0) },
+            })
             .uses_time()
             .max_step(longest_step(self.frequency))
     }
@@ -82,7 +99,8 @@ mod tests {
 
     #[test]
     fn the_voltage_is_known_as_a_function_of_time() {
-        let source = ThreePhaseSource { voltage: 220.0, frequency: 60.0, phase: 0.5 };
+        let source =
+            ThreePhaseSource { voltage: 220.0, frequency: 60.0, phase: 0.5, neutral: Neutral::Grounded };
         let supply = source.supply(&Law { t: 0.25, ..law() });
         assert!((supply.amplitude() - 179.629_247).abs() < 1e-6, "{}", supply.amplitude());
         assert!((supply.angle - (TAU * 15.0 + 0.5)).abs() < 1e-12);

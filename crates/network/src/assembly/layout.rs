@@ -114,7 +114,11 @@ impl Network {
                 interface.inputs.push(Input { name, ..input.clone() });
             }
             let (x, d, held) = match held_by {
-                Some(by) => hold(&mut interface, &mut next, &member, separate[by].times, branches),
+                Some(by) => {
+                    let sizes =
+                        [branches, places.two_pins.len(), branches + frictions + speed_sources + looks];
+                    hold(&mut interface, &mut next, &member, separate[by].times, sizes)
+                }
                 None => free(&mut interface, &mut next, &member),
             };
             let early = held.is_none()
@@ -280,13 +284,13 @@ fn free(
 }
 
 /// States of a member that the network integrates by itself: all of them are discrete states, once as they are at the
-/// beginning of a coupling step and once as they will be at its end; behind them the mean torques of the step.
+/// beginning of a coupling step and once as they will be at its end; behind them the means of the step.
 fn hold(
     interface: &mut Interface,
     next: &mut Next,
     member: &Member,
     times: usize,
-    branches: usize,
+    [branches, two_pins, pins]: [usize; 3],
 ) -> (Range<usize>, Range<usize>, Option<Held>) {
     let part = &member.part;
     let mut copy = |suffix: &str| {
@@ -306,7 +310,17 @@ fn hold(
     for branch in 0..branches {
         *interface = std::mem::take(interface).discrete(format!("{}.torque{branch}", member.path), 0.0);
     }
-    (x, d, Some(Held { times, x_end, d_end, torque }))
+    let mut cells = |what: &str, count: usize| {
+        for k in 0..count {
+            let name = format!("{}.{what}{k}", member.path);
+            *interface = std::mem::take(interface).discrete(name, 0.0);
+        }
+        take(&mut next.d, count)
+    };
+    let mean = cells("mean", part.states.len() + 2 * two_pins + 3);
+    let expected = cells("expected", pins);
+    let missed = cells("missed", 2).start;
+    (x, d, Some(Held { times, x_end, d_end, torque, mean, expected, missed }))
 }
 
 /// Declares the outputs of a member; returns, for each group, the need that its component knows them by. A sensor that

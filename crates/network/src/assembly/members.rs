@@ -60,6 +60,7 @@ fn pins(element: &Element) -> Vec<Pin> {
         | Element::VariableTransformer { primary, secondary } => {
             vec![primary.0, primary.1, secondary.0, secondary.1]
         }
+        Element::Supply { n, .. } => vec![n],
         _ => Vec::new(),
     }
 }

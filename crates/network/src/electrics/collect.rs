@@ -52,7 +52,26 @@ pub(super) fn collect(m: &Members, fed: &[bool]) -> Electrics {
         }
     }
     islands(m, &mut electrics, &pieces);
+    electrics.islands.iter_mut().for_each(|island| refer(m, island));
     electrics
+}
+
+/// The star point of a floating supply is zero where nothing in its circuit has a reference: no current can flow there.
+fn refer(m: &Members, island: &mut Island) {
+    let floats = |e: &Element| matches!(e, Element::Supply { n: Pin::Inner(_), .. });
+    let mut pins = island.two_pins.iter();
+    if pins.clone().any(|pin| pin.p.is_none() || pin.n.is_none()) {
+        return;
+    }
+    let Some(star) =
+        pins.find(|pin| m.list[pin.member].part.elements.iter().any(floats)).and_then(|pin| pin.n)
+    else {
+        return;
+    };
+    island.nodes.remove(star);
+    for node in island.two_pins.iter_mut().flat_map(|pin| [&mut pin.p, &mut pin.n]) {
+        *node = node.filter(|node| *node != star).map(|node| node - usize::from(node > star));
+    }
 }
 
 fn add(member: usize, element: &Element, fed: bool, electrics: &mut Electrics, pieces: &mut Vec<Piece>) {
@@ -106,8 +125,8 @@ fn add(member: usize, element: &Element, fed: bool, electrics: &mut Electrics, p
                 two_pin: pieces.len() - 1,
             });
         }
-        Element::Supply { ac } if !fed => {
-            (0..3).for_each(|k| piece(Pin::Phase(ac, k), Pin::Ground, source(electrics)));
+        Element::Supply { ac, n } if !fed => {
+            (0..3).for_each(|k| piece(Pin::Phase(ac, k), n, source(electrics)));
         }
         Element::Machine { ac, ends } if !fed => {
             electrics.places[member].machine =

@@ -26,11 +26,13 @@
 //! | `drift` | where the margins go from here |
 //! | `arc` | currents that have lost their path |
 //! | `separate` | circuits that the network integrates by itself |
+//! | `coupling` | how they and the mechanics fit together |
 
 pub(crate) mod arc;
 pub(crate) mod circuits;
 pub(crate) mod commutation;
 pub(crate) mod convert;
+pub(crate) mod coupling;
 pub(crate) mod currents;
 pub(crate) mod drift;
 pub(crate) mod float;

@@ -1,15 +1,19 @@
 //! Circuits that switch much faster than the mechanics moves, integrated by the network itself.
 //!
 //! At each hit of the coupling step `H` the network integrates such a circuit from `t` to `t + H`, from edge to edge,
-//! each of which is hit exactly, at the speeds that are expected: `w(t) + w'(t) s`. The mechanics is then integrated by
-//! the solver with the mean of each torque over the step, so that it gets exactly the impulse of the torque.
+//! each of which is hit exactly, at the speeds that are expected: `w(t) + w'(t) s`, and what the torques of the circuit itself
+//! change about them through the inertia that they see. The mechanics is then integrated by the solver with the mean of each
+//! torque over the step, so that it gets exactly the impulse of the torque.
 //!
 //! The order of the coupling is two. Speeds are predicted with an error of `H^2` within a step, so torques are wrong by
 //! as much; a mean instead of the course of a torque changes the angle by `H^2` times the change of torque within a
 //! step, which is `H` itself but for the ripple of the valves, whose mean is what is wanted. Between edges Runge-Kutta
 //! of order four is used.
 //!
-//! Inputs are held during a coupling step. Outputs of such a circuit show the beginning of the step.
+//! Inputs are held during a coupling step. Outputs that need voltages show means over the step, since an instant of a
+//! circuit that switches says little; readings of currents and states show its beginning.
+//!
+//! Where the speeds turn out to be others than were expected, coupling steps are too long; see `coupling.rs`.
 
 use blocksim_block::Context;
 use blocksim_block::physical::Torque;
@@ -38,14 +42,21 @@ impl Network {
         }
         copy(&mut room.speed, &w.pin_speed);
         copy(&mut room.acceleration, &w.pin_acceleration);
+        self.yields(w, &mut room.yields);
+        room.average.clear();
+        room.average.resize(d.len(), 0.0);
         // One step for all, so that they stay together on the grid of the hits.
         let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
         for separate in &self.separate {
+            if !self.meets(separate, c, &room.speed, d) {
+                break;
+            }
+            copy(&mut room.d, d);
             self.begin(separate, c.t, step, &mut room.d);
             if self.advance(separate, c, w, &mut room).is_err() {
                 break;
             }
-            self.end(separate, &room, d);
+            self.end(separate, w, &room, d);
         }
         w.room = room;
         // Speeds and circuits in the working space are those of another time now.
@@ -68,7 +79,7 @@ impl Network {
     }
 
     /// Keeps what the integration has found: the beginning stays what it was, the end is new.
-    fn end(&self, separate: &Separate, room: &Room, d: &mut [f64]) {
+    fn end(&self, separate: &Separate, w: &Work, room: &Room, d: &mut [f64]) {
         let t = room.d[separate.times];
         let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
         d[separate.times] = t;
@@ -83,6 +94,10 @@ impl Network {
             for (to, branch) in d[held.torque.clone()].iter_mut().zip(seat.branches.clone()) {
                 *to = room.mean[branch] / step;
             }
+            for cell in held.mean.clone() {
+                d[cell] = room.average[cell] / step;
+            }
+            d[held.expected.clone()].copy_from_slice(&w.pin_speed[seat.pins.clone()]);
         }
     }
 
@@ -93,14 +108,23 @@ impl Network {
         room.mean.clear();
         room.mean.resize(self.rotation.branches.len(), 0.0);
         room.torque.resize(self.rotation.branches.len(), Torque::default());
+        room.kick.clear();
+        room.kick.resize(self.rotation.branches.len(), 0.0);
         let mut t = c.t;
         for _ in 0..CHATTER {
             let next = self.switch(separate, t, c, w, room)?;
             let until = next.min(end);
             let steps = ((until - t) / step * LEAST).ceil().max(1.0);
             let h = (until - t) / steps;
+            self.average(separate, 0.5 * h, w, room);
             for i in 0..steps as usize {
-                self.runge_kutta(separate, t + i as f64 * h, h, c, w, room)?;
+                let from = t + i as f64 * h;
+                self.runge_kutta(separate, from, h, c, w, room)?;
+                self.kick(separate, from + h - c.t, room);
+                self.expect(separate, from + h - c.t, w, room);
+                let here = Context { t: from + h, d: &room.d, ..*c };
+                self.circuit(separate.island, &here, w)?;
+                self.average(separate, if i + 1 == steps as usize { 0.5 * h } else { h }, w, room);
             }
             t = until;
             if t >= end {
@@ -153,7 +177,10 @@ impl Network {
     fn expect(&self, separate: &Separate, s: f64, w: &mut Work, room: &Room) {
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             for pin in seat.pins.clone() {
-                w.pin_speed[pin] = room.speed[pin] + s * room.acceleration[pin];
+                let own = self
+                    .own_branches(separate)
+                    .map(|b| room.yields[pin * room.mean.len() + b] * room.kick[b]);
+                w.pin_speed[pin] = room.speed[pin] + s * room.acceleration[pin] + own.sum::<f64>();
             }
         }
     }
@@ -176,6 +203,8 @@ impl Network {
         room.sum.resize(room.start.len(), 0.0);
         room.slope.clear();
         room.slope.resize(room.start.len(), 0.0);
+        room.gained.clear();
+        room.gained.resize(self.rotation.branches.len(), 0.0);
         for (part, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
             let mut i = 0;
             for x in states() {
@@ -184,14 +213,18 @@ impl Network {
                     i += 1;
                 }
             }
+            self.kick_within(separate, t - c.t, part * h, room);
             self.expect(separate, t + part * h - c.t, w, room);
             self.slopes(separate, t + part * h, c, w, room)?;
             room.sum.iter_mut().zip(&room.slope).for_each(|(sum, slope)| *sum += weight * slope);
             for seat in separate.members.iter().map(|i| &self.seats[*i]) {
                 for branch in seat.branches.clone() {
-                    room.mean[branch] += weight * h / 6.0 * room.torque[branch].value;
+                    room.gained[branch] += weight * h / 6.0 * room.torque[branch].value;
                 }
             }
+        }
+        for branch in self.own_branches(separate) {
+            room.mean[branch] += room.gained[branch];
         }
         let mut i = 0;
         for x in states() {

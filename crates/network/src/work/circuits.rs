@@ -67,7 +67,15 @@ pub(crate) struct Room {
     pub speed: Vec<f64>,
     pub acceleration: Vec<f64>,
     pub torque: Vec<Torque>,
+    /// Integrals of the torques since the hit, and over the step of the integrator at hand, N*m*s.
     pub mean: Vec<f64>,
+    pub gained: Vec<f64>,
+    /// Integral of what each torque is more than it was on the mean of the last step, N*m*s.
+    pub kick: Vec<f64>,
+    /// What a torque of each branch changes about the acceleration of each pin, by pins.
+    pub yields: Vec<f64>,
+    /// Sums for the means of what is measured, where the discrete states will hold them.
+    pub average: Vec<f64>,
 }
 
 impl Room {
@@ -84,6 +92,10 @@ impl Room {
             acceleration: room(pins),
             torque: Vec::with_capacity(branches),
             mean: room(branches),
+            gained: room(branches),
+            kick: room(branches),
+            yields: room(if network.separate.is_empty() { 0 } else { pins * branches }),
+            average: room(d),
         }
     }
 }

@@ -1,0 +1,135 @@
+//! How a circuit that is integrated by itself and the mechanics fit together: what its torques do to the speeds within a
+//! coupling step, means of what it does for those who look at it, and whether the speeds came as expected.
+
+use blocksim_block::Context;
+use blocksim_block::physical::{Element, Law, Supply};
+use blocksim_solve::linear::cholesky_solve;
+
+use crate::electrics::Separate;
+use crate::network::Network;
+use crate::seat::{Held, Seat};
+use crate::work::Work;
+use crate::work::circuits::Room;
+
+/// Share of the last step in what is remembered of errors.
+const FRESH: f64 = 1.0 / 64.0;
+/// Errors of the speed in a coupling step, remembered so and relative to the greatest speed so far, that are too large.
+const LOOSE: f64 = 0.1;
+/// Speeds below this, rad/s, are standstill: what hardly moves may do so as it likes.
+const STANDSTILL: f64 = 1.0;
+
+impl Network {
+    /// What a torque of each held branch changes about the acceleration of each pin. Accelerations are known.
+    pub(crate) fn yields(&self, w: &mut Work, yields: &mut Vec<f64>) {
+        let r = &self.rotation;
+        let branches = r.branches.len();
+        yields.clear();
+        yields.resize(r.pins.len() * branches, 0.0);
+        for branch in self.separate.iter().flat_map(|separate| self.own_branches(separate)) {
+            w.product.fill(0.0);
+            r.pins[r.branches[branch]].speed.add_to(-1.0, &mut w.product);
+            cholesky_solve(&w.factor, &mut w.product);
+            if !w.rows.is_empty() {
+                w.schur.impose(&w.rows, &mut w.product, |_| 0.0);
+            }
+            for (pin, of) in r.pins.iter().enumerate() {
+                yields[pin * branches + branch] = of.speed.of(&w.product);
+            }
+        }
+    }
+
+    /// Branches of the members of a circuit.
+    pub(crate) fn own_branches<'a>(&'a self, separate: &'a Separate) -> impl Iterator<Item = usize> + 'a {
+        separate.members.iter().flat_map(|i| self.seats[*i].branches.clone())
+    }
+
+    /// Notes what the torques have been more than in the mean of the last step, until `s` after the hit.
+    pub(crate) fn kick(&self, separate: &Separate, s: f64, room: &mut Room) {
+        self.kick_within(separate, s, 0.0, room);
+    }
+
+    /// The same within a step of the integrator that began `s` after the hit, this much later, with the last torques found.
+    pub(crate) fn kick_within(&self, separate: &Separate, s: f64, later: f64, room: &mut Room) {
+        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+            let cells = seat.held.iter().flat_map(|held| held.torque.clone());
+            for (branch, cell) in seat.branches.clone().zip(cells) {
+                let mut kick = room.mean[branch] - s * room.d[cell];
+                if later > 0.0 {
+                    kick += later * (room.torque[branch].value - room.d[cell]);
+                }
+                room.kick[branch] = kick;
+            }
+        }
+    }
+
+    /// Adds what is measured now to the sums for the means.
+    pub(crate) fn average(&self, separate: &Separate, weight: f64, w: &Work, room: &mut Room) {
+        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+            let Some(held) = &seat.held else { continue };
+            let sums = &mut room.average[held.mean.clone()];
+            let supply = seat.supply.map_or([0.0; 3], |slot| {
+                let Supply { voltage: [d, q], zero, .. } = w.supply[slot];
+                [d, q, zero]
+            });
+            let now = room.d[seat.x.clone()]
+                .iter()
+                .chain(&w.voltage[seat.two_pins.clone()])
+                .chain(&w.current[seat.two_pins.clone()])
+                .chain(&supply);
+            sums.iter_mut().zip(now).for_each(|(sum, now)| *sum += weight * now);
+        }
+    }
+
+    /// Lets a member of such a circuit measure what needs voltages: on the mean of a coupling step.
+    pub(crate) fn measure_mean(&self, c: &Context, seat: &Seat, held: &Held, w: &Work, y: &mut [f64]) {
+        let (Some(component), Some(needs)) = (seat.component(), seat.measures[crate::seat::ELECTRICS]) else {
+            return;
+        };
+        let law = self.law(c, seat, w);
+        let elements = &seat.member.part.elements;
+        let reads_currents = elements.iter().all(|e| matches!(e, Element::CurrentProbe { .. }));
+        // Before the first step there is nothing to be averaged.
+        if c.d[held.times + 1] <= 0.0 || reads_currents {
+            component.measure(&law, needs, y);
+            return;
+        }
+        let means = &c.d[held.mean.clone()];
+        let (x, rest) = means.split_at(seat.x.len());
+        let (voltage, rest) = rest.split_at(seat.two_pins.len());
+        let (current, supply) = rest.split_at(seat.two_pins.len());
+        let supply = Supply { voltage: [supply[0], supply[1]], zero: supply[2], ..*law.supply };
+        component.measure(&Law { x, voltage, current, supply: &supply, ..law }, needs, y);
+    }
+
+    /// Whether the speeds have come as they were expected in the last step; else the run ends with an error.
+    pub(crate) fn meets(&self, separate: &Separate, c: &Context, speed: &[f64], d: &mut [f64]) -> bool {
+        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+            let Some(held) = &seat.held else { continue };
+            if d[held.times + 1] <= 0.0 || held.expected.is_empty() {
+                continue;
+            }
+            let expected = &d[held.expected.clone()];
+            let speeds = || speed[seat.pins.clone()].iter().zip(expected);
+            let so_far = d[held.missed + 1];
+            let size = speeds()
+                .fold(so_far, |most: f64, (found, expected)| most.max(found.abs()).max(expected.abs()));
+            let off = speeds().fold(0.0, |most: f64, (found, expected)| most.max((found - expected).abs()));
+            let share = off / size.max(STANDSTILL);
+            let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
+            d[held.missed + 1] = size;
+            d[held.missed] += FRESH * (share - d[held.missed]);
+            if d[held.missed] > LOOSE {
+                c.fail(format!(
+                    "at {} s the speed of `{}` is off by {off:.2e} rad/s from what its circuit expected, and has been by \
+                     {:.1} % of late: the coupling step of {step:.1e} s is too long for so little inertia; write \
+                     `integration: Together`, or fewer periods",
+                    c.t,
+                    seat.member.path,
+                    100.0 * d[held.missed],
+                ));
+                return false;
+            }
+        }
+        true
+    }
+}
