@@ -179,3 +179,36 @@ fn circuits_without_a_solution_are_named() {
         r#""u.p <-> r.p", "r.n <-> m.p", "m.n <-> u.n <-> g.p", "m.c <-> h.r""#,
     ));
 }
+
+/// A line of 1000 sections of 1 ohm and 1 uF follows the diffusion equation: as long as nothing arrives at its end, the voltage
+/// `x` sections behind a step is `erfc(x / (2 sqrt(t / RC)))`.
+#[test]
+fn a_line_of_a_thousand_sections_diffuses() {
+    let n = 1000;
+    let (mut blocks, mut wires) = (String::new(), String::from("\"u.n <-> g.p\", \"u.p <-> r0.p\""));
+    for k in 0..n {
+        blocks.push_str(&format!("\"r{k}\": Resistor(r: 1), \"c{k}\": Capacitor(c: 1e-6), "));
+        let next = if k + 1 < n { format!(" <-> r{}.p", k + 1) } else { String::new() };
+        wires.push_str(&format!(", \"r{k}.n <-> c{k}.p{next}\", \"c{k}.n <-> g.p\""));
+    }
+    let text = format!(
+        "Diagram(simulation: (stop_time: \"2 ms\", solver: Ode45), blocks: {{ \"g\": ElectricalReference, \"u\": \
+         VoltageSource(v: 1), {blocks} \"s\": Scope(inputs: [\"near\", \"far\"]) }}, connections: [{wires}, \"c44.v -> s.near\", \"c{}.v -> s.far\"])",
+        n - 1
+    );
+    let begun = std::time::Instant::now();
+    let (compiled, problems) = compile_text(&text);
+    let schedule = compiled.schedule.expect(&problems);
+    // Thirty times what it takes, so that only a wrong order of growth fails.
+    assert!(begun.elapsed().as_secs_f64() < 20.0, "{:?}", begun.elapsed());
+    let run = blocksim_tests::run(schedule);
+    assert!(run.error.is_none(), "{:?}", run.error);
+    // The integral of exp(-s^2) from 0 to 45 / (2 sqrt(2000)), by Simpson's rule.
+    let end = 45.0 / (2.0 * f64::sqrt(2e-3 / 1e-6));
+    let bell = |k: i32| (-(end * f64::from(k) / 100.0).powi(2)).exp();
+    let weight = |k: i32| if k == 0 || k == 100 { 1.0 } else { 2.0 + 2.0 * f64::from(k % 2) };
+    let area: f64 = (0..=100).map(|k| weight(k) * bell(k)).sum::<f64>() * end / 300.0;
+    // Lumped sections differ from a line by about 1 / (8 * 2000).
+    close(run.last("s.near"), 1.0 - area * 2.0 / std::f64::consts::PI.sqrt(), 3e-4);
+    close(run.last("s.far"), 0.0, 1e-9);
+}

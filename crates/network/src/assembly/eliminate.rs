@@ -113,6 +113,11 @@ impl Form {
         Self { terms: terms.map(|(i, value)| (i as u32, *value)).collect() }
     }
 
+    /// With these coefficients, none of them zero, by ascending indices.
+    pub(crate) fn from_terms(terms: impl IntoIterator<Item = (u32, f64)>) -> Self {
+        Self { terms: terms.into_iter().collect() }
+    }
+
     pub(crate) fn terms(&self) -> &[(u32, f64)] {
         &self.terms
     }

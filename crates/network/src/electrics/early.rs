@@ -1,8 +1,9 @@
 //! Readings that follow from states alone, whatever valves and resistances do: they close no algebraic loop.
 
-use super::solved::{form, solve};
-use super::{Branch, Early, Electrics, GivenBy, Island};
-use crate::assembly::eliminate::{Form, Relations};
+use super::solved::{clean, solve};
+use super::sparse::{Row, plus};
+use super::{Branch, Early, Electrics, GivenBy, Island, TwoPin};
+use crate::assembly::eliminate::Form;
 
 /// The reading of each two-pin, if it is a sensor and its reading follows from states.
 pub(super) fn readings(electrics: &Electrics) -> Vec<Option<Early>> {
@@ -12,7 +13,7 @@ pub(super) fn readings(electrics: &Electrics) -> Vec<Option<Early>> {
         // Where no valve changes the circuit, its solution tells most: dividers of a capacitance, too.
         let plain = if island.valves.is_empty() { solve(electrics, island, 0).ok() } else { None };
         let plain = plain.filter(|solved| solved.floating.is_none());
-        let (voltages, currents) = (voltages(electrics, island), currents(electrics, island));
+        let (voltages, currents) = (voltages(island), currents(island));
         for (position, pin) in island.two_pins.iter().enumerate() {
             let (known, whole) = match pin.branch {
                 Branch::Probe => (&voltages[position], plain.as_ref().map(|s| &s.voltages[position])),
@@ -38,59 +39,85 @@ fn is_state(electrics: &Electrics, given: usize) -> bool {
 }
 
 /// Voltages that Kirchhoff's law of loops gives from prescribed voltages alone.
-fn voltages(electrics: &Electrics, island: &Island) -> Vec<Option<Form>> {
-    let nodes = island.nodes.len();
-    let given = electrics.given();
-    let mut relations = Relations::new(nodes, given);
-    let across = |p: Option<usize>, n: Option<usize>| -> Vec<(usize, f64)> {
-        [(p, 1.0), (n, -1.0)].into_iter().filter_map(|(node, sign)| Some((node?, sign))).collect()
-    };
+fn voltages(island: &Island) -> Vec<Option<Form>> {
+    let ground = island.nodes.len();
+    let at = |node: Option<usize>| node.unwrap_or(ground);
+    let mut beside: Vec<Vec<(usize, Row)>> = vec![Vec::new(); ground + 1];
     for pin in &island.two_pins {
-        match pin.branch {
-            Branch::Source(index) => relations.add(&across(pin.p, pin.n), &[(index, 1.0)]),
-            Branch::Wire => relations.add(&across(pin.p, pin.n), &[]),
+        let across = match pin.branch {
+            Branch::Source(index) => vec![(index as u32, 1.0)],
+            Branch::Wire => Row::new(),
             _ => continue,
         };
+        // What the potential of the other end is more than that of this one.
+        beside[at(pin.n)].push((at(pin.p), across.clone()));
+        beside[at(pin.p)].push((at(pin.n), plus(&[], &across, -1.0)));
     }
-    let solved = relations.eliminate(|_| 0);
-    let difference = |rows: &[Vec<f64>], p: Option<usize>, n: Option<usize>, len: usize| -> Vec<f64> {
-        let of = |node: Option<usize>| node.map_or_else(|| vec![0.0; len], |node| rows[node].clone());
-        of(p).iter().zip(of(n)).map(|(p, n)| p - n).collect()
-    };
-    let free = solved.free.len();
-    island
-        .two_pins
-        .iter()
-        .map(|pin| {
-            let loose = difference(&solved.over_free, pin.p, pin.n, free);
-            let known = loose.iter().all(|value| *value == 0.0);
-            known.then(|| form(&difference(&solved.over_given, pin.p, pin.n, given)))
-        })
-        .collect()
-}
-
-/// Currents that Kirchhoff's law of nodes gives from given currents alone.
-fn currents(electrics: &Electrics, island: &Island) -> Vec<Option<Form>> {
-    let branches = island.two_pins.len();
-    let mut relations = Relations::new(branches, electrics.given());
-    for node in 0..island.nodes.len() {
-        let (mut unknown, mut given) = (Vec::new(), Vec::new());
-        for (position, pin) in island.two_pins.iter().enumerate() {
-            let sign = f64::from(u8::from(pin.p == Some(node))) - f64::from(u8::from(pin.n == Some(node)));
-            match pin.branch {
-                _ if sign == 0.0 => {}
-                Branch::Given(index) => given.push((index, -sign)),
-                Branch::Probe => {}
-                _ => unknown.push((position, sign)),
+    // Potential of each node against the first of those that it hangs together with.
+    let mut known: Vec<Option<(usize, Row)>> = vec![None; ground + 1];
+    for first in 0..=ground {
+        if known[first].is_some() {
+            continue;
+        }
+        known[first] = Some((first, Row::new()));
+        let mut open = vec![first];
+        while let Some(node) = open.pop() {
+            let Some((_, here)) = known[node].clone() else { continue };
+            for (other, across) in &beside[node] {
+                if known[*other].is_none() {
+                    known[*other] = Some((first, plus(&here, across, 1.0)));
+                    open.push(*other);
+                }
             }
         }
-        relations.add(&unknown, &given);
     }
-    let solved = relations.eliminate(|_| 0);
-    (0..branches)
-        .map(|position| {
-            let known = solved.over_free[position].iter().all(|value| *value == 0.0);
-            known.then(|| form(&solved.over_given[position]))
-        })
-        .collect()
+    let between = |pin: &TwoPin| match (&known[at(pin.p)], &known[at(pin.n)]) {
+        (Some((a, p)), Some((b, n))) if a == b => Some(clean(&plus(p, n, -1.0))),
+        _ => None,
+    };
+    let probes = island.two_pins.iter().map(|pin| (pin, matches!(pin.branch, Branch::Probe)));
+    probes.map(|(pin, probe)| if probe { between(pin) } else { None }).collect()
+}
+
+/// Currents of wires that Kirchhoff's law of nodes gives from given currents alone: nothing but such currents leads from one
+/// of their sides to the other.
+fn currents(island: &Island) -> Vec<Option<Form>> {
+    let ground = island.nodes.len();
+    let at = |node: Option<usize>| node.unwrap_or(ground);
+    let mut beside: Vec<Vec<(usize, usize)>> = vec![Vec::new(); ground + 1];
+    for (position, pin) in island.two_pins.iter().enumerate() {
+        if !matches!(pin.branch, Branch::Given(_) | Branch::Probe) {
+            beside[at(pin.p)].push((at(pin.n), position));
+            beside[at(pin.n)].push((at(pin.p), position));
+        }
+    }
+    let current = |(position, wire): (usize, &TwoPin)| {
+        if !matches!(wire.branch, Branch::Wire) {
+            return None;
+        }
+        // All that hangs together with the beginning of the wire, but for the wire.
+        let mut reached = vec![false; ground + 1];
+        reached[at(wire.p)] = true;
+        let mut open = vec![at(wire.p)];
+        while let Some(node) = open.pop() {
+            for (other, by) in &beside[node] {
+                if *by != position && !reached[*other] {
+                    reached[*other] = true;
+                    open.push(*other);
+                }
+            }
+        }
+        if reached[at(wire.n)] {
+            return None;
+        }
+        let mut sum = Row::new();
+        for pin in &island.two_pins {
+            if let (Branch::Given(index), true) = (pin.branch, reached[at(pin.p)] != reached[at(pin.n)]) {
+                let sign = if reached[at(pin.p)] { -1.0 } else { 1.0 };
+                sum = plus(&sum, &[(index as u32, sign)], 1.0);
+            }
+        }
+        Some(clean(&sum))
+    };
+    island.two_pins.iter().enumerate().map(current).collect()
 }

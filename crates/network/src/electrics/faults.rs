@@ -1,5 +1,7 @@
 //! What is wrong with a circuit, in words.
 
+use petgraph::unionfind::UnionFind;
+
 use super::conducting::Unsolvable;
 use super::solved::solve;
 use super::{Branch, Electrics, Island};
@@ -25,6 +27,9 @@ pub(super) fn faults(m: &Members, electrics: &Electrics, island: &Island) -> Vec
 
 /// Voltages that are prescribed twice.
 fn conflicts(island: &Island) -> Vec<NetworkProblem> {
+    if !closes_loops(island) {
+        return Vec::new();
+    }
     let sources = |branch: &Branch| matches!(branch, Branch::Source(_) | Branch::Variable(_));
     let count = island.two_pins.iter().filter(|pin| sources(&pin.branch)).count();
     let mut relations = Relations::new(island.nodes.len(), count);
@@ -61,6 +66,19 @@ fn conflicts(island: &Island) -> Vec<NetworkProblem> {
         }
     }
     problems
+}
+
+/// Whether branches that prescribe voltages close a loop, or may do so by way of a transformer.
+fn closes_loops(island: &Island) -> bool {
+    let ground = island.nodes.len();
+    let mut joined = UnionFind::new(ground + 1);
+    island.two_pins.iter().any(|pin| match pin.branch {
+        Branch::Source(_) | Branch::Variable(_) | Branch::Wire => {
+            !joined.union(pin.p.unwrap_or(ground), pin.n.unwrap_or(ground))
+        }
+        Branch::Primary(_) => true,
+        _ => false,
+    })
 }
 
 fn conflict(

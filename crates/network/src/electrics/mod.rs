@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `collect` | from elements to islands of two-pins |
 //! | `solved` | nodal analysis for one set of conducting valves |
+//! | `sparse` | elimination that keeps chains cheap |
 //! | `floating` | potentials of nodes where only inductances meet |
 //! | `faults` | what is wrong with a circuit, in words |
 //! | `early` | readings that follow from states alone |
@@ -45,6 +46,7 @@ mod early;
 mod faults;
 mod floating;
 mod solved;
+mod sparse;
 
 use std::ops::Range;
 

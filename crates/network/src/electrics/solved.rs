@@ -14,11 +14,13 @@
 //! nothing but given currents connects to ground float: one of their nodes is held at zero here, through which no
 //! current flows as long as the given currents obey Kirchhoff's law, and [`Floating`] finds the true potential.
 
-use nalgebra::DMatrix;
+use std::collections::HashMap;
+
 use petgraph::unionfind::UnionFind;
 
 use super::conducting::{Conducting, Unsolvable};
 use super::floating::Floating;
+use super::sparse::{Row, System, plus};
 use super::{Branch, Electrics, Island, TwoPin};
 use crate::assembly::eliminate::{Form, Relations};
 
@@ -90,26 +92,25 @@ pub(crate) fn solve(
     let rows =
         branches.iter().filter(|b| matches!(b, Now::Row(_) | Now::Resistance(..) | Now::Primary(_))).count();
     let size = nodes + rows;
-    let mut matrix = DMatrix::<f64>::zeros(size, size);
-    let mut right = DMatrix::<f64>::zeros(size, given);
+    let mut system = System::new(size, given);
     let mut row_of = vec![None; branches.len()];
     let mut row = nodes;
     for (i, (pin, branch)) in island.two_pins.iter().zip(&branches).enumerate() {
         match *branch {
             Now::Row(value) | Now::Resistance(_, value) => {
-                couple(&mut matrix, row, pin, 1.0);
+                couple(&mut system, row, pin, 1.0);
                 if let Now::Resistance(r, _) = *branch {
-                    matrix[(row, row)] = -r;
+                    system.add(row, row, -r);
                 }
                 if let Some((index, factor)) = value {
-                    right[(row, index)] += factor;
+                    system.add_right(row, index, factor);
                 }
                 row_of[i] = Some((row, 1.0));
                 row += 1;
             }
             Now::Primary(ratio) => {
-                couple(&mut matrix, row, pin, 1.0);
-                couple(&mut matrix, row, &island.two_pins[i + 1], -ratio);
+                couple(&mut system, row, pin, 1.0);
+                couple(&mut system, row, &island.two_pins[i + 1], -ratio);
                 row_of[i] = Some((row, 1.0));
                 row_of[i + 1] = Some((row, -ratio));
                 row += 1;
@@ -117,51 +118,51 @@ pub(crate) fn solve(
             Now::Conductance(g) => {
                 for (a, sign_a) in ends(pin) {
                     for (b, sign_b) in ends(pin) {
-                        matrix[(a, b)] += g * sign_a * sign_b;
+                        system.add(a, b, g * sign_a * sign_b);
                     }
                 }
             }
-            Now::Given(index) => ends(pin).for_each(|(node, sign)| right[(node, index)] -= sign),
+            Now::Given(index) => ends(pin).for_each(|(node, sign)| system.add_right(node, index, -sign)),
             Now::Open | Now::Secondary => {}
         }
     }
     for node in floating.iter().flat_map(|floating| &floating.nodes) {
-        matrix[(*node, *node)] += 1.0;
+        system.add(*node, *node, 1.0);
     }
-    let Some(solution) = matrix.clone().lu().solve(&right).filter(|s| well(&matrix, s, &right)) else {
+    let Some(solution) = system.solve().filter(|solution| well(&system, solution)) else {
         let closed = |b: &Now| matches!(b, Now::Row(_) | Now::Primary(_) | Now::Secondary);
         let all = island.two_pins.iter().zip(&branches).enumerate();
         return Err(Unsolvable::Loop(all.filter(|(_, (_, b))| closed(b)).map(|(i, _)| i).collect()));
     };
 
-    let potential = |node: Option<usize>, k: usize| node.map_or(0.0, |node| solution[(node, k)]);
+    let nothing = Row::new();
+    let potential = |node: Option<usize>| node.map_or(&nothing, |node| &solution[node]);
     // The voltage of a branch that gives it; as a difference of potentials it would be rounding where it is zero.
-    let known = |i: usize, k: usize| {
-        let (drop, given) = match branches[i] {
-            Now::Resistance(r, given) => (row_of[i].map_or(0.0, |(row, _)| r * solution[(row, k)]), given),
-            Now::Row(given) => (0.0, given),
-            _ => (0.0, None),
+    let known = |i: usize| {
+        let of_given = |given: Option<(usize, f64)>| -> Row {
+            given.map(|(index, factor)| (index as u32, factor)).into_iter().collect()
         };
-        drop + given.filter(|(index, _)| *index == k).map_or(0.0, |(_, factor)| factor)
+        match (branches[i], row_of[i]) {
+            (Now::Resistance(r, given), Some((row, _))) => plus(&of_given(given), &solution[row], r),
+            (Now::Row(given), _) => of_given(given),
+            _ => Row::new(),
+        }
     };
+    let beside = Beside::new(island, &branches);
     let mut solved = Solved { voltages: Vec::new(), currents: Vec::new(), floating, idle: 0, stiff: false };
     for (i, (pin, branch)) in island.two_pins.iter().zip(&branches).enumerate() {
-        let voltage: Vec<f64> = match closed_beside(island, &branches, i) {
-            Some((closed, sign)) => (0..given).map(|k| sign * known(closed, k)).collect(),
-            None => (0..given).map(|k| potential(pin.p, k) - potential(pin.n, k)).collect(),
+        let voltage = match beside.closed(i, pin) {
+            Some((closed, sign)) => plus(&nothing, &known(closed), sign),
+            None => plus(potential(pin.p), potential(pin.n), -1.0),
         };
-        let current: Vec<f64> = match (*branch, row_of[i]) {
-            (_, Some((row, factor))) => (0..given).map(|k| factor * solution[(row, k)]).collect(),
-            (Now::Conductance(g), _) => voltage.iter().map(|v| g * v).collect(),
-            (Now::Given(index), _) => {
-                let mut unit = vec![0.0; given];
-                unit[index] = 1.0;
-                unit
-            }
-            _ => vec![0.0; given],
+        let current = match (*branch, row_of[i]) {
+            (_, Some((row, factor))) => plus(&nothing, &solution[row], factor),
+            (Now::Conductance(g), _) => plus(&nothing, &voltage, g),
+            (Now::Given(index), _) => vec![(index as u32, 1.0)],
+            _ => Row::new(),
         };
-        solved.voltages.push(form(&voltage));
-        solved.currents.push(form(&current));
+        solved.voltages.push(clean(&voltage));
+        solved.currents.push(clean(&current));
     }
     solved.idle = idle(island, &branches, &solved, given);
     let of_sources = |form: &Form| {
@@ -199,20 +200,31 @@ fn idle(island: &Island, branches: &[Now], solved: &Solved, given: usize) -> Con
     })
 }
 
-/// The first branch between the nodes of a two-pin that gives the voltage there, the two-pin itself if it does, and whether
-/// it points the same way.
-fn closed_beside(island: &Island, branches: &[Now], i: usize) -> Option<(usize, f64)> {
-    let gives = |k: usize| matches!(branches[k], Now::Row(_) | Now::Resistance(..));
-    let pin = &island.two_pins[i];
-    let sign = |other: &TwoPin| match (other.p, other.n) {
-        ends if ends == (pin.p, pin.n) => Some(1.0),
-        ends if ends == (pin.n, pin.p) => Some(-1.0),
-        _ => None,
-    };
-    if gives(i) {
-        return Some((i, 1.0));
+/// Between which nodes a branch gives the voltage.
+struct Beside<'a> {
+    branches: &'a [Now],
+    /// The first such branch between two nodes, and whether it points the same way.
+    first: HashMap<(Option<usize>, Option<usize>), (usize, f64)>,
+}
+
+impl<'a> Beside<'a> {
+    fn new(island: &Island, branches: &'a [Now]) -> Self {
+        let mut first = HashMap::new();
+        for (i, pin) in island.two_pins.iter().enumerate().filter(|(i, _)| gives(&branches[*i])) {
+            first.entry((pin.p, pin.n)).or_insert((i, 1.0));
+            first.entry((pin.n, pin.p)).or_insert((i, -1.0));
+        }
+        Self { branches, first }
     }
-    (0..branches.len()).filter(|k| gives(*k)).find_map(|k| Some((k, sign(&island.two_pins[k])?)))
+
+    /// The two-pin itself if it gives its voltage, or else the first that does beside it.
+    fn closed(&self, i: usize, pin: &TwoPin) -> Option<(usize, f64)> {
+        if gives(&self.branches[i]) { Some((i, 1.0)) } else { self.first.get(&(pin.p, pin.n)).copied() }
+    }
+}
+
+fn gives(branch: &Now) -> bool {
+    matches!(branch, Now::Row(_) | Now::Resistance(..))
 }
 
 /// The ends of a two-pin that are no ground, with the sign of the current into the two-pin.
@@ -220,24 +232,23 @@ fn ends(pin: &TwoPin) -> impl Iterator<Item = (usize, f64)> + use<> {
     [(pin.p, 1.0), (pin.n, -1.0)].into_iter().filter_map(|(node, sign)| node.map(|node| (node, sign)))
 }
 
-fn couple(matrix: &mut DMatrix<f64>, row: usize, pin: &TwoPin, factor: f64) {
+fn couple(system: &mut System, row: usize, pin: &TwoPin, factor: f64) {
     for (node, sign) in ends(pin) {
-        matrix[(row, node)] += sign * factor;
-        matrix[(node, row)] += sign * factor;
+        system.add(row, node, sign * factor);
+        system.add(node, row, sign * factor);
     }
 }
 
 /// Whether a solution satisfies its equations: elimination of a singular matrix may end with garbage.
-fn well(matrix: &DMatrix<f64>, solution: &DMatrix<f64>, right: &DMatrix<f64>) -> bool {
-    let scale = right.amax() + matrix.amax() * 1e-3;
-    let error = matrix * solution - right;
-    solution.iter().all(|v| v.is_finite()) && error.amax() <= 1e-8 * scale
+fn well(system: &System, solution: &[Row]) -> bool {
+    let (error, scale) = system.error(solution);
+    error <= 1e-8 * scale
 }
 
 /// Rounding must not make one part of a circuit depend on another.
-pub(super) fn form(row: &[f64]) -> Form {
-    let scale = row.iter().fold(0.0_f64, |max, value| max.max(value.abs()));
-    Form::from_dense(&row.iter().map(|v| if v.abs() < 1e-12 * scale { 0.0 } else { *v }).collect::<Vec<_>>())
+pub(super) fn clean(row: &[(u32, f64)]) -> Form {
+    let scale = row.iter().fold(0.0_f64, |max, (_, value)| max.max(value.abs()));
+    Form::from_terms(row.iter().copied().filter(|(_, value)| value.abs() >= 1e-12 * scale && *value != 0.0))
 }
 
 /// The part of the circuit that each node belongs to: 0 is what is connected to ground by voltages or conductances;
