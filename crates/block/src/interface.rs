@@ -47,6 +47,9 @@ pub enum Crossing {
     /// stays so. What is zero but for rounding must be given as zero.
     #[serde(skip)]
     Holds,
+    /// Not a crossing: where the guard has a maximum, whatever its sign. A guard that waits for nothing is constant.
+    #[serde(skip)]
+    Peak,
 }
 
 impl Crossing {
@@ -59,6 +62,7 @@ impl Crossing {
             Self::Rising => start < 0.0 && end >= 0.0,
             Self::Falling => start > 0.0 && end <= 0.0,
             Self::Holds => start >= 0.0 && end < 0.0,
+            Self::Peak => false,
         }
     }
 }

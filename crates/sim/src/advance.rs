@@ -201,6 +201,8 @@ impl Simulation {
         let evaluated = self.diagram.continuous(self.t, &self.x);
         self.held(evaluated)?;
         let accepted = self.diagram.accept();
+        // What they remember now may stand in their guards.
+        self.guards.known = false;
         self.held(accepted)
     }
 }

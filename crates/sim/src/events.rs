@@ -16,6 +16,8 @@
 //! slopes (`turn.rs`), and where these leave a doubt by samples of the dense output (`scan.rs`). Impacts that come faster
 //! and faster are not told apart once time cannot do so; the block needs a state of rest.
 //!
+//! A guard may also ask for its maxima, see `peaks.rs`.
+//!
 //! Of a guard with a direction the other crossing is no event. The step is cut there only if the guard turns back within
 //! the same step, so that the next step begins on the other side of zero.
 
@@ -51,9 +53,26 @@ impl Guards {
         diagram.minor(stride.t1, stride.x1)?;
         diagram.guards(&mut self.end)?;
         let mut looks = std::mem::take(&mut diagram.looks);
-        let found = self.find(&mut looks, diagram, stride);
+        let found = self.first(&mut looks, diagram, stride);
         diagram.looks = looks;
         found
+    }
+
+    /// The first of crossings and maxima.
+    fn first(
+        &mut self,
+        looks: &mut Looks,
+        diagram: &mut Diagram,
+        stride: &Stride,
+    ) -> Result<Option<Cut>, Failed> {
+        let peak = self.peak(looks, diagram, stride)?;
+        let crossing = self.find(looks, diagram, stride)?;
+        match peak {
+            Some(peak) if crossing.is_none_or(|cut| peak.0 < cut.t) => {
+                self.cut_at_peak(peak, diagram, stride).map(Some)
+            }
+            _ => Ok(crossing),
+        }
     }
 
     fn find(
@@ -124,7 +143,7 @@ impl Guards {
 
     /// Whether guard `i` has anything to leave: a mode that holds at zero holds beyond it.
     fn leaves(&self, i: usize, value: f64) -> bool {
-        self.events[i] != Crossing::Holds && self.start[i] == 0.0 && value != 0.0
+        !matches!(self.events[i], Crossing::Holds | Crossing::Peak) && self.start[i] == 0.0 && value != 0.0
     }
 
     /// Whether a guard was zero at the start and is no longer, or has just fired and seems to have stayed.

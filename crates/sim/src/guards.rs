@@ -98,7 +98,11 @@ impl Guards {
     pub fn crossing(&self, values: &[f64], both: bool) -> Option<usize> {
         let mut ends = self.start.iter().zip(values).zip(&self.events);
         ends.position(|((&start, &value), &events)| {
-            let counts = if both && events != Crossing::Holds { Crossing::Either } else { events };
+            let counts = if both && !matches!(events, Crossing::Holds | Crossing::Peak) {
+                Crossing::Either
+            } else {
+                events
+            };
             counts.happens(start, value)
         })
     }

@@ -36,6 +36,7 @@ mod looks;
 mod major;
 mod methods;
 mod past;
+mod peaks;
 mod plan;
 mod record;
 mod refine;

@@ -121,6 +121,9 @@ impl Guards {
 
     /// Whether a guard has one sign at both ends and is near enough to zero to have reached it in between.
     fn may_turn(&self, i: usize, h: f64) -> bool {
+        if self.events[i] == Crossing::Peak {
+            return false;
+        }
         let c = self.turns.before[i];
         let way = self.high[i].max(c) - self.low[i].min(c);
         let grown = self.turns.looks < FEW && h > GROWTH * self.turns.length;
@@ -137,7 +140,9 @@ impl Guards {
         let h = stride.t1 - stride.t0;
         for i in 0..self.start.len() {
             let (a, b) = (self.start[i], self.end[i]);
-            self.doubtful[i] = if a * b > 0.0 {
+            self.doubtful[i] = if self.events[i] == Crossing::Peak {
+                false
+            } else if a * b > 0.0 {
                 // What depends on time alone may do anything between two looks.
                 self.may_turn(i, h) && (stride.stepper.is_none() || self.dips(i, looks, stride))
             } else {

@@ -25,7 +25,7 @@ pub struct HitCrossing {
 impl HitCrossing {
     fn edge(&self) -> Reset {
         match self.direction {
-            Crossing::Either | Crossing::Holds => Reset::Either,
+            Crossing::Either | Crossing::Holds | Crossing::Peak => Reset::Either,
             Crossing::Rising => Reset::Rising,
             Crossing::Falling => Reset::Falling,
         }
