@@ -26,6 +26,7 @@ mod import;
 mod induction;
 mod inverters;
 mod library;
+mod limits_of_signals;
 mod long_shafts;
 mod lossy_gears;
 mod motors;

@@ -1,4 +1,4 @@
-use crate::math::elements::{clamp, parameters_like};
+use crate::math::elements::{ROUNDING, clamp, parameters_like};
 use blocksim_block::prelude::*;
 
 /// Play of a signal, element by element: the output stands still until the input has crossed the play, then it follows
@@ -6,8 +6,9 @@ use blocksim_block::prelude::*;
 ///
 /// $$ y(t) = \min(\max(y_0, u - \tfrac{w}{2}), u + \tfrac{w}{2}) $$
 ///
-/// with the output $y_0$ at the end of the last accepted step. This is exact while the input does not turn round by
-/// more than the width within one step. Lengths written as plain numbers are in the unit of the input.
+/// with the output $y_0$ at the end of the last accepted step. The solver stops where the input meets a flank and where it
+/// turns round on one, so this is exact whatever the length of the steps. Methods of fixed step do not stop there. Lengths
+/// written as plain numbers are in the unit of the input.
 ///
 /// ```ron
 /// Backlash(width: "0.2 deg")
@@ -22,12 +23,37 @@ pub struct Backlash {
     pub y0: f64,
 }
 
+/// Which flank carries.
+const UPWARDS: f64 = 1.0;
+const DOWNWARDS: f64 = -1.0;
+const NONE: f64 = 0.0;
+
 impl Backlash {
     fn follow(&self, u: f64, last: f64) -> f64 {
         if u.is_nan() {
             return u;
         }
         clamp(last, u - 0.5 * self.width, u + 0.5 * self.width)
+    }
+
+    /// Which flank carries.
+    fn flank(&self, u: f64, last: f64) -> f64 {
+        if u - 0.5 * self.width >= last {
+            UPWARDS
+        } else if u + 0.5 * self.width <= last {
+            DOWNWARDS
+        } else {
+            NONE
+        }
+    }
+
+    /// The outputs and flanks at the end of a step or behind a jump.
+    fn keep(&self, inputs: &[f64], d: &mut [f64]) {
+        let (last, flanks) = d.split_at_mut(inputs.len());
+        for ((last, flank), u) in last.iter_mut().zip(flanks).zip(inputs) {
+            *last = self.follow(*u, *last);
+            *flank = self.flank(*u, *last);
+        }
     }
 }
 
@@ -40,21 +66,50 @@ impl Block for Backlash {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let dimension = parameters_like(given, "u", u.dimension, &["width", "y0"])?;
-        Ok(Interface::new()
+        let n = u.shape.len();
+        let interface = Interface::new()
             .input(Input::real("u"))
             .output(Output::like("y", u.of(dimension)))
-            .memory("y", u.shape.len(), self.y0)
-            .accepts())
+            .memory("y", n, self.y0)
+            .memory("flank", n, 0.0)
+            .settles()
+            .accepts();
+        let interface = (0..n).fold(interface, |all, _| all.guard_when(Crossing::Holds, "flank"));
+        Ok((0..n).fold(interface, |all, _| all.guard_when(Crossing::Peak, "turns")))
     }
 
+    fn settle(&self, c: &Context, d: &mut [f64]) {
+        self.keep(c.u, d);
+    }
+
+    /// Which flank carries is held between instants.
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for ((y, u), last) in y.iter_mut().zip(c.u).zip(c.d) {
-            *y = self.follow(*u, *last);
+        let (last, flanks) = c.d.split_at(c.u.len());
+        for (((y, u), last), flank) in y.iter_mut().zip(c.u).zip(last).zip(flanks) {
+            *y = if u.is_nan() || *flank != NONE { u - flank * 0.5 * self.width } else { *last };
+        }
+    }
+
+    /// How far a flank has carried since the last step, or how far both are away; and the input in the direction in which it
+    /// carries, which has a maximum where it turns round.
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
+        let n = c.u.len();
+        let (last, flanks) = c.d.split_at(n);
+        for (i, ((u, last), flank)) in c.u.iter().zip(last).zip(flanks).enumerate() {
+            let right = match *flank {
+                // Without play both flanks carry.
+                _ if self.width == 0.0 => 0.0,
+                NONE => 0.5 * self.width - (u - last).abs(),
+                flank => flank * (u - last) - 0.5 * self.width,
+            };
+            let rounding = ROUNDING * (u.abs() + last.abs() + self.width);
+            g[i] = if right.abs() <= rounding { 0.0 } else { right };
+            g[n + i] = if self.width == 0.0 { 0.0 } else { flank * u };
         }
     }
 
     fn accept(&self, c: &Context, d: &mut [f64]) {
-        d.iter_mut().zip(c.u).for_each(|(last, u)| *last = self.follow(*u, *last));
+        self.keep(c.u, d);
     }
 }
 
@@ -85,10 +140,25 @@ mod tests {
     }
 
     #[test]
+    fn guards_are_distances_to_flanks_and_the_input_on_a_flank() {
+        let mut bench = Bench::new(PLAY);
+        bench.set(0, &[0.25]).major();
+        assert_eq!(bench.guards(), [0.25, 0.0]);
+        bench.set(0, &[2.0]).major();
+        assert_eq!(bench.guards(), [0.0, 2.0], "carried upwards to 1.5");
+        assert_eq!(bench.set(0, &[1.75]).guards(), [-0.25, 1.75], "turned");
+        bench.accept();
+        assert_eq!((bench.guards(), bench.minor()), (vec![0.25, 0.0], vec![1.5]), "it stays there");
+        bench.set(0, &[0.5]).major();
+        assert_eq!(bench.guards(), [0.0, -0.5], "carried downwards to 1");
+    }
+
+    #[test]
     fn rejected_trial_steps_leave_no_trace() {
         let mut bench = Bench::with_inputs(PLAY, vec![("u".to_owned(), PortType::vector(2))]);
+        bench.set(0, &[3.0, -3.0]).major();
+        assert_eq!(bench.set(0, &[4.0, -4.0]).minor(), [3.5, -3.5]);
         assert_eq!(bench.set(0, &[3.0, -3.0]).minor(), [2.5, -2.5]);
-        assert_eq!(bench.set(0, &[1.0, 0.0]).minor(), [0.5, 0.0]);
         assert!(bench.set(0, &[f64::NAN, 0.0]).minor()[0].is_nan());
     }
 

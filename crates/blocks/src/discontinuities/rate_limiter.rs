@@ -1,13 +1,14 @@
-use crate::math::elements::{TIME, clamp, parameters_like};
+use crate::math::elements::{ROUNDING, TIME, clamp, parameters_like};
 use blocksim_block::prelude::*;
 
 /// Follows the input no faster than `rising` and `falling` allow, element by element.
 ///
 /// $$ y(t) = \min(\max(u, y_0 + r_\text{falling}\,(t - t_0)),\; y_0 + r_\text{rising}\,(t - t_0)) $$
 ///
-/// with the output $y_0$ at the end $t_0$ of the last accepted step. While a limit is active this is exact at every
-/// instant of a step, whatever the length of the step. Rates written as plain numbers are per second in the unit of the
-/// input.
+/// with the output $y_0$ at the end $t_0$ of the last accepted step. The solver stops where the input passes one of the
+/// rates and where the output has caught up with it, so this is exact whatever the length of the steps. Methods of fixed step
+/// do not stop there.
+/// Rates written as plain numbers are per second in the unit of the input.
 ///
 /// ```ron
 /// RateLimiter(rising: "10 V/s", falling: "-20 V/s")
@@ -24,10 +25,28 @@ pub struct RateLimiter {
     pub y0: f64,
 }
 
+/// Discrete states: time of the last accepted step; then the outputs there, then what limits them.
+const OUTPUTS: usize = 1;
+
+/// What limits an element.
+const RISING: f64 = 1.0;
+const FALLING: f64 = -1.0;
+const NOTHING: f64 = 0.0;
+
+fn mode(u: f64, last: f64) -> f64 {
+    if u > last {
+        RISING
+    } else if u < last {
+        FALLING
+    } else {
+        NOTHING
+    }
+}
+
 impl RateLimiter {
-    /// The output for input `u`, `elapsed` seconds after it was `last`.
-    fn limit(&self, u: f64, last: f64, elapsed: f64) -> f64 {
-        clamp(u, last + self.falling * elapsed, last + self.rising * elapsed)
+    /// Least and greatest output, `elapsed` seconds after it was `last`.
+    fn range(&self, last: f64, elapsed: f64) -> (f64, f64) {
+        (last + self.falling * elapsed, last + self.rising * elapsed)
     }
 }
 
@@ -46,32 +65,76 @@ impl Block for RateLimiter {
         let dimension = parameters_like(given, "u", u.dimension, &["y0"])?;
         let rate = parameters_like(given, "u", dimension.map(|u| u.over(TIME)), &["rising", "falling"])?;
         let y = u.of(dimension.or(rate.map(|rate| rate.times(TIME))));
-        Ok(Interface::new()
+        let n = u.shape.len();
+        let interface = Interface::new()
             .input(Input::real("u"))
             .output(Output::like("y", y))
             .discrete("t", 0.0)
-            .memory("y", u.shape.len(), self.y0)
+            .memory("y", n, self.y0)
+            .memory("mode", n, 0.0)
             .uses_time()
-            .accepts())
+            .settles()
+            .accepts();
+        let interface = (0..n).fold(interface, |all, _| all.guard_when(Crossing::Holds, "limit"));
+        let interface = (0..n).fold(interface, |all, _| all.guard_when(Crossing::Peak, "rises"));
+        Ok((0..n).fold(interface, |all, _| all.guard_when(Crossing::Peak, "falls")))
     }
 
     fn initialize(&self, c: &Context, _x: &mut [f64], d: &mut [f64]) {
         d[0] = c.t;
     }
 
+    /// After a jump of the input another rate may limit.
+    fn settle(&self, c: &Context, d: &mut [f64]) {
+        let (last, modes) = d[OUTPUTS..].split_at_mut(c.u.len());
+        modes.iter_mut().zip(last).zip(c.u).for_each(|((mode_of, last), u)| *mode_of = mode(*u, *last));
+    }
+
+    /// What limits is held between instants.
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
         let elapsed = c.t - c.d[0];
-        for ((y, u), last) in y.iter_mut().zip(c.u).zip(&c.d[1..]) {
-            *y = self.limit(*u, *last, elapsed);
+        let (last, modes) = c.d[OUTPUTS..].split_at(c.u.len());
+        for (((y, u), last), mode) in y.iter_mut().zip(c.u).zip(last).zip(modes) {
+            let (lower, upper) = self.range(*last, elapsed);
+            *y = match *mode {
+                _ if u.is_nan() => *u,
+                RISING => upper,
+                FALLING => lower,
+                _ => *u,
+            };
+        }
+    }
+
+    /// While a rate limits, how far the output is behind. While none does, how far the input is inside of what the rates have
+    /// allowed since the last step; each of the two has a maximum where the input passes a rate.
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
+        let (n, elapsed) = (c.u.len(), c.t - c.d[0]);
+        let (last, modes) = c.d[OUTPUTS..].split_at(n);
+        for (i, ((u, last), mode)) in c.u.iter().zip(last).zip(modes).enumerate() {
+            let (lower, upper) = self.range(*last, elapsed);
+            let free = *mode == NOTHING;
+            let rounding = ROUNDING * (u.abs() + lower.abs() + upper.abs());
+            let exact = |x: f64| if x.abs() <= rounding { 0.0 } else { x };
+            let right = match *mode {
+                RISING => u - upper,
+                FALLING => lower - u,
+                _ => (upper - u).min(u - lower),
+            };
+            g[i] = exact(right);
+            g[n + i] = if free { exact(upper - u) } else { 0.0 };
+            g[2 * n + i] = if free { exact(u - lower) } else { 0.0 };
         }
     }
 
     fn accept(&self, c: &Context, d: &mut [f64]) {
         let elapsed = c.t - d[0];
-        for (last, u) in d[1..].iter_mut().zip(c.u) {
-            *last = self.limit(*u, *last, elapsed);
-        }
         d[0] = c.t;
+        let (last, modes) = d[OUTPUTS..].split_at_mut(c.u.len());
+        for ((last, mode_of), u) in last.iter_mut().zip(modes).zip(c.u) {
+            let (lower, upper) = self.range(*last, elapsed);
+            *last = clamp(*u, lower, upper);
+            *mode_of = mode(*u, *last);
+        }
     }
 }
 
@@ -89,16 +152,16 @@ mod tests {
         bench.set(0, &[1.0]);
         for t in [0.0, 0.01, 0.3, 0.49, 0.5, 0.9, 1.0] {
             bench.t = t;
+            bench.accept();
             let y = bench.major()[0];
             assert!((y - (2.0 * t).min(1.0)).abs() < 1e-15, "{t}: {y}");
-            bench.accept();
         }
         bench.set(0, &[-1.0]);
         for t in [1.0, 1.2, 1.5, 3.0] {
             bench.t = t;
+            bench.accept();
             let y = bench.major()[0];
             assert!((y - (1.0 - 4.0 * (t - 1.0)).max(-1.0)).abs() < 1e-15, "{t}: {y}");
-            bench.accept();
         }
     }
 
@@ -111,7 +174,44 @@ mod tests {
             assert_eq!(bench.minor(), [y]);
         }
         bench.accept();
-        assert_eq!(bench.d, [0.25, 0.5]);
+        assert_eq!(bench.d, [0.25, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn guards_are_how_far_the_output_is_behind_or_the_input_inside_of_the_rates() {
+        let mut bench = Bench::new(LIMITER);
+        bench.set(0, &[1.0]).major();
+        for t in [0.1, 0.25, 0.5, 0.75] {
+            bench.t = t;
+            let g = bench.guards();
+            assert!((g[0] - (1.0 - 2.0 * t)).abs() < 1e-15 && g[1..] == [0.0, 0.0], "{t}: {g:?}");
+        }
+        bench.t = 0.5;
+        bench.minor();
+        bench.accept();
+        assert_eq!(bench.d, [0.5, 1.0, NOTHING]);
+        bench.t = 0.75;
+        assert_eq!(
+            bench.set(0, &[1.25]).guards(),
+            [0.25, 0.25, 1.25],
+            "it rises by 0.5 and falls by 1 at most"
+        );
+        bench.t = 0.5;
+        bench.set(0, &[-1.0]).major();
+        bench.t = 0.75;
+        assert_eq!(bench.guards(), [1.0, 0.0, 0.0], "down to 0 of -1");
+    }
+
+    #[test]
+    fn an_input_with_the_very_rate_is_followed_in_spite_of_rounding() {
+        let mut bench = Bench::new(RateLimiter { rising: 0.1, ..LIMITER });
+        bench.major();
+        for k in 1..1000 {
+            bench.t = f64::from(k) * 0.007;
+            bench.set(0, &[0.1 * bench.t]).major();
+            assert!(bench.guards()[0] >= 0.0, "{k}");
+            bench.accept();
+        }
     }
 
     #[test]
@@ -120,8 +220,8 @@ mod tests {
         for k in 0..10 {
             bench.t = f64::from(k) * 0.1;
             let u = [1.9 * bench.t, -3.9 * bench.t];
-            assert_eq!(bench.set(0, &u).major(), u);
-            bench.accept();
+            bench.set(0, &u).accept();
+            assert_eq!(bench.major(), u);
         }
         assert!(bench.set(0, &[f64::NAN, 0.0]).minor()[0].is_nan());
     }

@@ -111,7 +111,7 @@ impl Block for LookupTable1D {
         if self.steps() {
             interface = interface.settles().memory("step", u.shape.len(), 0.0);
             for _ in 0..u.shape.len() {
-                interface = interface.guard("jump");
+                interface = interface.guard("above").guard("below");
             }
         }
         Ok(interface)
@@ -134,16 +134,12 @@ impl Block for LookupTable1D {
         }
     }
 
-    /// The distance to the nearest jump; its sign turns at each of them.
+    /// Distances to the jumps above and below the held value; where there is none nothing crosses.
     fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        for (i, g) in g.iter_mut().enumerate() {
-            let u = element(c.u, i);
-            let step = self.step(u);
-            let below = if step > 0 { u - self.place_of_jump(step - 1) } else { f64::INFINITY };
-            let above = if step < self.jumps() { self.place_of_jump(step) - u } else { f64::INFINITY };
-            // Finite also where a table has but one value.
-            let distance = below.min(above).min(f64::MAX);
-            *g = if step.is_multiple_of(2) { -distance } else { distance };
+        for (i, (g, step)) in g.chunks_exact_mut(2).zip(c.d).enumerate() {
+            let (u, step) = (element(c.u, i), *step as usize);
+            g[0] = if step < self.jumps() { u - self.place_of_jump(step) } else { -1.0 };
+            g[1] = if step > 0 { u - self.place_of_jump(step - 1) } else { 1.0 };
         }
     }
 }
@@ -244,18 +240,24 @@ mod tests {
     }
 
     #[test]
-    fn the_guard_turns_its_sign_at_each_jump_and_nowhere_else() {
+    fn the_guards_hold_the_value_between_its_jumps_however_far_the_input_goes() {
         for (interpolation, jumps) in
             [(Interpolation::Flat, [0.0, 0.3, 2.0]), (Interpolation::Nearest, [-0.5, 0.15, 1.15])]
         {
             let mut bench = Bench::new(block(interpolation, Extrapolation::Clip));
-            let mut before = bench.set(0, &[-2.0]).guards()[0];
-            for k in 1..500 {
-                let u = -2.0 + 0.01 * f64::from(k) + 0.003;
-                let after = bench.set(0, &[u]).guards()[0];
-                let passed = jumps.iter().any(|jump| *jump <= u && *jump > u - 0.01);
-                assert_eq!(before.signum() != after.signum(), passed, "{interpolation:?} at {u}");
-                before = after;
+            for held in [-0.9, 0.1, 0.9, 3.0] {
+                bench.set(0, &[held]).major();
+                let value = bench.minor()[0];
+                for u in [-9.0, -0.7, -0.2, 0.07, 0.2, 1.0, 1.5, 9.0] {
+                    let g = bench.set(0, &[u]).guards();
+                    let between = jumps.iter().filter(|jump| (held < **jump) != (u < **jump)).count();
+                    assert_eq!(
+                        g[0] >= 0.0 || g[1] < 0.0,
+                        between > 0,
+                        "{interpolation:?} from {held} to {u}"
+                    );
+                    assert_eq!(bench.minor()[0], value);
+                }
             }
         }
     }

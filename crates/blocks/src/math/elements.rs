@@ -48,6 +48,9 @@ pub(crate) fn clamp(u: f64, lower: f64, upper: f64) -> f64 {
     }
 }
 
+/// Differences of numbers below this part of their sizes are rounding.
+pub(crate) const ROUNDING: f64 = 1e-14;
+
 /// Adds a guard for each of `n` elements.
 pub(crate) fn guard_each(mut interface: Interface, name: &str, n: usize) -> Interface {
     for i in 0..n {

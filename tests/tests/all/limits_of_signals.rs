@@ -1,0 +1,126 @@
+//! Play and limits of the slope at default settings, against closed forms: nothing but the source says how fast signals change.
+
+use std::f64::consts::TAU;
+
+use blocksim_tests::{Run, run_text};
+
+fn diagram(stop: f64, source: &str, block: &str) -> Run {
+    run_text(&format!(
+        r#"Diagram(
+    simulation: (stop_time: "{stop} s", output: Every("1 ms")),
+    blocks: {{
+        "source": {source}, "block": {block}, "rate": Gain(k: "1 1/s"), "integral": Integrator,
+        "show": Scope(inputs: ["y", "integral"]),
+    }},
+    connections: [
+        "source.y -> block.u", "block.y -> show.y", "block.y -> rate.u", "rate.y -> integral.u",
+        "integral.y -> show.integral",
+    ],
+)"#
+    ))
+}
+
+fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!((found - expected).abs() <= tolerance, "{what}: {found} instead of {expected}");
+}
+
+/// Zero of a function that is negative at `a` and positive at `b`.
+fn zero(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..200 {
+        let middle = 0.5 * (a + b);
+        if f(middle) < 0.0 { a = middle } else { b = middle }
+    }
+    0.5 * (a + b)
+}
+
+/// `u = sin(2 pi t)` with a play of 1: the output rests at 1/2 from the upper turning point of the input on until that has
+/// come down to zero, and at -1/2 from the lower one on.
+#[test]
+fn play_rests_at_the_turning_points_of_a_sine() {
+    let run = diagram(10.0, r#"Sine(frequency: "1 Hz")"#, "Backlash(width: 1)");
+    // Each period spends as much above zero as below; the first one begins at rest at zero, until the input is 0.5 at 1/12.
+    for (t, y) in [(0.05, 0.0), (0.3, 0.5), (0.45, 0.5), (0.8, -0.5), (0.9, -0.5), (9.3, 0.5), (9.9, -0.5)] {
+        close(run.at("show.y", t), y, 1e-9, &format!("output at {t} s"));
+    }
+    // From 1/12 to 1/4 the output is sin - 1/2, then 1/2 until the input has fallen to 0 at 1/2, then sin + 1/2 until 3/4 and
+    // -1/2 until 1. From then on a period brings nothing.
+    let cos = |t: f64| f64::cos(TAU * t) / TAU;
+    let rises = cos(1.0 / 12.0) - cos(0.25) - 0.5 * (0.25 - 1.0 / 12.0);
+    let falls = cos(0.5) - cos(0.75) + 0.5 * 0.25;
+    let first = rises + 0.5 * 0.25 + falls - 0.5 * 0.25;
+    // In a whole period it rests at -1/2 for a quarter, rises for a quarter, rests and falls: these cancel.
+    let later = cos(0.0) - cos(0.25) - 0.5 * 0.25 + 0.5 * 0.25 + falls - 0.5 * 0.25;
+    close(run.last("show.integral"), first + 9.0 * later, 1e-5, "integral");
+}
+
+/// `u = sin(2 pi t)` with slopes of 3 at most: the output leaves the input where its slope passes the rate, and meets it
+/// again on a straight line.
+#[test]
+fn a_rate_is_kept_exactly_where_a_sine_is_too_fast() {
+    let rate = 3.0;
+    let run = diagram(
+        4.0,
+        r#"Sine(frequency: "1 Hz", phase: "90 deg")"#,
+        "RateLimiter(rising: 3, falling: -3, y0: 1)",
+    );
+    let u = |t: f64| (TAU * t).cos();
+    // It falls too fast from where 2 pi sin = 3.
+    let leaves = (rate / TAU).asin() / TAU;
+    let meets = zero(leaves + 0.1, 1.0, |t| u(t) - (u(leaves) - rate * (t - leaves)));
+    assert!(meets < 0.75 && meets > 0.5, "{meets}");
+    for t in [0.5 * leaves, leaves, 0.2, 0.3, 0.9 * meets, meets] {
+        let y = if t <= leaves { u(t) } else { u(leaves) - rate * (t - leaves) };
+        close(run.at("show.y", t), y, 1e-5, &format!("output at {t} s"));
+    }
+    // Where it meets the input it rises already too fast, and the picture is that of before upside down; then periods are alike.
+    let line = |t: f64| u(meets) + rate * (t - meets);
+    let again = zero(0.8, 1.4, |t| line(t) - u(t));
+    close(run.at("show.y", 0.5 * (meets + again)), line(0.5 * (meets + again)), 1e-5, "on the way up");
+    let rows = run.time.windows(2).zip(run.column("show.y").windows(2));
+    for (t, y) in rows.filter(|(t, _)| t[1] - t[0] > 1e-6) {
+        let slope = (y[1] - y[0]) / (t[1] - t[0]);
+        assert!(slope.abs() <= rate + 1e-6, "slope {slope} at {} s", t[0]);
+    }
+}
+
+/// Pulses that are met within a small part of a step: triangles with flat tops.
+#[test]
+fn pulses_become_trapezia_of_the_right_area() {
+    let run = diagram(
+        2.0,
+        r#"Pulse(amplitude: 1, period: "0.25 s", width: 0.4)"#,
+        "RateLimiter(rising: 50, falling: -40)",
+    );
+    // Up in 20 ms, flat for 80 ms, down in 25 ms.
+    close(run.last("show.integral"), 8.0 * (0.08 + 0.5 * (0.02 + 0.025)), 1e-6, "area");
+    assert_eq!(run.last("show.y"), 0.0, "at rest in the end");
+}
+
+/// An input that has the very rate is followed, though rounding makes it faster and slower.
+#[test]
+fn a_ramp_of_the_very_rate_is_no_event() {
+    let run = diagram(7.0, "Ramp(slope: 0.1)", "RateLimiter(rising: 0.1, falling: -0.1)");
+    close(run.last("show.y"), 0.7, 1e-12, "output");
+    assert!(run.events.len() <= 2, "{:?}", run.events);
+}
+
+/// A signal that passes several breakpoints of a table between two looks of the solver stops at each.
+#[test]
+fn a_stepped_table_misses_no_step() {
+    let run = diagram(
+        2.0,
+        r#"Sine(amplitude: 1.94, frequency: "3.9 Hz")"#,
+        "LookupTable1D(breakpoints: [-1.94, -1.46, -1.28, 0.256, 0.933], table: [1.0, 2.0, 4.0, 8.0, 16.0], interpolation: Flat)",
+    );
+    let share = |level: f64| 0.5 - (level / 1.94_f64).asin() / std::f64::consts::PI;
+    // Whole periods up to 7 / 3.9 s; the eighth is 0.8 long: up, and down to past the lower turning point.
+    let part = |level: f64| {
+        let (a, p) = ((level / 1.94_f64).asin() / TAU, 0.8);
+        // Above the level from a to 1/2 - a, and from 1 + a on.
+        if a >= 0.0 { 0.5 - 2.0 * a } else { (0.5 - a).min(p) + (p - (1.0 + a)).max(0.0) }
+    };
+    let above = |level: f64| 7.0 * share(level) + part(level);
+    let area: f64 =
+        [(-1.46, 1.0), (-1.28, 2.0), (0.256, 4.0), (0.933, 8.0)].iter().map(|(l, d)| d * above(*l)).sum();
+    close(run.last("show.integral"), (7.8 + area) / 3.9, 1e-5, "integral");
+}
