@@ -1,6 +1,7 @@
 //! Whole diagrams: compiled from text, run, compared.
 
 pub mod accounts;
+pub mod random;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

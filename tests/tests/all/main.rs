@@ -38,6 +38,7 @@ mod parameters;
 mod plugins;
 mod power;
 mod random_shafts;
+mod random_signals;
 mod redundant_friction;
 mod robots;
 mod run_time;

@@ -1,0 +1,134 @@
+//! The interpreter: tiny steps of fixed length by the classical Runge-Kutta method; what jumps is bracketed by bisection.
+//!
+//! During a step all branches stand still, so that a step sees smooth functions, apart from kinks, whose error is of the
+//! second order in the step. A model is run with one length and with half of it; the difference is what the finer run may be off by.
+
+use super::model::{Law, Model};
+use super::run::Run;
+
+/// What came out of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// The value of every node in the end.
+    pub ends: Vec<f64>,
+    /// By how much it may be off.
+    pub end_slack: Vec<f64>,
+    /// Integral of each probe.
+    pub integrals: Vec<f64>,
+    /// By how much it may be off.
+    pub integral_slack: Vec<f64>,
+    /// Largest absolute value of each probe.
+    pub integral_sizes: Vec<f64>,
+    /// How often the output of each node that has steps has jumped; pulses of no length not counted, and counted.
+    pub toggles: Vec<Option<(u32, u32)>>,
+    /// Largest absolute value of each node.
+    pub sizes: Vec<f64>,
+}
+
+/// Why nobody can say what comes out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Undecided {
+    /// Switches more often than anyone counts.
+    Chatters,
+    /// A threshold is touched or nearly so.
+    Grazes,
+    /// Two things happen at nearly the same time.
+    Coincides,
+    /// Grows beyond all bounds.
+    Grows,
+    /// Steps are too long.
+    Coarse,
+    /// Turns out otherwise if something changes by some millionths.
+    Sensitive,
+}
+
+/// Steps of the coarse run, at least.
+const STEPS: usize = 8000;
+/// By which part derivatives and thresholds are changed in order to see what depends on it.
+const CHANGE: f64 = 1e-5;
+/// By how much a run with a relative tolerance of 1e-6 may be off, as part of the size of a signal.
+pub(super) const SLACK: f64 = 2e-4;
+/// Events of one run.
+pub(super) const MOST_EVENTS: usize = 2000;
+/// Two instants closer than this, s, are no two.
+pub(super) const SAME: f64 = 1e-9;
+
+/// What comes out of a model.
+pub fn refer(model: &Model) -> Result<Outcome, Undecided> {
+    let n = model.nodes.len();
+    let none = vec![0.0; n];
+    let coarse = Run::new(model, STEPS, &none, &none).finish()?;
+    let mut fine = Run::new(model, 2 * STEPS, &none, &none).finish()?;
+    if fine.toggles != coarse.toggles {
+        return Err(Undecided::Coarse);
+    }
+    widen(&mut fine, &coarse, 1.0);
+    if !fine.is_sharp(model.stop) {
+        return Err(Undecided::Coarse);
+    }
+    let exact: Vec<bool> = (0..n).map(|node| is_exact(model, node, &mut vec![false; n])).collect();
+    for seed in [11, 12] {
+        let mut dice = super::Dice::new(seed);
+        let mut random = || 2.0 * dice.unit() - 1.0;
+        let rates: Vec<f64> = (0..n).map(|_| CHANGE * random()).collect();
+        let watched = |node: usize| {
+            let inputs = &model.nodes[node].inputs;
+            let moved = inputs.iter().filter(|u| !exact[**u]).map(|&u| coarse.sizes[u]);
+            moved.fold(0.0, f64::max)
+        };
+        let shifts: Vec<f64> = (0..n).map(|node| CHANGE * random() * watched(node)).collect();
+        let other = Run::new(model, STEPS, &rates, &shifts).finish();
+        let Ok(other) = other else { return Err(Undecided::Sensitive) };
+        if other.toggles != coarse.toggles {
+            return Err(Undecided::Sensitive);
+        }
+        let mut moved = coarse.clone();
+        widen(&mut moved, &other, 3.0);
+        if !moved.is_sharp(model.stop) {
+            return Err(Undecided::Sensitive);
+        }
+        fine.end_slack.iter_mut().zip(&moved.end_slack).for_each(|(a, b)| *a = a.max(*b));
+        fine.integral_slack.iter_mut().zip(&moved.integral_slack).for_each(|(a, b)| *a = a.max(*b));
+    }
+    Ok(fine)
+}
+
+/// Adds to the slack what two runs differ by.
+fn widen(outcome: &mut Outcome, other: &Outcome, factor: f64) {
+    let ends = outcome.end_slack.iter_mut().zip(&outcome.ends).zip(&other.ends);
+    ends.for_each(|((slack, a), b)| *slack = slack.max(factor * (a - b).abs()));
+    let integrals = outcome.integral_slack.iter_mut().zip(&outcome.integrals).zip(&other.integrals);
+    integrals.for_each(|((slack, a), b)| *slack = slack.max(factor * (a - b).abs()));
+}
+
+impl Outcome {
+    /// Whether all is known to some tenths of a thousandth.
+    fn is_sharp(&self, stop: f64) -> bool {
+        let sharp = |slack: f64, size: f64| slack <= 5.0 * SLACK * (size + 1e-3);
+        let mut ends = self.end_slack.iter().zip(&self.sizes);
+        let mut integrals = self.integral_slack.iter().zip(&self.integral_sizes);
+        ends.all(|(slack, size)| sharp(*slack, *size))
+            && integrals.all(|(slack, size)| sharp(*slack, stop * size))
+    }
+}
+
+/// Whether a signal depends on time and truth alone, so that no method can be off.
+fn is_exact(model: &Model, node: usize, seen: &mut Vec<bool>) -> bool {
+    if std::mem::replace(&mut seen[node], true) {
+        return false;
+    }
+    let law = &model.nodes[node].law;
+    let stateful = matches!(
+        law,
+        Law::Integrator { .. }
+            | Law::LowPass { .. }
+            | Law::Transfer { .. }
+            | Law::Derivative { .. }
+            | Law::Pid(_)
+            | Law::TransportDelay { .. }
+            | Law::RateLimiter { .. }
+    );
+    let exact = !stateful && model.nodes[node].inputs.iter().all(|&u| is_exact(model, u, seen));
+    seen[node] = false;
+    exact
+}
