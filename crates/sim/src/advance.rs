@@ -124,7 +124,10 @@ impl Simulation {
         if cut.crossed {
             self.events += 1;
             self.tell_events(observer);
-            if let Some((guard, accumulation)) = self.guards.beat(self.t) {
+            // Friction, stops and valves have states of rest of their own.
+            if let Some((guard, accumulation)) = self.guards.beat(self.t)
+                && guard_of(&self.schedule, guard).is_some_and(|(block, _)| block.parts.is_empty())
+            {
                 return Err(self.endless(guard, accumulation));
             }
         }

@@ -6,7 +6,7 @@
 //! other side of zero is found, which brackets the first crossing, or until it is clear that there is none. Where
 //! the cubic and the stages contradict each other by a part of the distance to zero, the step is sampled (`scan.rs`).
 //!
-//! Slopes are differences over 2^-10 of the step (2^-22 at its start), one minor pass for the end of a step; that of the start is known from
+//! Slopes are differences over 2^-10 of the step, one minor pass for the end of a step; that of the start is known from
 //! the step before unless something has jumped. A guard that is far from zero as compared with its way over two
 //! steps is left alone, so that most steps cost nothing.
 
@@ -18,9 +18,10 @@ use crate::guards::{Guards, Stride};
 use crate::looks::Looks;
 use crate::slopes::Turn;
 
-/// Over which part of a step the slope at its end is taken.
-const LATE: f64 = 1.0 / 1024.0;
-/// The same at its start, where something may just have happened: a hop may be a millionth of the step.
+/// Over which part of a step a slope is taken.
+const PART: f64 = 1.0 / 1024.0;
+/// The same at the start of a step behind a guard with a direction that has just fired: it is on the far side, comes back
+/// unwatched, and a hop may be a millionth of the step.
 const EARLY: f64 = 1.0 / (1_u64 << 22) as f64;
 /// A guard that is farther from zero than this many times its way is not looked at.
 const REACH: f64 = 4.0;
@@ -181,8 +182,10 @@ impl Guards {
     /// a crossing that is found on the way.
     fn find_slopes(&mut self, diagram: &mut Diagram, stride: &Stride) -> Result<Option<f64>, Failed> {
         let h = stride.t1 - stride.t0;
-        let late = stride.t1 - LATE * h;
-        let early = stride.t0 + EARLY * h;
+        let late = stride.t1 - PART * h;
+        let hops = |i: usize| self.fired[i] && matches!(self.events[i], Crossing::Rising | Crossing::Falling);
+        let part = if (0..self.fired.len()).any(hops) { EARLY } else { PART };
+        let early = stride.t0 + part * h;
         if late <= early || early <= stride.t0 {
             return Ok(None);
         }
