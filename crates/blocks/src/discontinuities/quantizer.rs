@@ -1,4 +1,4 @@
-use crate::math::elements::{guard_each, parameters_like};
+use crate::math::elements::{ROUNDING, parameters_like};
 use blocksim_block::prelude::*;
 
 /// Rounds to whole multiples of an interval: $y = q \operatorname{round}(u / q)$, element by element.
@@ -16,6 +16,14 @@ pub struct Quantizer {
     pub interval: f64,
 }
 
+impl Quantizer {
+    /// How much is left of the half interval around a value.
+    fn left(&self, u: f64, y: f64) -> f64 {
+        let left = 0.5 * self.interval - (u - y).abs();
+        if left.abs() <= ROUNDING * (u.abs() + self.interval) { 0.0 } else { left }
+    }
+}
+
 impl Block for Quantizer {
     fn check(&self) -> Result<(), ParamError> {
         positive("interval", self.interval)
@@ -30,24 +38,27 @@ impl Block for Quantizer {
             .output(Output::like("y", u.of(dimension)))
             .memory("y", n, 0.0)
             .settles();
-        Ok(guard_each(guard_each(interface, "above", n), "below", n))
+        Ok((0..n).fold(interface, |all, _| all.guard_when(Crossing::Holds, "level")))
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {
-        d.iter_mut().zip(c.u).for_each(|(d, u)| *d = self.interval * (u / self.interval).round());
+        for (y, u) in d.iter_mut().zip(c.u) {
+            let number = (u / self.interval).round();
+            *y = self.interval * number;
+            // The quotient may be rounded to a half from beyond it; what decides is the guard.
+            if self.left(*u, *y) < 0.0 {
+                *y = self.interval * (number + 1.0_f64.copysign(u - *y));
+            }
+        }
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
         y.copy_from_slice(c.d);
     }
 
+    /// A value holds up to half an interval away from it, halves included on both sides.
     fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        let half = 0.5 * self.interval;
-        let (above, below) = g.split_at_mut(c.u.len());
-        for (((above, below), u), y) in above.iter_mut().zip(below).zip(c.u).zip(c.d) {
-            *above = u - (y + half);
-            *below = u - (y - half);
-        }
+        g.iter_mut().zip(c.u).zip(c.d).for_each(|((g, u), y)| *g = self.left(*u, *y));
     }
 }
 
@@ -71,12 +82,26 @@ mod tests {
     }
 
     #[test]
-    fn the_guards_lie_half_an_interval_above_and_below() {
+    fn a_value_holds_up_to_half_an_interval_around_it() {
         let mut bench = Bench::with_inputs(QUANTIZER, vec![("u".to_owned(), PortType::vector(2))]);
         bench.set(0, &[1.0, -1.0]).major();
         assert_eq!(bench.set(0, &[1.5, -1.0]).minor(), [1.0, -1.0]);
-        assert_eq!(bench.guards(), [0.25, -0.25, 0.75, 0.25]);
+        assert_eq!(bench.guards(), [-0.25, 0.25]);
         assert_eq!(bench.major(), [1.5, -1.0]);
+    }
+
+    #[test]
+    fn close_to_a_half_the_value_is_the_one_that_its_guard_lets_stand() {
+        let mut bench = Bench::new(Quantizer { interval: 0.18 });
+        for half in -50..50 {
+            let mut u = 0.18 * (f64::from(half) + 0.5);
+            (0..4).for_each(|_| u = u.next_down());
+            for _ in 0..9 {
+                bench.set(0, &[u]).major();
+                assert!(bench.guards()[0] >= 0.0, "{u}");
+                u = u.next_up();
+            }
+        }
     }
 
     #[test]
