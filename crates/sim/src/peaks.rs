@@ -2,7 +2,7 @@
 //!
 //! A maximum lies between three points of which the one in the middle is highest. The points are the ends of the step, the
 //! stages of the method, which cost nothing but are hints only, and one point close to each end, which shows with which
-//! slope the guard sets out and arrives. Between the outer two of the three the maximum is narrowed on the dense output by golden
+//! slope the guard sets out and arrives. Where a maximum shows, all these points are looked at again on the dense output. Between the outer two of the three the maximum is narrowed on the dense output by golden
 //! sections. Its time is known to a hundred-thousandth of the step, hence its value to the square of that.
 
 use blocksim_block::Crossing;
@@ -30,9 +30,8 @@ impl Guards {
     ) -> Result<Option<(f64, usize)>, Failed> {
         let Stride { t0, t1, .. } = *stride;
         let (early, late) = (t0 + PART * (t1 - t0), t1 - PART * (t1 - t0));
-        let armed = |i: &usize| self.events[*i] == Crossing::Peak && self.start[*i] != self.end[*i];
         let has_inside = t0 < early && early < late && late < t1;
-        if !has_inside || !(0..self.start.len()).any(|i| armed(&i)) {
+        if !has_inside || !(0..self.start.len()).any(|i| self.is_armed(i)) {
             return Ok(None);
         }
         for t in [early, 0.5 * (t0 + t1), late] {
@@ -40,28 +39,56 @@ impl Guards {
             looks.row(t).copy_from_slice(&self.trial);
         }
         let count = looks.find_within(t0, t1);
+        if !(0..self.start.len()).any(|i| self.is_armed(i) && (1..=count).any(|k| self.is_top(i, k, looks))) {
+            return Ok(None);
+        }
+        // A stage that lies off the solution makes tops where there are none, and hides those that there are.
+        for k in 0..count {
+            let t = looks.within(k).0;
+            self.at(t, diagram, stride)?;
+            looks.row(t).copy_from_slice(&self.trial);
+        }
+        let time = |k: usize| match k {
+            0 => t0,
+            k if k > count => t1,
+            k => looks.within(k - 1).0,
+        };
         let mut first: Option<(f64, usize)> = None;
         for i in 0..self.start.len() {
-            if self.events[i] != Crossing::Peak {
+            if !self.is_armed(i) {
                 continue;
             }
-            let point = |k: usize| match k {
-                0 => (t0, self.start[i]),
-                k if k > count => (t1, self.end[i]),
-                k => (looks.within(k - 1).0, looks.within(k - 1).1[i]),
-            };
-            let top = (1..=count).find(|&k| point(k).1 >= point(k - 1).1 && point(k).1 > point(k + 1).1);
-            let Some(top) = top else { continue };
-            let (left, right) = (point(top - 1).0, point(top + 1).0);
-            if first.is_none_or(|(t, _)| left < t) {
-                let found = self.summit(i, left, right, diagram, stride)?;
-                first = [first, found.map(|t| (t, i))]
-                    .into_iter()
-                    .flatten()
-                    .reduce(|a, b| if b.0 < a.0 { b } else { a });
+            for top in 1..=count {
+                if !self.is_top(i, top, looks) {
+                    continue;
+                }
+                let (left, right) = (time(top - 1), time(top + 1));
+                if first.is_some_and(|(t, _)| left >= t) {
+                    break;
+                }
+                if let Some(t) = self.summit(i, left, right, diagram, stride)? {
+                    first = first.filter(|(before, _)| *before <= t).or(Some((t, i)));
+                    break;
+                }
             }
         }
         Ok(first)
+    }
+
+    /// Whether guard `i` waits for a maximum and moves.
+    fn is_armed(&self, i: usize) -> bool {
+        self.events[i] == Crossing::Peak && self.start[i] != self.end[i]
+    }
+
+    /// Whether guard `i` is not lower at the `k`th point of the step, counted from its start as 0, than just before and higher
+    /// than just behind.
+    fn is_top(&self, i: usize, k: usize, looks: &Looks) -> bool {
+        let value = |k: usize| match k {
+            0 => self.start[i],
+            k if k > looks.len() => self.end[i],
+            k => looks.within(k - 1).1[i],
+        };
+        value(k) >= value(k - 1) && value(k) > value(k + 1)
     }
 
     /// Where guard `i` is highest between two times, if that is neither of them.

@@ -142,3 +142,38 @@ fn a_quantized_sine_is_as_long_on_each_level_as_the_sine() {
     let integral = (0..steps).map(level).sum::<f64>() / f64::from(steps);
     close(run.last("show.integral"), integral, 5e-6, "integral");
 }
+
+/// The low-pass of a sine has a closed form; the play follows it in a million steps. The stages of the method lie beside the
+/// solution, which must neither make turning points nor hide them.
+#[test]
+fn play_behind_a_filter_rests_at_its_turning_points() {
+    let (w, tau, amplitude) = (TAU * 7.13, 0.0327, 1.42);
+    let run = run_text(&format!(
+        r#"Diagram(
+            simulation: (stop_time: "0.25 s"),
+            blocks: {{
+                "source": Sine(amplitude: {amplitude}, frequency: "7.13 Hz"), "filter": LowPass(tau: "{tau} s"),
+                "play": Backlash(width: 1.14), "rate": Gain(k: "1 1/s"), "integral": Integrator, "show": Scope(inputs: ["y", "integral"]),
+            }},
+            connections: [
+                "source.y -> filter.u", "filter.y -> play.u", "play.y -> rate.u, show.y", "rate.y -> integral.u",
+                "integral.y -> show.integral",
+            ],
+        )"#
+    ));
+    let input = |t: f64| {
+        let (sine, cosine) = (w * t).sin_cos();
+        amplitude / (1.0 + (w * tau).powi(2)) * (sine - w * tau * cosine + w * tau * (-t / tau).exp())
+    };
+    let steps = 1_000_000;
+    let h = 0.25 / f64::from(steps);
+    let (mut y, mut integral) = (0.0_f64, 0.0);
+    for k in 1..=steps {
+        let u = input(f64::from(k) * h);
+        let next = y.clamp(u - 0.57, u + 0.57);
+        integral += 0.5 * h * (y + next);
+        y = next;
+    }
+    close(run.last("show.y"), y, 3e-6, "output");
+    close(run.last("show.integral"), integral, 1e-6, "integral");
+}
