@@ -94,6 +94,10 @@ pub trait Block: Any + Debug + Send + Sync {
     /// interface says `remembers`.
     fn remember(&self, _c: &Context, _piece: &Piece, _d: &mut [f64]) {}
 
+    /// After `accept`: what comes out of the memory from `c.t` on may do so now. Until then the block gives what it gave just
+    /// before, so that who looks at the end of a step sees nothing of a jump there. Only when the interface says `remembers`.
+    fn reach(&self, _c: &Context, _d: &mut [f64]) {}
+
     /// The next time after `c.t` at which a derivative of an output jumps, though the output does not. It is hit exactly, but
     /// is no event: nothing is recorded for its sake. Only when the interface says `remembers`.
     fn next_kink(&self, _c: &Context) -> f64 {

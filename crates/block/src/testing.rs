@@ -210,6 +210,13 @@ impl<B: Block> Bench<B> {
         }
     }
 
+    /// Lets what has been remembered come out up to now.
+    pub fn reach(&mut self) {
+        let mut d = self.d.clone();
+        self.block.reach(&self.context(&self.x, &[]), &mut d);
+        self.d = d;
+    }
+
     /// The next kink.
     pub fn next_kink(&self) -> f64 {
         self.block.next_kink(&self.context(&self.x, &self.d))

@@ -115,6 +115,15 @@ impl Diagram {
         Ok(())
     }
 
+    /// Tells the blocks that remember that this time has been reached, with the signals just before it.
+    pub fn reach(&mut self) -> Result<(), Failed> {
+        for i in 0..self.plan.remembering.len() {
+            self.change(self.plan.remembering[i], |block, c, _, d| block.reach(c, d))?;
+        }
+        self.forget();
+        Ok(())
+    }
+
     /// The first time at which a block that remembers has a kink.
     pub fn next_kink(&mut self) -> Result<f64, Failed> {
         let mut first = f64::INFINITY;

@@ -67,6 +67,7 @@ impl Simulation {
             }
             self.remember(start)?;
             self.accept()?;
+            self.reach()?;
             if major {
                 return Ok(arrival);
             }
@@ -81,6 +82,8 @@ impl Simulation {
             self.guards.fired[guard] = true;
             return Err(self.chatter());
         }
+        // A delay that has jumped may have led what is read past a jump.
+        self.reach()?;
         Ok(Arrival { event: true, cut: true, ..Arrival::default() })
     }
 

@@ -3,10 +3,14 @@
 use blocksim_block::schedule::{Schedule, Solver};
 use blocksim_block::{NODES, Piece, roughness};
 
+use crate::clock::same;
 use crate::{SimError, Simulation, diagnose};
 
 /// Most halvings of a step.
 const HALVINGS: i32 = 10;
+
+/// What is left where large values cancel is rough from rounding, as a share of the largest value so far.
+const ROUNDING: f64 = 1e-12;
 
 /// The inputs of blocks that remember over the present piece of a step.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +25,8 @@ pub(crate) struct Past {
     pub kink: f64,
     /// How rough, as a share of its size, a signal over a piece may be.
     roughness: f64,
+    /// The largest absolute value of each input so far.
+    sizes: Vec<f64>,
 }
 
 impl Past {
@@ -30,6 +36,7 @@ impl Past {
             remembering.map(|block| block.gather.iter().map(|copy| copy.1 as usize).sum()).collect();
         Self {
             inputs: vec![0.0; NODES.len() * widths.iter().sum::<usize>()],
+            sizes: vec![0.0; widths.iter().sum()],
             widths,
             fresh: true,
             kink: f64::INFINITY,
@@ -56,17 +63,20 @@ impl Past {
     }
 
     /// Whether the polynomial through the nodes does not tell enough of an input.
-    fn is_rough(&self) -> bool {
-        let mut at = 0;
-        self.widths.iter().any(|&width| {
-            let inputs = &self.inputs[at..at + NODES.len() * width];
-            at += NODES.len() * width;
-            (0..width).any(|input| {
-                let values = std::array::from_fn(|node| inputs[node * width + input]);
+    fn is_rough(&mut self) -> bool {
+        let Self { inputs, widths, sizes, .. } = self;
+        let (mut at, mut first, mut rough) = (0, 0, false);
+        for &width in widths.iter() {
+            for (input, largest) in sizes[first..first + width].iter_mut().enumerate() {
+                let values = std::array::from_fn(|node| inputs[at + node * width + input]);
                 let size = values.iter().fold(0.0_f64, |size, value: &f64| size.max(value.abs()));
-                roughness(values) > self.roughness * size
-            })
-        })
+                *largest = largest.max(size);
+                rough |= roughness(values) > (self.roughness * size).max(ROUNDING * *largest);
+            }
+            at += NODES.len() * width;
+            first += width;
+        }
+        rough
     }
 }
 
@@ -89,7 +99,8 @@ impl Simulation {
                     self.look(node, if share == 1.0 { end } else { begin + share * (end - begin) })?;
                 }
             }
-            if self.past.is_rough() && length > whole * 0.5_f64.powi(HALVINGS) {
+            // What is no longer than the resolution of time is rough from rounding alone.
+            if self.past.is_rough() && length > (whole * 0.5_f64.powi(HALVINGS)).max(2.0 * same(self.t)) {
                 // What was the end is not the beginning of the next piece: it is looked at again.
                 length *= 0.5;
                 self.look(NODES.len() - 1, begin)?;
@@ -102,6 +113,19 @@ impl Simulation {
         }
         self.past.fresh = false;
         Ok(())
+    }
+
+    /// Lets out what blocks remember, up to the present time.
+    pub(crate) fn reach(&mut self) -> Result<(), SimError> {
+        if self.diagram.plan.remembering.is_empty() {
+            return Ok(());
+        }
+        let evaluated = self.diagram.continuous(self.t, &self.x);
+        self.held(evaluated)?;
+        let reached = self.diagram.reach();
+        // The breaks that are next may stand in their guards.
+        self.guards.known = false;
+        self.held(reached)
     }
 
     /// Takes the inputs at a time within the last step.

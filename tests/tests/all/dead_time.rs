@@ -181,3 +181,116 @@ fn a_fixed_step_follows_the_method_of_steps_and_one_longer_than_the_delay_is_ref
     assert!(error.message.contains("0.002 s") && error.message.contains("`late`"), "{}", error.message);
     assert!(error.help.unwrap().contains("no longer than the delay"));
 }
+
+/// -1 until the start comes out as 2 at 0.1 s: a limiter of the rate follows from then on, not from the step before.
+#[test]
+fn what_is_accepted_just_before_a_jump_does_not_see_it() {
+    let run = run_text(
+        r#"Diagram(
+            simulation: (stop_time: "0.4 s"),
+            blocks: {
+                "u": Constant(value: 2), "late": TransportDelay(delay: "0.1 s", y0: -1),
+                "limit": RateLimiter(rising: 5, falling: -5, y0: -1), "play": Backlash(width: 1, y0: -1), "show": Scope(inputs: ["y", "play"]),
+            },
+            connections: ["u.y -> late.u", "late.y -> limit.u, play.u", "limit.y -> show.y", "play.y -> show.play"],
+        )"#,
+    );
+    for ((&t, &y), &play) in run.time.iter().zip(run.column("show.y")).zip(run.column("show.play")) {
+        let expected = -1.0 + 5.0 * (t - 0.1).max(0.0);
+        assert!((y - expected).abs() < 1e-9, "{t}: {y} instead of {expected}");
+        assert!(t <= 0.1 && play == -1.0 || t >= 0.1 && play == 1.5 || (t - 0.1).abs() < 1e-9, "{t}: {play}");
+    }
+    let end = run.column("show.y").last().copied().unwrap();
+    assert!((end - 0.5).abs() < 1e-9, "{end}");
+}
+
+/// Two delays and two limits of the slope in a row: steps as short as the resolution of time, over which everything is rough
+/// from rounding, are remembered as they are.
+#[test]
+fn steps_as_short_as_rounding_do_not_fill_the_memory() {
+    let run = run_text(
+        r#"Diagram(
+            simulation: (stop_time: "0.5 s"),
+            blocks: {
+                "u": Sine(amplitude: 3.66, frequency: "2.05 Hz"), "slow": RateLimiter(rising: 10.4, falling: -26.6),
+                "late": TransportDelay(delay: "0.416 s"), "slower": RateLimiter(rising: 9.88, falling: -23.9),
+                "later": TransportDelay(delay: "0.129 s"), "show": Scope(inputs: ["slow", "late", "slower", "later"]),
+            },
+            connections: [
+                "u.y -> slow.u", "slow.y -> late.u, show.slow", "late.y -> slower.u, show.late",
+                "slower.y -> later.u, show.slower", "later.y -> show.later",
+            ],
+        )"#,
+    );
+    assert!(run.counts.major < 100, "{:?}", run.counts);
+    let end = |name: &str| run.column(name).last().copied().unwrap();
+    // The sine is steeper than both limits: ramps since 0 s and since 0.416 s.
+    assert!((end("show.late") - 10.4 * 0.084).abs() < 1e-9, "{}", end("show.late"));
+    assert!(
+        (end("show.slower") - 9.88 * 0.084).abs() < 1e-9 && end("show.later") == 0.0,
+        "{}",
+        end("show.slower")
+    );
+}
+
+/// A delay that jumps, to and fro, over a jump of what went in.
+#[test]
+fn a_delay_that_jumps_leads_past_a_jump_at_once() {
+    for method in METHODS {
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "2 s", solver: {method}),
+                blocks: {{
+                    "step": Step(time: "0.5 s", before: 1, after: 3),
+                    "time": Pulse(amplitude: "0.6 s", period: "0.3 s", width: 0.5, delay: "0.7 s"), "least": Constant(value: "0.1 s"),
+                    "delay": Sum(signs: "++"),
+                    "late": VariableTransportDelay(min_delay: "10 ms", max_delay: "5 s"),
+                    "sum": Integrator, "show": Scope(inputs: ["y", "sum"]),
+                }},
+                connections: [
+                    "step.y -> late.u", "time.y -> delay.u1", "least.y -> delay.u2", "delay.y -> late.delay",
+                    "late.y -> sum.u, show.y", "sum.y -> show.sum",
+                ],
+            )"#
+        ));
+        // 0 before 0.1 s, 1 until 0.6 s and while the delay of 0.7 s reads before 0.5 s: 0.7 .. 0.85 s and 1.0 .. 1.15 s.
+        let ones = 0.5 + 0.15 + 0.15;
+        let expected = ones + 3.0 * (1.9 - ones);
+        let end = run.column("show.sum").last().copied().unwrap();
+        assert!((end - expected).abs() < 1e-9, "{method}: {end} instead of {expected}");
+    }
+}
+
+/// y = u - y(t - T) of a pulse: what cancels leaves rounding, which is no shape to be told in small pieces.
+#[test]
+fn what_cancels_does_not_fill_the_memory() {
+    let run = run_text(
+        r#"Diagram(
+            simulation: (stop_time: "4 s"),
+            blocks: {
+                "u": Pulse(amplitude: 0.558, period: "0.211 s", width: 0.683, delay: "0.0233 s"),
+                "late": TransportDelay(delay: "0.0868 s"), "y": Sum(signs: "+-"), "show": Scope,
+            },
+            connections: ["u.y -> y.u1", "late.y -> y.u2", "y.y -> late.u, show.u"],
+        )"#,
+    );
+    assert_eq!(run.error, None);
+    let pulse = |t: f64| {
+        let phase = (t - 0.0233).rem_euclid(0.211);
+        (
+            0.558 * f64::from(t > 0.0233 && phase < 0.683 * 0.211),
+            phase.min(0.211 - phase).min((phase - 0.683 * 0.211).abs()),
+        )
+    };
+    for (&t, &y) in run.time.iter().zip(run.column("show.u")) {
+        let terms = (0..).map(|k| t - 0.0868 * f64::from(k)).take_while(|s| *s >= 0.0);
+        let (mut expected, mut nearest, mut sign) = (0.0, 1.0_f64, 1.0);
+        for s in terms {
+            let (value, edge) = pulse(s);
+            expected += sign * value;
+            sign = -sign;
+            nearest = nearest.min(edge);
+        }
+        assert!((y - expected).abs() < 1e-12 || nearest < 1e-9, "{t}: {y} instead of {expected}");
+    }
+}

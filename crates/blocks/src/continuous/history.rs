@@ -192,7 +192,7 @@ pub(crate) struct Told {
     pub longest: f64,
 }
 
-/// Notes a piece, and that what is read has come to its end less the delay.
+/// Notes a piece.
 pub(crate) fn note(c: &Context, d: &mut [f64], piece: &Piece, told: Told) {
     let Told { n, initial, delay, longest } = told;
     let history = History::new(d, n);
@@ -219,5 +219,9 @@ pub(crate) fn note(c: &Context, d: &mut [f64], piece: &Piece, told: Told) {
     if level != NO_BREAK {
         d[LAST] = piece.begin;
     }
-    d[PASSED] = piece.end - delay + same(piece.end);
+}
+
+/// Notes that what is read has come to `t` less the delay.
+pub(crate) fn pass(d: &mut [f64], t: f64, delay: f64) {
+    d[PASSED] = t - delay + same(t);
 }

@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use super::history::{self, History, Told, note};
+use super::history::{self, History, Told, note, pass};
 use super::units::agrees;
 
 /// Delays a signal by a fixed time (dead time).
@@ -62,6 +62,10 @@ impl Block for TransportDelay {
     fn remember(&self, c: &Context, piece: &Piece, d: &mut [f64]) {
         let n = c.input(0).len();
         note(c, d, piece, Told { n, initial: self.y0, delay: self.delay, longest: self.delay });
+    }
+
+    fn reach(&self, c: &Context, d: &mut [f64]) {
+        pass(d, c.t, self.delay);
     }
 }
 

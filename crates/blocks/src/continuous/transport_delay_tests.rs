@@ -13,6 +13,7 @@ fn run(delay: f64, h: f64, steps: usize, u: impl Fn(f64) -> f64) -> Vec<(f64, f6
     for step in 1..=steps {
         let end = step as f64 * h;
         bench.remember(end, step == 1, |t| vec![u(t)]);
+        bench.reach();
         rows.push((end, bench.major()[0]));
     }
     rows
@@ -55,10 +56,13 @@ fn a_jump_comes_out_as_a_jump_at_a_time_event_and_a_kink_is_stopped_at() {
         bench.t = event;
         assert!((bench.minor()[0] - before).abs() < 1e-12);
         bench.remember(event, false, |_| vec![8.05]);
+        assert!((bench.minor()[0] - before).abs() < 1e-12, "at the end of the step it is not there yet");
+        bench.reach();
         assert!((bench.major()[0] - after).abs() < 1e-12, "{:?}", bench.major());
     }
     assert_eq!((bench.next_event(), bench.next_kink()), (f64::INFINITY, 0.08 + 0.1));
     bench.remember(0.08 + 0.1, false, |_| vec![8.05]);
+    bench.reach();
     assert_eq!(bench.next_kink(), f64::INFINITY);
 }
 
@@ -72,6 +76,7 @@ fn what_comes_back_through_the_own_loop_is_smoother_each_time_and_not_stopped_at
         let next = bench.next_event().min(bench.next_kink());
         let end = (bench.t + 0.5).min(next);
         bench.remember(end, stops.last() == Some(&bench.t), |_| vec![1.0]);
+        bench.reach();
         if end == next {
             stops.push(end);
         }
@@ -93,6 +98,7 @@ fn vectors_are_delayed_element_by_element() {
     assert_eq!(bench.major(), [0.0, 0.0]);
     bench.remember(0.4, true, |t| vec![1.0 + t, 2.0 - t]);
     bench.remember(0.75, false, |t| vec![1.0 + t, 2.0 - t]);
+    bench.reach();
     let y = bench.major();
     assert!((y[0] - 1.25).abs() < 1e-14 && (y[1] - 1.75).abs() < 1e-14, "{y:?}");
 }

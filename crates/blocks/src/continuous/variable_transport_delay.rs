@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use super::history::{self, History, Told, note, same};
+use super::history::{self, History, Told, note, pass, same};
 use super::units::agrees;
 
 /// Delays a signal by a time that is a signal, as a pipe does whose flow varies.
@@ -54,7 +54,7 @@ impl Block for VariableTransportDelay {
         let ports =
             Interface::new().input(Input::real("u")).input(delay).output_reading(&[1], Output::like("y", u));
         let states = history::states(ports, u.shape.len(), self.buffer);
-        let guarded = states.guard_when(Crossing::Rising, "next").guard_when(Crossing::Falling, "last");
+        let guarded = states.guard_when(Crossing::Holds, "next").guard_when(Crossing::Holds, "last");
         Ok(guarded.uses_time().remembers(self.min_delay))
     }
 
@@ -66,12 +66,12 @@ impl Block for VariableTransportDelay {
         }
     }
 
-    /// Which way what is read passes a break: of the one ahead, and back over the one behind.
+    /// What is read lies between the breaks ahead and behind: how far it is from them.
     fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         let (last, next) = History::new(c.d, c.input(0).len()).window();
         let s = c.t - self.delay(c);
         // Nothing is infinite that the engine takes for a distance.
-        g[0] = if next == f64::INFINITY { -self.max_delay } else { s - next };
+        g[0] = if next == f64::INFINITY { self.max_delay } else { next - s };
         g[1] = if last == f64::MIN { self.max_delay } else { s - last + 3.0 * same(c.t) };
     }
 
@@ -79,6 +79,10 @@ impl Block for VariableTransportDelay {
         let told =
             Told { n: c.input(0).len(), initial: self.y0, delay: self.delay(c), longest: self.max_delay };
         note(c, d, piece, told);
+    }
+
+    fn reach(&self, c: &Context, d: &mut [f64]) {
+        pass(d, c.t, self.delay(c));
     }
 }
 
