@@ -76,17 +76,37 @@ impl<'a> Rational<'a> {
         self.den[i] / self.den[0]
     }
 
-    /// What drives the first state.
-    pub(crate) fn drive(&self, x: &[f64], u: f64) -> f64 {
-        x.iter().enumerate().fold(u, |w, (i, x)| w - self.denominator(i + 1) * x)
+    /// What drives the first state, where state i counts from 1 and is `pace`^i times that of the canonical form.
+    pub(crate) fn drive(&self, x: &[f64], u: f64, pace: f64) -> f64 {
+        let (mut w, mut share) = (u, 1.0);
+        for (i, x) in x.iter().enumerate() {
+            share /= pace;
+            w -= self.denominator(i + 1) * share * x;
+        }
+        w
     }
 
-    /// The output. `u` is not looked at unless there is feedthrough.
-    pub(crate) fn output(&self, x: &[f64], u: f64) -> f64 {
+    /// The output from the same states. `u` is not looked at unless there is feedthrough.
+    pub(crate) fn output(&self, x: &[f64], u: f64, pace: f64) -> f64 {
         let b0 = self.feedthrough();
-        let direct = if b0 == 0.0 { 0.0 } else { b0 * u };
-        let state = |(i, x): (usize, &f64)| (self.numerator(i + 1) - self.denominator(i + 1) * b0) * x;
-        direct + x.iter().enumerate().map(state).sum::<f64>()
+        let (mut y, mut share) = (0.0, 1.0);
+        for (i, x) in x.iter().enumerate() {
+            share /= pace;
+            y += (self.numerator(i + 1) - self.denominator(i + 1) * b0) * share * x;
+        }
+        if b0 == 0.0 { y } else { b0 * u + y }
+    }
+
+    /// A power of two near the largest magnitude of the poles, 1/s: the largest of $|a_i|^{1/i}$, of exponents
+    /// alone. Counted in this time the coefficients are near one, and so all states have the size of the signals.
+    pub(crate) fn pace(&self) -> f64 {
+        let exponent = |a: f64| ((a.abs().to_bits() >> 52) as i32) - 1023;
+        let lead = exponent(self.den[0]);
+        let of = |(i, a): (usize, &f64)| (*a != 0.0).then(|| (exponent(*a) - lead).div_euclid(i as i32));
+        let largest = self.den.iter().enumerate().skip(1).filter_map(of).max();
+        // Powers of the pace must stay numbers.
+        let bound = 900 / self.den.len() as i32;
+        2f64.powi(largest.unwrap_or(0).clamp(-bound, bound))
     }
 
     /// Input, output and as many states per element as the ratio asks for. The unit of the output is that of the

@@ -16,6 +16,9 @@ use super::units::element;
 /// TransferFunction(num: [25.0], den: [1.0, 3.0, 25.0], k: "1 rad/V")
 /// ```
 ///
+/// States are those of the controllable canonical form in a time that the fastest pole sets, so that they are as large as
+/// the signals: with a power of two $p$ near its magnitude, state $i$ is $p^i$ times the canonical one.
+///
 /// Source: controllable canonical form, T. Kailath, Linear Systems, 1980, chapter 2.
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Continuous", symbol = Polynomials("s"))]
@@ -48,18 +51,18 @@ impl Block for TransferFunction {
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
         let (ratio, u) = (self.ratio(), c.input(0));
-        let n = ratio.order();
+        let (n, pace) = (ratio.order(), ratio.pace());
         for (i, y) in y.iter_mut().enumerate() {
-            *y = self.k * ratio.output(&c.x[i * n..][..n], element(u, i));
+            *y = self.k * ratio.output(&c.x[i * n..][..n], element(u, i), pace);
         }
     }
 
     fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
         let (ratio, u) = (self.ratio(), c.input(0));
-        let n = ratio.order().max(1);
+        let (n, pace) = (ratio.order().max(1), ratio.pace());
         for (i, (dx, x)) in dx.chunks_exact_mut(n).zip(c.x.chunks_exact(n)).enumerate() {
-            dx[0] = ratio.drive(x, element(u, i));
-            dx[1..].copy_from_slice(&x[..n - 1]);
+            dx[0] = pace * ratio.drive(x, element(u, i), pace);
+            dx[1..].iter_mut().zip(x).for_each(|(dx, x)| *dx = pace * x);
         }
     }
 }
@@ -99,6 +102,20 @@ mod tests {
         bench.integrate(1.0, 1000);
         let y = bench.minor();
         assert!((y[0] - (-3.0_f64).exp()).abs() < 1e-11 && (y[1] + 4.0 * (-3.0_f64).exp()).abs() < 1e-11);
+    }
+
+    #[test]
+    fn states_are_as_large_as_the_signals_whatever_the_time_scale() {
+        // 1 / (1 + 2 d s / w + s^2 / w^2) at rest, for w = 1e4 and 1e-4 rad/s: both states are below 2.
+        for w in [1e4, 1e-4] {
+            let mut bench = Bench::new(block(&[w * w], &[1.0, 0.02 * w, w * w]));
+            bench.set(0, &[1.0]).integrate(2000.0 / w, 20_000);
+            assert!((bench.minor()[0] - 1.0).abs() < 1e-7, "{w}: {:?}", bench.minor());
+            assert!(bench.x.iter().any(|x| x.abs() > 0.1) && bench.x.iter().all(|x| x.abs() < 4.0));
+        }
+        // Far coefficients neither overflow nor vanish.
+        let far = block(&[1.0], &[1e-300, 1.0, 1e300]);
+        assert!(far.ratio().pace().powi(2).is_finite() && far.ratio().pace() > 1.0);
     }
 
     #[test]

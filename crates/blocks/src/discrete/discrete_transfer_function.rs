@@ -60,14 +60,14 @@ impl Block for DiscreteTransferFunction {
         let ratio = self.ratio();
         let n = ratio.order();
         for (i, y) in y.iter_mut().enumerate() {
-            *y = self.k * ratio.output(&c.d[i * n..][..n], element(c.u, i));
+            *y = self.k * ratio.output(&c.d[i * n..][..n], element(c.u, i), 1.0);
         }
     }
 
     fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
         let ratio = self.ratio();
         for (i, x) in d.chunks_exact_mut(ratio.order().max(1)).enumerate() {
-            let w = ratio.drive(x, element(c.u, i));
+            let w = ratio.drive(x, element(c.u, i), 1.0);
             x.rotate_right(1);
             x[0] = w;
         }
