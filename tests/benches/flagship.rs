@@ -52,7 +52,7 @@ fn main() {
         if let (Some(tolerance), Solver::Variable { rtol, atol, .. }) =
             (tolerance, &mut schedule.settings.solver)
         {
-            (*rtol, *atol) = (tolerance, tolerance);
+            (*rtol, *atol) = (tolerance, Some(tolerance));
         }
         let stop = schedule.settings.stop_time;
         let (wall, evaluations) = best(&Arc::new(schedule));

@@ -95,6 +95,6 @@ pub fn imbalance(run: &Run) -> f64 {
 /// The same diagram with another method and tolerance.
 pub fn solved_by(mut schedule: Schedule, method: VariableMethod, tolerance: f64) -> Schedule {
     schedule.settings.solver =
-        Solver::Variable { method, rtol: tolerance, atol: tolerance, max_step: f64::INFINITY };
+        Solver::Variable { method, rtol: tolerance, atol: Some(tolerance), max_step: f64::INFINITY };
     schedule
 }

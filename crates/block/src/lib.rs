@@ -11,6 +11,7 @@ mod defaults;
 mod given;
 pub mod in_unit;
 mod interface;
+pub mod methods;
 mod parameter;
 mod parameters;
 pub mod physical;

@@ -223,8 +223,8 @@ pub enum Solver {
         method: VariableMethod,
         /// Relative tolerance.
         rtol: f64,
-        /// Absolute tolerance, in SI units of each state.
-        atol: f64,
+        /// Absolute tolerance, in SI units of each state; found from the size that each state has had if none is given.
+        atol: Option<f64>,
         /// Largest step, s; infinite for the default, a fiftieth of the run.
         max_step: f64,
     },
@@ -248,10 +248,16 @@ pub enum FixedMethod {
 /// Methods that choose their step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VariableMethod {
+    /// `Ode45`, and `Ode15s` where stability limits the steps of that.
+    Auto,
     /// Bogacki-Shampine 3(2).
     Ode23,
     /// Dormand-Prince 5(4).
     Ode45,
+    /// Numerical differentiation formulas of orders 1 to 5, for stiff systems; keeps its Jacobian.
+    Ode15s,
+    /// Radau IIA, order 5, for stiff systems at tight tolerances.
+    Radau5,
     /// Rosenbrock, order 4, for stiff systems; computes a Jacobian.
     Rodas4,
     /// Linearly implicit, order 3; uses only what blocks say of their stiffness (friction).

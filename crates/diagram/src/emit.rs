@@ -196,7 +196,10 @@ pub(crate) fn schedule(schedule: &Schedule) -> String {
     let settings = &schedule.settings;
     let solver = match settings.solver {
         Solver::Fixed { method, step } => format!("{method:?}, step {step} s"),
-        Solver::Variable { method, rtol, atol, .. } => format!("{method:?}, rtol {rtol}, atol {atol}"),
+        Solver::Variable { method, rtol, atol, .. } => match atol {
+            Some(atol) => format!("{method:?}, rtol {rtol}, atol {atol}"),
+            None => format!("{method:?}, rtol {rtol}"),
+        },
     };
     let _ = writeln!(out, "stop at {} s, {solver}", settings.stop_time);
     let _ = writeln!(

@@ -56,3 +56,5 @@ pub use frozen::{Frozen, Tap};
 pub use record::{Control, Observer};
 pub use simulation::{Counts, Ended, Simulation};
 pub use snapshot::Snapshot;
+
+pub use blocksim_solve::Share;

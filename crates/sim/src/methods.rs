@@ -2,7 +2,9 @@
 
 use blocksim_block::Interface;
 use blocksim_block::schedule::{FixedMethod, OutputTimes, Schedule, Solver, VariableMethod};
-use blocksim_solve::{FixedStep, Ode23, Ode45, Rodas4, Ros34pw2, StepLimits, Stepper, Tolerances};
+use blocksim_solve::{
+    Auto, FixedStep, Ode15s, Ode23, Ode45, Radau5, Rodas4, Ros34pw2, StepLimits, Stepper, Tolerances,
+};
 
 use crate::SimError;
 
@@ -14,7 +16,11 @@ pub(crate) fn stepper(schedule: &Schedule) -> Option<Box<dyn Stepper>> {
         Solver::Fixed { method, step } => fixed(method, n, step),
         Solver::Variable { method, rtol, atol, .. } => {
             let limits = StepLimits { max: longest(schedule), ..StepLimits::default() };
-            variable(method, Tolerances::uniform(n, rtol, atol), limits)
+            let tolerances = match atol {
+                Some(atol) => Tolerances::uniform(n, rtol, atol),
+                None => Tolerances::automatic(n, rtol),
+            };
+            variable(method, tolerances, limits)
         }
     })
 }
@@ -31,8 +37,11 @@ fn fixed(method: FixedMethod, n: usize, step: f64) -> Box<dyn Stepper> {
 
 fn variable(method: VariableMethod, tolerances: Tolerances, limits: StepLimits) -> Box<dyn Stepper> {
     match method {
+        VariableMethod::Auto => Box::new(Auto::new(tolerances, limits)),
+        VariableMethod::Ode15s => Box::new(Ode15s::new(tolerances, limits)),
         VariableMethod::Ode23 => Box::new(Ode23::new(tolerances, limits)),
         VariableMethod::Ode45 => Box::new(Ode45::new(tolerances, limits)),
+        VariableMethod::Radau5 => Box::new(Radau5::new(tolerances, limits)),
         VariableMethod::Rodas4 => Box::new(Rodas4::new(tolerances, limits)),
         VariableMethod::RosW3 => Box::new(Ros34pw2::new(tolerances, limits)),
     }
@@ -106,8 +115,11 @@ pub(crate) fn check(schedule: &Schedule) -> Result<(), SimError> {
         Solver::Variable { rtol, .. } if !not_below_zero(rtol) => {
             return refuse("the relative tolerance", rtol, "not below zero");
         }
-        Solver::Variable { rtol, atol, .. } if !not_below_zero(atol) || rtol + atol == 0.0 => {
+        Solver::Variable { rtol, atol: Some(atol), .. } if !not_below_zero(atol) || rtol + atol == 0.0 => {
             return refuse("the absolute tolerance", atol, "above zero");
+        }
+        Solver::Variable { rtol, atol: None, .. } if rtol == 0.0 => {
+            return refuse("the relative tolerance", rtol, "above zero");
         }
         _ => {}
     }

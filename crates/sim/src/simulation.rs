@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use blocksim_block::schedule::{Schedule, Solver};
-use blocksim_solve::Stepper;
+use blocksim_solve::{Share, Stepper};
 
 use crate::advance::Stop;
 use crate::audit::{Audit, Findings};
@@ -61,7 +61,7 @@ pub enum Ended {
 }
 
 /// Work done so far.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Counts {
     /// Major steps; a repetition after a jump is the same step.
     pub major: u64,
@@ -75,6 +75,8 @@ pub struct Counts {
     pub events: u64,
     /// Sample hits, over all rates.
     pub hits: u64,
+    /// What the method `Auto` has left to the stiff one of its two; nothing of other methods.
+    pub share: Option<Share>,
 }
 
 impl Simulation {
@@ -249,6 +251,7 @@ impl Simulation {
             evaluations: solver.evaluations,
             events: self.events,
             hits: self.hit_count,
+            share: self.stepper.as_ref().and_then(|stepper| stepper.share()),
         }
     }
 }

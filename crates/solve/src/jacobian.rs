@@ -62,7 +62,11 @@ pub(crate) struct Twice {
 
 impl Twice {
     pub fn new(n: usize) -> Self {
-        Self { n, factors: Factors::None, values: Vec::new(), of: None }
+        let mut twice = Self { n, factors: Factors::None, values: Vec::new(), of: None };
+        if n <= SMALL {
+            twice.take(None);
+        }
+        twice
     }
 
     /// Overwrites `b` with the solution; the first half belongs to the first equation.

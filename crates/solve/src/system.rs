@@ -44,6 +44,11 @@ impl std::fmt::Display for Failed {
 
 impl std::error::Error for Failed {}
 
+/// Magnitude below which a state of unknown size is followed with fewer digits, in its own unit: a picometre, a picoampere.
+/// A state that leaves zero as t^3, as the angle of a body does that dry friction lets go, has no step at all whose error is a
+/// given part of it with a method of order two: every step has the same share.
+pub(crate) const NOTHING: f64 = 1e-12;
+
 /// Tolerances of the local error: state i may err by `absolute[i] + relative * |x[i]|` in one step, in the root
 /// mean square over the states (Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I, eq. II.4.11).
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +58,7 @@ pub struct Tolerances {
     /// Floor per state, in its unit: what counts as nothing. Its length is the dimension of the system.
     pub absolute: Vec<f64>,
     /// Whether the floor rises with the size that a state has had, to a thousandth of the relative tolerance there;
-    /// `absolute` is then the least, mostly zero. States that are nothing but rounding are found out.
+    /// `absolute` is then the least. States that are nothing but rounding are found out.
     pub automatic: bool,
 }
 
@@ -63,8 +68,8 @@ impl Tolerances {
         Self { relative, absolute: vec![absolute; dimension], automatic: false }
     }
 
-    /// A relative tolerance alone; what counts as nothing follows from the sizes of the states.
+    /// A relative tolerance alone; what counts as nothing follows from the sizes of the states, down to [`NOTHING`].
     pub fn automatic(dimension: usize, relative: f64) -> Self {
-        Self { relative, absolute: vec![0.0; dimension], automatic: true }
+        Self { relative, absolute: vec![relative * NOTHING; dimension], automatic: true }
     }
 }

@@ -94,7 +94,7 @@ fn the_shipped_tolerance_is_far_below_what_can_be_seen() {
         schedule.settings.solver = Solver::Variable {
             method: VariableMethod::Ode45,
             rtol: 1e-9,
-            atol: 1e-9,
+            atol: Some(1e-9),
             max_step: f64::INFINITY,
         };
         let reference = blocksim_tests::run(schedule);
@@ -194,7 +194,7 @@ fn contacts_behind_an_averaged_inverter_are_exchanged_references() {
         let mut schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
         let (method, tolerance) = (VariableMethod::Ode45, 1e-8);
         schedule.settings.solver =
-            Solver::Variable { method, rtol: tolerance, atol: tolerance, max_step: f64::INFINITY };
+            Solver::Variable { method, rtol: tolerance, atol: Some(tolerance), max_step: f64::INFINITY };
         blocksim_tests::run(schedule)
     };
     let (signal, power) = (exact("reverser=signal"), exact("reverser=power"));

@@ -44,6 +44,7 @@ mod robots;
 mod run_time;
 mod scenes;
 mod sliding_axes;
+mod solvers;
 mod steppers;
 mod stick_slip;
 mod stiction;

@@ -13,7 +13,7 @@ fn run_with(path: &str, set: &[&str], tolerance: f64, stop: f64, every: f64) -> 
     schedule.settings.solver = Solver::Variable {
         method: VariableMethod::Ode45,
         rtol: tolerance,
-        atol: tolerance,
+        atol: Some(tolerance),
         max_step: f64::INFINITY,
     };
     schedule.settings.stop_time = stop;

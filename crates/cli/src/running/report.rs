@@ -64,6 +64,7 @@ impl Report<'_> {
             "wall_time": self.manifest.wall_time,
             "steps": self.counts.accepted,
             "rejected": self.counts.rejected,
+            "stiff_steps": self.counts.share.map(|share| share.stiff),
             "evaluations": self.counts.evaluations,
             "events": self.counts.events,
             "sample_hits": self.counts.hits,

@@ -1,30 +1,11 @@
 //! The method of a run: what the diagram says and what the command line changes.
 
-use blocksim_block::schedule::{FixedMethod, Settings, Solver, VariableMethod};
+use blocksim_block::methods::{METHODS, Method, instead_of};
+use blocksim_block::schedule::{Settings, Solver};
 use blocksim_results::SolverUsed;
 use blocksim_signal::closest;
 
 use crate::args::model::SolverArgs;
-
-/// A method by its name.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Method {
-    Fixed(FixedMethod),
-    Variable(VariableMethod),
-}
-
-/// Names as they stand in diagrams.
-const METHODS: [(&str, Method); 9] = [
-    ("Ode1", Method::Fixed(FixedMethod::Ode1)),
-    ("Ode2", Method::Fixed(FixedMethod::Ode2)),
-    ("Ode3", Method::Fixed(FixedMethod::Ode3)),
-    ("Ode4", Method::Fixed(FixedMethod::Ode4)),
-    ("Ode5", Method::Fixed(FixedMethod::Ode5)),
-    ("Ode23", Method::Variable(VariableMethod::Ode23)),
-    ("Ode45", Method::Variable(VariableMethod::Ode45)),
-    ("Rodas4", Method::Variable(VariableMethod::Rodas4)),
-    ("RosW3", Method::Variable(VariableMethod::RosW3)),
-];
 
 /// Relative tolerance where neither the diagram nor the command line says one.
 const RTOL: f64 = 1e-6;
@@ -42,17 +23,22 @@ pub fn apply(args: &SolverArgs, settings: &mut Settings) -> Result<(), String> {
     }
     match &mut settings.solver {
         Solver::Fixed { step, .. } => {
-            if args.rtol.is_some() {
-                return Err("--rtol makes no sense with a method of fixed step; use --step".to_owned());
+            if args.rtol.is_some() || args.atol.is_some() {
+                let option = if args.rtol.is_some() { "--rtol" } else { "--atol" };
+                return Err(format!("{option} makes no sense with a method of fixed step; use --step"));
             }
             *step = args.step.unwrap_or(*step);
         }
         Solver::Variable { rtol, atol, max_step, .. } => {
             if let Some(asked) = args.rtol {
-                // The absolute tolerance keeps its ratio to the relative one.
-                *atol *= asked / *rtol;
+                if !(1e-14..=0.1).contains(&asked) {
+                    return Err(format!("--rtol is {asked:e}, but must be between 1e-14 and 1e-1"));
+                }
+                // A given absolute tolerance keeps its ratio to the relative one.
+                *atol = atol.map(|atol| atol * asked / *rtol);
                 *rtol = asked;
             }
+            *atol = args.atol.or(*atol);
             *max_step = args.step.unwrap_or(*max_step);
         }
     }
@@ -60,11 +46,13 @@ pub fn apply(args: &SolverArgs, settings: &mut Settings) -> Result<(), String> {
 }
 
 fn named(name: &str) -> Result<Method, String> {
-    let found = METHODS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
-    found.map(|(_, method)| *method).ok_or_else(|| {
-        let names = METHODS.map(|(known, _)| known.to_lowercase());
-        let meant = closest(name, names.iter().map(String::as_str));
-        let meant = meant.map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"));
+    Method::named(name).ok_or_else(|| {
+        let names = METHODS.map(|info| info.name.to_lowercase());
+        let meant = match instead_of(name) {
+            Some(here) => format!("; `{}` is for the same here", here.to_lowercase()),
+            None => closest(name, names.iter().map(String::as_str))
+                .map_or_else(String::new, |meant| format!("; did you mean `{meant}`?")),
+        };
         format!("there is no solver `{name}`{meant}\nsolvers: {}", names.join(", "))
     })
 }
@@ -83,7 +71,7 @@ fn changed(method: Method, present: Solver, step: Option<f64>) -> Result<Solver,
             Ok(Solver::Variable { method, rtol, atol, max_step })
         }
         (Method::Variable(method), Solver::Fixed { .. }) => {
-            Ok(Solver::Variable { method, rtol: RTOL, atol: RTOL, max_step: f64::INFINITY })
+            Ok(Solver::Variable { method, rtol: RTOL, atol: None, max_step: f64::INFINITY })
         }
     }
 }
@@ -91,13 +79,16 @@ fn changed(method: Method, present: Solver, step: Option<f64>) -> Result<Solver,
 /// For the manifest.
 pub fn used(solver: Solver) -> SolverUsed {
     match solver {
-        Solver::Fixed { method, step } => {
-            SolverUsed { name: name(Method::Fixed(method)), rtol: None, atol: None, step: Some(step) }
-        }
+        Solver::Fixed { method, step } => SolverUsed {
+            name: Method::Fixed(method).name().to_owned(),
+            rtol: None,
+            atol: None,
+            step: Some(step),
+        },
         Solver::Variable { method, rtol, atol, max_step } => SolverUsed {
-            name: name(Method::Variable(method)),
+            name: Method::Variable(method).name().to_owned(),
             rtol: Some(rtol),
-            atol: Some(atol),
+            atol,
             step: max_step.is_finite().then_some(max_step),
         },
     }
@@ -120,20 +111,19 @@ pub fn described(used: &SolverUsed) -> String {
     text
 }
 
-fn name(method: Method) -> String {
-    let found = METHODS.iter().find(|(_, known)| *known == method);
-    found.map_or_else(String::new, |(name, _)| (*name).to_owned())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::args::{Args, Command};
-    use blocksim_block::schedule::OutputTimes;
+    use blocksim_block::schedule::{FixedMethod, OutputTimes, VariableMethod};
     use clap::Parser;
 
-    const ODE45: Solver =
-        Solver::Variable { method: VariableMethod::Ode45, rtol: 1e-6, atol: 1e-8, max_step: f64::INFINITY };
+    const ODE45: Solver = Solver::Variable {
+        method: VariableMethod::Ode45,
+        rtol: 1e-6,
+        atol: Some(1e-8),
+        max_step: f64::INFINITY,
+    };
     const ODE4: Solver = Solver::Fixed { method: FixedMethod::Ode4, step: 1e-3 };
 
     fn with(solver: Solver, options: &[&str]) -> Result<Settings, String> {
@@ -151,7 +141,9 @@ mod tests {
         let Solver::Variable { method: VariableMethod::RosW3, rtol, atol, .. } = tight else {
             panic!("{tight:?}")
         };
-        assert!(rtol == 1e-9 && (atol / 1e-11 - 1.0).abs() < 1e-12);
+        assert!(rtol == 1e-9 && (atol.unwrap() / 1e-11 - 1.0).abs() < 1e-12);
+        let loose = with(ODE45, &["--rtol", "1e-3", "--atol", "1e-2"]).unwrap().solver;
+        assert!(matches!(loose, Solver::Variable { rtol: 1e-3, atol: Some(1e-2), .. }), "{loose:?}");
         let fixed = with(ODE45, &["--solver", "ode2", "--step", "2ms"]).unwrap().solver;
         assert_eq!(fixed, Solver::Fixed { method: FixedMethod::Ode2, step: 2e-3 });
         let kept = with(ODE4, &["--solver", "Ode1"]).unwrap().solver;
@@ -164,6 +156,9 @@ mod tests {
         assert!(with(ODE4, &["--rtol", "1e-3"]).unwrap_err().contains("fixed step"));
         let unknown = with(ODE45, &["--solver", "ode54"]).unwrap_err();
         assert!(unknown.contains("did you mean `ode"), "{unknown}");
+        let elsewhere = with(ODE45, &["--solver", "ode23tb"]).unwrap_err();
+        assert!(elsewhere.contains("`radau5` is for the same here"), "{elsewhere}");
+        assert!(with(ODE45, &["--rtol", "0.5"]).unwrap_err().contains("between 1e-14 and 1e-1"));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use blocksim_results::format::{count, duration, significant, simulated};
 use blocksim_results::{Align, Choice, Ended, Manifest, Table};
-use blocksim_sim::Counts;
+use blocksim_sim::{Counts, Share};
 
 use crate::running::solver;
 use crate::terminal::render::plural;
@@ -42,6 +42,9 @@ pub fn summary(
     let rejected = format!("{} rejected", count(counts.rejected));
     let evaluations = n(counts.evaluations, "evaluation");
     table.row(["work", &[n(counts.accepted, "step"), rejected, evaluations].join(", ")]);
+    if let Some(share) = &counts.share {
+        table.row(["method", &chosen(share, counts.accepted)]);
+    }
     table.row(["events", &[n(counts.events, "zero crossing"), n(counts.hits, "sample hit")].join(", ")]);
     let recorded = match signals {
         0 => "nothing; add a Scope, or `record: [\"...\"]` to the diagram".to_owned(),
@@ -52,6 +55,19 @@ pub fn summary(
         table.row(["results", place]);
     }
     format!("{title}\n{}", table.render())
+}
+
+/// Which of its two methods `Auto` has used, and why.
+fn chosen(share: &Share, steps: u64) -> String {
+    match share.first {
+        Some(first) => format!(
+            "Ode15s for {} of {}, first at {}: stability limited those of Ode45",
+            count(share.stiff),
+            plural(steps as usize, "step"),
+            simulated(first)
+        ),
+        None => "Ode45: nothing was stiff".to_owned(),
+    }
 }
 
 /// How often each alternative of the variants of one name was chosen: `motor: 5 asm, 1 dc`.
@@ -119,8 +135,15 @@ mod tests {
 
     #[test]
     fn a_summary_reads_like_this() {
-        let counts =
-            Counts { major: 4183, accepted: 4000, rejected: 96, evaluations: 25_674, events: 1, hits: 1724 };
+        let counts = Counts {
+            major: 4183,
+            accepted: 4000,
+            rejected: 96,
+            evaluations: 25_674,
+            events: 1,
+            hits: 1724,
+            share: None,
+        };
         let folder = "runs/2026-11-21T14-03-22_servo";
         expect![[r#"
             Servo
@@ -132,6 +155,14 @@ mod tests {
             results    runs/2026-11-21T14-03-22_servo
         "#]]
         .assert_eq(&summary("Servo", &manifest(Ended::Complete), &counts, 84, 1725, Some(folder)));
+    }
+
+    #[test]
+    fn the_method_that_was_chosen_is_told_with_the_reason() {
+        let share = Share { stiff: 472, changes: 1, first: Some(0.03) };
+        let told = chosen(&share, 719);
+        assert_eq!(told, "Ode15s for 472 of 719 steps, first at 0.030 s: stability limited those of Ode45");
+        assert_eq!(chosen(&Share::default(), 719), "Ode45: nothing was stiff");
     }
 
     #[test]

@@ -110,9 +110,13 @@ fn a_run_is_told_and_kept() {
     let answer = desk.call(&["run", "lag.ron"]);
     assert_eq!(answer.code, Some(0), "{answer:?}");
     assert_eq!(answer.err, "");
-    for part in
-        ["First order lag\nsimulated  1.000 s in ", "solver     Ode45", "following [deg]  largest error", "┤"]
-    {
+    for part in [
+        "First order lag\nsimulated  1.000 s in ",
+        "solver     Auto",
+        "method     Ode45: nothing was stiff",
+        "following [deg]  largest error",
+        "┤",
+    ] {
         assert!(answer.out.contains(part), "{part} is missing in\n{}", answer.out);
     }
     let runs = desk.runs();

@@ -214,7 +214,13 @@ impl<'de> Deserializer<'de> for Written<'_, '_> {
             };
             let at = Place { span: named, ..place };
             let problem = crate::problems::mended(problem, at, word, variants.iter().copied());
-            let problem = match blocksim_signal::closest(word, variants.iter().copied()) {
+            // A method of another program has a name that looks like some of ours and means none of them.
+            let here = blocksim_block::methods::instead_of(word).filter(|here| variants.contains(here));
+            let problem = match here.or(blocksim_signal::closest(word, variants.iter().copied())) {
+                Some(known) if here.is_some() => problem.help(format!(
+                    "`{known}` is for the same here. The choices are {}",
+                    crate::problems::list(variants)
+                )),
                 Some(known) => problem.help(format!(
                     "did you mean `{known}`? The choices are {}",
                     crate::problems::list(variants)

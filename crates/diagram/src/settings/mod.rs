@@ -26,6 +26,10 @@ static INFO: BlockInfo = BlockInfo {
     line: line!(),
 };
 
+/// Relative tolerances that make sense: from what numbers resolve to what is still a solution.
+const MOST_EXACT: f64 = 1e-14;
+const LEAST_EXACT: f64 = 0.1;
+
 /// Relative tolerance where the diagram says none.
 const RTOL: f64 = 1e-6;
 
@@ -41,7 +45,7 @@ pub(crate) fn settings<'a>(
 ) -> Settings {
     let default = Settings {
         stop_time: STOP_TIME,
-        solver: variable(VariableMethod::Ode45, None, None, None),
+        solver: variable(VariableMethod::Auto, None, None, None),
         output: OutputTimes::Steps,
         seed: 0,
     };
@@ -102,13 +106,26 @@ pub(crate) fn settings<'a>(
         Solver::Variable { rtol, atol, max_step, .. } => {
             if !(rtol.is_finite() && rtol > 0.0) {
                 Some(format!("`rtol` is {rtol}"))
-            } else if !(atol.is_finite() && atol > 0.0) {
+            } else if let Some(atol) = atol.filter(|atol| !(atol.is_finite() && *atol > 0.0)) {
                 Some(format!("`atol` is {atol}"))
             } else {
                 (max_step.is_nan() || max_step <= 0.0).then(|| format!("`max_step` is {max_step} s"))
             }
         }
     };
+    if let Solver::Variable { rtol, .. } = solver
+        && bad.is_none()
+        && !(MOST_EXACT..=LEAST_EXACT).contains(&rtol)
+    {
+        problems.push(
+            Problem::error(
+                "parameter",
+                format!("`rtol` is {rtol:e}, but must be between {MOST_EXACT:e} and {LEAST_EXACT:e}"),
+            )
+            .at(&at("solver"), "")
+            .help("1e-3 is enough for a picture, 1e-6 is the default, 1e-9 is for references"),
+        );
+    }
     if let Some(bad) = bad {
         problems
             .push(Problem::error("parameter", format!("{bad}, but must be positive")).at(&at("solver"), ""));
@@ -139,8 +156,11 @@ fn solver(method: Method) -> Solver {
         Method::Ode3 { step } => fixed(FixedMethod::Ode3, step),
         Method::Ode4 { step } => fixed(FixedMethod::Ode4, step),
         Method::Ode5 { step } => fixed(FixedMethod::Ode5, step),
+        Method::Auto { rtol, atol, max_step } => variable(VariableMethod::Auto, rtol, atol, max_step),
+        Method::Ode15s { rtol, atol, max_step } => variable(VariableMethod::Ode15s, rtol, atol, max_step),
         Method::Ode23 { rtol, atol, max_step } => variable(VariableMethod::Ode23, rtol, atol, max_step),
         Method::Ode45 { rtol, atol, max_step } => variable(VariableMethod::Ode45, rtol, atol, max_step),
+        Method::Radau5 { rtol, atol, max_step } => variable(VariableMethod::Radau5, rtol, atol, max_step),
         Method::Rodas4 { rtol, atol, max_step } => variable(VariableMethod::Rodas4, rtol, atol, max_step),
         Method::RosW3 { rtol, atol, max_step } => variable(VariableMethod::RosW3, rtol, atol, max_step),
     }
@@ -153,8 +173,7 @@ fn variable(
     max_step: Option<Seconds>,
 ) -> Solver {
     let rtol = rtol.map_or(RTOL, |rtol| rtol.0);
-    // States are in SI units of machines and robots: below `rtol` of one unit nothing is of interest by default.
-    let atol = atol.map_or(rtol, |atol| atol.0);
+    let atol = atol.map(|atol| atol.0);
     Solver::Variable { method, rtol, atol, max_step: max_step.map_or(f64::INFINITY, |step| step.0) }
 }
 
@@ -165,6 +184,7 @@ mod tests {
     use crate::source::Sources;
     use crate::toys::{NoFiles, messages};
     use crate::tree::read;
+    use blocksim_block::methods::METHODS;
     use blocksim_block::problem::FileId;
 
     /// Settings and messages of `simulation: (...)` where the last move ends at `end`.
@@ -209,14 +229,36 @@ mod tests {
         assert_eq!(message("(stop_time: inf)"), "the stop time is inf s, but must be positive");
         assert_eq!(message("(solver: Ode1(step: -1))"), "the step is -1 s, but must be positive");
         assert_eq!(message("(solver: Ode45(rtol: 0))"), "`rtol` is 0, but must be positive");
+        assert_eq!(
+            message("(solver: Ode45(rtol: 0.5))"),
+            "`rtol` is 5e-1, but must be between 1e-14 and 1e-1"
+        );
         assert_eq!(message("(solver: Ode45(atol: 0))"), "`atol` is 0, but must be positive");
         assert_eq!(message("(solver: Ode23(max_step: 0))"), "`max_step` is 0 s, but must be positive");
         assert_eq!(message("(output: Every(0))"), "the output interval is 0 s, but must be positive");
     }
 
     #[test]
+    fn every_method_of_the_list_is_read() {
+        for info in METHODS {
+            let (text, wanted) = match info.method {
+                blocksim_block::methods::Method::Fixed(method) => {
+                    (format!("(solver: {}(step: 0.5))", info.name), Solver::Fixed { method, step: 0.5 })
+                }
+                blocksim_block::methods::Method::Variable(method) => (
+                    format!("(solver: {}(rtol: 1e-3))", info.name),
+                    Solver::Variable { method, rtol: 1e-3, atol: None, max_step: f64::INFINITY },
+                ),
+            };
+            let (settings, messages) = read_settings(&text, None);
+            assert_eq!((settings.solver, messages), (wanted, Vec::new()));
+        }
+    }
+
+    #[test]
     fn a_misspelt_word_or_a_wrong_unit_is_named() {
         assert!(message("(stop: 1)").contains("`stop` is not known here"));
+        assert!(message("(solver: Ode23tb())").contains("`Ode23tb` is no choice for `solver`"));
         assert!(message("(solver: Ode46())").contains("`Ode46` is no choice for `solver`"));
         assert!(message("(solver: Ode4())").contains("`step` is missing"));
         assert!(message("(stop_time: \"2 m\")").contains("expected a value in s"));

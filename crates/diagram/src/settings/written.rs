@@ -81,8 +81,11 @@ pub(super) enum Method {
     Ode3 { step: Seconds },
     Ode4 { step: Seconds },
     Ode5 { step: Seconds },
+    Auto { rtol: Option<Plain>, atol: Option<Plain>, max_step: Option<Seconds> },
+    Ode15s { rtol: Option<Plain>, atol: Option<Plain>, max_step: Option<Seconds> },
     Ode23 { rtol: Option<Plain>, atol: Option<Plain>, max_step: Option<Seconds> },
     Ode45 { rtol: Option<Plain>, atol: Option<Plain>, max_step: Option<Seconds> },
+    Radau5 { rtol: Option<Plain>, atol: Option<Plain>, max_step: Option<Seconds> },
     Rodas4 { rtol: Option<Plain>, atol: Option<Plain>, max_step: Option<Seconds> },
     RosW3 { rtol: Option<Plain>, atol: Option<Plain>, max_step: Option<Seconds> },
 }

@@ -58,7 +58,7 @@ mod tests {
     fn scheduled(flat: Flat) -> (Option<Schedule>, Vec<String>) {
         let mut problems = Problems::default();
         let solver =
-            Solver::Variable { method: VariableMethod::Ode45, rtol: 1e-6, atol: 1e-6, max_step: 1.0 };
+            Solver::Variable { method: VariableMethod::Ode45, rtol: 1e-6, atol: Some(1e-6), max_step: 1.0 };
         let settings = Settings { stop_time: 1.0, solver, output: OutputTimes::Steps, seed: 0 };
         let (flat, _) = elaborate(flat, &mut problems);
         let typed = infer(&flat, &mut problems);

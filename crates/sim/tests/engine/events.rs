@@ -257,7 +257,7 @@ fn a_sine_is_seen_above_a_threshold_just_below_its_peak() {
         let solver = Solver::Variable {
             method: blocksim_block::schedule::VariableMethod::Ode45,
             rtol: 1e-10,
-            atol: 1e-12,
+            atol: Some(1e-12),
             max_step: f64::MAX,
         };
         let mut tape = Tape::default();

@@ -10,7 +10,7 @@ const METHODS: [VariableMethod; 4] =
     [VariableMethod::Ode23, VariableMethod::Ode45, VariableMethod::Rodas4, VariableMethod::RosW3];
 
 fn solver(method: VariableMethod, max_step: f64) -> Solver {
-    Solver::Variable { method, rtol: 1e-6, atol: 1e-9, max_step }
+    Solver::Variable { method, rtol: 1e-6, atol: Some(1e-9), max_step }
 }
 
 fn run(toy: Toy, recorded: &[&str], stop: f64, solver: Solver) -> (Tape, Counts) {

@@ -70,12 +70,20 @@ fn a_run_gives_the_same_bits_twice() {
     }
 }
 
-const METHODS: [VariableMethod; 4] =
-    [VariableMethod::Ode23, VariableMethod::Ode45, VariableMethod::Rodas4, VariableMethod::RosW3];
+const METHODS: [VariableMethod; 7] = [
+    VariableMethod::Auto,
+    VariableMethod::Ode15s,
+    VariableMethod::Ode23,
+    VariableMethod::Ode45,
+    VariableMethod::Radau5,
+    VariableMethod::Rodas4,
+    VariableMethod::RosW3,
+];
 
 fn solvers() -> impl Iterator<Item = Solver> {
-    let variable = |method| Solver::Variable { method, rtol: 1e-6, atol: 1e-9, max_step: f64::INFINITY };
-    METHODS.into_iter().map(variable).chain([ode4(0.05)])
+    let variable = |(method, atol)| Solver::Variable { method, rtol: 1e-6, atol, max_step: f64::INFINITY };
+    let methods = METHODS.into_iter().flat_map(|method| [(method, Some(1e-9)), (method, None)]);
+    methods.map(variable).chain([ode4(0.05)])
 }
 
 #[test]

@@ -24,7 +24,7 @@ pub fn ode4(step: f64) -> Solver {
 }
 
 pub fn ode45() -> Solver {
-    Solver::Variable { method: VariableMethod::Ode45, rtol: 1e-8, atol: 1e-10, max_step: f64::MAX }
+    Solver::Variable { method: VariableMethod::Ode45, rtol: 1e-8, atol: Some(1e-10), max_step: f64::MAX }
 }
 
 impl Toy {
