@@ -65,6 +65,12 @@ impl Block for Network {
                 component.derivatives(&self.law(c, seat, w), &mut dx[seat.x.clone()]);
             }
         }
+        for shift in self.electrics.islands.iter().flat_map(|island| &island.shifts) {
+            let seat = &self.seats[shift.member];
+            if seat.held.is_none() {
+                dx[seat.x.start + shift.state] -= self.shift_rate(shift, w);
+            }
+        }
         self.account_rates(c, w, dx);
     }
 

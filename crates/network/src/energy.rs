@@ -83,7 +83,7 @@ impl Network {
             for pin in &island.two_pins {
                 let power = w.voltage[pin.index] * w.current[pin.index];
                 match pin.branch {
-                    Branch::Source(index) if self.electrics.capacitances.contains(&index) => {}
+                    branch if self.electrics.capacitance(&branch).is_some() => {}
                     Branch::Source(_) => sum.supplied -= power,
                     Branch::Given(index) => {
                         if self.electrics.windings[index - self.electrics.sources] == GivenBy::Input {
@@ -157,6 +157,7 @@ impl Network {
         self.stored(c, w);
         let energies = &mut w.energies;
         energies.before.copy_from_slice(&energies.parts);
+        energies.pushed = 0.0;
         let mut booked = false;
         for account in &self.accounts.list {
             let brought = self.brought(account, c, d, w);
@@ -191,6 +192,9 @@ impl Network {
             w.evaluation = [u64::MAX; 3];
             let here = Context { x: &*x, d: &*d, ..*c };
             self.state_phase(&here, w);
+            if self.seats.iter().any(|seat| seat.shifted.is_some()) {
+                self.electrics_phase(&here, w);
+            }
             self.stored(&here, w);
             w.evaluation = [u64::MAX; 3];
         }
@@ -206,7 +210,8 @@ impl Network {
                 continue;
             }
             if jumped {
-                x[seat.x.start + 1] += lost;
+                x[seat.x.start] += w.energies.pushed;
+                x[seat.x.start + 1] += lost + w.energies.pushed;
             }
             let books = [x[seat.x.start], x[seat.x.start + 1]];
             let (error, turned) = account.balance(d, self.accounts.payloads, parts, books);

@@ -14,6 +14,9 @@ impl Network {
         // Most members have a share of few of these lists, and this is called some hundred times in an evaluation.
         let (x, d) = seat.states(c);
         let mut law = Law { t: c.t, x, d, inputs: &seat.inputs, ..Law::nothing() };
+        if let Some(at) = seat.shifted {
+            law.x = &w.own[at..at + x.len()];
+        }
         if !seat.u.is_empty() {
             law.u = &c.u[seat.u.clone()];
         }
@@ -39,6 +42,11 @@ impl Network {
             }
         }
         law
+    }
+
+    /// The same with the states as the solver has them, where sources add to them.
+    pub(crate) fn own_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
+        Law { x: seat.states(c).0, ..self.law(c, seat, w) }
     }
 
     /// What a member sees in the end.

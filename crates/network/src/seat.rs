@@ -55,6 +55,8 @@ pub(crate) struct Seat {
     /// Where its supply lies: that of the source that feeds it, or its own.
     pub supply: Option<usize>,
     pub role: Role,
+    /// Where its states lie as they are with what sources in loops of capacitances add to them.
+    pub shifted: Option<usize>,
     /// Its voltages are states.
     pub is_capacitance: bool,
     /// Its readings follow from states alone.

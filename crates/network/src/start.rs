@@ -1,11 +1,16 @@
 //! What must hold before a network can run.
 
 use blocksim_block::{Context, Fault};
+use nalgebra::DVector;
 
+use crate::electrics::{Branch, loops};
 use crate::network::Network;
 use crate::problem::NetworkProblem;
 use crate::seat::Role;
 use crate::work::Work;
+
+/// Voltages around a loop that miss zero by less than this, relative to the largest of them, are rounding.
+const MISFIT: f64 = 1e-9;
 
 impl Network {
     /// At the start pose every independent speed must move something.
@@ -56,6 +61,85 @@ impl Network {
             problems.extend(self.misfit(index, &work));
         }
         if problems.is_empty() { Ok(()) } else { Err(problems) }
+    }
+
+    /// Voltages of capacitances in loops must obey Kirchhoff's law from the start: those that are not given follow the others.
+    /// Voltages that come as signals count as zero before the start.
+    pub(crate) fn fit_voltages(&mut self) -> Result<(), Vec<NetworkProblem>> {
+        let mut work = Work::new(self);
+        let x: Vec<f64> = self.interface.states.iter().map(|state| state.initial).collect();
+        let d: Vec<f64> = self.interface.discrete.iter().map(|state| state.initial).collect();
+        let u = vec![0.0; self.seats.last().map_or(0, |seat| seat.u.end)];
+        let fault = Fault::default();
+        let c =
+            Context { t: 0.0, x: &x, d: &d, u: &u, inputs: &[], outputs: &[], evaluation: 0, fault: &fault };
+        let mut starts = Vec::new();
+        let mut problems = Vec::new();
+        for (index, island) in self.electrics.islands.iter().enumerate() {
+            let Some(law) = &island.loops else { continue };
+            self.prescribed_voltages(index, &c, &mut work);
+            let of = |position: &usize| self.electrics.capacitance(&island.two_pins[*position].branch);
+            let capacitances: Vec<_> = law.capacitances.iter().filter_map(of).collect();
+            let own = capacitances.iter().map(|c| c.start.unwrap_or(0.0));
+            let y = DVector::from_iterator(capacitances.len(), own);
+            let others = law.others.iter().map(|position| match island.two_pins[*position].branch {
+                Branch::Source(index) => work.given[index],
+                _ => 0.0,
+            });
+            let e = DVector::from_iterator(law.others.len(), others);
+            let given: Vec<bool> = capacitances.iter().map(|c| c.start.is_some()).collect();
+            let (fitted, left) = law.fit(&y, &e, &given);
+            let size = fitted.amax().max(if e.is_empty() { 0.0 } else { e.amax() });
+            if left.amax() > MISFIT * size {
+                problems.push(self.voltages_conflict(index, law, &left));
+                continue;
+            }
+            for (k, capacitance) in capacitances.iter().enumerate() {
+                let shift = island.shifts.iter().find(|shift| shift.source == capacitance.source);
+                let added = shift.map_or(0.0, |shift| shift.by.of(&work.given));
+                starts.push((capacitance.member, capacitance.state, fitted[k] - added));
+            }
+        }
+        for (member, state, start) in starts {
+            let seat = &self.seats[member];
+            match &seat.held {
+                None => self.interface.states[seat.x.start + state].initial = start,
+                Some(held) => {
+                    self.interface.discrete[seat.x.start + state].initial = start;
+                    self.interface.discrete[held.x_end.start + state].initial = start;
+                }
+            }
+        }
+        if problems.is_empty() { Ok(()) } else { Err(problems) }
+    }
+
+    /// Start values that do not obey Kirchhoff's law of loops.
+    fn voltages_conflict(&self, island: usize, law: &loops::Law, left: &DVector<f64>) -> NetworkProblem {
+        let circuit = &self.electrics.islands[island];
+        let worst = left.iamax();
+        let problem = NetworkProblem::new(
+            "start_conflict",
+            format!(
+                "the voltages at the start do not obey Kirchhoff's law: around a loop of capacitors they miss zero by {} V",
+                left[worst].abs()
+            ),
+            "leave out `v0` of one of them, or give values that fit; what comes as a signal counts as zero before the start",
+        );
+        let list = law.capacitances.iter().enumerate().map(|(k, i)| (i, law.b[(worst, k)]));
+        let others = law.others.iter().enumerate().map(|(k, i)| (i, law.d[(worst, k)]));
+        let mut named = Vec::new();
+        for (position, _) in list.chain(others).filter(|(_, factor)| *factor != 0.0) {
+            let pin = &circuit.two_pins[*position];
+            let role = match self.electrics.capacitance(&pin.branch) {
+                Some(c) if c.start.is_some() => "has a voltage at the start",
+                Some(_) => "belongs to the loop",
+                None => "gives a voltage",
+            };
+            if !named.contains(&(pin.member, role)) && matches!(pin.branch, Branch::Source(_)) {
+                named.push((pin.member, role));
+            }
+        }
+        named.into_iter().fold(problem, |problem, (member, role)| problem.with(member, role))
     }
 
     /// Turns the fluxes that machines start with to the voltage that their circuit has at the start, where sources alone

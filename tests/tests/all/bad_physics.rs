@@ -184,23 +184,23 @@ fn ideal_voltages_in_parallel() {
         "#]],
     );
     check(
-        r#""a": VoltageSource(v: 5), "c": Capacitor(c: "1 uF"), "g": ElectricalReference,"#,
+        r#""a": VoltageSource(v: 5), "c": Capacitor(c: "1 uF", v0: "2 V"), "g": ElectricalReference,"#,
         r#""a.p <-> c.p", "a.n <-> c.n <-> g.p""#,
         &expect![[r#"
-            error[voltage_conflict]: two parts prescribe the same voltage
-              model.ron:4:31 `"c"` `c` prescribes the voltage
-              model.ron:4:5 `"a"` `a` prescribes the voltage
-              help: remove one of them, or connect them through a resistance
+            error[start_conflict]: the voltages at the start do not obey Kirchhoff's law: around a loop of capacitors they miss zero by 3 V
+              model.ron:4:31 `"c"` `c` has a voltage at the start
+              model.ron:4:5 `"a"` `a` gives a voltage
+              help: leave out `v0` of one of them, or give values that fit; what comes as a signal counts as zero before the start
         "#]],
     );
     check(
-        r#""a": Capacitor(c: "1 uF", v0: "5 V"), "b": Capacitor(c: "1 uF"), "r": Resistor(r: 1), "g": ElectricalReference,"#,
+        r#""a": Capacitor(c: "1 uF", v0: "5 V"), "b": Capacitor(c: "1 uF", v0: 0), "r": Resistor(r: 1), "g": ElectricalReference,"#,
         r#""a.p <-> b.p <-> r.p", "a.n <-> b.n <-> r.n <-> g.p""#,
         &expect![[r#"
-            error[voltage_conflict]: two parts prescribe the same voltage
-              model.ron:4:43 `"b"` `b` prescribes the voltage
-              model.ron:4:5 `"a"` `a` prescribes the voltage
-              help: remove one of them, or connect them through a resistance
+            error[start_conflict]: the voltages at the start do not obey Kirchhoff's law: around a loop of capacitors they miss zero by 5 V
+              model.ron:4:5 `"a"` `a` has a voltage at the start
+              model.ron:4:43 `"b"` `b` has a voltage at the start
+              help: leave out `v0` of one of them, or give values that fit; what comes as a signal counts as zero before the start
         "#]],
     );
 }

@@ -142,16 +142,6 @@ fn circuits_without_a_solution_are_named() {
         .1
     };
     expect![[r#"
-        error[voltage_conflict]: two parts prescribe the same voltage
-          model.ron:3:41 `"u"` `u` prescribes the voltage
-          model.ron:3:71 `"c"` `c` prescribes the voltage
-          help: remove one of them, or connect them through a resistance
-    "#]]
-    .assert_eq(&problems(
-        r#""u": VoltageSource(v: "1 V"), "c": Capacitor(c: "1 uF")"#,
-        r#""u.p <-> c.p", "u.n <-> c.n <-> g.p""#,
-    ));
-    expect![[r#"
         error[no_current_path]: a prescribed current has no path at `j.p`: only prescribed currents and inductances meet there
           model.ron:3:41 `"j"` `j` prescribes the current
           help: connect a resistance or a capacitance there, in parallel to the source

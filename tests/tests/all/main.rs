@@ -5,6 +5,7 @@ mod audit;
 mod bad_input;
 mod bad_physics;
 mod bridges;
+mod capacitor_loops;
 mod central_control;
 mod circuits;
 mod commutation;

@@ -13,6 +13,10 @@ pub trait Component: Debug + Send + Sync {
     /// Voltage of each voltage source and capacitance, V.
     fn voltages(&self, _c: &Law, _v: &mut [f64]) {}
 
+    /// Derivative of each voltage of [`voltages`](Self::voltages), or of the three phases of the supply, V/s. Only when the part says
+    /// [`Part::rates`].
+    fn voltage_rates(&self, _c: &Law, _dv: &mut [f64]) {}
+
     /// The three-phase supply.
     fn supply(&self, _c: &Law) -> Supply {
         Supply::default()

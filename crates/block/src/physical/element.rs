@@ -122,11 +122,20 @@ pub enum Element {
         n: Pin,
     },
     /// A voltage that is a state: [`Component::voltages`](super::Component::voltages) gives it, the current changes it.
+    ///
+    /// In a loop of ideal voltages it is none of its own; the network then lets the component see the voltage that it has
+    /// where its state is, see `network/electrics/loops.rs`.
     Capacitance {
         /// Positive pin.
         p: Pin,
         /// Negative pin.
         n: Pin,
+        /// Capacitance, F; positive.
+        capacitance: f64,
+        /// Which of the states of the component its voltage is.
+        state: usize,
+        /// Voltage at the start, V; without one, what it is connected to tells, else it is zero.
+        start: Option<f64>,
     },
     /// `v = resistance * i`.
     Resistance {

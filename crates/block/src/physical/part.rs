@@ -43,6 +43,8 @@ pub struct Part {
     pub uses_time: bool,
     /// Voltages and prescribed currents stay as they are until inputs or discrete states change.
     pub holds: bool,
+    /// Has [`Component::voltage_rates`](super::Component::voltage_rates).
+    pub rates: bool,
     /// What the component contributes.
     pub elements: Vec<Element>,
     /// What is seen of the component: a frame port and a shape fixed to it. It acts on nothing.
@@ -125,6 +127,12 @@ impl Part {
     /// Has [`Component::linearize`](super::Component::linearize); the component has one branch.
     pub fn linear(mut self) -> Self {
         self.linear = true;
+        self
+    }
+
+    /// Has [`Component::voltage_rates`](super::Component::voltage_rates): the voltages are functions of time alone.
+    pub fn rates(mut self) -> Self {
+        self.rates = true;
         self
     }
 

@@ -60,12 +60,18 @@ impl Component for AcVoltageSource {
         Part::new()
             .pins()
             .uses_time()
+            .rates()
             .max_step(longest_step(self.frequency))
             .element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Port(1) })
     }
 
     fn voltages(&self, c: &Law, v: &mut [f64]) {
         v[0] = self.amplitude.peak() * (TAU * self.frequency * c.t + self.phase).sin();
+    }
+
+    fn voltage_rates(&self, c: &Law, dv: &mut [f64]) {
+        let w = TAU * self.frequency;
+        dv[0] = w * self.amplitude.peak() * (w * c.t + self.phase).cos();
     }
 }
 

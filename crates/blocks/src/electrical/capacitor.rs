@@ -1,10 +1,14 @@
 use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
+use crate::multibody::axis::finite_start;
+
 /// Capacitor: $i = C \frac{dv}{dt}$. Its voltage is a state.
 ///
-/// In parallel to an ideal voltage source or to another capacitor the voltages cannot be independent: connect them
-/// through a resistance.
+/// In a loop of capacitors and ideal voltages the voltages depend on each other: the charges of the nodes are then what is
+/// left of the states. When an ideal switch closes such a loop, the charges divide at once, and what that costs
+/// of the energy is heat. In series with a source that a signal commands, the current through both contains the slope of the
+/// signal, which nobody knows: who looks at it needs a resistance in between.
 ///
 /// ```ron
 /// Capacitor(c: "470 uF", v0: "12 V")
@@ -15,9 +19,9 @@ pub struct Capacitor {
     /// Capacitance, positive.
     #[block(unit = "F")]
     pub c: f64,
-    /// Voltage at the start, from `p` to `n`.
-    #[block(unit = "V", default = 0.0)]
-    pub v0: f64,
+    /// Voltage at the start, from `p` to `n`. Where none is given it is what ideal voltages around it tell, else zero.
+    #[block(unit = "V", default = None)]
+    pub v0: Option<f64>,
 }
 
 impl Block for Capacitor {
@@ -26,7 +30,7 @@ impl Block for Capacitor {
             0.0 => error.help("without capacitance it connects nothing: leave it out"),
             _ => error,
         })?;
-        finite("v0", self.v0)
+        finite_start("v0", self.v0)
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -38,8 +42,14 @@ impl Component for Capacitor {
     fn part(&self, _given: &Given) -> Part {
         Part::new()
             .pins()
-            .state("v", self.v0)
-            .element(Element::Capacitance { p: Pin::Port(0), n: Pin::Port(1) })
+            .state("v", self.v0.unwrap_or(0.0))
+            .element(Element::Capacitance {
+                p: Pin::Port(0),
+                n: Pin::Port(1),
+                capacitance: self.c,
+                state: 0,
+                start: self.v0,
+            })
             .measures("v", "V", Needs::State, "voltage from p to n")
     }
 

@@ -1,12 +1,14 @@
 use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
+use crate::multibody::axis::finite_start;
+
 /// Capacitor of a DC link, with the resistance in series to it.
 ///
 /// $$ C \frac{dv}{dt} = i, \qquad v_p - v_n = v + R i $$
 ///
 /// The output `v` is the voltage of the capacitor without that of the resistance: a state, so that a modulator or a chopper
-/// may look at it without an algebraic loop. Without a resistance the link must not lie in parallel to an ideal source.
+/// may look at it without an algebraic loop. Without a resistance, in parallel to an ideal source, it is the voltage of that.
 ///
 /// ```ron
 /// DcLink(c: "1 mF", r: "20 mOhm", v0: "560 V")
@@ -20,16 +22,16 @@ pub struct DcLink {
     /// Resistance in series.
     #[block(unit = "Ohm", default = 0.0)]
     pub r: f64,
-    /// Voltage at the start.
-    #[block(unit = "V", default = 0.0)]
-    pub v0: f64,
+    /// Voltage at the start. Where none is given it is what ideal voltages around it tell, else zero.
+    #[block(unit = "V", default = None)]
+    pub v0: Option<f64>,
 }
 
 impl Block for DcLink {
     fn check(&self) -> Result<(), ParamError> {
         positive("c", self.c)?;
         not_negative("r", self.r)?;
-        finite("v0", self.v0)
+        finite_start("v0", self.v0)
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -42,8 +44,14 @@ impl Component for DcLink {
         let inner = if self.r == 0.0 { Pin::Port(0) } else { Pin::Inner(0) };
         let part = Part::new()
             .pins()
-            .state("v", self.v0)
-            .element(Element::Capacitance { p: inner, n: Pin::Port(1) })
+            .state("v", self.v0.unwrap_or(0.0))
+            .element(Element::Capacitance {
+                p: inner,
+                n: Pin::Port(1),
+                capacitance: self.c,
+                state: 0,
+                start: self.v0,
+            })
             .measures("v", "V", Needs::State, "voltage of the capacitor");
         match self.r {
             0.0 => part,

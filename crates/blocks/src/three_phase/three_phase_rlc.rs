@@ -27,9 +27,10 @@ pub struct ThreePhaseRlc {
     /// Currents of the inductances at the start.
     #[block(unit = "A", default = [0.0, 0.0, 0.0])]
     pub i0: [f64; 3],
-    /// Voltages of the capacitances at the start.
-    #[block(unit = "V", default = [0.0, 0.0, 0.0])]
-    pub v0: [f64; 3],
+    /// Voltages of the capacitances at the start. Where none are given they are what ideal voltages around them tell,
+    /// else zero.
+    #[block(unit = "V", default = None)]
+    pub v0: Option<[f64; 3]>,
 }
 
 impl ThreePhaseRlc {
@@ -60,7 +61,7 @@ impl Block for ThreePhaseRlc {
             positive("c", c).map_err(|error| error.help("leave `c` out where there is no capacitor"))?;
         }
         self.i0.iter().try_for_each(|i| finite("i0", *i))?;
-        self.v0.iter().try_for_each(|v| finite("v0", *v))?;
+        self.v0.iter().flatten().try_for_each(|v| finite("v0", *v))?;
         if self.count() == 0 {
             return Err(ParamError::new("r", "`r` and `l` are zero, and there is no `c`: this is a wire")
                 .help("join the two ports instead"));
@@ -69,7 +70,7 @@ impl Block for ThreePhaseRlc {
             return Err(ParamError::new("i0", "`i0` is given, but without `l` no current is a state")
                 .help("leave `i0` out, or give `l`"));
         }
-        if self.c.is_none() && self.v0 != [0.0; 3] {
+        if self.c.is_none() && self.v0.is_some() {
             return Err(ParamError::new("v0", "`v0` is given, but without `c` no voltage is a state")
                 .help("leave `v0` out, or give `c`"));
         }
@@ -92,7 +93,8 @@ impl Component for ThreePhaseRlc {
         let phases = ["a", "b", "c"];
         let winding_states = phases.iter().zip(self.i0).filter(|_| self.windings() > 0);
         part = winding_states.fold(part, |part, (phase, i)| part.state(&format!("i_{phase}"), i));
-        let voltage_states = phases.iter().zip(self.v0).filter(|_| self.capacitances() > 0);
+        let voltage_states =
+            phases.iter().zip(self.v0.unwrap_or([0.0; 3])).filter(|_| self.capacitances() > 0);
         part = voltage_states.fold(part, |part, (phase, v)| part.state(&format!("v_{phase}"), v));
         let count = self.count();
         for k in 0..3 {
@@ -115,9 +117,10 @@ impl Component for ThreePhaseRlc {
                 let (p, n) = next();
                 part = part.element(Element::Resistance { p, n, resistance: self.r });
             }
-            if self.c.is_some() {
+            if let Some(capacitance) = self.c {
                 let (p, n) = next();
-                part = part.element(Element::Capacitance { p, n });
+                let (state, start) = (self.first_voltage() + k, self.v0.map(|v0| v0[k]));
+                part = part.element(Element::Capacitance { p, n, capacitance, state, start });
             }
         }
         part
@@ -170,7 +173,7 @@ impl Component for ThreePhaseRlc {
 mod tests {
     use super::*;
 
-    const LINE: ThreePhaseRlc = ThreePhaseRlc { r: 0.1, l: 1e-3, c: None, i0: [0.0; 3], v0: [0.0; 3] };
+    const LINE: ThreePhaseRlc = ThreePhaseRlc { r: 0.1, l: 1e-3, c: None, i0: [0.0; 3], v0: None };
 
     #[test]
     fn what_is_not_there_is_no_element() {
@@ -186,7 +189,7 @@ mod tests {
         let refused = |rlc: ThreePhaseRlc| rlc.check().unwrap_err();
         assert!(refused(ThreePhaseRlc { r: 0.0, l: 0.0, ..LINE }).help.is_some());
         assert_eq!(refused(ThreePhaseRlc { l: 0.0, i0: [1.0, -1.0, 0.0], ..LINE }).param, "i0");
-        assert_eq!(refused(ThreePhaseRlc { v0: [1.0, 0.0, 0.0], ..LINE }).param, "v0");
+        assert_eq!(refused(ThreePhaseRlc { v0: Some([1.0, 0.0, 0.0]), ..LINE }).param, "v0");
         assert_eq!(refused(ThreePhaseRlc { c: Some(0.0), ..LINE }).param, "c");
     }
 }

@@ -64,6 +64,7 @@ impl Component for ThreePhaseSource {
                 n: if self.neutral == Neutral::Grounded { Pin::Ground } else { Pin::Inner(0) },
             })
             .uses_time()
+            .rates()
             .max_step(longest_step(self.frequency))
     }
 
@@ -73,6 +74,14 @@ impl Component for ThreePhaseSource {
             zero: 0.0,
             frequency: self.frequency,
             angle: TAU * self.frequency * c.t + self.phase,
+        }
+    }
+
+    fn voltage_rates(&self, c: &Law, dv: &mut [f64]) {
+        let w = TAU * self.frequency;
+        let peak = self.voltage * (2.0_f64 / 3.0).sqrt();
+        for (lag, dv) in dv.iter_mut().enumerate() {
+            *dv = -w * peak * (w * c.t + self.phase - TAU / 3.0 * lag as f64).sin();
         }
     }
 

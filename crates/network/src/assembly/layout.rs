@@ -124,7 +124,12 @@ impl Network {
             let early = held.is_none()
                 && !places.two_pins.is_empty()
                 && places.two_pins.clone().all(|i| electrics.early[i].is_some());
-            let measures = measures(&mut interface, &member, !places.two_pins.is_empty(), early);
+            let measures = measures(
+                &mut interface,
+                &member,
+                (!places.two_pins.is_empty(), is_shifted(&electrics, index)),
+                early,
+            );
             let outputs = part.outputs.iter().map(|(o, _)| o.port_type.shape.len()).sum();
             let winding_pins = electrics.winding_pins(index);
             seats.push(Seat {
@@ -150,6 +155,7 @@ impl Network {
                 ball: frames.balls.iter().position(|ball| ball.member == index),
                 frames: frames.probe_range(index),
                 supply: supply_of[index],
+                shifted: None,
                 role: role(&member, places.machine, fed_by[index].is_some()),
                 is_capacitance: has(&|e| matches!(e, Element::Capacitance { .. })),
                 is_early: early,
@@ -157,6 +163,13 @@ impl Network {
                 block: Arc::clone(&member.block),
                 member: Box::new(member),
             });
+        }
+        let mut shifted = 0;
+        for (index, seat) in seats.iter_mut().enumerate().filter(|(index, _)| is_shifted(&electrics, *index))
+        {
+            debug_assert!(electrics.places[index].island.is_some());
+            seat.shifted = Some(shifted);
+            shifted += seat.x.len();
         }
         let first_pose = next.y;
         for output in scene::outputs(&frames) {
@@ -222,8 +235,15 @@ impl Network {
         network.interface.jumps |= network.loops_meet_sources();
         network.mass_matrix_is_definite()?;
         network.currents_fit()?;
+        network.fit_voltages()?;
         Ok(network)
     }
+}
+
+/// Whether sources add to the voltage of a capacitance of a member.
+fn is_shifted(electrics: &Electrics, member: usize) -> bool {
+    let shifts = electrics.places[member].island.map(|island| &electrics.islands[island].shifts);
+    shifts.is_some_and(|shifts| shifts.iter().any(|shift| shift.member == member))
 }
 
 /// Circuits with valves that the solver integrates.
@@ -324,9 +344,15 @@ fn hold(
 }
 
 /// Declares the outputs of a member; returns, for each group, the need that its component knows them by. A sensor that
-/// reads states alone closes no algebraic loop: `early`.
-fn measures(interface: &mut Interface, member: &Member, electrical: bool, early: bool) -> [Option<Needs>; 4] {
+/// reads states alone closes no algebraic loop: `early`. What sources add to is not known before they are: `shifted`.
+fn measures(
+    interface: &mut Interface,
+    member: &Member,
+    (electrical, shifted): (bool, bool),
+    early: bool,
+) -> [Option<Needs>; 4] {
     let group = |declared: Needs| match declared {
+        Needs::State if shifted => ELECTRICS,
         Needs::State if electrical => CHARGE,
         Needs::Electrics if early => CHARGE,
         Needs::State => STATE,

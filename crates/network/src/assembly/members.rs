@@ -50,7 +50,7 @@ fn pins(element: &Element) -> Vec<Pin> {
         Element::VoltageSource { p, n }
         | Element::Winding { p, n, .. }
         | Element::CurrentSource { p, n }
-        | Element::Capacitance { p, n }
+        | Element::Capacitance { p, n, .. }
         | Element::Resistance { p, n, .. }
         | Element::Valve { p, n, .. }
         | Element::Junction { p, n }

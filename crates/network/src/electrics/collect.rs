@@ -3,7 +3,7 @@
 use blocksim_block::physical::{Element, Pin};
 use petgraph::unionfind::UnionFind;
 
-use super::{Branch, Electrics, GivenBy, Island, Joined, Places, TwoPin, Valve, Variable};
+use super::{Branch, Capacitance, Electrics, GivenBy, Island, Joined, Places, TwoPin, Valve, Variable};
 use crate::assembly::members::Members;
 
 /// What an element contributes, before islands are known.
@@ -86,8 +86,9 @@ fn add(member: usize, element: &Element, fed: bool, electrics: &mut Electrics, p
     let mut piece = |p: Pin, n: Pin, branch: Branch| pieces.push(Piece { member, p, n, branch });
     match *element {
         Element::VoltageSource { p, n } => piece(p, n, source(electrics)),
-        Element::Capacitance { p, n } => {
-            electrics.capacitances.push(electrics.sources);
+        Element::Capacitance { p, n, capacitance, state, start } => {
+            let capacitance = Capacitance { source: electrics.sources, member, state, capacitance, start };
+            electrics.capacitances.push(capacitance);
             piece(p, n, source(electrics));
         }
         Element::CurrentProbe { p, n } => piece(p, n, Branch::Wire),

@@ -12,6 +12,7 @@
 use blocksim_block::Context;
 use blocksim_block::physical::ValveKind;
 
+use crate::electrics::charges::Divided;
 use crate::electrics::margin::NOTHING;
 use crate::electrics::{Conducting, Unsolvable};
 use crate::network::Network;
@@ -32,6 +33,8 @@ pub(crate) enum Wrong {
     Drifts(usize),
     /// Currents of inductances have no path, and no valve can take them over.
     Arc,
+    /// The voltages of capacitances do not fit each other while these valves conduct.
+    Charges(Conducting),
     /// A small current has no path any more: an event was a little late.
     Remainder,
 }
@@ -47,7 +50,8 @@ impl Network {
         d: &mut [f64],
     ) -> bool {
         let circuit = &self.electrics.islands[island];
-        if !circuit.valves.iter().any(|valve| self.is_natural(*valve)) && !circuit.has_windings {
+        let natural = circuit.valves.iter().any(|valve| self.is_natural(*valve));
+        if !natural && !circuit.has_windings && !circuit.divides {
             return false;
         }
         let mut changed = false;
@@ -71,12 +75,20 @@ impl Network {
                 }
                 Wrong::Valve(bit, against) => {
                     late += against;
+                    self.trim(island, w, x);
                     self.turn_over(island, bit, d);
                     changed = true;
                 }
                 Wrong::Drifts(bit) => {
                     w.drifted[island].1 |= 1 << bit;
+                    self.trim(island, w, x);
                     self.turn_over(island, bit, d);
+                    changed = true;
+                }
+                Wrong::Charges(conducting) => {
+                    if let Divided::Against(bit) = self.divide(island, w, x, conducting) {
+                        self.turn_over(island, bit, d);
+                    }
                     changed = true;
                 }
                 Wrong::Remainder => {
@@ -130,6 +142,9 @@ impl Network {
             }
         }
         self.circuit(island, c, w)?;
+        if self.misses(island, c, w) {
+            return Ok(Wrong::Charges(conducting));
+        }
         let most_v = self.size(island, w)[0];
         let lost = self.lost(island, w);
         let so_far = self.size_with(island, c.d, w)[1];

@@ -8,6 +8,9 @@ pub(crate) type Conducting = u128;
 pub(crate) enum Unsolvable {
     /// Branches that prescribe voltages close a loop: indices of two-pins.
     Loop(Vec<usize>),
+    /// The current of a two-pin that somebody looks at, the first, asks for the slope of a voltage, the second, that
+    /// nobody knows.
+    Slope(usize, usize),
     /// Nothing determines the potential of a part of the circuit: its nodes.
     Floating(Vec<usize>),
     /// Given currents of which some are no states have no path: indices of two-pins.

@@ -71,7 +71,11 @@ impl Network {
                 let Supply { voltage: [d, q], zero, .. } = w.supply[slot];
                 [d, q, zero]
             });
-            let now = room.d[seat.x.clone()]
+            let x = match seat.shifted {
+                Some(at) => &w.own[at..at + seat.x.len()],
+                None => &room.d[seat.x.clone()],
+            };
+            let now = x
                 .iter()
                 .chain(&w.voltage[seat.two_pins.clone()])
                 .chain(&w.current[seat.two_pins.clone()])

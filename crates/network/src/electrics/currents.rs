@@ -18,7 +18,7 @@ impl Network {
         for seat in self.active.circuit.iter().map(|i| &self.seats[*i]) {
             let Some(component) = seat.component() else { continue };
             if seat.is_capacitance {
-                component.voltages(&self.law(c, seat, w), &mut given[seat.sources.clone()]);
+                component.voltages(&self.own_law(c, seat, w), &mut given[seat.sources.clone()]);
             }
         }
         self.given_currents(c, w, &mut given, &self.active.circuit, |by| by == GivenBy::State);
@@ -104,13 +104,13 @@ impl Network {
         }
     }
 
-    /// Voltages and currents of one island.
-    pub(crate) fn circuit(&self, island: usize, c: &Context, w: &mut Work) -> Result<(), Faulty> {
+    /// Voltages that sources and capacitances of an island give.
+    pub(crate) fn prescribed_voltages(&self, island: usize, c: &Context, w: &mut Work) {
         let members = &self.electrics.islands[island].members;
         let mut given = std::mem::take(&mut w.given);
         for seat in members.iter().map(|i| &self.seats[*i]).filter(|seat| !seat.sources.is_empty()) {
             let Some(component) = seat.component() else { continue };
-            let law = self.law(c, seat, w);
+            let law = self.own_law(c, seat, w);
             let own = &mut given[seat.sources.clone()];
             match (seat.role, seat.supply) {
                 (Role::Source, Some(slot)) => {
@@ -121,6 +121,15 @@ impl Network {
                 _ => component.voltages(&law, own),
             }
         }
+        self.shift_capacitances(island, c, w, &mut given);
+        w.given = given;
+    }
+
+    /// Voltages and currents of one island.
+    pub(crate) fn circuit(&self, island: usize, c: &Context, w: &mut Work) -> Result<(), Faulty> {
+        let members = &self.electrics.islands[island].members;
+        self.prescribed_voltages(island, c, w);
+        let mut given = std::mem::take(&mut w.given);
         self.given_currents(c, w, &mut given, members, |by| by != GivenBy::Voltage);
         w.given = given;
         let conducting = self.conducting(island, c, w);
@@ -257,6 +266,13 @@ impl Network {
                  parallel, or give the valves an off-state conductance",
                 valves(false),
                 two_pins.first().map_or("", name)
+            ),
+            Unsolvable::Slope(looks, source) => format!(
+                "with the conducting valves (`{}`) the current of `{}` contains the slope of the voltage of `{}`, which \
+                 nothing tells: put a resistance in series to the source, for instance of 1 mOhm",
+                valves(true),
+                name(looks),
+                name(source)
             ),
             Unsolvable::Floating(_) => format!(
                 "the open valves (`{}`) leave a part of the circuit without any potential: connect it to a reference",

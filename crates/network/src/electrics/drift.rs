@@ -124,6 +124,9 @@ impl Network {
                 component.derivatives(&self.law(c, seat, w), &mut ahead.rates[seat.x.clone()]);
             }
         }
+        for shift in &circuit.shifts {
+            ahead.rates[self.seats[shift.member].x.start + shift.state] -= self.shift_rate(shift, w);
+        }
         let mut later = GUESS;
         for _ in 0..GUESSES {
             ahead.x.copy_from_slice(c.x);

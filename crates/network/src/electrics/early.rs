@@ -33,8 +33,14 @@ pub(super) fn readings(electrics: &Electrics) -> Vec<Option<Early>> {
 /// Whether a given value is a state: the voltage of a capacitance, or a current from states.
 fn is_state(electrics: &Electrics, given: usize) -> bool {
     match given.checked_sub(electrics.sources) {
-        Some(winding) => electrics.windings.get(winding).is_none_or(|by| *by == GivenBy::State),
-        None => electrics.capacitances.contains(&given),
+        Some(winding) => match electrics.windings.get(winding) {
+            Some(by) => *by == GivenBy::State,
+            None => given + 1 == electrics.given(),
+        },
+        None => {
+            let shifted = |island: &Island| island.shifts.iter().any(|shift| shift.source == given);
+            electrics.capacitance(&Branch::Source(given)).is_some() && !electrics.islands.iter().any(shifted)
+        }
     }
 }
 

@@ -1,17 +1,15 @@
 //! What is wrong with a circuit, in words.
 
-use petgraph::unionfind::UnionFind;
-
 use super::conducting::Unsolvable;
 use super::solved::solve;
-use super::{Branch, Electrics, Island};
+use super::{Branch, Electrics, Island, loops};
 use crate::assembly::eliminate::Relations;
 use crate::assembly::members::Members;
 use crate::problem::NetworkProblem;
 
 /// Everything that is wrong with an island whatever its valves do.
 pub(super) fn faults(m: &Members, electrics: &Electrics, island: &Island) -> Vec<NetworkProblem> {
-    let problems = conflicts(island);
+    let problems = conflicts(electrics, island);
     if !problems.is_empty() {
         return problems;
     }
@@ -21,16 +19,31 @@ pub(super) fn faults(m: &Members, electrics: &Electrics, island: &Island) -> Vec
         Err(Unsolvable::Cut(two_pins)) => vec![no_path(m, island, &two_pins)],
         Err(Unsolvable::Loop(two_pins)) if island.valves.is_empty() => vec![closed(island, &two_pins)],
         Ok(solved) if island.valves.is_empty() => currents_in_a_loop(electrics, island, &solved),
-        Err(Unsolvable::Loop(_)) | Ok(_) => too_many(island),
+        Err(Unsolvable::Slope(looks, source)) if island.valves.is_empty() => {
+            vec![unknown_slope(island, looks, source)]
+        }
+        Err(Unsolvable::Loop(_) | Unsolvable::Slope(..)) | Ok(_) => too_many(island),
     }
 }
 
-/// Voltages that are prescribed twice.
-fn conflicts(island: &Island) -> Vec<NetworkProblem> {
-    if !closes_loops(island) {
+/// Voltages that are prescribed twice. Loops that a capacitance closes are none, unless a variable transformer belongs to
+/// them: what it gives would change its own voltage.
+fn conflicts(electrics: &Electrics, island: &Island) -> Vec<NetworkProblem> {
+    let shorted = |pin: &super::TwoPin| electrics.capacitance(&pin.branch).is_some() && pin.p == pin.n;
+    let fixed = |i: usize| {
+        matches!(island.two_pins[i].branch, Branch::Source(_) | Branch::Variable(_) | Branch::Wire)
+    };
+    let found = loops::find(electrics, island, fixed);
+    if found.is_ok() && !island.two_pins.iter().any(shorted) {
         return Vec::new();
     }
-    let sources = |branch: &Branch| matches!(branch, Branch::Source(_) | Branch::Variable(_));
+    let fights = |branch: &Branch| electrics.capacitance(branch).is_none();
+    let alone = |i: &usize| fights(&island.two_pins[*i].branch);
+    // Without capacitances where they have no part in it.
+    let whole = found.err().is_none_or(|of| !of.iter().all(alone));
+    let sources = |branch: &Branch| {
+        matches!(branch, Branch::Source(_) | Branch::Variable(_)) && (whole || fights(branch))
+    };
     let count = island.two_pins.iter().filter(|pin| sources(&pin.branch)).count();
     let mut relations = Relations::new(island.nodes.len(), count);
     // Two-pin of each row.
@@ -42,7 +55,7 @@ fn conflicts(island: &Island) -> Vec<NetworkProblem> {
             ends.into_iter().filter_map(|(node, sign)| Some((node?, sign))).collect()
         };
         let (row, given) = match pin.branch {
-            Branch::Source(_) | Branch::Variable(_) => {
+            branch if sources(&branch) => {
                 source += 1;
                 (across(pin, 1.0), vec![(source - 1, 1.0)])
             }
@@ -66,19 +79,6 @@ fn conflicts(island: &Island) -> Vec<NetworkProblem> {
         }
     }
     problems
-}
-
-/// Whether branches that prescribe voltages close a loop, or may do so by way of a transformer.
-fn closes_loops(island: &Island) -> bool {
-    let ground = island.nodes.len();
-    let mut joined = UnionFind::new(ground + 1);
-    island.two_pins.iter().any(|pin| match pin.branch {
-        Branch::Source(_) | Branch::Variable(_) | Branch::Wire => {
-            !joined.union(pin.p.unwrap_or(ground), pin.n.unwrap_or(ground))
-        }
-        Branch::Primary(_) => true,
-        _ => false,
-    })
 }
 
 fn conflict(
@@ -135,6 +135,19 @@ fn closed(island: &Island, two_pins: &[usize]) -> NetworkProblem {
         "add a resistance to the loop",
     );
     two_pins.iter().fold(problem, |problem, i| problem.with(island.two_pins[*i].member, "belongs to it"))
+}
+
+/// A current that contains the slope of a voltage that nothing tells.
+fn unknown_slope(island: &Island, looks: usize, source: usize) -> NetworkProblem {
+    let (looks, source) = (island.two_pins[looks].member, island.two_pins[source].member);
+    NetworkProblem::new(
+        "unknown_slope",
+        "capacitors lie across an ideal source: the current through them contains the slope of a voltage that comes as a \
+         signal, which nothing tells",
+        "put a resistance in series to the source, for instance Resistor(r: \"1 mOhm\"), or leave out what measures the current",
+    )
+    .with(source, "gives this voltage")
+    .with(looks, "looks at the current")
 }
 
 /// Given currents of which one is no state, with nothing else at the node.

@@ -10,6 +10,8 @@
 //! | `collect` | from elements to islands of two-pins |
 //! | `solved` | nodal analysis for one set of conducting valves |
 //! | `sparse` | elimination that keeps chains cheap |
+//! | `loops` | voltages of capacitances that depend on each other |
+//! | `slopes` | whose slope the currents in such loops ask for |
 //! | `floating` | potentials of nodes where only inductances meet |
 //! | `faults` | what is wrong with a circuit, in words |
 //! | `early` | readings that follow from states alone |
@@ -24,12 +26,14 @@
 //! | `convert` | transformers whose ratio varies |
 //! | `commutation` | which valves conduct, chosen at events |
 //! | `margin` | how far a valve is from having to change: verdict and guard |
+//! | `charges` | what capacitances do when a valve closes a loop of them |
 //! | `drift` | where the margins go from here |
 //! | `arc` | currents that have lost their path |
 //! | `separate` | circuits that the network integrates by itself |
 //! | `coupling` | how they and the mechanics fit together |
 
 pub(crate) mod arc;
+pub(crate) mod charges;
 pub(crate) mod circuits;
 pub(crate) mod commutation;
 pub(crate) mod convert;
@@ -37,6 +41,7 @@ pub(crate) mod coupling;
 pub(crate) mod currents;
 pub(crate) mod drift;
 pub(crate) mod float;
+pub(crate) mod loops;
 pub(crate) mod margin;
 pub(crate) mod separate;
 
@@ -45,6 +50,7 @@ mod conducting;
 mod early;
 mod faults;
 mod floating;
+mod slopes;
 mod solved;
 mod sparse;
 
@@ -156,6 +162,32 @@ pub(crate) struct TwoPin {
     pub branch: Branch,
 }
 
+/// A voltage that is a state.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Capacitance {
+    /// Index of its voltage among the given values.
+    pub source: usize,
+    pub member: usize,
+    /// Its place among the states of the member.
+    pub state: usize,
+    /// F.
+    pub capacitance: f64,
+    /// Voltage at the start, if it is given, V.
+    pub start: Option<f64>,
+}
+
+/// What the sources in its loops add to the voltage of a capacitance: the state holds the rest.
+#[derive(Debug, Clone)]
+pub(crate) struct Shift {
+    /// Index of the voltage among the given values.
+    pub source: usize,
+    pub member: usize,
+    /// Place among the states of the member.
+    pub state: usize,
+    /// Over the given values.
+    pub by: Form,
+}
+
 /// Elements that are connected electrically.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Island {
@@ -168,6 +200,14 @@ pub(crate) struct Island {
     pub valves: Vec<usize>,
     /// Variable transformers: position of the primary among the two-pins of the island, and index among all of them.
     pub transformers: Vec<(usize, usize)>,
+    /// Voltages of capacitances that sources in their loops add to.
+    pub shifts: Vec<Shift>,
+    /// Members that tell how fast their voltages change.
+    pub rated: Vec<usize>,
+    /// Loops of capacitances that are there whatever valves do.
+    pub loops: Option<loops::Law>,
+    /// Valves may close loops of capacitances.
+    pub divides: bool,
     /// All given values but currents of windings stay as they are until inputs or discrete states change.
     pub holds: bool,
     /// Some current follows from a voltage at the same instant.
@@ -184,10 +224,15 @@ pub(crate) struct Island {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Electrics {
     pub places: Vec<Places>,
-    /// Number of voltages that components give: the first of the given values. Then come currents, then the number 1.
+    /// Number of voltages that components give: the first of the given values. Then come currents, then the slopes of those
+    /// voltages that currents ask for, then the number 1.
     pub sources: usize,
-    /// Those of them that are voltages of capacitances.
-    pub capacitances: Vec<usize>,
+    /// Those of them that are voltages of capacitances, ascending.
+    pub capacitances: Vec<Capacitance>,
+    /// The voltages whose slopes are among the given values, ascending, and whether anything tells them.
+    pub slopes: Vec<(usize, bool)>,
+    /// Whether somebody looks at the current of each two-pin.
+    pub looked: Vec<bool>,
     /// What each current that a component gives depends on.
     pub windings: Vec<GivenBy>,
     /// Number of two-pins.
@@ -233,7 +278,20 @@ pub(crate) enum Early {
 impl Electrics {
     /// Number of given values.
     pub(crate) fn given(&self) -> usize {
-        self.sources + self.windings.len() + 1
+        self.sources + self.windings.len() + self.slopes.len() + 1
+    }
+
+    /// The capacitance that gives the voltage of a branch.
+    pub(crate) fn capacitance(&self, branch: &Branch) -> Option<&Capacitance> {
+        let Branch::Source(index) = branch else { return None };
+        let place = self.capacitances.binary_search_by_key(index, |c| c.source);
+        place.ok().map(|place| &self.capacitances[place])
+    }
+
+    /// Where the slope of a voltage lies among the given values.
+    pub(crate) fn slope_of(&self, source: usize) -> Option<usize> {
+        let place = self.slopes.binary_search_by_key(&source, |slope| slope.0);
+        place.ok().map(|place| self.sources + self.windings.len() + place)
     }
 
     /// Two-pins of the windings of a member whose currents are states.
@@ -259,6 +317,7 @@ impl Electrics {
 /// that need no circuit, because an ideal source feeds the machines directly.
 pub(crate) fn build(m: &Members, fed: &[bool]) -> Result<Electrics, Vec<NetworkProblem>> {
     let mut electrics = collect::collect(m, fed);
+    slopes::declare(m, &mut electrics);
     let mut problems = Vec::new();
     for island in &electrics.islands {
         problems.extend(faults::faults(m, &electrics, island));

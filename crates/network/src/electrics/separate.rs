@@ -18,8 +18,8 @@
 use blocksim_block::Context;
 use blocksim_block::physical::Torque;
 
-use crate::electrics::Separate;
 use crate::electrics::currents::Faulty;
+use crate::electrics::{Separate, Shift};
 use crate::network::Network;
 use crate::work::Work;
 use crate::work::circuits::Room;
@@ -256,6 +256,13 @@ impl Network {
             let law = self.law(&here, seat, w);
             if !seat.x.is_empty() {
                 component.derivatives(&law, &mut room.slope[i..i + seat.x.len()]);
+                if seat.shifted.is_some() {
+                    let shifts = &self.electrics.islands[separate.island].shifts;
+                    let of_seat = |shift: &&Shift| std::ptr::eq(&self.seats[shift.member], seat);
+                    for shift in shifts.iter().filter(of_seat) {
+                        room.slope[i + shift.state] -= self.shift_rate(shift, w);
+                    }
+                }
                 i += seat.x.len();
             }
             if !seat.branches.is_empty() {

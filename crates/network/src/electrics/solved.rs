@@ -13,6 +13,7 @@
 //! every voltage and every current is a linear form over the given values `(e, i_w, 1)`. Parts of the circuit that
 //! nothing but given currents connects to ground float: one of their nodes is held at zero here, through which no
 //! current flows as long as the given currents obey Kirchhoff's law, and [`Floating`] finds the true potential.
+//! Where capacitances close loops, the equations of their currents stand in the place of their voltages ([`loops`]).
 
 use std::collections::HashMap;
 
@@ -20,8 +21,9 @@ use petgraph::unionfind::UnionFind;
 
 use super::conducting::{Conducting, Unsolvable};
 use super::floating::Floating;
+use super::loops::{self, Loop};
 use super::sparse::{Row, System, plus};
-use super::{Branch, Electrics, Island, TwoPin};
+use super::{Branch, Electrics, Island, TwoPin, slopes};
 use crate::assembly::eliminate::{Form, Relations};
 
 /// Voltages and currents of the two-pins of an island, in their order.
@@ -34,6 +36,8 @@ pub(crate) struct Solved {
     pub idle: Conducting,
     /// No voltage follows from a current that components give.
     pub stiff: bool,
+    /// Loops that capacitances close.
+    pub loops: Option<Box<loops::Law>>,
 }
 
 /// What a branch is while certain valves conduct.
@@ -48,6 +52,8 @@ enum Now {
     Open,
     Primary(f64),
     Secondary,
+    /// A capacitance whose voltage follows from the others of a loop.
+    Chord,
 }
 
 fn now(branch: Branch, conducting: Conducting, one: usize) -> Now {
@@ -84,13 +90,16 @@ pub(crate) fn solve(
     conducting: Conducting,
 ) -> Result<Solved, Unsolvable> {
     let (nodes, given) = (island.nodes.len(), electrics.given());
-    let branches: Vec<Now> =
+    let mut branches: Vec<Now> =
         island.two_pins.iter().map(|pin| now(pin.branch, conducting, given - 1)).collect();
     let part = parts(island, &branches);
     let floating = Floating::find(electrics, island, conducting, &part)?;
 
-    let rows =
-        branches.iter().filter(|b| matches!(b, Now::Row(_) | Now::Resistance(..) | Now::Primary(_))).count();
+    let loops = loops::find(electrics, island, |i| matches!(branches[i], Now::Row(_)));
+    let loops = loops.map_err(Unsolvable::Loop)?;
+    loops.iter().for_each(|l| branches[l.chord] = Now::Chord);
+    let has_row = |b: &&Now| matches!(b, Now::Row(_) | Now::Resistance(..) | Now::Primary(_) | Now::Chord);
+    let rows = branches.iter().filter(has_row).count();
     let size = nodes + rows;
     let mut system = System::new(size, given);
     let mut row_of = vec![None; branches.len()];
@@ -123,14 +132,20 @@ pub(crate) fn solve(
                 }
             }
             Now::Given(index) => ends(pin).for_each(|(node, sign)| system.add_right(node, index, -sign)),
+            Now::Chord => {
+                ends(pin).for_each(|(node, sign)| system.add(node, row, sign));
+                row_of[i] = Some((row, 1.0));
+                row += 1;
+            }
             Now::Open | Now::Secondary => {}
         }
     }
+    loops.iter().for_each(|l| in_loop(electrics, island, l, &row_of, &mut system));
     for node in floating.iter().flat_map(|floating| &floating.nodes) {
         system.add(*node, *node, 1.0);
     }
     let Some(solution) = system.solve().filter(|solution| well(&system, solution)) else {
-        let closed = |b: &Now| matches!(b, Now::Row(_) | Now::Primary(_) | Now::Secondary);
+        let closed = |b: &Now| matches!(b, Now::Row(_) | Now::Chord | Now::Primary(_) | Now::Secondary);
         let all = island.two_pins.iter().zip(&branches).enumerate();
         return Err(Unsolvable::Loop(all.filter(|(_, (_, b))| closed(b)).map(|(i, _)| i).collect()));
     };
@@ -149,7 +164,9 @@ pub(crate) fn solve(
         }
     };
     let beside = Beside::new(island, &branches);
-    let mut solved = Solved { voltages: Vec::new(), currents: Vec::new(), floating, idle: 0, stiff: false };
+    let law = (!loops.is_empty()).then(|| Box::new(loops::Law::of(electrics, island, &loops)));
+    let mut solved =
+        Solved { voltages: Vec::new(), currents: Vec::new(), floating, idle: 0, stiff: false, loops: law };
     for (i, (pin, branch)) in island.two_pins.iter().zip(&branches).enumerate() {
         let voltage = match beside.closed(i, pin) {
             Some((closed, sign)) => plus(&nothing, &known(closed), sign),
@@ -169,7 +186,31 @@ pub(crate) fn solve(
         form.terms().iter().all(|(i, _)| (*i as usize) < electrics.sources || *i as usize == given - 1)
     };
     solved.stiff = solved.floating.is_none() && solved.voltages.iter().all(of_sources);
+    slopes::known(electrics, island, &solved)?;
     Ok(solved)
+}
+
+/// The equation of the current that closes a loop: its voltage changes as the others of the loop do,
+/// `j = C (sum a i_k / C_k + sum a e')`.
+fn in_loop(
+    electrics: &Electrics,
+    island: &Island,
+    l: &Loop,
+    row_of: &[Option<(usize, f64)>],
+    system: &mut System,
+) {
+    let capacitance = |i: usize| electrics.capacitance(&island.two_pins[i].branch).map(|c| c.capacitance);
+    let (Some(own), Some((row, _))) = (capacitance(l.chord), row_of[l.chord]) else { return };
+    system.add(row, row, 1.0);
+    for (i, factor) in &l.others {
+        if let (Some(other), Some((column, _))) = (capacitance(*i), row_of[*i]) {
+            system.add(row, column, -factor * own / other);
+        } else if let Branch::Source(index) = island.two_pins[*i].branch
+            && let Some(slope) = electrics.slope_of(index)
+        {
+            system.add_right(row, slope, factor * own);
+        }
+    }
 }
 
 /// Valves whose current is a sum of currents that leave floating parts, which are zero.

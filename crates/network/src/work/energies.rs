@@ -8,6 +8,8 @@ use crate::network::Network;
 pub(crate) struct Energies {
     pub parts: Vec<f64>,
     pub before: Vec<f64>,
+    /// What sources have supplied while charges divided.
+    pub pushed: f64,
     /// Shares of payloads.
     pub shares: Vec<f64>,
 }
@@ -21,6 +23,7 @@ impl Energies {
         Self {
             parts: vec![0.0; parts],
             before: vec![0.0; parts],
+            pushed: 0.0,
             shares: vec![0.0; network.frames.payloads.len()],
         }
     }

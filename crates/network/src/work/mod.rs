@@ -56,6 +56,8 @@ pub(crate) struct Work {
     pub line_current: Vec<[f64; 3]>,
     /// Voltages and currents that components give.
     pub given: Vec<f64>,
+    /// States of members with capacitances that sources add to.
+    pub own: Vec<f64>,
     pub voltage: Vec<f64>,
     pub current: Vec<f64>,
     /// Solutions of each island.
@@ -166,6 +168,7 @@ impl Work {
             supply: vec![Supply::default(); network.supplies],
             line_current: vec![[0.0; 3]; network.supplies],
             given,
+            own: vec![0.0; network.seats.iter().filter(|s| s.shifted.is_some()).map(|s| s.x.len()).sum()],
             voltage: vec![0.0; network.electrics.two_pins],
             current: vec![0.0; network.electrics.two_pins],
             circuits: network
