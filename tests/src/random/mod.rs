@@ -19,6 +19,13 @@
 //! | `judge` | both results compared |
 //! | `variants` | the same model put differently: other methods, tolerances, names, rows |
 //! | `shrink` | the smallest model that still fails |
+//!
+//! Beside these models of any signals there are classes with references of their own:
+//!
+//! | file | idea |
+//! |---|---|
+//! | `puzzle` | what classes have in common |
+//! | `sampled` | loops of sampled control at one or two rates around continuous plants |
 
 mod dice;
 mod generate;
@@ -27,8 +34,10 @@ mod laws;
 mod memory;
 mod model;
 mod nodes;
+mod puzzle;
 mod reference;
 mod run;
+mod sampled;
 mod shrink;
 mod text;
 mod variants;
@@ -37,7 +46,9 @@ pub use dice::Dice;
 pub use generate::{Size, generate};
 pub use judge::{Fault, Verdict, compare, judge};
 pub use model::{Law, Model, Node};
+pub use puzzle::{Finding, Puzzle, least};
 pub use reference::{Outcome, Undecided, refer};
+pub use sampled::Sampled;
 pub use shrink::shrink;
 pub use text::diagram;
 pub use variants::{Variant, vary};

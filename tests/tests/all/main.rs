@@ -38,6 +38,7 @@ mod parameters;
 #[cfg(unix)]
 mod plugins;
 mod power;
+mod random_sampled;
 mod random_shafts;
 mod random_signals;
 mod redundant_friction;
