@@ -14,6 +14,8 @@ const VISIBLE: f64 = 5e-4;
 const MOST: f64 = 12.0;
 /// Least range, as a share of the size of a signal: what varies by less is constant but for rounding.
 const LEAST: f64 = 1e-6;
+/// Least range, in the unit of a signal: what has hardly left zero, and grows by powers of ten, is not looked at so closely.
+const NOTHING: f64 = 1e-12;
 
 /// What is known of the recorded signals, to divide steps.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +60,8 @@ impl Refine {
         for (&[a, b, c, d], range) in self.values.iter().zip(&mut self.ranges) {
             *range = [a, b, c, d].iter().fold(*range, |(low, high), &y| (low.min(y), high.max(y)));
             let off = (b - a - (d - a) / 3.0).abs().max((c - d - (a - d) / 3.0).abs());
-            let scale = (range.1 - range.0).max(LEAST * range.0.abs().max(range.1.abs()));
+            let size = range.0.abs().max(range.1.abs());
+            let scale = (range.1 - range.0).max(LEAST * size).max(NOTHING);
             if off > VISIBLE * scale {
                 worst = worst.max(off / scale);
             }
@@ -133,5 +136,6 @@ mod tests {
     fn rounding_and_what_is_not_finite_divide_nothing() {
         assert_eq!(parts([1.0, 1.0 + 1e-15, 1.0, 1.0], (1.0, 1.0)), 1);
         assert_eq!(parts([f64::NAN, 1.0, 1.0, f64::NAN], (0.0, 1.0)), 1);
+        assert_eq!(parts([0.0, 1e-119, 8e-119, 27e-119], (0.0, 0.0)), 1);
     }
 }
