@@ -3,9 +3,9 @@
 //! Dormand and Prince's method tells from its last two stages, which belong to the same time, how fast differences of
 //! states fade: h |lambda|. Where its steps are limited by stability and not by the tolerance that stays at the edge of
 //! its region of stability, near 3.3. Fifteen such steps, with fewer than six others in a row between them, and `Ode15s`
-//! goes on; or fifty a little further inside, where a small error of what fades balances the growth of the steps. No
-//! accuracy allows such steps for long. The stiff method gives back when the explicit method would be stable with its steps for a while, as the norm of the Jacobian
-//! says, which is never too small.
+//! goes on; or more of them further inside, where a small error of what fades balances the growth of the steps. No
+//! accuracy allows such steps for long. The stiff method gives back when the explicit method would be stable with its steps
+//! for a while, as the norm of the Jacobian says, which is never too small.
 //!
 //! E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, section IV.2.
 
@@ -16,7 +16,11 @@ use crate::{Counts, Ode15s, Ode45, StepError, StepLimits, Stepper, System, Toler
 const EDGE: (f64, u32) = (3.25, 10);
 /// The same near the edge.
 const NEAR: (f64, u32) = (2.5, 3);
-/// What such steps must count to be taken for stiffness: fifteen or fifty.
+/// The same further inside, where the fast parts have an error of their own that the tolerance does not let grow; and how much
+/// of h |lambda| must be decay: an oscillation has such steps at a loose tolerance, and the stiff method would damp it.
+const INSIDE: (f64, u32) = (1.25, 1);
+const FADES: f64 = 0.7;
+/// What such steps must count to be taken for stiffness.
 const STIFF: u32 = 150;
 /// Others in a row after which counting begins anew.
 const OTHERS: u32 = 6;
@@ -90,9 +94,15 @@ impl Auto {
             self.change = now.against >= CALM;
             return;
         }
-        let radius = self.explicit.radius_of_step();
-        if radius > NEAR.0 {
-            let counts = if radius > EDGE.0 { EDGE.1 } else { NEAR.1 };
+        let (radius, decay) = self.explicit.radius_of_step();
+        if radius > NEAR.0 || radius > INSIDE.0 && decay > FADES * radius {
+            let counts = if radius > EDGE.0 {
+                EDGE.1
+            } else if radius > NEAR.0 {
+                NEAR.1
+            } else {
+                INSIDE.1
+            };
             (now.against, now.others) = (now.against + counts, 0);
             self.change = now.against >= STIFF;
         } else if now.against > 0 {

@@ -51,18 +51,20 @@ pub struct DormandPrince {
 }
 
 impl Ode45 {
-    /// h |lambda| of the last step, as stages 6 and 7 tell it: by how much f differs at two states that are both near the end.
-    pub(crate) fn radius_of_step(&self) -> f64 {
+    /// h |lambda| of the last step, as stages 6 and 7 tell it, by how much f differs at two states that are both near the end;
+    /// and how much of that takes the difference of the two away, rather than turning it.
+    pub(crate) fn radius_of_step(&self) -> (f64, f64) {
         let (method, weights, x0, x1) = self.parts();
         let [.., k6, k7] = &method.k;
-        let (mut above, mut below) = (0.0, 0.0);
+        let (mut above, mut below, mut against) = (0.0, 0.0, 0.0);
         for i in 0..x1.len() {
             let unit = weights.unit(i, x0[i].abs().max(x1[i].abs()));
-            above += ((k7[i] - k6[i]) / unit).powi(2);
-            below += ((x1[i] - method.sixth[i]) / unit).powi(2);
+            let (f, x) = ((k7[i] - k6[i]) / unit, (x1[i] - method.sixth[i]) / unit);
+            (above, below, against) = (above + f * f, below + x * x, against - f * x);
         }
         let (t0, t1) = self.last_step();
-        if below > 0.0 { (t1 - t0) * (above / below).sqrt() } else { 0.0 }
+        let h = t1 - t0;
+        if below > 0.0 { (h * (above / below).sqrt(), h * against / below) } else { (0.0, 0.0) }
     }
 
     /// Goes on where the stiff method has got to.

@@ -50,5 +50,6 @@ mod solvers;
 mod steppers;
 mod stick_slip;
 mod stiction;
+mod stiff;
 mod translation;
 mod windings;

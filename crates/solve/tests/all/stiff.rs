@@ -200,6 +200,22 @@ fn auto_stays_with_the_explicit_method_where_nothing_is_stiff() {
 }
 
 #[test]
+fn auto_follows_what_swings_for_ever_with_the_explicit_method_at_any_tolerance() {
+    for relative in [1e-2, 1e-3, 1e-4, 1e-6, 1e-8] {
+        for mut system in [
+            Box::new(blocksim_solve::problems::function(2, |_, x, dx| (dx[0], dx[1]) = (x[1], -x[0])))
+                as Box<dyn System>,
+            Box::new(blocksim_solve::problems::function(2, |_, x, dx| (dx[0], dx[1]) = (x[1], -x[0].sin()))),
+        ] {
+            let mut auto = Auto::new(Tolerances::automatic(2, relative), StepLimits::default());
+            let (mut t, mut x) = (0.0, [2.0, 0.0]);
+            integrate(&mut auto, &mut *system, &mut t, &mut x, 1000.0).unwrap();
+            assert_eq!(auto.share(), Some(Share::default()), "{relative:e}: {:?}", auto.counts());
+        }
+    }
+}
+
+#[test]
 fn auto_changes_to_the_stiff_method_in_time_and_says_when() {
     for rate in [1e3, 1e5, 1e8] {
         let mut auto = Auto::new(Tolerances::automatic(2, 1e-6), StepLimits::default());

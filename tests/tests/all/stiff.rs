@@ -1,0 +1,204 @@
+//! Stiff problems of the literature as diagrams, with default settings: published end values, and what they cost.
+
+use std::fmt::Write;
+
+use blocksim_tests::{Run, run_text};
+
+/// A part of a derivative: a factor, in 1/s, and the states that it is multiplied by.
+type Term = (f64, &'static [usize]);
+
+/// A diagram of integrators whose derivatives are polynomials.
+fn polynomial(start: &[f64], derivatives: &[Vec<Term>], stop: f64, solver: &str) -> Run {
+    let (mut blocks, mut connections) = (String::new(), String::new());
+    let mut shown = Vec::new();
+    for (i, (x0, terms)) in start.iter().zip(derivatives).enumerate() {
+        writeln!(
+            blocks,
+            r#""x{i}": Integrator(x0: {x0:e}), "d{i}": Sum(signs: "{}"),"#,
+            "+".repeat(terms.len())
+        )
+        .expect("text");
+        let many = terms.len() > 1;
+        for (k, (factor, states)) in terms.iter().enumerate() {
+            let into = if many { format!("d{i}.u{}", k + 1) } else { format!("d{i}.u") };
+            match states {
+                [] => writeln!(blocks, r#""k{i}_{k}": Constant(value: "{factor:e} 1/s"),"#).expect("text"),
+                states => {
+                    writeln!(blocks, r#""k{i}_{k}": Gain(k: "{factor:e} 1/s"),"#).expect("text");
+                    let from = if let [one] = states {
+                        format!("x{one}.y")
+                    } else {
+                        let signs = "*".repeat(states.len());
+                        writeln!(blocks, r#""p{i}_{k}": Product(inputs: {}),"#, signs.len()).expect("text");
+                        for (port, state) in states.iter().enumerate() {
+                            writeln!(connections, r#""x{state}.y -> p{i}_{k}.u{}","#, port + 1)
+                                .expect("text");
+                        }
+                        format!("p{i}_{k}.y")
+                    };
+                    writeln!(connections, r#""{from} -> k{i}_{k}.u","#).expect("text");
+                }
+            }
+            writeln!(connections, r#""k{i}_{k}.y -> {into}","#).expect("text");
+        }
+        shown.push(format!(r#""x{i}""#));
+        writeln!(connections, r#""d{i}.y -> x{i}.u", "x{i}.y -> show.x{i}","#).expect("text");
+    }
+    run_text(&format!(
+        "Diagram(simulation: (stop_time: {stop:e}, solver: {solver}), blocks: {{ {blocks} \"show\": Scope(inputs: [{}]) }}, \
+         connections: [ {connections} ])",
+        shown.join(", ")
+    ))
+}
+
+struct Problem {
+    name: &'static str,
+    start: Vec<f64>,
+    derivatives: Vec<Vec<Term>>,
+    stop: f64,
+    /// Values at the end, and what an error counts against at least.
+    end: Vec<f64>,
+    least: f64,
+    /// Most that an error may be, in relative tolerances.
+    within: f64,
+    /// Steps and evaluations at relative tolerances of 1e-4, 1e-6, 1e-8.
+    work: [[u64; 2]; 3],
+}
+
+/// F. Mazzia, C. Magherini: Test Set for Initial Value Problem Solvers, release 2.4 (2008); Robertson's reaction and Van der Pol's
+/// oscillator as in E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, section IV.10.
+fn problems() -> Vec<Problem> {
+    let w = 77.27;
+    vec![
+        Problem {
+            name: "Van der Pol, mu = 1000",
+            start: vec![2.0, 0.0],
+            derivatives: vec![vec![(1.0, &[1])], vec![(1000.0, &[1]), (-1000.0, &[0, 0, 1]), (-1.0, &[0])]],
+            stop: 2000.0,
+            end: vec![1.706_167_732_170_469, -0.892_809_701_024_812_5e-3],
+            least: 0.0,
+            within: 120.0,
+            work: [[421, 2159], [791, 3595], [1346, 5801]],
+        },
+        Problem {
+            name: "Robertson",
+            start: vec![1.0, 0.0, 0.0],
+            derivatives: vec![
+                vec![(-0.04, &[0]), (1e4, &[1, 2])],
+                vec![(0.04, &[0]), (-1e4, &[1, 2]), (-3e7, &[1, 1])],
+                vec![(3e7, &[1, 1])],
+            ],
+            stop: 1e11,
+            end: vec![2.083_340_149_701_255e-8, 8.333_360_770_334_713e-14, 0.999_999_979_166_505],
+            least: 1e-3,
+            within: 120.0,
+            work: [[357, 1047], [618, 1630], [1126, 3094]],
+        },
+        Problem {
+            name: "HIRES",
+            start: vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0057],
+            derivatives: vec![
+                vec![(-1.71, &[0]), (0.43, &[1]), (8.32, &[2]), (0.0007, &[])],
+                vec![(1.71, &[0]), (-8.75, &[1])],
+                vec![(-10.03, &[2]), (0.43, &[3]), (0.035, &[4])],
+                vec![(8.32, &[1]), (1.71, &[2]), (-1.12, &[3])],
+                vec![(-1.745, &[4]), (0.43, &[5]), (0.43, &[6])],
+                vec![(-280.0, &[5, 7]), (0.69, &[3]), (1.71, &[4]), (-0.43, &[5]), (0.69, &[6])],
+                vec![(280.0, &[5, 7]), (-1.81, &[6])],
+                vec![(-280.0, &[5, 7]), (1.81, &[6])],
+            ],
+            stop: 321.8122,
+            end: vec![
+                0.737_131_257_332_566_8e-3,
+                0.144_248_572_631_618_5e-3,
+                0.588_872_974_096_757_5e-4,
+                0.117_565_134_328_314_9e-2,
+                0.238_635_619_883_133_1e-2,
+                0.623_896_825_274_279_6e-2,
+                0.284_999_839_518_576_9e-2,
+                0.285_000_160_481_423_1e-2,
+            ],
+            least: 0.0,
+            within: 120.0,
+            work: [[189, 914], [383, 1781], [926, 4426]],
+        },
+        Problem {
+            name: "Oregonator",
+            start: vec![1.0, 2.0, 3.0],
+            derivatives: vec![
+                vec![(w, &[1]), (w, &[0]), (-w * 8.375e-6, &[0, 0]), (-w, &[0, 1])],
+                vec![(1.0 / w, &[2]), (-1.0 / w, &[1]), (-1.0 / w, &[0, 1])],
+                vec![(0.161, &[0]), (-0.161, &[2])],
+            ],
+            stop: 360.0,
+            end: vec![0.100_081_487_031_852_3e1, 0.122_817_852_154_991_7e4, 0.132_055_494_284_670_6e3],
+            least: 0.0,
+            within: 400.0,
+            work: [[611, 2604], [1157, 5039], [2534, 10_842]],
+        },
+    ]
+}
+
+#[test]
+fn stiff_diagrams_end_where_the_literature_says() {
+    let mut found = Vec::new();
+    for problem in problems() {
+        let mut work = [[0; 2]; 3];
+        for (rtol, work) in [1e-4, 1e-6, 1e-8].into_iter().zip(&mut work) {
+            let solver = if rtol == 1e-6 { "Auto".to_owned() } else { format!("Auto(rtol: {rtol:e})") };
+            let run = polynomial(&problem.start, &problem.derivatives, problem.stop, &solver);
+            let size = problem.end.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+            for (i, expected) in problem.end.iter().enumerate() {
+                let found = run.last(&format!("show.x{i}"));
+                let error = (found - expected).abs() / expected.abs().max(problem.least * size);
+                assert!(
+                    error < problem.within * rtol,
+                    "{} at {rtol:e}, x{i}: {found:e} {expected:e}",
+                    problem.name
+                );
+            }
+            *work = [run.counts.accepted, run.counts.evaluations];
+        }
+        found.push((problem.name, work));
+    }
+    let pinned: Vec<_> = problems().iter().map(|problem| (problem.name, problem.work)).collect();
+    assert_eq!(found, pinned);
+}
+
+/// Heat that flows into a rod whose other end is insulated, in cells: what a thousand integrators cost.
+#[test]
+fn a_rod_of_a_thousand_cells_is_a_diagram_of_three_thousand_blocks() {
+    let n = 1000;
+    let rate = f64::from(n).powi(2);
+    let (mut blocks, mut connections) = (String::new(), String::new());
+    for i in 0..n {
+        let left = if i == 0 { "hot.y".to_owned() } else { format!("x{}.y", i - 1) };
+        let right = (i + 1).min(n - 1);
+        writeln!(blocks, r#""x{i}": Integrator, "d{i}": Sum(signs: "+--+"), "k{i}": Gain(k: "{rate} 1/s"),"#)
+            .expect("text");
+        writeln!(
+            connections,
+            r#""{left} -> d{i}.u1", "x{i}.y -> d{i}.u2", "x{i}.y -> d{i}.u3", "x{right}.y -> d{i}.u4", "d{i}.y -> k{i}.u", "k{i}.y -> x{i}.u","#
+        )
+        .expect("text");
+    }
+    let run = run_text(&format!(
+        r#"Diagram(simulation: (stop_time: "1 s"), blocks: {{ {blocks} "hot": Constant(value: 1), "show": Scope(inputs: ["middle", "end"]) }},
+           connections: [ {connections} "x{}.y -> show.middle", "x{}.y -> show.end" ])"#,
+        n / 2 - 1,
+        n - 1
+    ));
+    // 1 - sum of 4 / (pi k) sin(pi k s / 2) exp(-(pi k / 2)^2 t) over odd k; two are left. The cells make the rod half a cell shorter
+    // at its hot end, and their own error is below 1e-6.
+    for (cell, port) in [(n / 2 - 1, "show.middle"), (n - 1, "show.end")] {
+        let s = (f64::from(cell) + 1.0) / f64::from(n);
+        let term = |k: f64| {
+            let w = std::f64::consts::PI * k / 2.0;
+            2.0 / w * (w * s / 1.0005).sin() * (-(w / 1.0005).powi(2)).exp()
+        };
+        let (found, expected) = (run.last(port), 1.0 - term(1.0) - term(3.0));
+        assert!((found - expected).abs() < 5e-6, "{port}: {found} {expected}");
+    }
+    assert_eq!([run.counts.accepted, run.counts.evaluations], [1109, 5155]);
+    assert!(run.time.len() < 2000, "{} rows", run.time.len());
+}
