@@ -295,3 +295,35 @@ fn a_rectifier_bridge_gives_its_mean_voltage_less_what_commutation_costs() {
     let overlap = (1.0 - 2.0 * reactance * mean / peak).acos();
     close((end - start) * TAU / period, overlap, 2e-3 * overlap, "overlap");
 }
+
+#[test]
+fn a_source_whose_star_point_stays_open_carries_no_zero_sequence() {
+    let currents = |star: &str, load: &str, ends: &str| {
+        let text = circuit(
+            "1 ms",
+            &format!(
+                r#""k": Constant(value: ["9 V", "0 V", "3 V"]), "u": ControlledThreePhaseSource, "a": ThreePhaseCurrentSensor, {load}"#
+            ),
+            &format!(r#""k.y -> u.v", "u.ac <-> a.ac1", "a.i -> s.i", {star} {ends}"#),
+            r#""i""#,
+        );
+        let unused = if star.is_empty() { "\"g\": ElectricalReference, " } else { "" };
+        let run = run_text(&text.replace(unused, ""));
+        [0, 1, 2].map(|k| run.last(&format!("s.i[{k}]")))
+    };
+    let (load, ends) =
+        (r#""z": ThreePhaseRlc(r: "2 Ohm"), "n": GroundedNeutral"#, r#""a.ac2 <-> z.ac1", "z.ac2 <-> n.ac""#);
+    assert_eq!(currents(r#""u.n <-> g.p","#, load, ends), [4.5, 0.0, 1.5]);
+    // Without the mean of 4 V.
+    for (found, expected) in currents("", load, ends).into_iter().zip([2.5, -2.0, -0.5]) {
+        close(found, expected, 1e-13, "open star point");
+    }
+    // Nothing refers to anything: a load in delta of the same size.
+    let (delta, ends) = (
+        r#""z": ThreePhaseRlc(r: "6 Ohm"), "x": PhasePermute"#,
+        r#""a.ac2 <-> z.ac1 <-> x.ac1", "z.ac2 <-> x.ac2""#,
+    );
+    for (found, expected) in currents("", delta, ends).into_iter().zip([2.5, -2.0, -0.5]) {
+        close(found, expected, 1e-13, "all floats");
+    }
+}

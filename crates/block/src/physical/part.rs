@@ -62,14 +62,20 @@ impl Part {
 
     /// Adds a conserving port; they are numbered in this order.
     pub fn port(mut self, name: &str, domain: Domain, doc: &'static str) -> Self {
-        self.ports.push(PhysicalPort { name: name.to_owned(), domain, doc, inner: false });
+        self.ports.push(PhysicalPort { name: name.to_owned(), domain, doc, inner: false, open: false });
+        self
+    }
+
+    /// Lets the last port stay unconnected: then no current flows there, and its potential is that which the rest gives it.
+    pub fn open(mut self) -> Self {
+        self.ports.iter_mut().last().into_iter().for_each(|port| port.open = true);
         self
     }
 
     /// Adds a node inside the component: numbered like the ports, but nothing can be connected to it. Inner nodes come
     /// after the ports.
     pub fn inner(mut self, name: &str, domain: Domain) -> Self {
-        self.ports.push(PhysicalPort { name: name.to_owned(), domain, doc: "", inner: true });
+        self.ports.push(PhysicalPort { name: name.to_owned(), domain, doc: "", inner: true, open: false });
         self
     }
 

@@ -38,6 +38,8 @@ pub struct PhysicalPort {
     pub doc: &'static str,
     /// A node inside of a component; see [`Part::inner`](super::Part::inner).
     pub inner: bool,
+    /// An electrical port that may stay unconnected; see [`Part::open`](super::Part::open).
+    pub open: bool,
 }
 
 /// Where an electrical element ends.

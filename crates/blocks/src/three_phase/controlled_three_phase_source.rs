@@ -3,7 +3,7 @@ use blocksim_block::prelude::*;
 
 /// Three ideal voltage sources in star that a signal commands: phase a, b, c against the star point `n`.
 ///
-/// Connect `n` to a reference where the star point is grounded.
+/// Connect `n` to a reference where the star point is grounded. Left open it floats: the three currents add up to zero.
 ///
 /// ```ron
 /// ControlledThreePhaseSource
@@ -22,7 +22,8 @@ impl Component for ControlledThreePhaseSource {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new()
             .port("ac", Domain::ThreePhase, "phases a, b, c")
-            .port("n", Domain::Electrical, "star point")
+            .port("n", Domain::Electrical, "star point; may stay open")
+            .open()
             .input(Input::real("v").shape(Shape::Vector(3)).unit("V").doc("voltages of a, b, c against n"))
             .measures("power", "W", Needs::Electrics, "power that the source delivers");
         let source = |k| Element::VoltageSource { p: Pin::Phase(0, k), n: Pin::Port(1) };

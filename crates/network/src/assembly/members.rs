@@ -269,7 +269,10 @@ impl<'a> Members<'a> {
         let mut problems = Vec::new();
         for domain in [Domain::Electrical, Domain::ThreePhase] {
             for (node, terminals) in self.terminals[index_of(domain)].iter().enumerate() {
-                if let [only] = terminals[..] {
+                let open = |t: &Terminal| self.list[t.member].part.ports[t.port].open;
+                if let [only] = terminals[..]
+                    && !open(&only)
+                {
                     problems.push(
                         NetworkProblem::new(
                             "unconnected_port",

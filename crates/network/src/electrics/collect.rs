@@ -58,16 +58,20 @@ pub(super) fn collect(m: &Members, fed: &[bool]) -> Electrics {
 
 /// The star point of a floating supply is zero where nothing in its circuit has a reference: no current can flow there.
 fn refer(m: &Members, island: &mut Island) {
-    let floats = |e: &Element| matches!(e, Element::Supply { n: Pin::Inner(_), .. });
+    let floats = |member: usize| {
+        let part = &m.list[member].part;
+        let loose = |port: usize| part.ports[port].open && m.alone(member, port);
+        part.elements.iter().any(|e| match *e {
+            Element::Supply { n: Pin::Inner(_), .. } => true,
+            Element::VoltageSource { n: Pin::Port(port), .. } => loose(port),
+            _ => false,
+        })
+    };
     let mut pins = island.two_pins.iter();
     if pins.clone().any(|pin| pin.p.is_none() || pin.n.is_none()) {
         return;
     }
-    let Some(star) =
-        pins.find(|pin| m.list[pin.member].part.elements.iter().any(floats)).and_then(|pin| pin.n)
-    else {
-        return;
-    };
+    let Some(star) = pins.find(|pin| floats(pin.member)).and_then(|pin| pin.n) else { return };
     island.nodes.remove(star);
     for node in island.two_pins.iter_mut().flat_map(|pin| [&mut pin.p, &mut pin.n]) {
         *node = node.filter(|node| *node != star).map(|node| node - usize::from(node > star));
