@@ -192,7 +192,7 @@ impl Network {
         }
         for valve in &natural {
             let path = &seats[electrics.valves[*valve].member].member.path;
-            interface = interface.guard_when(Crossing::Falling, format!("{path}.conducts"));
+            interface = interface.guard_when(Crossing::Holds, format!("{path}.conducts"));
         }
         for island in with_valves(&electrics) {
             let path = seats[electrics.islands[island].members[0]].member.path.clone();
