@@ -75,6 +75,8 @@ pub struct Counts {
     pub events: u64,
     /// Sample hits, over all rates.
     pub hits: u64,
+    /// Steps of `Ode45` that stability limited, and not the tolerance.
+    pub limited: u64,
     /// What the method `Auto` has left to the stiff one of its two; nothing of other methods.
     pub share: Option<Share>,
 }
@@ -251,6 +253,7 @@ impl Simulation {
             evaluations: solver.evaluations,
             events: self.events,
             hits: self.hit_count,
+            limited: solver.limited,
             share: self.stepper.as_ref().and_then(|stepper| stepper.share()),
         }
     }

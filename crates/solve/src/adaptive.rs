@@ -73,6 +73,11 @@ pub trait Method: Send {
         &mut []
     }
 
+    /// How near the last step was to the edge of stability, where the method can tell.
+    fn radius(&self, _weights: &Weights, _x0: &[f64], _x1: &[f64], _h: f64) -> Radius {
+        Radius::default()
+    }
+
     /// Whether a step that is hardly longer than the one before is better as long as that, because factors serve on.
     const KEEPS_SIZE: bool = false;
 
@@ -87,6 +92,16 @@ pub trait Method: Send {
     /// State at the fraction `theta` of the last step, which had the size `h`.
     fn interpolate(&self, theta: f64, h: f64, x0: &[f64], x1: &[f64], x: &mut [f64]);
 }
+
+/// h |lambda| of a step for what changes fastest, and how much of that is decay rather than oscillation.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Radius {
+    pub(crate) all: f64,
+    pub(crate) decay: f64,
+}
+
+/// Radius from which on stability, and not the tolerance, limits the steps of an explicit method.
+pub(crate) const NEAR_EDGE: f64 = 2.5;
 
 /// Begin, end and size of a step.
 #[derive(Debug, Clone, Copy)]
@@ -116,6 +131,7 @@ pub struct Adaptive<M> {
     /// Whether the derivative at the end of the last step still holds.
     known: bool,
     last: Span,
+    radius: Radius,
     x0: Vec<f64>,
     x1: Vec<f64>,
     error: Vec<f64>,
@@ -133,6 +149,7 @@ impl<M: Method> Adaptive<M> {
             weights: Weights::new(tolerances),
             known: false,
             last: Span { t0: 0.0, t1: 0.0, h: 0.0 },
+            radius: Radius::default(),
             x0: vec![0.0; n],
             x1: vec![0.0; n],
             error: vec![0.0; n],
@@ -147,9 +164,14 @@ impl<M: Method> Adaptive<M> {
         self.control.learnt = Experience { wanted: Some(h), ..Experience::default() };
     }
 
-    /// The method, its weights, and the ends of the last step.
-    pub(crate) fn parts(&self) -> (&M, &Weights, &[f64], &[f64]) {
-        (&self.method, &self.weights, &self.x0, &self.x1)
+    /// How near the last step was to the edge of stability.
+    pub(crate) fn radius(&self) -> Radius {
+        self.radius
+    }
+
+    /// What has been learnt of the sizes of states.
+    pub(crate) fn learnt(&self) -> Option<&Learnt> {
+        self.weights.learnt()
     }
 
     /// Hairer's guess of the first step size, for one evaluation; never looks beyond `limit`.
@@ -239,6 +261,8 @@ impl<M: Method> Stepper for Adaptive<M> {
         let known = std::mem::take(&mut self.known);
         self.last = self.advance(system, *t, known, limit)?;
         self.known = true;
+        self.radius = self.method.radius(&self.weights, &self.x0, &self.x1, self.last.h);
+        self.counts.limited += u64::from(self.radius.all > NEAR_EDGE);
         *t = self.last.t1;
         x.copy_from_slice(&self.x1);
         Ok(())

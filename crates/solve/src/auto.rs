@@ -9,13 +9,14 @@
 //!
 //! E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, section IV.2.
 
+use crate::adaptive::{NEAR_EDGE, Radius};
 use crate::stepper::{Memory, Share};
 use crate::{Counts, Ode15s, Ode45, StepError, StepLimits, Stepper, System, Tolerances};
 
 /// h |lambda| of a step at the edge of stability, a little less, and how much it counts.
 const EDGE: (f64, u32) = (3.25, 10);
 /// The same near the edge.
-const NEAR: (f64, u32) = (2.5, 3);
+const NEAR: (f64, u32) = (NEAR_EDGE, 3);
 /// The same further inside, where the fast parts have an error of their own that the tolerance does not let grow; and how much
 /// of h |lambda| must be decay: an oscillation has such steps at a loose tolerance, and the stiff method would damp it.
 const INSIDE: (f64, u32) = (1.25, 1);
@@ -94,7 +95,7 @@ impl Auto {
             self.change = now.against >= CALM;
             return;
         }
-        let (radius, decay) = self.explicit.radius_of_step();
+        let Radius { all: radius, decay } = self.explicit.radius();
         if radius > NEAR.0 || radius > INSIDE.0 && decay > FADES * radius {
             let counts = if radius > EDGE.0 {
                 EDGE.1
@@ -168,6 +169,7 @@ impl Stepper for Auto {
             rejected: a.rejected + b.rejected,
             jacobians: a.jacobians + b.jacobians,
             factorisations: a.factorisations + b.factorisations,
+            limited: a.limited,
         }
     }
 

@@ -8,9 +8,9 @@
 //! doi 10.1016/0771-050X(80)90013-3. Continuous extension: E. Hairer, S. P. Nørsett, G. Wanner: Solving Ordinary
 //! Differential Equations I, 2nd ed., section II.6.
 
-use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
+use crate::adaptive::{Adaptive, Fault, Method, Radius, Span, Work};
 use crate::combine::{combine, combine_error};
-use crate::weights::Learnt;
+use crate::weights::Weights;
 use crate::{Ode15s, Stepper};
 
 /// Order 5 for systems that are not stiff; the default.
@@ -51,31 +51,10 @@ pub struct DormandPrince {
 }
 
 impl Ode45 {
-    /// h |lambda| of the last step, as stages 6 and 7 tell it, by how much f differs at two states that are both near the end;
-    /// and how much of that takes the difference of the two away, rather than turning it.
-    pub(crate) fn radius_of_step(&self) -> (f64, f64) {
-        let (method, weights, x0, x1) = self.parts();
-        let [.., k6, k7] = &method.k;
-        let (mut above, mut below, mut against) = (0.0, 0.0, 0.0);
-        for i in 0..x1.len() {
-            let unit = weights.unit(i, x0[i].abs().max(x1[i].abs()));
-            let (f, x) = ((k7[i] - k6[i]) / unit, (x1[i] - method.sixth[i]) / unit);
-            (above, below, against) = (above + f * f, below + x * x, against - f * x);
-        }
-        let (t0, t1) = self.last_step();
-        let h = t1 - t0;
-        if below > 0.0 { (h * (above / below).sqrt(), h * against / below) } else { (0.0, 0.0) }
-    }
-
     /// Goes on where the stiff method has got to.
     pub(crate) fn follow(&mut self, stiff: &Ode15s) {
         let (t0, t1) = stiff.last_step();
         self.go_on(stiff.learnt(), t1 - t0);
-    }
-
-    /// What has been learnt of the sizes of states.
-    pub(crate) fn learnt(&self) -> Option<&Learnt> {
-        self.parts().1.learnt()
     }
 }
 
@@ -86,6 +65,21 @@ impl Method for DormandPrince {
 
     fn new(n: usize) -> Self {
         Self { k: std::array::from_fn(|_| vec![0.0; n]), sixth: vec![0.0; n] }
+    }
+
+    /// As stages 6 and 7 tell it, by how much f differs at two states that are both near the end.
+    fn radius(&self, weights: &Weights, x0: &[f64], x1: &[f64], h: f64) -> Radius {
+        let [.., k6, k7] = &self.k;
+        let (mut above, mut below, mut against) = (0.0, 0.0, 0.0);
+        for i in 0..x1.len() {
+            let unit = weights.unit(i, x0[i].abs().max(x1[i].abs()));
+            let (f, x) = ((k7[i] - k6[i]) / unit, (x1[i] - self.sixth[i]) / unit);
+            (above, below, against) = (above + f * f, below + x * x, against - f * x);
+        }
+        if below == 0.0 {
+            return Radius::default();
+        }
+        Radius { all: h * (above / below).sqrt(), decay: h * against / below }
     }
 
     fn begin(&mut self, work: &mut Work, t: f64, x: &[f64], known: bool) -> Result<(), Fault> {

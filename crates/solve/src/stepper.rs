@@ -145,6 +145,8 @@ pub struct Counts {
     pub jacobians: u64,
     /// Factorisations of I - hg J, by the stepper or by [`System::prepare`].
     pub factorisations: u64,
+    /// Steps of `Ode45` that were as long as its stability allows, whatever the tolerance.
+    pub limited: u64,
 }
 
 /// Bounds of the step size of an adaptive method, in s.

@@ -39,7 +39,7 @@ const FOURTH: [f64; 5] = {
 const PATIENCE: f64 = 50.0;
 
 /// Weights of the states of one stepper.
-pub(crate) struct Weights {
+pub struct Weights {
     relative: f64,
     /// What was given: the tolerance itself, or the least automatic one.
     given: Vec<f64>,
@@ -53,7 +53,7 @@ pub(crate) struct Weights {
 
 /// What automatic tolerances carry from one step to the next.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Learnt {
+pub struct Learnt {
     /// Largest magnitude of each state so far.
     pub size: Vec<f64>,
     /// Largest of these.

@@ -44,6 +44,8 @@ pub fn summary(
     table.row(["work", &[n(counts.accepted, "step"), rejected, evaluations].join(", ")]);
     if let Some(share) = &counts.share {
         table.row(["method", &chosen(share, counts.accepted)]);
+    } else if 2 * counts.limited > counts.accepted && counts.limited >= FEW {
+        table.row(["method", &limited(counts)]);
     }
     table.row(["events", &[n(counts.events, "zero crossing"), n(counts.hits, "sample hit")].join(", ")]);
     let recorded = match signals {
@@ -68,6 +70,18 @@ fn chosen(share: &Share, steps: u64) -> String {
         ),
         None => "Ode45: nothing was stiff".to_owned(),
     }
+}
+
+/// Steps below which their limit does not matter to anybody.
+const FEW: u64 = 200;
+
+/// Why an explicit method makes more steps than it should.
+fn limited(counts: &Counts) -> String {
+    format!(
+        "stability limits {} of {}, not the tolerance: a stiff method takes fewer, `--solver auto` finds out where",
+        count(counts.limited),
+        plural(counts.accepted as usize, "step")
+    )
 }
 
 /// How often each alternative of the variants of one name was chosen: `motor: 5 asm, 1 dc`.
@@ -142,6 +156,7 @@ mod tests {
             evaluations: 25_674,
             events: 1,
             hits: 1724,
+            limited: 0,
             share: None,
         };
         let folder = "runs/2026-11-21T14-03-22_servo";
@@ -163,6 +178,18 @@ mod tests {
         let told = chosen(&share, 719);
         assert_eq!(told, "Ode15s for 472 of 719 steps, first at 0.030 s: stability limited those of Ode45");
         assert_eq!(chosen(&Share::default(), 719), "Ode45: nothing was stiff");
+    }
+
+    #[test]
+    fn an_explicit_method_that_stability_limits_is_told() {
+        let counts = Counts { accepted: 302_094, limited: 301_000, ..Counts::default() };
+        let said = summary("Rod", &manifest(Ended::Complete), &counts, 1, 2, None);
+        assert!(said.contains(
+            "method     stability limits 301 000 of 302 094 steps, not the tolerance: a stiff method takes fewer, \
+             `--solver auto` finds out where"
+        ), "{said}");
+        let counts = Counts { accepted: 4000, limited: 1000, ..Counts::default() };
+        assert!(!summary("Rod", &manifest(Ended::Complete), &counts, 1, 2, None).contains("method"));
     }
 
     #[test]

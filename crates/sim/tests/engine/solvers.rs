@@ -64,6 +64,7 @@ fn a_controller_costs_about_one_step_for_each_hit() {
             evaluations: 7001,
             events: 0,
             hits: 1001,
+            limited: 0,
             share: None
         }
     );

@@ -200,6 +200,18 @@ fn auto_stays_with_the_explicit_method_where_nothing_is_stiff() {
 }
 
 #[test]
+fn steps_that_stability_limits_are_counted() {
+    let mut limited = [1e3, 1.0].map(|rate| {
+        let mut ode45 = Ode45::new(Tolerances::automatic(2, 1e-6), StepLimits::default());
+        let (mut t, mut x) = (0.0, [0.0, 1.0]);
+        integrate(&mut ode45, &mut fast_and_slow(rate), &mut t, &mut x, 10.0).unwrap();
+        ode45.counts().limited as f64 / ode45.counts().accepted as f64
+    });
+    limited.iter_mut().for_each(|share| *share = share.round());
+    assert_eq!(limited, [1.0, 0.0]);
+}
+
+#[test]
 fn auto_follows_what_swings_for_ever_with_the_explicit_method_at_any_tolerance() {
     for relative in [1e-2, 1e-3, 1e-4, 1e-6, 1e-8] {
         for mut system in [
