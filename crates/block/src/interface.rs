@@ -30,6 +30,8 @@ pub struct Guard {
     pub name: String,
     /// Which of its crossings are events.
     pub crossing: Crossing,
+    /// Whether the law has a kink there that is not held between events: both sides are seen within a step.
+    pub kink: bool,
 }
 
 /// A way through zero.
@@ -183,7 +185,14 @@ impl Interface {
     /// Adds a guard of which only these crossings are events. The solver stops at them alone, so the block must do
     /// without a look at the others; at the ends of the steps it sees on which side of zero it is.
     pub fn guard_when(mut self, crossing: Crossing, name: impl Into<String>) -> Self {
-        self.guards.push(Guard { name: name.into(), crossing });
+        self.guards.push(Guard { name: name.into(), crossing, kink: false });
+        self
+    }
+
+    /// Adds a guard of a kink: a law that is continuous there, but not its slope, and that is not held on its side between
+    /// events. The step that has looked beyond it is repeated up to it.
+    pub fn kink(mut self, name: impl Into<String>) -> Self {
+        self.guards.push(Guard { name: name.into(), crossing: Crossing::Either, kink: true });
         self
     }
 

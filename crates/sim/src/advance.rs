@@ -2,6 +2,7 @@
 
 use crate::clock::{Grid, earliest, same};
 use crate::diagnose::guard_of;
+use crate::events::Cut;
 use crate::guards::Stride;
 use crate::major::Arrival;
 use crate::rhythm::Accumulation;
@@ -50,6 +51,7 @@ impl Simulation {
             if let Some(audit) = &mut self.audit {
                 audit.begin(&self.guards.start);
             }
+            self.kinks.begin(self.stepper.as_deref(), &self.x);
             self.step(stop.t)?;
             let mut arrival = self.cut(start, stop.t, observer)?;
             if self.t >= stop.t {
@@ -88,7 +90,7 @@ impl Simulation {
     }
 
     /// One step of the solver, or all the way where there is nothing to integrate.
-    fn step(&mut self, limit: f64) -> Result<(), SimError> {
+    pub(crate) fn step(&mut self, limit: f64) -> Result<(), SimError> {
         let Some(stepper) = &mut self.stepper else {
             self.t = limit;
             return Ok(());
@@ -101,9 +103,14 @@ impl Simulation {
     /// Cuts the step at the first zero crossing of a guard.
     fn cut(&mut self, t0: f64, limit: f64, observer: &mut dyn Observer) -> Result<Arrival, SimError> {
         let mut arrival = Arrival::default();
+        let mut cut = self.crossing(t0)?;
+        if let Some(before) = cut
+            && self.stops_at_kink(t0, before)
+        {
+            self.repeat(t0, before.t)?;
+            cut = self.crossing(t0)?;
+        }
         let stride = Stride { t0, t1: self.t, x1: &self.x, stepper: self.stepper.as_deref() };
-        let cut = self.guards.cut(&mut self.diagram, &stride);
-        let cut = cut.map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))?;
         if let Some(audit) = &mut self.audit
             && !self.guards.is_empty()
         {
@@ -135,6 +142,13 @@ impl Simulation {
             }
         }
         if self.guards.chatters(self.t) { Err(self.chatter()) } else { Ok(arrival) }
+    }
+
+    /// Where the step from `t0` to the present must be cut.
+    pub(crate) fn crossing(&mut self, t0: f64) -> Result<Option<Cut>, SimError> {
+        let stride = Stride { t0, t1: self.t, x1: &self.x, stepper: self.stepper.as_deref() };
+        let cut = self.guards.cut(&mut self.diagram, &stride);
+        cut.map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))
     }
 
     fn tell_events(&self, observer: &mut dyn Observer) {

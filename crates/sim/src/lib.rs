@@ -17,6 +17,7 @@
 //! | `evaluate`, `act`, `system` | calls of the blocks: outputs, all else, and what the solver sees |
 //! | `clock`, `events` | sample hits and time events; zero crossings |
 //! | `record`, `sides`, `refine` | rows; which sample hits need them on both sides; rows within steps |
+//! | `kinks` | steps that have looked beyond a kink, once more |
 //! | `past` | what blocks remember of steps |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
 //! | `methods`, `error`, `diagnose`, `snapshot` | choice of the solver; what can go wrong and why; save and restore |
@@ -32,6 +33,7 @@ mod evaluate;
 mod events;
 mod frozen;
 mod guards;
+mod kinks;
 mod looks;
 mod major;
 mod methods;

@@ -10,6 +10,7 @@ use crate::audit::{Audit, Findings};
 use crate::clock::{Grid, Hits};
 use crate::evaluate::Diagram;
 use crate::guards::Guards;
+use crate::kinks::Kinks;
 use crate::looks::Looks;
 use crate::past::Past;
 use crate::record::Rows;
@@ -29,6 +30,8 @@ pub struct Simulation {
     pub(crate) x: Vec<f64>,
     pub(crate) hits: Hits,
     pub(crate) guards: Guards,
+    /// Which guards are those of kinks, and what repeats a step up to one.
+    pub(crate) kinks: Kinks,
     pub(crate) rows: Rows,
     /// Where rows are needed within steps.
     pub(crate) refine: Refine,
@@ -118,6 +121,7 @@ impl Simulation {
             t: 0.0,
             hits: Hits::new(&schedule.clock),
             guards: Guards::new(guards, schedule.states),
+            kinks: Kinks::new(&schedule),
             rows: Rows::new(&schedule),
             refine: Refine::new(&schedule),
             past: Past::new(&schedule),

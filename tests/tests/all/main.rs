@@ -26,6 +26,7 @@ mod impacts;
 mod import;
 mod induction;
 mod inverters;
+mod kinks;
 mod library;
 mod limits_of_signals;
 mod long_shafts;

@@ -81,7 +81,7 @@ impl Block for Pid {
             interface = interface.state("integral", self.law.x0).state("filter", self.law.d0);
             if self.law.limited() {
                 interface = interface.settles().discrete("mode", 0.0);
-                interface = interface.guard("upper").guard("lower").guard("e");
+                interface = interface.kink("upper").kink("lower").guard("e");
             }
         }
         Ok(self.reset.guard(interface, given))

@@ -1,4 +1,4 @@
-use crate::math::elements::{clamp, guard_each, parameters_like};
+use crate::math::elements::{clamp, kink_each, parameters_like};
 use blocksim_block::prelude::*;
 
 /// No output while the input is between `start` and `end`, beyond that the distance to the zone; element by element.
@@ -31,7 +31,7 @@ impl Block for DeadZone {
         let dimension = parameters_like(given, "u", u.dimension, &["start", "end"])?;
         let n = u.shape.len();
         let interface = Interface::new().input(Input::real("u")).output(Output::like("y", u.of(dimension)));
-        Ok(guard_each(guard_each(interface, "start", n), "end", n))
+        Ok(kink_each(kink_each(interface, "start", n), "end", n))
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {

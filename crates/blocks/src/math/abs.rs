@@ -1,4 +1,4 @@
-use super::elements::guard_each;
+use super::elements::kink_each;
 use blocksim_block::prelude::*;
 
 /// Absolute value: $y = |u|$, element by element.
@@ -16,7 +16,7 @@ impl Block for Abs {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let interface = Interface::new().input(Input::real("u")).output(Output::like("y", u));
-        Ok(guard_each(interface, "zero", u.shape.len()))
+        Ok(kink_each(interface, "zero", u.shape.len()))
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {

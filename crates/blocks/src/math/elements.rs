@@ -59,6 +59,14 @@ pub(crate) fn guard_each(mut interface: Interface, name: &str, n: usize) -> Inte
     interface
 }
 
+/// The same for kinks.
+pub(crate) fn kink_each(mut interface: Interface, name: &str, n: usize) -> Interface {
+    for i in 0..n {
+        interface = interface.kink(if n == 1 { name.to_owned() } else { format!("{name}[{i}]") });
+    }
+    interface
+}
+
 /// The dimension of a signal to which parameters are compared: `dimension`, or that of the parameters if it is
 /// unknown. A parameter written as a plain number takes the unit of the signal.
 ///

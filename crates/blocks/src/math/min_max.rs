@@ -1,4 +1,4 @@
-use super::elements::{borrowed, guard_each, input_names, operands};
+use super::elements::{borrowed, input_names, kink_each, operands};
 use blocksim_block::prelude::*;
 
 /// The least or the greatest of the inputs, element by element.
@@ -55,7 +55,7 @@ impl Block for MinMax {
         let interface =
             names.iter().fold(Interface::new(), |interface, name| interface.input(Input::real(*name)));
         let guards = shape.len() * operands.saturating_sub(1);
-        Ok(guard_each(interface.output(Output::like("y", y)), "takes_over", guards))
+        Ok(kink_each(interface.output(Output::like("y", y)), "takes_over", guards))
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
