@@ -108,6 +108,25 @@ fn a_separate_circuit_shows_the_means_of_what_switches() {
     }
 }
 
+/// The mean of a leg over a period of the carrier is what its reference asks for in the middle of it.
+#[test]
+fn a_separate_circuit_shows_the_means_of_its_legs() {
+    let switched = "SwitchedInverter(vdc: \"400 V\", switching_frequency: \"10 kHz\", integration: Separate(periods: 1))";
+    let text = at_fixed_speed(switched, SPEED, "20 ms")
+        .replace("\"dc\"]", "\"dc\", \"legs\"]")
+        .replace("\"inverter.power -> s.dc\",", "\"inverter.power -> s.dc\", \"inverter.v_legs -> s.legs\",");
+    let run = run_text(&text);
+    let rows = run.time.iter().enumerate().filter(|(_, t)| **t > 0.0);
+    for (row, t) in rows {
+        for leg in 0..3 {
+            let angle = std::f64::consts::TAU * (60.0 * (t - 0.5e-4) - f64::from(leg) / 3.0);
+            let expected = 200.0 + 179.62924780409972 * angle.cos();
+            let found = run.column(&format!("s.legs[{leg}]"))[row];
+            assert!((found - expected).abs() < 1e-6, "{found} != {expected} at {t}");
+        }
+    }
+}
+
 /// A machine that starts in the steady state of its source has no transient, also where a sensor lies between.
 #[test]
 fn a_magnetised_machine_knows_the_phase_of_its_source_through_a_sensor() {

@@ -20,9 +20,8 @@ use crate::machines::space_vector::turned;
 /// `integration: Together` leaves the circuit to the solver of the diagram, which stops at every edge. `Separate`
 /// integrates the circuit by itself, from edge to edge, and couples it to the mechanics every so many periods of the
 /// carrier: the shaft gets the mean torque of these periods, the machine the speed that is expected for them. That is
-/// many times faster, and exact to second order in the length of a coupling step. What needs voltages (powers, RMS voltages, slip)
-/// is then measured on the means over the coupling step; currents and states are those at its beginning, and `v_legs` says
-/// how the legs stand there. Where a shaft does not move as its circuit has expected, the run ends with an error.
+/// many times faster, and exact to second order in the length of a coupling step. What needs voltages (powers, RMS voltages, slip,
+/// `v_legs`) is then measured on the means over the coupling step; currents and states are those at its beginning. Where a shaft does not move as its circuit has expected, the run ends with an error.
 ///
 /// Amplitudes beyond what the link and the modulation give are limited, as `limited` tells; a negative one turns the voltages
 /// by half a turn.
@@ -107,6 +106,14 @@ impl SwitchedInverter {
         }
     }
 
+    /// What the voltages of the legs need: an instant of legs that switch within a coupling step says nothing.
+    fn legs_need(&self) -> Needs {
+        match self.integration {
+            Integration::Together => Needs::State,
+            Integration::Separate { .. } => Needs::Electrics,
+        }
+    }
+
     /// Voltage of a leg against the negative rail, V.
     fn pole(&self, c: &Law, leg: usize) -> f64 {
         if Modulator::is_high(c.d, leg) { self.vdc } else { 0.0 }
@@ -139,7 +146,7 @@ impl Component for SwitchedInverter {
             .measures("theta", "rad", Needs::State, "angle of the references")
             .output(
                 Output::real("v_legs").unit("V").shape(Shape::Vector(LEGS)).doc("voltages of the legs"),
-                Needs::State,
+                self.legs_need(),
             )
             .measures("power", "W", Needs::Electrics, "power taken from the DC link")
             .output(Output::boolean("limited").doc("the DC link limits the amplitude"), Needs::Electrics)
@@ -182,10 +189,15 @@ impl Component for SwitchedInverter {
         match needs {
             Needs::State => {
                 y[0] = c.x[0];
-                self.voltages(c, &mut y[1..1 + LEGS]);
+                if self.legs_need() == Needs::State {
+                    self.voltages(c, &mut y[1..1 + LEGS]);
+                }
             }
             // The current of a source is counted from its positive pin through it.
             Needs::Electrics => {
+                if self.legs_need() == Needs::Electrics {
+                    y[1..1 + LEGS].copy_from_slice(&c.voltage[..LEGS]);
+                }
                 y[1 + LEGS] = -c.voltage.iter().zip(c.current).map(|(v, i)| v * i).sum::<f64>();
                 y[2 + LEGS] = f64::from(c.scalar(V).abs() > self.modulation.limit(self.vdc));
             }
