@@ -3,6 +3,7 @@
 mod known;
 mod random;
 mod reference;
+mod rows;
 
 use blocksim_tests::{Run, compile_text, run};
 use reference::{Branch, Kind, Slow, diagram};

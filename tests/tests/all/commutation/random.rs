@@ -30,7 +30,7 @@ impl Numbers {
 }
 
 /// A connected circuit in which every node has a way to ground that is no valve.
-fn circuit(seed: u64) -> (usize, Vec<Branch>) {
+pub fn circuit(seed: u64) -> (usize, Vec<Branch>) {
     use Kind::*;
     let mut r = Numbers(seed);
     let nodes = 3 + r.below(4);
