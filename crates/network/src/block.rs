@@ -115,6 +115,7 @@ impl Block for Network {
         (w.before, w.modes) = (before, modes);
         let here = Context { x: &[], d: &[], ..*c };
         for island in &self.active.valves {
+            jumped |= self.take_gates(*island, &Context { x: &*x, ..here }, w, d);
             jumped |= self.commutate(*island, &here, w, x, d);
         }
         self.after_jump(&here, jumped, w, x, d);

@@ -33,6 +33,8 @@ pub struct Network {
     pub(crate) supplies: usize,
     /// Where the discrete states of valves begin: whether each conducts by itself.
     pub(crate) first_latch: usize,
+    /// Where the gate of each valve is held among the discrete states, if it has one.
+    pub(crate) gate_cells: Vec<Option<usize>>,
     /// Valves that conduct by themselves, in the order of their guards, which come behind those of the members.
     pub(crate) natural: Vec<usize>,
     pub(crate) first_natural: usize,

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use std::ops::Range;
 
-use blocksim_block::physical::{Element, LossModel, Needs};
+use blocksim_block::physical::{Element, LossModel, Needs, ValveKind};
 use blocksim_block::{Crossing, Input, Interface, Output};
 
 use crate::accounts::Accounts;
+use crate::electrics::currents::UNTOLD;
 use crate::electrics::{Electrics, Separate};
 use crate::mechanics::envelope::Envelope;
 use crate::mechanics::frames::Frames;
@@ -190,6 +191,15 @@ impl Network {
         for valve in &electrics.valves {
             interface = interface.discrete(format!("{}.conducts", seats[valve.member].member.path), 0.0);
         }
+        // Gates are held from jump to jump, so that an instant is whole before and after it.
+        let mut gate_cells = vec![None; electrics.valves.len()];
+        for valve in with_valves(&electrics).into_iter().flat_map(|i| &electrics.islands[i].valves) {
+            if electrics.valves[*valve].kind != ValveKind::Diode {
+                gate_cells[*valve] = Some(interface.discrete.len());
+                let path = &seats[electrics.valves[*valve].member].member.path;
+                interface = interface.discrete(format!("{path}.gate"), UNTOLD);
+            }
+        }
         for valve in &natural {
             let path = &seats[electrics.valves[*valve].member].member.path;
             interface = interface.guard_when(Crossing::Holds, format!("{path}.conducts"));
@@ -227,6 +237,7 @@ impl Network {
             first_pose,
             joints,
             first_latch,
+            gate_cells,
             natural,
             first_natural,
             separate,

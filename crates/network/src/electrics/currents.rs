@@ -11,6 +11,9 @@ use crate::work::Work;
 /// Why the circuit of an island could not be evaluated; the context knows the sentence.
 pub(crate) struct Faulty;
 
+/// What is held of a gate before the first instant: then its command counts.
+pub(crate) const UNTOLD: f64 = -1.0;
+
 impl Network {
     /// What sensors read that follows from states alone.
     pub(crate) fn early_readings(&self, c: &Context, w: &mut Work) {
@@ -190,16 +193,50 @@ impl Network {
         }
     }
 
-    /// Which valves of an island conduct: what the gates say and what the discrete states remember.
-    pub(crate) fn conducting(&self, island: usize, c: &Context, w: &mut Work) -> Conducting {
-        let island = &self.electrics.islands[island];
-        if island.valves.is_empty() {
-            return 0;
-        }
+    /// What the gates of an island are commanded to be.
+    fn commanded(&self, island: usize, c: &Context, w: &mut Work) {
+        let members = self.electrics.islands[island].members.iter().map(|i| &self.seats[*i]);
         let mut gates = std::mem::take(&mut w.gates);
-        for seat in island.members.iter().map(|i| &self.seats[*i]).filter(|seat| !seat.valves.is_empty()) {
+        for seat in members.filter(|seat| !seat.valves.is_empty()) {
             if let Some(component) = seat.component() {
                 component.gates(&self.law(c, seat, w), &mut gates[seat.valves.clone()]);
+            }
+        }
+        w.gates = gates;
+    }
+
+    /// Takes over the gates that are commanded now; returns whether any has changed.
+    pub(crate) fn take_gates(&self, island: usize, c: &Context, w: &mut Work, d: &mut [f64]) -> bool {
+        self.commanded(island, &Context { d: &*d, ..*c }, w);
+        let mut changed = false;
+        for valve in &self.electrics.islands[island].valves {
+            if let Some(cell) = self.gate_cells[*valve] {
+                let gate = f64::from(w.gates[*valve]);
+                changed |= d[cell] != gate && d[cell] != UNTOLD;
+                d[cell] = gate;
+            }
+        }
+        changed
+    }
+
+    /// Which valves of an island conduct: what the gates say and what the discrete states remember.
+    pub(crate) fn conducting(&self, island: usize, c: &Context, w: &mut Work) -> Conducting {
+        if self.electrics.islands[island].valves.is_empty() {
+            return 0;
+        }
+        // Between jumps they are those of the last one.
+        let cell = |valve: &usize| self.gate_cells[*valve].and_then(|cell| c.d.get(cell)).copied();
+        let held = |valve: &usize| cell(valve).is_some_and(|held| held != UNTOLD);
+        let valves = &self.electrics.islands[island].valves;
+        let told = |valve: &usize| self.electrics.valves[*valve].kind == ValveKind::Diode || held(valve);
+        if !valves.iter().all(told) {
+            self.commanded(island, c, w);
+        }
+        let island = &self.electrics.islands[island];
+        let mut gates = std::mem::take(&mut w.gates);
+        for valve in &island.valves {
+            if let Some(held) = cell(valve).filter(|held| *held != UNTOLD) {
+                gates[*valve] = held != 0.0;
             }
         }
         let mut conducting = 0;

@@ -56,9 +56,8 @@ pub fn difference(run: &Run, branches: &[Branch], reference: &[Vec<f64>], every:
 }
 
 /// By how much diodes block with more than their forward voltage or conduct backwards, relative to the largest voltages and
-/// currents, at the last row of each instant.
+/// currents, at every row.
 pub fn violation(run: &Run, branches: &[Branch]) -> f64 {
-    let settled = |row: &usize| run.time.get(row + 1) != Some(&run.time[*row]);
     let most = |kind: char| {
         let alike =
             run.recorded.iter().zip(&run.columns).filter(|(r, _)| r.path.starts_with(&format!("s.{kind}")));
@@ -69,7 +68,7 @@ pub fn violation(run: &Run, branches: &[Branch]) -> f64 {
     for (k, branch) in branches.iter().enumerate() {
         let Kind::Diode(v_f, r_on, g_off) = branch.kind else { continue };
         let (v, i) = (run.column(&format!("s.v{k}")), run.column(&format!("s.i{k}")));
-        for (v, i) in (0..v.len()).filter(settled).map(|row| (v[row], i[row])) {
+        for (v, i) in v.iter().zip(i) {
             // On the lower line up to the forward voltage, on the upper one above it: beyond the corner by this much.
             let beyond = |over: f64| (over / most_v).max(0.0);
             let on = (v - (v_f + r_on * (i - g_off * v_f))).abs() <= 1e-9 * most_v.max(1.0);
