@@ -104,6 +104,12 @@ pub trait Block: Any + Debug + Send + Sync {
         f64::INFINITY
     }
 
+    /// Sets the discrete states to what they would be had the inputs always been what they are (a delay is full of them), and
+    /// returns true. Only for a block whose outputs then follow from its inputs alone, in a steady state.
+    fn rest(&self, _c: &Context, _d: &mut [f64]) -> bool {
+        false
+    }
+
     /// Prepares [`solve`](Self::solve): factorises `I - hg J`, with `J` a cheap approximation of the Jacobian of
     /// this block's own states, into `w`; called right after
     /// `derivatives` at the same time and states. Only when the interface says `implicit`.

@@ -93,6 +93,9 @@ pub struct Interface {
     pub ports: Vec<PhysicalPort>,
     /// Continuous states.
     pub states: Vec<State>,
+    /// Continuous states that may go on moving where everything else is steady, by number: places, while speeds are
+    /// steady, and what has flowed.
+    pub drifting: Vec<usize>,
     /// Discrete states.
     pub discrete: Vec<Discrete>,
     /// Guards.
@@ -163,6 +166,12 @@ impl Interface {
     pub fn state(mut self, name: impl Into<String>, initial: f64) -> Self {
         self.states.push(State { name: name.into(), initial });
         self
+    }
+
+    /// Adds a continuous state that may go on moving where everything else is steady.
+    pub fn drifting_state(mut self, name: impl Into<String>, initial: f64) -> Self {
+        self.drifting.push(self.states.len());
+        self.state(name, initial)
     }
 
     /// Adds a discrete state.

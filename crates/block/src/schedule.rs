@@ -196,6 +196,55 @@ pub struct Settings {
     pub output: OutputTimes,
     /// Seed of random sources.
     pub seed: u64,
+    /// Where the run begins.
+    pub start: Start,
+}
+
+/// Where a run begins.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Start {
+    /// At the initial values that the blocks give.
+    #[default]
+    Given,
+    /// In a steady state near them.
+    Steady(Steady),
+}
+
+/// What a steady state is to fulfil besides that nothing moves (a *trim*).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Steady {
+    /// Signals that must have a value there.
+    pub hold: Vec<Held>,
+    /// Constants whose values are found; those that are written are where the search begins.
+    pub free: Vec<Free>,
+    /// States, or blocks with all of theirs, that stay as they are written and may go on moving.
+    pub drift: Vec<String>,
+}
+
+/// A signal that must have a value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Held {
+    /// As it was asked for.
+    pub name: String,
+    /// Cell among the signals.
+    pub cell: usize,
+    /// In SI units.
+    pub value: f64,
+    /// What the value is measured in, if it is written.
+    pub dimension: Option<Dimension>,
+}
+
+/// A number of a `Constant` that is to be found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Free {
+    /// Block and parameter: `volts.value`; of a list one element, `both.value[1]`.
+    pub name: String,
+    /// Index in `Schedule::blocks`.
+    pub block: usize,
+    /// Cell among the signals.
+    pub cell: usize,
+    /// What is measured, if anything says it.
+    pub dimension: Option<Dimension>,
 }
 
 /// Which instants are recorded.

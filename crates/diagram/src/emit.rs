@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use blocksim_block::PortType;
-use blocksim_block::schedule::{Keep, Schedule, Solver, When};
+use blocksim_block::schedule::{Keep, Schedule, Solver, Start, Steady, When};
 
 use crate::ast::{Ast, ConnectionAst, Reference};
 use crate::flatten::Flat;
@@ -202,6 +202,12 @@ pub(crate) fn schedule(schedule: &Schedule) -> String {
         },
     };
     let _ = writeln!(out, "stop at {} s, {solver}", settings.stop_time);
+    if let Start::Steady(Steady { hold, free, drift }) = &settings.start {
+        let held = hold.iter().map(|held| format!(", `{}` held at {}", held.name, held.value));
+        let free = free.iter().map(|free| format!(", `{}` free", free.name));
+        let drift = drift.iter().map(|state| format!(", `{state}` may drift"));
+        let _ = writeln!(out, "steady start{}", held.chain(free).chain(drift).collect::<String>());
+    }
     let _ = writeln!(
         out,
         "{} blocks, {} signals, {} states, {} discrete, {} guards",

@@ -138,6 +138,7 @@ pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled
                     compiled.schedule = sort::sort(title, &flat, &typed, settings, &mut problems);
                     if let Some(schedule) = &mut compiled.schedule {
                         rates::assign(&model.ast, &rates, &mut schedule.recorded);
+                        settings::start::resolve(&model.ast, schedule, &mut problems);
                     }
                     compiled.stages.schedule = compiled.schedule.as_ref().map(emit::schedule);
                 }

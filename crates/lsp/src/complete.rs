@@ -26,6 +26,28 @@ const SECTIONS: [(&str, &str); 9] = [
     ("record", "Signals to record beside those of scopes."),
 ];
 
+/// Settings of a simulation.
+const SETTINGS: [(&str, &str); 5] = [
+    ("stop_time", "When the run ends: a time, or `Auto(margin: \"0.5 s\")`."),
+    ("solver", "The method, with tolerances or step."),
+    ("output", "`Steps`, or `Every(\"1 ms\")`."),
+    ("start", "`Given`: initial values as they are written; `Steady`: a steady state near them."),
+    ("seed", "A whole number for blocks that draw random numbers."),
+];
+
+/// Where a run begins.
+const STARTS: [(&str, &str); 2] = [
+    ("Given", "At the initial values of the blocks."),
+    ("Steady", "In a steady state near the initial values; `Steady(hold: ..., free: ...)` trims."),
+];
+
+/// What a steady start is to fulfil.
+const STEADY: [(&str, &str); 3] = [
+    ("hold", "Signals that have a value there: `{\"motor.w\": \"100 rad/s\"}`."),
+    ("free", "Constants whose values are found: `[\"volts.value\"]`."),
+    ("drift", "States, or blocks with all of theirs, that may go on moving: `[\"path.x\"]`."),
+];
+
 /// What may follow at a place of a text; `blocks` are those of the file as they were last known, `folder` that of the
 /// file, `snippets` whether the editor fills in places to be written.
 pub fn complete(
@@ -49,6 +71,12 @@ pub fn complete(
             let parameters = kind(name).map(|info| info.parameters).unwrap_or_default();
             parameters.iter().filter(|parameter| !given.contains(&parameter.name)).map(of_parameter).collect()
         }
+        Context::Setting { given } => keys(&SETTINGS, &given),
+        Context::Steady { given } => keys(&STEADY, &given),
+        Context::Start => STARTS
+            .iter()
+            .map(|&(word, doc)| item(word, CompletionItemKind::ENUM_MEMBER, "", doc, word.to_owned()))
+            .collect(),
         Context::Connection { before } => connections(text, before, blocks),
         Context::File => files(folder, text, at),
         Context::Expression => declared(text)
@@ -60,6 +88,14 @@ pub fn complete(
             .collect(),
         Context::Other => Vec::new(),
     }
+}
+
+/// Keys that are not given yet.
+fn keys(all: &[(&str, &str)], given: &[&str]) -> Vec<CompletionItem> {
+    let missing = all.iter().filter(|(name, _)| !given.contains(name));
+    let item =
+        |&(name, doc): &(&str, &str)| item(name, CompletionItemKind::FIELD, "", doc, format!("{name}: "));
+    missing.map(item).collect()
 }
 
 fn item(label: &str, kind: CompletionItemKind, detail: &str, doc: &str, insert: String) -> CompletionItem {

@@ -19,6 +19,18 @@ pub enum Context<'a> {
         /// Those that are there before.
         given: Vec<&'a str>,
     },
+    /// A setting of the simulation.
+    Setting {
+        /// Those that are there before.
+        given: Vec<&'a str>,
+    },
+    /// Where a run begins.
+    Start,
+    /// What a steady start is to fulfil.
+    Steady {
+        /// What is there before.
+        given: Vec<&'a str>,
+    },
     /// A port of a block, within a connection; `before` is what stands between its quote and the place.
     Connection {
         /// From the quote to the place.
@@ -52,6 +64,9 @@ pub fn context(text: &str, at: usize) -> Context<'_> {
     match (inner.sign, inner.word, inner.key) {
         ('{', ..) if is_of_blocks(&around.open) && !around.key.is_empty() => Context::Kind,
         ('(', "Diagram", _) if around.key.is_empty() => Context::Section { given: inner.keys.clone() },
+        ('(', "", "simulation") if around.key.is_empty() => Context::Setting { given: inner.keys.clone() },
+        ('(', "", "simulation") if around.key == "start" => Context::Start,
+        ('(', "Steady", "start") if around.key.is_empty() => Context::Steady { given: inner.keys.clone() },
         ('(', kind, _) if !kind.is_empty() && kind != "Diagram" && around.key.is_empty() => {
             Context::Parameter { kind, given: inner.keys.clone() }
         }
@@ -102,6 +117,10 @@ mod tests {
         assert_eq!(at("Diagram(connections: [\"a.y -> b.|"), Context::Connection { before: "a.y -> b." });
         assert_eq!(at("Diagram(parameters: {\"m\": File(\"../|"), Context::File);
         assert_eq!(at("Diagram(blocks: {\"a\": Subsystem(file: \"|"), Context::File);
+        let given = vec!["stop_time"];
+        assert_eq!(at("Diagram(simulation: (stop_time: 1, |"), Context::Setting { given });
+        assert_eq!(at("Diagram(simulation: (start: |"), Context::Start);
+        assert_eq!(at("Diagram(simulation: (start: Steady(ho|"), Context::Steady { given: Vec::new() });
         assert_eq!(at("Diagram( // |"), Context::Other);
         assert_eq!(at("|"), Context::Other);
     }

@@ -152,7 +152,7 @@ impl Diagram {
         }
     }
 
-    fn change(
+    pub(crate) fn change(
         &mut self,
         block: usize,
         act: impl Fn(&dyn Block, &Context, &mut Scratch, &mut [f64]),

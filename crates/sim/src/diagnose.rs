@@ -156,6 +156,6 @@ pub(crate) fn step(schedule: &Schedule, diagram: &mut Diagram, x: &[f64], error:
 }
 
 /// A number of any size in few digits.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if value == 0.0 || (1e-4..1e7).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }

@@ -6,7 +6,7 @@ use std::fmt::{Display, Formatter, Result};
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimError {
     /// A word for the manual: `settings`, `block_failed`, `not_finite`, `step_size`, `chatter`,
-    /// `endless_events`, `time_event`.
+    /// `endless_events`, `time_event`, `no_steady_state`.
     pub code: &'static str,
     /// When, s.
     pub t: f64,

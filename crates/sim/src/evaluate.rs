@@ -22,6 +22,8 @@ pub(crate) struct Diagram {
     pub looks: Looks,
     /// Derivatives that nobody asked for.
     pub(crate) unused: Vec<f64>,
+    /// Blocks whose constant outputs were set from outside and are not evaluated.
+    pub pinned: Vec<usize>,
     /// The first failure, until someone takes it.
     pub failure: Option<Failure>,
 }
@@ -130,6 +132,7 @@ impl Diagram {
             settle: Settling { last: vec![0; plan.units.len()], before: vec![0.0; discrete], changed: false },
             looks: Looks::default(),
             unused: vec![0.0; schedule.states],
+            pinned: Vec::new(),
             failure: None,
             plan,
         }
@@ -158,12 +161,12 @@ impl Diagram {
     /// One call of a major pass, if it is its time.
     #[inline(always)]
     pub(crate) fn call(&mut self, call: usize, due: &[bool], first: bool) -> Result<(), Failed> {
-        let Self { plan, now, signals, d, scratch, settle, .. } = self;
+        let Self { plan, now, signals, d, scratch, settle, pinned, .. } = self;
         let call = &plan.major[call];
         let wanted = match call.when {
             When::Continuous | When::Major => true,
             When::Sampled(rate) => due[rate as usize],
-            When::Constant => first,
+            When::Constant => first && !pinned.contains(&(call.block as usize)),
         };
         if wanted {
             let block = call.block as usize;
@@ -236,6 +239,16 @@ impl Diagram {
             touch(i, signals);
         }
         Ok(())
+    }
+
+    /// One call of a major pass by itself, with the branches as they are.
+    pub fn give(&mut self, call: usize) -> Result<(), Failed> {
+        let Self { plan, now, signals, d, scratch, .. } = self;
+        let call = &plan.major[call];
+        now.evaluation += 1;
+        outputs(call, now, signals, d, scratch);
+        let block = call.block as usize;
+        self.checked(block)
     }
 
     /// Goes to another point without an evaluation.

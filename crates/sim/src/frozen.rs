@@ -169,7 +169,7 @@ fn writer(schedule: &Schedule, cell: usize) -> Option<usize> {
 }
 
 /// Does not look.
-struct Nobody;
+pub(crate) struct Nobody;
 
 impl Observer for Nobody {
     fn row(&mut self, _t: f64, _values: &[f64]) {}

@@ -20,6 +20,7 @@
 //! | `kinks` | steps that have looked beyond a kink, once more |
 //! | `past` | what blocks remember of steps |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
+//! | `steady` | where nothing moves, and where signals have given values |
 //! | `methods`, `error`, `diagnose`, `snapshot` | choice of the solver; what can go wrong and why; save and restore |
 
 mod act;
@@ -48,6 +49,7 @@ mod sides;
 mod simulation;
 mod slopes;
 mod snapshot;
+mod steady;
 mod system;
 mod turn;
 
@@ -58,5 +60,6 @@ pub use frozen::{Frozen, Tap};
 pub use record::{Control, Observer};
 pub use simulation::{Counts, Ended, Simulation};
 pub use snapshot::Snapshot;
+pub use steady::Rest;
 
 pub use blocksim_solve::Share;

@@ -15,6 +15,7 @@ use crate::looks::Looks;
 use crate::past::Past;
 use crate::record::Rows;
 use crate::refine::Refine;
+use crate::steady::Rest;
 use crate::{Control, Observer, SimError, diagnose, methods};
 
 /// Steps after which the observer is asked whether to go on.
@@ -49,6 +50,8 @@ pub struct Simulation {
     pub(crate) interrupted: bool,
     /// Present if the run is audited.
     pub(crate) audit: Option<Audit>,
+    /// The steady state that it began in.
+    pub(crate) rest: Option<Rest>,
     pub(crate) majors: u64,
     pub(crate) events: u64,
     pub(crate) hit_count: u64,
@@ -85,11 +88,18 @@ pub struct Counts {
 }
 
 impl Simulation {
-    /// A simulation at its start. All memory that it needs is taken here.
+    /// A simulation at its start, with the steady state found that the settings may ask for. All memory that it needs is
+    /// taken here.
     ///
     /// # Errors
-    /// `settings` if a time or a tolerance makes no sense, `block_failed` if a block cannot be initialised.
+    /// `settings` if a time or a tolerance makes no sense, `block_failed` if a block cannot be initialised,
+    /// `no_steady_state`.
     pub fn new(schedule: Arc<Schedule>) -> Result<Self, SimError> {
+        Self::at_start(schedule)
+    }
+
+    /// A simulation at its initial values.
+    pub(crate) fn given(schedule: Arc<Schedule>) -> Result<Self, SimError> {
         methods::check(&schedule)?;
         let mut diagram = Diagram::new(&schedule);
         let mut x = vec![0.0; schedule.states];
@@ -131,6 +141,7 @@ impl Simulation {
             unasked: 0,
             interrupted: false,
             audit: None,
+            rest: None,
             majors: 0,
             events: 0,
             hit_count: 0,

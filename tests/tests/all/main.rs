@@ -48,6 +48,7 @@ mod run_time;
 mod scenes;
 mod sliding_axes;
 mod solvers;
+mod steady_start;
 mod steppers;
 mod stick_slip;
 mod stiction;

@@ -27,6 +27,8 @@ pub struct Part {
     pub outputs: Vec<(Output, Needs)>,
     /// Continuous states.
     pub states: Vec<State>,
+    /// States that may go on moving where everything else is steady, by number.
+    pub drifting: Vec<usize>,
     /// Discrete states; [`Component::jump`](super::Component::jump) changes them.
     pub discrete: Vec<Discrete>,
     /// Names of the guards.
@@ -110,6 +112,12 @@ impl Part {
     pub fn state(mut self, name: &str, initial: f64) -> Self {
         self.states.push(State { name: name.to_owned(), initial });
         self
+    }
+
+    /// Adds a state that may go on moving where everything else is steady: a place, a phase, what has flowed.
+    pub fn drifting_state(mut self, name: &str, initial: f64) -> Self {
+        self.drifting.push(self.states.len());
+        self.state(name, initial)
     }
 
     /// Adds a discrete state. The component changes it in [`Component::jump`](super::Component::jump).

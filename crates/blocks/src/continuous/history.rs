@@ -192,6 +192,16 @@ pub(crate) struct Told {
     pub longest: f64,
 }
 
+/// Makes the past what it would be had the signal `u` always been what it is; nothing older than `longest`, s, will be read.
+pub(crate) fn rest(t: f64, u: &[f64], longest: f64, d: &mut [f64]) {
+    d[PIECES + BEGIN] = t - 2.0 * longest;
+    d[PIECES + END] = t;
+    d[PIECES + LEVEL] = NO_BREAK;
+    let values = d[PIECES + VALUES..PIECES + cells(u.len())].chunks_exact_mut(u.len());
+    values.for_each(|values| values.copy_from_slice(u));
+    (d[HEAD], d[COUNT], d[PASSED], d[LAST]) = (1.0, 1.0, NEVER, NEVER);
+}
+
 /// Notes a piece.
 pub(crate) fn note(c: &Context, d: &mut [f64], piece: &Piece, told: Told) {
     let Told { n, initial, delay, longest } = told;

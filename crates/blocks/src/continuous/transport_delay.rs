@@ -59,6 +59,11 @@ impl Block for TransportDelay {
         History::new(c.d, c.input(0).len()).next_kink() + self.delay
     }
 
+    fn rest(&self, c: &Context, d: &mut [f64]) -> bool {
+        history::rest(c.t, c.input(0), self.delay, d);
+        true
+    }
+
     fn remember(&self, c: &Context, piece: &Piece, d: &mut [f64]) {
         let n = c.input(0).len();
         note(c, d, piece, Told { n, initial: self.y0, delay: self.delay, longest: self.delay });

@@ -75,6 +75,11 @@ impl Block for VariableTransportDelay {
         g[1] = if last == f64::MIN { self.max_delay } else { s - last + 3.0 * same(c.t) };
     }
 
+    fn rest(&self, c: &Context, d: &mut [f64]) -> bool {
+        history::rest(c.t, c.input(0), self.max_delay, d);
+        true
+    }
+
     fn remember(&self, c: &Context, piece: &Piece, d: &mut [f64]) {
         let told =
             Told { n: c.input(0).len(), initial: self.y0, delay: self.delay(c), longest: self.max_delay };

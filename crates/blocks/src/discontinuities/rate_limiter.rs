@@ -126,6 +126,14 @@ impl Block for RateLimiter {
         }
     }
 
+    fn rest(&self, c: &Context, d: &mut [f64]) -> bool {
+        d[0] = c.t;
+        let (last, modes) = d[OUTPUTS..].split_at_mut(c.u.len());
+        last.copy_from_slice(c.u);
+        modes.fill(NOTHING);
+        true
+    }
+
     fn accept(&self, c: &Context, d: &mut [f64]) {
         let elapsed = c.t - d[0];
         d[0] = c.t;

@@ -71,6 +71,12 @@ impl Block for Delay {
         d[cells].iter_mut().enumerate().for_each(|(i, x)| *x = element(c.u, i));
         d[NEXT] = ((d[NEXT] as usize + 1) % self.steps) as f64;
     }
+
+    fn rest(&self, c: &Context, d: &mut [f64]) -> bool {
+        let n = d[CELLS..].len() / self.steps;
+        d[CELLS..].iter_mut().enumerate().for_each(|(i, x)| *x = element(c.u, i % n));
+        true
+    }
 }
 
 #[cfg(test)]

@@ -121,7 +121,7 @@ impl Component for PermanentMagnetMachine {
             .measures("power", "W", Needs::Electrics, "power drawn from the lines")
             .state("i_d", self.i_d0)
             .state("i_q", self.i_q0)
-            .state("theta", self.theta0)
+            .drifting_state("theta", self.theta0)
     }
 
     fn line_current(&self, c: &Law) -> [f64; 3] {

@@ -159,7 +159,7 @@ impl Component for StepperMotor {
         } else {
             (part, Needs::Electrics)
         };
-        part.state("theta", self.theta0)
+        part.drifting_state("theta", self.theta0)
             .measures("i_a", "A", needs, "current of phase A, from a_p to a_n")
             .measures("i_b", "A", needs, "current of phase B, from b_p to b_n")
             .measures("torque", "N*m", needs, "torque of the field on the rotor")

@@ -104,7 +104,7 @@ impl Quantities {
             .output(output(self.position), Needs::State)
             .output(output(self.speed), Needs::State)
             .output(output(self.acceleration), Needs::Motion)
-            .state(self.position.0, start)
+            .drifting_state(self.position.0, start)
     }
 
     /// A part with inertia or mass.

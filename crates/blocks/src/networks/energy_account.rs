@@ -94,8 +94,8 @@ impl Component for EnergyAccount {
                 "largest energy turned over so far, at least `floor`",
             )
             .measures("relative", "1", Needs::Motion, "`error` over `turned_over`")
-            .state("supplied_energy", 0.0)
-            .state("dissipated_energy", 0.0)
+            .drifting_state("supplied_energy", 0.0)
+            .drifting_state("dissipated_energy", 0.0)
             .jumps()
             .element(Element::EnergyAccount { tolerance: self.tolerance, floor: self.floor })
     }

@@ -76,8 +76,8 @@ impl Component for AveragedInverter {
             .measures("amplitude", "V", Needs::Electrics, "peak phase voltage after the limit")
             .measures("power", "W", Needs::Electrics, "power taken from the DC link")
             .output(Output::boolean("limited").doc("the DC link limits the amplitude"), Needs::Electrics)
-            .state("theta", 0.0)
-            .state("frame", 0.0)
+            .drifting_state("theta", 0.0)
+            .drifting_state("frame", 0.0)
             .element(Element::Supply { ac: 0, n: Pin::Ground })
     }
 

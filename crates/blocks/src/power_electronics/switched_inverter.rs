@@ -150,7 +150,7 @@ impl Component for SwitchedInverter {
             )
             .measures("power", "W", Needs::Electrics, "power taken from the DC link")
             .output(Output::boolean("limited").doc("the DC link limits the amplitude"), Needs::Electrics)
-            .state("theta", 0.0)
+            .drifting_state("theta", 0.0)
             .jumps()
             .time_events()
             .holds();

@@ -71,7 +71,7 @@ impl Component for VectorInverter {
             .measures("amplitude", "V", Needs::Electrics, "peak phase voltage after the limit")
             .measures("power", "W", Needs::Electrics, "power taken from the DC link")
             .output(Output::boolean("limited").doc("the DC link limits the amplitude"), Needs::Electrics)
-            .state("frame", 0.0)
+            .drifting_state("frame", 0.0)
             .element(Element::Supply { ac: 0, n: Pin::Ground })
     }
 

@@ -52,7 +52,7 @@ impl Component for IdealAngleSource {
             .input(Input::real("phi").scalar().unit("rad").doc("angle of r against c"))
             .measures("actual", "rad", Needs::State, "angle behind the filter")
             .measures("tau", "N*m", Needs::Motion, "torque that the source applies to r")
-            .state("phi", self.phi0)
+            .drifting_state("phi", self.phi0)
             .state("w", 0.0)
             .element(Element::SpeedSource { r: 0, c: 1 })
     }

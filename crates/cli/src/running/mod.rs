@@ -11,4 +11,5 @@ pub mod recorder;
 pub mod report;
 pub mod selection;
 pub mod solver;
+pub mod start;
 mod summary;

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use crate::args::model::RunArgs;
 use crate::loaded::Loaded;
+use crate::running::start::Began;
 use crate::running::summary::summary;
 use crate::signals::shown::{Shown, shown};
 use crate::signals::tracking::trackings;
@@ -30,6 +31,8 @@ pub struct Report<'a> {
     pub signals: usize,
     /// Number of all rows of the run.
     pub rows: u64,
+    /// The steady state that it began in, if it did.
+    pub began: Option<Began>,
 }
 
 impl Report<'_> {
@@ -62,6 +65,7 @@ impl Report<'_> {
             "run": place,
             "simulated_time": self.manifest.simulated_time,
             "wall_time": self.manifest.wall_time,
+            "steady_start": self.began.as_ref().map(Began::json),
             "steps": self.counts.accepted,
             "rejected": self.counts.rejected,
             "stiff_steps": self.counts.share.map(|share| share.stiff),
@@ -88,7 +92,16 @@ impl Report<'_> {
     }
 
     fn summary(&self, place: Option<&str>) -> String {
-        summary(&self.schedule.title, self.manifest, &self.counts, self.signals, self.rows, place)
+        let began = self.began.as_ref().map(Began::text);
+        summary(
+            &self.schedule.title,
+            self.manifest,
+            began.as_deref(),
+            &self.counts,
+            self.signals,
+            self.rows,
+            place,
+        )
     }
 
     fn plots(&self, shown: &[Shown], patterns: &[String], console: Console) -> String {

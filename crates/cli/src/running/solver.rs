@@ -115,7 +115,7 @@ pub fn described(used: &SolverUsed) -> String {
 mod tests {
     use super::*;
     use crate::args::{Args, Command};
-    use blocksim_block::schedule::{FixedMethod, OutputTimes, VariableMethod};
+    use blocksim_block::schedule::{FixedMethod, OutputTimes, Start, VariableMethod};
     use clap::Parser;
 
     const ODE45: Solver = Solver::Variable {
@@ -129,7 +129,8 @@ mod tests {
     fn with(solver: Solver, options: &[&str]) -> Result<Settings, String> {
         let args = Args::parse_from([&["blocksim", "run", "m.ron"], options].concat());
         let Some(Command::Run(args)) = args.command else { panic!("run was asked for") };
-        let mut settings = Settings { stop_time: 1.0, solver, output: OutputTimes::Steps, seed: 0 };
+        let mut settings =
+            Settings { stop_time: 1.0, solver, output: OutputTimes::Steps, seed: 0, start: Start::Given };
         apply(&args.solver, &mut settings).map(|()| settings)
     }
 

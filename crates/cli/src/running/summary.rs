@@ -7,10 +7,12 @@ use blocksim_sim::{Counts, Share};
 use crate::running::solver;
 use crate::terminal::render::plural;
 
-/// Title, times, solver, work and what was recorded; `place` is where the results lie.
+/// Title, times, start, solver, work and what was recorded; `began` says in what steady state the run began, `place` is where
+/// the results lie.
 pub fn summary(
     title: &str,
     manifest: &Manifest,
+    began: Option<&str>,
     counts: &Counts,
     signals: usize,
     rows: u64,
@@ -37,6 +39,9 @@ pub fn summary(
     }
     if !manifest.variants.is_empty() {
         table.row(["variants", &variants(&manifest.variants)]);
+    }
+    if let Some(began) = began {
+        table.row(["start", began]);
     }
     table.row(["solver", &solver::described(&manifest.solver)]);
     let rejected = format!("{} rejected", count(counts.rejected));
@@ -169,7 +174,7 @@ mod tests {
             recorded   84 signals, 1 725 rows
             results    runs/2026-11-21T14-03-22_servo
         "#]]
-        .assert_eq(&summary("Servo", &manifest(Ended::Complete), &counts, 84, 1725, Some(folder)));
+        .assert_eq(&summary("Servo", &manifest(Ended::Complete), None, &counts, 84, 1725, Some(folder)));
     }
 
     #[test]
@@ -183,13 +188,13 @@ mod tests {
     #[test]
     fn an_explicit_method_that_stability_limits_is_told() {
         let counts = Counts { accepted: 302_094, limited: 301_000, ..Counts::default() };
-        let said = summary("Rod", &manifest(Ended::Complete), &counts, 1, 2, None);
+        let said = summary("Rod", &manifest(Ended::Complete), None, &counts, 1, 2, None);
         assert!(said.contains(
             "method     stability limits 301 000 of 302 094 steps, not the tolerance: a stiff method takes fewer, \
              `--solver auto` finds out where"
         ), "{said}");
         let counts = Counts { accepted: 4000, limited: 1000, ..Counts::default() };
-        assert!(!summary("Rod", &manifest(Ended::Complete), &counts, 1, 2, None).contains("method"));
+        assert!(!summary("Rod", &manifest(Ended::Complete), None, &counts, 1, 2, None).contains("method"));
     }
 
     #[test]
@@ -215,8 +220,10 @@ mod tests {
     #[test]
     fn a_failure_and_an_empty_recording_are_said() {
         let ended = Ended::Failed { reason: "step size below 1e-12 s".into() };
-        let text = summary("Servo", &manifest(ended), &Counts::default(), 0, 1, None);
+        let text =
+            summary("Servo", &manifest(ended), Some("in a steady state"), &Counts::default(), 0, 1, None);
         assert!(text.contains("failed     step size below 1e-12 s\n"), "{text}");
+        assert!(text.contains("\nstart      in a steady state\n"), "{text}");
         assert!(text.contains("recorded   nothing; add a Scope"), "{text}");
     }
 }

@@ -25,4 +25,5 @@ mod support;
 mod sweep;
 mod tables;
 #[cfg(unix)]
+mod trim;
 mod watch;

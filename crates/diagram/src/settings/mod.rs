@@ -1,19 +1,23 @@
 //! `simulation: (...)`: stop time, method, tolerances, output.
 
+pub(crate) mod start;
 pub(crate) mod written;
 
 use std::rc::Rc;
 
 use blocksim_block::problem::Problem;
-use blocksim_block::schedule::{FixedMethod, OutputTimes, Settings, Solver, VariableMethod};
-use blocksim_block::{BlockInfo, ParameterInfo, Symbol};
+use blocksim_block::schedule::{
+    FixedMethod, Free, Held, OutputTimes, Settings, Solver, Start, Steady, VariableMethod,
+};
+use blocksim_block::{BlockInfo, ParamValue, ParameterInfo, Symbol};
+use blocksim_signal::Value;
 use serde::Deserialize;
 
 use crate::ast::Ast;
 use crate::de::{Reading, Written};
 use crate::problems::Problems;
 use crate::scope::Scope;
-use written::{Method, Output, Plain, Seconds, Simulation, Stop};
+use written::{Begin, Method, Output, Plain, Seconds, Simulation, Stop};
 
 /// Units of the numbers in `simulation`, for the checks that parameters of blocks have.
 static INFO: BlockInfo = BlockInfo {
@@ -48,6 +52,7 @@ pub(crate) fn settings<'a>(
         solver: variable(VariableMethod::Auto, None, None, None),
         output: OutputTimes::Steps,
         seed: 0,
+        start: Start::Given,
     };
     let Some(node) = &ast.simulation else { return default };
     let place = ast.place(&node.span);
@@ -145,7 +150,31 @@ pub(crate) fn settings<'a>(
             OutputTimes::Every(time)
         }
     };
-    Settings { stop_time, solver, output, seed: read.seed }
+    let start = match read.start.map_or(Ok(Start::Given), begin) {
+        Ok(start) => start,
+        Err(message) => {
+            problems.push(Problem::error("parameter", message).at(&at("start"), ""));
+            Start::Given
+        }
+    };
+    Settings { stop_time, solver, output, seed: read.seed, start }
+}
+
+/// What a start asks for, by name; where it lies is found once there is a schedule.
+fn begin(written: Begin) -> Result<Start, String> {
+    let Begin::Steady { hold, free, drift } = written else { return Ok(Start::Given) };
+    let held = |(name, ParamValue(value)): (String, ParamValue)| match value {
+        Value::Number(number) if number.value.is_finite() => {
+            Ok(Held { name, cell: 0, value: number.value, dimension: Some(number.dimension) })
+        }
+        Value::Number(number) => Err(format!("`{name}` cannot be held at {}", number.value)),
+        other => Err(format!("`{name}` is to be held at a number, not at {}", other.describe())),
+    };
+    Ok(Start::Steady(Steady {
+        hold: hold.into_iter().map(held).collect::<Result<_, _>>()?,
+        free: free.into_iter().map(|name| Free { name, block: 0, cell: 0, dimension: None }).collect(),
+        drift,
+    }))
 }
 
 fn solver(method: Method) -> Solver {
@@ -206,8 +235,28 @@ mod tests {
     fn every_setting_is_read() {
         let text = "(stop_time: \"2 s\", solver: Ode4(step: \"1 ms\"), output: Every(\"10 ms\"), seed: 7)";
         let solver = Solver::Fixed { method: FixedMethod::Ode4, step: 1e-3 };
-        let wanted = Settings { stop_time: 2.0, solver, output: OutputTimes::Every(0.01), seed: 7 };
+        let wanted = Settings {
+            stop_time: 2.0,
+            solver,
+            output: OutputTimes::Every(0.01),
+            seed: 7,
+            start: Start::Given,
+        };
         assert_eq!(read_settings(text, None), (wanted, Vec::new()));
+    }
+
+    #[test]
+    fn a_steady_start_is_a_word_or_says_what_is_held_and_free() {
+        assert_eq!(read_settings("(start: Steady)", None).0.start, Start::Steady(Steady::default()));
+        assert_eq!(read_settings("(start: Given)", None).0.start, Start::Given);
+        let text = "(start: Steady(hold: {\"motor.w\": \"30 rpm\"}, free: [\"u.value\"], drift: [\"path\"]))";
+        let (settings, messages) = read_settings(text, None);
+        let Start::Steady(Steady { hold, free, drift }) = settings.start else { panic!("{messages:?}") };
+        assert_eq!((hold[0].name.as_str(), hold[0].value), ("motor.w", std::f64::consts::PI));
+        assert_eq!((free[0].name.as_str(), drift), ("u.value", vec!["path".to_owned()]));
+        assert!(message("(start: Stedy)").contains("`Stedy` is no choice for `start`"));
+        assert!(message("(start: Steady(hold: {\"a.y\": [1, 2]}))").contains("not at a list of 2"));
+        assert!(message("(start: Steady(fre: []))").contains("`fre` is not known here"));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The words and numbers of `simulation: (...)`.
 
+use std::collections::BTreeMap;
+
 use blocksim_block::ParamValue;
 use blocksim_signal::{Dimension, Unit, Value};
 use serde::{Deserialize, Deserializer};
@@ -14,6 +16,22 @@ pub(super) struct Simulation {
     pub output: Option<Output>,
     #[serde(default)]
     pub seed: u64,
+    pub start: Option<Begin>,
+}
+
+/// Where a run begins.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) enum Begin {
+    Given,
+    Steady {
+        #[serde(default)]
+        hold: BTreeMap<String, ParamValue>,
+        #[serde(default)]
+        free: Vec<String>,
+        #[serde(default)]
+        drift: Vec<String>,
+    },
 }
 
 /// A time in s with its unit checked.

@@ -47,7 +47,7 @@ pub(crate) fn end_time(flat: &Flat) -> Option<f64> {
 mod tests {
     use std::time::{Duration, Instant};
 
-    use blocksim_block::schedule::{OutputTimes, Rate, Solver, VariableMethod, When};
+    use blocksim_block::schedule::{OutputTimes, Rate, Solver, Start, VariableMethod, When};
 
     use super::*;
     use crate::elaborate::elaborate;
@@ -59,7 +59,8 @@ mod tests {
         let mut problems = Problems::default();
         let solver =
             Solver::Variable { method: VariableMethod::Ode45, rtol: 1e-6, atol: Some(1e-6), max_step: 1.0 };
-        let settings = Settings { stop_time: 1.0, solver, output: OutputTimes::Steps, seed: 0 };
+        let settings =
+            Settings { stop_time: 1.0, solver, output: OutputTimes::Steps, seed: 0, start: Start::Given };
         let (flat, _) = elaborate(flat, &mut problems);
         let typed = infer(&flat, &mut problems);
         let schedule = sort(String::new(), &flat, &typed, settings, &mut problems);

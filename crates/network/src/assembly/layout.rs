@@ -53,7 +53,7 @@ impl Network {
         let (positions, joints) = (frames.position.len(), frames.speeds.len());
         let mut interface = Interface::new().implicit();
         for (name, position) in frames.position_names.iter().zip(&frames.position) {
-            interface = interface.state(name.clone(), *position);
+            interface = interface.drifting_state(name.clone(), *position);
         }
         for (name, start) in rotation.names.iter().zip(&rotation.start) {
             interface = interface.state(name.clone(), *start);
@@ -298,6 +298,8 @@ fn free(
     member: &Member,
 ) -> (Range<usize>, Range<usize>, Option<Held>) {
     let part = &member.part;
+    let first = interface.states.len();
+    interface.drifting.extend(part.drifting.iter().map(|state| first + state));
     for state in &part.states {
         *interface =
             std::mem::take(interface).state(format!("{}.{}", member.path, state.name), state.initial);

@@ -139,7 +139,6 @@ impl From<Lost> for Failure {
         match lost {
             Lost::Simulation(error) => Failure::Simulation(error),
             Lost::Interrupted => Failure::Interrupted,
-            Lost::Said(said) => Failure::Said(said),
         }
     }
 }
@@ -154,11 +153,7 @@ impl From<NoMatrices> for Failure {
 }
 
 fn found(args: &LineariseArgs, schedule: &Arc<Schedule>, question: Question) -> Result<Found, Failure> {
-    let mut frozen = point::at(schedule, args.at)?;
-    let mut adrift = Vec::new();
-    if args.steady {
-        (frozen, adrift) = point::steady(frozen)?;
-    }
+    let (frozen, adrift) = point::at(schedule, args.at, args.steady)?;
     let linearised = matrices::linearise(frozen, &question)?;
     let wrong = |error: blocksim_linear::LinearError| Failure::Said(error.to_string());
     let modes = all_modes(&linearised).map_err(wrong)?;

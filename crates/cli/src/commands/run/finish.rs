@@ -11,6 +11,7 @@ use crate::args::model::RunArgs;
 use crate::exit::Exit;
 use crate::running::keep::{Csv, Kept, Rest, is_csv_written, keep};
 use crate::running::report::{Report, log};
+use crate::running::start::Began;
 use crate::scene;
 use crate::terminal::console::Console;
 use crate::terminal::render::plural;
@@ -34,6 +35,7 @@ pub fn keep_and_tell(
         recording: &seen.recording,
         signals: run.signals().len(),
         rows,
+        began: Began::of(&simulation),
     };
     for file in loaded.scene().into_iter().flat_map(scene::missing_meshes) {
         console.say(&format!(

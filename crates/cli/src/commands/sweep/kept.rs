@@ -19,6 +19,7 @@ use crate::running::model_text::{self, MODEL};
 use crate::running::recorder::Recorder;
 use crate::running::report::{Report, log};
 use crate::running::selection::{Selection, select};
+use crate::running::start::Began;
 use crate::terminal::console::Console;
 use crate::terminal::progress::{Progress, Telling};
 
@@ -121,6 +122,7 @@ impl<'a> Keeping<'a> {
             recording,
             signals: run.signals().len(),
             rows,
+            began: Began::of(simulation),
         };
         let events: &[EventRow] = &events;
         let log = log(&report, loaded, events);

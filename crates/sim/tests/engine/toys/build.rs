@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use blocksim_block::schedule::{
     Clock, FixedMethod, Instance, Keep, OutputTimes, Rate, Recorded, Schedule, Settings, Signal, Solver,
-    Step, VariableMethod, When,
+    Start, Step, VariableMethod, When,
 };
 use blocksim_block::{Block, Given, Interface, ParamUnits};
 use blocksim_signal::{Kind, SampleTime, Shape};
@@ -202,7 +202,7 @@ impl Toy {
             guards: g,
             clock,
             recorded,
-            settings: Settings { stop_time, solver, output, seed: 0 },
+            settings: Settings { stop_time, solver, output, seed: 0, start: Start::Given },
             blocks,
             signals,
         })

@@ -1,0 +1,132 @@
+//! Linear equations that may have no solution, or many.
+
+use blocksim_linear::DMatrix;
+
+/// Directions that move the equations by less than this part are left alone.
+const RANK: f64 = 1e-11;
+
+/// Unknowns above which a factorisation is tried that is quick but tells nothing of singular systems.
+const LARGE: usize = 60;
+
+/// Share of a direction from which an unknown takes part in it.
+const SHARE: f64 = 1e-3;
+
+/// Equations and unknowns brought to like size: `rows A columns`.
+struct Scaled {
+    matrix: DMatrix<f64>,
+    rows: Vec<f64>,
+    columns: Vec<f64>,
+}
+
+impl Scaled {
+    fn new(mut matrix: DMatrix<f64>, sizes: &[f64]) -> Self {
+        let mut columns = sizes.to_vec();
+        matrix.column_iter_mut().zip(sizes).for_each(|(mut column, size)| column.scale_mut(*size));
+        let mut rows = vec![1.0; matrix.nrows()];
+        for (mut row, scale) in matrix.row_iter_mut().zip(&mut rows) {
+            *scale = inverse(row.amax());
+            row.scale_mut(*scale);
+        }
+        for (mut column, scale) in matrix.column_iter_mut().zip(&mut columns) {
+            let factor = inverse(column.amax());
+            column.scale_mut(factor);
+            *scale *= factor;
+        }
+        Self { matrix, rows, columns }
+    }
+}
+
+fn inverse(largest: f64) -> f64 {
+    if largest > 0.0 && largest.is_finite() { 1.0 / largest } else { 1.0 }
+}
+
+/// The shortest `s`, sizes of the unknowns taken into account, for which `matrix s` comes closest to `right`. None if it cannot
+/// be computed.
+pub(super) fn least(matrix: DMatrix<f64>, right: &[f64], sizes: &[f64]) -> Option<Vec<f64>> {
+    let Scaled { matrix, rows, columns } = Scaled::new(matrix, sizes);
+    let right = DMatrix::from_fn(right.len(), 1, |i, _| right[i] * rows[i]);
+    let solution = match regular(&matrix, &right) {
+        Some(solution) => solution,
+        None => {
+            let parts = matrix.try_svd(true, true, f64::EPSILON, 10_000)?;
+            let border = RANK * parts.singular_values.max();
+            parts.solve(&right, border).ok()?
+        }
+    };
+    let step: Vec<f64> = solution.iter().zip(&columns).map(|(step, size)| step * size).collect();
+    step.iter().all(|step| step.is_finite()).then_some(step)
+}
+
+/// The solution of a large system that is clearly regular.
+fn regular(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    if !matrix.is_square() || matrix.nrows() <= LARGE {
+        return None;
+    }
+    let factors = matrix.clone().full_piv_lu();
+    let pivots = factors.u().diagonal().abs();
+    (pivots.min() > RANK.sqrt() * pivots.max()).then(|| factors.solve(right)).flatten()
+}
+
+/// Which unknowns take part in directions that the equations say nothing about.
+pub(super) fn undetermined(matrix: DMatrix<f64>, sizes: &[f64]) -> Vec<bool> {
+    let unknowns = matrix.ncols();
+    if unknowns == 0 {
+        return Vec::new();
+    }
+    let mut square = Scaled::new(matrix, sizes).matrix;
+    if unknowns > LARGE && square.is_square() {
+        let pivots = square.clone().full_piv_lu().u().diagonal().abs();
+        if pivots.min() > RANK.sqrt() * pivots.max() {
+            return vec![false; unknowns];
+        }
+    }
+    if square.nrows() < unknowns {
+        let missing = unknowns - square.nrows();
+        square = square.insert_rows(unknowns - missing, missing, 0.0);
+    }
+    let Some(parts) = square.try_svd(false, true, f64::EPSILON, 10_000) else { return vec![false; unknowns] };
+    let border = RANK * parts.singular_values.max();
+    let mut part = vec![false; unknowns];
+    if let Some(directions) = parts.v_t {
+        for (direction, &value) in directions.row_iter().zip(&parts.singular_values) {
+            if value <= border {
+                part.iter_mut().zip(direction.iter()).for_each(|(part, share)| *part |= share.abs() > SHARE);
+            }
+        }
+    }
+    part
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_singular_system_gets_the_shortest_step_and_names_what_is_free() {
+        // x0 + x1 = 2 says nothing of x2; the second equation repeats the first.
+        let matrix = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 0.0, 2.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
+        let step = least(matrix.clone(), &[2.0, 4.0, 0.0], &[1.0; 3]).unwrap();
+        assert!(step.iter().zip([1.0, 1.0, 0.0]).all(|(a, b)| (a - b).abs() < 1e-14), "{step:?}");
+        assert_eq!(undetermined(matrix, &[1.0; 3]), [true, true, true]);
+        let one = DMatrix::from_row_slice(1, 2, &[1e-9, 0.0]);
+        assert_eq!(undetermined(one, &[1.0; 2]), [false, true]);
+    }
+
+    #[test]
+    fn sizes_that_lie_far_apart_cost_no_digits_and_large_systems_none_either() {
+        let matrix = DMatrix::from_row_slice(2, 2, &[1e12, 1.0, 0.0, 1e-12]);
+        let step = least(matrix, &[1e12, 2e-12], &[1.0, 1.0]).unwrap();
+        assert!((step[0] - 1.0).abs() < 1e-11 && (step[1] - 2.0).abs() < 1e-12, "{step:?}");
+        let n = 80;
+        let chain = DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+            0 => -2.0,
+            1 => 1.0,
+            _ => 0.0,
+        });
+        let right: Vec<f64> = (0..n).map(|i| if i + 1 == n { -1.0 } else { 0.0 }).collect();
+        let step = least(chain, &right, &vec![1.0; n]).unwrap();
+        for (i, value) in step.iter().enumerate() {
+            assert!((value - (i + 1) as f64 / (n + 1) as f64).abs() < 1e-12, "{i}: {value}");
+        }
+    }
+}

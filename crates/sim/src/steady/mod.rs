@@ -1,0 +1,84 @@
+//! A steady state: where nothing moves, and if asked, where signals have given values (a *trim*).
+//!
+//! Sought are continuous states, sampled states, what memories give, and the values of constants that are free; found they are
+//! where all derivatives are zero, the next sample changes nothing, memories are full of what comes in, and held
+//! signals have their values. Time stands still meanwhile: what changes with time alone is what it is at that instant.
+//!
+//! Newton's method with steps of least norm leads there (`newton`, over the equations of `conditions`); blocks choose their
+//! modes anew after each step. Where it does not get on (a brake that still slips, a controller at its limit), the model is
+//! first let go for a while with growing implicit steps, as if time went on: pseudo-transient continuation, C. T. Kelley and
+//! D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523.
+
+mod algebra;
+mod conditions;
+mod newton;
+mod told;
+
+use std::sync::Arc;
+
+use blocksim_block::schedule::{Schedule, Start, Steady};
+
+use self::conditions::Conditions;
+use self::newton::{Failure, Search};
+use crate::frozen::Nobody;
+use crate::{SimError, Simulation};
+
+/// A steady state that was found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Rest {
+    /// States that go on moving all the same, as nothing depends on them, with what they move by in a second.
+    pub adrift: Vec<(String, f64)>,
+    /// Unknowns that the conditions do not determine (integrators without feedback); they are as near as can be to where
+    /// the search began.
+    pub undetermined: Vec<String>,
+    /// Values of the constants that were free, in SI units, in the order of `Steady::free`.
+    pub found: Vec<f64>,
+}
+
+impl Simulation {
+    /// Brings a simulation to a steady state near its present one. Without `strict`, any state on which nothing depends may go
+    /// on moving, otherwise only those of which blocks say so (`Interface::drifting`). `go` is asked now and
+    /// then whether to go on.
+    ///
+    /// # Errors
+    /// `no_steady_state` with what keeps moving, or if `go` says no; see [`SimError::code`].
+    pub fn seek_rest(
+        &mut self,
+        asked: &Steady,
+        strict: bool,
+        go: &mut dyn FnMut() -> bool,
+    ) -> Result<Rest, SimError> {
+        if !self.started {
+            self.start(&mut Nobody)?;
+        }
+        for free in &asked.free {
+            self.diagram.pinned.push(free.block);
+        }
+        let conditions = Conditions::new(self, asked, strict);
+        Search::new(conditions, go).run().map_err(|failure| match failure {
+            Failure::Simulation(error) => error,
+            Failure::Interrupted => SimError::new("no_steady_state", self.t, "the search was interrupted"),
+            Failure::Restless(lost) => told::restless(self, asked, &lost),
+        })
+    }
+
+    /// A simulation at the start that its settings ask for.
+    pub(crate) fn at_start(schedule: Arc<Schedule>) -> Result<Self, SimError> {
+        let mut simulation = Self::given(Arc::clone(&schedule))?;
+        let Start::Steady(asked) = &schedule.settings.start else { return Ok(simulation) };
+        let rest = simulation.seek_rest(asked, true, &mut || true)?;
+        // The run itself begins afresh, so that its first instant is like any other.
+        let mut fresh = Self::given(Arc::clone(&schedule))?;
+        fresh.x.clone_from(&simulation.x);
+        fresh.diagram.d.clone_from(&simulation.diagram.d);
+        fresh.diagram.signals.clone_from(&simulation.diagram.signals);
+        fresh.diagram.pinned = simulation.diagram.pinned;
+        fresh.rest = Some(rest);
+        Ok(fresh)
+    }
+
+    /// The steady state that the run began in, if its settings ask for one.
+    pub fn rest(&self) -> Option<&Rest> {
+        self.rest.as_ref()
+    }
+}

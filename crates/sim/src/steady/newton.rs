@@ -1,0 +1,323 @@
+//! The search for a steady state.
+
+use blocksim_linear::{DMatrix, jacobian};
+
+use super::Rest;
+use super::algebra::{least, undetermined};
+use super::conditions::Conditions;
+use crate::SimError;
+
+/// Steps of Newton's method.
+const STEPS: usize = 60;
+/// An equation holds when a change of an unknown by this part of its size, or of 1, would make it so.
+const HOLDS: f64 = 1e-9;
+/// A step that leaves over less than this part is not held back: the equations are linear on the way.
+const LINEAR: f64 = 1e-6;
+/// Times that the model is let go, and steps of each.
+const RELEASES: usize = 24;
+const RELEASE: usize = 12;
+/// Longest step of the time that is let pass, s.
+const ETERNITY: f64 = 1e9;
+
+/// Why nothing was found.
+pub(super) enum Failure {
+    Simulation(SimError),
+    Interrupted,
+    Restless(Lost),
+}
+
+impl From<SimError> for Failure {
+    fn from(error: SimError) -> Self {
+        Self::Simulation(error)
+    }
+}
+
+/// Where the search has ended in vain.
+pub(super) struct Lost {
+    /// Names of the equations' unknowns; held signals have none.
+    pub names: Vec<String>,
+    /// What each equation that is needed leaves over, in a second (for a held signal: by how much it is off), how large that
+    /// is in comparison, and the number of the equation.
+    pub moving: Vec<(usize, f64, f64)>,
+    /// Number of equations that belong to an unknown each.
+    pub paired: usize,
+}
+
+/// Slopes of the equations and which of them are needed.
+struct Slopes {
+    matrix: DMatrix<f64>,
+    needed: Vec<bool>,
+    sizes: Vec<f64>,
+    /// What a change of an unknown by its size makes of each equation.
+    scale: Vec<f64>,
+}
+
+pub(super) struct Search<'s, 'g> {
+    conditions: Conditions<'s>,
+    go: &'g mut dyn FnMut() -> bool,
+    /// What the equations leave over.
+    rest: Vec<f64>,
+    /// Sizes of the unknowns where the search began.
+    origin: Vec<f64>,
+}
+
+/// The size of an unknown; 1 for what is nearly zero, whose size is not known.
+fn size(z: &f64) -> f64 {
+    z.abs().max(1.0)
+}
+
+impl<'s, 'g> Search<'s, 'g> {
+    pub fn new(conditions: Conditions<'s>, go: &'g mut dyn FnMut() -> bool) -> Self {
+        let rest = vec![0.0; conditions.equations()];
+        let origin = conditions.present().iter().map(size).collect();
+        Self { conditions, go, rest, origin }
+    }
+
+    pub fn run(mut self) -> Result<Rest, Failure> {
+        let mut z = self.conditions.present();
+        let mut kept = self.conditions.keep();
+        let lost = match self.newton(z.clone())? {
+            Ok(rest) => return Ok(rest),
+            Err(lost) => lost,
+        };
+        // The model is let go from where it was, and looked at now and then.
+        let mut step = None;
+        for _ in 0..RELEASES {
+            self.conditions.recall(&kept);
+            if !self.release(&mut z, &mut step)? {
+                break;
+            }
+            kept = self.conditions.keep();
+            if let Ok(rest) = self.newton(z.clone())? {
+                return Ok(rest);
+            }
+        }
+        Err(Failure::Restless(lost))
+    }
+
+    /// Newton's method with damping.
+    fn newton(&mut self, mut z: Vec<f64>) -> Result<Result<Rest, Lost>, Failure> {
+        self.conditions.settle(&mut z)?;
+        let mut slopes = self.slopes(&z)?;
+        for _ in 0..STEPS {
+            let now = slopes.norm(&self.rest);
+            let worst = slopes.worst(&self.rest);
+            let step = slopes.step(&self.rest, |_| 0.0);
+            if worst <= HOLDS {
+                // As exactly as numbers allow.
+                let next = step.map(|step| moved(&z, &step, 1.0));
+                let better = match &next {
+                    Some(next) => self.try_at(next).is_some_and(|()| slopes.norm(&self.rest) < 0.5 * now),
+                    None => false,
+                };
+                if let Some(next) = next.filter(|_| better) {
+                    z = next;
+                } else if !self.conditions.settle(&mut z)? {
+                    self.conditions.evaluate(&z, &mut self.rest)?;
+                    return Ok(Ok(self.found(&z, &slopes)));
+                }
+            } else {
+                let Some(next) = step.and_then(|step| self.along(&z, &step, &slopes, now)) else { break };
+                z = next;
+                self.conditions.settle(&mut z)?;
+            }
+            slopes = self.slopes(&z)?;
+        }
+        self.conditions.evaluate(&z, &mut self.rest)?;
+        Ok(Err(self.lost(&slopes)))
+    }
+
+    /// The longest part of a step that helps. No unknown moves by more than its size, or 1, at once where the equations are
+    /// not linear: beyond there may be another rest than the near one.
+    fn along(&mut self, z: &[f64], step: &[f64], slopes: &Slopes, now: f64) -> Option<Vec<f64>> {
+        let longest = slopes.longest(step);
+        let whole = moved(z, step, 1.0);
+        if self.try_at(&whole).is_some_and(|()| slopes.norm(&self.rest) <= LINEAR * now) {
+            return Some(whole);
+        }
+        (0..30).map(|k| 0.5_f64.powi(k) / longest).find_map(|part| {
+            let next = moved(z, step, part);
+            self.try_at(&next)?;
+            (slopes.norm(&self.rest) < (1.0 - 0.01 * part) * now).then_some(next)
+        })
+    }
+
+    /// Implicit steps in time from `z`, the first one of length `step`, s; returns whether it went on.
+    fn release(&mut self, z: &mut Vec<f64>, step: &mut Option<f64>) -> Result<bool, Failure> {
+        for _ in 0..RELEASE {
+            let slopes = self.slopes(z)?;
+            let rates = self.conditions.rates.clone();
+            let of = |i: usize| rates[i] * self.rest[i].abs() / slopes.sizes[i];
+            let fastest =
+                (0..self.conditions.paired()).filter(|i| slopes.needed[*i]).map(of).fold(0.0, f64::max);
+            let mut h = step.unwrap_or((0.1 / fastest).clamp(1e-9, 1.0));
+            let next = loop {
+                if h < 1e-15 {
+                    return Ok(false);
+                }
+                let there =
+                    slopes.step(&self.rest, |i| if rates[i] > 0.0 { 1.0 / (h * rates[i]) } else { 0.0 });
+                let kept = self.rest.clone();
+                match there.map(|step| (slopes.longest(&step), moved(z, &step, 1.0))) {
+                    Some((longest, next)) if longest <= 1.0 && self.try_at(&next).is_some() => break next,
+                    _ => {
+                        self.rest = kept;
+                        h /= 4.0;
+                    }
+                }
+            };
+            *z = next;
+            self.conditions.settle(z)?;
+            if h > ETERNITY {
+                return Ok(false);
+            }
+            *step = Some(2.0 * h);
+        }
+        Ok(true)
+    }
+
+    /// Evaluates the equations at a place where they may have no value.
+    fn try_at(&mut self, z: &[f64]) -> Option<()> {
+        self.conditions.evaluate(z, &mut self.rest).ok()?;
+        self.rest.iter().all(|rest| rest.is_finite()).then_some(())
+    }
+
+    /// Slopes of all equations; `self.rest` is left as at `z`.
+    fn slopes(&mut self, z: &[f64]) -> Result<Slopes, Failure> {
+        if !(self.go)() {
+            return Err(Failure::Interrupted);
+        }
+        let conditions = &mut self.conditions;
+        let rows = conditions.equations();
+        let mut matrix = jacobian(z, rows, |z, rest| -> Result<(), std::convert::Infallible> {
+            if conditions.evaluate(z, rest).is_err() {
+                rest.fill(f64::NAN);
+            }
+            Ok(())
+        })
+        .map_or_else(|never| match never {}, |found| found.value);
+        conditions.evaluate(z, &mut self.rest)?;
+        let sizes: Vec<f64> = z.iter().map(size).collect();
+        for (column, size) in sizes.iter().enumerate() {
+            if matrix.column(column).iter().any(|slope| !slope.is_finite()) {
+                one_sided(conditions, z, column, *size, &self.rest, &mut matrix);
+            }
+            if conditions.fixed[column] {
+                matrix.column_mut(column).fill(0.0);
+            }
+        }
+        let mut needed = vec![true; rows];
+        let paired = needed.iter_mut().zip(&conditions.fixed).take(conditions.paired());
+        paired.for_each(|(needed, fixed)| *needed = !fixed);
+        // On what nothing depends that is needed is not needed itself.
+        while let Some(idle) = (0..conditions.paired()).find(|&unknown| {
+            let is_idle = |row: usize| !needed[row] || matrix[(row, unknown)] == 0.0;
+            needed[unknown] && conditions.may_drift[unknown] && (0..rows).all(is_idle)
+        }) {
+            needed[idle] = false;
+        }
+        let mut scale = vec![0.0; rows];
+        for (row, scale) in scale.iter_mut().enumerate() {
+            let effects = sizes.iter().enumerate().map(|(column, size)| matrix[(row, column)].abs() * size);
+            *scale = effects.fold(0.0, f64::max);
+            if *scale == 0.0 {
+                // What nothing can change does not become right by going on for long.
+                *scale = self.origin.get(row).filter(|_| row < conditions.paired()).copied().unwrap_or(1.0);
+            }
+            if !needed[row] {
+                matrix.row_mut(row).fill(0.0);
+            }
+        }
+        Ok(Slopes { matrix, needed, sizes, scale })
+    }
+
+    fn found(&self, z: &[f64], slopes: &Slopes) -> Rest {
+        let Conditions { names, fixed, may_drift, rates, .. } = &self.conditions;
+        let paired = self.conditions.paired();
+        let moves =
+            |i: &usize| !slopes.needed[*i] && (self.rest[*i] * rates[*i]).abs() > HOLDS * slopes.sizes[*i];
+        let free = undetermined(slopes.matrix.clone(), &slopes.sizes);
+        // Places on which nothing depends are free as a matter of course.
+        let is_free =
+            |i: &usize| free[*i] && !fixed[*i] && (*i >= paired || slopes.needed[*i] || !may_drift[*i]);
+        Rest {
+            adrift: (0..paired).filter(moves).map(|i| (names[i].clone(), self.rest[i] * rates[i])).collect(),
+            undetermined: (0..names.len()).filter(is_free).map(|i| names[i].clone()).collect(),
+            found: self.conditions.found(z),
+        }
+    }
+
+    fn lost(&self, slopes: &Slopes) -> Lost {
+        let paired = self.conditions.paired();
+        let rates = &self.conditions.rates;
+        let entry = |i: usize| {
+            let by = if i < paired { self.rest[i] * rates[i] } else { self.rest[i] };
+            let size = slopes.sizes.get(i).filter(|_| i < paired).copied().unwrap_or(1.0);
+            (i, by, by.abs() / size)
+        };
+        let moves = |i: &usize| slopes.needed[*i] && self.rest[*i].abs() > HOLDS * slopes.scale[*i];
+        let mut moving: Vec<_> = (0..self.rest.len()).filter(moves).map(entry).collect();
+        moving.sort_by(|a, b| b.2.total_cmp(&a.2));
+        Lost { names: self.conditions.names.clone(), moving, paired }
+    }
+}
+
+impl Slopes {
+    /// The shortest step to where the equations hold, `slowness` subtracted from the slope of each by its own unknown.
+    fn step(&self, rest: &[f64], slowness: impl Fn(usize) -> f64) -> Option<Vec<f64>> {
+        let mut matrix = self.matrix.clone();
+        for i in 0..matrix.nrows().min(matrix.ncols()) {
+            if self.needed[i] {
+                matrix[(i, i)] -= slowness(i);
+            }
+        }
+        let right: Vec<f64> =
+            rest.iter().zip(&self.needed).map(|(rest, needed)| if *needed { -rest } else { 0.0 }).collect();
+        least(matrix, &right, &self.sizes)
+    }
+
+    fn longest(&self, step: &[f64]) -> f64 {
+        step.iter().zip(&self.sizes).map(|(step, size)| step.abs() / size).fold(1.0, f64::max)
+    }
+
+    fn parts<'a>(&'a self, rest: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let needed = rest.iter().zip(&self.scale).zip(&self.needed).filter(|(_, needed)| **needed);
+        needed.map(|((rest, scale), _)| rest.abs() / scale)
+    }
+
+    fn worst(&self, rest: &[f64]) -> f64 {
+        self.parts(rest).fold(0.0, f64::max)
+    }
+
+    fn norm(&self, rest: &[f64]) -> f64 {
+        self.parts(rest).map(|part| part * part).sum::<f64>().sqrt()
+    }
+}
+
+fn moved(z: &[f64], step: &[f64], part: f64) -> Vec<f64> {
+    z.iter().zip(step).map(|(z, step)| z + part * step).collect()
+}
+
+/// Slopes by one unknown at the border of what the equations are defined for, by a step to the side where they are.
+fn one_sided(
+    conditions: &mut Conditions,
+    z: &[f64],
+    column: usize,
+    size: f64,
+    rest: &[f64],
+    matrix: &mut DMatrix<f64>,
+) {
+    let mut there = vec![0.0; rest.len()];
+    let mut beside = z.to_vec();
+    for h in [1e-4 * size, -1e-4 * size] {
+        beside[column] = z[column] + h;
+        let done = conditions.evaluate(&beside, &mut there).is_ok();
+        if done && there.iter().all(|value| value.is_finite()) {
+            for (row, (there, rest)) in there.iter().zip(rest).enumerate() {
+                matrix[(row, column)] = (there - rest) / h;
+            }
+            return;
+        }
+    }
+    matrix.column_mut(column).fill(0.0);
+}

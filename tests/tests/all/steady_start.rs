@@ -1,0 +1,368 @@
+//! Runs that begin in a steady state, against states that follow by hand, and that stay where they are.
+
+use std::sync::Arc;
+
+use blocksim_sim::{Rest, SimError, Simulation};
+use blocksim_tests::{Run, compile_text, run, run_text, schedule};
+
+/// A diagram that runs for 10 s from a steady state; `start` says more of it.
+fn diagram(start: &str, blocks: &str, connections: &str) -> String {
+    format!(
+        r#"Diagram(
+            simulation: (stop_time: "10 s", output: Every("0.1 s"), start: Steady{start}),
+            blocks: {{ {blocks} }},
+            connections: [ {connections} ],
+        )"#
+    )
+}
+
+/// Runs it; every column stays where it begins, within `within` of its size or of 1.
+fn stays(text: &str, within: f64) -> Run {
+    let run = run_text(text);
+    for (recorded, column) in run.recorded.iter().zip(&run.columns) {
+        let first = column[0];
+        let worst = column.iter().map(|value| (value - first).abs()).fold(0.0, f64::max);
+        assert!(worst <= within * first.abs().max(1.0), "`{}` leaves {first} by {worst}", recorded.path);
+    }
+    run
+}
+
+fn begun(text: &str) -> Result<(Simulation, Rest), SimError> {
+    let (compiled, problems) = compile_text(text);
+    let schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+    let simulation = Simulation::new(Arc::new(schedule))?;
+    let rest = simulation.rest().cloned().expect("a steady start");
+    Ok((simulation, rest))
+}
+
+fn refused(text: &str) -> SimError {
+    begun(text).expect_err("no steady state")
+}
+
+fn near(value: f64, expected: f64, within: f64) {
+    assert!((value - expected).abs() <= within * expected.abs().max(1e-300), "{value} is not {expected}");
+}
+
+#[test]
+fn a_capacitor_is_charged_to_its_source_whatever_the_sizes() {
+    for (r, c, v) in [("1 kohm", "1 uF", 5.0), ("1 Gohm", "1 pF", 400.0), ("1 mohm", "2 F", 1e-6)] {
+        let run = stays(
+            &diagram(
+                "",
+                &format!(
+                    r#""source": VoltageSource(v: "{v} V"), "r": Resistor(r: "{r}"), "c": Capacitor(c: "{c}"),
+                       "sensor": VoltageSensor, "ground": ElectricalReference, "show": Scope"#
+                ),
+                r#""source.p <-> r.p", "r.n <-> c.p <-> sensor.p", "source.n <-> c.n <-> sensor.n <-> ground.p", "sensor.v -> show.u""#,
+            ),
+            1e-9,
+        );
+        near(run.column("show.u")[0], v, 1e-12);
+    }
+}
+
+/// 24 V on a motor with friction of its bearing and a load: v = R i + k w, k i = d w + T.
+const MOTOR: &str = r#""source": ControlledVoltageSource, "sensor": CurrentSensor,
+    "motor": DcMotor(r: "1.5 ohm", l: "2.5 mH", k: "0.22 N*m/A", j: "5e-5 kg*m^2", damping: "1e-4 N*m*s/rad"),
+    "load": IdealTorqueSource, "encoder": MotionSensor, "ground": ElectricalReference, "housing": RotationalReference,
+    "speed": Scope(inputs: ["w"]), "current": Scope(inputs: ["i"])"#;
+const MOTOR_LINES: &str = r#""volts.y -> source.v", "torque.y -> load.tau", "source.p <-> sensor.p", "sensor.n <-> motor.p",
+    "motor.n <-> source.n <-> ground.p", "motor.r <-> encoder.r <-> load.r",
+    "motor.c <-> encoder.c <-> load.c <-> housing.r", "sensor.i -> current.i", "encoder.w -> speed.w""#;
+const R: f64 = 1.5;
+const K: f64 = 0.22;
+const D: f64 = 1e-4;
+
+/// Voltage and current that turn the motor at `w` against `load`.
+fn drive(w: f64, load: f64) -> (f64, f64) {
+    let i = (D * w + load) / K;
+    (R * i + K * w, i)
+}
+
+#[test]
+fn a_dc_motor_turns_at_the_speed_at_which_torques_and_voltages_are_in_balance() {
+    let blocks =
+        format!(r#"{MOTOR}, "volts": Constant(value: "24 V"), "torque": Constant(value: "-0.3 N*m")"#);
+    let text = diagram("", &blocks, MOTOR_LINES);
+    let run = stays(&text, 1e-8);
+    let w = (24.0 - R * 0.3 / K) / (K + R * D / K);
+    near(run.column("speed.w")[0], w, 1e-11);
+    near(run.column("current.i")[0], drive(w, 0.3).1, 1e-11);
+    // The angle of the encoder goes on, as nothing depends on it.
+    let (_, rest) = begun(&text).unwrap();
+    assert!(rest.undetermined.is_empty(), "{rest:?}");
+    let [(name, rate)] = rest.adrift.as_slice() else { panic!("{rest:?}") };
+    assert_eq!(name, "encoder.phi");
+    near(*rate, w, 1e-11);
+}
+
+#[test]
+fn a_trim_finds_the_inputs_that_give_an_output() {
+    let blocks = format!(r#"{MOTOR}, "volts": Constant(value: "1 V"), "torque": Constant(value: "0 N*m")"#);
+    let start =
+        r#"(hold: {"encoder.w": "1000 rpm", "current.i": "2 A"}, free: ["volts.value", "torque.value"])"#;
+    let text = diagram(start, &blocks, MOTOR_LINES);
+    let run = stays(&text, 1e-8);
+    let w = 1000.0 * std::f64::consts::TAU / 60.0;
+    near(run.column("speed.w")[0], w, 1e-12);
+    let load = K * 2.0 - D * w;
+    let (_, rest) = begun(&text).unwrap();
+    near(rest.found[0], drive(w, load).0, 1e-11);
+    near(rest.found[1], -load, 1e-10);
+    // What is recorded of a constant is the value that was found.
+    let shown = text.replace(r#""current": Scope(inputs: ["i"])"#, r#""current": Scope(inputs: ["i", "v"])"#);
+    let shown = shown.replace(r#""volts.y -> source.v""#, r#""volts.y -> source.v, current.v""#);
+    near(stays(&shown, 1e-8).column("current.v")[0], drive(w, load).0, 1e-11);
+}
+
+#[test]
+fn a_trim_that_is_not_possible_says_what_is_missed() {
+    let blocks = format!(r#"{MOTOR}, "volts": Constant(value: "1 V"), "torque": Constant(value: "0 N*m")"#);
+    let start = r#"(hold: {"encoder.w": "1000 rpm", "current.i": "2 A"}, free: ["volts.value"])"#;
+    let error = refused(&diagram(start, &blocks, MOTOR_LINES));
+    assert_eq!((error.code, error.t), ("no_steady_state", 0.0));
+    assert!(error.message.contains("instead of 2") || error.message.contains("`encoder.w`"), "{error}");
+    assert!(error.help.unwrap().contains("compare `hold` and `free`"));
+}
+
+#[test]
+fn a_controller_without_error_holds_what_its_plant_needs() {
+    for (pid, within) in [
+        (r#"Pid(kp: 2.0, ki: 5.0)"#, 1e-8),
+        (
+            r#"Pid(kp: 2.0, ki: 5.0, kd: 0.1, n: 100.0, lower: -10.0, upper: 10.0, anti_windup: Clamping)"#,
+            1e-8,
+        ),
+        (r#"Pid(kp: 2.0, ki: 5.0, lower: -10.0, upper: 10.0, anti_windup: BackCalculation)"#, 1e-8),
+        (r#"DiscretePid(ts: "10 ms", kp: 2.0, ki: 5.0)"#, 1e-8),
+        (r#"DiscretePid(ts: "10 ms", kp: 2.0, ki: 5.0, kd: 0.1, n: 50.0, filter: Trapezoidal)"#, 1e-8),
+    ] {
+        let run = stays(
+            &diagram(
+                "",
+                &format!(
+                    r#""want": Constant(value: 3), "error": Sum(signs: "+-"), "pid": {pid}, "load": Constant(value: 0.5),
+                       "push": Sum(signs: "+-"), "lag": LowPass(tau: "0.2 s"), "gain": Gain(k: 4), "show": Scope(inputs: ["u", "y"])"#
+                ),
+                r#""want.y -> error.u1", "gain.y -> error.u2, show.y", "error.y -> pid.e", "pid.u -> push.u1, show.u",
+                   "load.y -> push.u2", "push.y -> lag.u", "lag.y -> gain.u""#,
+            ),
+            within,
+        );
+        // y = 4 (u - 0.5) = 3.
+        near(run.column("show.u")[0], 1.25, 1e-10);
+        near(run.column("show.y")[0], 3.0, 1e-10);
+    }
+}
+
+#[test]
+fn a_controller_that_begins_at_its_limit_comes_off_it() {
+    let run = stays(
+        &diagram(
+            "",
+            r#""want": Constant(value: 3), "error": Sum(signs: "+-"), "rate": Gain(k: "1 1/s"), "sum": Integrator(x0: 50), "limit": Saturation(lower: -5, upper: 5),
+               "lag": LowPass(tau: "0.2 s"), "show": Scope(inputs: ["u", "y"])"#,
+            r#""want.y -> error.u1", "lag.y -> error.u2, show.y", "error.y -> rate.u", "rate.y -> sum.u", "sum.y -> limit.u", "limit.y -> lag.u, show.u""#,
+        ),
+        1e-8,
+    );
+    near(run.column("show.y")[0], 3.0, 1e-9);
+}
+
+#[test]
+fn delays_are_full_of_what_comes_in() {
+    for delay in [
+        r#"TransportDelay(delay: "0.5 s")"#,
+        r#"Delay(ts: "20 ms", steps: 7)"#,
+        r#"UnitDelay(ts: "20 ms")"#,
+        r#"ZeroOrderHold(ts: "20 ms")"#,
+        r#"RateLimiter(rising: 1, falling: -1)"#,
+        r#"DiscreteTransferFunction(ts: "20 ms", num: [0.1], den: [1, -0.9])"#,
+        r#"TransferFunction(num: [1e4], den: [1, 20, 1e4])"#,
+    ] {
+        let run = stays(
+            &diagram(
+                "",
+                &format!(
+                    r#""want": Constant(value: 3), "error": Sum(signs: "+-"), "pid": Pid(kp: 0.1, ki: 0.1), "late": {delay},
+                       "lag": LowPass(tau: "0.2 s"), "gain": Gain(k: 4), "show": Scope(inputs: ["late", "y"])"#
+                ),
+                r#""want.y -> error.u1", "gain.y -> error.u2, show.y", "error.y -> pid.e", "pid.u -> late.u",
+                   "late.y -> lag.u, show.late", "lag.y -> gain.u""#,
+            ),
+            1e-7,
+        );
+        near(run.column("show.late")[0], 0.75, 1e-9);
+    }
+}
+
+#[test]
+fn a_pendulum_that_is_pushed_leans_at_the_angle_of_its_torque() {
+    let text = diagram(
+        "",
+        r#""world": World(gravity: ["0 m/s^2", "0 m/s^2", "-9.80665 m/s^2"]), "pivot": RevoluteJoint(axis: [0, 1, 0], damping: "0.1 N*m*s/rad"),
+           "rod": Body(mass: "2 kg", com: ["0 m", "0 m", "-0.5 m"], moi: ["0.1 kg*m^2", "0.1 kg*m^2", "0 kg*m^2"]),
+           "push": Constant(value: "4 N*m"), "show": Scope(inputs: ["q"])"#,
+        r#""world.frame <-> pivot.base", "pivot.follower <-> rod.frame", "push.y -> pivot.torque", "pivot.q -> show.q""#,
+    );
+    let run = stays(&text, 1e-8);
+    near(run.column("show.q")[0], (4.0_f64 / (2.0 * 9.80665 * 0.5)).asin(), 1e-11);
+    // Held at an angle, the torque is what is sought.
+    let held =
+        text.replace("start: Steady", r#"start: Steady(hold: {"pivot.q": "60 deg"}, free: ["push.value"])"#);
+    let (simulation, rest) = begun(&held).unwrap();
+    near(rest.found[0], 2.0 * 9.80665 * 0.5 * 60.0_f64.to_radians().sin(), 1e-11);
+    near(simulation.states()[0], 60.0_f64.to_radians(), 1e-12);
+    // No angle holds more than the weight at the end of its lever.
+    let error = refused(&text.replace("4 N*m", "11 N*m"));
+    assert!(error.message.contains("`pivot.w` by "), "{error}");
+}
+
+/// A tank: A dh/dt = q - k sqrt(h).
+fn tank(inflow: f64, level: f64, outflow: &str) -> String {
+    diagram(
+        "",
+        &format!(
+            r#""inflow": Constant(value: {inflow}), "root": {outflow}, "valve": Gain(k: 0.2), "net": Sum(signs: "+-"), "area": Gain(k: "2 1/s"),
+               "level": Integrator(x0: {level}), "show": Scope(inputs: ["h"])"#
+        ),
+        r#""inflow.y -> net.u1", "level.y -> root.u, show.h", "root.y -> valve.u", "valve.y -> net.u2", "net.y -> area.u", "area.y -> level.u""#,
+    )
+}
+
+#[test]
+fn a_tank_fills_until_as_much_flows_out_as_in_even_from_empty_or_far_away() {
+    let root = "Function(function: Sqrt)";
+    for (inflow, level) in [(0.3, 1.0), (0.3, 0.0), (0.3, 1e4), (30.0, 1e-3), (1e-4, 5.0)] {
+        let run = stays(&tank(inflow, level, root), 1e-7);
+        near(run.column("show.h")[0], (inflow / 0.2_f64).powi(2), 1e-8);
+    }
+}
+
+#[test]
+fn a_tank_that_only_fills_has_no_steady_state_and_the_level_is_named() {
+    let error = refused(&tank(0.3, 1.0, "Saturation(lower: 0, upper: 1)"));
+    assert_eq!(error.code, "no_steady_state");
+    assert_eq!(error.path.as_deref(), Some("level"));
+    assert!(error.message.contains("what keeps moving: `level.x` by 0.2 a second"), "{error}");
+    // What is at its limit may do so if that is said.
+    let text = tank(0.3, 1.0, "Saturation(lower: 0, upper: 1)");
+    let (_, rest) = begun(&text.replace("start: Steady", r#"start: Steady(drift: ["level"])"#)).unwrap();
+    assert_eq!(rest.undetermined, [""; 0]);
+}
+
+#[test]
+fn integrators_without_feedback_stay_as_written_and_are_named() {
+    let text = diagram(
+        "",
+        r#""zero": Constant(value: 0), "free": Integrator(x0: 7), "lag": LowPass(tau: "1 s"), "show": Scope(inputs: ["free", "lag"])"#,
+        r#""zero.y -> free.u", "free.y -> lag.u, show.free", "lag.y -> show.lag""#,
+    );
+    let (_, rest) = begun(&text).unwrap();
+    assert!(rest.undetermined.contains(&"free.x".to_owned()), "{rest:?}");
+    // The pair is nearest to what is written, and agrees.
+    let run = stays(&text, 1e-9);
+    near(run.column("show.lag")[0], run.column("show.free")[0], 1e-12);
+    // One that nothing feeds and nothing reads stays exactly.
+    let alone =
+        text.replace(r#""free.y -> lag.u, show.free""#, r#""free.y -> show.free", "zero.y -> lag.u""#);
+    let alone = alone
+        .replace(r#""zero.y -> free.u", "#, r#""zero.y -> free.u, lag.u", "#)
+        .replace(r#", "zero.y -> lag.u""#, "");
+    assert_eq!(stays(&alone, 0.0).column("show.free")[0], 7.0);
+    let (_, rest) = begun(&alone).unwrap();
+    assert_eq!(rest.undetermined, ["free.x"]);
+    // Fed by anything, it has no rest.
+    let error = refused(&alone.replace("Constant(value: 0)", "Constant(value: 0.25)"));
+    assert!(error.message.contains("what keeps moving: `free.x` by 0.25 a second"), "{error}");
+}
+
+fn brake(torque: f64, w0: f64) -> String {
+    diagram(
+        "",
+        &format!(
+            r#""torque": ConstantTorque(tau: "{torque} N*m"), "shaft": Inertia(j: "0.1 kg*m^2", w0: "{w0} rad/s"), "sensor": MotionSensor,
+               "bearing": RotationalFriction(breakaway: "2 N*m", breakaway_velocity: "0.1 rad/s", coulomb: "1.5 N*m", viscous: "0.05 N*m*s/rad", model: Stiction),
+               "housing": RotationalReference, "show": Scope(inputs: ["w"])"#
+        ),
+        r#""torque.r <-> shaft.r <-> bearing.r <-> sensor.r", "torque.c <-> bearing.c <-> sensor.c <-> housing.r", "sensor.w -> show.w""#,
+    )
+}
+
+#[test]
+fn friction_that_holds_is_a_steady_state_and_one_that_slips_has_its_speed() {
+    // At rest, held by less than it takes to break loose: it stays, and keeps its mode.
+    assert_eq!(stays(&brake(1.8, 0.0), 0.0).last("show.w"), 0.0);
+    // Slipping towards rest with nothing that keeps it going: it stops and sticks.
+    assert_eq!(stays(&brake(0.0, 20.0), 0.0).last("show.w"), 0.0);
+    // More than it takes to break loose: coulomb and viscous friction balance the torque.
+    let run = stays(&brake(4.0, 0.0), 1e-8);
+    near(run.column("show.w")[0], (4.0 - 1.5) / 0.05, 1e-6);
+    let run = stays(&brake(-4.0, 20.0), 1e-8);
+    near(run.column("show.w")[0], -(4.0 - 1.5) / 0.05, 1e-6);
+}
+
+#[test]
+fn a_diode_conducts_or_blocks_as_its_circuit_wants_at_rest() {
+    for (v, expected) in [(10.0, 10.0), (-10.0, 0.0)] {
+        let run = stays(
+            &diagram(
+                "",
+                &format!(
+                    r#""source": VoltageSource(v: "{v} V"), "d": Diode(v_f: "0 V", r_on: "1e-6 ohm", g_off: "1e-12 S"), "c": Capacitor(c: "1 mF"), "r": Resistor(r: "10 ohm"),
+                       "sensor": VoltageSensor, "ground": ElectricalReference, "show": Scope"#
+                ),
+                r#""source.p <-> d.p", "d.n <-> c.p <-> r.p <-> sensor.p", "source.n <-> c.n <-> r.n <-> sensor.n <-> ground.p", "sensor.v -> show.u""#,
+            ),
+            1e-7,
+        );
+        let first = run.column("show.u")[0];
+        assert!((first - expected).abs() < 1e-5, "{first} is not {expected}");
+    }
+}
+
+#[test]
+fn the_events_of_a_run_from_a_steady_state_are_not_missed() {
+    // At 1 s the load doubles; until then nothing moves, then the speed falls to its new rest.
+    let blocks = format!(
+        r#"{MOTOR}, "volts": Constant(value: "24 V"), "torque": Step(time: "1 s", before: "-0.3 N*m", after: "-0.6 N*m")"#
+    );
+    let run = run_text(&diagram("", &blocks, MOTOR_LINES));
+    let w = |load: f64| (24.0 - R * load / K) / (K + R * D / K);
+    near(run.at("speed.w", 0.99), w(0.3), 1e-9);
+    near(run.last("speed.w"), w(0.6), 1e-6);
+}
+
+#[test]
+fn given_starts_are_as_they_were_and_shipped_models_have_steady_states() {
+    let start = |path: &str| {
+        let mut given = schedule(path, &[]);
+        given.settings.start = blocksim_block::schedule::Start::Steady(Default::default());
+        given.settings.stop_time = 0.01;
+        Simulation::new(Arc::new(given)).map(|simulation| simulation.rest().cloned().unwrap())
+    };
+    // The demand is still zero: everything is where it is.
+    let rest = start("diagrams/servo.ron").unwrap();
+    assert!(rest.adrift.is_empty(), "{rest:?}");
+    let hanging = start("diagrams/double_pendulum.ron");
+    assert!(hanging.is_ok(), "{:?}", hanging.err());
+    let given = run(schedule("diagrams/pid_anti_windup.ron", &[]));
+    assert_eq!(given.error, None);
+}
+
+#[test]
+fn names_that_are_wrong_are_told_where_they_stand() {
+    let blocks = r#""volts": Constant(value: "1 V"), "lag": LowPass(tau: 1), "show": Scope"#;
+    let lines = r#""volts.y -> lag.u", "lag.y -> show.u""#;
+    for (start, expected) in [
+        (r#"(hold: {"lag.x": "1 V"})"#, "did you mean `lag.y`?"),
+        (r#"(hold: {"lag.y": "1 A"})"#, "`lag.y` is measured in V, but is to be held at a value in A"),
+        (r#"(free: ["volt.value"])"#, "did you mean `volts.value`?"),
+        (r#"(free: ["lag.tau"])"#, "the search changes values of `Constant` blocks, such as `volts.value`"),
+        (r#"(drift: ["lagg"])"#, "did you mean `lag`?"),
+    ] {
+        let (compiled, problems) = compile_text(&diagram(start, blocks, lines));
+        assert!(compiled.schedule.is_none() && problems.contains(expected), "{start}: {problems}");
+        assert!(problems.contains("model.ron:2:"), "{problems}");
+    }
+}
