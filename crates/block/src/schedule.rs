@@ -200,6 +200,16 @@ pub struct Settings {
     pub start: Start,
 }
 
+/// Latest end of a run, s. Times are numbers of sixteen digits: at 1e15 s they go on by an eighth of a second.
+pub const LATEST: f64 = 1e15;
+
+impl Settings {
+    /// Shortest time by which the run can get on near its end, s: steps, samples and rows cannot be closer.
+    pub fn resolution(&self) -> f64 {
+        4.0 * f64::EPSILON * self.stop_time
+    }
+}
+
 /// Where a run begins.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Start {

@@ -133,6 +133,19 @@ pub(crate) fn step(schedule: &Schedule, diagram: &mut Diagram, x: &[f64], error:
         StepError::Underflow { t, h, state } => (t, state, format!("even a step of {h:e} s is too long")),
         StepError::NotFinite { t, state } => (t, state, "no derivative that is finite".to_owned()),
     };
+    // What is not finite comes from the first block that gives such a value, not from the state that it reaches, unless
+    // states that explode have led to it.
+    if let StepError::NotFinite { .. } = error
+        && x.iter().all(|x| x.abs() < HUGE)
+        && diagram.minor(t, x).is_ok()
+        && diagram
+            .plan
+            .major
+            .iter()
+            .any(|call| !diagram.signals[call.unit.y.range()].iter().all(|y| y.is_finite()))
+    {
+        return not_finite(schedule, diagram, x);
+    }
     let owner = schedule.blocks.iter().find_map(|block| {
         let states = &block.interface.states;
         Some((block, &states.get(state.checked_sub(block.x)?)?.name))

@@ -1,7 +1,7 @@
 //! The stepper that a diagram asks for.
 
 use blocksim_block::Interface;
-use blocksim_block::schedule::{FixedMethod, OutputTimes, Schedule, Solver, VariableMethod};
+use blocksim_block::schedule::{FixedMethod, LATEST, OutputTimes, Schedule, Solver, VariableMethod};
 use blocksim_solve::{
     Auto, FixedStep, Ode15s, Ode23, Ode45, Radau5, Rodas4, Ros34pw2, StepLimits, Stepper, Tolerances,
 };
@@ -127,8 +127,44 @@ pub(crate) fn check(schedule: &Schedule) -> Result<(), SimError> {
         OutputTimes::Every(spacing) if !above_zero(spacing) => {
             refuse("the spacing of the output", spacing, "of seconds above zero")
         }
-        _ => block_steps(schedule).and_then(|()| delays(schedule)),
+        _ => resolution(schedule).and_then(|()| block_steps(schedule)).and_then(|()| delays(schedule)),
     }
+}
+
+/// Times that cannot be told apart are no steps.
+fn resolution(schedule: &Schedule) -> Result<(), SimError> {
+    let settings = &schedule.settings;
+    let (stop, finest) = (settings.stop_time, settings.resolution());
+    if stop > LATEST {
+        return Err(SimError::new(
+            "settings",
+            0.0,
+            format!("the stop time of {stop:e} s is beyond the clock"),
+        )
+        .help(format!(
+            "times have sixteen digits, which end before {LATEST:e} s; choose an earlier stop time"
+        )));
+    }
+    let step = match settings.solver {
+        Solver::Fixed { step, .. } => Some((step, "the fixed step".to_owned(), None)),
+        Solver::Variable { max_step, .. } => Some((max_step, "the largest step".to_owned(), None)),
+    };
+    let rows = match settings.output {
+        OutputTimes::Every(spacing) => Some((spacing, "the spacing of the output".to_owned(), None)),
+        OutputTimes::Steps => None,
+    };
+    let sampled = schedule.blocks.iter().filter_map(|block| {
+        let period = schedule.clock.time(schedule.clock.rates.get(block.rate?)?.period);
+        Some((period, format!("the sample time of `{}`", block.path), Some(&block.path)))
+    });
+    let short = step.into_iter().chain(rows).chain(sampled).find(|(length, ..)| *length < finest);
+    short.map_or(Ok(()), |(length, what, path)| {
+        let message = format!("{what}, {length:e} s, is shorter than times can be told apart at {stop} s");
+        let error = SimError::new("settings", 0.0, message).help(format!(
+            "times have sixteen digits: take at least {finest:.1e} s, or an earlier stop time"
+        ));
+        Err(path.map_or(error.clone(), |path| error.at(path)))
+    })
 }
 
 /// A fixed step that is longer than a delay would need what it computes itself.

@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{
-    FixedMethod, Free, Held, OutputTimes, Settings, Solver, Start, Steady, VariableMethod,
+    FixedMethod, Free, Held, LATEST, OutputTimes, Settings, Solver, Start, Steady, VariableMethod,
 };
 use blocksim_block::{BlockInfo, ParamValue, ParameterInfo, Symbol};
 use blocksim_signal::Value;
@@ -157,7 +157,37 @@ pub(crate) fn settings<'a>(
             Start::Given
         }
     };
-    Settings { stop_time, solver, output, seed: read.seed, start }
+    let settings = Settings { stop_time, solver, output, seed: read.seed, start };
+    if stop_time.is_finite() && stop_time > LATEST {
+        problems.push(
+            Problem::error("parameter", format!("the stop time of {stop_time:e} s is beyond the clock"))
+                .at(&at("stop_time"), "")
+                .help(format!("times have sixteen digits, which end before {LATEST:e} s")),
+        );
+    } else if let Some((step, what)) = too_short(&settings) {
+        problems.push(
+            Problem::error(
+                "parameter",
+                format!("the {what} of {step:e} s is shorter than times can be told apart at {stop_time} s"),
+            )
+            .at(&at(if what == "output interval" { "output" } else { "solver" }), "")
+            .help(format!("times have sixteen digits: write at least {:.1e} s", settings.resolution())),
+        );
+    }
+    settings
+}
+
+/// A step that could not be made near the end of the run.
+fn too_short(settings: &Settings) -> Option<(f64, &'static str)> {
+    let step = match settings.solver {
+        Solver::Fixed { step, .. } => (step, "step"),
+        Solver::Variable { max_step, .. } => (max_step, "largest step"),
+    };
+    let rows = match settings.output {
+        OutputTimes::Every(spacing) => (spacing, "output interval"),
+        OutputTimes::Steps => (f64::INFINITY, ""),
+    };
+    [step, rows].into_iter().find(|(length, _)| *length > 0.0 && *length < settings.resolution())
 }
 
 /// What a start asks for, by name; where it lies is found once there is a schedule.
@@ -305,10 +335,25 @@ mod tests {
     }
 
     #[test]
+    fn times_that_cannot_be_told_apart_are_refused() {
+        assert_eq!(message("(stop_time: 1e300)"), "the stop time of 1e300 s is beyond the clock");
+        let steps = "is shorter than times can be told apart at 10 s";
+        assert_eq!(message("(solver: Ode4(step: 1e-20))"), format!("the step of 1e-20 s {steps}"));
+        assert_eq!(
+            message("(solver: Ode45(max_step: 1e-15))"),
+            format!("the largest step of 1e-15 s {steps}")
+        );
+        assert_eq!(message("(output: Every(1e-18))"), format!("the output interval of 1e-18 s {steps}"));
+        assert_eq!(message("(solver: Ode4(step: 1e-12))"), "");
+    }
+
+    #[test]
     fn a_misspelt_word_or_a_wrong_unit_is_named() {
         assert!(message("(stop: 1)").contains("`stop` is not known here"));
         assert!(message("(solver: Ode23tb())").contains("`Ode23tb` is no choice for `solver`"));
         assert!(message("(solver: Ode46())").contains("`Ode46` is no choice for `solver`"));
+        assert!(message("(solver: Ode45(rtoll: 1e-9))").contains("`rtoll` is not known here"));
+        assert!(message("(stop_time: Auto(marg: 1))").contains("`marg` is not known here"));
         assert!(message("(solver: Ode4())").contains("`step` is missing"));
         assert!(message("(stop_time: \"2 m\")").contains("expected a value in s"));
         assert!(message("(seed: -1)").contains("seed"));

@@ -75,6 +75,7 @@ pub(super) enum Stop {
 impl<'de> Deserialize<'de> for Stop {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
         enum Auto {
             Auto { margin: Option<Seconds> },
         }
@@ -93,6 +94,7 @@ pub(super) enum Output {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) enum Method {
     Ode1 { step: Seconds },
     Ode2 { step: Seconds },
