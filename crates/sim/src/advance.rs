@@ -5,6 +5,7 @@ use crate::diagnose::guard_of;
 use crate::events::Cut;
 use crate::guards::Stride;
 use crate::major::Arrival;
+use crate::pace::Flood;
 use crate::rhythm::Accumulation;
 use crate::{Observer, SimError, Simulation, diagnose};
 
@@ -134,6 +135,9 @@ impl Simulation {
         if cut.crossed {
             self.events += 1;
             self.tell_events(observer);
+            if let Some(flood) = self.pace.count(self.t, self.schedule.settings.stop_time) {
+                return Err(self.flooded(flood));
+            }
             // Friction, stops and valves have states of rest of their own.
             if let Some((guard, accumulation)) = self.guards.beat(self.t)
                 && guard_of(&self.schedule, guard).is_some_and(|(block, _)| block.parts.is_empty())
@@ -172,6 +176,22 @@ impl Simulation {
         SimError::new("endless_events", self.t, message).at(path).help(
             "give the law a state of rest, for instance a speed below which an impact ends in contact, or a hysteresis; \
              or stop the run before",
+        )
+    }
+
+    fn flooded(&self, Flood { count, within }: Flood) -> SimError {
+        let stop = self.schedule.settings.stop_time;
+        let fired = self.guards.fired.iter().position(|&fired| fired);
+        let (path, name) = fired
+            .and_then(|guard| guard_of(&self.schedule, guard))
+            .map_or(("", ""), |(block, name)| (block.path.as_str(), name));
+        let message = format!(
+            "there are too many events to be recorded: {count} within the last {within:.2e} s, the last one of `{path}` \
+             (`{name}`); until {stop} s there would be {:.0e} of them",
+            f64::from(count) * stop / within
+        );
+        SimError::new("endless_events", self.t, message).at(path).help(
+            "make what switches slower, with a wider hysteresis or a sample time; or stop the run before",
         )
     }
 

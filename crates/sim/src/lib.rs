@@ -11,11 +11,11 @@
 //! | `early` | resets from outside, which come before all else of their time |
 //! | `advance` | from one instant to the next: solver, events, rows in between |
 //! | `guards`, `looks`, `slopes`, `turn`, `scan` | conditions over a step: values, looks at stages, extrema, samples |
-//! | `rhythm` | events that come faster and faster |
+//! | `rhythm`, `pace` | events that come faster and faster; too many of them |
 //! | `audit` | was anything passed over? |
 //! | `plan` | the schedule as the hot loop wants it |
 //! | `evaluate`, `act`, `system` | calls of the blocks: outputs, all else, and what the solver sees |
-//! | `clock`, `events` | sample hits and time events; zero crossings |
+//! | `clock`, `events`, `modes` | sample hits and time events; zero crossings; modes where nobody looks for these |
 //! | `record`, `sides`, `refine` | rows; which sample hits need them on both sides; rows within steps |
 //! | `kinks` | steps that have looked beyond a kink, once more |
 //! | `past` | what blocks remember of steps |
@@ -38,6 +38,8 @@ mod kinks;
 mod looks;
 mod major;
 mod methods;
+mod modes;
+mod pace;
 mod past;
 mod peaks;
 mod plan;

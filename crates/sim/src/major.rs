@@ -36,12 +36,16 @@ impl Simulation {
         self.majors += 1;
         self.hit_count += self.hits.strike(self.t);
         self.diagram.settle.changed = false;
+        self.modes.note(&self.diagram.d);
         let reset = self.jump_early(first, observer)?;
         self.pass(first)?;
         if let Some(before) = self.rows.jumped_from() {
             observer.row(self.t, before);
         }
         let jumped = self.jump(first, observer)? || reset;
+        if !first {
+            self.tell_modes(observer);
+        }
         if self.rows.are_due(self.t) || why.event || why.end || jumped {
             observer.row(self.t, &self.rows.values);
         }

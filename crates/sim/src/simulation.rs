@@ -12,6 +12,8 @@ use crate::evaluate::Diagram;
 use crate::guards::Guards;
 use crate::kinks::Kinks;
 use crate::looks::Looks;
+use crate::modes::Modes;
+use crate::pace::Pace;
 use crate::past::Past;
 use crate::record::Rows;
 use crate::refine::Refine;
@@ -33,6 +35,8 @@ pub struct Simulation {
     pub(crate) guards: Guards,
     /// Which guards are those of kinks, and what repeats a step up to one.
     pub(crate) kinks: Kinks,
+    pub(crate) modes: Modes,
+    pub(crate) pace: Pace,
     pub(crate) rows: Rows,
     /// Where rows are needed within steps.
     pub(crate) refine: Refine,
@@ -132,6 +136,8 @@ impl Simulation {
             hits: Hits::new(&schedule.clock),
             guards: Guards::new(guards, schedule.states),
             kinks: Kinks::new(&schedule),
+            modes: Modes::new(&schedule),
+            pace: Pace::default(),
             rows: Rows::new(&schedule),
             refine: Refine::new(&schedule),
             past: Past::new(&schedule),

@@ -3,6 +3,7 @@
 use blocksim_solve::Memory;
 
 use crate::guards::Guards;
+use crate::pace::Pace;
 use crate::past::Past;
 use crate::refine::Refine;
 use crate::{SimError, Simulation, methods};
@@ -24,6 +25,7 @@ pub struct Snapshot {
     next_row: u64,
     next_step: u64,
     guards: Guards,
+    pace: Pace,
     past: Past,
     refine: Refine,
     stepper: Option<Memory>,
@@ -45,6 +47,7 @@ impl Simulation {
             next_row: self.rows.grid.as_ref().map_or(0, |grid| grid.next),
             next_step: self.grid.as_ref().map_or(0, |grid| grid.next),
             guards: self.guards.clone(),
+            pace: self.pace.clone(),
             past: self.past.clone(),
             refine: self.refine.clone(),
             stepper: self.stepper.as_ref().map(|stepper| stepper.memory()),
@@ -78,6 +81,7 @@ impl Simulation {
         self.rows.grid.iter_mut().for_each(|grid| grid.next = snapshot.next_row);
         self.grid.iter_mut().for_each(|grid| grid.next = snapshot.next_step);
         self.guards.clone_from(&snapshot.guards);
+        self.pace.clone_from(&snapshot.pace);
         self.past.clone_from(&snapshot.past);
         self.refine.clone_from(&snapshot.refine);
         self.stepper = methods::stepper(&self.schedule);

@@ -4,6 +4,7 @@ mod architecture;
 mod audit;
 mod bad_input;
 mod bad_physics;
+mod bad_runs;
 mod bridges;
 mod capacitor_loops;
 mod central_control;
