@@ -83,3 +83,40 @@ fn names_follow_the_rules_of_the_language() {
         assert_eq!(unique.len(), info.parameters.len(), "{} has a parameter twice", info.kind);
     }
 }
+
+/// Kinds with limits that start outside of them.
+const OUTSIDE: [&str; 8] = [
+    r#"Integrator(x0: 3, lower: -1, upper: 1)"#,
+    r#"DiscreteIntegrator(ts: "1 ms", x0: 3, lower: -1, upper: 1)"#,
+    r#"RevoluteJoint(axis: [0, 0, 1], position: "3 rad", lower: "-1 rad", upper: "1 rad")"#,
+    r#"PrismaticJoint(axis: [1, 0, 0], position: "3 m", lower: "-1 m", upper: "1 m")"#,
+    r#"RotationalHardStop(phi0: "3 rad", lower: "-1 rad", upper: "1 rad", stiffness: 1, damping: 1)"#,
+    r#"RotationalRigidStop(phi0: "3 rad", lower: "-1 rad", upper: "1 rad")"#,
+    r#"TranslationalHardStop(x0: "3 m", lower: "-1 m", upper: "1 m", stiffness: 1, damping: 1)"#,
+    r#"TranslationalRigidStop(x0: "3 m", lower: "-1 m", upper: "1 m")"#,
+];
+
+/// A start outside of the limits is a conflict between given values: it is told, and neither dropped nor cut off.
+#[test]
+fn every_kind_with_limits_refuses_a_start_outside_of_them() {
+    let has = |info: &blocksim_block::BlockInfo, names: &[&str]| {
+        info.parameters.iter().any(|parameter| names.contains(&parameter.name))
+    };
+    for info in kinds() {
+        let starts = has(info, &["x0", "y0", "phi0", "position", "initial"]);
+        // The state of a controller is its integral part, its limits are those of the sum.
+        let controls = has(info, &["ki"]);
+        if starts && !controls && has(info, &["lower"]) && has(info, &["upper"]) {
+            let shown = OUTSIDE.iter().any(|block| block.starts_with(&format!("{}(", info.kind)));
+            assert!(shown, "nobody has looked whether {} refuses a start outside of its limits", info.kind);
+        }
+    }
+    for block in OUTSIDE {
+        let (_, problems) = compile_text(&format!("Diagram(blocks: {{ \"a\": {block} }}, connections: [])"));
+        let told = problems.lines().any(|line| {
+            line.starts_with("error[parameter]")
+                && ["outside", "starts at", "start at"].iter().any(|word| line.contains(word))
+        });
+        assert!(told, "{block}: {problems}");
+    }
+}

@@ -61,7 +61,12 @@ impl Block for DiscreteIntegrator {
         positive("ts", self.ts)?;
         finite("gain", self.gain)?;
         finite("x0", self.x0)?;
-        ordered("lower", self.lower(), "upper", self.upper())
+        ordered("lower", self.lower(), "upper", self.upper())?;
+        if !(self.lower()..=self.upper()).contains(&self.x0) {
+            return Err(ParamError::new("x0", format!("`x0` is {}, outside the limits", self.x0))
+                .help(format!("choose it from {} to {}", self.lower(), self.upper())));
+        }
+        Ok(())
     }
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
