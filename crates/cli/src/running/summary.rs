@@ -83,9 +83,9 @@ const FEW: u64 = 200;
 /// Why an explicit method makes more steps than it should.
 fn limited(counts: &Counts) -> String {
     format!(
-        "stability limits {} of {}, not the tolerance: a stiff method takes fewer, `--solver auto` finds out where",
+        "stability limits {} of {} steps, not the tolerance: a stiff method takes fewer, `--solver auto` finds out where",
         count(counts.limited),
-        plural(counts.accepted as usize, "step")
+        count(counts.accepted)
     )
 }
 
