@@ -33,6 +33,8 @@ pub struct Part {
     pub discrete: Vec<Discrete>,
     /// Names of the guards.
     pub guards: Vec<String>,
+    /// Those of them that are kinks, see [`Interface::kink`](crate::Interface::kink).
+    pub kinks: Vec<String>,
     /// Has [`Component::jump`](super::Component::jump).
     pub jumps: bool,
     /// Has [`Component::next_event`](super::Component::next_event).
@@ -169,6 +171,12 @@ impl Part {
     pub fn guard(mut self, name: &str) -> Self {
         self.guards.push(name.to_owned());
         self
+    }
+
+    /// Adds a guard of a kink that is not held on its side between events.
+    pub fn kink(mut self, name: &str) -> Self {
+        self.kinks.push(name.to_owned());
+        self.guard(name)
     }
 
     /// Has [`Component::jump`](super::Component::jump).

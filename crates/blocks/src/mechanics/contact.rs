@@ -41,7 +41,7 @@ impl SpringDamper {
 
     /// Adds what happens where flanks meet and part; nothing without play.
     pub(crate) fn events(&self, part: Part) -> Part {
-        if self.backlash > 0.0 { part.guard("lower_flank").guard("upper_flank") } else { part }
+        if self.backlash > 0.0 { part.kink("lower_flank").kink("upper_flank") } else { part }
     }
 
     /// Distances from the flanks at a deflection.
@@ -90,7 +90,7 @@ impl Travel {
 
     /// Adds what happens where an end is reached and left.
     pub(crate) fn events(&self, part: Part) -> Part {
-        part.guard("lower").guard("upper")
+        part.kink("lower").kink("upper")
     }
 
     /// Distances from both ends at a position.

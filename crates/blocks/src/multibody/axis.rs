@@ -57,21 +57,21 @@ impl Inside {
 
     /// Adds what happens where an end of travel is reached and left; `number` tells several axes apart.
     pub(crate) fn events(&self, mut part: Part, number: &str) -> Part {
-        for (name, _) in self.ends(0.0) {
-            part = part.guard(&format!("{name}{number}"));
+        for (name, _) in self.ends(0.0, 0.0) {
+            part = part.kink(&format!("{name}{number}"));
         }
         part
     }
 
-    /// Writes the distances from the ends of travel at a position; returns how many there are.
-    pub(crate) fn guards(&self, q: f64, g: &mut [f64]) -> usize {
-        self.ends(q).zip(g).map(|((_, distance), g)| *g = distance).count()
+    /// Writes how far the ends of travel are from pressing, at a position and a speed; returns how many there are.
+    pub(crate) fn guards(&self, q: f64, w: f64, g: &mut [f64]) -> usize {
+        self.ends(q, w).zip(g).map(|((_, distance), g)| *g = distance).count()
     }
 
-    /// Names of the ends of travel and distances from them.
-    fn ends(&self, q: f64) -> impl Iterator<Item = (&'static str, f64)> {
-        let lower = self.lower.map(|lower| ("lower", q - lower));
-        lower.into_iter().chain(self.upper.map(|upper| ("upper", upper - q)))
+    /// Names of the ends of travel, and how far they are from pressing.
+    fn ends(&self, q: f64, w: f64) -> impl Iterator<Item = (&'static str, f64)> {
+        let lower = self.lower.map(|lower| ("lower", self.limit.apart(lower - q, -w)));
+        lower.into_iter().chain(self.upper.map(|upper| ("upper", self.limit.apart(q - upper, w))))
     }
 
     /// What spring, damper and both ends of travel store and turn into heat.

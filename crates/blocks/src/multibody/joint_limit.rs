@@ -36,6 +36,13 @@ impl JointLimit {
         Torque { value, slope: onset * self.damping }
     }
 
+    /// How far from pressing: negative while [`push`](Self::push) is above zero, zero where it sets in and where it ends, which
+    /// is before the parts are away from each other if a damper holds them back.
+    pub(crate) fn apart(&self, depth: f64, rate: f64) -> f64 {
+        let held = if self.stiffness > 0.0 { self.damping / self.stiffness * rate.min(0.0) } else { 0.0 };
+        -(depth + held)
+    }
+
     /// Energy of the spring, and heat of the damper. Where the damper would pull, the parts let go of each other, and
     /// what the spring still holds becomes heat while it relaxes by itself.
     pub(crate) fn energy(&self, depth: f64, rate: f64) -> Energy {

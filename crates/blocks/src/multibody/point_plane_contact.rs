@@ -101,7 +101,7 @@ impl Component for PointPlaneContact {
             .measures("slip", "m/s", Needs::State, "speed of the point along the plane")
             .element(Element::FrameForce { frame: 0 })
             .element(Element::FrameForce { frame: 1 })
-            .guard("touch")
+            .kink("touch")
     }
 
     fn wrenches(&self, c: &Law, f: &mut [Wrench]) {
@@ -109,7 +109,8 @@ impl Component for PointPlaneContact {
     }
 
     fn guards(&self, c: &Law, g: &mut [f64]) {
-        g[0] = self.touch(c.frames).depth;
+        let touch = self.touch(c.frames);
+        g[0] = self.ground().apart(touch.depth, -touch.rise);
     }
 
     fn energy(&self, c: &Law) -> Energy {

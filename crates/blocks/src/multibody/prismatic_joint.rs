@@ -109,7 +109,7 @@ impl Component for PrismaticJoint {
     }
 
     fn guards(&self, c: &Law, g: &mut [f64]) {
-        self.inside().guards(c.joint[0].q, g);
+        self.inside().guards(c.joint[0].q, c.joint[0].w, g);
     }
 
     fn energy(&self, c: &Law) -> Energy {

@@ -238,7 +238,9 @@ impl Component for Robot {
 
     fn guards(&self, c: &Law, g: &mut [f64]) {
         let joints = c.joint.iter().enumerate();
-        joints.fold(0, |first, (axis, joint)| first + self.inside(axis).guards(joint.q, &mut g[first..]));
+        joints.fold(0, |first, (axis, joint)| {
+            first + self.inside(axis).guards(joint.q, joint.w, &mut g[first..])
+        });
     }
 
     fn energy(&self, c: &Law) -> Energy {

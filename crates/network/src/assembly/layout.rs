@@ -309,7 +309,9 @@ fn free(
             std::mem::take(interface).discrete(format!("{}.{}", member.path, memory.name), memory.initial);
     }
     for guard in &part.guards {
-        *interface = std::mem::take(interface).guard(format!("{}.{guard}", member.path));
+        let name = format!("{}.{guard}", member.path);
+        let so_far = std::mem::take(interface);
+        *interface = if part.kinks.contains(guard) { so_far.kink(name) } else { so_far.guard(name) };
     }
     interface.jumps |= part.jumps;
     interface.time_events |= part.time_events;
