@@ -1,7 +1,7 @@
 //! Runs random models against the reference:
 //! `cargo run --release -p blocksim-tests --features random_models --bin random_models -- --count 2000`.
 //!
-//! `--class sampled` takes loops of sampled control instead of models of any signals; `--settings TEXT` follows their stop time.
+//! `--class sampled` or `mechanisms` takes those instead of models of any signals; `--settings TEXT` follows their stop time.
 //! `--seed N` is the first seed, `--variants` tries all methods and orders, `--show SEED` prints a model. What fails is shrunk and
 //! printed as a diagram with what was expected and found.
 
@@ -10,7 +10,8 @@ use std::io::{self, Write};
 use std::ops::Range;
 
 use blocksim_tests::random::{
-    Finding, Model, Puzzle, Sampled, Variant, Verdict, diagram, generate, judge, least, shrink, vary,
+    Finding, Mechanisms, Model, Puzzle, Sampled, Variant, Verdict, diagram, generate, judge, least, shrink,
+    vary,
 };
 
 fn main() -> io::Result<()> {
@@ -25,6 +26,7 @@ fn main() -> io::Result<()> {
     let word = |flag: &str| arguments.iter().skip_while(|argument| *argument != flag).nth(1).cloned();
     let settings = word("--settings").unwrap_or_default();
     match word("--class").as_deref() {
+        Some("mechanisms") => return solve::<Mechanisms>(first..first + count, &settings, most, out),
         Some("sampled") => return solve::<Sampled>(first..first + count, &settings, most, out),
         Some(other) => return writeln!(out, "no class `{other}`"),
         None => {}

@@ -25,12 +25,14 @@
 //! | file | idea |
 //! |---|---|
 //! | `puzzle` | what classes have in common |
+//! | `mechanisms` | chains of pendulums, closed loops, balls on planes, with friction, springs and ends of travel |
 //! | `sampled` | loops of sampled control at one or two rates around continuous plants |
 
 mod dice;
 mod generate;
 mod judge;
 mod laws;
+mod mechanisms;
 mod memory;
 mod model;
 mod nodes;
@@ -45,6 +47,7 @@ mod variants;
 pub use dice::Dice;
 pub use generate::{Size, generate};
 pub use judge::{Fault, Verdict, compare, judge};
+pub use mechanisms::Mechanisms;
 pub use model::{Law, Model, Node};
 pub use puzzle::{Finding, Puzzle, least};
 pub use reference::{Outcome, Undecided, refer};

@@ -40,6 +40,7 @@ mod parameters;
 #[cfg(unix)]
 mod plugins;
 mod power;
+mod random_mechanisms;
 mod random_sampled;
 mod random_shafts;
 mod random_signals;
