@@ -28,7 +28,10 @@ fn diagrams_take_no_memory_while_they_run() {
     let (counted, rest) =
         table.split_once("takes_memory").unwrap_or_else(|| panic!("the table is cut off:\n{table}"));
     assert!(
-        counted.contains("small") && counted.contains("robot") && counted.contains("robotics"),
+        counted.contains("loops")
+            && counted.contains("small")
+            && counted.contains("robot")
+            && counted.contains("robotics"),
         "{table}"
     );
     assert!(!counted.contains("alloc:"), "{table}");
@@ -66,6 +69,23 @@ fn robot(bencher: Bencher, set: &str) {
         started(schedule)
     };
     bencher.with_inputs(diagram).bench_refs(|sim| sim.run(&mut Last(0.0)).is_ok());
+}
+
+/// Two algebraic loops, one with branches.
+#[divan::bench]
+fn loops(bencher: Bencher) {
+    let text = r#"Diagram(
+        simulation: (stop_time: "2 s"),
+        blocks: {
+            "t": Ramp(slope: "3 1/s"), "e": Sum(signs: "+-"), "limit": Saturation(lower: -1, upper: 1), "k": Gain(k: 4),
+            "cos": Function(function: Cos), "p": Product(inputs: 2), "x": Integrator, "show": Scope(inputs: ["x"]),
+        },
+        connections: [
+            "t.y -> e.u1, p.u1", "e.y -> limit.u", "limit.y -> k.u", "k.y -> e.u2", "cos.y -> p.u2", "p.y -> cos.u, x.u", "x.y -> show.x",
+        ],
+    )"#;
+    let schedule = || blocksim_tests::compile_text(text).0.schedule.expect("a sound diagram");
+    bencher.with_inputs(|| started(schedule())).bench_refs(|sim| sim.run(&mut Last(0.0)).is_ok());
 }
 
 /// All blocks of robots on a move, of an arm with a closed form and of one without.

@@ -16,6 +16,8 @@ pub struct Schedule {
     pub blocks: Vec<Instance>,
     /// Output groups in the order of evaluation.
     pub steps: Vec<Step>,
+    /// Algebraic loops: steps that need each other's outputs at the same instant.
+    pub loops: Vec<Loop>,
     /// One entry for each output port.
     pub signals: Vec<Signal>,
     /// Values of all signals before the first evaluation; the cells behind the last signal hold the values of
@@ -90,6 +92,17 @@ pub struct Step {
     pub when: When,
     /// Whether derivatives or watched guards depend on it: only then it is evaluated in minor steps.
     pub minor: bool,
+}
+
+/// Steps, one behind the other, that form an algebraic loop. They can be evaluated in this order once some cells are known.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Loop {
+    /// First of its steps.
+    pub first: usize,
+    /// Number of its steps.
+    pub count: usize,
+    /// Cells among the signals that are read before they are written: the unknowns of the loop.
+    pub cells: Vec<usize>,
 }
 
 /// When an output group must be evaluated.

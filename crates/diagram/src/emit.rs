@@ -220,7 +220,10 @@ pub(crate) fn schedule(schedule: &Schedule) -> String {
     for rate in &schedule.clock.rates {
         let _ = writeln!(out, "rate {} s", rate.period as f64 * schedule.clock.tick);
     }
-    for step in &schedule.steps {
+    for (number, step) in schedule.steps.iter().enumerate() {
+        if let Some(found) = schedule.loops.iter().find(|found| found.first == number) {
+            let _ = writeln!(out, "solved: the next {}, for {} unknown", found.count, found.cells.len());
+        }
         let block = &schedule.blocks[step.block as usize];
         let when = match step.when {
             When::Constant => "once".to_owned(),

@@ -4,7 +4,7 @@ use blocksim_block::schedule::{Instance, Schedule, Solver};
 use blocksim_solve::StepError;
 
 use crate::SimError;
-use crate::evaluate::Diagram;
+use crate::evaluate::{Diagram, Failure};
 
 /// Size above which the value of an input is suspicious.
 const HUGE: f64 = 1e12;
@@ -15,12 +15,27 @@ const SMALLER: &str = "use a smaller step or a method of variable step";
 /// Who failed, where many blocks are one; the reason names those it is about.
 const NETWORK: &str = "the physical network";
 
+/// What helps where a loop has no solution.
+const BREAK: &str = "put a block without direct feedthrough into the loop, such as a LowPass; a jump within it, as that of a \
+                     Relay or a Sign, may leave it without a solution";
+
 /// Most inputs that are told.
 const FEW: usize = 4;
 
 /// The failure that a block has reported.
 pub(crate) fn failed(schedule: &Schedule, diagram: &mut Diagram) -> SimError {
     match diagram.failure.take() {
+        Some(Failure { ring: Some(ring), t, reason, block }) => {
+            let found = &schedule.loops[ring];
+            let steps = schedule.steps[found.first..].iter().take(found.count);
+            let mut names: Vec<&str> =
+                steps.map(|step| schedule.blocks[step.block as usize].path.as_str()).collect();
+            names.dedup();
+            let more = if names.len() > FEW { ", ..." } else { "" };
+            let names: Vec<String> = names.iter().take(FEW).map(|name| format!("`{name}`")).collect();
+            let message = format!("the algebraic loop of {}{more} {reason}", names.join(", "));
+            SimError::new("algebraic_loop", t, message).at(&schedule.blocks[block].path).help(BREAK)
+        }
         Some(failure) => {
             let block = &schedule.blocks[failure.block];
             let who = if block.parts.is_empty() { format!("`{}`", block.path) } else { NETWORK.to_owned() };

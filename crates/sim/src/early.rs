@@ -108,8 +108,12 @@ impl Diagram {
     /// Evaluates what the blocks that jump early depend on.
     pub fn before_jumps(&mut self, t: f64, x: &[f64], due: &[bool], first: bool) -> Result<(), Failed> {
         self.place(t, x);
+        let mut behind = 0;
         for i in 0..self.plan.early.calls.len() {
-            self.call(self.plan.early.calls[i], due, first)?;
+            // All calls of a loop are among these, if one is.
+            if self.plan.early.calls[i] >= behind {
+                behind = self.call(self.plan.early.calls[i], due, first)?;
+            }
         }
         Ok(())
     }

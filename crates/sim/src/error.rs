@@ -5,7 +5,7 @@ use std::fmt::{Display, Formatter, Result};
 /// A simulation that could not go on. Rows up to then have been handed to the observer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimError {
-    /// A word for the manual: `settings`, `block_failed`, `not_finite`, `step_size`, `chatter`,
+    /// A word for the manual: `settings`, `block_failed`, `not_finite`, `step_size`, `chatter`, `algebraic_loop`,
     /// `endless_events`, `time_event`, `no_steady_state`.
     pub code: &'static str,
     /// When, s.

@@ -5,6 +5,7 @@ use blocksim_block::{Context, Fault, Scratch};
 use blocksim_solve::Failed;
 
 use crate::looks::Looks;
+use crate::loops::{Loops, Pass};
 use crate::plan::{Call, Plan, Source, Unit};
 
 /// Everything that the evaluation of a diagram needs and changes, except time and states, which belong to whoever
@@ -18,6 +19,7 @@ pub(crate) struct Diagram {
     pub(crate) now: Now,
     pub(crate) scratch: Vec<Scratch>,
     pub settle: Settling,
+    pub loops: Loops,
     /// Guards at the stages of the solver.
     pub looks: Looks,
     /// Derivatives that nobody asked for.
@@ -65,6 +67,8 @@ pub(crate) struct Failure {
     pub block: usize,
     pub t: f64,
     pub reason: String,
+    /// The algebraic loop that could not be solved.
+    pub ring: Option<usize>,
 }
 
 impl Now {
@@ -130,6 +134,7 @@ impl Diagram {
             },
             scratch: schedule.blocks.iter().map(|instance| instance.block.scratch()).collect(),
             settle: Settling { last: vec![0; plan.units.len()], before: vec![0.0; discrete], changed: false },
+            loops: Loops::new(schedule),
             looks: Looks::default(),
             unused: vec![0.0; schedule.states],
             pinned: Vec::new(),
@@ -142,8 +147,9 @@ impl Diagram {
     /// `first` whether constants are evaluated, too.
     pub fn major(&mut self, t: f64, x: &[f64], due: &[bool], first: bool) -> Result<(), Failed> {
         self.enter(t, x);
-        for call in 0..self.plan.major.len() {
-            self.call(call, due, first)?;
+        let mut call = 0;
+        while call < self.plan.major.len() {
+            call = self.call(call, due, first)?;
         }
         let Self { plan, now, signals, d, settle, .. } = self;
         for &(block, rate) in &plan.settling {
@@ -158,16 +164,19 @@ impl Diagram {
         Ok(())
     }
 
-    /// One call of a major pass, if it is its time.
+    /// One call of a major pass, or the whole loop that it begins, if it is its time. Returns the call behind.
     #[inline(always)]
-    pub(crate) fn call(&mut self, call: usize, due: &[bool], first: bool) -> Result<(), Failed> {
+    pub(crate) fn call(&mut self, at: usize, due: &[bool], first: bool) -> Result<usize, Failed> {
         let Self { plan, now, signals, d, scratch, settle, pinned, .. } = self;
-        let call = &plan.major[call];
+        let call = &plan.major[at];
         let wanted = match call.when {
             When::Continuous | When::Major => true,
             When::Sampled(rate) => due[rate as usize],
             When::Constant => first && !pinned.contains(&(call.block as usize)),
         };
+        if call.begins {
+            return self.call_loop(at, wanted);
+        }
         if wanted {
             let block = call.block as usize;
             if call.settles && settle.last[block] != now.evaluation {
@@ -178,7 +187,16 @@ impl Diagram {
                 return Err(self.failed(block));
             }
         }
-        Ok(())
+        Ok(at + 1)
+    }
+
+    #[cold]
+    fn call_loop(&mut self, first: usize, wanted: bool) -> Result<usize, Failed> {
+        let Some(ring) = self.loops.at(first) else { return Ok(first + 1) };
+        if wanted {
+            self.settle_loop(ring)?;
+        }
+        Ok(first + self.loops.rings[ring].count)
     }
 
     /// Evaluates what changes between major steps; discrete states, sampled outputs and branches are held.
@@ -196,6 +214,9 @@ impl Diagram {
             return Ok(());
         }
         self.enter(t, x);
+        if !self.loops.rings.is_empty() {
+            return self.held_with_loops(wanted);
+        }
         let Self { plan, now, signals, d, scratch, .. } = self;
         let calls = if wanted == Known::Minor { &plan.minor } else { &plan.continuous };
         for call in calls {
@@ -217,6 +238,29 @@ impl Diagram {
         Ok(())
     }
 
+    /// The same where there are algebraic loops.
+    fn held_with_loops(&mut self, wanted: Known) -> Result<(), Failed> {
+        let pass = if wanted == Known::Minor { Pass::Minor } else { Pass::Continuous };
+        let mut at = 0;
+        loop {
+            let Self { plan, now, signals, d, scratch, loops, .. } = self;
+            let calls = if pass == Pass::Minor { &plan.minor } else { &plan.continuous };
+            let Some(call) = calls.get(at) else { break };
+            if let (true, Some(ring)) = (call.begins, loops.at(call.number as usize)) {
+                let count = loops.rings[ring].count;
+                self.solve_loop(ring, pass, at, |_, _| {})?;
+                at += count;
+            } else {
+                outputs(call, now, signals, d, scratch);
+                let block = call.block as usize;
+                self.checked(block)?;
+                at += 1;
+            }
+        }
+        self.now.known = wanted;
+        Ok(())
+    }
+
     /// As [`continuous`](Self::continuous), but always, with the calls of a major pass that are `asked` for and with someone
     /// who may change signals behind each call, whose number among those of the plan he is told. Nobody takes the signals
     /// for known afterwards.
@@ -228,9 +272,18 @@ impl Diagram {
         mut touch: impl FnMut(usize, &mut [f64]),
     ) -> Result<(), Failed> {
         self.enter(t, x);
+        let mut behind = 0;
         for (i, _) in asked.iter().enumerate().filter(|(_, asked)| **asked) {
-            let Self { plan, now, signals, d, scratch, .. } = self;
+            if i < behind {
+                continue;
+            }
+            let Self { plan, now, signals, d, scratch, loops, .. } = self;
             let call = &plan.major[i];
+            if let (true, Some(ring)) = (call.begins, loops.at(i)) {
+                behind = i + loops.rings[ring].count;
+                self.solve_loop(ring, Pass::Major, i, &mut touch)?;
+                continue;
+            }
             outputs(call, now, signals, d, scratch);
             if now.fault.is_raised() {
                 let block = call.block as usize;
@@ -280,8 +333,16 @@ impl Diagram {
     #[cold]
     fn failed(&mut self, block: usize) -> Failed {
         if let Some(reason) = self.now.fault.take() {
-            self.failure = Some(Failure { block, t: self.now.t, reason });
+            self.blame(block, reason);
         }
+        self.now.known = Known::Nothing;
+        Failed
+    }
+
+    /// Notes that a block could not go on, and why.
+    #[cold]
+    pub(crate) fn blame(&mut self, block: usize, reason: String) -> Failed {
+        self.failure = Some(Failure { block, t: self.now.t, reason, ring: None });
         self.now.known = Known::Nothing;
         Failed
     }
@@ -289,7 +350,7 @@ impl Diagram {
 
 /// Calls the outputs of one group. Always inlined: the call alone would cost a fifth of the pass.
 #[inline(always)]
-fn outputs(call: &Call, now: &mut Now, signals: &mut [f64], d: &[f64], scratch: &mut [Scratch]) {
+pub(crate) fn outputs(call: &Call, now: &mut Now, signals: &mut [f64], d: &[f64], scratch: &mut [Scratch]) {
     let unit = &call.unit;
     let (u, y) = match unit.source {
         Source::Below(from) => {
@@ -320,7 +381,7 @@ fn outputs(call: &Call, now: &mut Now, signals: &mut [f64], d: &[f64], scratch: 
 
 impl Settling {
     /// Lets a block choose its branch.
-    fn run(&mut self, block: usize, unit: &Unit, now: &mut Now, signals: &[f64], d: &mut [f64]) {
+    pub fn run(&mut self, block: usize, unit: &Unit, now: &mut Now, signals: &[f64], d: &mut [f64]) {
         let d = &mut d[unit.d.range()];
         let before = &mut self.before[..d.len()];
         before.copy_from_slice(d);

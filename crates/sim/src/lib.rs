@@ -36,6 +36,7 @@ mod frozen;
 mod guards;
 mod kinks;
 mod looks;
+mod loops;
 mod major;
 mod methods;
 mod modes;

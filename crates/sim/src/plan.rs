@@ -1,6 +1,6 @@
 //! The schedule as the hot loop wants it: flat, short, without strings.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -70,6 +70,10 @@ pub(crate) struct Call {
     pub group: u32,
     pub when: When,
     pub settles: bool,
+    /// Number among the calls of a major pass.
+    pub number: u32,
+    /// Whether an algebraic loop begins here.
+    pub begins: bool,
 }
 
 impl Call {
@@ -128,12 +132,15 @@ impl Plan {
         let chosen = |has: &dyn Fn(&Instance) -> bool| -> Vec<usize> {
             schedule.blocks.iter().enumerate().filter(|(_, b)| has(b)).map(|(i, _)| i).collect()
         };
+        let loops: BTreeSet<usize> = schedule.loops.iter().map(|found| found.first).collect();
         let settles = |block: u32| schedule.blocks[block as usize].interface.settles;
         let steps = schedule.steps.iter();
         let major: Vec<Call> = steps
-            .map(|&Step { block, group, when, .. }| {
+            .enumerate()
+            .map(|(number, &Step { block, group, when, .. })| {
                 let unit = units[block as usize].clone();
-                Call { unit, block, group, when, settles: settles(block) }
+                let begins = loops.contains(&number);
+                Call { unit, block, group, when, settles: settles(block), number: number as u32, begins }
             })
             .collect();
         let between = |minor: bool| {

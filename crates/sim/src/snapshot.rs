@@ -19,6 +19,7 @@ pub struct Snapshot {
     x: Vec<f64>,
     d: Vec<f64>,
     signals: Vec<f64>,
+    loops: Vec<f64>,
     started: bool,
     next_hits: Vec<u64>,
     due: Vec<bool>,
@@ -41,6 +42,7 @@ impl Simulation {
             x: self.x.clone(),
             d: self.diagram.d.clone(),
             signals: self.diagram.signals.clone(),
+            loops: self.diagram.loops.anchors.clone(),
             started: self.started,
             next_hits: self.hits.next.clone(),
             due: self.hits.due.clone(),
@@ -64,6 +66,7 @@ impl Simulation {
         let fits = snapshot.x.len() == self.x.len()
             && snapshot.d.len() == self.diagram.d.len()
             && snapshot.signals.len() == self.diagram.signals.len()
+            && snapshot.loops.len() == self.diagram.loops.anchors.len()
             && snapshot.next_hits.len() == self.hits.next.len()
             && snapshot.guards.fired.len() == self.guards.fired.len();
         if !fits {
@@ -73,6 +76,7 @@ impl Simulation {
         self.x.clone_from(&snapshot.x);
         self.diagram.d.clone_from(&snapshot.d);
         self.diagram.signals.clone_from(&snapshot.signals);
+        self.diagram.loops.anchors.clone_from(&snapshot.loops);
         self.diagram.place(self.t, &self.x);
         self.started = snapshot.started;
         self.hits.next.clone_from(&snapshot.next_hits);

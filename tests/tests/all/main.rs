@@ -31,6 +31,7 @@ mod kinks;
 mod library;
 mod limits_of_signals;
 mod long_shafts;
+mod loops;
 mod lossy_gears;
 mod motors;
 mod moves;

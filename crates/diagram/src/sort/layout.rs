@@ -2,30 +2,26 @@
 
 use std::collections::{HashMap, HashSet};
 
-use blocksim_block::schedule::{Clock, Instance, Keep, Recorded, Schedule, Settings, Signal, Step, When};
+use blocksim_block::schedule::{
+    Clock, Instance, Keep, Loop, Recorded, Schedule, Settings, Signal, Step, When,
+};
 
-use super::clock::rate_of;
-use super::order::Order;
-use super::when::{needed_in_minor_steps, watched, when};
+use super::order::{Group, Order, Sorted};
+use super::when::{needed_in_minor_steps, watched};
 use crate::flatten::Source;
 
 pub(super) fn lay_out(
     title: String,
     order: &Order,
     settings: Settings,
-    sorted: &[(usize, usize)],
+    sorted: &Sorted,
     clock: Clock,
+    rates: &HashMap<usize, usize>,
+    when: &HashMap<Group, When>,
 ) -> Schedule {
     let (flat, typed) = (order.flat, order.typed);
-    let rates: HashMap<usize, usize> = typed
-        .interfaces
-        .iter()
-        .enumerate()
-        .filter_map(|(block, interface)| rate_of(interface, &clock).map(|rate| (block, rate)))
-        .collect();
-    let when = when(flat, typed, sorted, &rates);
-    let watched = watched(order, &when, &rates);
-    let needed = needed_in_minor_steps(order, &when, &watched);
+    let watched = watched(order, when, rates);
+    let needed = needed_in_minor_steps(order, when, &watched);
 
     let mut signals = Vec::new();
     let mut first_signal = Vec::new();
@@ -116,6 +112,7 @@ pub(super) fn lay_out(
         recorded.push(name, signal, &Called { held: held(source), ..Called::default() });
     }
     let steps = sorted
+        .groups
         .iter()
         .map(|(block, group)| Step {
             block: *block as u32,
@@ -124,10 +121,18 @@ pub(super) fn lay_out(
             minor: needed.contains(&(*block, *group)),
         })
         .collect();
+    let loops = sorted.rings.iter().map(|ring| {
+        let outputs = ring.cut.iter().map(|(block, output)| &signals[first_signal[*block].0 + output]);
+        let cells = outputs.flat_map(|signal| signal.offset..signal.offset + signal.shape.len()).collect();
+        let first = sorted.groups.iter().position(|group| Some(group) == ring.groups.first()).unwrap_or(0);
+        Loop { first, count: ring.groups.len(), cells }
+    });
+    let loops = loops.collect();
     Schedule {
         title,
         blocks,
         steps,
+        loops,
         signals,
         initial_signals,
         states: x,

@@ -1,28 +1,122 @@
-//! Algebraic loops, told hop by hop.
+//! Algebraic loops: cut open so that they can be solved, or told hop by hop.
 
-use std::collections::{HashMap, HashSet, VecDeque};
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap, HashSet, VecDeque};
 
-use blocksim_block::problem::Problem;
+use blocksim_block::problem::{Problem, Severity};
+use blocksim_block::schedule::When;
+use blocksim_signal::Kind;
+use petgraph::Direction;
 use petgraph::algo::kosaraju_scc;
-use petgraph::graph::NodeIndex;
+use petgraph::graph::{DiGraph, NodeIndex};
 
-use super::order::Order;
+use super::order::{Group, Order, Sorted};
+
+/// What helps wherever a loop is not meant, or cannot be solved.
+const BREAK: &str = "put a block without direct feedthrough into the loop: a LowPass, an Integrator or, for sampled signals, a UnitDelay";
+
+/// An algebraic loop.
+pub(super) struct Ring {
+    /// Its groups, in an order in which each follows those that it reads, but for those that are cut.
+    pub groups: Vec<Group>,
+    /// Outputs, by block and number, that are guessed, and corrected until they are what their blocks give.
+    pub cut: Vec<(usize, usize)>,
+    /// A shortest way round.
+    cycle: Vec<Group>,
+}
 
 impl Order<'_> {
-    /// Every algebraic loop with all its hops.
-    pub(super) fn loops(&self) -> Vec<Problem> {
-        kosaraju_scc(&self.graph)
-            .into_iter()
-            .filter(|component| component.len() > 1 || self.graph.contains_edge(component[0], component[0]))
-            .map(|mut component| {
-                component.sort_by_key(|node| self.graph[*node]);
-                self.describe(&self.cycle(&component))
+    /// Cuts a loop open, at outputs of few numbers through which many ways go.
+    pub(super) fn ring(&self, component: &[NodeIndex]) -> Result<Ring, Problem> {
+        let mut component = component.to_vec();
+        component.sort_by_key(|node| self.graph[*node]);
+        let cycle = self.cycle(&component);
+        let inside: HashSet<Group> = component.iter().map(|node| self.graph[*node]).collect();
+        let mut graph: DiGraph<Group, ()> = DiGraph::new();
+        let node_of: HashMap<Group, NodeIndex> =
+            component.iter().map(|node| (self.graph[*node], graph.add_node(self.graph[*node]))).collect();
+        for node in &component {
+            for after in self.graph.neighbors(*node).filter_map(|after| node_of.get(&self.graph[after])) {
+                graph.update_edge(node_of[&self.graph[*node]], *after, ());
+            }
+        }
+        let read = self.read_within(&inside);
+        let mut cut = Vec::new();
+        loop {
+            let closed = kosaraju_scc(&graph).into_iter().find(|part| is_closed(&graph, part));
+            let Some(part) = closed else { break };
+            let ways = |node: NodeIndex| {
+                let count = |direction| graph.neighbors_directed(node, direction).count();
+                count(Direction::Incoming) * count(Direction::Outgoing)
+            };
+            let best = part
+                .iter()
+                .filter_map(|node| {
+                    Some((self.width(graph[*node], &read)?, Reverse(ways(*node)), graph[*node]))
+                })
+                .min();
+            let Some((_, _, group)) = best else {
+                return Err(self.describe(&cycle).note("only real numbers can be solved for").help(BREAK));
+            };
+            cut.extend(self.of_group(group, &read));
+            graph.retain_edges(|graph, edge| {
+                graph.edge_endpoints(edge).is_none_or(|(from, _)| graph[from] != group)
+            });
+        }
+        Ok(Ring { groups: in_order(&graph), cut, cycle })
+    }
+
+    /// Outputs, by block and number, that members of a loop read at the same instant.
+    fn read_within(&self, inside: &HashSet<Group>) -> HashSet<(usize, usize)> {
+        let mut read = HashSet::new();
+        for &(block, group) in inside {
+            let inputs = self.flat.blocks[block].inputs.iter().enumerate();
+            let seen = inputs.filter(|(input, _)| self.typed.interfaces[block].reads(group, *input));
+            let sources = seen.filter_map(|(_, source)| source.as_ref());
+            read.extend(sources.map(|source| (source.block, source.output)).filter(|&(block, output)| {
+                inside.contains(&(block, self.typed.interfaces[block].group_of[output]))
+            }));
+        }
+        read
+    }
+
+    /// Those of the outputs that belong to a group.
+    fn of_group(&self, (block, group): Group, read: &HashSet<(usize, usize)>) -> Vec<(usize, usize)> {
+        let outputs = self.typed.interfaces[block].group_of.iter().enumerate();
+        let own = outputs.filter(|(_, of)| **of == group).map(|(output, _)| (block, output));
+        own.filter(|output| read.contains(output)).collect()
+    }
+
+    /// How many numbers of a group the others read, if all of them are real.
+    fn width(&self, group: Group, read: &HashSet<(usize, usize)>) -> Option<usize> {
+        let ports = self.of_group(group, read).into_iter();
+        ports
+            .map(|(block, output)| {
+                let port = &self.typed.interfaces[block].outputs[output].port_type;
+                (port.kind == Kind::Real).then(|| port.shape.len())
             })
-            .collect()
+            .sum()
+    }
+
+    /// Warns of the loops that are solved, and refuses those whose members are not evaluated at the same times.
+    pub(super) fn judge(&self, sorted: &Sorted, when: &HashMap<Group, When>) -> Vec<Problem> {
+        let judged = sorted.rings.iter().map(|ring| {
+            let mut times = ring.groups.iter().map(|group| when.get(group));
+            let first = times.next();
+            if times.any(|other| Some(other) != first) {
+                let reason = "its blocks are evaluated at different times: some at samples, others always or at other samples";
+                return self.describe(&ring.cycle).note(reason).help(BREAK);
+            }
+            let told = self.describe(&ring.cycle);
+            let message = format!("{}; solved at every instant", told.message);
+            let help = format!("nothing is to be done if the loop is meant; else {BREAK}");
+            Problem { severity: Severity::Warning, message, ..told }.help(help)
+        });
+        judged.collect()
     }
 
     /// A shortest cycle through the first group of a component.
-    fn cycle(&self, component: &[NodeIndex]) -> Vec<(usize, usize)> {
+    fn cycle(&self, component: &[NodeIndex]) -> Vec<Group> {
         let start = component[0];
         let inside: HashSet<&NodeIndex> = component.iter().collect();
         let mut come_from: HashMap<NodeIndex, NodeIndex> = HashMap::new();
@@ -49,7 +143,7 @@ impl Order<'_> {
         component.iter().map(|node| self.graph[*node]).collect()
     }
 
-    fn describe(&self, cycle: &[(usize, usize)]) -> Problem {
+    fn describe(&self, cycle: &[Group]) -> Problem {
         let name = |block: usize| self.flat.blocks[block].path.clone();
         let mut hops: Vec<String> = cycle.iter().map(|(block, _)| name(*block)).collect();
         hops.push(name(cycle[0].0));
@@ -74,8 +168,32 @@ impl Order<'_> {
                 }
             }
         }
-        problem.help(
-            "put a block without direct feedthrough into the loop: a LowPass, an Integrator or, for sampled signals, a UnitDelay",
-        )
+        problem
     }
+}
+
+/// Whether there is a way round among the nodes of a component.
+fn is_closed(graph: &DiGraph<Group, ()>, part: &[NodeIndex]) -> bool {
+    part.len() > 1 || graph.contains_edge(part[0], part[0])
+}
+
+/// Groups of a graph without loops, each behind those that it reads; ties go by block and group.
+fn in_order(graph: &DiGraph<Group, ()>) -> Vec<Group> {
+    let mut waiting: Vec<usize> = graph
+        .node_indices()
+        .map(|node| graph.neighbors_directed(node, Direction::Incoming).count())
+        .collect();
+    let first = graph.node_indices().filter(|node| waiting[node.index()] == 0);
+    let mut ready: BinaryHeap<_> = first.map(|node| Reverse((graph[node], node))).collect();
+    let mut sorted = Vec::with_capacity(graph.node_count());
+    while let Some(Reverse((group, node))) = ready.pop() {
+        sorted.push(group);
+        for after in graph.neighbors(node) {
+            waiting[after.index()] -= 1;
+            if waiting[after.index()] == 0 {
+                ready.push(Reverse((graph[after], after)));
+            }
+        }
+    }
+    sorted
 }

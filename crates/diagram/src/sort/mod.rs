@@ -6,14 +6,17 @@ mod loops;
 mod order;
 mod when;
 
+use std::collections::HashMap;
+
 use blocksim_block::schedule::{Schedule, Settings};
 
 use crate::flatten::Flat;
 use crate::infer::Typed;
 use crate::problems::Problems;
-use clock::clock;
+use clock::{clock, rate_of};
 use layout::lay_out;
 use order::Order;
+use when::when;
 
 /// Sorts the output groups and lays out all values.
 pub(crate) fn sort(
@@ -35,7 +38,15 @@ pub(crate) fn sort(
     if problems.any_error() {
         return None;
     }
-    Some(lay_out(title, &order, settings, &sorted, clock))
+    let rated = typed.interfaces.iter().enumerate();
+    let rates = rated.filter_map(|(block, interface)| rate_of(interface, &clock).map(|rate| (block, rate)));
+    let rates: HashMap<usize, usize> = rates.collect();
+    let when = when(flat, typed, &sorted, &rates);
+    order.judge(&sorted, &when).into_iter().for_each(|problem| problems.push(problem));
+    if problems.any_error() {
+        return None;
+    }
+    Some(lay_out(title, &order, settings, &sorted, clock, &rates, &when))
 }
 
 /// The longest time that a block has something to show, for `stop_time: Auto`.
@@ -47,7 +58,7 @@ pub(crate) fn end_time(flat: &Flat) -> Option<f64> {
 mod tests {
     use std::time::{Duration, Instant};
 
-    use blocksim_block::schedule::{OutputTimes, Rate, Solver, Start, VariableMethod, When};
+    use blocksim_block::schedule::{Loop, OutputTimes, Rate, Solver, Start, VariableMethod, When};
 
     use super::*;
     use crate::elaborate::elaborate;
@@ -110,8 +121,25 @@ mod tests {
         let blocks = "\"a\": Gain, \"b\": Gain, \"c\": Gain, \"d\": Gain";
         let (schedule, messages) =
             scheduled(flat(blocks, "\"a.y -> c.u, d.u\", \"c.y -> b.u\", \"b.y -> a.u\""));
-        assert!(schedule.is_none());
-        assert_eq!(messages, ["algebraic loop: a -> c -> b -> a"]);
+        assert_eq!(messages, ["algebraic loop: a -> c -> b -> a; solved at every instant"]);
+        let schedule = schedule.expect("a schedule");
+        // Each follows its source but for one, behind which the loop is cut; `d` only looks on.
+        assert_eq!(order(&schedule), ["c", "b", "a", "d"]);
+        let cell = schedule.signals.iter().find(|signal| signal.path == "a.y").map(|signal| signal.offset);
+        assert_eq!(schedule.loops, [Loop { first: 0, count: 3, cells: cell.into_iter().collect() }]);
+    }
+
+    #[test]
+    fn a_loop_of_several_ways_is_cut_where_they_meet() {
+        // Two rings that have `a` in common, and a third behind them.
+        let blocks = "\"a\": Sum, \"b\": Gain, \"c\": Gain, \"x\": Sum, \"y\": Gain";
+        let wires =
+            "\"a.y -> b.u, c.u, x.u\", \"b.y -> a.u\", \"c.y -> a.v\", \"x.y -> y.u\", \"y.y -> x.v\"";
+        let schedule = scheduled(flat(blocks, wires)).0.expect("a schedule");
+        let loops: Vec<(usize, usize, usize)> =
+            schedule.loops.iter().map(|found| (found.first, found.count, found.cells.len())).collect();
+        assert_eq!(loops, [(0, 3, 1), (3, 2, 1)]);
+        assert_eq!(order(&schedule)[..3], ["b", "c", "a"]);
     }
 
     fn sampled(times: &[(f64, f64)]) -> (Option<Schedule>, Vec<String>) {
@@ -161,7 +189,8 @@ mod tests {
         assert_eq!(crate::emit::schedule(&schedule).lines().count(), 20_002);
         // The same row closed to a loop.
         connections.push_str("\"g00000.y -> g19999.u\"");
-        let (_, messages) = scheduled(flat(&blocks, &connections));
+        let (schedule, messages) = scheduled(flat(&blocks, &connections));
+        assert_eq!(schedule.map(|schedule| schedule.loops[0].cells.len()), Some(1));
         assert!(messages[0].starts_with("algebraic loop: g00000 -> g19999 -> g19998"));
         assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
     }

@@ -4,18 +4,31 @@ use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
 use blocksim_block::problem::Problem;
-use petgraph::Direction;
+use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
 use crate::flatten::Flat;
 use crate::infer::Typed;
 
+use super::loops::Ring;
+
+/// A block and one of its output groups.
+pub(super) type Group = (usize, usize);
+
+/// Output groups in the order of evaluation.
+#[derive(Default)]
+pub(super) struct Sorted {
+    pub groups: Vec<Group>,
+    /// Algebraic loops; their groups stand one behind the other in `groups`.
+    pub rings: Vec<Ring>,
+}
+
 /// Output groups and what they wait for.
 pub(super) struct Order<'a> {
     pub flat: &'a Flat,
     pub typed: &'a Typed,
-    pub graph: DiGraph<(usize, usize), ()>,
-    pub node_of: HashMap<(usize, usize), NodeIndex>,
+    pub graph: DiGraph<Group, ()>,
+    pub node_of: HashMap<Group, NodeIndex>,
 }
 
 impl<'a> Order<'a> {
@@ -40,7 +53,7 @@ impl<'a> Order<'a> {
     }
 
     /// Groups that a group reads at the same instant, with the input.
-    pub(super) fn reads(&self, block: usize, group: usize) -> Vec<((usize, usize), usize)> {
+    pub(super) fn reads(&self, block: usize, group: usize) -> Vec<(Group, usize)> {
         let interface = &self.typed.interfaces[block];
         let mut reads = Vec::new();
         for (input, source) in self.flat.blocks[block].inputs.iter().enumerate() {
@@ -54,31 +67,52 @@ impl<'a> Order<'a> {
         reads
     }
 
-    /// Groups in an order in which every one follows those that it reads; ties go by path, then group, so that
-    /// the order of the file does not matter.
-    pub(super) fn topological(&self) -> Result<Vec<(usize, usize)>, Vec<Problem>> {
-        let mut waiting: HashMap<NodeIndex, usize> = HashMap::new();
-        let mut ready = BinaryHeap::new();
-        for node in self.graph.node_indices() {
-            let count = self.graph.neighbors_directed(node, Direction::Incoming).count();
-            waiting.insert(node, count);
-            if count == 0 {
-                ready.push(Reverse(self.graph[node]));
-            }
+    /// Groups in an order in which every one follows those that it reads; ties go by path, then group, so that the order of
+    /// the file does not matter. Those of an algebraic loop stand together.
+    ///
+    /// # Errors
+    /// Each loop that cannot be solved.
+    pub(super) fn topological(&self) -> Result<Sorted, Vec<Problem>> {
+        let components = kosaraju_scc(&self.graph);
+        let mut part_of = vec![0; self.graph.node_count()];
+        for (part, nodes) in components.iter().enumerate() {
+            nodes.iter().for_each(|node| part_of[node.index()] = part);
+        }
+        let mut waiting = vec![0_usize; components.len()];
+        let leaving = |part: usize| {
+            let edges = components[part].iter().flat_map(|node| self.graph.neighbors(*node));
+            edges.map(|after| part_of[after.index()]).filter(move |after| *after != part)
+        };
+        for part in 0..components.len() {
+            leaving(part).for_each(|after| waiting[after] += 1);
         }
         // Blocks are sorted by path, so their index is their rank.
-        let mut sorted = Vec::with_capacity(self.graph.node_count());
-        while let Some(Reverse(next)) = ready.pop() {
-            sorted.push(next);
-            for after in self.graph.neighbors_directed(self.node_of[&next], Direction::Outgoing) {
-                if let Some(count) = waiting.get_mut(&after) {
-                    *count -= 1;
-                    if *count == 0 {
-                        ready.push(Reverse(self.graph[after]));
+        let rank = |part: usize| {
+            components[part].iter().map(|node| self.graph[*node]).min().map(|first| (first, part))
+        };
+        let first = (0..components.len()).filter(|part| waiting[*part] == 0).filter_map(rank);
+        let mut ready: BinaryHeap<_> = first.map(Reverse).collect();
+        let (mut sorted, mut problems) = (Sorted::default(), Vec::new());
+        while let Some(Reverse((group, part))) = ready.pop() {
+            let nodes = &components[part];
+            if nodes.len() == 1 && !self.graph.contains_edge(nodes[0], nodes[0]) {
+                sorted.groups.push(group);
+            } else {
+                match self.ring(nodes) {
+                    Ok(ring) => {
+                        sorted.groups.extend(&ring.groups);
+                        sorted.rings.push(ring);
                     }
+                    Err(problem) => problems.push(problem),
+                }
+            }
+            for after in leaving(part) {
+                waiting[after] -= 1;
+                if waiting[after] == 0 {
+                    ready.extend(rank(after).map(Reverse));
                 }
             }
         }
-        if sorted.len() == self.graph.node_count() { Ok(sorted) } else { Err(self.loops()) }
+        if problems.is_empty() { Ok(sorted) } else { Err(problems) }
     }
 }

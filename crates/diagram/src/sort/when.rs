@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use blocksim_block::schedule::When;
 use blocksim_signal::SampleTime;
 
-use super::order::Order;
+use super::order::{Group, Order, Sorted};
 use crate::flatten::Flat;
 use crate::infer::Typed;
 
@@ -13,11 +13,11 @@ use crate::infer::Typed;
 pub(super) fn when(
     flat: &Flat,
     typed: &Typed,
-    sorted: &[(usize, usize)],
+    sorted: &Sorted,
     rates: &HashMap<usize, usize>,
-) -> HashMap<(usize, usize), When> {
-    let mut when: HashMap<(usize, usize), When> = HashMap::new();
-    for (block, group) in sorted {
+) -> HashMap<Group, When> {
+    let mut when: HashMap<Group, When> = HashMap::new();
+    for (block, group) in &sorted.groups {
         let interface = &typed.interfaces[*block];
         // A block with continuous states is evaluated between its hits, too.
         let found = if let (Some(rate), true) = (rates.get(block), interface.states.is_empty()) {
@@ -41,21 +41,36 @@ pub(super) fn when(
                 let from = (source.block, typed.interfaces[source.block].group_of[source.output]);
                 latest = match (latest, when.get(&from)) {
                     (When::Continuous, _) | (_, Some(When::Continuous)) => When::Continuous,
-                    (latest, Some(When::Constant)) => latest,
+                    // Only within an algebraic loop nothing is known yet.
+                    (latest, Some(When::Constant) | None) => latest,
                     _ => When::Major,
                 };
             }
             latest
         };
         when.insert((*block, *group), found);
+        if let Some(ring) = sorted.rings.iter().find(|ring| ring.groups.last() == Some(&(*block, *group))) {
+            unify(&ring.groups, &mut when);
+        }
     }
     when
+}
+
+/// A loop is evaluated as a whole: whenever one of its members is. Those of a sample time stay as they are.
+fn unify(groups: &[Group], when: &mut HashMap<Group, When>) {
+    let of = |group: &(usize, usize)| when.get(group).copied().unwrap_or(When::Constant);
+    let found: Vec<When> = groups.iter().map(of).collect();
+    if found.iter().any(|when| matches!(when, When::Sampled(_))) {
+        return;
+    }
+    let latest = [When::Continuous, When::Major].into_iter().find(|when| found.contains(when));
+    when.extend(groups.iter().map(|group| (*group, latest.unwrap_or(When::Constant))));
 }
 
 /// Blocks whose guards can cross zero between major steps: they have states, look at time, or at something that changes.
 pub(super) fn watched(
     order: &Order,
-    when: &HashMap<(usize, usize), When>,
+    when: &HashMap<Group, When>,
     rates: &HashMap<usize, usize>,
 ) -> Vec<bool> {
     let interfaces = order.typed.interfaces.iter().enumerate();
@@ -71,7 +86,7 @@ pub(super) fn watched(
 }
 
 /// Groups that the inputs of a block come from.
-fn sources<'a>(order: &'a Order, block: usize) -> impl Iterator<Item = (usize, usize)> + 'a {
+fn sources<'a>(order: &'a Order, block: usize) -> impl Iterator<Item = Group> + 'a {
     let connected = order.flat.blocks[block].inputs.iter().flatten();
     connected.map(|source| (source.block, order.typed.interfaces[source.block].group_of[source.output]))
 }
@@ -79,11 +94,11 @@ fn sources<'a>(order: &'a Order, block: usize) -> impl Iterator<Item = (usize, u
 /// Groups that change between major steps and that derivatives, guards or memories depend on.
 pub(super) fn needed_in_minor_steps(
     order: &Order,
-    when: &HashMap<(usize, usize), When>,
+    when: &HashMap<Group, When>,
     watched: &[bool],
-) -> HashSet<(usize, usize)> {
-    let mut needed: HashSet<(usize, usize)> = HashSet::new();
-    let mut stack: Vec<(usize, usize)> = Vec::new();
+) -> HashSet<Group> {
+    let mut needed: HashSet<Group> = HashSet::new();
+    let mut stack: Vec<Group> = Vec::new();
     for (block, interface) in order.typed.interfaces.iter().enumerate() {
         if !interface.states.is_empty() || watched[block] || interface.accepts {
             stack.extend(sources(order, block));

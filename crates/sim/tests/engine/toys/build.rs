@@ -196,6 +196,7 @@ impl Toy {
         Arc::new(Schedule {
             title: "toy".to_owned(),
             steps,
+            loops: Vec::new(),
             initial_signals: vec![0.0; y],
             states: x,
             discrete: d,

@@ -1,0 +1,197 @@
+//! Algebraic loops are solved: against closed forms, with every method, and refused where there is nothing to solve.
+
+use blocksim_tests::{Run, compile_text, run, run_text};
+
+fn simulate(solver: &str, blocks: &str, connections: &str) -> Run {
+    run_text(&format!(
+        "Diagram(simulation: (stop_time: 2, solver: {solver}), blocks: {{ {blocks} }}, connections: [ {connections} ])"
+    ))
+}
+
+/// What goes wrong while it runs, as code and message.
+fn error(blocks: &str, connections: &str) -> (&'static str, String) {
+    let text = format!(
+        "Diagram(simulation: (stop_time: 2), blocks: {{ {blocks} }}, connections: [ {connections} ])"
+    );
+    let (compiled, problems) = compile_text(&text);
+    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+    let error = run.error.expect("an error");
+    (error.code, error.message)
+}
+
+#[track_caller]
+fn every_row(run: &Run, column: &str, tolerance: f64, expected: impl Fn(f64) -> f64) {
+    assert!(run.time.len() > 10, "{:?}", run.time);
+    for (t, y) in run.time.iter().zip(run.column(column)) {
+        assert!((y - expected(*t)).abs() <= tolerance, "{column} at {t}: {y} instead of {}", expected(*t));
+    }
+}
+
+const SOLVERS: [&str; 6] = ["Auto", "Ode23", "Ode15s", "Radau5", "Rodas4", "Ode4(step: \"10 ms\")"];
+
+#[test]
+fn a_linear_loop_has_the_gain_of_its_closed_form() {
+    for k in [2.0, 1e6, -0.5, -3.0, 1e-9] {
+        let run = simulate(
+            "Auto",
+            &format!(
+                r#""u": Sine(amplitude: 3, frequency: "1 Hz"), "e": Sum(signs: "+-"), "k": Gain(k: {k:e}), "show": Scope(inputs: ["e"])"#
+            ),
+            r#""u.y -> e.u1", "e.y -> k.u, show.e", "k.y -> e.u2""#,
+        );
+        let size = 3.0 / f64::abs(1.0 + k);
+        every_row(&run, "show.e", 1e-11 * size, |t| 3.0 * (std::f64::consts::TAU * t).sin() / (1.0 + k));
+    }
+}
+
+/// A plant that passes its input on at once, (s + 2) / (s + 1), under a proportional controller: the step response of
+/// k (s + 2) / ((1 + k) s + 1 + 2 k).
+#[test]
+fn a_controller_around_a_plant_that_passes_its_input_on_follows_the_closed_loop() {
+    let k = 4.0_f64;
+    for solver in SOLVERS {
+        let run = simulate(
+            solver,
+            r#""r": Constant(value: 1), "e": Sum(signs: "+-"), "k": Gain(k: 4),
+               "g": TransferFunction(num: [1, 2], den: [1, 1]), "show": Scope(inputs: ["y"])"#,
+            r#""r.y -> e.u1", "e.y -> k.u", "k.y -> g.u", "g.y -> e.u2, show.y""#,
+        );
+        let (first, last) = (k / (1.0 + k), 2.0 * k / (1.0 + 2.0 * k));
+        let rate = (1.0 + 2.0 * k) / (1.0 + k);
+        every_row(&run, "show.y", 1e-5, |t| last + (first - last) * (-rate * t).exp());
+    }
+}
+
+#[test]
+fn a_loop_that_is_not_linear_is_solved_at_every_instant() {
+    // y = t cos(y), by bisection.
+    let solution = |t: f64| {
+        let (mut low, mut high) = (0.0, std::f64::consts::FRAC_PI_2);
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if middle < t * f64::cos(middle) { low = middle } else { high = middle }
+        }
+        low
+    };
+    for solver in SOLVERS {
+        let run = simulate(
+            solver,
+            r#""t": Ramp(slope: "1 1/s"), "cos": Function(function: Cos), "p": Product(inputs: 2), "sum": Integrator,
+               "show": Scope(inputs: ["y", "sum"])"#,
+            r#""t.y -> p.u1", "cos.y -> p.u2", "p.y -> cos.u, show.y, sum.u", "sum.y -> show.sum""#,
+        );
+        every_row(&run, "show.y", 1e-10, solution);
+        // Its integral by Simpson's rule.
+        let n = 2000;
+        let part = |i: i32| {
+            f64::from(if i == 0 || i == n { 1 } else { 2 + 2 * (i % 2) })
+                * solution(2.0 * f64::from(i) / f64::from(n))
+        };
+        let integral: f64 = (0..=n).map(part).sum::<f64>() * 2.0 / f64::from(3 * n);
+        assert!(
+            (run.last("show.sum") - integral).abs() < 1e-5,
+            "{solver}: {} {integral}",
+            run.last("show.sum")
+        );
+    }
+}
+
+#[test]
+fn two_loops_through_a_vector_are_solved_together() {
+    // y = u - A y with A = [1 2; -3 0.5]: (I + A) y = u, u = (t, 1), determinant 2 * 1.5 + 6 = 9.
+    let run = simulate(
+        "Auto",
+        r#""t": Ramp(slope: "1 1/s"), "one": Constant(value: 1), "u": Mux(inputs: 2), "e": Sum(signs: "+-"),
+           "a": Demux(sizes: [1, 1]), "a11": Gain(k: 1), "a12": Gain(k: 2), "a21": Gain(k: -3), "a22": Gain(k: 0.5),
+           "s1": Sum(signs: "++"), "s2": Sum(signs: "++"), "back": Mux(inputs: 2), "show": Scope(inputs: ["y"])"#,
+        r#""t.y -> u.u1", "one.y -> u.u2", "u.y -> e.u1", "e.y -> a.u, show.y",
+           "a.y1 -> a11.u, a21.u", "a.y2 -> a12.u, a22.u", "a11.y -> s1.u1", "a12.y -> s1.u2", "a21.y -> s2.u1", "a22.y -> s2.u2",
+           "s1.y -> back.u1", "s2.y -> back.u2", "back.y -> e.u2""#,
+    );
+    every_row(&run, "show.y[0]", 1e-12, |t| (1.5 * t - 2.0) / 9.0);
+    every_row(&run, "show.y[1]", 1e-12, |t| (3.0 * t + 2.0) / 9.0);
+}
+
+#[test]
+fn branches_within_a_loop_change_where_they_should() {
+    // y = limit(u) with u = 3 t - 4 y: y = 0.6 t up to 1 at 5/3 s. The integral stops to grow there.
+    for solver in SOLVERS {
+        let run = simulate(
+            solver,
+            r#""t": Ramp(slope: "3 1/s"), "e": Sum(signs: "+-"), "limit": Saturation(lower: -1, upper: 1), "k": Gain(k: 4),
+               "show": Scope(inputs: ["y"])"#,
+            r#""t.y -> e.u1", "e.y -> limit.u", "limit.y -> k.u, show.y", "k.y -> e.u2""#,
+        );
+        every_row(&run, "show.y", 1e-11, |t| f64::min(0.6 * t, 1.0));
+    }
+    // A relay within a loop that has memory, and a loop that its output shifts: e = 1 - x + 0.2 r - e.
+    for solver in ["Auto", "Rodas4", "Ode23"] {
+        let run = simulate(
+            solver,
+            r#""one": Constant(value: 1), "e": Sum(signs: "+-+-"), "relay": Relay(on_at: 0.2, off_at: -0.2, on: 1, off: -1),
+               "small": Gain(k: 0.2), "x": Integrator(x0: 0), "rate": Gain(k: "1 1/s"), "half": Gain(k: 1), "show": Scope(inputs: ["x", "e"])"#,
+            r#""one.y -> e.u1", "x.y -> e.u2", "small.y -> e.u3", "e.y -> half.u, relay.u, show.e", "half.y -> e.u4",
+               "relay.y -> rate.u", "relay.y -> small.u", "rate.y -> x.u", "x.y -> show.x""#,
+        );
+        let (x, e) = (run.column("show.x"), run.column("show.e"));
+        for ((t, x), e) in run.time.iter().zip(x).zip(e) {
+            // The relay is on up to x = 0.8, where e = (1 - x + 0.2) / 2 is 0.2... and turns where e = -0.2.
+            let on = 0.5 * (1.0 - x + 0.2);
+            let off = 0.5 * (1.0 - x - 0.2);
+            assert!((e - on).abs() < 1e-9 || (e - off).abs() < 1e-9, "{solver} at {t}: {x} {e}");
+        }
+        // Up with 1/s until e = -0.2 at x = 1.6, then down until e = 0.2 at x = 0.4.
+        assert!((run.last("show.x") - 1.2).abs() < 1e-6, "{solver}: {}", run.last("show.x"));
+    }
+}
+
+#[test]
+fn a_loop_without_a_solution_or_with_many_is_an_error_with_its_time() {
+    let round = r#""e.y -> g.u, t.u", "g.y -> e.u2", "u.y -> e.u1""#;
+    let (code, message) =
+        error(r#""u": Step(after: 1), "e": Sum(signs: "++"), "g": Gain(k: 1), "t": Terminator"#, round);
+    assert_eq!(code, "algebraic_loop");
+    assert_eq!(
+        message,
+        "the algebraic loop of `g`, `e` has no single solution: what goes round comes back unchanged"
+    );
+    let (code, message) = error(
+        r#""u": Constant(value: 1), "e": Sum(signs: "+-"), "g": Function(function: Exp), "k": Gain(k: -1), "t": Terminator"#,
+        r#""e.y -> g.u, t.u", "g.y -> k.u", "k.y -> e.u2", "u.y -> e.u1""#,
+    );
+    assert_eq!(
+        (code, message.as_str()),
+        ("algebraic_loop", "the algebraic loop of `g`, `k`, `e` has no solution that could be found")
+    );
+}
+
+#[test]
+fn a_loop_of_truth_values_or_of_different_times_is_refused_and_one_that_is_solved_is_told() {
+    let told = |blocks: &str, connections: &str| {
+        let (compiled, problems) = compile_text(&format!(
+            "Diagram(simulation: (stop_time: 1), blocks: {{ {blocks} }}, connections: [ {connections} ])"
+        ));
+        (compiled.schedule.is_some(), problems)
+    };
+    let (runs, problems) = told(
+        r#""a": Logic(operator: Or, inputs: 2), "b": Logic(operator: Not), "c": Constant(value: true), "t": Terminator"#,
+        r#""c.y -> a.u1", "a.y -> b.u, t.u", "b.y -> a.u2""#,
+    );
+    assert!(
+        !runs && problems.contains("algebraic loop: a -> b -> a") && problems.contains("only real numbers"),
+        "{problems}"
+    );
+    let (runs, problems) = told(
+        r#""e": Sum(signs: "+-"), "hold": ZeroOrderHold(ts: "10 ms"), "c": Constant(value: 1), "t": Terminator"#,
+        r#""c.y -> e.u1", "e.y -> hold.u, t.u", "hold.y -> e.u2""#,
+    );
+    assert!(!runs && problems.contains("evaluated at different times"), "{problems}");
+    let (runs, problems) = told(
+        r#""e": Sum(signs: "+-"), "k": Gain(k: 2), "c": Constant(value: 1), "t": Terminator"#,
+        r#""c.y -> e.u1", "e.y -> k.u, t.u", "k.y -> e.u2""#,
+    );
+    assert!(
+        runs && problems.contains("warning") && problems.contains("solved at every instant"),
+        "{problems}"
+    );
+}
