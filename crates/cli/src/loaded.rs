@@ -23,6 +23,14 @@ pub struct Loaded {
 }
 
 impl Loaded {
+    /// The values of `--set` with the units that bare numbers were taken in: `set demand.after = 45 deg`; `None` where every
+    /// value means what it says.
+    pub fn understood(&self) -> Option<String> {
+        let taken = self.compiled.replaced.iter().filter(|replaced| replaced.written != replaced.value);
+        let all: Vec<String> = taken.map(|one| format!("{} = {}", one.target, one.value)).collect();
+        (!all.is_empty()).then(|| format!("set {}", all.join(", ")))
+    }
+
     /// What is seen of mechanisms, if anything is.
     pub fn scene(&self) -> Option<&Scene> {
         self.compiled.scene.as_ref().filter(|scene| !scene.shapes.is_empty())

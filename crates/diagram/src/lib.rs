@@ -23,6 +23,7 @@ mod overrides;
 mod parameter;
 mod problems;
 mod rates;
+mod replacing;
 mod resolve;
 mod scope;
 mod settings;
@@ -48,8 +49,10 @@ pub use flatten::{Declared, Flat, FlatBlock, Source, origins};
 pub use format::{WIDTH, format};
 pub use infer::Typed;
 pub use model::{Content, Model, ModelBlock, PortKind, VariantChoice};
+pub use overrides::Replaced;
 pub use parameter::{has_parameter, parameter};
 pub use rates::off_grid;
+pub use replacing::WrittenUnit;
 pub use resolve::HIERARCHY;
 pub use source::{Reader, SourceFile, Sources};
 pub use targets::{Found, Origin, Site, Spelling, Target, below, find, spelled, targets};
@@ -68,13 +71,15 @@ pub struct Compiled {
     pub scene: Option<Scene>,
     /// Variants by path.
     pub variants: Vec<(String, VariantChoice)>,
+    /// The values of `--set` as they were understood, as far as the compiler came.
+    pub replaced: Vec<Replaced>,
 }
 
 /// The hierarchy of a diagram, for those who look at it without running it, and the problems found on the way. Some
 /// blocks may be [`Content::Unknown`]; connections are checked by name alone.
 pub fn model(sources: &Sources, root: &Path, overrides: &[String]) -> (Option<Model>, Vec<Problem>) {
     let mut problems = problems::Problems::default();
-    let model = top(sources, root, overrides, &mut problems).map(|(model, _)| model);
+    let model = top(sources, root, overrides, &mut problems).map(|top| top.model);
     if let Some(model) = &model {
         connect::check(model, &mut problems);
     }
@@ -87,7 +92,7 @@ fn top<'a>(
     root: &Path,
     overrides: &[String],
     problems: &mut problems::Problems,
-) -> Option<(Model, Rc<scope::Scope<'a>>)> {
+) -> Option<Top<'a>> {
     let file = match sources.open(root) {
         Ok(file) => file,
         Err(reason) => {
@@ -108,14 +113,23 @@ fn top<'a>(
     let resolver = resolve::Resolver::new(sources, parsed);
     let top = resolver.top(file);
     problems.extend(resolver.problems.take().sorted());
-    top
+    let replaced = resolver.overrides.iter().map(overrides::Override::replaced).collect();
+    top.map(|(model, scope)| Top { model, scope, replaced })
+}
+
+/// A diagram and all below it, resolved.
+struct Top<'a> {
+    model: Model,
+    scope: Rc<scope::Scope<'a>>,
+    replaced: Vec<Replaced>,
 }
 
 /// Turns the text of a diagram into something that can run. `overrides` are `target=value` as of `--set`.
 pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled {
     let mut problems = problems::Problems::default();
     let mut compiled = Compiled::default();
-    if let Some((model, scope)) = top(sources, root, overrides, &mut problems) {
+    if let Some(Top { model, scope, replaced }) = top(sources, root, overrides, &mut problems) {
+        compiled.replaced = replaced;
         compiled.stages.ast = Some(emit::ast(&model.ast));
         compiled.stages.model = Some(emit::model(&model));
         collect_variants(&model, &mut compiled.variants);

@@ -1,6 +1,6 @@
 //! `--set target=value`: parameters that the command line replaces.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::path::Path;
 
 use blocksim_block::problem::{FileId, Place, Problem};
@@ -26,12 +26,37 @@ pub(crate) struct Override {
     pub used: Cell<bool>,
     /// Whether a parameter of the top diagram had it.
     pub of_parameter: Cell<bool>,
+    /// What the value was taken for: `45 deg`.
+    pub meant: RefCell<Option<String>>,
+}
+
+/// A value of `--set`, as it was understood.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Replaced {
+    /// What was replaced: `demand.after`.
+    pub target: String,
+    /// The value as written: `45`.
+    pub written: String,
+    /// With the unit that it was taken in: `45 deg`.
+    pub value: String,
 }
 
 impl Override {
     /// Where the value stands.
     pub(crate) fn place(&self) -> Place {
         Place { file: self.file, span: 0..self.text.len() }
+    }
+
+    /// What is replaced: `arm/link3.drive`.
+    pub(crate) fn target(&self) -> &str {
+        self.text.split('=').next().unwrap_or_default().trim()
+    }
+
+    /// The value as it was understood.
+    pub(crate) fn replaced(&self) -> Replaced {
+        let written = self.text.split_once('=').map_or("", |(_, value)| value).trim().to_owned();
+        let value = self.meant.borrow().clone().unwrap_or_else(|| written.clone());
+        Replaced { target: self.target().to_owned(), written, value }
     }
 }
 
@@ -89,6 +114,7 @@ pub(crate) fn parse(sources: &Sources, text: &str) -> Result<Override, Problem> 
         node: Node { span, value },
         used: Cell::new(false),
         of_parameter: Cell::new(false),
+        meant: RefCell::default(),
     })
 }
 
@@ -99,7 +125,7 @@ pub(crate) fn replace(value: &mut Value, names: &[String], new: Value) -> Result
             && quantity.dimension.is_none()
             && !old.dimension.is_none()
         {
-            // A bare number takes the unit of what it replaces, in SI.
+            // The unit was settled before; what is left is a value of which no text says anything.
             *value =
                 Value::Number(blocksim_signal::Quantity { value: quantity.value, dimension: old.dimension });
             return Ok(());

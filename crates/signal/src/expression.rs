@@ -1,6 +1,7 @@
 //! Expressions: a Pratt parser that evaluates as it reads.
 
 mod mistakes;
+mod notes;
 
 use crate::arithmetic::{self, Operand};
 use crate::lexer::{Lexeme, Token, lex};
@@ -8,7 +9,10 @@ use crate::unit::to_si;
 use crate::unit_reader::UnitReader;
 use crate::unit_table::{self, Factor};
 use crate::{ExprError, Lookup, Quantity, Scope, Value, functions, select};
+use notes::Notes;
 use std::{f64::consts::PI, ops::Range};
+
+pub use notes::Noted;
 
 /// The value of an expression: numbers with units, `+ - * / ^`, parentheses, names of the scope, members
 /// (`robot.mass`), items (`list[0]`), lists (`[a, b]`), functions, `pi`, `true`, `false`.
@@ -24,19 +28,28 @@ use std::{f64::consts::PI, ops::Range};
 ///
 /// Errors carry the bytes of the text they are about. Nesting is limited to 200, the text to 64 KiB.
 pub fn evaluate(text: &str, scope: &dyn Scope) -> Result<Value, ExprError> {
+    evaluate_noted(text, scope).map(|noted| noted.value)
+}
+
+/// As [`evaluate`], with the units and names that stand in the expression.
+///
+/// # Errors
+/// As of [`evaluate`].
+pub fn evaluate_noted(text: &str, scope: &dyn Scope) -> Result<Noted, ExprError> {
     let lexemes = lex(text)?;
     if lexemes.len() == 1 {
         return Err(ExprError::new(0..text.len(), "empty expression").help("write a number, such as 0"));
     }
-    let mut parser = Parser { text, lexemes: &lexemes, at: 0, scope, depth: 0 };
+    let mut parser = Parser { text, lexemes: &lexemes, at: 0, scope, depth: 0, notes: Notes::default() };
     let result = parser.expression(0)?;
     match parser.token() {
-        Token::End => Ok(result.value),
+        Token::End => Ok(parser.notes.with(result.value)),
         _ => Err(parser.unexpected()),
     }
 }
 
 const MAX_DEPTH: usize = 200;
+const CONSTANTS: [&str; 3] = ["pi", "true", "false"];
 const SUM: u8 = 1;
 const PRODUCT: u8 = 2;
 const MINUS: u8 = 3;
@@ -48,6 +61,7 @@ struct Parser<'a> {
     at: usize,
     scope: &'a dyn Scope,
     depth: usize,
+    notes: Notes,
 }
 
 impl<'a> Parser<'a> {
@@ -93,8 +107,16 @@ impl<'a> Parser<'a> {
             }
             Token::Word(word) => {
                 let called = self.lexemes[self.at + 1].token == Token::Sign('(');
-                let operand = if called { self.call(word)? } else { self.name(word)? };
-                if called { self.suffix_of_parenthesis(operand) } else { self.selection(operand) }
+                if called {
+                    let operand = self.call(word)?;
+                    return self.suffix_of_parenthesis(operand);
+                }
+                let operand = self.name(word)?;
+                let operand = self.selection(operand)?;
+                if !CONSTANTS.contains(&word) {
+                    self.notes.name(&self.text[operand.span.clone()], &operand.value);
+                }
+                Ok(operand)
             }
             Token::Sign('(') => {
                 self.at += 1;
@@ -192,7 +214,9 @@ impl<'a> Parser<'a> {
         let is_name = |word: &str| self.is_name(word);
         let mut reader = UnitReader::new(self.lexemes, self.at, &is_name);
         let factor = reader.greedy()?;
-        self.at = reader.at;
+        let (first, end) = (self.at, reader.at);
+        self.at = end;
+        self.notes.unit(&self.text[self.lexemes[first].span.start..self.end()], factor);
         Ok(factor)
     }
 
@@ -200,7 +224,9 @@ impl<'a> Parser<'a> {
     fn bracket(&mut self) -> Result<Factor, ExprError> {
         let mut reader = UnitReader::new(self.lexemes, self.at + 1, &|_| false);
         let factor = reader.whole(Token::Sign(']'))?;
-        self.at = reader.at;
+        let (first, end) = (self.at, reader.at);
+        self.at = end;
+        self.notes.unit(&self.text[self.lexemes[first].span.end..self.end() - 1], factor);
         Ok(factor)
     }
 
@@ -302,7 +328,7 @@ impl<'a> Parser<'a> {
     }
 
     fn is_name(&self, word: &str) -> bool {
-        matches!(word, "pi" | "true" | "false") || self.scope.lookup(word) != Lookup::Unknown
+        CONSTANTS.contains(&word) || self.scope.lookup(word) != Lookup::Unknown
     }
 
     fn token(&self) -> Token<'a> {

@@ -23,7 +23,7 @@ mod value;
 
 pub use dimension::Dimension;
 pub use error::ExprError;
-pub use expression::evaluate;
+pub use expression::{Noted, evaluate, evaluate_noted};
 pub use quantity::{Quantity, si_text};
 pub use scope::{Lookup, Scope};
 pub use shape::{Kind, SampleTime, Shape};

@@ -1,7 +1,7 @@
 //! The manifest of a run: enough to repeat it.
 
 use blocksim_block::schedule::Schedule;
-use blocksim_diagram::{SourceFile, fingerprint};
+use blocksim_diagram::{Replaced, SourceFile, fingerprint};
 use blocksim_results::{Choice, Counts, Ended, FileUsed, Layout, Manifest, Override, Program, RecordedUsed};
 use blocksim_sim::Simulation;
 
@@ -46,7 +46,7 @@ pub fn of(facts: &Facts) -> Manifest {
             hash: fingerprint(&[]),
         }),
         files: files.chain(facts.loaded.plugins.iter().cloned()).collect(),
-        overrides: facts.model.set.iter().map(|text| override_of(text)).collect(),
+        overrides: facts.loaded.compiled.replaced.iter().map(override_of).collect(),
         variants: facts.loaded.compiled.variants.iter().map(|(path, v)| choice(path, &v.chosen)).collect(),
         solver: solver::used(facts.schedule.settings.solver),
         recorded: Some(RecordedUsed::of(facts.layout, facts.signals.clone())),
@@ -68,9 +68,9 @@ fn file_used(file: &SourceFile) -> FileUsed {
     FileUsed { path: with_slashes(&file.path), hash: fingerprint(file.text.as_bytes()) }
 }
 
-fn override_of(text: &str) -> Override {
-    let (path, value) = text.split_once('=').unwrap_or((text, ""));
-    Override { path: path.trim().to_owned(), value: value.trim().to_owned() }
+/// With the unit that the value was taken in, so that the manifest says what was run.
+fn override_of(replaced: &Replaced) -> Override {
+    Override { path: replaced.target.clone(), value: replaced.value.clone() }
 }
 
 #[cfg(test)]
@@ -78,10 +78,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_have_slashes_and_overrides_two_sides() {
+    fn paths_have_slashes() {
         let file = SourceFile { path: "/a/b.ron".into(), text: "x".into() };
         assert_eq!(file_used(&file).path, "/a/b.ron");
-        let over = override_of("robot.axis1.kp = 2*3 rad/s");
-        assert_eq!((over.path.as_str(), over.value.as_str()), ("robot.axis1.kp", "2*3 rad/s"));
     }
 }

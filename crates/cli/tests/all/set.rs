@@ -53,11 +53,11 @@ fn a_value_is_told_with_its_unit_and_where_it_is_written() {
         answer.out.split_whitespace().map(str::to_owned).collect::<Vec<_>>().join(" ")
     };
     assert_eq!(get("lag"), "lag 250 ms model.ron:5:16");
-    assert_eq!(get("half"), "half 0.125 s model.ron:6:17 lag / 2");
+    assert_eq!(get("half"), "half 125 ms model.ron:6:17 lag / 2");
     assert_eq!(get("drive"), "drive dc model.ron:7:34");
     assert_eq!(get("set.mass"), "set.mass 4 kg set.ron:3:19");
     assert_eq!(get("set.ratios[1]"), "set.ratios[1] 2.5 set.ron:4:17");
-    assert_eq!(get("one.tau"), "one.tau 0.25 s model.ron:13:59 lag");
+    assert_eq!(get("one.tau"), "one.tau 250 ms model.ron:13:59 lag");
     assert_eq!(get("two.tau"), "two.tau 1 s default, part.ron:2:26");
     assert_eq!(get("one/lag.y0"), "one/lag.y0 0.0 part.ron:5:46");
     assert_eq!(get("pid.upper"), "pid.upper 5.0 model.ron:15:39");
@@ -87,6 +87,9 @@ fn the_list_can_be_narrowed_and_widened() {
 #[test]
 fn one_value_is_replaced_in_the_text_and_nothing_else() {
     for (target, value, file, old, new) in [
+        ("lag", "300", "model.ron", "\"lag\": \"250 ms\"", "\"lag\": \"300 ms\""),
+        ("half", "20", "model.ron", "\"half\": \"lag / 2\"", "\"half\": \"20 ms\""),
+        ("set.mass", "5", "set.ron", "\"4 kg\"", "\"5 kg\""),
         ("lag", "300 ms", "model.ron", "\"lag\": \"250 ms\"", "\"lag\": \"300 ms\""),
         ("gain", "lag / 1 s", "model.ron", "\"gain\": 2.0,", "\"gain\": \"lag / 1 s\","),
         ("gain", "-1", "model.ron", "\"gain\": 2.0,", "\"gain\": -1,"),
@@ -141,11 +144,10 @@ fn the_model_does_the_same_as_with_set() {
 fn what_cannot_be_set_is_refused_and_nothing_is_written() {
     let desk = desk();
     for (target, value, code, said) in [
-        ("lag", "3", 2, "write the unit, such as \"3 ms\""),
         ("lga", "3 s", 2, "did you mean `lag`?"),
         ("pid", "3", 2, "`pid` holds "),
         ("one/lag.y0", "1", 2, "2 parts of the model are made of `part.ron`"),
-        ("lag", "3 m", 3, "nothing was written"),
+        ("lag", "3 m", 2, "write a value in ms or a unit of the same kind"),
         ("pid.form", "Idael", 3, "did you mean `Ideal`?"),
         ("gain", "1,05", 3, "decimal comma?"),
         ("drive", "ac", 3, "`ac` is none of"),
@@ -186,4 +188,55 @@ fn the_page_shows_what_the_program_does() {
         seen += 1;
     }
     assert_eq!(seen, 2);
+}
+
+#[test]
+fn every_command_takes_a_bare_number_in_the_written_unit_and_says_so() {
+    let desk = desk();
+    let run = |set: &str, out: &str| {
+        let answer = desk.call(&["run", "model.ron", "--no-plot", "--out", out, "--set", set]);
+        assert_eq!(answer.code, Some(0), "{set}: {}", answer.text());
+        let told = answer.text();
+        (told, desk.read(&format!("{out}/signals.csv")), desk.read(&format!("{out}/manifest.json")))
+    };
+    let (told, bare, manifest) = run("lag=300", "bare");
+    let (_, full, _) = run("lag=300 ms", "full");
+    assert_eq!(bare, full);
+    assert!(told.contains("lag = 300 ms") && manifest.contains("\"300 ms\""), "{told}{manifest}");
+    // A parameter of a block, of a subsystem, of one with a default, and one of which nothing is written.
+    for (set, understood, same) in [
+        ("demand.time=0.2", "demand.time = 0.2 s", "demand.time=200 ms"),
+        ("one.tau=300", "one.tau = 300 ms", "one.tau=0.3 s"),
+        ("two.tau=2", "two.tau = 2 s", "two.tau=2 s"),
+        ("one/lag.tau=200", "one/lag.tau = 200 ms", "one/lag.tau=0.2 s"),
+        ("two/lag.tau=2", "two/lag.tau = 2 s", "two/lag.tau=2 s"),
+        ("pid.kp=3", "pid.kp = 3", "pid.kp=3"),
+    ] {
+        let (told, bare, _) = run(set, &format!("bare {set}"));
+        assert!(told.contains(understood), "{set}: {told}");
+        assert_eq!(bare, run(same, &format!("full {set}")).1, "{set}");
+    }
+    let swept = desk.call(&["sweep", "model.ron", "--over", "lag=200..300/2"]);
+    assert_eq!(swept.code, Some(0), "{}", swept.text());
+    assert!(swept.err.contains("set lag = 200 ms"), "{}", swept.text());
+    let full = desk.call(&["sweep", "model.ron", "--over", "lag=200 ms..300 ms/2"]);
+    // The tables differ in their widths; the best runs stand below them.
+    let numbers = |out: &str| {
+        let lines = out.lines().filter(|line| line.starts_with("least")).map(|line| line.replace(" ms", ""));
+        lines.collect::<Vec<_>>()
+    };
+    assert_eq!(numbers(&swept.out).len(), 2, "{}", swept.out);
+    assert_eq!(numbers(&swept.out), numbers(&full.out));
+    let checked = desk.call(&["check", "model.ron", "--set", "lag=300"]);
+    assert!(checked.code == Some(0) && checked.err.contains("set lag = 300 ms"), "{}", checked.text());
+    let linear = ["linearise", "model.ron", "--from", "demand.y", "--to", "one/lag.y", "--no-plot", "--set"];
+    let told = desk.call(&[&linear[..], &["lag=300"]].concat());
+    let full = desk.call(&[&linear[..], &["lag=300 ms"]].concat());
+    assert_eq!((told.code, &told.out), (Some(0), &full.out), "{}", told.text());
+    assert!(told.err.contains("set lag = 300 ms"), "{}", told.text());
+    for set in ["lag=3 m", "half=3 m", "one.tau=3 m", "demand.time=3 m"] {
+        let refused = desk.call(&["check", "model.ron", "--set", set]);
+        assert_eq!(refused.code, Some(3), "{set}: {}", refused.text());
+        assert!(refused.text().contains("unit_mismatch"), "{set}: {}", refused.text());
+    }
 }

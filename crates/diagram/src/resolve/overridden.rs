@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use blocksim_block::BlockInfo;
-use blocksim_block::problem::Problem;
+use blocksim_block::problem::{FileId, Problem};
 use blocksim_signal::{Value, closest};
 
 use super::Resolver;
@@ -12,6 +12,7 @@ use crate::ast::{Ast, BlockAst};
 use crate::model::{Content, Model};
 use crate::overrides::{Override, replace};
 use crate::problems::list;
+use crate::replacing::{Place as Where, Replacing};
 use crate::scope::{Evaluation, Scope, choices};
 use crate::tree::{Name, Node, Shape};
 
@@ -21,9 +22,15 @@ impl<'a> Resolver<'a> {
         &self,
         block: &BlockAst,
         info: &BlockInfo,
+        at: (FileId, &Rc<Scope<'a>>),
         path: &str,
     ) -> Vec<(Name, Node)> {
+        let (file, scope) = at;
         let mut parameters = block.parameters.clone();
+        let old = |name: &str| {
+            let (_, node) = block.parameters.iter().find(|(known, _)| known.text == name)?;
+            Some(Where { scope: scope.clone(), file, node: Rc::new(node.clone()) })
+        };
         for (over, names) in self.overrides_of(path) {
             let Some((first, rest)) = names.split_first() else { continue };
             let Some(parameter) = info.parameters.iter().find(|parameter| parameter.name == *first) else {
@@ -33,7 +40,12 @@ impl<'a> Resolver<'a> {
                     && let Shape::Map(members) | Shape::Struct(None, members) = &mut node.value
                 {
                     over.used.set(true);
-                    put(members, first, value_node(over, true), &node.span);
+                    let old = members.iter().find(|(name, _)| name.text == *first).map(|(_, node)| node);
+                    let old =
+                        old.map(|node| Where { scope: scope.clone(), file, node: Rc::new(node.clone()) });
+                    let replacing = Replacing { target: over.target(), scope, file, unit: "" };
+                    let new = self.meant(over, &replacing, value_node(over, true), old.as_ref());
+                    put(members, first, new, &node.span);
                 }
                 continue;
             };
@@ -43,10 +55,39 @@ impl<'a> Resolver<'a> {
                     || ["f64", "String", "usize", "u32", "ParamValue"]
                         .iter()
                         .any(|t| parameter.rust_type.contains(t));
-                put(&mut parameters, first, value_node(over, text), &block.span);
+                let new = value_node(over, text);
+                let new = match parameter.rust_type.contains("String") {
+                    true => new,
+                    false => {
+                        let unit = parameter.unit;
+                        let replacing = Replacing { target: over.target(), scope, file, unit };
+                        self.meant(over, &replacing, new, old(first).as_ref())
+                    }
+                };
+                put(&mut parameters, first, new, &block.span);
             }
         }
         parameters
+    }
+
+    /// What a new value means; a problem is reported.
+    fn meant(
+        &self,
+        over: &Override,
+        replacing: &Replacing<'_, 'a>,
+        new: Node,
+        old: Option<&Where<'a>>,
+    ) -> Node {
+        match replacing.meaning(&new, old) {
+            Ok(meant) => {
+                over.meant.replace(meant.text);
+                meant.node
+            }
+            Err(problem) => {
+                self.report(problem.at(&over.place(), ""));
+                new
+            }
+        }
     }
 
     /// What the command line sets in the block at a path, with the names below it.
@@ -133,8 +174,13 @@ impl<'a> Resolver<'a> {
         let new = match &over.node.value {
             Shape::Word(word) | Shape::Text(word) if old_is_text => Value::Text(word.clone()),
             _ => {
+                let old = Where::of(scope, names);
+                let replacing = Replacing { target: over.target(), scope, file: over.file, unit: "" };
+                let meant = replacing.meaning(&value_node(over, true), old.as_ref());
+                let meant = meant.map_err(|problem| problem.at(&over.place(), ""))?;
+                over.meant.replace(meant.text);
                 let stack = Vec::new();
-                Evaluation { scope, file: over.file, stack: &stack }.value(&value_node(over, true))?
+                Evaluation { scope, file: over.file, stack: &stack }.value(&meant.node)?
             }
         };
         replace(&mut value, &names[1..], new).map_err(fail)?;
@@ -142,7 +188,7 @@ impl<'a> Resolver<'a> {
     }
 
     pub(super) fn unknown_override(&self, over: &Override, model: &Model) -> Problem {
-        let target = over.text.split('=').next().unwrap_or_default().trim();
+        let target = over.target();
         let problem = Problem::error("unknown_override", format!("there is no `{target}` to set"))
             .at(&over.place(), "");
         let mut known: Vec<String> = model.ast.parameters.iter().map(|(name, _)| name.text.clone()).collect();

@@ -27,7 +27,7 @@ impl<'a> Resolver<'a> {
             self.unknown_kind(ast, &block.kind);
             return Content::Unknown;
         };
-        let parameters = self.block_overrides(block, info, path);
+        let parameters = self.block_overrides(block, info, (ast.file, scope), path);
         if !self.names_fit(ast, block, info, &parameters) {
             return Content::Unknown;
         }

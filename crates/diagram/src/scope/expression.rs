@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
-use blocksim_signal::{ExprError, Lookup, Scope as Names, Value, evaluate};
+use blocksim_signal::{ExprError, Lookup, Noted, Scope as Names, Value, evaluate_noted};
 
 use super::Scope;
 
@@ -48,12 +48,23 @@ pub(crate) fn expression(
     start: usize,
     whole: &Range<usize>,
 ) -> Result<Value, Problem> {
+    noted(scope, text, file, start, whole).map(|noted| noted.value)
+}
+
+/// As [`expression`], with the units and names that stand in it.
+pub(crate) fn noted(
+    scope: &Rc<Scope>,
+    text: &str,
+    file: FileId,
+    start: usize,
+    whole: &Range<usize>,
+) -> Result<Noted, Problem> {
     let visible = Visible { scope, failed: RefCell::default() };
     // Signs are counted that may open a level; a parameter on the way costs as much stack as some brackets.
     let levels = 8 + text.matches(['(', '[', '^', '-', '+', '!']).count();
     let place = || Place { file, span: whole.clone() };
     let evaluated =
-        || evaluate(text, &visible).map_err(|error| located(error, text, &visible, file, start, whole));
+        || evaluate_noted(text, &visible).map_err(|error| located(error, text, &visible, file, start, whole));
     scope.deeper(levels, place, evaluated)
 }
 

@@ -15,7 +15,7 @@ use crate::source::Sources;
 use crate::tree::{Name, Node};
 
 pub(crate) use evaluation::{Evaluation, choices, described};
-pub(crate) use expression::expression;
+pub(crate) use expression::{expression, noted};
 pub(crate) use files::{missing_file, read_tree};
 
 /// Parameters of one instance of a diagram.
@@ -35,6 +35,8 @@ const DEEPEST: usize = 600;
 
 struct Entry<'a> {
     place: Place,
+    /// As a file says it, whatever replaced it since.
+    written: (FileId, Rc<Node>, Option<Rc<Scope<'a>>>),
     state: State<'a>,
 }
 
@@ -58,14 +60,12 @@ impl<'a> Scope<'a> {
 
     /// Adds a parameter that a file declares.
     pub(crate) fn declare(&self, name: &Name, file: FileId, node: &Node) {
-        let state = State::Written { file, node: Rc::new(node.clone()), within: None };
-        self.insert(&name.text, Place { file, span: name.span.clone() }, state);
+        self.insert(name, file, node, None);
     }
 
     /// Replaces the default by what an instance gives; it is evaluated in the scope of the giver.
     pub(crate) fn give(&self, name: &Name, file: FileId, node: &Node, within: &Rc<Scope<'a>>) {
-        let state = State::Written { file, node: Rc::new(node.clone()), within: Some(within.clone()) };
-        self.insert(&name.text, Place { file, span: name.span.clone() }, state);
+        self.insert(name, file, node, Some(within.clone()));
     }
 
     /// Replaces a value by a known one.
@@ -75,8 +75,21 @@ impl<'a> Scope<'a> {
         }
     }
 
-    fn insert(&self, name: &str, place: Place, state: State<'a>) {
-        self.entries.borrow_mut().insert(name.to_owned(), Entry { place, state });
+    fn insert(&self, name: &Name, file: FileId, node: &Node, within: Option<Rc<Scope<'a>>>) {
+        let node = Rc::new(node.clone());
+        let written = (file, node.clone(), within.clone());
+        let place = Place { file, span: name.span.clone() };
+        let state = State::Written { file, node, within };
+        self.entries.borrow_mut().insert(name.text.clone(), Entry { place, written, state });
+    }
+
+    /// What a file says of a parameter, with the file and the scope in which that is meant; `None` when no diagram has it.
+    pub(crate) fn written(self: &Rc<Self>, name: &str) -> Option<(Rc<Self>, FileId, Rc<Node>)> {
+        if let Some(entry) = self.entries.borrow().get(name) {
+            let (file, node, within) = &entry.written;
+            return Some((within.as_ref().unwrap_or(self).clone(), *file, node.clone()));
+        }
+        self.parent.as_ref()?.written(name)
     }
 
     /// Names of this diagram's own parameters.
@@ -90,12 +103,12 @@ impl<'a> Scope<'a> {
     }
 
     /// Computes a value `levels` deeper than the present one.
-    fn deeper(
+    fn deeper<T>(
         &self,
         levels: usize,
         place: impl FnOnce() -> Place,
-        compute: impl FnOnce() -> Result<Value, Problem>,
-    ) -> Result<Value, Problem> {
+        compute: impl FnOnce() -> Result<T, Problem>,
+    ) -> Result<T, Problem> {
         let depth = self.depth.get();
         if depth >= DEEPEST {
             return Err(Problem::error("recursive_parameter", "too many parameters wait for each other")

@@ -11,6 +11,7 @@ mod tests;
 use blocksim_block::problem::{Place, Problem};
 use blocksim_signal::Value;
 
+use crate::replacing::WrittenUnit;
 use crate::source::Sources;
 
 pub use find::{Found, below, find};
@@ -27,6 +28,8 @@ pub struct Target {
     pub value: Option<Value>,
     /// The unit that it is asked in; empty where that follows from use.
     pub unit: String,
+    /// The unit in which a number is written, in which a bare one is taken that replaces it.
+    pub written_unit: WrittenUnit,
     /// Where it comes from.
     pub origin: Origin,
     /// Where to write another value.

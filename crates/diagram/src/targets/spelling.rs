@@ -1,9 +1,10 @@
 //! How a value from the command line is written into a text.
 
-use blocksim_signal::Value;
+use blocksim_signal::{Dimension, Lookup, Scope, Unit, Value, evaluate_noted};
 
 use super::Target;
-use crate::tree::{Shape, read};
+use crate::replacing::{WrittenUnit, in_unit};
+use crate::tree::{Shape, SyntaxError, read};
 
 /// How a value is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,40 +17,87 @@ pub enum Spelling {
     Word,
 }
 
-/// A value of the command line as it stands in the text.
+/// A value of the command line as it stands in the text. A bare number gets the unit in which the one before is written.
 ///
 /// # Errors
-/// A number without a unit, where the one before had a unit: what is wrong, and what to do.
+/// A number without a unit, where it is not clear in which unit the one before is written; a unit of another dimension: what
+/// is wrong, and what to do.
 pub fn spelled(target: &Target, value: &str) -> Result<String, (String, String)> {
     let value = value.trim();
-    let quoted = || format!("\"{}\"", value.replace('\\', "\\\\").replace('"', "\\\""));
+    let quoted = |value: &str| format!("\"{}\"", value.replace('\\', "\\\\").replace('"', "\\\""));
     let shape = read(value).map(|node| node.value);
     if target.spelling == Spelling::Text {
-        return Ok(if matches!(shape, Ok(Shape::Text(_))) { value.to_owned() } else { quoted() });
+        return Ok(if matches!(shape, Ok(Shape::Text(_))) { value.to_owned() } else { quoted(value) });
     }
-    let unit = match &target.value {
-        Some(Value::Number(old)) if !old.dimension.is_none() => written_unit(&target.written),
-        _ => None,
-    };
-    match (shape, unit) {
-        (Ok(Shape::Number(_)), Some(unit)) => Err((
-            format!(
-                "`{}` is {} and has a unit, {value} has none",
-                target.name,
-                target.written.trim_matches('"')
-            ),
-            format!("write the unit, such as \"{value} {unit}\""),
-        )),
-        (Ok(Shape::Word(_)), _) if target.spelling == Spelling::Word => Ok(value.to_owned()),
-        (Ok(Shape::Word(_)) | Err(_), _) => Ok(quoted()),
+    if let Some(expression) = expression(&shape, value)
+        && let Some(text) = replacing(target, expression)?
+    {
+        return Ok(quoted(&text));
+    }
+    match shape {
+        Ok(Shape::Word(_)) if target.spelling == Spelling::Word => Ok(value.to_owned()),
+        Ok(Shape::Word(_)) | Err(_) => Ok(quoted(value)),
         _ => Ok(value.to_owned()),
     }
 }
 
-/// The unit behind a number between quotes.
-fn written_unit(written: &str) -> Option<&str> {
-    let inside = written.strip_prefix('"')?.strip_suffix('"')?;
-    let end = inside.rfind(|c: char| c.is_ascii_digit() || c == ')' || c == ' ').map_or(0, |at| at + 1);
-    let start = inside.find(' ').filter(|at| inside[..*at].parse::<f64>().is_ok()).map_or(end, |at| at + 1);
-    inside.get(start..).map(str::trim).filter(|unit| !unit.is_empty())
+/// The text of a number or an expression.
+fn expression<'v>(shape: &'v Result<Shape, SyntaxError>, value: &'v str) -> Option<&'v str> {
+    match shape {
+        Ok(Shape::Text(text)) => Some(text),
+        Ok(Shape::Number(_) | Shape::Word(_)) | Err(_) => Some(value),
+        Ok(_) => None,
+    }
+}
+
+/// The text with the unit that it lacks; `None` if it stays as it is.
+fn replacing(target: &Target, text: &str) -> Result<Option<String>, (String, String)> {
+    let Some(Value::Number(old)) = &target.value else { return Ok(None) };
+    // What names parameters is judged where they are known.
+    let Ok(new) = evaluate_noted(text, &NoNames) else { return Ok(None) };
+    let Value::Number(number) = new.value else { return Ok(None) };
+    let before = target.written.trim_matches('"');
+    let unit = match &target.written_unit {
+        WrittenUnit::One(unit) => unit.clone(),
+        WrittenUnit::Si if old.dimension == Dimension::NONE => return Ok(None),
+        WrittenUnit::Si => Unit::si(old.dimension),
+        WrittenUnit::Unclear if new.is_bare => {
+            return Err((
+                format!("`{}` is {before} and has a unit, {text} has none", target.name),
+                format!("write the unit, such as \"{}\"", in_unit(number.value, &old.dimension.to_string())),
+            ));
+        }
+        WrittenUnit::Unclear => Unit::si(old.dimension),
+    };
+    if !new.is_bare {
+        return match number.dimension.compatible(old.dimension) {
+            true => Ok(None),
+            false => Err((
+                format!(
+                    "`{}` is {before}, {text} is not in {} or a unit of the same kind",
+                    target.name, unit.text
+                ),
+                format!("write a value in {} or a unit of the same kind", unit.text),
+            )),
+        };
+    }
+    let is_literal = text.parse::<f64>().is_ok();
+    let whole = if is_literal { text.to_owned() } else { format!("({text})") };
+    Ok(Some(match is_literal || unit.offset == 0.0 {
+        true => format!("{whole} {}", unit.text),
+        false => in_unit(number.value, &unit.text),
+    }))
+}
+
+/// Sees no parameters.
+struct NoNames;
+
+impl Scope for NoNames {
+    fn lookup(&self, _: &str) -> Lookup {
+        Lookup::Unknown
+    }
+
+    fn names(&self) -> Vec<String> {
+        Vec::new()
+    }
 }

@@ -94,8 +94,12 @@ fn a_value_is_written_as_a_person_would_write_it() {
         line("one.tau", "2 s", "with: { \"tau\": \"2 s\" }");
         line("one.name", "b", "with: { \"tau\": \"0.5 s\", \"name\": Text(\"b\") }");
         line("two.tau", "2 s", "Subsystem(file: \"part.ron\", with: { \"tau\": \"2 s\" })");
-        let refused = after("speed", "4").expect_err("metres per second");
-        assert_eq!(refused, "`speed` is 3 m/s and has a unit, 4 has none");
+        line("speed", "4", "\"speed\": \"4 m/s\",");
+        line("speed", "2 * 2", "\"speed\": \"(2 * 2) m/s\",");
+        line("set.mass", "5e3", "(value: \"5e3 kg\", source: \"scales\")");
+        line("two.tau", "2", "with: { \"tau\": \"2 s\" })");
+        let refused = after("speed", "4 m").expect_err("metres per second");
+        assert_eq!(refused, "`speed` is 3 m/s, 4 m is not in m/s or a unit of the same kind");
     });
 }
 

@@ -6,11 +6,13 @@ use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_block::{BlockInfo, ParameterInfo};
+use blocksim_signal::Value;
 
 use super::site;
 use super::{Origin, Site, Spelling, Target};
 use crate::ast::BlockAst;
 use crate::problems::Problems;
+use crate::replacing::{Place as Where, WrittenUnit};
 use crate::resolve::{Instance, Resolver};
 use crate::scope::{Evaluation, Scope, described, read_tree};
 use crate::source::Sources;
@@ -100,11 +102,14 @@ impl<'a> Walk<'a> {
             // What the file of the subsystem says holds for all of its instances: another value is given to this one.
             let (node, spelling) = plain(node);
             let place = Place { file, span: node.span.clone() };
+            let value = instance.scope.value(&name.text).and_then(Result::ok);
+            let written_unit = written_unit(&instance.scope, file, node, value.as_ref());
             self.found.push(Target {
                 name: target,
                 written: self.text(&place),
-                value: instance.scope.value(&name.text).and_then(Result::ok),
+                value,
                 unit: String::new(),
+                written_unit,
                 origin: Origin::Declared(place),
                 site: site::given(
                     &giver.block,
@@ -142,6 +147,7 @@ impl<'a> Walk<'a> {
                     written: default.to_owned(),
                     value: None,
                     unit: parameter.unit.to_owned(),
+                    written_unit: WrittenUnit::Si,
                     origin: Origin::Kind(info.kind.to_owned()),
                     site: site::parameter(block, stand.file, text, parameter.name),
                     spelling,
@@ -221,11 +227,13 @@ impl<'a> Walk<'a> {
             Spelling::Expression if !is_file => evaluation.value(node).ok(),
             _ => None,
         };
+        let written_unit = written_unit(stand.scope, stand.file, node, value.as_ref());
         self.found.push(Target {
             name,
             written: self.text(&place),
             value,
             unit: unit.to_owned(),
+            written_unit,
             origin: Origin::Text(place.clone()),
             site: Site { place, before: String::new(), after: String::new() },
             spelling,
@@ -236,6 +244,17 @@ impl<'a> Walk<'a> {
 
     fn text(&self, place: &Place) -> String {
         self.sources.file(place.file).text.get(place.span.clone()).unwrap_or_default().to_owned()
+    }
+}
+
+/// The unit in which a number is written.
+fn written_unit<'a>(scope: &Rc<Scope<'a>>, file: FileId, node: &Node, value: Option<&Value>) -> WrittenUnit {
+    match value {
+        Some(Value::Number(number)) => {
+            let place = Where { scope: scope.clone(), file, node: Rc::new(node.clone()) };
+            place.unit(number.dimension)
+        }
+        _ => WrittenUnit::Si,
     }
 }
 

@@ -481,3 +481,30 @@ fn printed_values_read_back() {
     }
     assert_eq!(value("5 rad").as_number().map(|quantity| quantity.dimension), Some(Dimension::RADIAN));
 }
+
+#[test]
+fn units_and_names_of_an_expression_are_noted() {
+    let robot = set(&[("mass", quantity(2.0, "kg")), ("gains", Value::List(vec![1.0.into(), 2.0.into()]))]);
+    let names = Names(vec![("robot", robot), ("n", 3.0.into()), ("r", quantity(0.5, "m"))]);
+    for (text, is_bare, units, named) in [
+        ("90", true, &[][..], &[][..]),
+        ("1 + 2 * pi", true, &[], &[]),
+        ("n - 1", true, &[], &["n"]),
+        ("1 + n", true, &[], &["n"]),
+        ("sqrt(n) * robot.gains[0]", true, &[], &["n", "robot.gains[0]"]),
+        ("90 deg", false, &["deg"], &[]),
+        ("2 * (45 deg)", false, &["deg"], &[]),
+        ("3 [N * m / rad]", false, &["N*m/rad"], &[]),
+        ("(1 + 2) N * m", false, &["N*m"], &[]),
+        ("3 1/s", false, &["1/s"], &[]),
+        ("50 %", false, &["%"], &[]),
+        ("4 m / 2 mm", false, &["m", "mm"], &[]),
+        ("r / r", false, &[], &["r", "r"]),
+        ("n * robot.mass", false, &[], &["n", "robot.mass"]),
+    ] {
+        let noted = evaluate_noted(text, &names).unwrap_or_else(|error| panic!("{text}: {error:?}"));
+        assert_eq!(noted.is_bare, is_bare, "{text}");
+        assert_eq!(noted.units.iter().map(|unit| unit.text.as_str()).collect::<Vec<_>>(), units, "{text}");
+        assert_eq!(noted.names, named, "{text}");
+    }
+}

@@ -33,6 +33,9 @@ pub fn check(args: &CheckArgs, console: Console) -> io::Result<Exit> {
         (None, Format::Json) => {}
         (None, _) => console.say(&said),
     }
+    if let Some(understood) = loaded.understood() {
+        console.say(&understood);
+    }
     let remedies = problems.iter().filter(|problem| problem.remedy().is_some()).count();
     if remedies > 0 && !args.fix && args.output_format == Format::Full {
         let which = if problems.len() == 1 { "it".to_owned() } else { format!("{remedies} of them") };

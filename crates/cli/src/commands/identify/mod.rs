@@ -72,6 +72,9 @@ fn load_bench(common: &Common, console: Console) -> io::Result<Result<Bench, Exi
         console.say(&format!("{}; nothing was run", render::tally(problems)));
         return Ok(Err(Exit::Model));
     };
+    if let Some(understood) = loaded.understood() {
+        console.say(&understood);
+    }
     match Bench::new(schedule) {
         Ok(bench) => Ok(Ok(bench)),
         Err(refusal) => {

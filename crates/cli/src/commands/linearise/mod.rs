@@ -72,6 +72,9 @@ pub fn linearise(args: &LineariseArgs, console: Console) -> io::Result<Exit> {
         console.say(&format!("{}; nothing was linearised", render::tally(&loaded.compiled.problems)));
         return Ok(Exit::Model);
     };
+    if let Some(understood) = loaded.understood() {
+        console.say(&understood);
+    }
     let schedule = Arc::new(schedule);
     let question = match asked(args, &schedule) {
         Ok(question) => question,

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use blocksim_block::problem::Place;
-use blocksim_diagram::{Origin, SourceFile, Target};
+use blocksim_diagram::{Origin, SourceFile, Target, WrittenUnit};
 use blocksim_results::{Align, Table};
-use blocksim_signal::{Unit, Value};
+use blocksim_signal::{Quantity, Unit, Value};
 use serde_json::json;
 
 use crate::exit::Exit;
@@ -38,6 +38,11 @@ fn shown(target: &Target) -> (String, String, bool) {
     }
     match &target.value {
         Some(Value::Number(quantity)) => {
+            if let WrittenUnit::One(unit) = &target.written_unit {
+                // Without the dust of the conversion.
+                let number = format!("{:.14e}", unit.from_si(quantity.value)).parse().unwrap_or(f64::NAN);
+                return (Quantity::plain(number).display(), unit.text.clone(), false);
+            }
             let text = quantity.display();
             let (number, unit) = text.split_once(' ').unwrap_or((&text, ""));
             (number.to_owned(), unit.to_owned(), false)

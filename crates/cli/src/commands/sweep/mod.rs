@@ -59,6 +59,9 @@ pub fn sweep(args: &SweepArgs, console: Console) -> io::Result<Exit> {
         console.say(&format!("{}; nothing was run", render::tally(&first.compiled.problems)));
         return Ok(Exit::Model);
     }
+    if let Some(understood) = first.understood() {
+        console.say(&format!("first run: {understood}"));
+    }
     if let Some(Err(message)) = args.keep.as_deref().map(kept::folder) {
         console.say(&message);
         return Ok(Exit::Files);
