@@ -68,7 +68,8 @@ impl Tolerances {
         Self { relative, absolute: vec![absolute; dimension], automatic: false }
     }
 
-    /// A relative tolerance alone; what counts as nothing follows from the sizes of the states, down to [`NOTHING`].
+    /// A relative tolerance alone; what counts as nothing follows from the sizes of the states, down to a magnitude of
+    /// 1e-12.
     pub fn automatic(dimension: usize, relative: f64) -> Self {
         Self { relative, absolute: vec![relative * NOTHING; dimension], automatic: true }
     }
