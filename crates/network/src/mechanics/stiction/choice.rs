@@ -10,9 +10,13 @@ use blocksim_block::Context;
 
 use super::ROUNDING;
 use super::parts::{Place, Rest};
+use crate::mechanics::loops::AT_REST;
 use crate::mechanics::schur::DEPENDENT;
 use crate::network::Network;
 use crate::work::Work;
+
+/// Most that the speeds of a network may change, as a multiple of the speed of a part that comes to rest.
+const LEVER: f64 = 1e4;
 
 impl Network {
     /// Chooses all modes at a major step, when `w` holds the evaluation at `c`. Speeds that come to rest become zero
@@ -96,9 +100,39 @@ impl Network {
                 }
             }
             self.again(&Context { x: at, d: modes, ..*c }, w);
-            modes[range].copy_from_slice(&w.kept);
+            let throws = self.throws(at, w);
+            modes[range.clone()].copy_from_slice(&w.kept);
+            if throws {
+                // It goes on the way it went, and passes through zero when it gets there.
+                for i in 0..self.stiction.len() {
+                    if backward(i, w.kept[i], w) {
+                        modes[range.start + i] = -w.kept[i];
+                    }
+                }
+                self.again(&Context { x: at, d: modes, ..*c }, w);
+            }
         }
         self.stop(w, at);
+    }
+
+    /// Whether the speeds of what is stuck could only be made zero by a blow to all that moves: at a dead centre of a loop the
+    /// slightest speed there belongs to any speed elsewhere, and no dry friction stops that. Where loops have drifted by the
+    /// error of the steps, such a part may be on the wrong side of zero by as much.
+    fn throws(&self, at: &[f64], w: &mut Work) -> bool {
+        if self.frames.loops.is_empty() || w.rows.is_empty() {
+            return false;
+        }
+        let v = &at[self.positions..self.positions + self.rotation.free];
+        let slip = w.stuck.iter().map(|i| self.slip(*i, at, &w.s).0.abs()).fold(AT_REST, f64::max);
+        let (first, stuck, s) = (w.first_stuck, &w.stuck, &w.s);
+        w.product.copy_from_slice(v);
+        w.schur.impose(&w.rows, &mut w.product, |row| match row.checked_sub(first) {
+            Some(k) => -self.sticky(stuck[k]).1.of(s),
+            None => w.loops.target[row],
+        });
+        let blow =
+            w.product.iter().zip(v).fold(0.0_f64, |blow, (after, before)| blow.max((after - before).abs()));
+        blow > LEVER * slip
     }
 
     /// Takes speeds onto the constraints of the last evaluation by an impulse.
