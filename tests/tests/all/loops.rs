@@ -62,6 +62,24 @@ fn a_controller_around_a_plant_that_passes_its_input_on_follows_the_closed_loop(
     }
 }
 
+/// A run that begins at rest is there from its first row on, with the same solution of a loop that has two: y = y^2 - x has
+/// the solutions (1 - sqrt(1 + 4 x)) / 2 and (1 + sqrt(1 + 4 x)) / 2, of which the first is near zero.
+#[test]
+fn a_steady_start_keeps_the_solution_of_a_loop() {
+    let run = run_text(
+        r#"Diagram(
+    simulation: (stop_time: 1, start: Steady),
+    blocks: {
+        "two": Constant(value: 2), "x": LowPass(tau: "0.5 s"), "square": Product(inputs: 2), "y": Sum(signs: "+-"),
+        "show": Scope(inputs: ["x", "y"]),
+    },
+    connections: ["two.y -> x.u", "x.y -> y.u2, show.x", "square.y -> y.u1", "y.y -> square.u1, square.u2, show.y"],
+)"#,
+    );
+    every_row(&run, "show.x", 1e-12, |_| 2.0);
+    every_row(&run, "show.y", 1e-12, |_| -1.0);
+}
+
 #[test]
 fn a_loop_that_is_not_linear_is_solved_at_every_instant() {
     // y = t cos(y), by bisection.

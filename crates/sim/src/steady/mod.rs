@@ -72,6 +72,8 @@ impl Simulation {
         fresh.x.clone_from(&simulation.x);
         fresh.diagram.d.clone_from(&simulation.diagram.d);
         fresh.diagram.signals.clone_from(&simulation.diagram.signals);
+        // Where an algebraic loop has several solutions, the run goes on with the one that was found.
+        fresh.diagram.loops.anchors.clone_from(&simulation.diagram.loops.anchors);
         fresh.diagram.pinned = simulation.diagram.pinned;
         fresh.rest = Some(rest);
         Ok(fresh)
