@@ -63,15 +63,7 @@ fn fixed_step(bencher: Bencher) {
     bencher.with_inputs(diagram).bench_refs(|sim| sim.run(&mut Sum(0.0)).is_ok());
 }
 
-#[divan::bench(args = [
-    VariableMethod::Auto,
-    VariableMethod::Ode15s,
-    VariableMethod::Ode23,
-    VariableMethod::Ode45,
-    VariableMethod::Radau5,
-    VariableMethod::Rodas4,
-    VariableMethod::RosW3,
-])]
+#[divan::bench(args = METHODS)]
 fn every_method(bencher: Bencher, method: VariableMethod) {
     let solver = Solver::Variable { method, rtol: 1e-6, atol: Some(1e-9), max_step: 0.1 };
     bencher.with_inputs(|| everything(solver)).bench_refs(|sim| sim.run(&mut Sum(0.0)).is_ok());

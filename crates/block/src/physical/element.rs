@@ -123,8 +123,8 @@ pub enum Element {
     },
     /// A voltage that is a state: [`Component::voltages`](super::Component::voltages) gives it, the current changes it.
     ///
-    /// In a loop of ideal voltages it is none of its own; the network then lets the component see the voltage that it has
-    /// where its state is, see `network/electrics/loops.rs`.
+    /// In a loop of ideal voltages the state is not the voltage itself; the network then passes the voltage to the component
+    /// in the place of its state, see `network/electrics/loops.rs`.
     Capacitance {
         /// Positive pin.
         p: Pin,

@@ -156,7 +156,7 @@ impl Block for StepperDriver {
             }
             Command::Angle { teeth } => {
                 let wanted = self.wanted(c.scalar(0), teeth);
-                // What is no number moves nothing, nor does a tie.
+                // Neither NaN nor a tie moves the motor.
                 if (wanted - d[N]).abs() > 0.5 {
                     d[N] = wanted.round();
                 }

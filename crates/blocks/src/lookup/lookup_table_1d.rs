@@ -134,7 +134,7 @@ impl Block for LookupTable1D {
         }
     }
 
-    /// Distances to the jumps above and below the held value; where there is none nothing crosses.
+    /// Distances to the jumps above and below the held value. A guard without a jump keeps its sign.
     fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         for (i, (g, step)) in g.chunks_exact_mut(2).zip(c.d).enumerate() {
             let (u, step) = (element(c.u, i), *step as usize);

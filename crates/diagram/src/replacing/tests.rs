@@ -41,7 +41,7 @@ fn set(text: &str) -> Result<(String, f64), String> {
         return Err(problem.message.clone());
     }
     let target = text.split('=').next().unwrap_or_default();
-    // The parameter `mass` is the one of the robot, `plain` stands for what is no number by itself.
+    // The mass of the robot is read through the parameter `mass`; the other targets are parameters themselves.
     let name = if target == "robot.axis.mass" { "mass" } else { target };
     let number = parameter::<f64>(&sources, Path::new("top.ron"), &all, name);
     Ok((value.clone(), number.unwrap_or(f64::NAN)))

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use blocksim_block::schedule::OutputTimes::{self, Every, Steps};
-use blocksim_block::schedule::{Schedule, Solver, VariableMethod};
+use blocksim_block::schedule::{Schedule, Solver};
 use blocksim_sim::{Ended, Simulation};
 
 use crate::toys::*;
@@ -69,16 +69,6 @@ fn a_run_gives_the_same_bits_twice() {
         assert_eq!(run(), run());
     }
 }
-
-const METHODS: [VariableMethod; 7] = [
-    VariableMethod::Auto,
-    VariableMethod::Ode15s,
-    VariableMethod::Ode23,
-    VariableMethod::Ode45,
-    VariableMethod::Radau5,
-    VariableMethod::Rodas4,
-    VariableMethod::RosW3,
-];
 
 fn solvers() -> impl Iterator<Item = Solver> {
     let variable = |(method, atol)| Solver::Variable { method, rtol: 1e-6, atol, max_step: f64::INFINITY };

@@ -10,16 +10,6 @@ fn variable(method: VariableMethod) -> Solver {
     Solver::Variable { method, rtol: 1e-6, atol: Some(1e-9), max_step: f64::INFINITY }
 }
 
-const METHODS: [VariableMethod; 7] = [
-    VariableMethod::Auto,
-    VariableMethod::Ode15s,
-    VariableMethod::Ode23,
-    VariableMethod::Ode45,
-    VariableMethod::Radau5,
-    VariableMethod::Rodas4,
-    VariableMethod::RosW3,
-];
-
 /// A stiff lag driven by t, recorded at its end.
 fn lag(method: VariableMethod, rate: f64) -> (f64, Counts) {
     let toy = Toy::new().with("t", Time, &[]).with("lag", Lag(rate), &["t"]);

@@ -7,5 +7,5 @@ mod build;
 mod tape;
 
 pub use blocks::*;
-pub use build::{Toy, ode4, ode45};
+pub use build::{METHODS, Toy, ode4, ode45};
 pub use tape::Tape;
