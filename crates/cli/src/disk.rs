@@ -7,11 +7,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use blocksim_diagram::Reader;
-use blocksim_results::write_whole;
+use blocksim_results::{ResultsError, write_whole};
 use blocksim_signal::closest;
 
 use crate::exit::Exit;
-use crate::terminal::console::Console;
+use crate::failure::Failure;
 
 /// Largest file that is read as text.
 pub const LARGEST: u64 = 256 << 20;
@@ -71,10 +71,13 @@ fn text(path: &Path) -> io::Result<String> {
     fs::read_to_string(path)
 }
 
-/// Why a model cannot be read and what helps; `None` if it can.
-pub fn refusal(model: &Path) -> Option<String> {
-    let error = text(model).err()?;
-    let said = format!("error: cannot read `{}`: {}", model.display(), reason(&error));
+/// Whether a model can be read.
+///
+/// # Errors
+/// Why it cannot, and what helps.
+pub fn readable(model: &Path) -> Result<(), Failure> {
+    let Err(error) = text(model) else { return Ok(()) };
+    let said = format!("cannot read `{}`: {}", model.display(), reason(&error));
     let help = match error.kind() {
         io::ErrorKind::NotFound => {
             likely(model).map(|likely| format!("did you mean `{}`?", likely.display()))
@@ -84,7 +87,7 @@ pub fn refusal(model: &Path) -> Option<String> {
         }
         _ => None,
     };
-    Some(help.map_or(said.clone(), |help| format!("{said}\n  = help: {help}")))
+    Err(Failure::unreadable(said).perhaps_help(help))
 }
 
 /// The `.ron` files of a folder and of those below it, by name. Hidden folders, results of runs and what `cargo` builds
@@ -151,24 +154,59 @@ pub fn models(folder: &Path) -> Vec<PathBuf> {
     files.sort_by_key(|file| (file.file_stem() != folder.file_name(), file.clone()));
     files
 }
-/// Writes a file whole or not at all; one that is there only if `replace`.
-pub fn write_file(path: &Path, bytes: &[u8], replace: bool, console: Console) -> Result<(), Exit> {
+
+/// Whether a file may be written there: only `replace` takes the place of one that is there.
+///
+/// # Errors
+/// That there is one.
+pub fn free(path: &Path, replace: bool) -> Result<(), Failure> {
     if path.symlink_metadata().is_ok() && !replace {
-        console.say(&format!(
-            "error: `{}` is there already\n  = help: name another file, or add --yes to replace it",
-            path.display()
-        ));
-        return Err(Exit::Files);
+        let said = format!("`{}` is there already", path.display());
+        return Err(
+            Failure::new(Exit::Files, "exists", said).help("name another file, or add --yes to replace it")
+        );
     }
+    Ok(())
+}
+
+/// Writes a file whole or not at all; one that is there only if `replace`.
+///
+/// # Errors
+/// Why it cannot be written.
+pub fn write_file(path: &Path, bytes: &[u8], replace: bool) -> Result<(), Failure> {
+    free(path, replace)?;
     // A link goes on pointing to the file that it names.
     let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let folder = target
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty())
         .map_or(PathBuf::from("."), Path::to_path_buf);
-    let name = target.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    write_whole(&folder, &name, |out| out.write_all(bytes)).map(|_| ()).map_err(|error| {
-        console.say(&format!("error: {error}"));
-        Exit::Files
-    })
+    let Some(name) = target.file_name().map(|name| name.to_string_lossy().into_owned()) else {
+        return Err(
+            Failure::unwritable(format!("`{}` names no file", path.display())).help("add the name of a file")
+        );
+    };
+    write_whole(&folder, &name, |out| out.write_all(bytes))
+        .map(|_| ())
+        .map_err(|error| unwritable(path, &error))
+}
+
+/// Why a file cannot be written.
+pub fn unwritable(path: &Path, error: &ResultsError) -> Failure {
+    let (reason, help) = match error {
+        ResultsError::Io { source, .. } => match source.kind() {
+            io::ErrorKind::NotFound => {
+                ("there is no such folder".to_owned(), "create it, or name a file elsewhere")
+            }
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                (error.reason(), "free some space, write less, or name a file elsewhere")
+            }
+            io::ErrorKind::FileTooLarge => {
+                (error.reason(), "raise the limit of the system (`ulimit -f`), or write less")
+            }
+            _ => (error.reason(), "name a file elsewhere"),
+        },
+        _ => (error.reason(), error.remedy()),
+    };
+    Failure::unwritable(format!("cannot write `{}`: {reason}", path.display())).help(help)
 }

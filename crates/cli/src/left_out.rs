@@ -1,5 +1,8 @@
 //! What a smaller program says of the parts that it was built without.
 
+use crate::exit::Exit;
+use crate::failure::Failure;
+
 /// Why something cannot be done; `part` is what is missing.
 pub fn reason(part: &str) -> String {
     format!("this blocksim was built without {part}")
@@ -13,8 +16,8 @@ pub fn help(feature: &str) -> String {
 }
 
 /// Both behind what was asked for: `cannot write ...`.
-pub fn said(asked: &str, part: &str, feature: &str) -> String {
-    format!("error: {asked}: {}\n  = help: {}", reason(part), help(feature))
+pub fn failure(asked: &str, part: &str, feature: &str) -> Failure {
+    Failure::new(Exit::Files, "left_out", format!("{asked}: {}", reason(part))).help(help(feature))
 }
 
 #[cfg(test)]
@@ -24,9 +27,12 @@ mod tests {
     #[test]
     fn the_part_the_feature_and_the_command_are_named() {
         assert_eq!(
-            said("cannot write `a.png`", "pictures as PNG", "png"),
-            "error: cannot write `a.png`: this blocksim was built without pictures as PNG\n  = help: build it with `cargo \
-             build --release --features png`, or with `--features full` for all of its parts"
+            failure("cannot write `a.png`", "pictures as PNG", "png").message(),
+            "cannot write `a.png`: this blocksim was built without pictures as PNG"
+        );
+        assert_eq!(
+            help("png"),
+            "build it with `cargo build --release --features png`, or with `--features full` for all of its parts"
         );
     }
 }

@@ -12,6 +12,7 @@ mod bug;
 mod commands;
 mod disk;
 mod exit;
+mod failure;
 #[cfg_attr(
     all(feature = "lsp", feature = "parquet", feature = "png", feature = "xlsx", not(test)),
     expect(dead_code, reason = "nothing is left out")
@@ -25,29 +26,43 @@ mod scene;
 mod seal;
 mod signals;
 mod terminal;
+mod usage;
 mod watch;
 
-use std::io;
 use std::process::ExitCode;
 
 use clap::Parser;
 
+use crate::args::model::Format;
 use crate::args::{Args, Command};
-use crate::exit::Exit;
+use crate::failure::Outcome;
 use crate::running::interrupt;
-use crate::terminal::console::Console;
+use crate::terminal::console::{Colour, Console};
 
 /// Does what the command line asks for.
 pub fn main() -> ExitCode {
     bug::report_panics();
     interrupt::survive_full_files();
-    let args = Args::parse();
-    let console = Console::of_process(args.color, args.ascii);
-    let outcome = match &args.command {
+    let args = match Args::try_parse() {
+        Ok(args) => args,
+        Err(error) => {
+            let is_data = usage::asks_for_data(std::env::args());
+            let format = if is_data { Format::Json } else { Format::Full };
+            let console = Console::of_process(Colour::Auto, false, format);
+            return usage::tell(&error, console, is_data).into();
+        }
+    };
+    let console = Console::of_process(args.color, args.ascii, args.format());
+    done(&args, console).unwrap_or_else(|failure| failure.tell(console)).into()
+}
+
+/// What one verb does.
+fn done(args: &Args, console: Console) -> Outcome {
+    match &args.command {
         None => commands::hints(console),
         Some(Command::New(args)) => commands::new(args, console),
         Some(Command::Run(args)) if args.watch => {
-            watch::watch(&args.model, console, || commands::run(args, console))
+            Ok(watch::watch(&args.model, console, || commands::run(args, console)))
         }
         Some(Command::Run(args)) => commands::run(args, console),
         Some(Command::Report(args)) => commands::report(args, console),
@@ -55,7 +70,7 @@ pub fn main() -> ExitCode {
         Some(Command::Compare(args)) => commands::compare(args, console),
         Some(Command::Collisions(args)) => commands::collisions(args, console),
         Some(Command::Check(args)) if args.watch => {
-            watch::watch(&args.model, console, || commands::check(args, console))
+            Ok(watch::watch(&args.model, console, || commands::check(args, console)))
         }
         Some(Command::Check(args)) => commands::check(args, console),
         Some(Command::Fmt(args)) => commands::fmt(args, console),
@@ -66,7 +81,7 @@ pub fn main() -> ExitCode {
         Some(Command::Emit(args)) => commands::emit(args, console),
         Some(Command::Graph(args)) => commands::graph(args, console),
         Some(Command::Import(args)) => commands::import(args, console),
-        Some(Command::Lsp) => commands::lsp(console),
+        Some(Command::Lsp) => commands::lsp(),
         Some(Command::Blocks(args)) => commands::blocks(args, console),
         Some(Command::Doctor(args)) => commands::doctor(args, console),
         Some(Command::Completions(args)) => commands::completions(args, console),
@@ -75,14 +90,5 @@ pub fn main() -> ExitCode {
         Some(Command::Plan(command)) => commands::plan(command, console),
         Some(Command::Plugin(command)) => commands::plugin(command, console),
         Some(Command::Params(command)) => commands::params(command, console),
-    };
-    match outcome {
-        Ok(exit) => exit.into(),
-        // Whoever reads only the first lines, such as `head`, has what they want.
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Exit::Done.into(),
-        Err(error) => {
-            console.say(&format!("error: cannot write to the standard output: {error}"));
-            Exit::Files.into()
-        }
     }
 }

@@ -2,13 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
+use blocksim_block::schedule::Schedule;
 use blocksim_diagram::{Compiled, SourceFile, Sources, compile, fingerprint};
 use blocksim_results::FileUsed;
 use blocksim_scene::Scene;
 
 use crate::args::model::ModelArgs;
-use crate::disk::{Disk, refusal};
+use crate::commands::tell;
+use crate::disk::{Disk, readable};
+use crate::exit::Exit;
+use crate::failure::Failure;
 use crate::terminal::console::Console;
+use crate::terminal::render;
 
 /// A model and the files that it was read from.
 pub struct Loaded {
@@ -31,6 +36,24 @@ impl Loaded {
         (!all.is_empty()).then(|| format!("set {}", all.join(", ")))
     }
 
+    /// Takes what the engine runs, and tells the problems that do not stop it.
+    ///
+    /// # Errors
+    /// The problems that do; `undone` says what was not done for them: `nothing was run`.
+    pub fn take_schedule(&mut self, undone: &str, console: Console) -> Result<Schedule, Failure> {
+        let problems = &self.compiled.problems;
+        match self.compiled.schedule.take() {
+            Some(schedule) => {
+                tell(problems, &self.files, console)?;
+                Ok(schedule)
+            }
+            None => {
+                let last = format!("{}; {undone}", render::tally(problems));
+                Err(Failure::of(Exit::Model, problems.clone(), self.files.clone()).last(last))
+            }
+        }
+    }
+
     /// What is seen of mechanisms, if anything is.
     pub fn scene(&self) -> Option<&Scene> {
         self.compiled.scene.as_ref().filter(|scene| !scene.shapes.is_empty())
@@ -45,12 +68,12 @@ pub fn tell_builds() {
     });
 }
 
-/// Reads and compiles a model; `None` if there is nothing to read, which has been told then.
-pub fn load(args: &ModelArgs, console: Console) -> Option<Loaded> {
-    if let Some(refusal) = refusal(&args.model) {
-        console.say(&refusal);
-        return None;
-    }
+/// Reads and compiles a model.
+///
+/// # Errors
+/// If there is nothing to read. Problems of the model are no failure here.
+pub fn load(args: &ModelArgs) -> Result<Loaded, Failure> {
+    readable(&args.model)?;
     tell_builds();
     let disk = Disk::default();
     let sources = Sources::new(&disk);
@@ -59,7 +82,7 @@ pub fn load(args: &ModelArgs, console: Console) -> Option<Loaded> {
     let on_disk = files.iter().filter(|file| disk.has_read(&file.path)).cloned().collect();
     // Hashed now, before anybody builds them anew.
     let plugins = blocksim_host::opened().into_iter().map(|library| library_used(&library.path));
-    Some(Loaded { compiled, files, on_disk, plugins: plugins.collect() })
+    Ok(Loaded { compiled, files, on_disk, plugins: plugins.collect() })
 }
 
 /// Files that a model is read from, and folders of crates whose plug-ins it has loaded; the file of the model itself in

@@ -1,11 +1,11 @@
 //! Does something again whenever a file of a model changes.
 
-use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use crate::args::model::ModelArgs;
 use crate::exit::Exit;
+use crate::failure::Outcome;
 use crate::loaded::files_of;
 use crate::running::interrupt;
 use crate::terminal::console::Console;
@@ -22,24 +22,18 @@ type State = Vec<(PathBuf, Option<(SystemTime, u64)>)>;
 /// Does something, and again after every change of a file that the model was read from, until Ctrl-C. Ends as what was
 /// done last.
 ///
-/// # Errors
-/// If the standard output cannot be written.
-pub fn watch(
-    model: &ModelArgs,
-    console: Console,
-    mut again: impl FnMut() -> io::Result<Exit>,
-) -> io::Result<Exit> {
+pub fn watch(model: &ModelArgs, console: Console, mut again: impl FnMut() -> Outcome) -> Exit {
     interrupt::take_over();
     loop {
         // What is written while it runs has not been seen by it.
         let places = files_of(model);
         let before = state(&places);
-        let exit = again()?;
+        let exit = again().unwrap_or_else(|failure| failure.tell(console));
         if interrupt::is_requested() {
-            return Ok(exit);
+            return exit;
         }
         console.say(&format!("waiting for changes of {}; Ctrl-C ends", plural(before.len(), "file")));
-        let Some(changed) = change(&places, before) else { return Ok(exit) };
+        let Some(changed) = change(&places, before) else { return exit };
         console.say(&format!("\n{} has changed", changed.display()));
     }
 }

@@ -10,7 +10,12 @@ use blocksim_sim::Simulation;
 use blocksim_tests::{Desk, root, run};
 
 /// Pages without a diagram that could fail here, and why.
-const WITHOUT_DIAGRAM: [(&str, &str); 9] = [
+const WITHOUT_DIAGRAM: [(&str, &str); 18] = [
+    ("exists", "comes from a command; the tests of the program run it"),
+    ("identify", "comes from a command; the tests of the program run it"),
+    ("import", "comes from a command; the tests of the program run it"),
+    ("left_out", "needs a program that was built without a part"),
+    ("linearise", "comes from a command, at points that the blocks of the library refuse before"),
     ("plugin_abi", "needs a plug-in of another version"),
     ("plugin_build", "needs a crate that does not build"),
     ("plugin_missing", "the path is that of the reader"),
@@ -18,6 +23,10 @@ const WITHOUT_DIAGRAM: [(&str, &str); 9] = [
     ("plugin_parameter", "needs a built plug-in"),
     ("plugin_symbol", "needs a library of something else"),
     ("settings", "comes from the command line; the compiler refuses such numbers before"),
+    ("unreadable", "comes from a command; the tests of the program run it"),
+    ("unwritable", "comes from a command; the tests of the program run it"),
+    ("usage", "comes from a command; the tests of the program run it"),
+    ("workbook", "comes from a command; the tests of workbooks have its words"),
     ("time_event", "a mistake that no block of the library makes"),
     ("too_many_valves", "needs a circuit of more than a hundred valves"),
 ];
@@ -144,6 +153,12 @@ fn codes() -> BTreeMap<String, PathBuf> {
                 .and_then(|first| rest.split_once(&format!("\"{first}\",")))
                 .map(|(_, rest)| rest.to_owned())
         };
+        // The program names its exit code first.
+        let behind = |rest: &'_ str| rest.split_once(',').map(|(_, rest)| rest.to_owned());
+        code.split("Failure::new(")
+            .skip(1)
+            .filter_map(behind)
+            .for_each(|rest| word(&rest).into_iter().for_each(&mut add));
         code.split("self.error(")
             .skip(1)
             .filter_map(second)

@@ -16,6 +16,16 @@ pub enum IdentifyCommand {
     Dynamics(DynamicsArgs),
 }
 
+impl IdentifyCommand {
+    /// What all experiments need.
+    pub fn common(&self) -> &Common {
+        match self {
+            IdentifyCommand::Friction(args) => &args.common,
+            IdentifyCommand::Dynamics(args) => &args.common,
+        }
+    }
+}
+
 /// What all experiments need.
 #[derive(Debug, Args)]
 pub struct Common {

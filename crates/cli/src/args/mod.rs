@@ -28,7 +28,7 @@ use self::identify::IdentifyCommand;
 use self::import::ImportArgs;
 use self::linearise::LineariseArgs;
 use self::manual::{BlocksArgs, ExplainArgs};
-use self::model::{CheckArgs, EmitArgs, RunArgs};
+use self::model::{CheckArgs, EmitArgs, Format, RunArgs};
 use self::params::ParamsCommand;
 use self::plan::PlanCommand;
 use self::plot::{CompareArgs, PlotArgs};
@@ -111,6 +111,42 @@ pub enum Command {
     /// Parameters of a model: list, get and set them; sets as workbooks for Excel and LibreOffice, and back.
     #[command(subcommand)]
     Params(ParamsCommand),
+}
+
+impl Args {
+    /// How problems are told: as the command is asked for its results.
+    pub fn format(&self) -> Format {
+        let is_data = match &self.command {
+            Some(Command::Check(args)) => return args.output_format,
+            Some(Command::Run(args)) => args.json,
+            Some(Command::Plot(args)) => args.json,
+            Some(Command::Compare(args)) => args.json,
+            Some(Command::Collisions(args)) => args.json,
+            Some(Command::Sweep(args)) => args.json,
+            Some(Command::Linearise(args)) => args.json,
+            Some(Command::Runs(args)) => args.json,
+            Some(Command::Graph(args)) => args.json,
+            Some(Command::Blocks(args)) => args.json,
+            Some(Command::Doctor(args)) => args.json,
+            Some(Command::Identify(command)) => command.common().json,
+            Some(Command::Plan(command)) => command.common().json,
+            Some(Command::Plugin(command)) => command.json(),
+            Some(Command::Params(command)) => command.json(),
+            Some(
+                Command::New(_)
+                | Command::Report(_)
+                | Command::Fmt(_)
+                | Command::Export(_)
+                | Command::Emit(_)
+                | Command::Import(_)
+                | Command::Lsp
+                | Command::Completions(_)
+                | Command::Explain(_),
+            )
+            | None => false,
+        };
+        if is_data { Format::Json } else { Format::Full }
+    }
 }
 
 #[cfg(test)]

@@ -23,6 +23,17 @@ pub enum ParamsCommand {
     Check(CheckArgs),
 }
 
+impl ParamsCommand {
+    /// Whether the answer is to be data.
+    pub fn json(&self) -> bool {
+        match self {
+            ParamsCommand::List(args) => args.json,
+            ParamsCommand::Get(args) => args.json,
+            _ => false,
+        }
+    }
+}
+
 /// `blocksim params list`.
 #[derive(Debug, Args)]
 #[command(

@@ -19,6 +19,18 @@ pub enum PlanCommand {
     Sequence(SequenceArgs),
 }
 
+impl PlanCommand {
+    /// What all moves need.
+    pub fn common(&self) -> &PlanCommon {
+        match self {
+            PlanCommand::Joint(args) => &args.common,
+            PlanCommand::Linear(args) => &args.tool.common,
+            PlanCommand::Circular(args) => &args.tool.common,
+            PlanCommand::Sequence(args) => &args.common,
+        }
+    }
+}
+
 /// What all moves need.
 #[derive(Debug, Args)]
 pub struct PlanCommon {

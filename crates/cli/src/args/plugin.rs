@@ -13,6 +13,13 @@ pub enum PluginCommand {
     Show(PluginShowArgs),
 }
 
+impl PluginCommand {
+    /// Whether the answer is to be data.
+    pub fn json(&self) -> bool {
+        matches!(self, PluginCommand::Show(args) if args.json)
+    }
+}
+
 /// `blocksim plugin new`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  blocksim plugin new plugins/my_controller\n  \

@@ -1,18 +1,17 @@
-use std::io;
-
 use clap::CommandFactory;
 use clap_complete::{generate, shells};
 
 use crate::args::Args;
 use crate::args::start::{CompletionsArgs, Shell};
 use crate::exit::Exit;
+use crate::failure::Outcome;
 use crate::terminal::console::Console;
 
 /// Prints what makes a shell complete commands, options and their values.
 ///
 /// # Errors
 /// If the standard output cannot be written.
-pub fn completions(args: &CompletionsArgs, console: Console) -> io::Result<Exit> {
+pub fn completions(args: &CompletionsArgs, console: Console) -> Outcome {
     let (mut command, name) = (Args::command(), "blocksim");
     let mut script = Vec::new();
     match args.shell {

@@ -1,7 +1,6 @@
 //! `blocksim doctor`: whether everything is there that runs, plug-ins and pages need.
 
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::SystemTime;
@@ -11,6 +10,7 @@ use serde_json::json;
 use crate::args::start::DoctorArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
+use crate::failure::Outcome;
 use crate::terminal::console::Console;
 
 /// Oldest Rust that builds plug-ins.
@@ -52,7 +52,7 @@ impl Finding {
 ///
 /// # Errors
 /// If the standard output cannot be written.
-pub fn doctor(args: &DoctorArgs, console: Console) -> io::Result<Exit> {
+pub fn doctor(args: &DoctorArgs, console: Console) -> Outcome {
     let mut findings = vec![program(), cargo(), compiler(), sources(), runs(), disk(), browser()];
     findings.extend(plugins(Path::new(".")));
     for finding in &findings {

@@ -1,11 +1,11 @@
 use std::collections::HashMap;
-use std::io;
 
 use blocksim_diagram::Stage;
 
 use super::tell;
-use crate::args::model::{EmitArgs, Format, StageName};
+use crate::args::model::{EmitArgs, StageName};
 use crate::exit::Exit;
+use crate::failure::Outcome;
 use crate::loaded::load;
 use crate::scene;
 use crate::terminal::console::Console;
@@ -14,11 +14,11 @@ use crate::terminal::render;
 /// Prints what a step of the compiler makes of a model, also of one with errors if the step was reached.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn emit(args: &EmitArgs, console: Console) -> io::Result<Exit> {
-    let Some(loaded) = load(&args.model, console) else { return Ok(Exit::Files) };
+/// If the model cannot be read.
+pub fn emit(args: &EmitArgs, console: Console) -> Outcome {
+    let loaded = load(&args.model)?;
     let problems = &loaded.compiled.problems;
-    tell(problems, &loaded.files, Format::Full, console)?;
+    tell(problems, &loaded.files, console)?;
     let stages = &loaded.compiled.stages;
     let text = match args.stage {
         StageName::Ast => stages.emit(Stage::Ast),

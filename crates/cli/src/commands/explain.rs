@@ -1,9 +1,8 @@
-use std::io;
-
 use blocksim_signal::closest;
 
 use crate::args::manual::ExplainArgs;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
 use crate::terminal::prose::prose;
 
@@ -12,8 +11,8 @@ include!(concat!(env!("OUT_DIR"), "/error_pages.rs"));
 /// Prints the page of the manual about a problem, or which pages there are.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn explain(args: &ExplainArgs, console: Console) -> io::Result<Exit> {
+/// If there is no such page.
+pub fn explain(args: &ExplainArgs, console: Console) -> Outcome {
     let codes = || ERROR_PAGES.iter().map(|(code, _)| *code);
     let Some(code) = &args.code else {
         console.data(&codes().map(|code| format!("{code}\n")).collect::<String>())?;
@@ -25,9 +24,8 @@ pub fn explain(args: &ExplainArgs, console: Console) -> io::Result<Exit> {
         console.data(&prose(page))?;
         return Ok(Exit::Done);
     }
-    console.say(&match closest(code, codes()) {
-        Some(meant) => format!("error: there is no page about `{code}`; did you mean `{meant}`?"),
-        None => format!("error: there is no page about `{code}`; `blocksim explain` lists all pages"),
-    });
-    Ok(Exit::Usage)
+    Err(Failure::usage(format!("there is no page about `{code}`")).help(match closest(code, codes()) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => "`blocksim explain` lists all pages".to_owned(),
+    }))
 }

@@ -6,37 +6,26 @@ use blocksim_results::{ResultsError, Run, locate, resampled, write_mat, write_ru
 
 use crate::args::export::ExportArgs;
 use crate::args::values::RUNS;
+use crate::disk::unwritable;
 use crate::exit::Exit;
-use crate::signals::{naming, traces};
+use crate::failure::{Failure, Outcome};
+use crate::signals::naming;
 use crate::terminal::console::Console;
 use crate::terminal::render::plural;
 
 /// Writes the signals of a run for other programs.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn export(args: &ExportArgs, console: Console) -> io::Result<Exit> {
-    let refuse = |error: &ResultsError| {
-        console.say(&told(error));
-        Ok(Exit::Files)
-    };
+/// What cannot be read or written.
+pub fn export(args: &ExportArgs, console: Console) -> Outcome {
     #[cfg(not(feature = "parquet"))]
     if let Some(file) = &args.parquet {
         let done = format!("cannot write `{}`", file.display());
-        console.say(&crate::left_out::said(&done, "Parquet (CSV and MAT are there)", "parquet"));
-        return Ok(Exit::Files);
+        return Err(crate::left_out::failure(&done, "Parquet (CSV and MAT are there)", "parquet"));
     }
-    let run = match locate(&args.run, Path::new(RUNS)).and_then(|path| Run::open(&path)) {
-        Ok(run) => run,
-        Err(error) => return refuse(&error),
-    };
-    let signals = match chosen(&run, &args.signals) {
-        Ok(signals) => signals,
-        Err(mistake) => {
-            console.say(&format!("error: {mistake}"));
-            return Ok(Exit::Usage);
-        }
-    };
+    let run =
+        locate(&args.run, Path::new(RUNS)).and_then(|path| Run::open(&path)).map_err(|error| told(&error))?;
+    let signals = chosen(&run, &args.signals)?;
     if let Some(shortfall) = run.shortfall() {
         console.say(&format!("note: the run is not complete: {shortfall}"));
     }
@@ -49,46 +38,30 @@ pub fn export(args: &ExportArgs, console: Console) -> io::Result<Exit> {
             write(args, &grid, &all, &range)
         }),
     };
-    match written {
-        Ok(files) => {
-            console.data(&files.iter().map(|file| format!("{}\n", file.display())).collect::<String>())?;
-            console.say(&format!("{} of {}", plural(signals.len(), "signal"), run.name()));
-            Ok(Exit::Done)
-        }
-        Err(error) => refuse(&error),
-    }
+    let files = written.map_err(|error| told(&error))?;
+    console.data(&files.iter().map(|file| format!("{}\n", file.display())).collect::<String>())?;
+    console.say(&format!("{} of {}", plural(signals.len(), "signal"), run.name()));
+    Ok(Exit::Done)
 }
 
-/// What to tell of a failure: place, reason, remedy.
-fn told(error: &ResultsError) -> String {
-    let ResultsError::Io { path, doing: "write", source } = error else { return traces::told(error) };
+/// Why a file cannot be read or written.
+fn told(error: &ResultsError) -> Failure {
+    let ResultsError::Io { path, doing: "write", source } = error else { return Failure::of_run(error) };
     // What cannot be read is not the fault of the file that is written.
-    if let Some(error) = source.get_ref().and_then(|inner| inner.downcast_ref()) {
-        return traces::told(error);
+    match source.get_ref().and_then(|inner| inner.downcast_ref()) {
+        Some(error) => Failure::of_run(error),
+        None => unwritable(path, error),
     }
-    let (reason, remedy) = match source.kind() {
-        io::ErrorKind::NotFound => {
-            ("there is no such folder".to_owned(), "make the folder, or name another file")
-        }
-        io::ErrorKind::AlreadyExists => (error.reason(), "name another file"),
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            (error.reason(), "free some space, write fewer signals, or name a file elsewhere")
-        }
-        io::ErrorKind::FileTooLarge => {
-            (error.reason(), "raise the limit of the system (`ulimit -f`), or write fewer signals")
-        }
-        _ => (error.reason(), "name a file elsewhere"),
-    };
-    format!("error: cannot write `{}`: {reason}\n  = help: {remedy}", path.display())
 }
 
 /// Positions of the signals that fit one of the patterns, all if there are none.
-fn chosen(run: &Run, patterns: &[String]) -> Result<Vec<usize>, String> {
+fn chosen(run: &Run, patterns: &[String]) -> Result<Vec<usize>, Failure> {
     let paths = || run.signals().iter().map(|signal| signal.path.as_str());
     if let Some(lost) = patterns.iter().find(|pattern| !paths().any(|path| naming::fits(path, pattern))) {
         let some: Vec<&str> = paths().take(5).collect();
         let more = if paths().count() > some.len() { ", ..." } else { "" };
-        return Err(format!("no signal of the run fits `{lost}`; it has {}{more}", some.join(", ")));
+        let said = format!("no signal of `{}` fits `{lost}`", run.name());
+        return Err(Failure::usage(said).help(format!("it has {}{more}", some.join(", "))));
     }
     let fits = |path: &str| patterns.is_empty() || patterns.iter().any(|pattern| naming::fits(path, pattern));
     Ok((0..run.signals().len()).filter(|&at| fits(&run.signals()[at].path)).collect())

@@ -5,29 +5,24 @@ use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_diagram::{Reader, SourceFile, SyntaxError, format};
 
 use crate::args::fmt::FmtArgs;
-use crate::disk::{Disk, reason, refusal, text_files, write_file};
+use crate::disk::{Disk, readable, reason, text_files, write_file};
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
 use crate::terminal::diff::difference;
-use crate::terminal::render::{full, plural};
+use crate::terminal::render::plural;
 
 /// Lays files out, or shows what would change.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn fmt(args: &FmtArgs, console: Console) -> io::Result<Exit> {
+/// If there is nothing to lay out, or a file cannot be written.
+pub fn fmt(args: &FmtArgs, console: Console) -> Outcome {
     if args.stdin {
         return standard_input(console);
     }
     let mut found = Vec::new();
     for named in &args.files {
-        match files(named) {
-            Ok(files) => found.extend(files),
-            Err(said) => {
-                console.say(&said);
-                return Ok(Exit::Files);
-            }
-        }
+        found.extend(files(named)?);
     }
     found.sort();
     found.dedup();
@@ -37,15 +32,15 @@ pub fn fmt(args: &FmtArgs, console: Console) -> io::Result<Exit> {
         let text = match Disk::default().read(path) {
             Ok(text) => text,
             Err(reason) => {
-                console.say(&format!("error: cannot read `{}`: {reason}", path.display()));
-                exit = Exit::Files;
+                exit =
+                    Failure::unreadable(format!("cannot read `{}`: {reason}", path.display())).tell(console);
                 continue;
             }
         };
         let formatted = match format(&text) {
             Ok(formatted) => formatted,
             Err(error) => {
-                tell(&error, path, &text, console);
+                no_ron(&error, path, &text).tell(console);
                 broken += 1;
                 continue;
             }
@@ -56,9 +51,8 @@ pub fn fmt(args: &FmtArgs, console: Console) -> io::Result<Exit> {
         changed += 1;
         if args.check {
             console.data(&difference(path, &text, &formatted))?;
-        } else if let Err(failed) = write_file(path, formatted.as_bytes(), true, console) {
-            return Ok(failed);
         } else {
+            write_file(path, formatted.as_bytes(), true)?;
             console.data(&format!("{}\n", path.display()))?;
         }
     }
@@ -73,46 +67,40 @@ pub fn fmt(args: &FmtArgs, console: Console) -> io::Result<Exit> {
 }
 
 /// What is meant by a name: the file, or the texts of a folder.
-fn files(named: &Path) -> Result<Vec<PathBuf>, String> {
+fn files(named: &Path) -> Result<Vec<PathBuf>, Failure> {
     if !named.is_dir() {
-        return match refusal(named) {
-            Some(refusal) => Err(refusal),
-            None => Ok(vec![named.to_owned()]),
-        };
+        return readable(named).map(|()| vec![named.to_owned()]);
     }
     match text_files(named) {
-        Ok(files) if files.is_empty() => Err(format!(
-            "error: `{}` holds no .ron file\n  = help: name the folder of a model, or a file",
-            named.display()
-        )),
+        Ok(files) if files.is_empty() => {
+            let said = format!("`{}` holds no .ron file", named.display());
+            Err(Failure::unreadable(said).help("name the folder of a model, or a file"))
+        }
         Ok(files) => Ok(files),
-        Err(error) => Err(format!("error: cannot read `{}`: {}", named.display(), reason(&error))),
+        Err(error) => {
+            Err(Failure::unreadable(format!("cannot read `{}`: {}", named.display(), reason(&error))))
+        }
     }
 }
 
-fn standard_input(console: Console) -> io::Result<Exit> {
+fn standard_input(console: Console) -> Outcome {
     let mut text = String::new();
     if let Err(error) = io::stdin().lock().take(crate::disk::LARGEST).read_to_string(&mut text) {
-        console.say(&format!("error: cannot read the standard input: {}", reason(&error)));
-        return Ok(Exit::Files);
+        return Err(Failure::unreadable(format!("cannot read the standard input: {}", reason(&error))));
     }
     match format(&text) {
         Ok(formatted) => {
             console.data(&formatted)?;
             Ok(Exit::Done)
         }
-        Err(error) => {
-            tell(&error, Path::new("<stdin>"), &text, console);
-            Ok(Exit::Model)
-        }
+        Err(error) => Err(no_ron(&error, Path::new("<stdin>"), &text)),
     }
 }
 
-/// Shows where a text is no RON.
-fn tell(error: &SyntaxError, path: &Path, text: &str, console: Console) {
+/// Where a text is no RON.
+fn no_ron(error: &SyntaxError, path: &Path, text: &str) -> Failure {
     let place = Place { file: FileId(0), span: error.span.clone() };
     let mut problem = Problem::error("syntax", error.message.clone()).at(&place, "");
     problem.help = error.help.clone();
-    let files = [SourceFile { path: path.to_owned(), text: text.into() }];
-    console.say(&format!("{}\n", full(&problem, &files, console.colour)));
+    Failure::of(Exit::Model, vec![problem], vec![SourceFile { path: path.to_owned(), text: text.into() }])
 }

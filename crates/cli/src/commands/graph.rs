@@ -1,4 +1,3 @@
-use std::io;
 use std::path::Path;
 
 use blocksim_diagram::Sources;
@@ -8,9 +7,9 @@ use serde_json::{Value, json};
 
 use super::tell;
 use crate::args::graph::GraphArgs;
-use crate::args::model::Format;
-use crate::disk::{Disk, refusal};
+use crate::disk::{Disk, readable};
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::picture_file::write_pictures;
 use crate::terminal::console::Console;
 use crate::terminal::render;
@@ -18,27 +17,18 @@ use crate::terminal::render;
 /// Draws a level of a model, or all of them.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn graph(args: &GraphArgs, console: Console) -> io::Result<Exit> {
-    if let Some(refusal) = refusal(&args.model.model) {
-        console.say(&refusal);
-        return Ok(Exit::Files);
-    }
+/// If the model cannot be read, there is no such level, or a drawing cannot be written.
+pub fn graph(args: &GraphArgs, console: Console) -> Outcome {
+    readable(&args.model.model)?;
     let disk = Disk::default();
     let sources = Sources::new(&disk);
     let (model, problems) = blocksim_diagram::model(&sources, &args.model.model, &args.model.set);
-    tell(&problems, &sources.all(), Format::Full, console)?;
+    tell(&problems, &sources.all(), console)?;
     let Some(model) = model else { return Ok(Exit::Model) };
     let levels = if args.all {
         all_levels(&model, &sources)
     } else {
-        match level_at(&model, &sources, &args.path) {
-            Ok(level) => vec![level],
-            Err(error) => {
-                console.say(&no_such_level(&error));
-                return Ok(Exit::Usage);
-            }
-        }
+        vec![level_at(&model, &sources, &args.path).map_err(|error| no_such_level(&error))?]
     };
     let whole = if render::errors(&problems) == 0 { Exit::Done } else { Exit::Model };
     for level in &levels {
@@ -68,17 +58,10 @@ pub fn graph(args: &GraphArgs, console: Console) -> io::Result<Exit> {
             if args.all
                 && let Err(error) = std::fs::create_dir_all(folder)
             {
-                console.say(&format!("error: cannot create `{}`: {error}", folder.display()));
-                return Ok(Exit::Files);
+                return Err(Failure::unwritable(format!("cannot create `{}`: {error}", folder.display())));
             }
         }
-        match write_pictures(&drawing, as_svg.as_deref(), as_png.as_deref(), args.scale, args.yes) {
-            Ok(_) => {}
-            Err(said) => {
-                console.say(&said);
-                return Ok(Exit::Files);
-            }
-        }
+        write_pictures(&drawing, as_svg.as_deref(), as_png.as_deref(), args.scale, args.yes)?;
     }
     Ok(whole)
 }
@@ -89,18 +72,20 @@ fn in_folder(folder: &Path, level: &Level, ending: &str) -> std::path::PathBuf {
     folder.join(format!("{name}.{ending}"))
 }
 
-fn no_such_level(error: &PathError) -> String {
+fn no_such_level(error: &PathError) -> Failure {
     let place = if error.found.is_empty() { "the diagram".to_owned() } else { format!("`{}`", error.found) };
     let said = if error.is_block {
-        format!("error: `{}` in {place} has nothing inside", error.name)
+        format!("`{}` in {place} has nothing inside", error.name)
     } else {
-        format!("error: there is no `{}` in {place}", error.name)
+        format!("there is no `{}` in {place}", error.name)
     };
-    match blocksim_signal::closest(&error.name, error.subsystems.iter().map(String::as_str)) {
-        Some(close) => format!("{said}\n  = help: did you mean `{close}`?"),
-        None if error.subsystems.is_empty() => format!("{said}\n  = help: there are no subsystems in it"),
-        None => format!("{said}\n  = help: the subsystems there are {}", error.subsystems.join(", ")),
-    }
+    Failure::usage(said).help(
+        match blocksim_signal::closest(&error.name, error.subsystems.iter().map(String::as_str)) {
+            Some(close) => format!("did you mean `{close}`?"),
+            None if error.subsystems.is_empty() => "there are no subsystems in it".to_owned(),
+            None => format!("the subsystems there are {}", error.subsystems.join(", ")),
+        },
+    )
 }
 
 /// Places in dots of the drawing without its edge and title.

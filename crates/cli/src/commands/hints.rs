@@ -1,8 +1,8 @@
-use std::io;
 use std::path::PathBuf;
 
 use crate::disk::models;
 use crate::exit::Exit;
+use crate::failure::Outcome;
 use crate::terminal::console::Console;
 
 /// Texts that are looked at for a model.
@@ -12,7 +12,7 @@ const MOST: usize = 50;
 ///
 /// # Errors
 /// If the standard output cannot be written.
-pub fn hints(console: Console) -> io::Result<Exit> {
+pub fn hints(console: Console) -> Outcome {
     let found = models(".".as_ref()).into_iter().take(MOST).find(is_whole);
     let name =
         found.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());

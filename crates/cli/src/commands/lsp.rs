@@ -1,34 +1,28 @@
-use std::io;
-
+#[cfg(feature = "lsp")]
 use crate::exit::Exit;
-use crate::terminal::console::Console;
+#[cfg(feature = "lsp")]
+use crate::failure::Failure;
+use crate::failure::Outcome;
 #[cfg(feature = "lsp")]
 use crate::terminal::prose::prose;
 
 /// Tells that there is no server for editors.
 ///
 /// # Errors
-/// None.
+/// Always.
 #[cfg(not(feature = "lsp"))]
-pub fn lsp(console: Console) -> io::Result<Exit> {
-    console.say(&crate::left_out::said("cannot serve an editor", "a language server", "lsp"));
-    Ok(Exit::Usage)
+pub fn lsp() -> Outcome {
+    Err(crate::left_out::failure("cannot serve an editor", "a language server", "lsp"))
 }
 
 /// Serves an editor on the standard input and output.
 ///
 /// # Errors
-/// None; what the editor does wrong is told on the standard error.
+/// What the editor does wrong.
 #[cfg(feature = "lsp")]
-pub fn lsp(console: Console) -> io::Result<Exit> {
-    match blocksim_lsp::serve(prose) {
-        Ok(()) => Ok(Exit::Done),
-        Err(error) => {
-            console.say(&format!(
-                "error: the editor broke the Language Server Protocol: {error}\n  = help: `blocksim lsp` is started by \
-                 editors; docs/editors.md tells how"
-            ));
-            Ok(Exit::Usage)
-        }
-    }
+pub fn lsp() -> Outcome {
+    blocksim_lsp::serve(prose).map(|()| Exit::Done).map_err(|error| {
+        Failure::usage(format!("the editor broke the Language Server Protocol: {error}"))
+            .help("`blocksim lsp` is started by editors; docs/editors.md tells how")
+    })
 }

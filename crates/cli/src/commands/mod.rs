@@ -52,10 +52,13 @@ pub use run::run;
 pub use runs::runs;
 pub use sweep::sweep;
 
+use std::io;
+
 use blocksim_block::problem::Problem;
 use blocksim_diagram::SourceFile;
 
 use crate::args::model::Format;
+use crate::exit::Exit;
 use crate::terminal::console::Console;
 use crate::terminal::render;
 
@@ -63,17 +66,25 @@ use crate::terminal::render;
 ///
 /// # Errors
 /// If the standard output cannot be written.
-pub fn tell(
+pub fn tell(problems: &[Problem], files: &[SourceFile], console: Console) -> io::Result<()> {
+    tell_with(problems, files, None, console)
+}
+
+/// The same where the program ends because of them.
+///
+/// # Errors
+/// If the standard output cannot be written.
+pub fn tell_with(
     problems: &[Problem],
     files: &[SourceFile],
-    format: Format,
+    exit: Option<Exit>,
     console: Console,
-) -> std::io::Result<()> {
+) -> io::Result<()> {
     for problem in problems {
-        match format {
-            Format::Full => console.say(&format!("{}\n", render::full(problem, files, console.colour))),
+        match console.format {
+            Format::Full => console.say(&render::full(problem, files, console.colour)),
             Format::Short => console.say(&render::short(problem, files)),
-            Format::Json => console.data(&format!("{}\n", render::json(problem, files)))?,
+            Format::Json => console.data(&format!("{}\n", render::json(problem, files, exit)))?,
         }
     }
     Ok(())

@@ -1,25 +1,18 @@
-use std::io;
-
 use blocksim_results::format::{duration, fixed, simulated};
 use blocksim_results::{Align, Kept, Table, history};
 use serde_json::json;
 
 use crate::args::export::RunsArgs;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
 
 /// Lists the runs that were kept, the oldest first.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn runs(args: &RunsArgs, console: Console) -> io::Result<Exit> {
-    let kept = match history(&args.folder) {
-        Ok(kept) => kept,
-        Err(error) => {
-            console.say(&format!("error: {error}"));
-            return Ok(Exit::Files);
-        }
-    };
+/// If the folder cannot be read.
+pub fn runs(args: &RunsArgs, console: Console) -> Outcome {
+    let kept = history(&args.folder).map_err(|error| Failure::of_run(&error))?;
     if args.json {
         let lines: String = kept.iter().map(|kept| format!("{}\n", data(kept))).collect();
         console.data(&lines)?;

@@ -126,8 +126,11 @@ impl Report<'_> {
 /// The lines of `log.txt`: the command line's problems, the first events, the summary.
 pub fn log(report: &Report, loaded: &Loaded, events: &[EventRow]) -> Vec<String> {
     let problems = loaded.compiled.problems.iter();
-    let mut lines: Vec<String> =
-        problems.flat_map(|problem| [render::full(problem, &loaded.files, false), String::new()]).collect();
+    let mut lines: Vec<String> = problems
+        .flat_map(|problem| {
+            [render::full(problem, &loaded.files, false).trim_end().to_owned(), String::new()]
+        })
+        .collect();
     lines.push(report.summary(None));
     let shown = report.shown();
     lines.push(followed::table(&trackings(&shown), &report.recording.time));

@@ -6,6 +6,7 @@ use blocksim_results::{Layout, Rate};
 use blocksim_signal::closest;
 
 use crate::args::values::time;
+use crate::failure::Failure;
 use crate::signals::{naming, shown};
 
 /// What `--signals` names: a pattern, and a rate behind `@`.
@@ -62,14 +63,14 @@ pub struct Selection {
 /// fit the last one says the rate. What is `needed` is kept in any case, at the first rate that is wanted.
 ///
 /// # Errors
-/// What to tell: the first pattern that nothing fits, with signals that may be meant, or a time that is no multiple of the spacing
+/// The first pattern that nothing fits, with signals that may be meant, or a time that is no multiple of the spacing
 /// of the rows.
 pub fn select(
     recorded: &[Recorded],
     wanted: &[Wanted],
     needed: &[&str],
     settings: &Settings,
-) -> Result<Selection, String> {
+) -> Result<Selection, Failure> {
     let fits = |wanted: &Wanted, r: &Recorded| naming::fits(&r.path, &wanted.pattern);
     for Wanted { pattern, rate, .. } in wanted {
         if !recorded.iter().any(|r| naming::fits(&r.path, pattern)) {
@@ -82,10 +83,9 @@ pub fn select(
             // What conversion has added behind the ninth digit is not shown.
             let [time, spacing, near] =
                 [*time, spacing, near].map(|t| format!("{} ms", (t * 1e12).round() / 1e9));
-            return Err(format!(
-                "the rate of `{pattern}`, {time}, is no multiple of the {what}, {spacing}\n  = help: write {near}, or a number \
-                 of rows such as `{pattern}@10rows`"
-            ));
+            let said = format!("the rate of `{pattern}`, {time}, is no multiple of the {what}, {spacing}");
+            let help = format!("write {near}, or a number of rows such as `{pattern}@10rows`");
+            return Err(Failure::usage(said).help(help));
         }
     }
     let windowed = |rate: &Rate| matches!(rate, Rate::Extremes(_));
@@ -126,11 +126,12 @@ fn rate_kept(keep: Keep) -> Rate {
     }
 }
 
-fn lost(pattern: &str, recorded: &[Recorded]) -> String {
+fn lost(pattern: &str, recorded: &[Recorded]) -> Failure {
     let paths = || recorded.iter().map(|r| r.path.as_str());
     let some: Vec<&str> = paths().take(5).collect();
     if some.is_empty() {
-        return "nothing is recorded; add a Scope, or `record: [\"...\"]` to the diagram".to_owned();
+        return Failure::usage("nothing is recorded")
+            .help("add a Scope, or `record: [\"...\"]` to the diagram");
     }
     let plain = pattern.trim_matches('*').trim_matches('/');
     let wider = [format!("**{plain}**"), format!("**{}**", plain.replace('*', "**"))];
@@ -142,7 +143,7 @@ fn lost(pattern: &str, recorded: &[Recorded]) -> String {
             format!("recorded are {}{more}; `record: [...]` in the diagram records others", some.join(", "))
         }
     };
-    format!("no recorded signal fits `{pattern}`\n  = help: {help}")
+    Failure::usage(format!("no recorded signal fits `{pattern}`")).help(help)
 }
 
 #[cfg(test)]
@@ -217,7 +218,7 @@ mod tests {
     fn what_cannot_be_kept_is_told_with_a_remedy() {
         let recorded = ["arm/base/joint.q", "arm/base/joint.tau", "ctrl.u"].map(recorded);
         let grid = settings(OutputTimes::Every(0.01));
-        let told = |text: &str| select(&recorded, &[wanted(text).unwrap()], &[], &grid).unwrap_err();
+        let told = |text: &str| select(&recorded, &[wanted(text).unwrap()], &[], &grid).unwrap_err().text();
         expect![[r#"
             no recorded signal fits `leg`
               = help: recorded are arm/base/joint.q, arm/base/joint.tau, ctrl.u; `record: [...]` in the diagram records others
@@ -229,8 +230,11 @@ mod tests {
               = help: write 20 ms, or a number of rows such as `ctrl.u@10rows`
         "#]]
         .assert_eq(&["leg", "ctrl.v", "arm/*.q", "ctrl.u@15ms"].map(|text| told(text) + "\n").concat());
-        let nothing = select(&[], &[wanted("a").unwrap()], &[], &grid).unwrap_err();
-        assert_eq!(nothing, "nothing is recorded; add a Scope, or `record: [\"...\"]` to the diagram");
+        let nothing = select(&[], &[wanted("a").unwrap()], &[], &grid).unwrap_err().text();
+        assert_eq!(
+            nothing,
+            "nothing is recorded\n  = help: add a Scope, or `record: [\"...\"]` to the diagram"
+        );
     }
 
     fn settings(output: OutputTimes) -> Settings {

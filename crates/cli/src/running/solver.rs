@@ -6,6 +6,7 @@ use blocksim_results::SolverUsed;
 use blocksim_signal::closest;
 
 use crate::args::model::SolverArgs;
+use crate::failure::Failure;
 
 /// Relative tolerance where neither the diagram nor the command line says one.
 const RTOL: f64 = 1e-6;
@@ -13,8 +14,8 @@ const RTOL: f64 = 1e-6;
 /// Changes the settings of a diagram as the command line says.
 ///
 /// # Errors
-/// A sentence about the options, if they do not fit together.
-pub fn apply(args: &SolverArgs, settings: &mut Settings) -> Result<(), String> {
+/// If the options do not fit together.
+pub fn apply(args: &SolverArgs, settings: &mut Settings) -> Result<(), Failure> {
     if let Some(until) = args.until {
         settings.stop_time = until;
     }
@@ -25,14 +26,17 @@ pub fn apply(args: &SolverArgs, settings: &mut Settings) -> Result<(), String> {
         Solver::Fixed { step, .. } => {
             if args.rtol.is_some() || args.atol.is_some() {
                 let option = if args.rtol.is_some() { "--rtol" } else { "--atol" };
-                return Err(format!("{option} makes no sense with a method of fixed step; use --step"));
+                let said = format!("{option} makes no sense with a method of fixed step");
+                return Err(Failure::usage(said)
+                    .help("use --step, or a method of variable step such as --solver auto"));
             }
             *step = args.step.unwrap_or(*step);
         }
         Solver::Variable { rtol, atol, max_step, .. } => {
             if let Some(asked) = args.rtol {
                 if !(1e-14..=0.1).contains(&asked) {
-                    return Err(format!("--rtol is {asked:e}, but must be between 1e-14 and 1e-1"));
+                    let said = format!("--rtol is {asked:e}, but must be between 1e-14 and 1e-1");
+                    return Err(Failure::usage(said));
                 }
                 // A given absolute tolerance keeps its ratio to the relative one.
                 *atol = atol.map(|atol| atol * asked / *rtol);
@@ -45,27 +49,30 @@ pub fn apply(args: &SolverArgs, settings: &mut Settings) -> Result<(), String> {
     Ok(())
 }
 
-fn named(name: &str) -> Result<Method, String> {
+fn named(name: &str) -> Result<Method, Failure> {
     Method::named(name).ok_or_else(|| {
         let names = METHODS.map(|info| info.name.to_lowercase());
         let meant = match instead_of(name) {
-            Some(here) => format!("; `{}` is for the same here", here.to_lowercase()),
+            Some(here) => format!("`{}` is for the same here; ", here.to_lowercase()),
             None => closest(name, names.iter().map(String::as_str))
-                .map_or_else(String::new, |meant| format!("; did you mean `{meant}`?")),
+                .map_or_else(String::new, |meant| format!("did you mean `{meant}`? ")),
         };
-        format!("there is no solver `{name}`{meant}\nsolvers: {}", names.join(", "))
+        Failure::usage(format!("there is no solver `{name}`"))
+            .help(format!("{meant}the solvers are {}", names.join(", ")))
     })
 }
 
 /// Another method with as much as possible of what was said for the present one.
-fn changed(method: Method, present: Solver, step: Option<f64>) -> Result<Solver, String> {
+fn changed(method: Method, present: Solver, step: Option<f64>) -> Result<Solver, Failure> {
     match (method, present) {
         (Method::Fixed(method), Solver::Fixed { step: present, .. }) => {
             Ok(Solver::Fixed { method, step: step.unwrap_or(present) })
         }
         (Method::Fixed(method), Solver::Variable { .. }) => match step {
             Some(step) => Ok(Solver::Fixed { method, step }),
-            None => Err("a method of fixed step needs --step, such as --step 1ms".to_owned()),
+            None => {
+                Err(Failure::usage("a method of fixed step needs --step").help("add one, such as --step 1ms"))
+            }
         },
         (Method::Variable(method), Solver::Variable { rtol, atol, max_step, .. }) => {
             Ok(Solver::Variable { method, rtol, atol, max_step })
@@ -131,7 +138,7 @@ mod tests {
         let Some(Command::Run(args)) = args.command else { panic!("run was asked for") };
         let mut settings =
             Settings { stop_time: 1.0, solver, output: OutputTimes::Steps, seed: 0, start: Start::Given };
-        apply(&args.solver, &mut settings).map(|()| settings)
+        apply(&args.solver, &mut settings).map(|()| settings).map_err(|failure| failure.text())
     }
 
     #[test]

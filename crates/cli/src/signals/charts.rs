@@ -152,11 +152,13 @@ fn range(values: &[f64]) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::args::model::Format;
     use crate::signals::shown::{shown, tests::example};
     use crate::signals::tracking::trackings;
     use expect_test::expect;
 
-    const CONSOLE: Console = Console { colour: false, live: false, width: 60, ascii: false };
+    const CONSOLE: Console =
+        Console { colour: false, live: false, width: 60, ascii: false, format: Format::Full };
 
     fn ramp(end: f64) -> Vec<f64> {
         (0..41).map(|k| end * f64::from(k) / 40.0).collect()

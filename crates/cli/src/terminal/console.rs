@@ -4,6 +4,8 @@ use std::io::{self, IsTerminal, Write};
 
 use clap::ValueEnum;
 
+use crate::args::model::Format;
+
 /// When messages are coloured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Colour {
@@ -29,12 +31,14 @@ pub struct Console {
     pub width: usize,
     /// No signs beyond ASCII in plots and progress.
     pub ascii: bool,
+    /// How problems are told.
+    pub format: Format,
 }
 
 impl Console {
     /// What the terminal of this process can show. `NO_COLOR` and `CLICOLOR_FORCE` are heeded
     /// (<https://no-color.org>, <https://bixense.com/clicolors>), as is `COLUMNS`.
-    pub fn of_process(colour: Colour, ascii: bool) -> Console {
+    pub fn of_process(colour: Colour, ascii: bool, format: Format) -> Console {
         let live = io::stderr().is_terminal();
         let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty() && value != "0");
         let columns = std::env::var("COLUMNS").ok().and_then(|text| text.parse().ok());
@@ -43,6 +47,7 @@ impl Console {
             live,
             width: columns.unwrap_or(WIDTH).clamp(40, 2 * WIDTH),
             ascii,
+            format,
         }
     }
 

@@ -102,9 +102,11 @@ fn bar(t: f64, end: f64, wall: f64, console: Console) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::args::model::Format;
     use expect_test::expect;
 
-    const CONSOLE: Console = Console { colour: false, live: true, width: 100, ascii: false };
+    const CONSOLE: Console =
+        Console { colour: false, live: true, width: 100, ascii: false, format: Format::Full };
 
     #[test]
     fn a_line_tells_time_speed_and_what_is_left() {

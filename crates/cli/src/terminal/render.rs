@@ -7,9 +7,10 @@ use blocksim_block::problem::{FileId, Label, Place, Problem, Severity};
 use blocksim_diagram::SourceFile;
 use serde_json::{Value, json};
 
+use crate::exit::Exit;
 use crate::terminal::prose::wrapped;
 
-/// A problem with the lines of the files it is about, notes and help, for a person.
+/// A problem with the lines of the files it is about, notes and help, for a person. An empty line is behind what has lines.
 pub fn full(problem: &Problem, files: &[SourceFile], colour: bool) -> String {
     let level = match problem.severity {
         Severity::Error => Level::ERROR,
@@ -36,7 +37,23 @@ pub fn full(problem: &Problem, files: &[SourceFile], colour: bool) -> String {
         group = group.element(Level::HELP.message(wrapped(help, LINE)));
     }
     let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
-    renderer.render(&[group])
+    let text = renderer.render(&[group]);
+    if problem.labels.is_empty() { without_margin(&text) } else { text + "\n" }
+}
+
+/// A problem without a place needs no margin for the numbers of lines.
+fn without_margin(text: &str) -> String {
+    let is_margin = |line: &&str| uncoloured(line).trim() == "|";
+    let mut lines = text.lines().filter(|line| !is_margin(line));
+    let first = lines.next().unwrap_or_default().to_owned();
+    lines.fold(first, |text, line| format!("{text}\n {line}"))
+}
+
+/// A line without the marks that colour it.
+fn uncoloured(line: &str) -> String {
+    let mut parts = line.split('\x1b');
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.filter_map(|part| part.split_once('m')).fold(first, |text, (_, part)| text + part)
 }
 
 /// `file:line:column: error[code]: message`, for editors and `grep`.
@@ -48,8 +65,9 @@ pub fn short(problem: &Problem, files: &[SourceFile]) -> String {
     }
 }
 
-/// The same as data. Lines and columns count from 1, columns in characters; spans are bytes.
-pub fn json(problem: &Problem, files: &[SourceFile]) -> Value {
+/// The same as data, with the exit code of the program if it ends with this problem. Lines and columns count from 1,
+/// columns in characters; spans are bytes.
+pub fn json(problem: &Problem, files: &[SourceFile], exit: Option<Exit>) -> Value {
     let label = |label: &Label| {
         let (file, line, column) = located(&label.place, files)?;
         let span = &label.place.span;
@@ -71,6 +89,7 @@ pub fn json(problem: &Problem, files: &[SourceFile]) -> Value {
         "labels": problem.labels.iter().filter_map(label).collect::<Vec<_>>(),
         "notes": problem.notes,
         "help": problem.help,
+        "exit": exit.map(Exit::code),
         "edit": problem.remedy().and_then(|edit| {
             let (file, line, column) = located(&edit.place, files)?;
             Some(json!({

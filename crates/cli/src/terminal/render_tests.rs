@@ -42,7 +42,8 @@ fn a_problem_shows_all_its_places_in_all_files() {
           |     ------ the ports of `größe` are declared here
           |
           = note: `größe` is a `Subsystem`
-          = help: its ports are: `u`"#]]
+          = help: its ports are: `u`
+    "#]]
     .assert_eq(&full(&unknown_port(), &files(), false));
     assert!(full(&unknown_port(), &files(), true).contains("\x1b["));
 }
@@ -52,8 +53,7 @@ fn a_problem_without_place_is_its_message() {
     let problem = Problem::warning("stop_time", "the run ends before the move").help("use Auto");
     expect![[r#"
         warning[stop_time]: the run ends before the move
-         |
-         = help: use Auto"#]]
+          = help: use Auto"#]]
     .assert_eq(&full(&problem, &files(), false));
     assert_eq!(short(&problem, &files()), "warning[stop_time]: the run ends before the move");
 }
@@ -66,7 +66,7 @@ fn a_line_names_file_line_and_column() {
 
 #[test]
 fn data_names_every_place() {
-    let data = json(&unknown_port(), &files());
+    let data = json(&unknown_port(), &files(), Some(Exit::Model));
     assert_eq!(data["code"], "unknown_port");
     assert_eq!(data["severity"], "error");
     assert_eq!(data["labels"].as_array().map(Vec::len), Some(3));

@@ -104,26 +104,26 @@ fn what_cannot_be_looked_at_is_told_with_reason_and_remedy() {
     std::fs::write(desk.0.join("s/scene.json"), "{\"bodies\": [").expect("damaged");
     said += &desk.said(&["collisions", "s"]);
     expect![[r#"
-        error: `r` has no mechanism to look at
+        error[unreadable]: `r` has no mechanism to look at
           = help: give bodies `shapes` (see `blocksim blocks Body`) and run the model again
         exit code 4
-        error: cannot read `nothing`: there is no such folder or file, and no run in `runs` has this name
+        error[unreadable]: cannot read `nothing`: there is no such folder or file, and no run in `runs` has this name
           = help: `blocksim runs` lists what there is; `blocksim run MODEL` makes a new one
         exit code 4
-        error: cannot read the surroundings in `none.ron`: cannot read `none.ron`: there is no such file
+        error[unreadable]: cannot read the surroundings in `none.ron`: cannot read `none.ron`: there is no such file
           = help: write them as in docs/moves.md, or name a diagram with the parameter `surroundings`
         exit code 4
-        error: cannot read the surroundings in `egg.ron`: expected a list, found a number
+        error[unreadable]: cannot read the surroundings in `egg.ron`: expected a list, found a number
           = help: write them as in docs/moves.md, or name a diagram with the parameter `surroundings`
         exit code 4
-        error: `s` has no values there
+        error[unreadable]: `s` has no values there
           = help: it goes from 0 s to 2 s
         exit code 4
         error: invalid value 'soon' for '--from <TIME>': a time is a number, such as 10s or 250ms
 
         For more information, try '--help'.
         exit code 2
-        error: cannot look for contacts in `s`: scene.json: EOF while parsing a list at line 1 column 12
+        error[unreadable]: cannot look for contacts in `s`: scene.json: EOF while parsing a list at line 1 column 12
           = help: run the model again
         exit code 4
     "#]]

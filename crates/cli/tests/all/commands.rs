@@ -258,10 +258,49 @@ fn mistakes_on_the_command_line_are_usage() {
         &["emit", "soup", "lag.ron"],
     ] {
         let answer = desk.call(arguments);
-        assert!(answer.code == Some(2) && answer.err.starts_with("error: "), "{arguments:?} {answer:?}");
+        assert!(answer.code == Some(2) && answer.err.starts_with("error"), "{arguments:?} {answer:?}");
     }
     assert!(desk.call(&["blocks", "Gian"]).err.contains("did you mean `Gain`?"));
     assert!(desk.runs().is_empty());
+}
+
+#[test]
+fn whoever_asks_for_data_gets_failures_as_data() {
+    let desk = Desk::with(&[("lag.ron", LAG), ("broken.ron", BROKEN), ("pole.ron", POLE)]);
+    for (line, code, word) in [
+        ("run", 2, "usage"),
+        ("run leg.ron", 4, "unreadable"),
+        ("run broken.ron", 3, "unknown_block"),
+        ("run lag.ron --solver ode46", 2, "usage"),
+        ("run pole.ron", 1, "step_size"),
+        ("plot nothing", 4, "unreadable"),
+        ("compare a b", 4, "unreadable"),
+        ("collisions nothing", 4, "unreadable"),
+        ("sweep lag.ron --over leg=1..2/2", 3, "unknown_override"),
+        ("linearise lag.ron --from demand.y --to nowhere", 2, "usage"),
+        ("blocks Gian", 2, "usage"),
+        ("graph lag.ron --path inside", 2, "usage"),
+        ("params list lag.ron leg", 2, "usage"),
+        ("params get lag.ron leg", 2, "usage"),
+        ("plan joint --robot nowhere.ron --to 1", 4, "unreadable"),
+        ("identify friction lag.ron", 3, "identify"),
+        ("plugin show nowhere", 4, "plugin_missing"),
+    ] {
+        let arguments: Vec<&str> = line.split(' ').chain(["--json"]).collect();
+        let answer = desk.call(&arguments);
+        assert_eq!(answer.code, Some(code), "{line}: {answer:?}");
+        let told = answer.out.lines().find_map(|line| {
+            let data: serde_json::Value = serde_json::from_str(line).ok()?;
+            (data["type"] == "diagnostic" && data["severity"] == "error").then_some(data)
+        });
+        let told = told.unwrap_or_else(|| panic!("{line}: no diagnostic in {answer:?}"));
+        assert_eq!((told["code"].as_str(), told["exit"].as_i64()), (Some(word), Some(code.into())), "{line}");
+        assert!(
+            !answer.err.contains("error[") && !answer.err.contains("error:"),
+            "{line}: told twice: {}",
+            answer.err
+        );
+    }
 }
 
 #[test]
@@ -352,7 +391,7 @@ fn runs_are_listed_and_exported_at_the_rates_that_were_asked_for() {
         "{again:?}"
     );
     let lost = desk.call(&["export", "lag", "--csv", "x.csv", "--signals", "q1"]);
-    assert!(lost.code == Some(2) && lost.err.contains("no signal of the run fits `q1`"), "{lost:?}");
+    assert!(lost.code == Some(2) && lost.err.contains("fits `q1`"), "{lost:?}");
     let none = desk.call(&["export", "arm", "--csv", "x.csv"]);
     assert!(none.code == Some(4) && none.err.contains("no run in `runs` has this name"), "{none:?}");
     assert_eq!(desk.call(&["export", "lag"]).code, Some(2));
@@ -441,5 +480,9 @@ fn a_data_file_gives_parameters_alone_and_refuses_units_that_are_not_known() {
     assert!(desk.read("p/robot.ron").contains("com: [\"0.001 m\", \"0.002 m\", \"0.003 m\"]"));
     let refused = desk.call(&["import", "wrong.m", "--out", "q"]);
     assert_eq!(refused.code, Some(3));
-    assert!(refused.err.starts_with("error: wrong.m:1: `mass` has the unit `stone`"), "{}", refused.err);
+    assert!(
+        refused.err.starts_with("error[import]: wrong.m:1: `mass` has the unit `stone`"),
+        "{}",
+        refused.err
+    );
 }

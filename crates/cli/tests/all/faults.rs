@@ -72,7 +72,7 @@ fn a_recording_that_may_not_grow_further_is_kept_and_marked() {
             "failed     the recording could not be written: no file may become so large here",
         ],
     );
-    assert_eq!(answer.err.matches("error: ").count(), 1, "told once: {}", answer.err);
+    assert_eq!(answer.err.matches("error[").count(), 1, "told once: {}", answer.err);
     assert!(desk.read("kept/manifest.json").contains("\"how\": \"failed\""));
     let runs = desk.call(&["runs", "."]);
     assert!(runs.out.contains("kept") && runs.out.contains("failed"), "{runs:?}");
@@ -94,7 +94,7 @@ fn a_table_that_may_not_grow_further_is_left_out_and_the_run_is_whole() {
         &[
             "kept.partial/signals.csv`: no file may become so large here",
             "  = note: all signals are in kept/signals.rec; `blocksim export kept --csv FILE` writes them as text",
-            "error: cannot write `large.csv`: no file may become so large here\n  = help: raise the limit of the system",
+            "error[unwritable]: cannot write `large.csv`: no file may become so large here\n  = help: raise the limit of the system",
             "export: 4",
         ],
     );
@@ -138,7 +138,7 @@ fn a_disk_that_gets_full_during_a_run_is_told_and_what_fits_is_kept() {
             "note: the run is not complete: ",
         ],
     );
-    assert_eq!(answer.err.matches("error: ").count(), 1, "told once: {}", answer.err);
+    assert_eq!(answer.err.matches("error[").count(), 1, "told once: {}", answer.err);
     assert!(desk.read("saved.csv").lines().count() > 300_000);
 }
 
@@ -154,7 +154,12 @@ fn a_disk_that_is_full_or_read_only_from_the_start_is_told_before_the_run() {
         let Some(answer) = with_mounts(&desk, "size=64k", script) else { return };
         says(
             &answer,
-            &["error: cannot write the results to `", reason, "  = help: ", &format!("run: 4\n{left}")],
+            &[
+                "error[unwritable]: cannot write the results to `",
+                reason,
+                "  = help: ",
+                &format!("run: 4\n{left}"),
+            ],
         );
     }
 }
@@ -192,7 +197,7 @@ fn results_whose_folder_goes_are_told_and_leave_nothing_half_named() {
     says(
         &answer,
         &[
-            "error: cannot write the results to `",
+            "error[unwritable]: cannot write the results to `",
             "kept/here",
             "removed or renamed during the run",
             "= help: ",

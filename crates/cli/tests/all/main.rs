@@ -12,6 +12,7 @@ mod held;
 mod identify;
 mod import;
 mod linearise;
+mod pages_of_errors;
 mod params;
 mod plan;
 mod plots;

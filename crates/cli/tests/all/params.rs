@@ -85,7 +85,10 @@ fn nothing_is_written_from_a_workbook_with_errors_or_against_the_model() {
     let desk = Desk::new();
     desk.book_with("<v>250</v>", "<v>#N/A</v>");
     let (code, said) = desk.call("import set.xlsx set.ron --yes");
-    assert!(code == 3 && said.contains("error: (1) General Robot Information, cell D5: "), "{said}");
+    assert!(
+        code == 3 && said.contains("error[workbook]: set.xlsx: (1) General Robot Information, cell D5: "),
+        "{said}"
+    );
     desk.book_with("<v>250</v>", "<v>-1</v>");
     for verb in ["check", "import --yes"] {
         let (code, said) = desk.call(&format!("{verb} set.xlsx set.ron --model model.ron"));
@@ -118,7 +121,7 @@ fn files_that_cannot_be_read_are_told() {
         ["import set.ron set.ron", "check nothing.xlsx set.ron", "export nothing.ron", "check . set.ron"]
     {
         let (code, said) = desk.call(arguments);
-        assert!(code == 4 && said.contains("error: cannot read"), "{arguments}: {said}");
+        assert!(code == 4 && said.contains("error[unreadable]: cannot read"), "{arguments}: {said}");
     }
     let (code, said) = desk.call("check set.ron model.ron");
     assert!(code != 0, "{said}");

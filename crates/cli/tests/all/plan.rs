@@ -213,8 +213,10 @@ fn a_file_of_its_own_says_what_stands_around_and_what_may_touch() {
         ("shape.ron", "(things: [(name: Text(\"a\"), shapes: [(kind: Text(\"egg\"))])])".to_owned(), "egg"),
         ("unit.ron", "(floor: \"3 s\")".to_owned(), "expected a value in m"),
     ] {
-        let (code, _, err) = hit(&around(name, &text));
-        assert!(code == 3 && err.contains(reason), "{name}: {code} {err}");
+        let file = around(name, &text);
+        let arguments: Vec<&str> = down.into_iter().chain([file.path()]).collect();
+        let (code, told, _) = plan(&arguments);
+        assert!(code == 3 && told.contains(reason), "{name}: {code} {told}");
     }
 }
 

@@ -177,13 +177,13 @@ fn drawings_and_pictures_are_written_and_never_replaced_silently() {
     assert!(fs::read(desk.0.join("a.png")).unwrap().starts_with(b"\x89PNG"));
     assert_eq!(
         desk.said(&["plot", "latest", "--png", "a.png"]),
-        "error: `a.png` is there already\n  = help: choose another name, or replace it with --yes\nexit code 4\n"
+        "error[exists]: `a.png` is there already\n  = help: name another file, or add --yes to replace it\nexit code 4\n"
     );
     assert_eq!(desk.call(&["plot", "latest", "--png", "a.png", "--yes", "--theme", "dark"]).0, 0);
     let lost = desk.said(&["plot", "latest", "--svg", "no/such/a.svg"]);
     assert_eq!(
         lost,
-        "error: cannot write `no/such/a.svg`: there is no folder `no/such`\n  = help: create it, or choose another \
+        "error[unwritable]: cannot write `no/such/a.svg`: there is no folder `no/such`\n  = help: create it, or choose another \
          place\nexit code 4\n"
     );
     assert!(!desk.0.join("no").exists());
@@ -207,7 +207,7 @@ fn measured_values_lie_over_a_run_once_their_columns_are_mapped() {
     ]);
     desk.call(&["run", "lag.ron", "-q", "--out", "runs/lag"]);
     expect![[r#"
-        error: `m.csv` has none of the signals that are asked for
+        error[usage]: `m.csv` has none of the signals that are asked for
           = help: it has `Winkel`, `Strom`; say what they are, such as --map 'Winkel=scope.set'
         exit code 2
     "#]]
@@ -216,19 +216,19 @@ fn measured_values_lie_over_a_run_once_their_columns_are_mapped() {
     assert_eq!(drawn, "a.svg\nexit code 0\n");
     assert!(desk.read("a.svg").contains(">actual m.csv</text>"));
     expect![[r#"
-        error: there is no column `Winkl` in `m.csv`
+        error[usage]: there is no column `Winkl` in `m.csv`
           = help: did you mean `Winkel`?
         exit code 2
     "#]]
     .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--map", "Winkl=scope.actual[deg]"]));
     expect![[r#"
-        error: the unit of column `Winkel` in `m.csv` is not known: unknown unit `grad`
+        error[unreadable]: the unit of column `Winkel` in `m.csv` is not known: unknown unit `grad`
           = help: write `g*rad`, or say it with --map 'Winkel=scope.actual[UNIT]'
         exit code 4
     "#]]
     .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--map", "Winkel=scope.actual[grad]"]));
     expect![[r#"
-        error: `scope.actual` is in deg in `lag`, but in mm in `m.csv`
+        error[unreadable]: `scope.actual` is in deg in `lag`, but in mm in `m.csv`
           = help: say the unit, such as --map 'COLUMN=scope.actual[unit]'
         exit code 4
     "#]]
@@ -262,27 +262,27 @@ fn what_cannot_be_drawn_is_told_with_a_remedy() {
     }
     expect![[r#"
         $ plot empty.csv
-        error: cannot read `empty.csv`: line 1: the file is empty; the first line must name the columns
+        error[unreadable]: cannot read `empty.csv`: line 1: the file is empty; the first line must name the columns
           = help: correct the file, or export it again
         exit code 4
 
         $ plot no_rows.csv
-        error: `no_rows.csv` has no values
+        error[unreadable]: `no_rows.csv` has no values
           = help: run the model, or export the table, again
         exit code 4
 
         $ plot broken.csv
-        error: cannot read `broken.csv`: line 3, column 2: `x` is no number; leave the field empty where there is none
+        error[unreadable]: cannot read `broken.csv`: line 3, column 2: `x` is no number; leave the field empty where there is none
           = help: correct the file, or export it again
         exit code 4
 
         $ plot backwards.csv
-        error: cannot read `backwards.csv`: line 3, column 1: the time 0.5 follows 1; times must not fall
+        error[unreadable]: cannot read `backwards.csv`: line 3, column 1: the time 0.5 follows 1; times must not fall
           = help: correct the file, or export it again
         exit code 4
 
         $ plot nothing.csv
-        error: cannot read `nothing.csv`: there is no such folder or file, and no run in `runs` has this name
+        error[unreadable]: cannot read `nothing.csv`: there is no such folder or file, and no run in `runs` has this name
           = help: `blocksim runs` lists what there is; `blocksim run MODEL` makes a new one
         exit code 4
 
@@ -293,17 +293,17 @@ fn what_cannot_be_drawn_is_told_with_a_remedy() {
         exit code 0
 
         $ plot nan.csv a.y
-        error: no signal of `nan.csv` fits `a.y`
+        error[usage]: no signal of `nan.csv` fits `a.y`
           = help: did you mean `a.x`?
         exit code 2
 
         $ plot nan.csv --from 5
-        error: there are no values from 5 s on
+        error[usage]: there are no values from 5 s on
           = help: `nan.csv` goes from 0 s to 1 s
         exit code 2
 
         $ plot nan.csv --map a
-        error: cannot read the mappings in `a`: there is no such file
+        error[usage]: cannot read the mappings in `a`: there is no such file
           = help: write a mapping as 'COLUMN=PATH[unit]'
         exit code 2
 
@@ -405,7 +405,7 @@ fn a_late_measurement_is_aligned() {
     assert!(aligned.ends_with("exit code 0\n"), "{aligned}");
     let flat = Desk::with(&[("a.csv", "t,x\n0,1\n1,1\n"), ("b.csv", "t,x\n5,1\n6,1\n")]);
     expect![[r#"
-        error: the signals do not vary, so nothing tells how they belong together in time
+        error[usage]: the signals do not vary, so nothing tells how they belong together in time
           = help: choose others with --signals, or say --shift
         exit code 2
     "#]]
@@ -430,7 +430,7 @@ fn foreign_tables_are_compared_and_their_faults_told() {
     "#]]
     .assert_eq(&desk.said(&arguments(&map)));
     expect![[r#"
-        error: the unit of column `M` in `b.csv` is not known: unknown unit `Nm`
+        error[unreadable]: the unit of column `M` in `b.csv` is not known: unknown unit `Nm`
           = help: write `N*m`, or say it with --map 'M=m.x[UNIT]'
         exit code 4
     "#]]

@@ -95,13 +95,13 @@ fn what_cannot_be_recorded_is_told_with_place_and_remedy() {
     .assert_eq(&desk.said(&["check", "m.ron"]));
     let desk = with("");
     expect![[r#"
-        error: the rate of `scope`, 1.5 ms, is no multiple of the step, 1 ms
+        error[usage]: the rate of `scope`, 1.5 ms, is no multiple of the step, 1 ms
           = help: write 2 ms, or a number of rows such as `scope@10rows`
         exit code 2
     "#]]
     .assert_eq(&desk.said(&["run", "m.ron", "--signals", "scope@1500us"]));
     expect![[r#"
-        error: no recorded signal fits `scope.lg`
+        error[usage]: no recorded signal fits `scope.lg`
           = help: did you mean 'scope.lag'?
         exit code 2
     "#]]
@@ -124,14 +124,14 @@ fn a_parquet_file_is_written_for_each_rate_and_never_replaced() {
         assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"), "{file}");
     }
     expect![[r#"
-        error: cannot write `a.parquet`: a file of this name is in the way
-          = help: name another file
+        error[unwritable]: cannot write `a.parquet`: a file of this name is in the way
+          = help: name a file elsewhere
         exit code 4
     "#]]
     .assert_eq(&desk.said(&["export", "a", "--parquet", "a.parquet"]));
     expect![[r#"
-        error: cannot write `none/a.parquet`: there is no such folder
-          = help: make the folder, or name another file
+        error[unwritable]: cannot write `none/a.parquet`: there is no such folder
+          = help: create it, or name a file elsewhere
         exit code 4
     "#]]
     .assert_eq(&desk.said(&["export", "a", "--parquet", "none/a.parquet"]));
@@ -154,10 +154,10 @@ fn recordings_that_have_nothing_in_common_are_told() {
         fs::write(desk.0.join(name), text).unwrap();
     }
     expect![[r#"
-        error: `empty.csv` has no values
+        error[unreadable]: `empty.csv` has no values
           = help: run the model, or export the table, again
         exit code 4
-        error: `other.csv` has none of the signals that are asked for
+        error[usage]: `other.csv` has none of the signals that are asked for
           = help: it has `force`; say what they are, such as --map 'force=scope.wave'
         exit code 2
         signal      verdict         largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
@@ -166,10 +166,10 @@ fn recordings_that_have_nothing_in_common_are_told() {
 
         2 of 2 signals do not agree
         exit code 1
-        error: cannot read `broken.csv`: line 3, column 2: `one` is no number; leave the field empty where there is none
+        error[unreadable]: cannot read `broken.csv`: line 3, column 2: `one` is no number; leave the field empty where there is none
           = help: correct the file, or export it again
         exit code 4
-        error: cannot read `back.csv`: line 3, column 1: the time -1 follows 0; times must not fall
+        error[unreadable]: cannot read `back.csv`: line 3, column 1: the time -1 follows 0; times must not fall
           = help: correct the file, or export it again
         exit code 4
     "#]]

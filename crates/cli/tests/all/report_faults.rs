@@ -204,7 +204,9 @@ fn a_page_that_cannot_be_written_is_told_with_its_place_and_leaves_nothing_behin
         let text = said(&refused);
         assert_eq!(refused.status.code(), Some(4), "{place}: {text}");
         assert!(
-            text.contains("error: cannot write") && text.contains(place) && text.contains("= help"),
+            text.contains("error[unwritable]: cannot write")
+                && text.contains(place)
+                && text.contains("= help"),
             "{text}"
         );
     }

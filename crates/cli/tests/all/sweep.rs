@@ -203,7 +203,8 @@ fn runs_that_are_kept_are_ordinary_runs_with_the_same_numbers() {
     // A folder with anything in it is left alone.
     let again = desk.sweep(&[&words[..], &["--keep", "all/runs"]].concat());
     assert_eq!(again.status.code(), Some(4));
-    assert!(said(&again).contains("there is something in it"), "{}", said(&again));
+    let told = String::from_utf8(again.stdout).expect("text");
+    assert!(told.contains("there is something in it") && told.contains("\"exit\":4"), "{told}");
 }
 
 #[test]

@@ -76,107 +76,108 @@ fn what_cannot_be_understood_is_told_with_place_reason_and_remedy() {
     ];
     expect![[r#"
         latin1.csv
-        error: cannot read `latin1.csv`: line 1: the line is not UTF-8 text; save the file as UTF-8 (`CSV UTF-8` in Excel)
+        error[unreadable]: cannot read `latin1.csv`: line 1: the line is not UTF-8 text; save the file as UTF-8 (`CSV UTF-8` in Excel)
           = help: correct the file, or export it again
         exit code 4
 
         utf16.csv
-        error: cannot read `utf16.csv`: line 1: the text is UTF-16; save the file as UTF-8 (`CSV UTF-8` in Excel)
+        error[unreadable]: cannot read `utf16.csv`: line 1: the text is UTF-16; save the file as UTF-8 (`CSV UTF-8` in Excel)
           = help: correct the file, or export it again
         exit code 4
 
         old_mac.csv
-        error: cannot read `old_mac.csv`: line 1: lines end in carriage returns alone; save the file with line feeds (CSV for Windows or Unix)
+        error[unreadable]: cannot read `old_mac.csv`: line 1: lines end in carriage returns alone; save the file with line feeds (CSV for Windows or Unix)
           = help: correct the file, or export it again
         exit code 4
 
         cut_off.csv
-        error: cannot read `cut_off.csv`: line 3: 1 column, but the first line names 2; was the line cut off?
+        error[unreadable]: cannot read `cut_off.csv`: line 3: 1 column, but the first line names 2; was the line cut off?
           = help: correct the file, or export it again
         exit code 4
 
         quote.csv
-        error: cannot read `quote.csv`: line 1: a quoted field is not closed; add the missing "
+        error[unreadable]: cannot read `quote.csv`: line 1: a quoted field is not closed; add the missing "
           = help: correct the file, or export it again
         exit code 4
 
         thousands.csv
-        error: cannot read `thousands.csv`: line 2, column 2: `1.234,5` has both `.` and `,`; write no marks between thousands
+        error[unreadable]: cannot read `thousands.csv`: line 2, column 2: `1.234,5` has both `.` and `,`; write no marks between thousands
           = help: correct the file, or export it again
         exit code 4
 
         mixed.csv
-        error: cannot read `mixed.csv`: line 3, column 2: `1.5` has a `.` where others have a `,` before the decimals; write no marks between thousands
+        error[unreadable]: cannot read `mixed.csv`: line 3, column 2: `1.5` has a `.` where others have a `,` before the decimals; write no marks between thousands
           = help: correct the file, or export it again
         exit code 4
 
         excel_error.csv
-        error: cannot read `excel_error.csv`: line 2, column 2: `#DIV/0!` is no number; leave the field empty where there is none
+        error[unreadable]: cannot read `excel_error.csv`: line 2, column 2: `#DIV/0!` is no number; leave the field empty where there is none
           = help: correct the file, or export it again
         exit code 4
 
         clock.csv
-        error: cannot read `clock.csv`: line 2, column 1: `18:00:00.0` is no number; write times as numbers, such as seconds from the start
+        error[unreadable]: cannot read `clock.csv`: line 2, column 1: `18:00:00.0` is no number; write times as numbers, such as seconds from the start
           = help: correct the file, or export it again
         exit code 4
 
         back.csv
-        error: cannot read `back.csv`: line 4, column 1: the time 0.5 follows 1; times must not fall
+        error[unreadable]: cannot read `back.csv`: line 4, column 1: the time 0.5 follows 1; times must not fall
           = help: correct the file, or export it again
         exit code 4
 
         no_time.csv
-        error: cannot read `no_time.csv`: line 3, column 1: there is no time in this line
+        error[unreadable]: cannot read `no_time.csv`: line 3, column 1: there is no time in this line
           = help: correct the file, or export it again
         exit code 4
 
         endless.csv
-        error: cannot read `endless.csv`: line 3, column 1: the time is infinite
+        error[unreadable]: cannot read `endless.csv`: line 3, column 1: the time is infinite
           = help: correct the file, or export it again
         exit code 4
 
         no_names.csv
-        error: cannot read `no_names.csv`: line 1: the first line has numbers; it must name the columns, such as `time [s]`
+        error[unreadable]: cannot read `no_names.csv`: line 1: the first line has numbers; it must name the columns, such as `time [s]`
           = help: correct the file, or export it again
         exit code 4
 
         which_time.csv
-        error: cannot read `which_time.csv`: line 1: which column is the time? the columns are `a`, `b`; name it, such as `--map 'COLUMN=time[s]'`
+        error[unreadable]: cannot read `which_time.csv`: line 1: which column is the time? the columns are `a`, `b`; name it, such as `--map 'COLUMN=time[s]'`
           = help: correct the file, or export it again
         exit code 4
 
         no_signals.csv
-        error: `no_signals.csv` has times, but no signals
+        error[unreadable]: `no_signals.csv` has times, but no signals
           = help: export the table again with a column for each signal
         exit code 4
 
         no_rows.csv
-        error: `no_rows.csv` has no values
+        error[unreadable]: `no_rows.csv` has no values
           = help: run the model, or export the table, again
         exit code 4
 
         empty.csv
-        error: cannot read `empty.csv`: line 1: the file is empty; the first line must name the columns
+        error[unreadable]: cannot read `empty.csv`: line 1: the file is empty; the first line must name the columns
           = help: correct the file, or export it again
         exit code 4
 
         time_unit.csv
-        error: the time in `time_unit.csv` is in deg, which is no time
+        error[unreadable]: the time in `time_unit.csv` is in deg, which is no time
           = help: say its unit, such as --map 'COLUMN=time[ms]'
         exit code 4
 
         unit.csv
-        error: the unit of column `q` in `unit.csv` is not known: unknown unit `foo`
-          = help: units are SI symbols with prefixes, such as mm, kg, ms, kW, mH, kOhm, N*m, rad/s, deg, rpm, %, or say it with --map 'q=q[UNIT]'
+        error[unreadable]: the unit of column `q` in `unit.csv` is not known: unknown unit `foo`
+          = help: units are SI symbols with prefixes, such as mm, kg, ms, kW, mH, kOhm, N*m, rad/s, deg, rpm, %, or
+                  say it with --map 'q=q[UNIT]'
         exit code 4
 
         escape.csv
-        error: `escape.csv` has none of the signals that are asked for
+        error[usage]: `escape.csv` has none of the signals that are asked for
           = help: it has `q�[31m`; say what they are, such as --map 'q�[31m=q'
         exit code 2
 
         nul.csv
-        error: cannot read `nul.csv`: line 2, column 2: `1�` is no number; leave the field empty where there is none
+        error[unreadable]: cannot read `nul.csv`: line 2, column 2: `1�` is no number; leave the field empty where there is none
           = help: correct the file, or export it again
         exit code 4
 
@@ -302,12 +303,12 @@ fn tables_that_plots_can_do_little_with_are_told() {
         exit code 0
 
         no_rows.csv
-        error: `no_rows.csv` has no values
+        error[unreadable]: `no_rows.csv` has no values
           = help: run the model, or export the table, again
         exit code 4
 
         no_signals.csv
-        error: `no_signals.csv` has times, but no signals
+        error[unreadable]: `no_signals.csv` has times, but no signals
           = help: export the table again with a column for each signal
         exit code 4
 
@@ -349,8 +350,9 @@ fn tables_that_plots_can_do_little_with_are_told() {
         exit code 0
 
         unit.csv
-        error: the unit of column `q` in `unit.csv` is not known: unknown unit `foo`
-          = help: units are SI symbols with prefixes, such as mm, kg, ms, kW, mH, kOhm, N*m, rad/s, deg, rpm, %, or say it with --map 'q=q[UNIT]'
+        error[unreadable]: the unit of column `q` in `unit.csv` is not known: unknown unit `foo`
+          = help: units are SI symbols with prefixes, such as mm, kg, ms, kW, mH, kOhm, N*m, rad/s, deg, rpm, %, or
+                  say it with --map 'q=q[UNIT]'
         exit code 4
 
     "#]].assert_eq(&answers);
@@ -409,56 +411,57 @@ fn runs_that_are_damaged_or_hardly_there_are_told() {
         1 signal of begun
         exit code 0
         warning: `begun` is not whole: its recording was not closed: the program still runs, or was ended by force
-        error: `begun` has no values
+        error[unreadable]: `begun` has no values
           = help: run the model, or export the table, again
         exit code 4
+        {"code":"unreadable","edit":null,"exit":4,"help":"run the model, or export the table, again","labels":[],"message":"`begun` has no values","notes":[],"severity":"error","type":"diagnostic","v":1}
         warning: `begun` is not whole: its recording was not closed: the program still runs, or was ended by force
-        error: `begun` has no values
-          = help: run the model, or export the table, again
         exit code 4
 
         flipped
-        error: cannot read `flipped/signals.rec`: it is damaged at byte 116, from t = 0 s to 3 s; what is before and behind can be read
-          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole
+        error[unreadable]: cannot read `flipped/signals.rec`: it is damaged at byte 116, from t = 0 s to 3 s; what is before and behind can be read
+          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be
+                  whole
         exit code 4
-        error: cannot read `flipped/signals.rec`: it is damaged at byte 116, from t = 0 s to 3 s; what is before and behind can be read
-          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole
+        error[unreadable]: cannot read `flipped/signals.rec`: it is damaged at byte 116, from t = 0 s to 3 s; what is before and behind can be read
+          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be
+                  whole
         exit code 4
-        error: cannot read `flipped/signals.rec`: it is damaged at byte 116, from t = 0 s to 3 s; what is before and behind can be read
-          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole
+        {"code":"unreadable","edit":null,"exit":4,"help":"take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole","labels":[],"message":"cannot read `flipped/signals.rec`: it is damaged at byte 116, from t = 0 s to 3 s; what is before and behind can be read","notes":[],"severity":"error","type":"diagnostic","v":1}
         exit code 4
 
         header
-        error: cannot read `header/signals.rec`: its header is damaged
-          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole
+        error[unreadable]: cannot read `header/signals.rec`: its header is damaged
+          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be
+                  whole
         exit code 4
-        error: cannot read `header/signals.rec`: its header is damaged
-          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole
+        error[unreadable]: cannot read `header/signals.rec`: its header is damaged
+          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be
+                  whole
         exit code 4
-        error: cannot read `header/signals.rec`: its header is damaged
-          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole
+        {"code":"unreadable","edit":null,"exit":4,"help":"take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole","labels":[],"message":"cannot read `header/signals.rec`: its header is damaged","notes":[],"severity":"error","type":"diagnostic","v":1}
         exit code 4
 
         other
-        error: cannot read `other/signals.rec`: it is no recording of blocksim, or only the first bytes of one
-          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole
+        error[unreadable]: cannot read `other/signals.rec`: it is no recording of blocksim, or only the first bytes of one
+          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be
+                  whole
         exit code 4
-        error: cannot read `other/signals.rec`: it is no recording of blocksim, or only the first bytes of one
-          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole
+        error[unreadable]: cannot read `other/signals.rec`: it is no recording of blocksim, or only the first bytes of one
+          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be
+                  whole
         exit code 4
-        error: cannot read `other/signals.rec`: it is no recording of blocksim, or only the first bytes of one
-          = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole
+        {"code":"unreadable","edit":null,"exit":4,"help":"take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole","labels":[],"message":"cannot read `other/signals.rec`: it is no recording of blocksim, or only the first bytes of one","notes":[],"severity":"error","type":"diagnostic","v":1}
         exit code 4
 
         none
-        error: cannot read `none`: there is no recording in this folder
+        error[unreadable]: cannot read `none`: there is no recording in this folder
           = help: name a folder that `blocksim run` wrote, or a table
         exit code 4
-        error: cannot read `none`: there is no recording in this folder
+        error[unreadable]: cannot read `none`: there is no recording in this folder
           = help: name a folder that `blocksim run` wrote, or a table
         exit code 4
-        error: cannot read `none`: there is no recording in this folder
-          = help: name a folder that `blocksim run` wrote, or a table
+        {"code":"unreadable","edit":null,"exit":4,"help":"name a folder that `blocksim run` wrote, or a table","labels":[],"message":"cannot read `none`: there is no recording in this folder","notes":[],"severity":"error","type":"diagnostic","v":1}
         exit code 4
 
         unread
@@ -474,14 +477,13 @@ fn runs_that_are_damaged_or_hardly_there_are_told() {
         exit code 0
 
         nothing
-        error: cannot read `nothing`: there is no such folder or file, and no run in `runs` has this name
+        error[unreadable]: cannot read `nothing`: there is no such folder or file, and no run in `runs` has this name
           = help: `blocksim runs` lists what there is; `blocksim run MODEL` makes a new one
         exit code 4
-        error: cannot read `nothing`: there is no such folder or file, and no run in `runs` has this name
+        error[unreadable]: cannot read `nothing`: there is no such folder or file, and no run in `runs` has this name
           = help: `blocksim runs` lists what there is; `blocksim run MODEL` makes a new one
         exit code 4
-        error: cannot read `nothing`: there is no such folder or file, and no run in `runs` has this name
-          = help: `blocksim runs` lists what there is; `blocksim run MODEL` makes a new one
+        {"code":"unreadable","edit":null,"exit":4,"help":"`blocksim runs` lists what there is; `blocksim run MODEL` makes a new one","labels":[],"message":"cannot read `nothing`: there is no such folder or file, and no run in `runs` has this name","notes":[],"severity":"error","type":"diagnostic","v":1}
         exit code 4
 
     "#]].assert_eq(&answers);

@@ -1,7 +1,5 @@
 mod ports;
 
-use std::io;
-
 use blocksim_block::{BlockInfo, ParameterInfo, in_diagram, kinds};
 use blocksim_diagram::HIERARCHY;
 use blocksim_results::{Align, Table};
@@ -10,14 +8,15 @@ use serde_json::{Value, json};
 
 use crate::args::manual::BlocksArgs;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
 use crate::terminal::prose::{first_sentence, one_line, prose, shortened, wrapped};
 
 /// Lists all kinds of block, or describes one.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn blocks(args: &BlocksArgs, console: Console) -> io::Result<Exit> {
+/// If there is no such kind.
+pub fn blocks(args: &BlocksArgs, console: Console) -> Outcome {
     let all = all();
     let Some(name) = &args.kind else {
         console.data(&if args.json { lines(&all) } else { list(&all, console.width) })?;
@@ -26,10 +25,7 @@ pub fn blocks(args: &BlocksArgs, console: Console) -> io::Result<Exit> {
     match all.iter().find(|info| info.kind == name) {
         Some(info) if args.json => console.data(&lines(&[info]))?,
         Some(info) => console.data(&page(info, console.width))?,
-        None => {
-            console.say(&unknown(name, &all));
-            return Ok(Exit::Usage);
-        }
+        None => return Err(unknown(name, &all)),
     }
     Ok(Exit::Done)
 }
@@ -40,13 +36,13 @@ fn all() -> Vec<&'static BlockInfo> {
     OF_HIERARCHY.iter().chain(kinds()).collect()
 }
 
-fn unknown(name: &str, all: &[&BlockInfo]) -> String {
+fn unknown(name: &str, all: &[&BlockInfo]) -> Failure {
     let meant = closest(name, all.iter().map(|info| info.kind));
     let part = || all.iter().find(|info| info.kind.to_lowercase().contains(&name.to_lowercase()));
-    match meant.or(part().map(|info| info.kind)) {
-        Some(meant) => format!("error: there is no block `{name}`; did you mean `{meant}`?"),
-        None => format!("error: there is no block `{name}`; `blocksim blocks` lists all"),
-    }
+    Failure::usage(format!("there is no block `{name}`")).help(match meant.or(part().map(|info| info.kind)) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => "`blocksim blocks` lists all".to_owned(),
+    })
 }
 
 /// Kinds below the headings of their categories, each with its first sentence.
@@ -167,8 +163,8 @@ mod tests {
 
     #[test]
     fn an_unknown_kind_gets_the_likely_one() {
-        assert!(unknown("Intergrator", &all()).ends_with("did you mean `Integrator`?"));
-        assert!(unknown("Zzzz", &all()).ends_with("`blocksim blocks` lists all"));
+        assert!(unknown("Intergrator", &all()).text().ends_with("did you mean `Integrator`?"));
+        assert!(unknown("Zzzz", &all()).text().ends_with("`blocksim blocks` lists all"));
     }
 
     #[test]

@@ -1,14 +1,13 @@
 //! `blocksim check --fix`: the changes that problems carry, written into the texts.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use blocksim_block::problem::Problem;
 use blocksim_diagram::{Reader, SourceFile, Sources, compile, read_tree};
 
 use crate::args::model::{CheckArgs, Format};
-use crate::disk::{Disk, Overlaid, refusal, write_file};
-use crate::exit::Exit;
+use crate::disk::{Disk, Overlaid, readable, write_file};
+use crate::failure::Failure;
 use crate::loaded::tell_builds;
 use crate::terminal::console::Console;
 use crate::terminal::diff::difference;
@@ -29,12 +28,9 @@ struct Outcome {
 /// Writes the changes that problems carry, and shows them; all files of a model or none.
 ///
 /// # Errors
-/// If the standard output cannot be written. The inner error is how the command ends if a file cannot be read or written.
-pub fn fix(args: &CheckArgs, console: Console) -> io::Result<Result<(), Exit>> {
-    if let Some(refusal) = refusal(&args.model.model) {
-        console.say(&refusal);
-        return Ok(Err(Exit::Files));
-    }
+/// If a file cannot be read or written.
+pub fn fix(args: &CheckArgs, console: Console) -> Result<(), Failure> {
+    readable(&args.model.model)?;
     tell_builds();
     let outcome = outcome(&args.model.model, &args.model.set);
     for path in &outcome.contradictory {
@@ -49,15 +45,13 @@ pub fn fix(args: &CheckArgs, console: Console) -> io::Result<Result<(), Exit>> {
         if !is_data {
             console.data(&difference(path, &old, text))?;
         }
-        if let Err(exit) = write_file(path, text.as_bytes(), true, console) {
-            return Ok(Err(exit));
-        }
+        write_file(path, text.as_bytes(), true)?;
     }
     if outcome.count > 0 {
         let files = plural(outcome.mended.texts.len(), "file");
         console.say(&format!("mended {} in {files}", plural(outcome.count, "problem")));
     }
-    Ok(Ok(()))
+    Ok(())
 }
 
 /// Mends texts in memory until no problem carries a change any more.

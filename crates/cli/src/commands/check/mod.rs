@@ -1,14 +1,13 @@
 mod fix;
 
-use std::io;
-
 use blocksim_block::schedule::Schedule;
 use blocksim_results::format::count;
 use serde_json::json;
 
-use super::tell;
+use super::tell_with;
 use crate::args::model::{CheckArgs, Format};
 use crate::exit::Exit;
+use crate::failure::Outcome;
 use crate::loaded::load;
 use crate::terminal::console::Console;
 use crate::terminal::render;
@@ -16,16 +15,15 @@ use crate::terminal::render;
 /// Tells all problems of a model; without errors, what it consists of in one line.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn check(args: &CheckArgs, console: Console) -> io::Result<Exit> {
-    if args.fix
-        && let Err(exit) = fix::fix(args, console)?
-    {
-        return Ok(exit);
+/// If the model cannot be read, or mended.
+pub fn check(args: &CheckArgs, console: Console) -> Outcome {
+    if args.fix {
+        fix::fix(args, console)?;
     }
-    let Some(loaded) = load(&args.model, console) else { return Ok(Exit::Files) };
+    let loaded = load(&args.model)?;
     let problems = &loaded.compiled.problems;
-    tell(problems, &loaded.files, args.output_format, console)?;
+    let exit = if loaded.compiled.schedule.is_some() { Exit::Done } else { Exit::Model };
+    tell_with(problems, &loaded.files, (exit != Exit::Done).then_some(exit), console)?;
     let said = format!("{}: {}", args.model.model.display(), render::tally(problems));
     match (&loaded.compiled.schedule, args.output_format) {
         (Some(schedule), Format::Json) => console.data(&format!("{}\n", counts(schedule)))?,
@@ -41,7 +39,7 @@ pub fn check(args: &CheckArgs, console: Console) -> io::Result<Exit> {
         let which = if problems.len() == 1 { "it".to_owned() } else { format!("{remedies} of them") };
         console.say(&format!("  = help: `--fix` mends {which}"));
     }
-    Ok(if loaded.compiled.schedule.is_some() { Exit::Done } else { Exit::Model })
+    Ok(exit)
 }
 
 /// `17 blocks, 44 signals, 12 states, sample times 1 ms and 10 ms`.

@@ -2,7 +2,6 @@
 
 mod told;
 
-use std::io;
 use std::path::Path;
 
 use blocksim_blocks::robotics::Surroundings;
@@ -12,10 +11,10 @@ use blocksim_results::{Run, locate};
 use crate::args::collisions::CollisionsArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::mechanism::recorded::{mechanism, movement, scene};
 use crate::mechanism::touching::{Found, look};
 use crate::mechanism::{surroundings, text};
-use crate::signals::traces::told as unreadable;
 use crate::terminal::console::Console;
 
 /// Contacts and least distances of a run, with what the reader must know of them.
@@ -34,15 +33,9 @@ struct Looked {
 /// Looks for contacts in a run.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn collisions(args: &CollisionsArgs, console: Console) -> io::Result<Exit> {
-    let looked = match looked(args, console) {
-        Ok(looked) => looked,
-        Err(message) => {
-            console.say(&message);
-            return Ok(Exit::Files);
-        }
-    };
+/// Why the run cannot be looked at.
+pub fn collisions(args: &CollisionsArgs, console: Console) -> Outcome {
+    let looked = looked(args, console)?;
     match args.json {
         true => console.data(&format!("{}\n", told::data(&looked)))?,
         false => {
@@ -53,20 +46,17 @@ pub fn collisions(args: &CollisionsArgs, console: Console) -> io::Result<Exit> {
     Ok(if looked.found.history.contacts.is_empty() { Exit::Done } else { Exit::Failed })
 }
 
-fn looked(args: &CollisionsArgs, console: Console) -> Result<Looked, String> {
-    let folder = locate(&args.run, Path::new(RUNS)).map_err(unreadable)?;
-    let run = Run::open(&folder).map_err(unreadable)?;
+fn looked(args: &CollisionsArgs, console: Console) -> Result<Looked, Failure> {
+    let folder = locate(&args.run, Path::new(RUNS)).map_err(|error| Failure::of_run(&error))?;
+    let run = Run::open(&folder).map_err(|error| Failure::of_run(&error))?;
     let refused = |reason: &str| {
-        format!(
-            "error: cannot look for contacts in `{}`: {reason}\n  = help: run the model again",
-            folder.display()
-        )
+        let said = format!("cannot look for contacts in `{}`: {reason}", folder.display());
+        Failure::unreadable(said).help("run the model again")
     };
     let Some(drawn) = scene(&folder).map_err(|reason| refused(&reason))? else {
-        return Err(format!(
-            "error: `{}` has no mechanism to look at\n  = help: give bodies `shapes` (see `blocksim blocks Body`) and run the model again",
-            folder.display()
-        ));
+        let said = format!("`{}` has no mechanism to look at", folder.display());
+        return Err(Failure::unreadable(said)
+            .help("give bodies `shapes` (see `blocksim blocks Body`) and run the model again"));
     };
     let mechanism = mechanism(&drawn).map_err(|reason| refused(&reason))?;
     let movement = movement(&run, &drawn).map_err(|reason| refused(&reason))?.unwrap_or_default();
@@ -81,7 +71,7 @@ fn looked(args: &CollisionsArgs, console: Console) -> Result<Looked, String> {
         let help = given.map_or("nothing of it moves".to_owned(), |(from, to)| {
             format!("it goes from {from} s to {to} s")
         });
-        return Err(format!("error: `{}` has no values there\n  = help: {help}", folder.display()));
+        return Err(Failure::unreadable(format!("`{}` has no values there", folder.display())).help(help));
     };
     let check = surroundings::check(&mechanism, &around);
     Ok(Looked {
@@ -94,20 +84,20 @@ fn looked(args: &CollisionsArgs, console: Console) -> Result<Looked, String> {
 }
 
 /// What stands around the mechanism.
-fn around(args: &CollisionsArgs, folder: &Path, run: &Run) -> Result<Surroundings, String> {
+fn around(args: &CollisionsArgs, folder: &Path, run: &Run) -> Result<Surroundings, Failure> {
     let file = args.surroundings.as_deref();
     let text = match run.manifest().filter(|_| file.is_none()) {
         Some(manifest) => text::text(folder, manifest).map_err(|reason| {
-            format!("error: {reason}\n  = help: name what stands around with --surroundings")
+            Failure::unreadable(reason).help("name what stands around with --surroundings")
         })?,
         None => None,
     };
     let sources = text.as_ref().map(|text| Sources::new(&*text.reader));
-    surroundings::read(file, text.as_ref().zip(sources.as_ref())).map(Option::unwrap_or_default).map_err(|reason| {
-        let place = file.unwrap_or(folder).display();
-        format!(
-            "error: cannot read the surroundings in `{place}`: {reason}\n  = help: write them as in docs/moves.md, or name a diagram with \
-             the parameter `surroundings`"
-        )
-    })
+    surroundings::read(file, text.as_ref().zip(sources.as_ref())).map(Option::unwrap_or_default).map_err(
+        |reason| {
+            let place = file.unwrap_or(folder).display();
+            Failure::unreadable(format!("cannot read the surroundings in `{place}`: {reason}"))
+                .help("write them as in docs/moves.md, or name a diagram with the parameter `surroundings`")
+        },
+    )
 }

@@ -3,19 +3,18 @@
 mod told;
 mod verdict;
 
-use std::io;
-
 use blocksim_analysis::{Series, lag};
 use blocksim_plot::{Theme, svg};
 use blocksim_results::{ALWAYS, Column};
 
-use self::told::Outcome;
+use self::told::Comparison;
 use self::verdict::judge;
 use super::plot::{no_signal, nothing_common, open};
 use super::report::{Other, written_beside};
 use crate::args::plot::{Align, CompareArgs};
 use crate::args::report::ReportArgs;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::picture_file::write_pictures;
 use crate::signals::naming::fits;
 use crate::signals::other::other_values;
@@ -28,45 +27,37 @@ const ALIGNED_BY: usize = 6;
 /// Compares two recordings.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn compare(args: &CompareArgs, console: Console) -> io::Result<Exit> {
-    match compared(args, console) {
-        Ok((text, exit)) => console.data(&text).map(|()| exit),
-        Err((message, exit)) => {
-            console.say(&message);
-            Ok(exit)
-        }
-    }
+/// What cannot be read, compared or written.
+pub fn compare(args: &CompareArgs, console: Console) -> Outcome {
+    let (text, exit) = compared(args, console)?;
+    console.data(&text)?;
+    Ok(exit)
 }
 
-fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), (String, Exit)> {
-    let files = |message: String| (message, Exit::Files);
-    let usage = |message: String| (message, Exit::Usage);
-    let maps = mappings(&args.map).map_err(usage)?;
-    let books = [open(&args.baseline, &maps).map_err(files)?, open(&args.other, &maps).map_err(files)?];
-    check_mappings(&maps, &books).map_err(usage)?;
+fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), Failure> {
+    let maps = mappings(&args.map)?;
+    let books = [open(&args.baseline, &maps)?, open(&args.other, &maps)?];
+    check_mappings(&maps, &books)?;
     for book in &books {
         book.warnings().iter().for_each(|line| console.say(line));
         if book.span().is_none() {
-            return Err(files(format!(
-                "error: `{}` has no values\n  = help: run the model, or export the table, again",
-                book.name
-            )));
+            let said = format!("`{}` has no values", book.name);
+            return Err(Failure::unreadable(said).help("run the model, or export the table, again"));
         }
     }
-    let chosen = chosen(args, &books).map_err(usage)?;
+    let chosen = chosen(args, &books)?;
     say_units(&chosen, &books, console);
     let shift = shift(args, &books, &chosen)?;
-    let found: Result<Vec<_>, String> = chosen.iter().map(|&at| judge(args, &books, at, shift)).collect();
+    let found: Result<Vec<_>, Failure> = chosen.iter().map(|&at| judge(args, &books, at, shift)).collect();
     let extra = books[1].traces.iter().map(|trace| &trace.path).filter(|path| books[0].find(path).is_none());
     let extra = if args.signals.is_empty() { extra.cloned().collect() } else { Vec::new() };
-    let outcome = Outcome { args, books: &books, found: found.map_err(files)?, shift, extra };
+    let outcome = Comparison { args, books: &books, found: found?, shift, extra };
 
     let mut text = if args.json { format!("{}\n", outcome.json()) } else { outcome.text() };
     if args.svg.is_some() || args.png.is_some() {
-        let drawing = svg(&outcome.figure().map_err(files)?, Theme::from(args.theme));
+        let drawing = svg(&outcome.figure()?, Theme::from(args.theme));
         let written = write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), 2.0, args.yes);
-        for file in written.map_err(files)? {
+        for file in written? {
             let line = format!("{}\n", file.display());
             if args.json { console.say(line.trim_end()) } else { text.push_str(&line) }
         }
@@ -75,7 +66,7 @@ fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), (Str
         let page =
             ReportArgs { out: Some(file.clone()), yes: args.yes, ..ReportArgs::of(args.baseline.clone()) };
         let other = Other { book: &books[1], shift, compared: outcome.compared() };
-        let file = written_beside(&page, &maps, other, console).map_err(files)?;
+        let file = written_beside(&page, &maps, other, console)?;
         let line = format!("{}\n", file.display());
         if args.json { console.say(line.trim_end()) } else { text.push_str(&line) }
     }
@@ -83,7 +74,7 @@ fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), (Str
 }
 
 /// Signals of the baseline that are compared.
-fn chosen(args: &CompareArgs, books: &[Book; 2]) -> Result<Vec<usize>, String> {
+fn chosen(args: &CompareArgs, books: &[Book; 2]) -> Result<Vec<usize>, Failure> {
     let paths: Vec<&str> = books[0].traces.iter().map(|trace| trace.path.as_str()).collect();
     if let Some(lost) = args.signals.iter().find(|pattern| !paths.iter().any(|path| fits(path, pattern))) {
         return Err(no_signal(lost, &books[0]));
@@ -114,7 +105,7 @@ fn say_units(chosen: &[usize], books: &[Book; 2], console: Console) {
 }
 
 /// What to add to the times of the other recording, s.
-fn shift(args: &CompareArgs, books: &[Book; 2], chosen: &[usize]) -> Result<f64, (String, Exit)> {
+fn shift(args: &CompareArgs, books: &[Book; 2], chosen: &[usize]) -> Result<f64, Failure> {
     let begin = |book: &Book| book.span().map_or(0.0, |span| span.0);
     match args.align {
         None => Ok(args.shift.unwrap_or(0.0)),
@@ -126,9 +117,8 @@ fn shift(args: &CompareArgs, books: &[Book; 2], chosen: &[usize]) -> Result<f64,
                 if let Some(there) = books[1].find(&trace.path)
                     && columns.len() < ALIGNED_BY
                 {
-                    let files = |message: String| (message, Exit::Files);
-                    let a = books[0].read(at, &ALWAYS).map_err(files)?;
-                    let b = other_values(&books[1], there, trace, 0.0).map_err(files)?;
+                    let a = books[0].read(at, &ALWAYS)?;
+                    let b = other_values(&books[1], there, trace, 0.0)?;
                     // A constant tells nothing about time.
                     if a.values.iter().any(|value| *value != a.values[0]) {
                         columns.push((a, b));
@@ -140,9 +130,8 @@ fn shift(args: &CompareArgs, books: &[Book; 2], chosen: &[usize]) -> Result<f64,
                 .map(|(a, b)| (Series::new(&a.time, &a.values), Series::new(&b.time, &b.values)))
                 .collect();
             lag(&pairs).ok_or_else(|| {
-                let message = "error: the signals do not vary, so nothing tells how they belong together in time\n  \
-                               = help: choose others with --signals, or say --shift";
-                (message.to_owned(), Exit::Usage)
+                Failure::usage("the signals do not vary, so nothing tells how they belong together in time")
+                    .help("choose others with --signals, or say --shift")
             })
         }
     }

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::verdict::{Found, Verdict, rule};
 use crate::args::plot::CompareArgs;
+use crate::failure::Failure;
 use crate::signals::other::other_values;
 use crate::signals::traces::Book;
 use crate::terminal::format::short_time;
@@ -32,7 +33,7 @@ const COLUMNS: [&str; 8] = [
 const SCREEN: usize = 1600;
 
 /// All that is found.
-pub struct Outcome<'a> {
+pub struct Comparison<'a> {
     /// Command line.
     pub args: &'a CompareArgs,
     /// Baseline and other recording.
@@ -45,7 +46,7 @@ pub struct Outcome<'a> {
     pub extra: Vec<String>,
 }
 
-impl Outcome<'_> {
+impl Comparison<'_> {
     /// Whether all signals agree; missing ones are passed over where only common ones are asked for.
     pub fn agrees(&self) -> bool {
         self.found.iter().all(|found| self.counts_as_agreeing(found))
@@ -213,7 +214,7 @@ impl Outcome<'_> {
     ///
     /// # Errors
     /// What to tell the person at the keyboard.
-    pub fn figure(&self) -> Result<Figure, String> {
+    pub fn figure(&self) -> Result<Figure, Failure> {
         let drawable =
             || self.found.iter().filter(|found| found.there.is_some() && found.comparison.span.is_some());
         let mut chosen: Vec<&Found> = drawable().filter(|found| !found.verdict.agrees()).collect();
@@ -222,7 +223,7 @@ impl Outcome<'_> {
         }
         let spans = drawable().filter_map(|found| found.comparison.span);
         let time = spans.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0.0, 1.0));
-        let panels: Result<Vec<Panel>, String> =
+        let panels: Result<Vec<Panel>, Failure> =
             chosen.iter().take(PANELS).map(|found| self.panel(found, time)).collect();
         let panels = panels?;
         let columns = if panels.len() > 2 { 2 } else { 1 };
@@ -230,7 +231,7 @@ impl Outcome<'_> {
         Ok(Figure { title, panels, columns, time, width: 960.0, ..Figure::default() })
     }
 
-    fn panel(&self, found: &Found, time: (f64, f64)) -> Result<Panel, String> {
+    fn panel(&self, found: &Found, time: (f64, f64)) -> Result<Panel, Failure> {
         let trace = &self.books[0].traces[found.at];
         let (unit, range) = (&found.unit, time.0..=time.1);
         let held = rule(self.args, trace).interpolation == blocksim_analysis::Interpolation::Hold;

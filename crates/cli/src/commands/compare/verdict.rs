@@ -5,6 +5,7 @@ use blocksim_results::ALWAYS;
 use blocksim_signal::Unit;
 
 use crate::args::plot::{Between, CompareArgs, Sync};
+use crate::failure::Failure;
 use crate::signals::other::other_values;
 use crate::signals::traces::{Book, Trace};
 
@@ -89,7 +90,7 @@ pub fn rule(args: &CompareArgs, trace: &Trace) -> Rule {
 ///
 /// # Errors
 /// What to tell the person at the keyboard.
-pub fn judge(args: &CompareArgs, books: &[Book; 2], at: usize, shift: f64) -> Result<Found, String> {
+pub fn judge(args: &CompareArgs, books: &[Book; 2], at: usize, shift: f64) -> Result<Found, Failure> {
     let trace = &books[0].traces[at];
     let there = books[1].find(&trace.path);
     let mut found = Found {

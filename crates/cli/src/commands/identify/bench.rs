@@ -11,27 +11,13 @@ use blocksim_sim::{Control, Counts, Ended, Observer, SimError, Simulation};
 use super::course::{Course, Rest, SetValues};
 use super::drive::Drive;
 use super::look_into::look_into;
+use crate::exit::Exit;
+use crate::failure::Failure;
 use crate::running::{interrupt, parallel};
 
-/// Why a diagram cannot stand on the bench.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Refusal {
-    /// What is wrong.
-    pub message: String,
-    /// What helps.
-    pub help: String,
-}
-
-impl Refusal {
-    /// A refusal with its remedy.
-    pub fn new(message: impl Into<String>, help: impl Into<String>) -> Refusal {
-        Refusal { message: message.into(), help: help.into() }
-    }
-
-    /// As it is said.
-    pub fn text(&self) -> String {
-        format!("error: {}\n  = help: {}", self.message, self.help)
-    }
+/// Why an experiment makes no sense, and what helps.
+fn refused(message: impl Into<String>, help: impl Into<String>) -> Failure {
+    Failure::new(Exit::Model, "identify", message).help(help)
 }
 
 /// What a diagram must have to stand on the bench.
@@ -106,8 +92,8 @@ impl Bench {
     ///
     /// # Errors
     /// A diagram without such a robot.
-    pub fn new(schedule: Schedule) -> Result<Bench, Refusal> {
-        let no_arm = || Refusal::new("the diagram has no arm of bodies and joints", NEEDS);
+    pub fn new(schedule: Schedule) -> Result<Bench, Failure> {
+        let no_arm = || refused("the diagram has no arm of bodies and joints", NEEDS);
         let networks = schedule.blocks.iter().enumerate();
         let (network, view) = networks
             .filter_map(|(index, instance)| Some((index, look_into::<Network>(&instance.block)?)))
@@ -115,7 +101,7 @@ impl Bench {
             .ok_or_else(no_arm)?;
         let tree = view.tree().ok_or_else(no_arm)?.clone();
         if !view.is_plain_tree() {
-            return Err(Refusal::new(
+            return Err(refused(
                 "the arm has closed loops, spherical joints, payloads or prescribed speeds",
                 "only open chains of axes with drives can be identified",
             ));
@@ -127,7 +113,7 @@ impl Bench {
         if axes.len() != tree.dof() || axes.iter().enumerate().any(|(index, axis)| axis.number != index + 1) {
             let found: Vec<String> =
                 axes.iter().map(|axis| format!("{} moves `{}`", axis.number, axis.joint)).collect();
-            return Err(Refusal::new(
+            return Err(refused(
                 format!("the axes are not numbered from the base to the tip: {}", found.join(", ")),
                 NEEDS,
             ));
@@ -212,14 +198,14 @@ fn gets(instance: &Instance, cell: usize) -> bool {
     instance.gather.iter().any(|(from, length)| (*from as usize..(*from + *length) as usize).contains(&cell))
 }
 
-fn axis(schedule: &Schedule, network: &Network, at: usize, view: AxisView) -> Result<Axis, Refusal> {
+fn axis(schedule: &Schedule, network: &Network, at: usize, view: AxisView) -> Result<Axis, Failure> {
     let cell = |port: &str| {
         let path = format!("{}.{port}", view.path);
         schedule.signals.iter().find(|signal| signal.path == path).map(|signal| signal.offset)
     };
     let measured = [cell("q"), cell("w"), cell("a"), cell("tau")];
     let [Some(q), Some(w), Some(a), Some(tau)] = measured else {
-        return Err(Refusal::new(format!("`{}` is no revolute joint", view.path), NEEDS));
+        return Err(refused(format!("`{}` is no revolute joint", view.path), NEEDS));
     };
     // The controller is what compares a set value with the position.
     let moves = schedule.blocks.iter().enumerate();
@@ -234,13 +220,13 @@ fn axis(schedule: &Schedule, network: &Network, at: usize, view: AxisView) -> Re
             })
             .collect();
     let [(reference, course)] = found[..] else {
-        return Err(Refusal::new(
+        return Err(refused(
             format!("{} moves lead to the joint `{}`, not one", found.len(), view.path),
             NEEDS,
         ));
     };
     let (Some(limits), number) = (course.limits.get(course.axis - 1), course.axis) else {
-        return Err(Refusal::new(format!("the move of `{}` has no limits", view.path), NEEDS));
+        return Err(refused(format!("the move of `{}` has no limits", view.path), NEEDS));
     };
     let drive = Drive::of(network, &view);
     let motor = drive.torque_signal.as_ref().and_then(|path| {

@@ -1,22 +1,24 @@
 //! `blocksim identify dynamics`.
 
-use std::io;
 use std::sync::Arc;
 
 use blocksim_identify::{
-    BaseParameters, Excitation, Fourier, JointRange, Random, Sample, excitation, identify, prediction_error,
+    BaseParameters, Excitation, Fourier, IdentifyError, JointRange, Random, Sample, excitation, identify,
+    prediction_error,
 };
 use blocksim_results::format::significant;
 use serde_json::json;
 
 use super::bench::{Bench, Experiment, Rows};
 use super::course::Course;
-use super::dynamics_said::{Outcome, as_json, counted, csv, text};
+use super::dynamics_said::{Dynamics, as_json, counted, csv, text};
 use super::pose::range;
 use super::said::failed;
 use super::{load_bench, out};
 use crate::args::identify::DynamicsArgs;
+use crate::disk::write_file;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::running::interrupt;
 use crate::terminal::console::Console;
 
@@ -34,16 +36,10 @@ impl Course for Fourier {
 /// Finds the base parameters of a robot from an exciting motion.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn dynamics(args: &DynamicsArgs, console: Console) -> io::Result<Exit> {
-    if let Err(refusal) = out::check(args.common.out.as_deref(), args.common.yes, &["csv"]) {
-        console.say(&refusal.text());
-        return Ok(Exit::Usage);
-    }
-    let bench = match load_bench(&args.common, console)? {
-        Ok(bench) => bench,
-        Err(exit) => return Ok(exit),
-    };
+/// Why they cannot be found or written.
+pub fn dynamics(args: &DynamicsArgs, console: Console) -> Outcome {
+    out::check(args.common.out.as_deref(), args.common.yes, &["csv"])?;
+    let bench = load_bench(&args.common, console)?;
     interrupt::take_over();
     let base = BaseParameters::of(&bench.tree, SAMPLES, 1);
     let ranges: Vec<JointRange> = bench
@@ -56,30 +52,18 @@ pub fn dynamics(args: &DynamicsArgs, console: Console) -> io::Result<Exit> {
         .collect();
     let motion = |seed: u64| excitation(&bench.tree, &base, &ranges, args.period, args.harmonics, seed);
     let motions = motion(args.seed).and_then(|first| Ok([first, motion(args.seed.wrapping_add(1))?]));
-    let motions = match motions {
-        Ok(motions) => motions,
-        Err(error) => {
-            console.say(&format!("error: no exciting motion: {error}"));
-            return Ok(Exit::Failed);
-        }
-    };
+    let motions = motions.map_err(|error| unidentified(&format!("no exciting motion: {error}")))?;
     let experiments: Vec<Experiment> = motions.iter().map(|motion| experiment(motion, args.period)).collect();
     let mut recorded = Vec::new();
     for rows in bench.run_all(&experiments, |_| ()) {
         match rows {
             Ok(rows) => recorded.push(samples(&bench, &rows)),
-            Err(error) => return Ok(failed(&error, 1, console)),
+            Err(error) => return Err(failed(&error, 1)),
         }
     }
     let [first, second] = &mut recorded[..] else { return Ok(Exit::Failed) };
     add_noise(first, args.noise, args.seed);
-    let found = match identify(&bench.tree, &base, first) {
-        Ok(found) => found,
-        Err(error) => {
-            console.say(&format!("error: the base parameters cannot be identified: {error}"));
-            return Ok(Exit::Failed);
-        }
-    };
+    let found = identify(&bench.tree, &base, first).map_err(|error| no_base(&error))?;
     let values: Vec<f64> = found.fit.estimates.iter().map(|estimate| estimate.value).collect();
     let wrong = prediction_error(&bench.tree, &base, &values, second);
     let heading = format!(
@@ -89,7 +73,7 @@ pub fn dynamics(args: &DynamicsArgs, console: Console) -> io::Result<Exit> {
         significant(motions[0].condition, 3),
         significant(100.0 * args.noise, 3)
     );
-    let result = Outcome {
+    let result = Dynamics {
         heading,
         truth: base.values(&bench.tree.inertial_parameters()),
         prediction: Some((wrong.unwrap_or_default(), root_mean_square(second, bench.axes.len()))),
@@ -97,14 +81,21 @@ pub fn dynamics(args: &DynamicsArgs, console: Console) -> io::Result<Exit> {
         base,
         found,
     };
-    if let Some(path) = &args.common.out
-        && let Err(error) = out::write(path, &csv(&result))
-    {
-        console.say(&error);
-        return Ok(Exit::Files);
+    if let Some(path) = &args.common.out {
+        write_file(path, csv(&result).as_bytes(), args.common.yes)?;
     }
     console.data(&if args.common.json { as_json(&result) } else { text(&result) })?;
     Ok(Exit::Done)
+}
+
+/// Why nothing could be identified.
+fn unidentified(message: &str) -> Failure {
+    Failure::new(Exit::Failed, "identify", message)
+}
+
+/// Why there are no base parameters.
+pub fn no_base(error: &IdentifyError) -> Failure {
+    unidentified(&format!("the base parameters cannot be identified: {error}"))
 }
 
 fn experiment(motion: &Excitation, period: f64) -> Experiment {

@@ -1,18 +1,18 @@
 //! `blocksim identify dynamics --from`.
 
-use std::io;
-
 use blocksim_identify::{BaseParameters, Recording, Treated, identify, prediction_error};
 use blocksim_motion::AxisKind;
 use blocksim_results::format::significant;
 use serde_json::json;
 
-use super::dynamics::{SAMPLES, root_mean_square};
-use super::dynamics_said::{Outcome, as_json, counted, csv, text};
+use super::dynamics::{SAMPLES, no_base, root_mean_square};
+use super::dynamics_said::{Dynamics, as_json, counted, csv, text};
 use super::out;
 use super::recorded::{Arm, Table, arm};
 use crate::args::identify::{DynamicsArgs, RecordedArgs};
+use crate::disk::write_file;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
 
 /// Where the flagship records speeds and accelerations.
@@ -22,46 +22,31 @@ const ACCELERATIONS: &str = "measurements/accelerations/*.axis{}";
 /// Finds the base parameters of a robot from a recorded motion.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn dynamics(args: &DynamicsArgs, from: &str, console: Console) -> io::Result<Exit> {
-    match found(args, from, console) {
-        Ok(result) => {
-            if let Some(path) = &args.common.out
-                && let Err(error) = out::write(path, &csv(&result))
-            {
-                console.say(&error);
-                return Ok(Exit::Files);
-            }
-            console.data(&if args.common.json { as_json(&result) } else { text(&result) })?;
-            Ok(Exit::Done)
-        }
-        Err((said, exit)) => {
-            if !said.is_empty() {
-                console.say(&said);
-            }
-            Ok(exit)
-        }
+/// Why they cannot be found or written.
+pub fn dynamics(args: &DynamicsArgs, from: &str, console: Console) -> Outcome {
+    let result = found(args, from)?;
+    if let Some(path) = &args.common.out {
+        write_file(path, csv(&result).as_bytes(), args.common.yes)?;
     }
+    console.data(&if args.common.json { as_json(&result) } else { text(&result) })?;
+    Ok(Exit::Done)
 }
 
-fn found(args: &DynamicsArgs, from: &str, console: Console) -> Result<Outcome, (String, Exit)> {
-    out::check(args.common.out.as_deref(), args.common.yes, &["csv"])
-        .map_err(|refusal| (refusal.text(), Exit::Usage))?;
-    let arm = arm(&args.common, console)?;
+fn found(args: &DynamicsArgs, from: &str) -> Result<Dynamics, Failure> {
+    out::check(args.common.out.as_deref(), args.common.yes, &["csv"])?;
+    let arm = arm(&args.common)?;
     let model = arm.robot.model();
     let base = BaseParameters::of(model, SAMPLES, 1);
     let read = |name: &str| read(&args.recorded, name, &arm);
     let (treated, how) = read(from)?;
-    let failed = |error: blocksim_identify::IdentifyError| {
-        (format!("error: the base parameters cannot be identified: {error}"), Exit::Failed)
-    };
-    let found = identify(model, &base, &treated.samples).map_err(failed)?;
+    let found = identify(model, &base, &treated.samples).map_err(|error| no_base(&error))?;
     let prediction = match &args.predict {
         None => None,
         Some(other) => {
             let (other, _) = read(other)?;
             let values: Vec<f64> = found.fit.estimates.iter().map(|estimate| estimate.value).collect();
-            let wrong = prediction_error(model, &base, &values, &other.samples).map_err(failed)?;
+            let wrong =
+                prediction_error(model, &base, &values, &other.samples).map_err(|error| no_base(&error))?;
             Some((wrong, root_mean_square(&other.samples, model.dof())))
         }
     };
@@ -70,7 +55,7 @@ fn found(args: &DynamicsArgs, from: &str, console: Console) -> Result<Outcome, (
         counted(&base),
         significant(found.fit.condition, 3)
     );
-    Ok(Outcome {
+    Ok(Dynamics {
         heading,
         truth: base.values(&model.inertial_parameters()),
         facts: json!({
@@ -84,17 +69,17 @@ fn found(args: &DynamicsArgs, from: &str, console: Console) -> Result<Outcome, (
 }
 
 /// Positions, speeds, accelerations and torques of all joints, and how they were come by.
-pub fn read(args: &RecordedArgs, name: &str, arm: &Arm) -> Result<(Treated, String), (String, Exit)> {
+pub fn read(args: &RecordedArgs, name: &str, arm: &Arm) -> Result<(Treated, String), Failure> {
     let table = Table::open(name)?;
     let treated = recording(args, &table, arm)?
         .samples(args.cutoff, args.rows)
-        .map_err(|error| (format!("error: `{name}` cannot be evaluated: {error}"), Exit::Usage))?;
+        .map_err(|error| Failure::usage(format!("`{name}` cannot be evaluated: {error}")))?;
     let how = described(&treated, &table, args.cutoff);
     Ok((treated, how))
 }
 
 /// What a table holds of the joints.
-pub fn recording(args: &RecordedArgs, table: &Table, arm: &Arm) -> Result<Recording, (String, Exit)> {
+pub fn recording(args: &RecordedArgs, table: &Table, arm: &Arm) -> Result<Recording, Failure> {
     let kinds = arm.description.kinds();
     let units = |turning: &'static str, sliding: &'static str| -> Vec<&'static str> {
         kinds.iter().map(|kind| if *kind == AxisKind::Turning { turning } else { sliding }).collect()

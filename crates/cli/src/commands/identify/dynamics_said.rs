@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 const WIDE: usize = 44;
 
 /// What was found out.
-pub struct Outcome {
+pub struct Dynamics {
     /// From what.
     pub heading: String,
     /// Which combinations.
@@ -36,7 +36,7 @@ pub fn counted(base: &BaseParameters) -> String {
 }
 
 /// For people.
-pub fn text(result: &Outcome) -> String {
+pub fn text(result: &Dynamics) -> String {
     let mut table = Table::new(&[
         ("base parameter", Align::Left),
         ("identified", Align::Right),
@@ -87,7 +87,7 @@ pub fn text(result: &Outcome) -> String {
 }
 
 /// For programs: an object a line, the last about the whole.
-pub fn as_json(result: &Outcome) -> String {
+pub fn as_json(result: &Dynamics) -> String {
     let mut out = String::new();
     for (index, (found, truth)) in result.found.fit.estimates.iter().zip(&result.truth).enumerate() {
         let value = json!({
@@ -107,7 +107,7 @@ pub fn as_json(result: &Outcome) -> String {
 }
 
 /// As a table.
-pub fn csv(result: &Outcome) -> String {
+pub fn csv(result: &Dynamics) -> String {
     let mut out = String::from("base parameter,value,standard error,interval 95 %,set\n");
     for (index, (found, truth)) in result.found.fit.estimates.iter().zip(&result.truth).enumerate() {
         let _ = writeln!(

@@ -1,18 +1,18 @@
 //! `blocksim identify friction`.
 
-use std::io;
-
 use blocksim_identify::{Point, TwoPoint, curve, line, two_point};
 
 use super::axis_friction::AxisFriction;
-use super::bench::{Bench, Experiment, Refusal};
+use super::bench::{Bench, Experiment};
 use super::constant_speed::{Measured, Move, fastest, fastest_for, fits, measure, plan, room};
 use super::friction_said::short;
 use super::pose::{Pose, find};
 use super::said::failed;
 use super::{friction_said, load_bench, out};
 use crate::args::identify::FrictionArgs;
+use crate::disk::write_file;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::running::interrupt;
 use crate::terminal::console::Console;
 
@@ -41,35 +41,13 @@ struct Setup {
 /// Measures the friction of the axes of a robot by moves at constant speed.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn friction(args: &FrictionArgs, console: Console) -> io::Result<Exit> {
-    if let Err(refusal) = out::check(args.common.out.as_deref(), args.common.yes, &["csv", "ron"]) {
-        console.say(&refusal.text());
-        return Ok(Exit::Usage);
-    }
-    let bench = match load_bench(&args.common, console)? {
-        Ok(bench) => bench,
-        Err(exit) => return Ok(exit),
-    };
+/// Why it cannot be measured or written.
+pub fn friction(args: &FrictionArgs, console: Console) -> Outcome {
+    out::check(args.common.out.as_deref(), args.common.yes, &["csv", "ron"])?;
+    let bench = load_bench(&args.common, console)?;
     interrupt::take_over();
-    let axes = match chosen(&bench, &args.axis) {
-        Ok(axes) => axes,
-        Err(refusal) => {
-            console.say(&refusal.text());
-            return Ok(Exit::Usage);
-        }
-    };
-    let mut setups = Vec::new();
-    for axis in axes {
-        match setup(&bench, axis, args) {
-            Ok(setup) => setups.push(setup),
-            Err(Trouble::Refused(refusal)) => {
-                console.say(&refusal.text());
-                return Ok(Exit::Usage);
-            }
-            Err(Trouble::Failed(error)) => return Ok(failed(&error, bench.axes[axis].number, console)),
-        }
-    }
+    let axes = chosen(&bench, &args.axis)?;
+    let setups = axes.into_iter().map(|axis| setup(&bench, axis, args)).collect::<Result<Vec<_>, _>>()?;
     let experiments: Vec<Experiment> =
         setups.iter().flat_map(|setup| setup.moves.iter().map(|course| course.experiment.clone())).collect();
     let live = console.live && !args.common.json;
@@ -90,7 +68,7 @@ pub fn friction(args: &FrictionArgs, console: Console) -> io::Result<Exit> {
         for course in &setup.moves {
             match rows.next() {
                 Some(Ok(rows)) => measured.extend(measure(&bench, setup.axis, &setup.pose, course, &rows)),
-                Some(Err(error)) => return Ok(failed(&error, bench.axes[setup.axis].number, console)),
+                Some(Err(error)) => return Err(failed(&error, bench.axes[setup.axis].number)),
                 None => {}
             }
         }
@@ -101,10 +79,7 @@ pub fn friction(args: &FrictionArgs, console: Console) -> io::Result<Exit> {
             Some("ron") => friction_said::ron(&results),
             _ => friction_said::csv(&results),
         };
-        if let Err(error) = out::write(path, &text) {
-            console.say(&error);
-            return Ok(Exit::Files);
-        }
+        write_file(path, text.as_bytes(), args.common.yes)?;
     }
     let text = if args.common.json { friction_said::json(&results) } else { friction_said::text(&results) };
     console.data(&text)?;
@@ -115,7 +90,7 @@ pub fn friction(args: &FrictionArgs, console: Console) -> io::Result<Exit> {
 }
 
 /// Indices of the axes that were asked for.
-fn chosen(bench: &Bench, numbers: &[usize]) -> Result<Vec<usize>, Refusal> {
+fn chosen(bench: &Bench, numbers: &[usize]) -> Result<Vec<usize>, Failure> {
     let count = bench.axes.len();
     if numbers.is_empty() {
         return Ok((0..count).collect());
@@ -123,10 +98,7 @@ fn chosen(bench: &Bench, numbers: &[usize]) -> Result<Vec<usize>, Refusal> {
     let mut axes: Vec<usize> = Vec::new();
     for number in numbers {
         if !(1..=count).contains(number) {
-            return Err(Refusal::new(
-                format!("there is no axis {number}"),
-                format!("the axes of this robot are 1 to {count}"),
-            ));
+            return Err(no_axis(*number, count));
         }
         if !axes.contains(&(number - 1)) {
             axes.push(number - 1);
@@ -135,15 +107,16 @@ fn chosen(bench: &Bench, numbers: &[usize]) -> Result<Vec<usize>, Refusal> {
     Ok(axes)
 }
 
-enum Trouble {
-    Refused(Refusal),
-    Failed(blocksim_sim::SimError),
+/// That a robot has fewer axes.
+pub fn no_axis(number: usize, count: usize) -> Failure {
+    Failure::usage(format!("there is no axis {number}"))
+        .help(format!("the axes of this robot are 1 to {count}"))
 }
 
-fn setup(bench: &Bench, axis: usize, args: &FrictionArgs) -> Result<Setup, Trouble> {
+fn setup(bench: &Bench, axis: usize, args: &FrictionArgs) -> Result<Setup, Failure> {
     let it = &bench.axes[axis];
     let number = it.number;
-    let refuse = |message: String, help: &str| Trouble::Refused(Refusal::new(message, help));
+    let refuse = |message: String, help: &str| Failure::usage(message).help(help);
     if !it.has_motor() {
         return Err(refuse(
             format!("axis {number}: no signal tells the torque of the motor of `{}`", it.joint),
@@ -192,25 +165,25 @@ fn setup(bench: &Bench, axis: usize, args: &FrictionArgs) -> Result<Setup, Troub
 
 /// Half the window in which gravity stays well below friction, so that the motor drives the gear in both directions and
 /// gravity drops out of their difference: from a first pair of moves.
-fn widest_under_gravity(bench: &Bench, axis: usize, pose: &Pose) -> Result<f64, Trouble> {
+fn widest_under_gravity(bench: &Bench, axis: usize, pose: &Pose) -> Result<f64, Failure> {
     let it = &bench.axes[axis];
     let speed = fastest(bench, axis, pose, (0.02 * it.limits.speed).min(fastest_for(LOOK)), LOOK);
     let mut torques = [0.0; 2];
     for (torque, sense) in torques.iter_mut().zip([1.0, -1.0]) {
         let found = plan(bench, axis, pose, sense * speed, LOOK);
         let rows = found.as_ref().map(|course| bench.run(&course.experiment)).transpose();
-        let rows = rows.map_err(Trouble::Failed)?;
+        let rows = rows.map_err(|error| failed(&error, it.number))?;
         let measured = found.zip(rows).and_then(|(course, rows)| measure(bench, axis, pose, &course, &rows));
         *torque = measured.map_or(0.0, |measured| measured.point.torque);
     }
     let friction = 0.5 * (torques[0] - torques[1]);
     let widest = GRAVITY * friction / pose.slope.abs();
     if !(widest > 0.0 && widest.is_finite()) {
-        return Err(Trouble::Refused(Refusal::new(
-            format!("axis {} shows no friction at {} deg/s", it.number, short(speed.to_degrees())),
+        let said = format!("axis {} shows no friction at {} deg/s", it.number, short(speed.to_degrees()));
+        return Err(Failure::usage(said).help(
             "where gravity acts on an axis, its friction is measured as the difference of two directions; an axis \
              without friction cannot be measured so",
-        )));
+        ));
     }
     Ok(widest.min(room(bench, axis, pose)))
 }

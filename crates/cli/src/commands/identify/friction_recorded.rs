@@ -1,7 +1,6 @@
 //! `blocksim identify friction --from`.
 
 use std::fmt::Write;
-use std::io;
 
 use blocksim_identify::{DriveFit, DriveSample, Estimate, Recording, drive};
 use blocksim_motion::AxisKind;
@@ -10,10 +9,13 @@ use blocksim_results::{Align, Table as Printed};
 use serde_json::json;
 
 use super::dynamics_recorded::{described, recording};
+use super::friction::no_axis;
 use super::out;
 use super::recorded::{Arm, Table, arm};
 use crate::args::identify::FrictionArgs;
+use crate::disk::write_file;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
 
 /// Speeds below this share of the largest one of a recording are left out: near standstill friction is no line.
@@ -32,43 +34,25 @@ struct Axis {
 /// Finds gear, friction and inertia of drives from a recorded motion.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn friction(args: &FrictionArgs, from: &str, console: Console) -> io::Result<Exit> {
-    match found(args, from, console) {
-        Ok((heading, axes)) => {
-            if let Some(path) = &args.common.out
-                && let Err(error) = out::write(path, &csv(&axes))
-            {
-                console.say(&error);
-                return Ok(Exit::Files);
-            }
-            console.data(&if args.common.json { as_json(&axes) } else { text(&heading, &axes) })?;
-            Ok(if axes.iter().all(|axis| axis.found.is_ok()) { Exit::Done } else { Exit::Failed })
-        }
-        Err((said, exit)) => {
-            if !said.is_empty() {
-                console.say(&said);
-            }
-            Ok(exit)
-        }
+/// Why they cannot be found or written.
+pub fn friction(args: &FrictionArgs, from: &str, console: Console) -> Outcome {
+    let (heading, axes) = found(args, from)?;
+    if let Some(path) = &args.common.out {
+        write_file(path, csv(&axes).as_bytes(), args.common.yes)?;
     }
+    console.data(&if args.common.json { as_json(&axes) } else { text(&heading, &axes) })?;
+    Ok(if axes.iter().all(|axis| axis.found.is_ok()) { Exit::Done } else { Exit::Failed })
 }
 
-fn found(args: &FrictionArgs, from: &str, console: Console) -> Result<(String, Vec<Axis>), (String, Exit)> {
-    let usage = |message: String| (message, Exit::Usage);
-    out::check(args.common.out.as_deref(), args.common.yes, &["csv"])
-        .map_err(|refusal| usage(refusal.text()))?;
+fn found(args: &FrictionArgs, from: &str) -> Result<(String, Vec<Axis>), Failure> {
+    out::check(args.common.out.as_deref(), args.common.yes, &["csv"])?;
     if !args.speeds.is_empty() {
-        return Err(usage(
-            "error: a recording has the speeds that it has\n  = help: leave out --speeds".to_owned(),
-        ));
+        return Err(Failure::usage("a recording has the speeds that it has").help("leave out --speeds"));
     }
-    let arm = arm(&args.common, console)?;
+    let arm = arm(&args.common)?;
     let count = arm.robot.axes();
     if let Some(wrong) = args.axis.iter().find(|number| !(1..=count).contains(*number)) {
-        return Err(usage(format!(
-            "error: there is no axis {wrong}\n  = help: the axes of this robot are 1 to {count}"
-        )));
+        return Err(no_axis(*wrong, count));
     }
     let table = Table::open(from)?;
     let motors = table.signals("--motor", &args.motor, &vec!["N*m"; count])?;
@@ -79,12 +63,12 @@ fn found(args: &FrictionArgs, from: &str, console: Console) -> Result<(String, V
     let treat = |recording: &Recording| {
         recording
             .samples(args.recorded.cutoff, args.recorded.rows)
-            .map_err(|error| usage(format!("error: `{from}` cannot be evaluated: {error}")))
+            .map_err(|error| Failure::usage(format!("`{from}` cannot be evaluated: {error}")))
     };
     let (joints, motors) = (treat(&joints)?, treat(&motors)?);
     let mut axes = Vec::new();
     for axis in (0..count).filter(|axis| args.axis.is_empty() || args.axis.contains(&(axis + 1))) {
-        let (ratio, set) = set(&arm, axis).map_err(|message| (message, Exit::Model))?;
+        let (ratio, set) = set(&arm, axis)?;
         let rows = joints.samples.iter().zip(&motors.samples);
         let samples: Vec<DriveSample> = rows
             .map(|(joint, motor)| DriveSample {
@@ -104,12 +88,9 @@ fn found(args: &FrictionArgs, from: &str, console: Console) -> Result<(String, V
 }
 
 /// Ratio of an axis, and what its parameters say of 1 / efficiency, Coulomb and viscous friction, inertia.
-fn set(arm: &Arm, axis: usize) -> Result<(f64, [f64; 4]), String> {
+fn set(arm: &Arm, axis: usize) -> Result<(f64, [f64; 4]), Failure> {
     let link = &arm.description.links[axis];
-    let ratio = link.transmission("manipulator").map_err(|error| {
-        let help = error.help.map(|help| format!("\n  = help: {help}")).unwrap_or_default();
-        format!("error: {}{help}", error.message)
-    })?;
+    let ratio = link.transmission("manipulator").map_err(|error| Failure::parameter(&error))?;
     let drive = &arm.robot.parts().links[axis].drive;
     let gear = 1.0 / drive.efficiency_forward;
     let viscous = gear * drive.friction.viscous + drive.damping;

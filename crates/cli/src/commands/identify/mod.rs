@@ -17,23 +17,19 @@ mod pose;
 mod recorded;
 mod said;
 
-use std::io;
-
 use bench::Bench;
 
-use super::tell;
 use crate::args::identify::{Common, IdentifyCommand};
-use crate::args::model::{Format, ModelArgs};
-use crate::exit::Exit;
+use crate::args::model::ModelArgs;
+use crate::failure::{Failure, Outcome};
 use crate::loaded::load;
 use crate::terminal::console::Console;
-use crate::terminal::render;
 
 /// Runs experiments with the robot of a diagram.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn identify(command: &IdentifyCommand, console: Console) -> io::Result<Exit> {
+/// Why nothing could be identified.
+pub fn identify(command: &IdentifyCommand, console: Console) -> Outcome {
     match command {
         IdentifyCommand::Friction(args) => match &args.recorded.from {
             Some(from) => friction_recorded::friction(args, from, console),
@@ -46,8 +42,8 @@ pub fn identify(command: &IdentifyCommand, console: Console) -> io::Result<Exit>
     }
 }
 
-/// Compiles the diagram and puts its robot on the bench; what is wrong has been told then.
-fn load_bench(common: &Common, console: Console) -> io::Result<Result<Bench, Exit>> {
+/// Compiles the diagram and puts its robot on the bench.
+fn load_bench(common: &Common, console: Console) -> Result<Bench, Failure> {
     let with = |set: Vec<String>| ModelArgs { model: common.model.clone(), set };
     let asked = common.set.iter().any(|set| set.split('=').next().is_some_and(|name| name.trim() == "drive"));
     let mut set = common.set.clone();
@@ -56,30 +52,15 @@ fn load_bench(common: &Common, console: Console) -> io::Result<Result<Bench, Exi
     } else if !asked {
         set.push("drive=torque".to_owned());
     }
-    let Some(mut loaded) = load(&with(set), console) else { return Ok(Err(Exit::Files)) };
+    let mut loaded = load(&with(set))?;
     let has_no_drive = |problem: &blocksim_block::problem::Problem| problem.code == "unknown_override";
     if common.drive.is_none() && !asked && loaded.compiled.problems.iter().any(has_no_drive) {
         // A diagram without this choice is taken as it is.
-        match load(&with(common.set.clone()), console) {
-            Some(again) => loaded = again,
-            None => return Ok(Err(Exit::Files)),
-        }
+        loaded = load(&with(common.set.clone()))?;
     }
-    let problems = &loaded.compiled.problems;
-    let format = if common.json { Format::Json } else { Format::Full };
-    tell(problems, &loaded.files, format, console)?;
-    let Some(schedule) = loaded.compiled.schedule.take() else {
-        console.say(&format!("{}; nothing was run", render::tally(problems)));
-        return Ok(Err(Exit::Model));
-    };
+    let schedule = loaded.take_schedule("nothing was run", console)?;
     if let Some(understood) = loaded.understood() {
         console.say(&understood);
     }
-    match Bench::new(schedule) {
-        Ok(bench) => Ok(Ok(bench)),
-        Err(refusal) => {
-            console.say(&refusal.text());
-            Ok(Err(Exit::Model))
-        }
-    }
+    Bench::new(schedule)
 }

@@ -9,14 +9,12 @@ use blocksim_results::ALWAYS;
 use blocksim_signal::{Unit, closest};
 
 use super::super::plot::open;
-use super::super::tell;
 use crate::args::identify::Common;
-use crate::args::model::Format;
 use crate::disk::Disk;
 use crate::exit::Exit;
+use crate::failure::Failure;
 use crate::signals::naming::fits;
 use crate::signals::traces::Book;
-use crate::terminal::console::Console;
 
 /// Stands for the number of an axis in the name of a signal.
 const NUMBER: &str = "{}";
@@ -38,25 +36,14 @@ pub struct Arm {
 /// The robot of the diagram, by its description.
 ///
 /// # Errors
-/// What to say; nothing where it has been told.
-pub fn arm(common: &Common, console: Console) -> Result<Arm, (String, Exit)> {
+/// If there is none that could be read.
+pub fn arm(common: &Common) -> Result<Arm, Failure> {
     let disk = Disk::default();
     let sources = Sources::new(&disk);
     let read: Result<RobotDescription, _> = parameter(&sources, &common.model, &common.set, "manipulator");
-    let description = read.map_err(|problems| {
-        let format = if common.json { Format::Json } else { Format::Full };
-        match tell(&problems, &sources.all(), format, console) {
-            Ok(()) => (String::new(), Exit::Model),
-            Err(error) => (format!("error: {error}"), Exit::Files),
-        }
-    })?;
-    match description.robot("manipulator") {
-        Ok(robot) => Ok(Arm { description, robot }),
-        Err(error) => {
-            let help = error.help.map(|help| format!("\n  = help: {help}")).unwrap_or_default();
-            Err((format!("error: {} (`{}`){help}", error.message, error.param), Exit::Model))
-        }
-    }
+    let description = read.map_err(|problems| Failure::of(Exit::Model, problems, sources.all()))?;
+    let robot = description.robot("manipulator").map_err(|error| Failure::parameter(&error))?;
+    Ok(Arm { description, robot })
 }
 
 /// A recording with the instants at which it is looked at.
@@ -74,15 +61,14 @@ impl Table {
     /// Opens a run or a CSV file and looks at it at the instants of its own step: the median one.
     ///
     /// # Errors
-    /// What to say.
-    pub fn open(name: &str) -> Result<Table, (String, Exit)> {
-        let files = |message: String| (message, Exit::Files);
-        let book = open(name, &[]).map_err(files)?;
-        let none = || (format!("error: `{name}` has no values\n  = help: run the model again"), Exit::Files);
+    /// Why it cannot be read.
+    pub fn open(name: &str) -> Result<Table, Failure> {
+        let book = open(name, &[])?;
+        let none = || Failure::unreadable(format!("`{name}` has no values")).help("run the model again");
         let (from, to) = book.span().ok_or_else(none)?;
         let time = match book.traces.is_empty() {
             true => return Err(none()),
-            false => book.read(0, &range()).map_err(files)?.time,
+            false => book.read(0, &range())?.time,
         };
         let mut steps: Vec<f64> =
             time.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
@@ -90,9 +76,8 @@ impl Table {
         let step = steps.get(steps.len() / 2).copied().ok_or_else(none)?;
         let count = ((to - from) / step + 1e-6) as usize + 1;
         if !(FEWEST..=MOST).contains(&count) {
-            return Err(files(format!(
-                "error: `{name}` has {count} instants, {step} s apart\n  = help: {FEWEST} to {MOST} can be evaluated"
-            )));
+            let said = format!("`{name}` has {count} instants, {step} s apart");
+            return Err(Failure::unreadable(said).help(format!("{FEWEST} to {MOST} can be evaluated")));
         }
         Ok(Table { book, from, step, count })
     }
@@ -101,12 +86,7 @@ impl Table {
     ///
     /// # Errors
     /// The signal that is missing, ambiguous or of another unit, and a remedy.
-    pub fn signals(
-        &self,
-        flag: &str,
-        pattern: &str,
-        units: &[&str],
-    ) -> Result<Vec<Vec<f64>>, (String, Exit)> {
+    pub fn signals(&self, flag: &str, pattern: &str, units: &[&str]) -> Result<Vec<Vec<f64>>, Failure> {
         (1..).zip(units).map(|(axis, unit)| self.signal(flag, pattern, axis, unit)).collect()
     }
 
@@ -116,9 +96,8 @@ impl Table {
         self.book.traces.iter().any(|trace| whole(&trace.path, &wanted))
     }
 
-    fn signal(&self, flag: &str, pattern: &str, axis: usize, unit: &str) -> Result<Vec<f64>, (String, Exit)> {
+    fn signal(&self, flag: &str, pattern: &str, axis: usize, unit: &str) -> Result<Vec<f64>, Failure> {
         let wanted = pattern.replace(NUMBER, &axis.to_string());
-        let usage = |message: String| (message, Exit::Usage);
         let all = || self.book.traces.iter().enumerate();
         let found: Vec<usize> =
             all().filter(|(_, trace)| whole(&trace.path, &wanted)).map(|(at, _)| at).collect();
@@ -145,28 +124,19 @@ impl Table {
                 ),
             };
             let how_many = if found.is_empty() { "no signal" } else { "more than one signal" };
-            return Err(usage(format!(
-                "error: `{}` has {how_many} `{wanted}` for axis {axis}\n  = help: {help}",
-                self.book.name
-            )));
+            let said = format!("`{}` has {how_many} `{wanted}` for axis {axis}", self.book.name);
+            return Err(Failure::usage(said).help(help));
         };
         let trace = &self.book.traces[at];
         let fits = Unit::parse(unit).is_ok_and(|unit| unit.dimension.compatible(trace.unit.dimension));
         if trace.has_unit && !fits {
-            return Err(usage(format!(
-                "error: `{}` is in {}, but {flag} is for signals in {unit}\n  = help: name another signal",
-                trace.path, trace.unit
-            )));
+            let said = format!("`{}` is in {}, but {flag} is for signals in {unit}", trace.path, trace.unit);
+            return Err(Failure::usage(said).help("name another signal"));
         }
-        let column = self.book.read(at, &range()).map_err(|message| (message, Exit::Files))?;
+        let column = self.book.read(at, &range())?;
         if let Some(at) = column.values.iter().position(|value| !value.is_finite()) {
-            return Err((
-                format!(
-                    "error: `{}` is {} at t = {} s\n  = help: leave such rows out of the table",
-                    trace.path, column.values[at], column.time[at]
-                ),
-                Exit::Files,
-            ));
+            let said = format!("`{}` is {} at t = {} s", trace.path, column.values[at], column.time[at]);
+            return Err(Failure::unreadable(said).help("leave such rows out of the table"));
         }
         Ok(on_grid(&column.time, &column.values, self.from, self.step, self.count))
     }

@@ -14,6 +14,9 @@ use blocksim_import::{
 use blocksim_results::{clock::iso, write_whole};
 
 use crate::args::import::ImportArgs;
+use crate::disk::unwritable;
+use crate::exit::Exit;
+use crate::failure::Failure;
 use crate::seal::{Seal, seal, sealed};
 use crate::terminal::console::Console;
 
@@ -43,7 +46,7 @@ fn about(sources: &[Source]) -> (Provenance, String) {
 ///
 /// # Errors
 /// Why they cannot be written.
-pub fn numbers(args: &ImportArgs, data: &SmiData, sources: &[Source]) -> Result<String, String> {
+pub fn numbers(args: &ImportArgs, data: &SmiData, sources: &[Source]) -> Result<String, Failure> {
     let (provenance, stem) = about(sources);
     let text = smidata::parameters(data, &provenance);
     bring(&args.out, &format!("{stem}.ron"), &text, &[], args.yes)
@@ -53,8 +56,8 @@ pub fn numbers(args: &ImportArgs, data: &SmiData, sources: &[Source]) -> Result<
 type Wired = (String, String);
 
 /// Writes a parameter file, or a newer one in its place; what is told about it.
-fn bring(folder: &Path, name: &str, text: &str, wired: &[Wired], replace: bool) -> Result<String, String> {
-    fs::create_dir_all(folder).map_err(|error| format!("cannot create `{}`: {error}", folder.display()))?;
+fn bring(folder: &Path, name: &str, text: &str, wired: &[Wired], replace: bool) -> Result<String, Failure> {
+    fs::create_dir_all(folder).map_err(|error| uncreated(folder, &error))?;
     let before = old(&folder.join(name), replace)?;
     let fresh = seal(text);
     let path = put(folder, name, &fresh)?;
@@ -78,7 +81,7 @@ pub fn write(
     meshes: &[MeshFile],
     sources: &[Source],
     console: Console,
-) -> Result<String, String> {
+) -> Result<String, Failure> {
     let (provenance, stem) = about(sources);
     let [numbers, model, described] =
         ["_parameters", "", "_robot"].map(|ending| format!("{stem}{ending}.ron"));
@@ -125,24 +128,30 @@ pub fn write(
     Ok(told)
 }
 
+/// Why a folder cannot be made.
+fn uncreated(folder: &Path, error: &io::Error) -> Failure {
+    Failure::unwritable(format!("cannot create `{}`: {error}", folder.display()))
+        .help("name a folder elsewhere with --out")
+}
+
 fn left(folder: &Path, name: &str) -> String {
     format!("left {} as it is\n", folder.join(name).display())
 }
 
 /// Puts meshes beside the diagram; what is told about them.
-fn put_meshes(out: &Path, files: &[MeshFile]) -> Result<String, String> {
+fn put_meshes(out: &Path, files: &[MeshFile]) -> Result<String, Failure> {
     let (mut new, mut replaced) = (0, 0);
     for file in files {
         let (folder, name) = file.name.split_once('/').unwrap_or(("", &file.name));
         let folder = out.join(folder);
-        fs::create_dir_all(&folder)
-            .map_err(|error| format!("cannot create `{}`: {error}", folder.display()))?;
+        fs::create_dir_all(&folder).map_err(|error| uncreated(&folder, &error))?;
         match fs::read(folder.join(name)) {
             Ok(there) if there == file.bytes => continue,
             Ok(_) => replaced += 1,
             Err(_) => new += 1,
         }
-        write_whole(&folder, name, |out| out.write_all(&file.bytes)).map_err(|error| error.to_string())?;
+        write_whole(&folder, name, |out| out.write_all(&file.bytes))
+            .map_err(|error| unwritable(&folder.join(name), &error))?;
     }
     Ok(match (new, replaced) {
         (0, 0) => String::new(),
@@ -169,22 +178,22 @@ fn listed_in_words(words: &[String]) -> String {
     }
 }
 
-fn put(folder: &Path, name: &str, text: &str) -> Result<String, String> {
+fn put(folder: &Path, name: &str, text: &str) -> Result<String, Failure> {
     let written = write_whole(folder, name, |out| out.write_all(text.as_bytes()));
-    written.map(|path| path.display().to_string()).map_err(|error| error.to_string())
+    written.map(|path| path.display().to_string()).map_err(|error| unwritable(&folder.join(name), &error))
 }
 
 /// The text of a file; `None` if there is none.
-fn existing(path: &PathBuf) -> Result<Option<String>, String> {
+fn existing(path: &PathBuf) -> Result<Option<String>, Failure> {
     match fs::read_to_string(path) {
         Ok(text) => Ok(Some(text)),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(format!("cannot read `{}`: {error}", path.display())),
+        Err(error) => Err(Failure::unreadable(format!("cannot read `{}`: {error}", path.display()))),
     }
 }
 
 /// The parameter file of the last import, unless somebody has changed it since.
-fn old(path: &PathBuf, replace: bool) -> Result<Option<String>, String> {
+fn old(path: &PathBuf, replace: bool) -> Result<Option<String>, Failure> {
     let Some(text) = existing(path)? else { return Ok(None) };
     let why = match sealed(&text) {
         Seal::Whole => return Ok(Some(text)),
@@ -195,7 +204,7 @@ fn old(path: &PathBuf, replace: bool) -> Result<Option<String>, String> {
         return Ok(Some(text));
     }
     let help = "keep own numbers in another file, or overwrite this one with --yes; nothing has been written";
-    Err(format!("`{}` {why}\n  = help: {help}", path.display()))
+    Err(Failure::new(Exit::Files, "exists", format!("`{}` {why}", path.display())).help(help))
 }
 
 fn counts(found: &Differences) -> String {

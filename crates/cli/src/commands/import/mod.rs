@@ -6,11 +6,13 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
+use blocksim_block::problem::Problem;
 use blocksim_import::simscape::DataFile;
 use blocksim_import::{Fault, chain, meshes, simscape, smidata, urdf};
 
 use crate::args::import::{ImportArgs, Kind};
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
 use files::{Source, numbers, write};
 
@@ -18,36 +20,23 @@ use files::{Source, numbers, write};
 /// brought up to date.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn import(args: &ImportArgs, console: Console) -> io::Result<Exit> {
-    match imported(args, console) {
-        Ok(told) => {
-            console.data(&told)?;
-            Ok(Exit::Done)
-        }
-        Err((refusals, exit)) => {
-            refusals.iter().for_each(|refusal| console.say(&format!("error: {refusal}")));
-            Ok(exit)
-        }
-    }
+/// What cannot be read, understood or written.
+pub fn import(args: &ImportArgs, console: Console) -> Outcome {
+    console.data(&imported(args, console)?)?;
+    Ok(Exit::Done)
 }
 
-/// What to tell, and how the program ends.
-type Refusal = (Vec<String>, Exit);
-
-fn imported(args: &ImportArgs, console: Console) -> Result<String, Refusal> {
-    let faulty = |faults: Vec<Fault>| -> Refusal {
-        (faults.iter().map(|fault| format!("{fault}\n")).collect(), Exit::Model)
-    };
-    let unwritten = |refusal: String| (vec![refusal], Exit::Files);
+fn imported(args: &ImportArgs, console: Console) -> Result<String, Failure> {
+    let faulty =
+        |faults: Vec<Fault>| Failure::of(Exit::Model, faults.iter().map(problem).collect(), Vec::new());
     let bytes = read(&args.file)?;
     let kind = args.kind.unwrap_or_else(|| guessed(&args.file, &bytes));
     let data = match (&args.data, kind) {
         (None, _) => None,
         (Some(file), Kind::Simscape) => Some((file, read(file)?)),
         (Some(_), _) => {
-            let refusal = "--data belongs to an assembly (import XML)\n  = help: name the .xml file, or leave --data out";
-            return Err((vec![refusal.to_owned()], Exit::Usage));
+            let said = Failure::usage("--data belongs to an assembly (import XML)");
+            return Err(said.help("name the .xml file, or leave --data out"));
         }
     };
     let mut sources = vec![Source { file: &args.file, bytes: &bytes }];
@@ -66,7 +55,7 @@ fn imported(args: &ImportArgs, console: Console) -> Result<String, Refusal> {
         (Kind::Smidata, _) => {
             let data = smidata::read(&args.file, &bytes).map_err(faulty)?;
             data.notes.iter().for_each(|note| console.say(&format!("note: {note}")));
-            return numbers(args, &data, &sources).map_err(unwritten);
+            return numbers(args, &data, &sources);
         }
     };
     let files = match args.no_meshes {
@@ -76,21 +65,26 @@ fn imported(args: &ImportArgs, console: Console) -> Result<String, Refusal> {
     mechanism.notes.iter().for_each(|note| console.say(&format!("note: {note}")));
     let chain = match (chain(&mechanism, args.tip.as_deref()), &args.tip) {
         (Ok(chain), _) => Some(chain),
-        (Err(reason), Some(_)) => return Err((vec![format!("no robot description: {reason}")], Exit::Usage)),
+        (Err(reason), Some(_)) => return Err(Failure::usage(format!("no robot description: {reason}"))),
         (Err(reason), None) => {
             console.say(&format!("note: no robot description: {reason}"));
             None
         }
     };
     chain.iter().flat_map(|chain| &chain.notes).for_each(|note| console.say(&format!("note: {note}")));
-    write(args, &mechanism, chain.as_ref(), &files, &sources, console).map_err(unwritten)
+    write(args, &mechanism, chain.as_ref(), &files, &sources, console)
 }
 
-fn read(file: &Path) -> Result<Vec<u8>, Refusal> {
+/// A fault of a file that is no text of ours.
+fn problem(fault: &Fault) -> Problem {
+    let line = fault.line.map(|line| format!(":{line}")).unwrap_or_default();
+    Problem::error("import", format!("{}{line}: {}", fault.file.display(), fault.reason)).help(&*fault.remedy)
+}
+
+fn read(file: &Path) -> Result<Vec<u8>, Failure> {
     fs::read(file).map_err(|error| {
-        let refusal =
-            format!("cannot read `{}`: {error}\n  = help: check the name of the file", file.display());
-        (vec![refusal], Exit::Files)
+        Failure::unreadable(format!("cannot read `{}`: {error}", file.display()))
+            .help("check the name of the file")
     })
 }
 

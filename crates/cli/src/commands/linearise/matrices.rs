@@ -7,6 +7,8 @@ use blocksim_linear::{Kink, LinearError, StateSpace, jacobian};
 use blocksim_sim::{Frozen, SimError, Tap, state_names};
 
 use super::signals::Place;
+use crate::exit::Exit;
+use crate::failure::Failure;
 
 /// What is asked for.
 #[derive(Debug, Clone)]
@@ -65,8 +67,8 @@ pub enum Hold {
 pub enum NoMatrices {
     /// A block could not go on beside the operating point.
     Simulation(SimError),
-    /// In words.
-    Said(String),
+    /// There are none there.
+    Said(Failure),
 }
 
 impl From<SimError> for NoMatrices {
@@ -77,7 +79,7 @@ impl From<SimError> for NoMatrices {
 
 impl From<LinearError> for NoMatrices {
     fn from(error: LinearError) -> NoMatrices {
-        NoMatrices::Said(error.to_string())
+        NoMatrices::Said(Failure::new(Exit::Failed, "linearise", error.to_string()))
     }
 }
 
@@ -126,17 +128,18 @@ pub fn linearise(frozen: Frozen, question: &Question) -> Result<Linearised, NoMa
     };
     if let Some(row) = there.iter().position(|value| !value.is_finite()) {
         let said = format!("{} is {} at the operating point", row_name(row), there[row]);
-        return Err(NoMatrices::Said(format!("{said}\n  = help: choose another instant with --at")));
+        let failure = Failure::new(Exit::Failed, "linearise", said);
+        return Err(NoMatrices::Said(failure.help("choose another instant with --at")));
     }
     let slopes = jacobian(&point, rows, evaluate)?;
     let column_name = |column: usize| names.get(column).unwrap_or(&question.from.name);
     if let Some(at) = slopes.value.iter().position(|value| !value.is_finite()) {
         let (row, column) = (at % rows, at / rows);
-        return Err(NoMatrices::Said(format!(
-            "{} has no finite slope over `{}`\n  = help: the law has a jump or a pole there; choose another instant with --at",
-            row_name(row),
-            column_name(column)
-        )));
+        let said = format!("{} has no finite slope over `{}`", row_name(row), column_name(column));
+        let failure = Failure::new(Exit::Failed, "linearise", said);
+        return Err(NoMatrices::Said(
+            failure.help("the law has a jump or a pole there; choose another instant with --at"),
+        ));
     }
     let part = |row: usize, column: usize, rows: usize, columns: usize| {
         slopes.value.view((row, column), (rows, columns)).into_owned()

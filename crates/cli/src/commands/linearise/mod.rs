@@ -8,28 +8,24 @@ mod point;
 mod signals;
 mod told;
 
-use std::io;
 use std::sync::Arc;
 
 use blocksim_block::schedule::Schedule;
-use blocksim_linear::Mode;
-use blocksim_sim::SimError;
+use blocksim_linear::{LinearError, Mode};
 
 use self::facts::{Way, all_modes, ways};
 use self::matrices::{Linearised, NoMatrices, Question};
 use self::point::Lost;
-use super::tell;
 use crate::args::linearise::LineariseArgs;
-use crate::args::model::Format;
-use crate::disk::write_file;
+use crate::disk::{free, write_file};
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::loaded::{Loaded, load};
 use crate::picture_file::write_pictures;
 use crate::running::blame::failure;
 use crate::running::interrupt;
 use crate::terminal::console::Console;
 use crate::terminal::format::short_time;
-use crate::terminal::render;
 
 /// All that was found.
 pub struct Found {
@@ -54,111 +50,61 @@ pub struct Found {
 /// Linearises a model and tells poles, zeros, margins and frequency responses.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn linearise(args: &LineariseArgs, console: Console) -> io::Result<Exit> {
+/// What is wrong with the command line or the model, or what cannot be written.
+pub fn linearise(args: &LineariseArgs, console: Console) -> Outcome {
     for file in [&args.csv, &args.svg, &args.png].into_iter().flatten() {
-        if file.exists() && !args.yes {
-            console.say(&format!(
-                "error: `{}` is there already\n  = help: name another file, or add --yes to replace it",
-                file.display()
-            ));
-            return Ok(Exit::Files);
-        }
+        free(file, args.yes)?;
     }
-    let Some(mut loaded) = load(&args.model, console) else { return Ok(Exit::Files) };
-    let format = if args.json { Format::Json } else { Format::Full };
-    tell(&loaded.compiled.problems, &loaded.files, format, console)?;
-    let Some(schedule) = loaded.compiled.schedule.take() else {
-        console.say(&format!("{}; nothing was linearised", render::tally(&loaded.compiled.problems)));
-        return Ok(Exit::Model);
-    };
+    let mut loaded = load(&args.model)?;
+    let schedule = loaded.take_schedule("nothing was linearised", console)?;
     if let Some(understood) = loaded.understood() {
         console.say(&understood);
     }
     let schedule = Arc::new(schedule);
-    let question = match asked(args, &schedule) {
-        Ok(question) => question,
-        Err(mistake) => {
-            console.say(&format!("error: {mistake}"));
-            return Ok(Exit::Usage);
-        }
-    };
+    let question = asked(args, &schedule)?;
     interrupt::take_over();
-    let found = match found(args, &schedule, question) {
-        Ok(found) => found,
-        Err(Failure::Said(said)) => {
-            console.say(&format!("error: {said}"));
-            return Ok(Exit::Failed);
-        }
-        Err(Failure::Interrupted) => {
-            console.say("interrupted; nothing was linearised");
-            return Ok(Exit::Interrupted);
-        }
-        Err(Failure::Simulation(error)) => return failed(&error, &schedule, &loaded, format, console),
-    };
+    let found = found(args, &schedule, question, &loaded)?;
     if args.json {
         console.data(&format!("{}\n", data::json(&found)))?;
     } else {
         console.data(&told::text(&found, console, !args.no_plot))?;
     }
-    Ok(write(args, &found, console))
+    write(args, &found, console)?;
+    Ok(Exit::Done)
 }
 
 /// Writes the files that were asked for.
-fn write(args: &LineariseArgs, found: &Found, console: Console) -> Exit {
+fn write(args: &LineariseArgs, found: &Found, console: Console) -> Result<(), Failure> {
     if let Some(file) = &args.csv {
-        if let Err(exit) = write_file(file, data::csv(found).as_bytes(), args.yes, console) {
-            return exit;
-        }
+        write_file(file, data::csv(found).as_bytes(), args.yes)?;
         console.say(&format!("the frequency response is in {}", file.display()));
     }
     if args.svg.is_none() && args.png.is_none() {
-        return Exit::Done;
+        return Ok(());
     }
     let drawing = drawn::drawing(found, args.theme.into());
-    match write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), args.scale, args.yes) {
-        Ok(files) => {
-            for file in files {
-                console.say(&format!("the drawing is in {}", file.display()));
-            }
-            Exit::Done
-        }
-        Err(said) => {
-            console.say(&said);
-            Exit::Files
-        }
+    for file in write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), args.scale, args.yes)? {
+        console.say(&format!("the drawing is in {}", file.display()));
     }
+    Ok(())
 }
 
-/// Why nothing was found.
-enum Failure {
-    Simulation(SimError),
-    Interrupted,
-    Said(String),
-}
-
-impl From<Lost> for Failure {
-    fn from(lost: Lost) -> Failure {
-        match lost {
-            Lost::Simulation(error) => Failure::Simulation(error),
-            Lost::Interrupted => Failure::Interrupted,
-        }
-    }
-}
-
-impl From<NoMatrices> for Failure {
-    fn from(none: NoMatrices) -> Failure {
-        match none {
-            NoMatrices::Simulation(error) => Failure::Simulation(error),
-            NoMatrices::Said(said) => Failure::Said(said),
-        }
-    }
-}
-
-fn found(args: &LineariseArgs, schedule: &Arc<Schedule>, question: Question) -> Result<Found, Failure> {
-    let (frozen, adrift) = point::at(schedule, args.at, args.steady)?;
-    let linearised = matrices::linearise(frozen, &question)?;
-    let wrong = |error: blocksim_linear::LinearError| Failure::Said(error.to_string());
+fn found(
+    args: &LineariseArgs,
+    schedule: &Arc<Schedule>,
+    question: Question,
+    loaded: &Loaded,
+) -> Result<Found, Failure> {
+    let simulation = |error| Failure::of(Exit::Failed, vec![failure(&error, schedule)], loaded.files.clone());
+    let (frozen, adrift) = point::at(schedule, args.at, args.steady).map_err(|lost| match lost {
+        Lost::Simulation(error) => simulation(error),
+        Lost::Interrupted => Failure::interrupted("nothing was linearised"),
+    })?;
+    let linearised = matrices::linearise(frozen, &question).map_err(|none| match none {
+        NoMatrices::Simulation(error) => simulation(error),
+        NoMatrices::Said(failure) => failure,
+    })?;
+    let wrong = |error: LinearError| Failure::new(Exit::Failed, "linearise", error.to_string());
     let modes = all_modes(&linearised).map_err(wrong)?;
     let ways = ways(&linearised, question.is_loop).map_err(wrong)?;
     let title = if schedule.title.is_empty() {
@@ -170,18 +116,16 @@ fn found(args: &LineariseArgs, schedule: &Arc<Schedule>, question: Question) -> 
 }
 
 /// What the command line asks for, in terms of the model.
-fn asked(args: &LineariseArgs, schedule: &Schedule) -> Result<Question, String> {
+fn asked(args: &LineariseArgs, schedule: &Schedule) -> Result<Question, Failure> {
     let stop = schedule.settings.stop_time;
     if args.at < 0.0 {
-        return Err("--at is an instant of a run, which begins at 0 s".to_owned());
+        return Err(Failure::usage("--at is an instant of a run, which begins at 0 s"));
     }
     if args.at > stop {
-        return Err(format!(
-            "the run is over at {} s, before --at {} s\n  = help: name an earlier instant, or let the diagram run longer with \
-             `stop_time`",
-            short_time(stop),
-            short_time(args.at)
-        ));
+        let said =
+            format!("the run is over at {} s, before --at {} s", short_time(stop), short_time(args.at));
+        return Err(Failure::usage(said)
+            .help("name an earlier instant, or let the diagram run longer with `stop_time`"));
     }
     let find = |name: &String| signals::find(schedule, name);
     let open = args.open.iter().map(find).collect::<Result<Vec<_>, _>>()?;
@@ -190,18 +134,6 @@ fn asked(args: &LineariseArgs, schedule: &Schedule) -> Result<Question, String> 
     match (from, open.first().cloned()) {
         (Some(from), _) => Ok(Question { from, to, open, is_loop: false }),
         (None, Some(first)) => Ok(Question { to: vec![first.clone()], from: first, open, is_loop: true }),
-        (None, None) => Err("name a signal to begin at, --from, or a loop to cut, --open".to_owned()),
+        (None, None) => Err(Failure::usage("name a signal to begin at, --from, or a loop to cut, --open")),
     }
-}
-
-/// Tells why the simulation could not go on.
-fn failed(
-    error: &SimError,
-    schedule: &Schedule,
-    loaded: &Loaded,
-    format: Format,
-    console: Console,
-) -> io::Result<Exit> {
-    tell(&[failure(error, schedule)], &loaded.files, format, console)?;
-    Ok(Exit::Failed)
 }

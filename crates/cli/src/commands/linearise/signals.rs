@@ -3,6 +3,8 @@
 use blocksim_block::schedule::Schedule;
 use blocksim_signal::{Dimension, Kind, closest};
 
+use crate::failure::Failure;
+
 /// One number among the signals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place {
@@ -24,8 +26,8 @@ impl Place {
 /// Finds a signal: what is recorded under this name, or an output of a block; of a vector one element, `arm.q[2]`.
 ///
 /// # Errors
-/// What to tell the person at the keyboard.
-pub fn find(schedule: &Schedule, name: &str) -> Result<Place, String> {
+/// That there is none, and which may be meant.
+pub fn find(schedule: &Schedule, name: &str) -> Result<Place, Failure> {
     let name = name.trim();
     if let Some(recorded) = schedule.recorded.iter().find(|recorded| recorded.path == name) {
         real(name, recorded.kind)?;
@@ -42,14 +44,12 @@ pub fn find(schedule: &Schedule, name: &str) -> Result<Place, String> {
         (None, 1) => 0,
         (Some(element), _) if element < count => element,
         (None, _) => {
-            return Err(format!(
-                "`{name}` has {count} elements\n  = help: name one of them, from `{name}[0]` to `{name}[{last}]`"
-            ));
+            let help = format!("name one of them, from `{name}[0]` to `{name}[{last}]`");
+            return Err(Failure::usage(format!("`{name}` has {count} elements")).help(help));
         }
         (Some(element), _) => {
-            return Err(format!(
-                "`{path}` has no element {element}\n  = help: its elements go from `{path}[0]` to `{path}[{last}]`"
-            ));
+            let help = format!("its elements go from `{path}[0]` to `{path}[{last}]`");
+            return Err(Failure::usage(format!("`{path}` has no element {element}")).help(help));
         }
     };
     Ok(Place { name: name.to_owned(), cell: signal.offset + element, dimension: signal.dimension })
@@ -64,24 +64,23 @@ fn split(name: &str) -> (&str, Option<usize>) {
     }
 }
 
-fn real(name: &str, kind: Kind) -> Result<(), String> {
+fn real(name: &str, kind: Kind) -> Result<(), Failure> {
     match kind {
-        Kind::Bool | Kind::Int => Err(format!(
-            "`{name}` has no values in between\n  = help: name a signal of real numbers; slopes have a meaning for these alone"
-        )),
+        Kind::Bool | Kind::Int => Err(Failure::usage(format!("`{name}` has no values in between"))
+            .help("name a signal of real numbers; slopes have a meaning for these alone")),
         _ => Ok(()),
     }
 }
 
-fn unknown(schedule: &Schedule, name: &str) -> String {
-    let said = format!("there is no signal `{name}`");
+fn unknown(schedule: &Schedule, name: &str) -> Failure {
     // An input of a block is the signal that leads to it.
     if let Some((path, port)) = name.rsplit_once('.')
         && let Some(block) = schedule.blocks.iter().find(|block| block.path == path)
         && let Some(at) = block.interface.inputs.iter().position(|input| input.name == port)
         && let Some(source) = source(schedule, block, at)
     {
-        return format!("`{name}` is an input\n  = help: name the signal that leads to it, `{source}`");
+        return Failure::usage(format!("`{name}` is an input"))
+            .help(format!("name the signal that leads to it, `{source}`"));
     }
     let names = schedule.signals.iter().map(|signal| signal.path.as_str());
     let recorded = schedule.recorded.iter().map(|recorded| recorded.path.as_str());
@@ -90,13 +89,14 @@ fn unknown(schedule: &Schedule, name: &str) -> String {
         |path: &&&str| path.rsplit(['/', '.']).next() == name.rsplit(['/', '.']).next() && name.contains('.');
     let likely = closest(name, names.iter().copied());
     let likely = likely.or_else(|| names.iter().find(|path| path.starts_with(&format!("{name}."))).copied());
-    match likely.or_else(|| names.iter().find(ends_so).copied()) {
-        Some(meant) => format!("{said}\n  = help: did you mean `{meant}`?"),
+    let meant = likely.or_else(|| names.iter().find(ends_so).copied());
+    Failure::usage(format!("there is no signal `{name}`")).help(match meant {
+        Some(meant) => format!("did you mean `{meant}`?"),
         None => format!(
-            "{said}\n  = help: signals are named by block and port, such as `{}`; `blocksim emit types MODEL` lists them",
+            "signals are named by block and port, such as `{}`; `blocksim emit types MODEL` lists them",
             names.first().unwrap_or(&"gain.y")
         ),
-    }
+    })
 }
 
 /// The signal that an input is read from.

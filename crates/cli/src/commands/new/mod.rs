@@ -13,6 +13,7 @@ use super::plugin;
 use crate::args::plugin::PluginNewArgs;
 use crate::args::start::{NewArgs, TemplateName};
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
 
 /// Results and what cargo builds do not belong into the history of a project.
@@ -21,17 +22,14 @@ const IGNORED: &str = "runs/\ntarget/\n";
 /// Makes a project of a template.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn new(args: &NewArgs, console: Console) -> io::Result<Exit> {
+/// If it cannot be made.
+pub fn new(args: &NewArgs, console: Console) -> Outcome {
     let Some(folder) = args.folder.as_deref().filter(|_| !args.list) else {
         console.data(&list())?;
         return Ok(Exit::Done);
     };
     let template = template(args.template);
-    if let Err((exit, message)) = made(folder, &template, args) {
-        console.say(&format!("error: {message}"));
-        return Ok(exit);
-    }
+    made(folder, &template, args)?;
     let mut said = format!("{}\n", folder.display());
     let width = template.files.iter().map(|file| file.name.len()).chain([9]).max().unwrap_or_default();
     for file in template.files {
@@ -68,20 +66,18 @@ fn commands(folder: &str, template: &Template) -> String {
 }
 
 /// Writes the project, whole or not at all.
-fn made(folder: &Path, template: &Template, args: &NewArgs) -> Result<(), (Exit, String)> {
+fn made(folder: &Path, template: &Template, args: &NewArgs) -> Result<(), Failure> {
     let failed = |error: &io::Error| {
-        (
-            Exit::Files,
-            format!("cannot make `{}`: {error}\n  = help: name a folder elsewhere", folder.display()),
-        )
+        Failure::unwritable(format!("cannot make `{}`: {error}", folder.display()))
+            .help("name a folder elsewhere")
     };
     if fs::read_dir(folder).map_or(folder.exists(), |mut entries| entries.next().is_some()) {
-        let help = "name a new folder; nothing was changed";
-        return Err((Exit::Files, format!("`{}` is there already\n  = help: {help}", folder.display())));
+        let said = format!("`{}` is there already", folder.display());
+        return Err(Failure::new(Exit::Files, "exists", said).help("name a new folder; nothing was changed"));
     }
     let Some(name) = folder.file_name().map(|name| name.to_string_lossy().into_owned()) else {
-        let help = "name a new folder, such as lab";
-        return Err((Exit::Usage, format!("`{}` names no folder\n  = help: {help}", folder.display())));
+        let said = format!("`{}` names no folder", folder.display());
+        return Err(Failure::usage(said).help("name a new folder, such as lab"));
     };
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(parent).map_err(|error| failed(&error))?;

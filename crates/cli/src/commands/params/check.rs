@@ -1,22 +1,17 @@
-use std::io;
-
 use blocksim_params::{compare, edited};
 
-use super::files::{read_set, read_workbook, tell_set_error};
+use super::files::{read_set, read_workbook, set_error};
 use super::model::sound;
-use super::said::{age, changes, tell_hindrances};
+use super::said::{age, changes, unhindered};
 use crate::args::params::CheckArgs;
 use crate::exit::Exit;
+use crate::failure::Outcome;
 use crate::terminal::console::Console;
 use crate::terminal::render::plural;
 
 /// Tells what is wrong in a workbook and what changed since its export.
-pub fn check(args: &CheckArgs, console: Console) -> io::Result<Exit> {
-    let read = || Ok((read_set(&args.set, console)?, read_workbook(&args.book, console)?));
-    let (set, tables) = match read() {
-        Ok(both) => both,
-        Err(exit) => return Ok(exit),
-    };
+pub fn check(args: &CheckArgs, console: Console) -> Outcome {
+    let (set, tables) = (read_set(&args.set)?, read_workbook(&args.book)?);
     let found = compare(&tables, &set.text, &set.quantities);
     if let Some(said) = age(&found) {
         console.say(&said);
@@ -24,20 +19,11 @@ pub fn check(args: &CheckArgs, console: Console) -> io::Result<Exit> {
     if !found.edits.is_empty() {
         console.data(&format!("changed in the workbook:\n{}", changes(&found.edits)))?;
     }
-    if tell_hindrances(&found, console) {
-        return Ok(Exit::Model);
-    }
+    unhindered(&found, &args.book)?;
     if let Some(model) = &args.model {
-        let text = match edited(&set.text, &found.edits) {
-            Ok(text) => text,
-            Err(error) => {
-                tell_set_error(&error, &args.set, &set.text, console);
-                return Ok(Exit::Model);
-            }
-        };
-        if let Err(exit) = sound(model, &args.set, &text, &found.edits, console)? {
-            return Ok(exit);
-        }
+        let text =
+            edited(&set.text, &found.edits).map_err(|error| set_error(&error, &args.set, &set.text))?;
+        sound(model, &args.set, &text, &found.edits, console)?;
     }
     let counted = plural(set.quantities.len(), "number");
     console.data(&format!(

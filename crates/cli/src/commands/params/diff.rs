@@ -1,22 +1,18 @@
-use std::io;
 use std::path::Path;
 
 use blocksim_params::{Quantity, difference};
 use blocksim_results::{Align, Table};
 
 use super::files::{is_workbook, read_set, read_workbook};
-use super::said::tell_faults;
+use super::said::faulty;
 use crate::args::params::DiffArgs;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
 
 /// Tells which numbers differ.
-pub fn diff(args: &DiffArgs, console: Console) -> io::Result<Exit> {
-    let read = || Ok((read(&args.old, console)?, read(&args.new, console)?));
-    let (old, new) = match read() {
-        Ok(both) => both,
-        Err(exit) => return Ok(exit),
-    };
+pub fn diff(args: &DiffArgs, console: Console) -> Outcome {
+    let (old, new) = (read(&args.old)?, read(&args.new)?);
     // A set tells the order; a workbook is read in that of its paths.
     let found = difference(&old, &new);
     let mut table = Table::new(&[
@@ -36,14 +32,13 @@ pub fn diff(args: &DiffArgs, console: Console) -> io::Result<Exit> {
     Ok(Exit::Failed)
 }
 
-fn read(path: &Path, console: Console) -> Result<Vec<Quantity>, Exit> {
+fn read(path: &Path) -> Result<Vec<Quantity>, Failure> {
     if !is_workbook(path) {
-        return Ok(read_set(path, console)?.quantities);
+        return Ok(read_set(path)?.quantities);
     }
-    let tables = read_workbook(path, console)?;
+    let tables = read_workbook(path)?;
     if !tables.faults.is_empty() {
-        tell_faults(&tables.faults, console);
-        return Err(Exit::Model);
+        return Err(faulty(&tables.faults, path));
     }
     Ok(tables.quantities())
 }

@@ -1,4 +1,4 @@
-//! Sets and workbooks on the disk. What cannot be read is told here.
+//! Sets and workbooks on the disk.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -10,10 +10,9 @@ use blocksim_diagram::{Reader, SourceFile};
 use blocksim_params::open_workbook;
 use blocksim_params::{Quantity, SetError, Tables, quantities};
 
-use crate::disk::{Disk, reason, refusal};
+use crate::disk::{Disk, readable, reason};
 use crate::exit::Exit;
-use crate::terminal::console::Console;
-use crate::terminal::render;
+use crate::failure::Failure;
 
 /// Largest workbook that is read, in bytes.
 const LARGEST: u64 = 32 << 20;
@@ -25,44 +24,38 @@ pub struct Set {
 }
 
 /// Reads a set.
-pub fn read_set(path: &Path, console: Console) -> Result<Set, Exit> {
-    if let Some(refusal) = refusal(path) {
-        console.say(&refusal);
-        return Err(Exit::Files);
-    }
-    let text = Disk::default().read(path).map_err(|reason| {
-        console.say(&format!("error: cannot read `{}`: {reason}", path.display()));
-        Exit::Files
-    })?;
+///
+/// # Errors
+/// Why it cannot be read.
+pub fn read_set(path: &Path) -> Result<Set, Failure> {
+    readable(path)?;
+    let text = Disk::default()
+        .read(path)
+        .map_err(|reason| Failure::unreadable(format!("cannot read `{}`: {reason}", path.display())))?;
     match quantities(&text) {
         Ok(quantities) => Ok(Set { text, quantities }),
-        Err(error) => {
-            tell_set_error(&error, path, &text, console);
-            Err(Exit::Model)
-        }
+        Err(error) => Err(set_error(&error, path, &text)),
     }
 }
 
-/// Shows where a text is no set.
-pub fn tell_set_error(error: &SetError, path: &Path, text: &str, console: Console) {
+/// Where a text is no set.
+pub fn set_error(error: &SetError, path: &Path, text: &str) -> Failure {
     let place = Place { file: FileId(0), span: error.place.clone() };
     let mut problem = Problem::error("syntax", error.message.clone()).at(&place, "");
     if let Some(help) = &error.help {
         problem = problem.help(help.clone());
     }
-    let files = [SourceFile { path: path.to_owned(), text: text.into() }];
-    console.say(&render::full(&problem, &files, console.colour));
+    Failure::of(Exit::Model, vec![problem], vec![SourceFile { path: path.to_owned(), text: text.into() }])
 }
 
 /// Reads a workbook; what is wrong in its cells is data.
-pub fn read_workbook(path: &Path, console: Console) -> Result<Tables, Exit> {
-    let refuse = |said: &str, help: Option<&str>| {
-        console.say(&format!("error: cannot read `{}`: {said}", path.display()));
-        help.into_iter().for_each(|help| console.say(&format!("  = help: {help}")));
-        Exit::Files
-    };
-    let bytes = bytes(path).map_err(|error| refuse(&reason(&error), None))?;
-    open_workbook(&bytes).map_err(|error| refuse(&error.message, Some(&error.help)))
+///
+/// # Errors
+/// Why the file cannot be read.
+pub fn read_workbook(path: &Path) -> Result<Tables, Failure> {
+    let refuse = |said: &str| Failure::unreadable(format!("cannot read `{}`: {said}", path.display()));
+    let bytes = bytes(path).map_err(|error| refuse(&reason(&error)))?;
+    open_workbook(&bytes).map_err(|error| refuse(&error.message).help(error.help))
 }
 
 #[cfg(not(feature = "xlsx"))]

@@ -1,21 +1,16 @@
-use std::io;
-
 use blocksim_diagram::{Found, Sources, Target, below, find, targets};
 
 use super::told::{data, rows, unknown};
-use crate::args::model::Format;
 use crate::args::params::GetArgs;
 use crate::commands::tell;
-use crate::disk::{Disk, refusal};
+use crate::disk::{Disk, readable};
 use crate::exit::Exit;
+use crate::failure::Outcome;
 use crate::terminal::console::Console;
 
 /// Tells what a parameter is worth and where that is written; of a set or a block all that it holds.
-pub fn get(args: &GetArgs, console: Console) -> io::Result<Exit> {
-    if let Some(refusal) = refusal(&args.model) {
-        console.say(&refusal);
-        return Ok(Exit::Files);
-    }
+pub fn get(args: &GetArgs, console: Console) -> Outcome {
+    readable(&args.model)?;
     crate::loaded::tell_builds();
     let disk = Disk::default();
     let sources = Sources::new(&disk);
@@ -25,8 +20,8 @@ pub fn get(args: &GetArgs, console: Console) -> io::Result<Exit> {
         Found::One(one) => [vec![one], below(&all, &args.target)].concat(),
         Found::Several(several) => several,
         Found::Nothing(help) => {
-            tell(&problems, &files, Format::Full, console)?;
-            return Ok(unknown(&args.model, &args.target, &help, console));
+            tell(&problems, &files, console)?;
+            return Err(unknown(&args.model, &args.target, &help));
         }
     };
     if args.json {

@@ -13,17 +13,15 @@ mod said;
 mod set;
 mod told;
 
-use std::io;
-
 use crate::args::params::ParamsCommand;
-use crate::exit::Exit;
+use crate::failure::Outcome;
 use crate::terminal::console::Console;
 
 /// Parameters of models one by one, and sets of them as workbooks and back.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn params(command: &ParamsCommand, console: Console) -> io::Result<Exit> {
+/// What cannot be read, understood or written.
+pub fn params(command: &ParamsCommand, console: Console) -> Outcome {
     match command {
         ParamsCommand::List(args) => list::list(args, console),
         ParamsCommand::Get(args) => get::get(args, console),
@@ -33,8 +31,7 @@ pub fn params(command: &ParamsCommand, console: Console) -> io::Result<Exit> {
         #[cfg(not(feature = "xlsx"))]
         ParamsCommand::Export(args) => {
             let asked = format!("cannot export `{}`", args.set.display());
-            console.say(&crate::left_out::said(&asked, "workbooks", "xlsx"));
-            Ok(Exit::Files)
+            Err(crate::left_out::failure(&asked, "workbooks", "xlsx"))
         }
         ParamsCommand::Import(args) => import::import(args, console),
         ParamsCommand::Diff(args) => diff::diff(args, console),

@@ -1,17 +1,16 @@
 //! Whether a model accepts new numbers.
 
 use std::cell::Cell;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use blocksim_block::problem::Problem;
 use blocksim_diagram::{Reader, SourceFile, Sources, compile};
 use blocksim_params::{Change, SHEETS, quantities};
 
-use crate::args::model::Format;
 use crate::commands::tell;
-use crate::disk::{Disk, refusal};
+use crate::disk::{Disk, readable};
 use crate::exit::Exit;
+use crate::failure::Failure;
 use crate::terminal::console::Console;
 use crate::terminal::render;
 
@@ -39,17 +38,17 @@ fn is_file(path: &Path, canonical: &Path) -> bool {
 
 /// Compiles a model with this text in the place of the set. Problems are told with the changed cells that they may
 /// be about.
+///
+/// # Errors
+/// If the model does not read the set, or has errors with it.
 pub fn sound(
     model: &Path,
     set: &Path,
     text: &str,
     edits: &[Change],
     console: Console,
-) -> io::Result<Result<(), Exit>> {
-    if let Some(refusal) = refusal(model) {
-        console.say(&refusal);
-        return Ok(Err(Exit::Files));
-    }
+) -> Result<(), Failure> {
+    readable(model)?;
     let path = set.canonicalize()?;
     let reader = Instead { disk: Disk::default(), path: path.clone(), text, read: Cell::new(false) };
     let sources = Sources::new(&reader);
@@ -57,12 +56,16 @@ pub fn sound(
     let files = sources.all();
     let problems: Vec<Problem> =
         compiled.problems.into_iter().map(|problem| with_cells(problem, &files, &path, edits)).collect();
-    tell(&problems, &files, Format::Full, console)?;
     if !reader.read.get() {
-        console.say(&format!("error: `{}` does not read `{}`", model.display(), set.display()));
-        return Ok(Err(Exit::Model));
+        let said = format!("`{}` does not read `{}`", model.display(), set.display());
+        return Err(Failure::new(Exit::Model, "usage", said)
+            .help("name the model that reads the set, or leave --model out"));
     }
-    Ok(if render::errors(&problems) == 0 { Ok(()) } else { Err(Exit::Model) })
+    if render::errors(&problems) > 0 {
+        return Err(Failure::of(Exit::Model, problems, files));
+    }
+    tell(&problems, &files, console)?;
+    Ok(())
 }
 
 /// Notes which changed cells a problem may be about: those of the place in the set, or of the names in the

@@ -1,9 +1,13 @@
 //! Changes and faults as text.
 
+use std::path::Path;
+
+use blocksim_block::problem::Problem;
 use blocksim_params::{Address, Change, Comparison, Conflict, Fault, Known, SHEETS};
 use blocksim_results::{Align, Table};
 
-use crate::terminal::console::Console;
+use crate::exit::Exit;
+use crate::failure::Failure;
 use crate::terminal::render::plural;
 
 fn place(cell: Option<(usize, Address)>) -> String {
@@ -67,27 +71,32 @@ fn conflicts(conflicts: &[Conflict]) -> String {
     table.render()
 }
 
-/// Tells what is wrong in a workbook.
-pub fn tell_faults(faults: &[Fault], console: Console) {
-    for fault in faults {
-        console.say(&format!("error: {}: {}\n  = help: {}", fault.place(), fault.message, fault.help));
-    }
+/// What is wrong in a workbook.
+pub fn faulty(faults: &[Fault], book: &Path) -> Failure {
+    let problem = |fault: &Fault| {
+        Problem::error("workbook", format!("{}: {}: {}", book.display(), fault.place(), fault.message))
+            .help(fault.help.clone())
+    };
+    let problems = faults.iter().map(problem).collect();
+    Failure::of(Exit::Model, problems, Vec::new()).last(plural(faults.len(), "error"))
 }
 
-/// Tells what hinders an import; whether there is something.
-pub fn tell_hindrances(found: &Comparison, console: Console) -> bool {
-    tell_faults(&found.faults, console);
+/// Whether nothing hinders an import.
+///
+/// # Errors
+/// What does.
+pub fn unhindered(found: &Comparison, book: &Path) -> Result<(), Failure> {
+    if !found.faults.is_empty() {
+        return Err(faulty(&found.faults, book));
+    }
     if !found.conflicts.is_empty() {
-        let said = conflicts(&found.conflicts);
-        console.say(&format!(
-            "error: changed in the workbook and in the set since the export:\n{said}  = help: write the number that shall hold into the cell or into the set, so that both agree"
-        ));
+        let said = "numbers were changed in the workbook and in the set since the export";
+        return Err(Failure::new(Exit::Model, "workbook", said)
+            .note(conflicts(&found.conflicts).trim_end())
+            .help("write the number that shall hold into the cell or into the set, so that both agree")
+            .last(plural(found.conflicts.len(), "error")));
     }
-    let count = found.faults.len() + found.conflicts.len();
-    if count > 0 {
-        console.say(&plural(count, "error"));
-    }
-    count > 0
+    Ok(())
 }
 
 /// What is to be said of the age of a workbook.

@@ -1,49 +1,40 @@
-use std::io;
-
 use blocksim_diagram::{Found, Sources, Target, compile, find, read_tree, spelled, targets};
 
 use super::told::unknown;
-use crate::args::model::Format;
 use crate::args::params::SetArgs;
 use crate::commands::tell;
-use crate::disk::{Overlaid, refusal, write_file};
+use crate::disk::{Overlaid, readable, write_file};
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
 use crate::terminal::diff::difference;
 use crate::terminal::render::{errors, plural};
 
 /// Writes another value of a parameter into the text that holds it, if the model accepts it.
-pub fn set(args: &SetArgs, console: Console) -> io::Result<Exit> {
-    if let Some(refusal) = refusal(&args.model) {
-        console.say(&refusal);
-        return Ok(Exit::Files);
-    }
+pub fn set(args: &SetArgs, console: Console) -> Outcome {
+    readable(&args.model)?;
     crate::loaded::tell_builds();
     let mut disk = Overlaid::default();
     let sources = Sources::new(&disk);
     let (all, problems) = targets(&sources, &args.model);
     let files = sources.all();
-    let refuse = |exit: Exit, said: &str, help: &str| {
-        console.say(&format!("error: {said}\n  = help: {help}\nnothing was written"));
-        Ok(exit)
-    };
+    let refuse = |said: &str, help: &str| Err(Failure::usage(said).help(help).last("nothing was written"));
     let target = match find(&all, &args.target) {
         Found::One(one) => one,
         Found::Several(several) => {
             let names: Vec<&str> = several.iter().take(5).map(|target| target.name.as_str()).collect();
             let said = format!("`{}` holds {}", args.target, plural(several.len(), "value"));
-            return refuse(Exit::Usage, &said, &format!("name one of them, such as {}", names.join(", ")));
+            return refuse(&said, &format!("name one of them, such as {}", names.join(", ")));
         }
         Found::Nothing(help) => {
-            tell(&problems, &files, Format::Full, console)?;
-            return Ok(unknown(&args.model, &args.target, &help, console));
+            tell(&problems, &files, console)?;
+            return Err(unknown(&args.model, &args.target, &help));
         }
     };
     let Some(file) = files.get(target.site.place.file.0 as usize) else { return Ok(Exit::Files) };
     if target.sharers > 1 && !args.all {
         let said = format!("{} parts of the model are made of `{}`", target.sharers, file.path.display());
         return refuse(
-            Exit::Usage,
             &said,
             &format!(
                 "add --all to change all of them, or set one of them for a run: --set {}=...",
@@ -53,7 +44,7 @@ pub fn set(args: &SetArgs, console: Console) -> io::Result<Exit> {
     }
     let new = match spelled(target, &args.value) {
         Ok(new) => new,
-        Err((said, help)) => return refuse(Exit::Usage, &said, &help),
+        Err((said, help)) => return refuse(&said, &help),
     };
     let text = changed(&file.text, target, &new);
     if *text == *file.text {
@@ -68,28 +59,24 @@ pub fn set(args: &SetArgs, console: Console) -> io::Result<Exit> {
         _ => (true, compile(&sources, &args.model, &[]).problems),
     };
     let found = errors(&problems);
-    tell(&problems, &sources.all(), Format::Full, console)?;
     if found > 0 {
         let what = if is_diagram { "the model" } else { "the set" };
-        console.say(&format!(
+        let last = format!(
             "{what} has {} with `{}` = {new}; nothing was written",
             plural(found, "error"),
             target.name
-        ));
-        return Ok(Exit::Model);
+        );
+        return Err(Failure::of(Exit::Model, problems, sources.all()).last(last));
     }
+    tell(&problems, &sources.all(), console)?;
     console.data(&difference(&path, &old_text, &text))?;
     if args.dry_run {
         console.say("nothing was written");
         return Ok(Exit::Done);
     }
-    match write_file(&path, text.as_bytes(), true, console) {
-        Ok(()) => {
-            console.say(&format!("{}: `{}` was {}, is {new}", path.display(), target.name, target.written));
-            Ok(Exit::Done)
-        }
-        Err(exit) => Ok(exit),
-    }
+    write_file(&path, text.as_bytes(), true)?;
+    console.say(&format!("{}: `{}` was {}, is {new}", path.display(), target.name, target.written));
+    Ok(Exit::Done)
 }
 
 /// The text with another value at the place of the target.

@@ -8,8 +8,7 @@ use blocksim_results::{Align, Table};
 use blocksim_signal::{Quantity, Unit, Value};
 use serde_json::json;
 
-use crate::exit::Exit;
-use crate::terminal::console::Console;
+use crate::failure::Failure;
 use crate::terminal::render;
 
 /// A row for each parameter, with a heading if asked for.
@@ -119,8 +118,7 @@ pub fn data(target: &Target, files: &[SourceFile]) -> String {
     format!("{line}\n")
 }
 
-/// Tells that nothing has this name.
-pub fn unknown(model: &Path, target: &str, help: &str, console: Console) -> Exit {
-    console.say(&format!("error: `{}` has no parameter `{target}`\n  = help: {help}", model.display()));
-    Exit::Usage
+/// That nothing has this name.
+pub fn unknown(model: &Path, target: &str, help: &str) -> Failure {
+    Failure::usage(format!("`{}` has no parameter `{target}`", model.display())).help(help)
 }

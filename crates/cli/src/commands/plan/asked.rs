@@ -1,12 +1,13 @@
 //! What was asked on the command line as the text of a move, so that the language itself checks numbers and units.
 
 use crate::args::plan::{JointArgs, ToolArgs};
+use crate::failure::Failure;
 
 /// A move as text, without its start.
 ///
 /// # Errors
 /// An empty value, or another number of them.
-pub fn joint(args: &JointArgs) -> Result<String, String> {
+pub fn joint(args: &JointArgs) -> Result<String, Failure> {
     Ok(format!(
         "    target: {},\n    velocity: {},\n    acceleration: {},\n",
         list("--to", &args.to, "deg")?,
@@ -19,7 +20,7 @@ pub fn joint(args: &JointArgs) -> Result<String, String> {
 ///
 /// # Errors
 /// An empty value, or another number of them.
-pub fn tool(args: &ToolArgs, via: Option<&str>) -> Result<String, String> {
+pub fn tool(args: &ToolArgs, via: Option<&str>) -> Result<String, Failure> {
     let mut text = format!("    tool: (\n        target: {},\n", three("--to", &args.to, "mm")?);
     if let Some(via) = via {
         text += &format!("        via: {},\n", three("--via", via, "mm")?);
@@ -60,10 +61,11 @@ fn united(value: &str, unit: &str) -> String {
 ///
 /// # Errors
 /// An empty value: the option and a remedy.
-pub fn list(option: &str, values: &str, unit: &str) -> Result<String, String> {
+pub fn list(option: &str, values: &str, unit: &str) -> Result<String, Failure> {
     let items: Vec<&str> = values.split(',').map(str::trim).collect();
     if items.iter().any(|item| item.is_empty()) {
-        return Err(format!("error: {option} has an empty value\n  = help: write \"1 {unit}, 2 {unit}\""));
+        let help = format!("write \"1 {unit}, 2 {unit}\"");
+        return Err(Failure::usage(format!("{option} has an empty value")).help(help));
     }
     Ok(format!("[{}]", items.iter().map(|item| quoted(&united(item, unit))).collect::<Vec<_>>().join(", ")))
 }
@@ -72,13 +74,11 @@ pub fn list(option: &str, values: &str, unit: &str) -> Result<String, String> {
 ///
 /// # Errors
 /// As [`list`], and another number of values.
-pub fn three(option: &str, values: &str, unit: &str) -> Result<String, String> {
+pub fn three(option: &str, values: &str, unit: &str) -> Result<String, Failure> {
     match values.split(',').count() {
         3 => list(option, values, unit),
-        count => Err(format!(
-            "error: {option} has {count} values, but needs three\n  = help: write \"1 {unit}, 2 {unit}, 3 {unit}\"; a \
-             decimal comma is written as a point"
-        )),
+        count => Err(Failure::usage(format!("{option} has {count} values, but needs three"))
+            .help(format!("write \"1 {unit}, 2 {unit}, 3 {unit}\"; a decimal comma is written as a point"))),
     }
 }
 
@@ -93,13 +93,14 @@ mod tests {
 
     #[test]
     fn values_become_texts_and_bare_numbers_get_the_unit_of_their_option() {
+        let list = |option, text, unit| super::list(option, text, unit).map_err(|failure| failure.text());
         assert_eq!(list("--to", "1 m,-20 mm, 0", "mm").as_deref(), Ok(r#"["1 m", "-20 mm", "0 mm"]"#));
         assert_eq!(
             list("--to", "60, -3e1 ,1 rad", "deg").as_deref(),
             Ok(r#"["60 deg", "-3e1 deg", "1 rad"]"#)
         );
         assert_eq!(list("--to", "NaN, inf", "mm").as_deref(), Ok(r#"["NaN", "inf"]"#));
-        assert!(three("--to", "1,05 m, 0, 1", "mm").unwrap_err().contains("decimal comma"));
+        assert!(three("--to", "1,05 m, 0, 1", "mm").unwrap_err().text().contains("decimal comma"));
         assert!(list("--to", "1 m,", "mm").unwrap_err().contains("empty"));
     }
 }

@@ -5,7 +5,6 @@ mod meeting;
 mod said;
 mod space;
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use blocksim_block::ParamError;
@@ -22,11 +21,10 @@ use blocksim_robot::Robot;
 use nalgebra::Vector3;
 use serde_json::Value;
 
-use super::tell;
-use crate::args::model::Format;
 use crate::args::plan::{PlanCommand, PlanCommon, ToolArgs};
-use crate::disk::{Disk, refusal, write_file};
+use crate::disk::{Disk, readable, write_file};
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
 
 /// Name of a text that no file holds.
@@ -35,56 +33,24 @@ const COMMAND_LINE: &str = "command line";
 /// Waypoints in time at which a move is looked at, at least.
 const WAYPOINTS: usize = 2000;
 
-/// A refusal in words, which has not been told, or the end of the program after telling.
-enum Stop {
-    Say(String, Exit),
-    Told(Exit),
-}
-
-impl Stop {
-    /// The same with more lines behind it.
-    fn and(self, more: &str) -> Stop {
-        match self {
-            Stop::Say(said, exit) if !more.is_empty() => {
-                Stop::Say(format!("{said}\n{}", more.trim_end()), exit)
-            }
-            other => other,
-        }
-    }
-}
-
-impl From<String> for Stop {
-    fn from(said: String) -> Self {
-        Stop::Say(said, Exit::Usage)
-    }
-}
-
 /// Plans a move, tells how near it comes to the limits, and writes it.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn plan(command: &PlanCommand, console: Console) -> io::Result<Exit> {
-    let common = match command {
-        PlanCommand::Joint(args) => &args.common,
-        PlanCommand::Linear(args) => &args.tool.common,
-        PlanCommand::Circular(args) => &args.tool.common,
-        PlanCommand::Sequence(args) => &args.common,
-    };
-    let made = robot(common, console).and_then(|(robot, description)| {
-        let space = space::read(common, &robot, &description, console)?;
-        let asked = ask(command, &robot, console)?;
-        let course = planned(&asked.path, &robot.limits(), Rule::Feasible, Some(&robot), "move")
-            .map_err(|error| told(&error).and(&said::chosen(asked.chosen.as_ref())))?;
-        Ok((robot, space, asked, course))
-    });
-    let (robot, space, Asked { text, path, chosen, kept }, course) = match made {
-        Ok(made) => made,
-        Err(Stop::Told(exit)) => return Ok(exit),
-        Err(Stop::Say(said, exit)) => {
-            console.say(&said);
-            return Ok(exit);
+/// Why there is no such move.
+pub fn plan(command: &PlanCommand, console: Console) -> Outcome {
+    let common = command.common();
+    let (robot, description) = robot(common)?;
+    let space = space::read(common, &robot, &description)?;
+    let Asked { text, path, chosen, kept } = ask(command, &robot)?;
+    let course = planned(&path, &robot.limits(), Rule::Feasible, Some(&robot), "move").map_err(|error| {
+        let choice = said::chosen(chosen.as_ref());
+        let failure = told(&error);
+        if choice.is_empty() {
+            failure
+        } else {
+            failure.note(choice.trim_end().replacen("starts     ", "starts ", 1))
         }
-    };
+    })?;
     let findings = inspect(&robot, course.as_ref(), WAYPOINTS);
     let met = space.as_ref().map(|space| (space, encounters(&robot, course.as_ref(), space, WAYPOINTS)));
     let velocity = path.tool.as_ref().map(|tool| tool.velocity);
@@ -113,9 +79,7 @@ pub fn plan(command: &PlanCommand, console: Console) -> io::Result<Exit> {
     }
     if let Some(out) = &common.out {
         let file = said::file(&text, course.as_ref(), &findings);
-        if let Err(exit) = write_file(out, file.as_bytes(), common.yes, console) {
-            return Ok(exit);
-        }
+        write_file(out, file.as_bytes(), common.yes)?;
         if !common.json {
             console.data(&format!("written    {}\n", out.display()))?;
         }
@@ -137,9 +101,9 @@ fn other(robot: &Robot, request: &CartesianRequest) -> Option<String> {
 }
 
 /// The robot that the move is for.
-fn robot(common: &PlanCommon, console: Console) -> Result<(Robot, RobotDescription), Stop> {
+fn robot(common: &PlanCommon) -> Result<(Robot, RobotDescription), Failure> {
     let disk = Disk::default();
-    let read: RobotDescription = read(&disk, &common.robot, &common.set, "manipulator", console)?;
+    let read: RobotDescription = read(&disk, &common.robot, &common.set, "manipulator")?;
     let robot = read.robot("manipulator").map_err(|error| told(&error))?;
     Ok((robot, read))
 }
@@ -150,20 +114,12 @@ fn read<T: serde::de::DeserializeOwned>(
     path: &Path,
     set: &[String],
     name: &str,
-    console: Console,
-) -> Result<T, Stop> {
-    if path != Path::new(COMMAND_LINE)
-        && let Some(refusal) = refusal(path)
-    {
-        return Err(Stop::Say(refusal, Exit::Files));
+) -> Result<T, Failure> {
+    if path != Path::new(COMMAND_LINE) {
+        readable(path)?;
     }
     let sources = Sources::new(reader);
-    parameter(&sources, path, set, name).map_err(|problems| {
-        match tell(&problems, &sources.all(), Format::Full, console) {
-            Ok(()) => Stop::Told(Exit::Model),
-            Err(error) => Stop::Say(format!("error: {error}"), Exit::Files),
-        }
-    })
+    parameter(&sources, path, set, name).map_err(|problems| Failure::of(Exit::Model, problems, sources.all()))
 }
 
 /// What was asked.
@@ -178,21 +134,20 @@ struct Asked {
 }
 
 /// What was asked: as text of a move and as the move.
-fn ask(command: &PlanCommand, robot: &Robot, console: Console) -> Result<Asked, Stop> {
+fn ask(command: &PlanCommand, robot: &Robot) -> Result<Asked, Failure> {
     let (start, rest, chosen) = match command {
         PlanCommand::Sequence(args) => {
             let disk = Disk::default();
-            let path = read(&disk, &args.file, &[], "move", console)?;
-            let text =
-                disk.read(&args.file).map_err(|said| Stop::Say(format!("error: {said}"), Exit::Files))?;
+            let path = read(&disk, &args.file, &[], "move")?;
+            let text = disk.read(&args.file).map_err(Failure::unreadable)?;
             return Ok(Asked { text, path, chosen: None, kept: None });
         }
         PlanCommand::Joint(args) => (start(args.from.from.as_deref(), robot)?, asked::joint(args)?, None),
-        PlanCommand::Linear(args) => tool(&args.tool, None, robot, console)?,
-        PlanCommand::Circular(args) => tool(&args.tool, Some(&args.via), robot, console)?,
+        PlanCommand::Linear(args) => tool(&args.tool, None, robot)?,
+        PlanCommand::Circular(args) => tool(&args.tool, Some(&args.via), robot)?,
     };
     let text = format!("JointMove(\n    start: {start},\n{rest})\n");
-    let path: JointPath = on_command_line(&text, console)?;
+    let path: JointPath = on_command_line(&text)?;
     let acceleration = robot.tcp_limits().acceleration;
     let request =
         |tool: &ToolPath| tool.request(Start::Joints(path.start_values()), acceleration, "move.tool");
@@ -201,7 +156,7 @@ fn ask(command: &PlanCommand, robot: &Robot, console: Console) -> Result<Asked, 
 }
 
 /// Positions at the start as text.
-fn start(from: Option<&str>, robot: &Robot) -> Result<String, String> {
+fn start(from: Option<&str>, robot: &Robot) -> Result<String, Failure> {
     match from {
         Some(from) => asked::list("--from", from, "deg"),
         None => Ok(positions(&robot.start(), robot)),
@@ -222,17 +177,16 @@ fn tool(
     args: &ToolArgs,
     via: Option<&str>,
     robot: &Robot,
-    console: Console,
-) -> Result<(String, String, Option<Chosen>), Stop> {
+) -> Result<(String, String, Option<Chosen>), Failure> {
     let rest = asked::tool(args, via)?;
     let wanted = args.configuration.as_deref().map(configuration).transpose()?;
     let given = start(args.from.from.as_deref(), robot)?;
     if args.from_point.is_none() && wanted.is_none() {
         return Ok((given, rest, None));
     }
-    let path: JointPath = on_command_line(&format!("JointMove(start: {given},\n{rest})"), console)?;
-    let Some(tool) = &path.tool else { return Err("error: no path of the tool".to_owned().into()) };
-    let from = begin(args, &path.start_values(), console)?;
+    let path: JointPath = on_command_line(&format!("JointMove(start: {given},\n{rest})"))?;
+    let Some(tool) = &path.tool else { return Err(Failure::usage("no path of the tool")) };
+    let from = begin(args, &path.start_values())?;
     let request =
         tool.request(from, robot.tcp_limits().acceleration, "move.tool").map_err(|error| told(&error))?;
     let chosen = choose(robot, &request, wanted).map_err(|error| told(&refused(&error, "move")))?;
@@ -240,31 +194,30 @@ fn tool(
 }
 
 /// Where the tool begins.
-fn begin(args: &ToolArgs, q: &[f64], console: Console) -> Result<Start, Stop> {
+fn begin(args: &ToolArgs, q: &[f64]) -> Result<Start, Failure> {
     let Some(point) = &args.from_point else { return Ok(Start::Joints(q.to_vec())) };
-    let point: Vec<f64> =
-        on_command_line(&format!("({})", coordinates("--from-point", point, "mm")?), console)
-            .map(|Triple { at }| at.to_vec())?;
+    let point: Vec<f64> = on_command_line(&format!("({})", coordinates("--from-point", point, "mm")?))
+        .map(|Triple { at }| at.to_vec())?;
     let point = Vector3::new(point[0], point[1], point[2]);
     let Some(angles) = &args.from_rotation else { return Ok(Start::Point(point)) };
     let text = coordinates("--from-rotation", angles, "deg")?.replacen("at", "angles", 1);
-    let Angles { angles: [alpha, beta, gamma] } = on_command_line(&format!("({text})"), console)?;
+    let Angles { angles: [alpha, beta, gamma] } = on_command_line(&format!("({text})"))?;
     let rotation = EulerZyx { alpha, beta, gamma }.rotation();
     Ok(Start::Pose(Placement { rotation, translation: point }))
 }
 
 /// The configuration that a word names.
-fn configuration(word: &str) -> Result<Configuration, Stop> {
+fn configuration(word: &str) -> Result<Configuration, Failure> {
     let all = configurations();
     let words: Vec<&str> = all.iter().map(|(word, _)| word.as_str()).collect();
     let found = all.iter().find(|(known, _)| known == word);
     found.map(|(_, configuration)| *configuration).ok_or_else(|| {
         let known = words.join(", ");
-        format!("error: there is no configuration `{word}`\n  = help: choose {known}").into()
+        Failure::usage(format!("there is no configuration `{word}`")).help(format!("choose {known}"))
     })
 }
 
-fn coordinates(option: &str, values: &str, unit: &str) -> Result<String, String> {
+fn coordinates(option: &str, values: &str, unit: &str) -> Result<String, Failure> {
     asked::three(option, values, unit).map(|list| format!("at: {list}"))
 }
 
@@ -283,7 +236,7 @@ struct Angles {
 }
 
 /// Reads what was asked as if it stood in a file.
-fn on_command_line<T: serde::de::DeserializeOwned>(text: &str, console: Console) -> Result<T, Stop> {
+fn on_command_line<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, Failure> {
     struct Asked<'t>(&'t str);
     impl Reader for Asked<'_> {
         fn read(&self, path: &Path) -> Result<String, String> {
@@ -293,11 +246,10 @@ fn on_command_line<T: serde::de::DeserializeOwned>(text: &str, console: Console)
             }
         }
     }
-    read(&Asked(text), &PathBuf::from(COMMAND_LINE), &[], "move", console)
+    read(&Asked(text), &PathBuf::from(COMMAND_LINE), &[], "move")
 }
 
 /// A refusal of the planner in words.
-fn told(error: &ParamError) -> Stop {
-    let help = error.help.as_ref().map(|help| format!("\n  = help: {help}")).unwrap_or_default();
-    Stop::Say(format!("error: {} (`{}`){help}", error.message, error.param), Exit::Model)
+fn told(error: &ParamError) -> Failure {
+    Failure::parameter(error)
 }

@@ -6,10 +6,10 @@ use blocksim_diagram::{Sources, has_parameter};
 use blocksim_planner::{RobotShapes, Rules, Space};
 use blocksim_robot::Robot;
 
-use super::{Stop, read as value, told};
+use super::{read as value, told};
 use crate::args::plan::PlanCommon;
 use crate::disk::Disk;
-use crate::terminal::console::Console;
+use crate::failure::Failure;
 
 /// What can collide; `None` where the robot has no shapes.
 ///
@@ -19,9 +19,8 @@ pub fn read(
     common: &PlanCommon,
     robot: &Robot,
     description: &RobotDescription,
-    console: Console,
-) -> Result<Option<Space>, Stop> {
-    let around = around(common, console)?;
+) -> Result<Option<Space>, Failure> {
+    let around = around(common)?;
     let shapes = description.shapes();
     let none = RobotShapes { links: vec![Vec::new(); shapes.links.len()], ..RobotShapes::default() };
     if shapes == none && common.surroundings.is_none() {
@@ -41,13 +40,13 @@ pub fn read(
     Ok(Some(space))
 }
 
-fn around(common: &PlanCommon, console: Console) -> Result<Surroundings, Stop> {
+fn around(common: &PlanCommon) -> Result<Surroundings, Failure> {
     const NAME: &str = "surroundings";
     let disk = Disk::default();
     match &common.surroundings {
-        Some(file) => value(&disk, file, &[], NAME, console),
+        Some(file) => value(&disk, file, &[], NAME),
         None if has_parameter(&Sources::new(&disk), &common.robot, NAME) => {
-            value(&disk, &common.robot, &common.set, NAME, console)
+            value(&disk, &common.robot, &common.set, NAME)
         }
         None => Ok(Surroundings::default()),
     }

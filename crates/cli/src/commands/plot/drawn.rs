@@ -8,6 +8,7 @@ use blocksim_results::Column;
 use blocksim_signal::Unit;
 
 use super::groups::Group;
+use crate::failure::Failure;
 use crate::signals::shown::turn;
 use crate::signals::traces::Book;
 
@@ -27,7 +28,7 @@ pub struct Drawn {
 ///
 /// # Errors
 /// What to tell the person at the keyboard.
-pub fn read(group: Group, books: &[Book], range: &RangeInclusive<f64>) -> Result<Drawn, String> {
+pub fn read(group: Group, books: &[Book], range: &RangeInclusive<f64>) -> Result<Drawn, Failure> {
     let first = &books[0];
     let mut drawn = Drawn { columns: Vec::new(), steps: Vec::new(), others: Vec::new(), group };
     drawn.columns = first.pictures(&drawn.group.traces, range)?;
@@ -39,11 +40,12 @@ pub fn read(group: Group, books: &[Book], range: &RangeInclusive<f64>) -> Result
             let Some(there) = book.find(&trace.path) else { continue };
             let other = &book.traces[there];
             if other.has_unit && trace.has_unit && !other.unit.dimension.compatible(trace.unit.dimension) {
-                return Err(format!(
-                    "error: `{}` is in {} in `{}`, but in {} in `{}`\n  = help: say the unit, such as --map \
-                     'COLUMN={}[unit]'",
-                    trace.path, trace.unit, first.name, other.unit, book.name, trace.path
-                ));
+                let said = format!(
+                    "`{}` is in {} in `{}`, but in {} in `{}`",
+                    trace.path, trace.unit, first.name, other.unit, book.name
+                );
+                let help = format!("say the unit, such as --map 'COLUMN={}[unit]'", trace.path);
+                return Err(Failure::unreadable(said).help(help));
             }
             let mut column = book.picture(there, range)?;
             // Without a unit of its own a column is taken to be in the unit shown.

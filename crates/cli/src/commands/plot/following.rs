@@ -8,6 +8,7 @@ use blocksim_results::{Align, Column, Table};
 use serde_json::{Value, json};
 
 use super::drawn::{Drawn, followed};
+use crate::failure::Failure;
 use crate::signals::traces::{Book, Trace};
 
 /// The numbers of one pair of set and actual value.
@@ -29,7 +30,7 @@ pub struct Row {
 ///
 /// # Errors
 /// What to tell the person at the keyboard.
-pub fn rows(all: &[Drawn], books: &[Book], range: &RangeInclusive<f64>) -> Result<Vec<Row>, String> {
+pub fn rows(all: &[Drawn], books: &[Book], range: &RangeInclusive<f64>) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
     for book in books {
         for drawn in all {

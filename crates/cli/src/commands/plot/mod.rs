@@ -6,7 +6,6 @@ pub mod groups;
 pub mod panels;
 mod terminal;
 
-use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -20,9 +19,10 @@ use self::panels::{figure, panel};
 use crate::args::plot::PlotArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::mechanism::recorded;
 use crate::picture_file::write_pictures;
-use crate::signals::traces::{Book, Mapping, check_mappings, mappings, told};
+use crate::signals::traces::{Book, Mapping, check_mappings, mappings};
 use crate::terminal::console::Console;
 
 /// Most pictures in one file.
@@ -31,46 +31,39 @@ const PANELS: usize = 60;
 /// Draws a run.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn plot(args: &PlotArgs, console: Console) -> io::Result<Exit> {
-    match drawn(args, console) {
-        Ok(text) => console.data(&text).map(|()| Exit::Done),
-        Err((message, exit)) => {
-            console.say(&message);
-            Ok(exit)
-        }
-    }
+/// What cannot be read, drawn or written.
+pub fn plot(args: &PlotArgs, console: Console) -> Outcome {
+    console.data(&drawn(args, console)?)?;
+    Ok(Exit::Done)
 }
 
-fn drawn(args: &PlotArgs, console: Console) -> Result<String, (String, Exit)> {
-    let files = |message: String| (message, Exit::Files);
-    let usage = |message: String| (message, Exit::Usage);
-    let maps = mappings(&args.map).map_err(usage)?;
+fn drawn(args: &PlotArgs, console: Console) -> Result<String, Failure> {
+    let maps = mappings(&args.map)?;
     let mut books = Vec::new();
     for name in std::iter::once(&args.run).chain(&args.with) {
-        let mut book = open(name, &maps).map_err(files)?;
+        let mut book = open(name, &maps)?;
         book.show_in(&args.units);
         book.warnings().iter().for_each(|line| console.say(line));
         books.push(book);
     }
-    check_mappings(&maps, &books).map_err(usage)?;
+    check_mappings(&maps, &books)?;
     if books[0].traces.is_empty() && !args.json {
         let help = "add a Scope, or `record: [\"...\"]`, to its diagram and run it again";
-        return Err(usage(format!("error: `{}` has no signals to draw\n  = help: {help}", books[0].name)));
+        return Err(Failure::usage(format!("`{}` has no signals to draw", books[0].name)).help(help));
     }
     let range = range(args, &books)?;
-    let selected = chosen(&books[0], &args.signals).map_err(|lost| usage(no_signal(lost, &books[0])))?;
+    let selected = chosen(&books[0], &args.signals).map_err(|lost| no_signal(lost, &books[0]))?;
     for book in &books[1..] {
         let paths = || selected.iter().map(|&at| books[0].traces[at].path.as_str());
         if !paths().any(|path| book.find(path).is_some()) {
-            return Err(usage(nothing_common(book, paths().next().unwrap_or_default())));
+            return Err(nothing_common(book, paths().next().unwrap_or_default()));
         }
     }
     let mut all: Vec<Drawn> = Vec::new();
     let groups = groups(&books[0], &selected, args.layout);
     let left = groups.len().saturating_sub(PANELS);
     for group in groups.into_iter().take(PANELS) {
-        add_once(&mut all, read(group, &books, &range).map_err(files)?);
+        add_once(&mut all, read(group, &books, &range)?);
     }
     if args.signals.is_empty() {
         leave_joints(&mut all, &books[0], &joints(&args.run));
@@ -78,11 +71,7 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, (String, Exit)> {
     if left > 0 {
         console.say(&format!("note: {left} more pictures are left out; choose signals to see them"));
     }
-    let rows = if args.metrics || args.json {
-        following::rows(&all, &books, &range).map_err(files)?
-    } else {
-        Vec::new()
-    };
+    let rows = if args.metrics || args.json { following::rows(&all, &books, &range)? } else { Vec::new() };
     let mut text = String::new();
     if args.svg.is_some() || args.png.is_some() {
         let panels = all.iter().map(|drawn| panel(drawn, &books, &range)).collect();
@@ -92,7 +81,7 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, (String, Exit)> {
         let drawing = svg(&figure, Theme::from(args.theme));
         let written =
             write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), args.scale, args.yes);
-        for file in written.map_err(files)? {
+        for file in written? {
             text.push_str(&format!("{}\n", file.display()));
         }
     } else if !args.json && !args.metrics {
@@ -112,13 +101,16 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, (String, Exit)> {
 }
 
 /// Opens a run or a table by path or name.
-pub fn open(name: &str, maps: &[Mapping]) -> Result<Book, String> {
+///
+/// # Errors
+/// Why it cannot be read.
+pub fn open(name: &str, maps: &[Mapping]) -> Result<Book, Failure> {
     let path: PathBuf = locate(name)?;
     Book::open(&path, maps)
 }
 
-fn locate(name: &str) -> Result<PathBuf, String> {
-    blocksim_results::locate(name, Path::new(RUNS)).map_err(told)
+fn locate(name: &str) -> Result<PathBuf, Failure> {
+    blocksim_results::locate(name, Path::new(RUNS)).map_err(|error| Failure::of_run(&error))
 }
 
 /// Signals that only the view in space of a run needs.
@@ -142,11 +134,11 @@ fn leave_joints(all: &mut Vec<Drawn>, book: &Book, joints: &[String]) {
 }
 
 /// What is shown: what the options say, else all that there is.
-fn range(args: &PlotArgs, books: &[Book]) -> Result<RangeInclusive<f64>, (String, Exit)> {
+fn range(args: &PlotArgs, books: &[Book]) -> Result<RangeInclusive<f64>, Failure> {
     let spans: Vec<(f64, f64)> = books.iter().filter_map(Book::span).collect();
     let Some(span) = spans.into_iter().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
         let help = "run the model, or export the table, again";
-        return Err((format!("error: `{}` has no values\n  = help: {help}", books[0].name), Exit::Files));
+        return Err(Failure::unreadable(format!("`{}` has no values", books[0].name)).help(help));
     };
     let (from, to) = (args.from.unwrap_or(span.0), args.to.unwrap_or(span.1));
     if from > to || from > span.1 || to < span.0 {
@@ -155,17 +147,14 @@ fn range(args: &PlotArgs, books: &[Book]) -> Result<RangeInclusive<f64>, (String
             (Some(from), None) => format!("from {from} s on"),
             _ => format!("up to {to} s"),
         };
-        let message = format!(
-            "error: there are no values {asked}\n  = help: `{}` goes from {} s to {} s",
-            books[0].name, span.0, span.1
-        );
-        return Err((message, Exit::Usage));
+        let help = format!("`{}` goes from {} s to {} s", books[0].name, span.0, span.1);
+        return Err(Failure::usage(format!("there are no values {asked}")).help(help));
     }
     Ok(from..=to)
 }
 
 /// Tells that no signal fits a pattern.
-pub fn no_signal(lost: &str, book: &Book) -> String {
+pub fn no_signal(lost: &str, book: &Book) -> Failure {
     let paths: Vec<&str> = book.traces.iter().map(|trace| trace.path.as_str()).collect();
     // Who names a part of a path may have mistyped that.
     let parts = paths.iter().flat_map(|path| path.split(['/', '.']));
@@ -176,17 +165,13 @@ pub fn no_signal(lost: &str, book: &Book) -> String {
             format!("it has {}{more}", paths.iter().take(5).copied().collect::<Vec<_>>().join(", "))
         }
     };
-    format!("error: no signal of `{}` fits `{lost}`\n  = help: {help}", book.name)
+    Failure::usage(format!("no signal of `{}` fits `{lost}`", book.name)).help(help)
 }
 
 /// Tells that a recording has none of the signals.
-pub fn nothing_common(book: &Book, example: &str) -> String {
+pub fn nothing_common(book: &Book, example: &str) -> Failure {
     let names: Vec<String> = book.traces.iter().take(8).map(|trace| format!("`{}`", trace.path)).collect();
     let column = book.traces.first().map_or("COLUMN", |trace| trace.path.as_str());
-    format!(
-        "error: `{}` has none of the signals that are asked for\n  = help: it has {}; say what they are, such as --map \
-         '{column}={example}'",
-        book.name,
-        names.join(", ")
-    )
+    Failure::usage(format!("`{}` has none of the signals that are asked for", book.name))
+        .help(format!("it has {}; say what they are, such as --map '{column}={example}'", names.join(", ")))
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::args::plugin::PluginNewArgs;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::loaded::with_slashes;
 use crate::terminal::console::Console;
 
@@ -24,20 +25,10 @@ const FILES: [(&str, &str); 3] = [
 /// Makes the crate of a controller, with a diagram that runs it.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn new(args: &PluginNewArgs, console: Console) -> io::Result<Exit> {
-    let refuse = |(exit, message): (Exit, String)| {
-        console.say(&format!("error: {message}"));
-        Ok(exit)
-    };
-    let (name, kind) = match names(args) {
-        Ok(names) => names,
-        Err(message) => return refuse((Exit::Usage, message)),
-    };
-    match made(args, &name, &kind) {
-        Ok(()) => {}
-        Err(refusal) => return refuse(refusal),
-    }
+/// If it cannot be made.
+pub fn new(args: &PluginNewArgs, console: Console) -> Outcome {
+    let (name, kind) = names(args)?;
+    made(args, &name, &kind)?;
     let folder = args.folder.display();
     console.data(&format!(
         "{folder}\n  src/lib.rs   the controller `{kind}`: write your law here\n  demo.ron     a loop with it: \
@@ -47,23 +38,20 @@ pub fn new(args: &PluginNewArgs, console: Console) -> io::Result<Exit> {
 }
 
 /// Name of the crate and of the controller.
-fn names(args: &PluginNewArgs) -> Result<(String, String), String> {
+fn names(args: &PluginNewArgs) -> Result<(String, String), Failure> {
     let name = args.folder.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let is_name = name.starts_with(|c: char| c.is_ascii_lowercase())
         && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "_-".contains(c));
     if !is_name {
-        return Err(format!(
-            "`{name}` is no name for a crate\n  = help: name a folder with small letters, digits and `_`, such as \
-             plugins/{NAME}"
-        ));
+        let help = format!("name a folder with small letters, digits and `_`, such as plugins/{NAME}");
+        return Err(Failure::usage(format!("`{name}` is no name for a crate")).help(help));
     }
     let kind = args.kind.clone().unwrap_or_else(|| capitals(&name));
     let is_kind =
         kind.starts_with(|c: char| c.is_ascii_uppercase()) && kind.chars().all(|c| c.is_ascii_alphanumeric());
     if !is_kind {
-        return Err(format!(
-            "`{kind}` is no name for a controller\n  = help: write capitals, such as --kind {KIND}"
-        ));
+        let said = format!("`{kind}` is no name for a controller");
+        return Err(Failure::usage(said).help(format!("write capitals, such as --kind {KIND}")));
     }
     Ok((name, kind))
 }
@@ -79,22 +67,20 @@ fn capitals(name: &str) -> String {
 }
 
 /// Writes the crate, whole or not at all.
-pub fn made(args: &PluginNewArgs, name: &str, kind: &str) -> Result<(), (Exit, String)> {
+pub fn made(args: &PluginNewArgs, name: &str, kind: &str) -> Result<(), Failure> {
     let folder = &args.folder;
     let failed = |what: &str, error: &io::Error| {
-        (
-            Exit::Files,
-            format!("cannot {what} `{}`: {error}\n  = help: name a folder elsewhere", folder.display()),
-        )
+        Failure::unwritable(format!("cannot {what} `{}`: {error}", folder.display()))
+            .help("name a folder elsewhere")
     };
     if fs::read_dir(folder).map_or(folder.exists(), |mut entries| entries.next().is_some()) {
-        let help = "name a new folder; nothing was changed";
-        return Err((Exit::Files, format!("`{}` is there already\n  = help: {help}", folder.display())));
+        let said = format!("`{}` is there already", folder.display());
+        return Err(Failure::new(Exit::Files, "exists", said).help("name a new folder; nothing was changed"));
     }
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(parent).map_err(|error| failed("make", &error))?;
     let parent = parent.canonicalize().map_err(|error| failed("make", &error))?;
-    let clone = clone(args, &parent).map_err(|message| (Exit::Usage, message))?;
+    let clone = clone(args, &parent)?;
     let is_member = parent == clone.join("plugins");
     let controller = if is_member { PathBuf::from("../..") } else { clone.clone() }.join("crates/controller");
 
@@ -122,22 +108,23 @@ pub fn made(args: &PluginNewArgs, name: &str, kind: &str) -> Result<(), (Exit, S
 }
 
 /// The clone of blocksim that the crate is built against.
-fn clone(args: &PluginNewArgs, parent: &Path) -> Result<PathBuf, String> {
+fn clone(args: &PluginNewArgs, parent: &Path) -> Result<PathBuf, Failure> {
     let is_clone = |folder: &Path| folder.join("crates/controller/Cargo.toml").is_file();
     if let Some(named) = &args.blocksim {
         return match named.canonicalize() {
             Ok(named) if is_clone(&named) => Ok(named),
-            _ => Err(format!(
-                "`{}` is no clone of blocksim: it has no crates/controller\n  = help: name the folder that holds \
-                 `crates` and `plugins`",
+            _ => Err(Failure::usage(format!(
+                "`{}` is no clone of blocksim: it has no crates/controller",
                 named.display()
-            )),
+            ))
+            .help("name the folder that holds `crates` and `plugins`")),
         };
     }
     let built = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize();
     let around = parent.ancestors().map(Path::to_owned).chain(built).find(|folder| is_clone(folder));
     around.ok_or_else(|| {
-        "the clone of blocksim that this program was built from is gone\n  = help: say where one is: --blocksim DIR".to_owned()
+        Failure::usage("the clone of blocksim that this program was built from is gone")
+            .help("say where one is: --blocksim DIR")
     })
 }
 
@@ -151,8 +138,9 @@ mod tests {
 
     #[test]
     fn names_follow_from_the_folder() {
-        assert_eq!(names(&args("a/low_pass2", None)), Ok(("low_pass2".into(), "LowPass2".into())));
-        assert_eq!(names(&args("pi-speed", Some("Speed"))), Ok(("pi-speed".into(), "Speed".into())));
+        let of = |folder, kind| names(&args(folder, kind)).unwrap();
+        assert_eq!(of("a/low_pass2", None), ("low_pass2".into(), "LowPass2".into()));
+        assert_eq!(of("pi-speed", Some("Speed")), ("pi-speed".into(), "Speed".into()));
         for (folder, kind) in
             [("a/..", None), ("2nd", None), ("a b", None), ("ok", Some("low")), ("ok", Some("A-b"))]
         {

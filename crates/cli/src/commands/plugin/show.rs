@@ -1,6 +1,5 @@
 //! `blocksim plugin show`: what a plug-in says of itself.
 
-use std::io;
 use std::path::Path;
 
 use blocksim_host::{Kind, Library, Quantity, open};
@@ -10,6 +9,7 @@ use serde_json::{Value, json};
 
 use crate::args::plugin::PluginShowArgs;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::loaded::tell_builds;
 use crate::terminal::console::Console;
 use crate::terminal::prose::prose;
@@ -17,26 +17,16 @@ use crate::terminal::prose::prose;
 /// Builds and loads a plug-in, and tells which controllers it has.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn show(args: &PluginShowArgs, console: Console) -> io::Result<Exit> {
+/// Why it cannot be built or loaded.
+pub fn show(args: &PluginShowArgs, console: Console) -> Outcome {
     tell_builds();
-    match open(Path::new("."), &args.library) {
-        Ok(library) if args.json => {
-            console.data(
-                &library.blocks.iter().map(|kind| format!("{}\n", data(library, kind))).collect::<String>(),
-            )?;
-            Ok(Exit::Done)
-        }
-        Ok(library) => {
-            console.data(&text(library, &args.library))?;
-            Ok(Exit::Done)
-        }
-        Err(error) => {
-            let help = error.help.map_or_else(String::new, |help| format!("\n  = help: {help}"));
-            console.say(&format!("error[{}]: {}{help}", error.code, error.message));
-            Ok(Exit::Files)
-        }
-    }
+    let library = open(Path::new("."), &args.library)
+        .map_err(|error| Failure::new(Exit::Files, error.code, error.message).perhaps_help(error.help))?;
+    console.data(&match args.json {
+        true => library.blocks.iter().map(|kind| format!("{}\n", data(library, kind))).collect(),
+        false => text(library, &args.library),
+    })?;
+    Ok(Exit::Done)
 }
 
 fn text(library: &Library, named: &str) -> String {

@@ -4,6 +4,7 @@ use blocksim_analysis::{Interpolation, Series};
 use blocksim_report::{Compared, Report};
 use blocksim_results::Kind;
 
+use crate::failure::Failure;
 use crate::signals::other::other_values;
 use crate::signals::traces::Book;
 
@@ -21,7 +22,7 @@ pub struct Other<'a> {
 ///
 /// # Errors
 /// What to tell the person at the keyboard.
-pub fn add(book: &Book, other: Other, report: &mut Report) -> Result<(), String> {
+pub fn add(book: &Book, other: Other, report: &mut Report) -> Result<(), Failure> {
     for panel in &mut report.panels {
         for series in &mut panel.series {
             let (Some(here), Some(there)) = (book.find(&series.path), other.book.find(&series.path)) else {

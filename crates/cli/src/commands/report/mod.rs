@@ -28,8 +28,9 @@ use self::titles::Titles;
 use crate::args::report::ReportArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::mechanism::surroundings;
-use crate::signals::traces::{Book, Mapping, told};
+use crate::signals::traces::{Book, Mapping};
 use crate::terminal::console::Console;
 
 /// Name of the file in the folder of its run.
@@ -40,24 +41,19 @@ const MOST_MEASURED: usize = 2_000_000;
 /// Writes the report of a run.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn report(args: &ReportArgs, console: Console) -> io::Result<Exit> {
-    match written(args, console) {
-        Ok(file) => console.data(&format!("{}\n", file.display()))?,
-        Err(message) => {
-            console.say(&message);
-            return Ok(Exit::Files);
-        }
-    }
+/// What cannot be read or written.
+pub fn report(args: &ReportArgs, console: Console) -> Outcome {
+    let file = written(args, console)?;
+    console.data(&format!("{}\n", file.display()))?;
     Ok(Exit::Done)
 }
 
 /// Writes the page; returns its place.
 ///
 /// # Errors
-/// What to tell the person at the keyboard.
-pub fn written(args: &ReportArgs, console: Console) -> Result<PathBuf, String> {
-    let path = locate(&args.run, Path::new(RUNS)).map_err(told)?;
+/// What cannot be read or written.
+pub fn written(args: &ReportArgs, console: Console) -> Result<PathBuf, Failure> {
+    let path = locate(&args.run, Path::new(RUNS)).map_err(|error| Failure::of_run(&error))?;
     let target = target(args, &path)?;
     let file = kept(&gathered(args, &path, &[], console)?, &target, console)?;
     if args.open {
@@ -69,14 +65,14 @@ pub fn written(args: &ReportArgs, console: Console) -> Result<PathBuf, String> {
 /// Writes the page of a recording with another one beside it; returns its place. Its columns are named by `maps`.
 ///
 /// # Errors
-/// What to tell the person at the keyboard.
+/// What cannot be read or written.
 pub fn written_beside(
     args: &ReportArgs,
     maps: &[Mapping],
     other: Other,
     console: Console,
-) -> Result<PathBuf, String> {
-    let path = locate(&args.run, Path::new(RUNS)).map_err(told)?;
+) -> Result<PathBuf, Failure> {
+    let path = locate(&args.run, Path::new(RUNS)).map_err(|error| Failure::of_run(&error))?;
     let target = target(args, &path)?;
     let mut report = gathered(args, &path, maps, console)?;
     beside::add(&Book::open(&path, maps)?, other, &mut report)?;
@@ -84,7 +80,7 @@ pub fn written_beside(
 }
 
 /// Writes the page.
-fn kept(report: &Report, (folder, name): &(PathBuf, String), console: Console) -> Result<PathBuf, String> {
+fn kept(report: &Report, (folder, name): &(PathBuf, String), console: Console) -> Result<PathBuf, Failure> {
     let page = html(report);
     if !report.full && page.len() > BUDGET {
         console.say(&format!(
@@ -100,12 +96,13 @@ fn kept(report: &Report, (folder, name): &(PathBuf, String), console: Console) -
             _ => error.reason(),
         };
         let file = folder.join(name);
-        format!("error: cannot write `{}`: {reason}\n  = help: choose another place with -o", file.display())
+        Failure::unwritable(format!("cannot write `{}`: {reason}", file.display()))
+            .help("choose another place with -o")
     })
 }
 
 /// Folder and name of the file, which must not be there.
-fn target(args: &ReportArgs, run: &Path) -> Result<(PathBuf, String), String> {
+fn target(args: &ReportArgs, run: &Path) -> Result<(PathBuf, String), Failure> {
     let file = match &args.out {
         Some(file) => file.clone(),
         None if run.is_dir() => run.join(NAME),
@@ -113,7 +110,7 @@ fn target(args: &ReportArgs, run: &Path) -> Result<(PathBuf, String), String> {
     };
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let refused = |reason: &str, help: &str| {
-        Err(format!("error: cannot write `{}`: {reason}\n  = help: {help}", file.display()))
+        Err(Failure::unwritable(format!("cannot write `{}`: {reason}", file.display())).help(help))
     };
     let Some(name) = file.file_name() else { return refused("it names no file", "add a name") };
     if !folder.is_dir() {
@@ -130,9 +127,9 @@ fn target(args: &ReportArgs, run: &Path) -> Result<(PathBuf, String), String> {
 }
 
 /// All that is shown.
-fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) -> Result<Report, String> {
+fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) -> Result<Report, Failure> {
     let book = Book::open(path, maps)?;
-    let run = Run::open(path).map_err(told)?;
+    let run = Run::open(path).map_err(|error| Failure::of_run(&error))?;
     let mut report = Report { full: args.full, title: book.name.clone(), ..Report::default() };
     if let Some(shortfall) = run.shortfall() {
         report.warnings.push(format!("This run is not whole: {shortfall}."));
@@ -173,10 +170,9 @@ fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) 
         let overlay = overlay(file)?;
         measured += overlay.time.len() * (overlay.columns.len() + 1);
         if measured > MOST_MEASURED {
-            return Err(format!(
-                "error: the measurements have more than {MOST_MEASURED} values\n  = help: leave columns or rows of `{}` away",
-                file.display()
-            ));
+            let help = format!("leave columns or rows of `{}` away", file.display());
+            let said = format!("the measurements have more than {MOST_MEASURED} values");
+            return Err(Failure::unreadable(said).help(help));
         }
         report.overlays.push(overlay);
     }
@@ -191,14 +187,14 @@ fn around(
     args: &ReportArgs,
     model: Option<(&model::Text, &Sources)>,
     report: &mut Report,
-) -> Result<Surroundings, String> {
+) -> Result<Surroundings, Failure> {
     match (surroundings::read(args.surroundings.as_deref(), model), &args.surroundings) {
         (Ok(around), _) => Ok(around.unwrap_or_default()),
-        (Err(reason), Some(file)) => Err(format!(
-            "error: cannot read the surroundings in `{}`: {reason}\n  = help: write them as in docs/moves.md, or name a \
-             diagram with the parameter `surroundings`",
-            file.display()
-        )),
+        (Err(reason), Some(file)) => {
+            let said = format!("cannot read the surroundings in `{}`: {reason}", file.display());
+            Err(Failure::unreadable(said)
+                .help("write them as in docs/moves.md, or name a diagram with the parameter `surroundings`"))
+        }
         (Err(reason), None) => {
             report.warnings.push(format!("What stands around the mechanism is not shown: {reason}."));
             Ok(Surroundings::default())
@@ -206,8 +202,8 @@ fn around(
     }
 }
 
-fn overlay(file: &Path) -> Result<Overlay, String> {
-    let table = read_foreign_file(file, &["time", "t"]).map_err(told)?;
+fn overlay(file: &Path) -> Result<Overlay, Failure> {
+    let table = read_foreign_file(file, &["time", "t"]).map_err(|error| Failure::of_run(&error))?;
     let factor = if table.time_unit.as_deref() == Some("ms") { 1e-3 } else { 1.0 };
     Ok(Overlay {
         name: file.file_name().unwrap_or_default().to_string_lossy().into_owned(),

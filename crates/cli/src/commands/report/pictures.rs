@@ -13,6 +13,7 @@ use crate::args::plot::Layout;
 use crate::commands::plot::drawn::{Drawn, add_once};
 use crate::commands::plot::following::{Row, rows};
 use crate::commands::plot::groups::{Group, chosen, groups};
+use crate::failure::Failure;
 use crate::signals::shown::turn;
 use crate::signals::traces::Book;
 
@@ -31,7 +32,12 @@ const STRETCHES: usize = 20_000;
 ///
 /// # Errors
 /// What to tell the person at the keyboard.
-pub fn add(books: &[Book; 1], titles: &Titles, joints: &[String], report: &mut Report) -> Result<(), String> {
+pub fn add(
+    books: &[Book; 1],
+    titles: &Titles,
+    joints: &[String],
+    report: &mut Report,
+) -> Result<(), Failure> {
     let book = &books[0];
     // Without a pattern everything fits.
     let selected = chosen(book, &[]).unwrap_or_default();

@@ -6,6 +6,7 @@ use blocksim_plot::pretty_unit;
 use blocksim_report::{Report, Unseen, few};
 use blocksim_results::ALWAYS;
 
+use crate::failure::Failure;
 use crate::signals::traces::Book;
 
 /// Most of them in a page that is to stay small.
@@ -17,7 +18,7 @@ const POINTS: usize = 1000;
 ///
 /// # Errors
 /// What to tell the person at the keyboard.
-pub fn add(book: &Book, report: &mut Report) -> Result<(), String> {
+pub fn add(book: &Book, report: &mut Report) -> Result<(), Failure> {
     let shown: HashSet<&str> =
         report.panels.iter().flat_map(|panel| &panel.series).map(|series| series.path.as_str()).collect();
     let mut unseen: Vec<usize> =

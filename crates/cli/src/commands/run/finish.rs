@@ -4,11 +4,12 @@ use blocksim_block::schedule::Recorded;
 use blocksim_results::STORE;
 use blocksim_results::format::ordinal;
 
-use super::halt::{Halt, refused};
 use super::prepare::Prepared;
 use super::simulate::Simulated;
+use super::unwritten;
 use crate::args::model::RunArgs;
 use crate::exit::Exit;
+use crate::failure::Failure;
 use crate::running::keep::{Csv, Kept, Rest, is_csv_written, keep};
 use crate::running::report::{Report, log};
 use crate::running::start::Began;
@@ -17,12 +18,15 @@ use crate::terminal::console::Console;
 use crate::terminal::render::plural;
 
 /// Keeps a run and tells what it was; returns where it is.
+///
+/// # Errors
+/// If it cannot be kept.
 pub fn keep_and_tell(
     args: &RunArgs,
     prepared: Prepared,
     simulated: Simulated,
     console: Console,
-) -> Result<(String, Exit), Halt> {
+) -> Result<(String, Exit), Failure> {
     let Prepared { loaded, schedule, simulation, selection, folder, .. } = prepared;
     let Simulated { run, seen, events, manifest, rows, lost, mut exit } = simulated;
     let source = |at: &usize| schedule.recorded[selection.sources[*at]].clone();
@@ -53,18 +57,16 @@ pub fn keep_and_tell(
     let Kept { folder: place, untold } = match keep(folder, &run, rest) {
         Ok(kept) => kept,
         Err(error) => {
-            // A disk that is full is told once.
-            if lost.is_none() {
-                refused(&error, console);
-            }
-            if partial.exists() {
-                console.say(&format!("what was recorded is kept in {}", partial.display()));
-            }
             // What was recorded can at least be seen.
             if !args.quiet && !args.json {
                 console.data(&report.text(None, args, console))?;
             }
-            return Err(Halt::Exit(Exit::Files));
+            // A disk that is full is told once.
+            let failure = if lost.is_none() { unwritten(&error) } else { Failure::told(Exit::Files) };
+            return Err(match partial.exists() {
+                true => failure.last(format!("what was recorded is kept in {}", partial.display())),
+                false => failure,
+            });
         }
     };
     // As the user wrote it, where they did.
@@ -99,11 +101,10 @@ pub fn keep_and_tell(
     }
     // A disk that is full is told once.
     if let Some(error) = untold.filter(|_| lost.is_none()) {
-        refused(&error, console);
-        console.say(&format!(
-            "  = note: all signals are in {place}/{STORE}; `blocksim export {place} --csv FILE` writes them as text"
-        ));
-        exit = Exit::Files;
+        let note = format!(
+            "all signals are in {place}/{STORE}; `blocksim export {place} --csv FILE` writes them as text"
+        );
+        exit = unwritten(&error).note(note).tell(console);
     }
     Ok((place, exit))
 }

@@ -2,27 +2,22 @@
 
 mod audit;
 mod finish;
-mod halt;
 mod prepare;
 mod simulate;
 
-use std::io;
+use blocksim_results::ResultsError;
 
-use self::halt::Halt;
-use crate::args::model::{Format, RunArgs};
+use crate::args::model::RunArgs;
 use crate::args::report::ReportArgs;
 use crate::exit::Exit;
+use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
 
 /// Simulates a model, keeps the results and shows them.
 ///
 /// # Errors
-/// If the standard output cannot be written.
-pub fn run(args: &RunArgs, console: Console) -> io::Result<Exit> {
-    halt::or_exit(whole(args, console))
-}
-
-fn whole(args: &RunArgs, console: Console) -> Result<Exit, Halt> {
+/// What keeps it from running, or its results from being kept.
+pub fn run(args: &RunArgs, console: Console) -> Outcome {
     let mut prepared = prepare::prepare(args, console)?;
     let simulated = simulate::simulate(args, &mut prepared, console)?;
     let (place, exit) = finish::keep_and_tell(args, prepared, simulated, console)?;
@@ -34,14 +29,15 @@ fn whole(args: &RunArgs, console: Console) -> Result<Exit, Halt> {
             console.say(&format!("the page of the run is {}", page.display()));
             exit
         }
-        Err(message) => {
-            console.say(&message);
-            if exit == Exit::Done { Exit::Files } else { exit }
+        Err(failure) => {
+            let unwritten = failure.tell(console);
+            if exit == Exit::Done { unwritten } else { exit }
         }
     })
 }
 
-/// How problems are told.
-fn format(args: &RunArgs) -> Format {
-    if args.json { Format::Json } else { Format::Full }
+/// A failure of the file system that keeps results from being written: place, reason, remedy.
+fn unwritten(error: &ResultsError) -> Failure {
+    let said = format!("cannot write the results to `{}`: {}", error.place().display(), error.reason());
+    Failure::unwritable(said).help(error.remedy())
 }

@@ -9,21 +9,22 @@ use blocksim_results::{ResultsError, RunFolder, probe};
 use blocksim_scene::Scene;
 use blocksim_sim::Simulation;
 
-use super::format;
-use super::halt::{Halt, refused, usage};
+use super::unwritten;
 use crate::args::model::RunArgs;
 use crate::args::values::RUNS;
-use crate::commands::tell;
 use crate::exit::Exit;
+use crate::failure::Failure;
 use crate::loaded::{Loaded, load};
 use crate::running::blame::failure;
 use crate::running::selection::{Selection, select};
 use crate::running::{interrupt, solver};
 use crate::terminal::console::Console;
-use crate::terminal::render;
 
-/// Why a run cannot be audited.
-const FIXED: &str = "--audit makes no sense with a method of fixed step, which looks at conditions only at its steps\n  = help: use a method of variable step, for example `--solver Ode45`";
+/// Why a run cannot be audited, and what helps.
+const FIXED: [&str; 2] = [
+    "--audit makes no sense with a method of fixed step, which looks at conditions only at its steps",
+    "use a method of variable step, for example `--solver Ode45`",
+];
 
 /// A model that is ready to run, and where its results go.
 pub struct Prepared {
@@ -42,32 +43,28 @@ pub struct Prepared {
 }
 
 /// Reads, compiles and places a model.
-pub fn prepare(args: &RunArgs, console: Console) -> Result<Prepared, Halt> {
-    let mut loaded = load(&args.model, console).ok_or(Halt::Exit(Exit::Files))?;
-    let problems = &loaded.compiled.problems;
-    tell(problems, &loaded.files, format(args), console)?;
-    let Some(mut schedule) = loaded.compiled.schedule.take() else {
-        console.say(&format!("{}; nothing was run", render::tally(problems)));
-        return Err(Halt::Exit(Exit::Model));
-    };
-    solver::apply(&args.solver, &mut schedule.settings).map_err(|mistake| usage(&mistake, console))?;
+///
+/// # Errors
+/// What is wrong with it, with the command line, or with the place of the results.
+pub fn prepare(args: &RunArgs, console: Console) -> Result<Prepared, Failure> {
+    let mut loaded = load(&args.model)?;
+    let mut schedule = loaded.take_schedule("nothing was run", console)?;
+    solver::apply(&args.solver, &mut schedule.settings)?;
     let poses = loaded.scene().map(Scene::signals).unwrap_or_default();
-    let selection = select(&schedule.recorded, &args.signals, &poses, &schedule.settings)
-        .map_err(|mistake| usage(&mistake, console))?;
+    let selection = select(&schedule.recorded, &args.signals, &poses, &schedule.settings)?;
     interrupt::take_over();
     let started = SystemTime::now();
-    let folder = results_folder(args, started).map_err(|error| refused(&error, console))?;
+    let folder = results_folder(args, started).map_err(|error| unwritten(&error))?;
     let schedule = Arc::new(schedule);
     let mut simulation = match Simulation::new(Arc::clone(&schedule)) {
         Ok(simulation) => simulation,
         Err(error) => {
-            tell(&[failure(&error, &schedule)], &loaded.files, format(args), console)?;
-            console.say("nothing was run");
-            return Err(Halt::Exit(Exit::Failed));
+            let problem = failure(&error, &schedule);
+            return Err(Failure::of(Exit::Failed, vec![problem], loaded.files).last("nothing was run"));
         }
     };
     if args.audit && !simulation.audit() {
-        return Err(usage(FIXED, console));
+        return Err(Failure::usage(FIXED[0]).help(FIXED[1]));
     }
     Ok(Prepared { loaded, schedule, simulation, selection, folder, started })
 }

@@ -2,12 +2,12 @@
 
 use blocksim_results::{Ended, EventRow, Manifest, ResultsError, Run, STORE, Store, clock};
 
-use super::format;
-use super::halt::{Halt, refused};
 use super::prepare::Prepared;
+use super::unwritten;
 use crate::args::model::RunArgs;
-use crate::commands::tell;
+use crate::commands::tell_with;
 use crate::exit::Exit;
+use crate::failure::Failure;
 use crate::running::blame::{failure, reason};
 use crate::running::keep::{self, Seen};
 use crate::running::manifest;
@@ -36,7 +36,10 @@ pub struct Simulated {
 }
 
 /// Runs what is prepared and records it.
-pub fn simulate(args: &RunArgs, prepared: &mut Prepared, console: Console) -> Result<Simulated, Halt> {
+///
+/// # Errors
+/// If nothing can be recorded. A simulation that cannot go on is told, and what there is of it is kept.
+pub fn simulate(args: &RunArgs, prepared: &mut Prepared, console: Console) -> Result<Simulated, Failure> {
     let telling = match (args.json, args.quiet) {
         (true, _) => Telling::Data,
         (_, true) => Telling::Silent,
@@ -49,7 +52,7 @@ pub fn simulate(args: &RunArgs, prepared: &mut Prepared, console: Console) -> Re
         .write_manifest(&begun)
         .and_then(|()| folder.write(MODEL, |out| out.write_all(model_text::json(&loaded.on_disk).as_bytes())))
         .and_then(|()| folder.record(&selection.layout, &selection.sources, schedule.recorded.len()))
-        .map_err(|error| refused(&error, console))?;
+        .map_err(|error| unwritten(&error))?;
     let progress = Progress::new(console, telling, schedule.settings.stop_time);
     let mut recorder = Recorder::new(stream, progress);
     let outcome = simulation.run(&mut recorder);
@@ -62,13 +65,12 @@ pub fn simulate(args: &RunArgs, prepared: &mut Prepared, console: Console) -> Re
         Ok(blocksim_sim::Ended::Finished) => (Ended::Complete, Exit::Done),
         Ok(blocksim_sim::Ended::Interrupted) => (Ended::Interrupted, Exit::Interrupted),
         Err(error) => {
-            tell(&[failure(&error, schedule)], &loaded.files, format(args), console)?;
+            tell_with(&[failure(&error, schedule)], &loaded.files, Some(Exit::Failed), console)?;
             (Ended::Failed { reason: reason(&error) }, Exit::Failed)
         }
     };
     if let Some(error) = &lost {
-        refused(error, console);
-        exit = Exit::Files;
+        exit = unwritten(error).tell(console);
         ended = Ended::Failed { reason: format!("the recording could not be written: {}", error.reason()) };
     }
     if let Some(misfit) = &misfit {
@@ -79,7 +81,7 @@ pub fn simulate(args: &RunArgs, prepared: &mut Prepared, console: Console) -> Re
     let (run, seen) =
         store.map(Run::of).and_then(|run| keep::seen(&run).map(|seen| (run, seen))).map_err(|error| {
             // A disk that is full from the start may not even have taken the header, which has been told.
-            if lost.is_some() { Halt::Exit(Exit::Files) } else { refused(&error, console) }
+            if lost.is_some() { Failure::told(Exit::Files) } else { unwritten(&error) }
         })?;
     let rows = match &lost {
         None => taken,

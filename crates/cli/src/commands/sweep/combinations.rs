@@ -3,6 +3,7 @@
 use blocksim_identify::Random;
 
 use crate::args::sweep::{Over, Values};
+use crate::failure::Failure;
 
 /// Most runs of one sweep.
 pub const MOST: usize = 1_000_000;
@@ -20,11 +21,10 @@ impl<'a> Combinations<'a> {
     ///
     /// # Errors
     /// A mistake of the command line.
-    pub fn of(over: &'a [Over], random: Option<usize>, seed: u64) -> Result<Combinations<'a>, String> {
+    pub fn of(over: &'a [Over], random: Option<usize>, seed: u64) -> Result<Combinations<'a>, Failure> {
         if let Some(twice) = named_twice(over) {
-            return Err(format!(
-                "`{twice}` is varied twice\n  = help: write all its values behind one --over"
-            ));
+            let said = format!("`{twice}` is varied twice");
+            return Err(Failure::usage(said).help("write all its values behind one --over"));
         }
         if let Some(runs) = random {
             return match runs <= MOST {
@@ -33,10 +33,9 @@ impl<'a> Combinations<'a> {
             };
         }
         if let Some(open) = over.iter().find(|over| matches!(over.values, Values::Between(_))) {
-            return Err(format!(
-                "how many values of `{}`?\n  = help: write from..to/n, such as 4..16/5, or from..to/nlog for equal factors; \
-                 --random N takes values from anywhere between",
-                open.target
+            return Err(Failure::usage(format!("how many values of `{}`?", open.target)).help(
+                "write from..to/n, such as 4..16/5, or from..to/nlog for equal factors; --random N takes values from \
+                 anywhere between",
             ));
         }
         let runs = over.iter().map(|over| over.listed().len()).try_fold(1_usize, usize::checked_mul);
@@ -73,8 +72,8 @@ impl<'a> Combinations<'a> {
     }
 }
 
-fn too_many() -> String {
-    format!("that would be more than {MOST} runs\n  = help: take fewer values")
+fn too_many() -> Failure {
+    Failure::usage(format!("that would be more than {MOST} runs")).help("take fewer values")
 }
 
 fn named_twice(over: &[Over]) -> Option<&str> {
@@ -110,7 +109,7 @@ mod tests {
     }
 
     fn mistake(over: &[Over]) -> Option<String> {
-        Combinations::of(over, None, 0).err()
+        Combinations::of(over, None, 0).err().map(|failure| failure.text())
     }
 
     #[test]

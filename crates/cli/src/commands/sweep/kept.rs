@@ -12,6 +12,7 @@ use blocksim_scene::Scene;
 use blocksim_sim::Simulation;
 
 use crate::args::model::ModelArgs;
+use crate::failure::Failure;
 use crate::loaded::Loaded;
 use crate::running::keep::{Csv, Rest, keep};
 use crate::running::manifest::{self, Facts};
@@ -26,10 +27,10 @@ use crate::terminal::progress::{Progress, Telling};
 /// The folder of all runs, which must be new or empty.
 ///
 /// # Errors
-/// What to tell the person at the keyboard.
-pub fn folder(place: &Path) -> Result<(), String> {
+/// Why they cannot be kept there.
+pub fn folder(place: &Path) -> Result<(), Failure> {
     let refused = |reason: String, help: &str| {
-        Err(format!("error: cannot keep runs in `{}`: {reason}\n  = help: {help}", place.display()))
+        Err(Failure::unwritable(format!("cannot keep runs in `{}`: {reason}", place.display())).help(help))
     };
     match std::fs::read_dir(place).map(|mut inside| inside.next().is_some()) {
         Ok(true) => return refused("there is something in it".to_owned(), "name a new folder"),
@@ -72,7 +73,8 @@ impl<'a> Keeping<'a> {
         console: Console,
     ) -> Result<Keeping<'a>, String> {
         let poses = loaded.scene().map(Scene::signals).unwrap_or_default();
-        let selection = select(&schedule.recorded, &[], &poses, &schedule.settings)?;
+        let selection = select(&schedule.recorded, &[], &poses, &schedule.settings)
+            .map_err(|failure| failure.message())?;
         let told = |error: ResultsError| format!("it cannot be kept: {}", error.reason());
         let mut folder = RunFolder::create_exactly(&place).map_err(told)?;
         folder

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use blocksim_analysis::{Metrics, metrics, statistics, without_jumps};
+use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{Recorded, Schedule};
 use blocksim_results::Ended as How;
 use blocksim_sim::{Ended, SimError, Simulation};
@@ -12,6 +13,7 @@ use super::kept::Keeping;
 use super::rows::{Both, Rows};
 use crate::args::model::ModelArgs;
 use crate::args::sweep::{Metric, SweepArgs, Wanted};
+use crate::failure::Failure;
 use crate::loaded::Loaded;
 use crate::running::blame::reason;
 use crate::running::solver;
@@ -36,14 +38,20 @@ pub struct Measured {
 }
 
 /// Why a run has no numbers.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Failure {
+#[derive(Debug)]
+pub enum Lost {
     /// The command line does not fit the model.
-    Usage(String),
+    Usage(Vec<Problem>),
     /// The simulation could not go on.
     Simulation(String),
     /// Ctrl-C.
     Interrupted,
+}
+
+impl From<Failure> for Lost {
+    fn from(failure: Failure) -> Lost {
+        Lost::Usage(failure.into_problems())
+    }
 }
 
 /// What is measured where nobody says it.
@@ -53,7 +61,7 @@ const OF_ONE: [Metric; 5] =
 /// Runs a model, keeps the run at `place` if one is given, and measures what is wanted.
 ///
 /// # Errors
-/// [`Failure`].
+/// Why there are no numbers.
 pub fn measure(
     loaded: &Loaded,
     mut schedule: Schedule,
@@ -61,14 +69,12 @@ pub fn measure(
     model: &ModelArgs,
     place: Option<PathBuf>,
     console: Console,
-) -> Result<Vec<Measured>, Failure> {
+) -> Result<Vec<Measured>, Lost> {
     let wanted = &args.metric;
-    solver::apply(&args.solver, &mut schedule.settings).map_err(Failure::Usage)?;
+    solver::apply(&args.solver, &mut schedule.settings)?;
     if schedule.recorded.is_empty() {
-        let help = "add a Scope, or `record: [\"...\"]` to the diagram";
-        return Err(Failure::Usage(format!(
-            "the model records nothing that could be measured\n  = help: {help}"
-        )));
+        let said = Failure::usage("the model records nothing that could be measured");
+        return Err(said.help("add a Scope, or `record: [\"...\"]` to the diagram").into());
     }
     let all: Vec<String> = schedule.recorded.iter().map(|recorded| recorded.path.clone()).collect();
     if place.is_none() {
@@ -76,9 +82,9 @@ pub fn measure(
     }
     let schedule = Arc::new(schedule);
     let recorded = &schedule.recorded;
-    let failed = |error: &SimError| Failure::Simulation(reason(error));
+    let failed = |error: &SimError| Lost::Simulation(reason(error));
     let mut simulation = Simulation::new(Arc::clone(&schedule)).map_err(|error| failed(&error))?;
-    let begin = |place| Keeping::begin(place, loaded, model, &schedule, console).map_err(Failure::Simulation);
+    let begin = |place| Keeping::begin(place, loaded, model, &schedule, console).map_err(Lost::Simulation);
     let mut keeping = place.map(begin).transpose()?;
     let mut both = Both { rows: Rows(recording(recorded)), keeping: keeping.as_mut() };
     let outcome = simulation.run(&mut both);
@@ -89,20 +95,19 @@ pub fn measure(
             Ok(Ended::Interrupted) => How::Interrupted,
             Err(error) => How::Failed { reason: reason(error) },
         };
-        keeping.end(&schedule, &simulation, &rows, ended).map_err(Failure::Simulation)?;
+        keeping.end(&schedule, &simulation, &rows, ended).map_err(Lost::Simulation)?;
     }
     if outcome.map_err(|error| failed(&error))? == Ended::Interrupted {
-        return Err(Failure::Interrupted);
+        return Err(Lost::Interrupted);
     }
     let signals = shown(recorded, &rows);
     let found = numbers(&signals, &rows.time, wanted);
     match wanted.iter().find(|wanted| !found.iter().any(|measured| measured.metric == wanted.metric)) {
-        Some(without) => Err(Failure::Usage(no_signal(without, &all))),
-        None if found.is_empty() => Err(Failure::Usage(
-            "no scope of the model has a set and an actual value\n  = help: say what to measure, such as \
-             --metric peak:motor.i"
-                .to_owned(),
-        )),
+        Some(without) => Err(no_signal(without, &all).into()),
+        None if found.is_empty() => {
+            let said = Failure::usage("no scope of the model has a set and an actual value");
+            Err(said.help("say what to measure, such as --metric peak:motor.i").into())
+        }
         None => Ok(found),
     }
 }
@@ -200,13 +205,11 @@ fn of_signal(metric: Metric, time: &[f64], values: &[f64]) -> Option<f64> {
 }
 
 /// What to say where nothing fits.
-fn no_signal(wanted: &Wanted, recorded: &[String]) -> String {
+fn no_signal(wanted: &Wanted, recorded: &[String]) -> Failure {
     let what = wanted.metric.name();
     let Some(pattern) = &wanted.pattern else {
-        return format!(
-            "no scope of the model has a set and an actual value, of which there is a {what}\n  = help: name the inputs \
-             of a Scope `set` and `actual`"
-        );
+        let said = format!("no scope of the model has a set and an actual value, of which there is a {what}");
+        return Failure::usage(said).help("name the inputs of a Scope `set` and `actual`");
     };
     let some: Vec<&str> = recorded.iter().take(5).map(String::as_str).collect();
     let more = if recorded.len() > some.len() { ", ..." } else { "" };
@@ -215,5 +218,6 @@ fn no_signal(wanted: &Wanted, recorded: &[String]) -> String {
     } else {
         "no recorded signal fits"
     };
-    format!("{of} `{pattern}` of `{what}:{pattern}`\n  = help: recorded are {}{more}", some.join(", "))
+    Failure::usage(format!("{of} `{pattern}` of `{what}:{pattern}`"))
+        .help(format!("recorded are {}{more}", some.join(", ")))
 }

@@ -4,7 +4,7 @@ use blocksim_results::format::significant;
 use blocksim_results::{Align, Table};
 use serde_json::{Value, json};
 
-use super::measure::{Failure, Measured};
+use super::measure::{Lost, Measured};
 use super::{Row, kept};
 use crate::args::sweep::{Metric, Over};
 use crate::terminal::format::column;
@@ -58,10 +58,9 @@ impl<'a> Sheet<'a> {
                 .collect(),
             failed: match &row.outcome {
                 Ok(_) => None,
-                Err(Failure::Interrupted) => Some("interrupted".to_owned()),
-                Err(Failure::Simulation(reason) | Failure::Usage(reason)) => {
-                    reason.lines().next().map(str::to_owned)
-                }
+                Err(Lost::Interrupted) => Some("interrupted".to_owned()),
+                Err(Lost::Simulation(reason)) => reason.lines().next().map(str::to_owned),
+                Err(Lost::Usage(problems)) => problems.first().map(|problem| problem.message.clone()),
             },
         };
         let lines = rows.iter().enumerate().map(line).collect();
@@ -288,7 +287,7 @@ mod tests {
         vec![
             row(0, Ok(good(1.25, Some(10.5)))),
             row(1, Ok(good(0.5, None))),
-            row(2, Err(Failure::Simulation("step size below 1e-12 s, \"x\"".into()))),
+            row(2, Err(Lost::Simulation("step size below 1e-12 s, \"x\"".into()))),
         ]
     }
 

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use crate::failure::Failure;
+
 /// One column: `q1 = axis1.angle [deg]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mapping {
@@ -14,7 +16,7 @@ pub struct Mapping {
 }
 
 /// Reads `--map`: a mapping, or the name of a file with one in each line; lines that begin with `#` are comments.
-pub fn mappings(texts: &[String]) -> Result<Vec<Mapping>, String> {
+pub fn mappings(texts: &[String]) -> Result<Vec<Mapping>, Failure> {
     let mut all = Vec::new();
     for text in texts {
         if text.contains('=') {
@@ -23,14 +25,14 @@ pub fn mappings(texts: &[String]) -> Result<Vec<Mapping>, String> {
         }
         let file = std::fs::read_to_string(Path::new(text)).map_err(|error| {
             let reason = crate::disk::reason(&error);
-            format!("error: cannot read the mappings in `{text}`: {reason}\n  = help: write a mapping as 'COLUMN=PATH[unit]'")
+            Failure::usage(format!("cannot read the mappings in `{text}`: {reason}"))
+                .help("write a mapping as 'COLUMN=PATH[unit]'")
         })?;
         for (n, line) in file.lines().enumerate() {
             let line = line.trim().trim_start_matches('\u{feff}');
             if !line.is_empty() && !line.starts_with('#') {
                 all.push(
-                    mapping(line)
-                        .map_err(|problem| format!("{problem}\n  = note: in `{text}`, line {}", n + 1))?,
+                    mapping(line).map_err(|failure| failure.note(format!("in `{text}`, line {}", n + 1)))?,
                 );
             }
         }
@@ -38,12 +40,10 @@ pub fn mappings(texts: &[String]) -> Result<Vec<Mapping>, String> {
     Ok(all)
 }
 
-fn mapping(text: &str) -> Result<Mapping, String> {
+fn mapping(text: &str) -> Result<Mapping, Failure> {
     let wrong = || {
-        format!(
-            "error: `{}` is no mapping\n  = help: write 'COLUMN=PATH[unit]', such as 'q1=control/joint1/scope.actual[deg]'",
-            text.trim()
-        )
+        Failure::usage(format!("`{}` is no mapping", text.trim()))
+            .help("write 'COLUMN=PATH[unit]', such as 'q1=control/joint1/scope.actual[deg]'")
     };
     let (column, rest) = text.rsplit_once('=').ok_or_else(wrong)?;
     let (column, rest) = (column.trim(), rest.trim());
@@ -64,7 +64,8 @@ mod tests {
 
     #[test]
     fn a_mapping_has_a_column_a_path_and_perhaps_a_unit() {
-        let read = |text: &str| mapping(text).map(|m| (m.column, m.path, m.unit));
+        let read =
+            |text: &str| mapping(text).map(|m| (m.column, m.path, m.unit)).map_err(|failure| failure.text());
         let owned =
             |a: &str, b: &str, unit: Option<&str>| Ok((a.to_owned(), b.to_owned(), unit.map(str::to_owned)));
         assert_eq!(read("q1=axis1.angle[deg]"), owned("q1", "axis1.angle", Some("deg")));
@@ -79,9 +80,7 @@ mod tests {
 
     #[test]
     fn a_file_that_is_not_there_is_told() {
-        let error = mappings(&["no-such-file.txt".to_owned()]).unwrap_err();
-        assert!(
-            error.starts_with("error: cannot read the mappings in `no-such-file.txt`: there is no such file")
-        );
+        let error = mappings(&["no-such-file.txt".to_owned()]).unwrap_err().text();
+        assert!(error.starts_with("cannot read the mappings in `no-such-file.txt`: there is no such file"));
     }
 }

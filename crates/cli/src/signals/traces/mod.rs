@@ -5,12 +5,13 @@ mod table;
 
 pub use mapping::{Mapping, mappings};
 
-use std::borrow::Borrow;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use blocksim_results::{Column, Kind, ResultsError, Run};
+use blocksim_results::{Column, Kind, Run};
 use blocksim_signal::Unit;
+
+use crate::failure::Failure;
 
 /// Most values of a signal that are read for a picture; of more the extremes are enough.
 const PICTURE: u64 = 1 << 18;
@@ -72,10 +73,10 @@ impl Book {
     /// Opens a run (its folder or its recording) or a table (any other file), whose columns may be mapped.
     ///
     /// # Errors
-    /// What to tell the person at the keyboard.
-    pub fn open(path: &Path, maps: &[Mapping]) -> Result<Book, String> {
+    /// Why it cannot be read.
+    pub fn open(path: &Path, maps: &[Mapping]) -> Result<Book, Failure> {
         if path.is_dir() || path.extension().is_some_and(|ending| ending == "rec") {
-            let run = Run::open(path).map_err(told)?;
+            let run = Run::open(path).map_err(|error| Failure::of_run(&error))?;
             let traces = run.signals().iter().map(|info| {
                 let si = Unit::parse(&info.unit).ok();
                 let display = info.display.as_deref().and_then(|text| Unit::parse(text).ok());
@@ -131,10 +132,10 @@ impl Book {
     /// A signal in SI.
     ///
     /// # Errors
-    /// What to tell the person at the keyboard.
-    pub fn read(&self, trace: usize, range: &RangeInclusive<f64>) -> Result<Column, String> {
+    /// Why it cannot be read.
+    pub fn read(&self, trace: usize, range: &RangeInclusive<f64>) -> Result<Column, Failure> {
         match &self.source {
-            Source::Run(run) => run.read(trace, range).map_err(told),
+            Source::Run(run) => run.read(trace, range).map_err(|error| Failure::of_run(&error)),
             Source::Table(table) => table.column(trace, range),
         }
     }
@@ -143,8 +144,8 @@ impl Book {
     /// its jumps.
     ///
     /// # Errors
-    /// What to tell the person at the keyboard.
-    pub fn together(&self, traces: &[usize], range: &RangeInclusive<f64>) -> Result<Vec<Column>, String> {
+    /// Why it cannot be read.
+    pub fn together(&self, traces: &[usize], range: &RangeInclusive<f64>) -> Result<Vec<Column>, Failure> {
         let Source::Run(run) = &self.source else {
             return traces.iter().map(|&trace| self.read(trace, range)).collect();
         };
@@ -153,7 +154,7 @@ impl Book {
             let places: Vec<usize> =
                 (0..traces.len()).filter(|&at| run.signals()[traces[at]].base == base).collect();
             let signals: Vec<usize> = places.iter().map(|&at| traces[at]).collect();
-            let read = run.read_together(&signals, range).map_err(told)?;
+            let read = run.read_together(&signals, range).map_err(|error| Failure::of_run(&error))?;
             for (at, signal) in places.into_iter().zip(read.signals) {
                 columns[at] = Column { time: read.time.clone(), values: signal.values };
             }
@@ -170,8 +171,8 @@ impl Book {
     /// the extremes of short stretches.
     ///
     /// # Errors
-    /// What to tell the person at the keyboard.
-    pub fn pictures(&self, traces: &[usize], range: &RangeInclusive<f64>) -> Result<Vec<Column>, String> {
+    /// Why it cannot be read.
+    pub fn pictures(&self, traces: &[usize], range: &RangeInclusive<f64>) -> Result<Vec<Column>, Failure> {
         if traces.iter().any(|&trace| self.is_long(trace)) {
             return traces.iter().map(|&trace| self.picture(trace, range)).collect();
         }
@@ -181,11 +182,11 @@ impl Book {
     /// A signal in SI as a picture needs it: all values or, of very many, the extremes of short stretches.
     ///
     /// # Errors
-    /// What to tell the person at the keyboard.
-    pub fn picture(&self, trace: usize, range: &RangeInclusive<f64>) -> Result<Column, String> {
+    /// Why it cannot be read.
+    pub fn picture(&self, trace: usize, range: &RangeInclusive<f64>) -> Result<Column, Failure> {
         match &self.source {
             Source::Run(run) if self.is_long(trace) => {
-                run.overview(trace, range, PICTURE as usize).map_err(told)
+                run.overview(trace, range, PICTURE as usize).map_err(|error| Failure::of_run(&error))
             }
             _ => self.read(trace, range),
         }
@@ -213,16 +214,14 @@ impl Book {
 /// Tells a mapping of a column that no table has.
 ///
 /// # Errors
-/// What to tell the person at the keyboard.
-pub fn check_mappings(maps: &[Mapping], books: &[Book]) -> Result<(), String> {
+/// Why it cannot be read.
+pub fn check_mappings(maps: &[Mapping], books: &[Book]) -> Result<(), Failure> {
     let Some(lost) = maps.iter().find(|map| !books.iter().any(|book| book.has_column(&map.column))) else {
         return Ok(());
     };
     let Some(book) = books.iter().find(|book| !book.is_run) else {
-        return Err(format!(
-            "error: there is no table with the column `{}`\n  = help: mappings are for tables; a run has its own names",
-            lost.column
-        ));
+        let said = format!("there is no table with the column `{}`", lost.column);
+        return Err(Failure::usage(said).help("mappings are for tables; a run has its own names"));
     };
     let columns: &[String] = match &book.source {
         Source::Run(_) => &[],
@@ -235,7 +234,7 @@ pub fn check_mappings(maps: &[Mapping], books: &[Book]) -> Result<(), String> {
             columns.iter().take(12).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
         ),
     };
-    Err(format!("error: there is no column `{}` in `{}`\n  = help: {help}", lost.column, book.name))
+    Err(Failure::usage(format!("there is no column `{}` in `{}`", lost.column, book.name)).help(help))
 }
 
 /// The unit asked for if it fits; else degrees for angles and SI for all else.
@@ -244,15 +243,4 @@ fn shown_in(si: Option<Unit>, asked: Option<Unit>) -> Unit {
     let fits = |unit: &Unit| unit.dimension.compatible(si.dimension);
     let degrees = || Unit::parse("deg").ok().filter(|unit| unit.dimension == si.dimension);
     asked.filter(fits).or_else(degrees).unwrap_or(si)
-}
-
-/// A failure of the file system: place, reason, remedy.
-pub fn told(error: impl Borrow<ResultsError>) -> String {
-    let error = error.borrow();
-    format!(
-        "error: cannot read `{}`: {}\n  = help: {}",
-        error.place().display(),
-        error.reason(),
-        error.remedy()
-    )
 }

@@ -6,7 +6,8 @@ use std::path::Path;
 use blocksim_results::{Column, Kind, read_foreign_file};
 use blocksim_signal::{Dimension, Unit};
 
-use super::{Mapping, Trace, shown_in, told};
+use super::{Mapping, Trace, shown_in};
+use crate::failure::Failure;
 
 /// Times in s and values in SI.
 #[derive(Debug)]
@@ -15,7 +16,7 @@ pub struct Table {
     pub time: Vec<f64>,
     values: Vec<Vec<f64>>,
     /// Why a column cannot be used.
-    troubles: Vec<Option<String>>,
+    troubles: Vec<Option<UnknownUnit>>,
     /// All columns by the names that they have in the file.
     pub columns: Vec<String>,
 }
@@ -24,28 +25,26 @@ impl Table {
     /// Reads a table and names its columns.
     ///
     /// # Errors
-    /// What to tell the person at the keyboard.
-    pub fn open(path: &Path, maps: &[Mapping]) -> Result<(Table, Vec<Trace>, Vec<String>), String> {
+    /// Why it cannot be read.
+    pub fn open(path: &Path, maps: &[Mapping]) -> Result<(Table, Vec<Trace>, Vec<String>), Failure> {
         let time_maps = || maps.iter().filter(|map| map.path == "time");
         let names: Vec<&str> = time_maps().map(|map| map.column.as_str()).collect();
-        let foreign = read_foreign_file(path, &names).map_err(told)?;
+        let foreign = read_foreign_file(path, &names).map_err(|error| Failure::of_run(&error))?;
         if foreign.columns.is_empty() {
-            return Err(format!(
-                "error: `{}` has times, but no signals\n  = help: export the table again with a column for each signal",
-                path.display()
-            ));
+            let said = format!("`{}` has times, but no signals", path.display());
+            return Err(
+                Failure::unreadable(said).help("export the table again with a column for each signal")
+            );
         }
         let time_map = time_maps().find(|map| map.column == foreign.time_name);
         let mut columns = vec![foreign.time_name];
         let place = path.display();
         let second = time_map.and_then(|map| map.unit.clone()).or(foreign.time_unit);
-        let time_unit =
-            unit(second.as_deref().unwrap_or("s"), "the time", (path, &columns[0], "time[UNIT]"))?;
+        let time_unit = unit(second.as_deref().unwrap_or("s"), "the time", (path, &columns[0], "time[UNIT]"))
+            .map_err(|trouble| trouble.failure())?;
         if Unit::parse("s").is_ok_and(|second| second.dimension != time_unit.dimension) {
-            return Err(format!(
-                "error: the time in `{place}` is in {time_unit}, which is no time\n  = help: say its unit, such as \
-                 --map 'COLUMN=time[ms]'"
-            ));
+            let said = format!("the time in `{place}` is in {time_unit}, which is no time");
+            return Err(Failure::unreadable(said).help("say its unit, such as --map 'COLUMN=time[ms]'"));
         }
         let time = foreign.time.iter().map(|&t| time_unit.to_si(t)).collect();
 
@@ -64,7 +63,7 @@ impl Table {
             // What nobody asks for may be in any unit.
             let (found, trouble) = match (found.transpose(), map) {
                 (Ok(found), _) => (found, None),
-                (Err(trouble), Some(map)) if map.unit.is_some() => return Err(trouble),
+                (Err(trouble), Some(map)) if map.unit.is_some() => return Err(trouble.failure()),
                 (Err(trouble), _) => (None, Some(trouble)),
             };
             columns.push(column.name.clone());
@@ -101,9 +100,9 @@ impl Table {
     ///
     /// # Errors
     /// If its unit is not known.
-    pub fn column(&self, at: usize, range: &RangeInclusive<f64>) -> Result<Column, String> {
+    pub fn column(&self, at: usize, range: &RangeInclusive<f64>) -> Result<Column, Failure> {
         if let Some(trouble) = &self.troubles[at] {
-            return Err(trouble.clone());
+            return Err(trouble.failure());
         }
         let from = self.time.partition_point(|t| t < range.start());
         let to = self.time.partition_point(|t| t <= range.end()).max(from);
@@ -111,16 +110,28 @@ impl Table {
     }
 }
 
+/// Why a column cannot be used, which is told only if somebody asks for it.
+#[derive(Debug, Clone)]
+struct UnknownUnit {
+    message: String,
+    help: String,
+}
+
+impl UnknownUnit {
+    fn failure(&self) -> Failure {
+        Failure::unreadable(&self.message).help(&self.help)
+    }
+}
+
 /// A unit of a column; `place` is the file, the name of the column, and what it could be mapped to.
-fn unit(text: &str, of: &str, (path, column, example): (&Path, &str, &str)) -> Result<Unit, String> {
+fn unit(text: &str, of: &str, (path, column, example): (&Path, &str, &str)) -> Result<Unit, UnknownUnit> {
     // As it is written in other programs.
     let plain = text.replace('·', "*").replace('²', "^2").replace('³', "^3");
     Unit::parse(&plain).map_err(|error| {
         let help = error.help.map_or(String::new(), |help| format!("{help}, or "));
-        format!(
-            "error: the unit of {of} in `{}` is not known: {}\n  = help: {help}say it with --map '{column}={example}'",
-            path.display(),
-            error.message
-        )
+        UnknownUnit {
+            message: format!("the unit of {of} in `{}` is not known: {}", path.display(), error.message),
+            help: format!("{help}say it with --map '{column}={example}'"),
+        }
     })
 }
