@@ -116,6 +116,8 @@ pub struct Run {
     pub events: Vec<(f64, String, String)>,
     /// Work that was done.
     pub counts: Counts,
+    /// What blocks say at its end about approximations of theirs.
+    pub warnings: Vec<String>,
     /// How the run failed, if it did.
     pub error: Option<SimError>,
 }
@@ -183,11 +185,13 @@ pub fn run(schedule: Schedule) -> Run {
         recorded,
         events: Vec::new(),
         counts: simulation.counts(),
+        warnings: Vec::new(),
         error: None,
     };
     let mut keep = Keep(empty);
     let error = simulation.run(&mut keep).err();
     keep.0.counts = simulation.counts();
+    keep.0.warnings = simulation.warnings();
     keep.0.error = error;
     keep.0
 }

@@ -86,6 +86,12 @@ pub trait Block: Any + Debug + Send + Sync {
         f64::INFINITY
     }
 
+    /// Where an approximation of the block has missed the relative tolerance `rtol` of the run, by how much and what to do
+    /// about it; asked at the end of a run. A line behind the first begins with `= help: `.
+    fn warnings(&self, _d: &[f64], _rtol: f64) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Notes what an accepted step brought (rate limits, backlash).
     fn accept(&self, _c: &Context, _d: &mut [f64]) {}
 

@@ -133,6 +133,10 @@ impl Block for Network {
         }
     }
 
+    fn warnings(&self, d: &[f64], rtol: f64) -> Vec<String> {
+        self.coupling_warnings(d, rtol)
+    }
+
     fn next_event(&self, c: &Context) -> f64 {
         let seats = self.active.time_events.iter().map(|i| &self.seats[*i]);
         let times = seats.filter_map(|seat| Some(seat.component()?.next_event(&self.still(c, seat))));

@@ -77,8 +77,9 @@ pub(crate) struct Held {
     pub torque: Range<usize>,
     /// Means over the step: states, voltages and currents of the two-pins, space vector and zero sequence of the supply.
     pub mean: Range<usize>,
-    /// Speed of each pin that is expected at the end of the step, and where it lies how far off it has been of late and the greatest
-    /// speed so far.
+    /// Speed of each pin that is expected at the end of the step, and where it lies how far off it has been of late, the greatest
+    /// speed so far, the largest error of a speed that the coupling has made in a step, and that of the mean speed of late and at
+    /// most.
     pub expected: Range<usize>,
     pub missed: usize,
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use blocksim_block::schedule::{Schedule, Solver};
+use blocksim_block::schedule::{Instance, Schedule, Solver};
 use blocksim_solve::{Share, Stepper};
 
 use crate::advance::Stop;
@@ -22,6 +22,8 @@ use crate::{Control, Observer, SimError, diagnose, methods};
 
 /// Steps after which the observer is asked whether to go on.
 const PATIENCE: u32 = 256;
+/// A relative tolerance where none is given.
+const UNTOLD: f64 = 1e-3;
 
 /// One run of a compiled diagram: time, states, signals and all else that changes.
 pub struct Simulation {
@@ -262,6 +264,18 @@ impl Simulation {
     pub fn signal(&self, path: &str) -> Option<&[f64]> {
         let signal = self.schedule.signals.iter().find(|signal| signal.path == path)?;
         Some(&self.diagram.signals[signal.offset..signal.offset + signal.shape.len()])
+    }
+
+    /// What blocks have to say about approximations of theirs that have missed the tolerance so far. A method of fixed step,
+    /// which knows no tolerance, is taken for one of 1e-3.
+    pub fn warnings(&self) -> Vec<String> {
+        let rtol = match self.schedule.settings.solver {
+            Solver::Variable { rtol, .. } => rtol,
+            Solver::Fixed { .. } => UNTOLD,
+        };
+        let cells = |block: &Instance| block.d..block.d + block.interface.discrete.len();
+        let blocks = self.schedule.blocks.iter();
+        blocks.flat_map(|block| block.block.warnings(&self.diagram.d[cells(block)], rtol)).collect()
     }
 
     /// Work done so far.

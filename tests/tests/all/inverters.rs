@@ -265,3 +265,43 @@ fn the_coupling_of_a_separate_circuit_is_of_order_two() {
         assert!((3.0..6.0).contains(&ratio), "{errors:?}");
     }
 }
+
+/// What a run says about its coupling: by how much of its maximum the speed is off.
+fn warned(run: &Run) -> Option<f64> {
+    let [warning] = run.warnings.as_slice() else {
+        assert!(run.warnings.is_empty(), "{:?}", run.warnings);
+        return None;
+    };
+    let (_, rest) = warning.split_once("is off by about ").expect("a number");
+    Some(rest.split_once(' ').expect("a number").0.parse().expect("a number"))
+}
+
+#[test]
+fn a_coupling_that_misses_the_tolerance_is_told_with_its_error() {
+    let text = |inertia: &str, carrier: &str, damping: &str, integration: &str| {
+        let load = format!(
+            "\"encoder\": MotionSensor, \"load\": RotationalDamper(d: \"{damping}\"), \"far\": RotationalReference"
+        );
+        run_up_text(inertia, carrier, integration)
+            .replace("\"encoder\": MotionSensor", &load)
+            .replace("connections: [", "connections: [\"rotor.r <-> load.r\", \"load.c <-> far.r\", ")
+    };
+    for (inertia, carrier, damping, periods) in [
+        ("0.01 kg*m^2", "8 kHz", "1 N*m*s/rad", 8),
+        ("0.01 kg*m^2", "8 kHz", "1 N*m*s/rad", 2),
+        ("0.01 kg*m^2", "8 kHz", "1 N*m*s/rad", 1),
+        ("1e-4 kg*m^2", "2 kHz", "0.05 N*m*s/rad", 1),
+    ] {
+        let exact = run_text(&text(inertia, carrier, damping, "Together"));
+        assert_eq!(warned(&exact), None);
+        let separate = text(inertia, carrier, damping, &format!("Separate(periods: {periods})"));
+        let run = run_text(&separate);
+        let most = exact.column("s.w").iter().fold(0.0_f64, |most, w| most.max(w.abs()));
+        let error = (run.last("s.w") - exact.last("s.w")).abs() / most;
+        let told = warned(&run).expect("a tolerance of 1e-9 is missed");
+        assert!((0.2 * error..5.0 * error).contains(&told), "{told} is told of {error}, {periods} periods");
+        // A tolerance that is kept is not talked about.
+        let loose = separate.replace("rtol: 1e-9", &format!("rtol: {}", 2.0 * told.max(error)));
+        assert_eq!(warned(&run_text(&loose)), None);
+    }
+}

@@ -20,8 +20,10 @@ use crate::machines::space_vector::turned;
 /// `integration: Together` leaves the circuit to the solver of the diagram, which stops at every edge. `Separate`
 /// integrates the circuit by itself, from edge to edge, and couples it to the mechanics every so many periods of the
 /// carrier: the shaft gets the mean torque of these periods, the machine the speed that is expected for them. That is
-/// many times faster, and exact to second order in the length of a coupling step. What needs voltages (powers, RMS voltages, slip,
-/// `v_legs`) is then measured on the means over the coupling step; currents and states are those at its beginning. Where a shaft does not move as its circuit has expected, the run ends with an error.
+/// many times faster, and exact to second order in the length of a coupling step; a warning at the end of a run says by about how
+/// much the speeds are off where that misses the relative tolerance, and where a shaft does not move at all as its circuit has
+/// expected, the run ends with an error. What needs voltages (powers, RMS voltages, slip, `v_legs`) is measured on the means over
+/// the coupling step; currents and states are those at its beginning.
 ///
 /// Amplitudes beyond what the link and the modulation give are limited, as `limited` tells; a negative one turns the voltages
 /// by half a turn.

@@ -31,6 +31,8 @@ pub struct Report<'a> {
     pub signals: usize,
     /// Number of all rows of the run.
     pub rows: u64,
+    /// What blocks have to say about approximations that missed the tolerance.
+    pub warnings: Vec<String>,
     /// The steady state that it began in, if it did.
     pub began: Option<Began>,
 }
@@ -74,6 +76,7 @@ impl Report<'_> {
             "sample_hits": self.counts.hits,
             "signals": self.signals,
             "rows": self.rows,
+            "warnings": self.warnings,
             "tracking": followed::json(&trackings(&shown), &self.recording.time),
         })
     }

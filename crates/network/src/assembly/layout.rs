@@ -354,7 +354,7 @@ fn hold(
     };
     let mean = cells("mean", part.states.len() + 2 * two_pins + 3);
     let expected = cells("expected", pins);
-    let missed = cells("missed", 2).start;
+    let missed = cells("missed", 5).start;
     (x, d, Some(Held { times, x_end, d_end, torque, mean, expected, missed }))
 }
 

@@ -1,5 +1,5 @@
 //! How a circuit that is integrated by itself and the mechanics fit together: what its torques do to the speeds within a
-//! coupling step, means of what it does for those who look at it, and whether the speeds came as expected.
+//! coupling step, means of what it does for those who look at it, whether the speeds came as expected, and what errors remain.
 
 use blocksim_block::Context;
 use blocksim_block::physical::{Element, Law, Supply};
@@ -105,8 +105,16 @@ impl Network {
         component.measure(&Law { x, voltage, current, supply: &supply, ..law }, needs, y);
     }
 
-    /// Whether the speeds have come as they were expected in the last step; else the run ends with an error.
-    pub(crate) fn meets(&self, separate: &Separate, c: &Context, speed: &[f64], d: &mut [f64]) -> bool {
+    /// Whether the speeds have come as they were expected in the last step; else the run ends with an error. Notes in `missed`
+    /// by how much they did not.
+    pub(crate) fn meets(
+        &self,
+        separate: &Separate,
+        c: &Context,
+        speed: &[f64],
+        d: &mut [f64],
+        missed: &mut [f64],
+    ) -> bool {
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             let Some(held) = &seat.held else { continue };
             if d[held.times + 1] <= 0.0 || held.expected.is_empty() {
@@ -114,6 +122,9 @@ impl Network {
             }
             let expected = &d[held.expected.clone()];
             let speeds = || speed[seat.pins.clone()].iter().zip(expected);
+            for (pin, (found, expected)) in seat.pins.clone().zip(speeds()) {
+                missed[pin] = found - expected;
+            }
             let so_far = d[held.missed + 1];
             let size = speeds()
                 .fold(so_far, |most: f64, (found, expected)| most.max(found.abs()).max(expected.abs()));
@@ -135,5 +146,71 @@ impl Network {
             }
         }
         true
+    }
+
+    /// Notes by how much a trial and the step itself differ: what the torques in the one have changed about the speeds more than in
+    /// the other.
+    pub(crate) fn note_error(&self, separate: &Separate, room: &Room, d: &mut [f64]) {
+        let branches = room.mean.len();
+        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+            let Some(held) = &seat.held else { continue };
+            for pin in seat.pins.clone() {
+                let own = self.own_branches(separate).map(|branch| {
+                    room.yields[pin * branches + branch] * (room.trial[branch] - room.mean[branch])
+                });
+                d[held.missed + 2] = d[held.missed + 2].max(own.sum::<f64>().abs());
+            }
+        }
+    }
+
+    /// Notes what the mean of a torque in the place of its course does to the angle: where it grows by `dT` from step to step, its
+    /// course has gone through `dT H^2 / 12` more (of the angle at the inertia). Divided by the step this is an error of the mean
+    /// speed, which a load that depends on speed or angle makes an error of the speed itself. Ripple within the step is not meant.
+    pub(crate) fn note_lag(&self, separate: &Separate, step: f64, room: &Room, d: &mut [f64]) {
+        let branches = room.mean.len();
+        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+            let Some(held) = &seat.held else { continue };
+            if d[held.times + 1] <= 0.0 {
+                continue;
+            }
+            let cells = || seat.branches.clone().zip(held.torque.clone());
+            let of_pin = |pin: usize| {
+                let own = cells().map(|(branch, cell)| {
+                    room.yields[pin * branches + branch] * (room.mean[branch] - step * d[cell])
+                });
+                own.sum::<f64>() / 12.0
+            };
+            // With its sign, since what an oscillation does to one step it takes back in another.
+            let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+            let most = seat.pins.clone().map(of_pin).fold(0.0, larger);
+            d[held.missed + 3] += FRESH * (most - d[held.missed + 3]);
+            d[held.missed + 4] = d[held.missed + 4].max(d[held.missed + 3].abs());
+        }
+    }
+
+    /// Where the coupling of a circuit and the mechanics has missed the tolerance.
+    pub(crate) fn coupling_warnings(&self, d: &[f64], rtol: f64) -> Vec<String> {
+        let error_of = |seat: &Seat| {
+            let missed = seat.held.as_ref()?.missed;
+            Some(d[missed + 2].max(d[missed + 4]) / d[missed + 1].max(STANDSTILL))
+        };
+        let warning = |separate: &Separate| {
+            let seats = || separate.members.iter().map(|i| &self.seats[*i]);
+            let (error, worst) = seats()
+                .filter_map(|seat| Some((error_of(seat)?, seat)))
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|(error, _)| *error > rtol)?;
+            let asks = seats().find(|seat| seat.member.part.separate.is_some()).unwrap_or(worst);
+            let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
+            Some(format!(
+                "the coupling of `{}` with the mechanics misses the tolerance: with coupling steps of {step:.2e} s the speed \
+                 of `{}` is off by about {error:.0e} of its maximum, {:.0} times rtol ({rtol:.0e})\n  = help: write \
+                 `integration: Together`, or shorten the step: fewer `periods`, or a higher switching frequency",
+                asks.member.path,
+                worst.member.path,
+                error / rtol,
+            ))
+        };
+        self.separate.iter().filter_map(warning).collect()
     }
 }

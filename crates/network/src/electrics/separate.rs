@@ -13,7 +13,8 @@
 //! Inputs are held during a coupling step. Outputs that need voltages show means over the step, since an instant of a
 //! circuit that switches says little; readings of currents and states show its beginning.
 //!
-//! Where the speeds turn out to be others than were expected, coupling steps are too long; see `coupling.rs`.
+//! Where the speeds turn out to be others than were expected, coupling steps are too long; see `coupling.rs`. What that does to
+//! the torques is found by trial: a coupling step is integrated once more, with the speeds bent as they were in the last one.
 
 use blocksim_block::Context;
 use blocksim_block::physical::Torque;
@@ -26,6 +27,10 @@ use crate::work::circuits::Room;
 
 /// Steps of the integrator in a coupling step, at least.
 const LEAST: f64 = 4.0;
+
+/// Every so many coupling steps the error is estimated, and in the first ones always, where a drive starts.
+const EVERY: f64 = 16.0;
+const EARLY: f64 = 64.0;
 
 /// Edges within a coupling step that are taken for chatter.
 const CHATTER: usize = 10_000;
@@ -47,21 +52,63 @@ impl Network {
         room.average.resize(d.len(), 0.0);
         // One step for all, so that they stay together on the grid of the hits.
         let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
+        let tries = is_tried((c.t / step).round());
+        room.off.clear();
+        room.off.resize(self.rotation.pins.len(), 0.0);
         for separate in &self.separate {
-            if !self.meets(separate, c, &room.speed, d) {
+            if !self.meets(separate, c, &room.speed, d, &mut room.off) {
                 break;
             }
-            copy(&mut room.d, d);
-            self.begin(separate, c.t, step, &mut room.d);
-            if self.advance(separate, c, w, &mut room).is_err() {
+            let tried = !tries || self.trial(separate, c, step, w, &mut room, d).is_ok();
+            if !tried || self.over(separate, c, step, w, &mut room, d).is_err() {
                 break;
             }
+            if tries {
+                self.note_error(separate, &room, d);
+            }
+            self.note_lag(separate, step, &room, d);
             self.end(separate, w, &room, d);
         }
         w.room = room;
         // Speeds and circuits in the working space are those of another time now.
         w.evaluation = [u64::MAX; 3];
         w.held_evaluation = u64::MAX;
+    }
+
+    /// Integrates a circuit over the coupling step of the length `step` that begins now, on a copy of the discrete states.
+    fn over(
+        &self,
+        separate: &Separate,
+        c: &Context,
+        step: f64,
+        w: &mut Work,
+        room: &mut Room,
+        d: &[f64],
+    ) -> Result<(), Faulty> {
+        copy(&mut room.d, d);
+        self.begin(separate, c.t, step, &mut room.d);
+        self.advance(separate, c, w, room)
+    }
+
+    /// The same in twice as many steps of the integrator, with speeds that miss what is expected as they did in the last step: what
+    /// this changes about the torques is the error of the coupling and of the integrator.
+    fn trial(
+        &self,
+        separate: &Separate,
+        c: &Context,
+        step: f64,
+        w: &mut Work,
+        room: &mut Room,
+        d: &[f64],
+    ) -> Result<(), Faulty> {
+        room.bend = 1.0 / (step * step);
+        let done = self.over(separate, c, step, w, room, d);
+        room.bend = 0.0;
+        let Room { trial, mean, average, .. } = room;
+        copy(trial, mean);
+        let helds = separate.members.iter().filter_map(|i| self.seats[*i].held.as_ref());
+        helds.for_each(|held| average[held.mean.clone()].fill(0.0));
+        done
     }
 
     /// What was the end of the last step is the beginning of this one.
@@ -114,7 +161,8 @@ impl Network {
         for _ in 0..CHATTER {
             let next = self.switch(separate, t, c, w, room)?;
             let until = next.min(end);
-            let steps = ((until - t) / step * LEAST).ceil().max(1.0);
+            let fine = if room.bend > 0.0 { 2.0 } else { 1.0 };
+            let steps = fine * ((until - t) / step * LEAST).ceil().max(1.0);
             let h = (until - t) / steps;
             self.average(separate, 0.5 * h, w, room);
             for i in 0..steps as usize {
@@ -180,7 +228,8 @@ impl Network {
                 let own = self
                     .own_branches(separate)
                     .map(|b| room.yields[pin * room.mean.len() + b] * room.kick[b]);
-                w.pin_speed[pin] = room.speed[pin] + s * room.acceleration[pin] + own.sum::<f64>();
+                let missed = room.bend * s * s * room.off[pin];
+                w.pin_speed[pin] = room.speed[pin] + s * room.acceleration[pin] + own.sum::<f64>() + missed;
             }
         }
     }
@@ -271,6 +320,11 @@ impl Network {
         }
         Ok(())
     }
+}
+
+/// Whether a coupling step of this number is one of those that are tried for their error.
+fn is_tried(number: f64) -> bool {
+    number < EARLY || number % EVERY == 0.0
 }
 
 fn copy(to: &mut Vec<f64>, from: &[f64]) {

@@ -74,6 +74,12 @@ pub(crate) struct Room {
     pub kick: Vec<f64>,
     /// What a torque of each branch changes about the acceleration of each pin, by pins.
     pub yields: Vec<f64>,
+    /// By how much more than was expected the speed of each pin has changed in the last step.
+    pub off: Vec<f64>,
+    /// Share of it that is expected of this step, too: all in a trial, else none.
+    pub bend: f64,
+    /// Integrals of the torques over a trial, N*m*s.
+    pub trial: Vec<f64>,
     /// Sums for the means of what is measured, where the discrete states will hold them.
     pub average: Vec<f64>,
 }
@@ -94,6 +100,9 @@ impl Room {
             mean: room(branches),
             gained: room(branches),
             kick: room(branches),
+            off: room(pins),
+            bend: 0.0,
+            trial: room(branches),
             yields: room(if network.separate.is_empty() { 0 } else { pins * branches }),
             average: room(d),
         }

@@ -39,6 +39,7 @@ pub fn keep_and_tell(
         recording: &seen.recording,
         signals: run.signals().len(),
         rows,
+        warnings: simulation.warnings(),
         began: Began::of(&simulation),
     };
     for file in loaded.scene().into_iter().flat_map(scene::missing_meshes) {
@@ -81,6 +82,9 @@ pub fn keep_and_tell(
         if findings.count > 0 && exit == Exit::Done {
             exit = Exit::Failed;
         }
+    }
+    for warning in &report.warnings {
+        console.say(&format!("warning: {warning}"));
     }
     if let Some(warning) = report.plot_warning(args) {
         console.say(&warning);

@@ -124,6 +124,7 @@ impl<'a> Keeping<'a> {
             recording,
             signals: run.signals().len(),
             rows,
+            warnings: simulation.warnings(),
             began: Began::of(simulation),
         };
         let events: &[EventRow] = &events;
