@@ -69,3 +69,46 @@ fn a_ball_on_an_elastic_plane_comes_back_to_its_height() {
         }
     }
 }
+
+/// A disc or a mass hits one damped end of travel and comes back. The end lets go where its force is zero, with the parts still
+/// overlapping: with `cos b = zeta` what comes back is `exp(-2 zeta b / sqrt(1 - zeta^2))` of the speed.
+#[test]
+fn a_damped_end_of_travel_lets_go_where_its_force_ends() {
+    let (inertia, k, zeta) = (0.5_f64, 2e4_f64, 0.3_f64);
+    let d = 2.0 * zeta * (k * inertia).sqrt();
+    let back = (-2.0 * zeta * zeta.acos() / (1.0 - zeta * zeta).sqrt()).exp();
+    let turning = |law: &str| {
+        (
+            format!(
+                r#""disc": Inertia(j: {inertia:?}, w0: 3.0), "end": {law}, "frame": RotationalReference,
+                   "look": MotionSensor, "scope": Scope(inputs: ["v"])"#
+            ),
+            r#""disc.r <-> end.r <-> look.r", "end.c <-> look.c <-> frame.r", "look.w -> scope.v""#,
+        )
+    };
+    let sliding = |law: &str| {
+        (
+            format!(
+                r#""mass": Mass(m: {inertia:?}, v0: 3.0), "end": {law}, "frame": TranslationalReference,
+                   "look": TranslationalMotionSensor, "scope": Scope(inputs: ["v"])"#
+            ),
+            r#""mass.r <-> end.r <-> look.r", "end.c <-> look.c <-> frame.r", "look.v -> scope.v""#,
+        )
+    };
+    let stop = format!("lower: -9.0, upper: 0.3, stiffness: {k:?}, damping: {d:?}, transition: 0.0");
+    let play = format!("k: {k:?}, d: {d:?}, backlash: 0.6");
+    let cases = [
+        turning(&format!("RotationalHardStop({stop})")),
+        turning(&format!("RotationalSpringDamper({play})")),
+        sliding(&format!("TranslationalHardStop({stop})")),
+        sliding(&format!("TranslationalSpringDamper({play})")),
+    ];
+    for (blocks, wires) in &cases {
+        for (solver, tolerance) in
+            [("Ode45", 1e-5), ("Rodas4", 1e-5), ("RosW3", 1e-4), ("Ode45(rtol: 1e-9)", 1e-8)]
+        {
+            let run = simulate("0.15 s", solver, blocks, wires);
+            close(run.last("scope.v"), -3.0 * back, 3.0 * tolerance, &format!("{solver}: {blocks}"));
+        }
+    }
+}

@@ -97,7 +97,7 @@ impl Component for ElasticGear {
     }
 
     fn guards(&self, c: &Law, g: &mut [f64]) {
-        self.shaft().guards(c.x[0], g);
+        self.shaft().guards(c.x[0], c.speed[0], g);
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {

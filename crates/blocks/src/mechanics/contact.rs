@@ -44,10 +44,10 @@ impl SpringDamper {
         if self.backlash > 0.0 { part.kink("lower_flank").kink("upper_flank") } else { part }
     }
 
-    /// Distances from the flanks at a deflection.
-    pub(crate) fn guards(&self, deflection: f64, g: &mut [f64]) {
-        for (g, side) in g.iter_mut().zip([1.0, -1.0]) {
-            *g = 0.5 * self.backlash + side * deflection;
+    /// How far the flanks are from pressing, at a deflection and a speed.
+    pub(crate) fn guards(&self, deflection: f64, speed: f64, g: &mut [f64]) {
+        for (g, side) in g.iter_mut().zip([-1.0, 1.0]) {
+            *g = self.flank().apart(side * deflection - 0.5 * self.backlash, side * speed);
         }
     }
 
@@ -93,9 +93,10 @@ impl Travel {
         part.kink("lower").kink("upper")
     }
 
-    /// Distances from both ends at a position.
-    pub(crate) fn guards(&self, position: f64, g: &mut [f64]) {
-        g[..2].copy_from_slice(&[position - self.lower, self.upper - position]);
+    /// How far both ends are from pressing, at a position and a speed.
+    pub(crate) fn guards(&self, position: f64, speed: f64, g: &mut [f64]) {
+        g[0] = self.end.apart(self.lower - position, -speed);
+        g[1] = self.end.apart(position - self.upper, speed);
     }
 
     /// Energy and heat of both ends.
@@ -155,6 +156,25 @@ mod tests {
         assert_eq!(LOOSE.load(-0.5, -3.0), Torque { value: -31.0, slope: 2.0 });
         assert_eq!(LOOSE.load(0.5, -13.0).value, 0.0, "the flanks part");
         assert_eq!(LOOSE.load(-0.5, 13.0).slope, 0.0, "the flanks part");
+    }
+
+    #[test]
+    fn guards_are_negative_where_something_is_pressed_and_nowhere_else() {
+        let damper = SpringDamper { k: 0.0, ..LOOSE };
+        for i in -20..=20 {
+            for w in [-20.0, -3.0, -0.1, 0.1, 3.0, 20.0] {
+                let phi = 0.037 * f64::from(i);
+                let mut g = [0.0; 2];
+                for law in [LOOSE, damper, SpringDamper { transition: 0.1, ..LOOSE }] {
+                    law.guards(phi, w, &mut g);
+                    let load = law.load(phi, w).value;
+                    assert_eq!([load < 0.0, load > 0.0], g.map(|g| g < 0.0), "{law:?}: {phi}, {w}");
+                }
+                STOP.guards(phi, w, &mut g);
+                let load = STOP.load(phi, w).value;
+                assert_eq!([load < 0.0, load > 0.0], g.map(|g| g < 0.0), "{phi}, {w}");
+            }
+        }
     }
 
     #[test]

@@ -39,8 +39,10 @@ impl JointLimit {
     /// How far from pressing: negative while [`push`](Self::push) is above zero, zero where it sets in and where it ends, which
     /// is before the parts are away from each other if a damper holds them back.
     pub(crate) fn apart(&self, depth: f64, rate: f64) -> f64 {
-        let held = if self.stiffness > 0.0 { self.damping / self.stiffness * rate.min(0.0) } else { 0.0 };
-        -(depth + held)
+        if self.stiffness == 0.0 {
+            return -depth.min(rate);
+        }
+        -(depth + self.damping / self.stiffness * rate.min(0.0))
     }
 
     /// Energy of the spring, and heat of the damper. Where the damper would pull, the parts let go of each other, and

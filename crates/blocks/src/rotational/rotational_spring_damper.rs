@@ -66,7 +66,7 @@ impl Component for RotationalSpringDamper {
     }
 
     fn guards(&self, c: &Law, g: &mut [f64]) {
-        self.law().guards(c.x[0], g);
+        self.law().guards(c.x[0], c.speed[0], g);
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {

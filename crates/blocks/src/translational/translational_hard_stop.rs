@@ -65,7 +65,7 @@ impl Component for TranslationalHardStop {
     }
 
     fn guards(&self, c: &Law, g: &mut [f64]) {
-        self.travel().guards(c.x[0], g);
+        self.travel().guards(c.x[0], c.speed[0], g);
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
