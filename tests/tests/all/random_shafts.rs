@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-use blocksim_tests::{compile_text, run};
+use blocksim_tests::{Run, compile_text, run};
 
 /// Numbers from 0 to 1 (splitmix64).
 struct Dice(u64);
@@ -244,10 +244,9 @@ impl Model {
     }
 }
 
-/// How a run differs from the reference, if it does.
+/// How a run differs from the reference, if it does; if so, the reference is made of shorter steps first.
 fn misfit(seed: u64, solver: &str, tolerance: f64) -> Option<String> {
     let model = Model::random(seed);
-    let (coarse, fine) = (model.reference(20_000), model.reference(40_000));
     let text = model.text(solver);
     let (compiled, problems) = compile_text(&text);
     let Some(schedule) = compiled.schedule else { return Some(format!("seed {seed}: {problems}")) };
@@ -255,26 +254,39 @@ fn misfit(seed: u64, solver: &str, tolerance: f64) -> Option<String> {
     if let Some(error) = &run.error {
         return Some(format!("seed {seed}, {solver}: {error:?}\n{model:?}"));
     }
+    [20_000, 160_000]
+        .into_iter()
+        .map(|steps| differs(&model, &run, steps, tolerance))
+        .try_fold(String::new(), |_, fault| Some(format!("seed {seed}, {solver}: {}\n{model:?}", fault?)))
+}
+
+/// The first disc that ends elsewhere than the reference says, from steps of this number and of twice as many.
+fn differs(model: &Model, run: &Run, steps: usize, tolerance: f64) -> Option<String> {
+    let (coarse, fine) = (model.reference(steps), model.reference(2 * steps));
     let size = run.columns.iter().flatten().fold(1.0_f64, |size, w| size.max(w.abs()));
-    for i in 0..model.discs.len() {
+    (0..model.discs.len()).find_map(|i| {
         let found = run.last(&format!("scope.w{i}"));
         let expected = 2.0 * fine[i] - coarse[i];
         let error = 2.0 * (fine[i] - coarse[i]).abs() + tolerance * size;
-        if (found - expected).abs() > error {
-            return Some(format!(
-                "seed {seed}, {solver}: disc {i} ends at {found} instead of {expected} (tolerance {error:e})\n{model:?}"
-            ));
-        }
-    }
-    None
+        let off = (found - expected).abs() > error;
+        off.then(|| format!("disc {i} ends at {found} instead of {expected} (tolerance {error:e})"))
+    })
 }
 
 #[test]
 fn random_shafts_move_as_time_stepping_says() {
     let count = std::env::var("BLOCKSIM_RANDOM").ok().and_then(|count| count.parse().ok()).unwrap_or(12);
-    let solvers =
-        [("Ode45", 1e-2), ("Ode45(rtol: 1e-8)", 1e-4), ("Ode23", 1e-2), ("Rodas4", 1e-2), ("RosW3", 1e-2)];
+    let solvers = [
+        ("Auto", 1e-2),
+        ("Ode45(rtol: 1e-8)", 1e-4),
+        ("Ode45", 1e-2),
+        ("Ode23", 1e-2),
+        ("Rodas4", 1e-2),
+        ("RosW3", 1e-2),
+    ];
+    // Where weights of shares took the digits of multipliers: chatter at 304, 1113 and 1412, a wrong end at 1468.
     let failures: Vec<String> = (0..count)
+        .chain([304, 1113, 1412, 1468])
         .flat_map(|seed| {
             let chosen = if count > 100 { &solvers[..2] } else { &solvers[..] };
             chosen.iter().filter_map(move |(solver, tolerance)| misfit(seed, solver, *tolerance))

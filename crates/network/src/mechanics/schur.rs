@@ -100,6 +100,7 @@ pub(crate) struct Schur {
     gram: Vec<f64>,
     shared: bool,
     y: Vec<f64>,
+    gap: Vec<f64>,
     /// Multipliers of the last [`impose`](Self::impose).
     pub lambda: Vec<f64>,
 }
@@ -123,6 +124,7 @@ impl Schur {
             gram: square(),
             shared: false,
             y: line(),
+            gap: line(),
             lambda: line(),
         }
     }
@@ -270,33 +272,42 @@ impl Schur {
     /// Overwrites the gaps in `lambda` with the multipliers that close them.
     fn multipliers(&mut self, rows: &Rows) {
         let (m, r) = (rows.len(), self.rank);
-        // G y = E^-1 gap, by the rows that were chosen.
-        for k in 0..r {
+        self.gap[..m].copy_from_slice(&self.lambda[..m]);
+        self.lambda[..m].fill(0.0);
+        self.down(m);
+        if self.shared {
+            // G' E lambda = y, with lambda = W mu: H' mu = y, of smallest norm for mu = H (H'H)^-1 y.
+            cholesky_solve(&self.gram[..r * r], &mut self.y[..r]);
+            for i in (0..m).filter(|i| self.scale[*i] > 0.0 && !self.idle[*i]) {
+                self.lambda[i] =
+                    (rows.weight[i] / self.scale[i]).sqrt() * dot(&self.h[i * r..(i + 1) * r], &self.y[..r]);
+            }
+            // Weights of very different sizes leave gaps, which the chosen rows close.
+            for p in &self.order[..r] {
+                self.gap[*p] -= dot(&self.s[p * m..(p + 1) * m], &self.lambda[..m]);
+            }
+            self.down(m);
+        }
+        self.up(m);
+    }
+
+    /// `G y = E^-1 gap`, by the rows that were chosen.
+    fn down(&mut self, m: usize) {
+        for k in 0..self.rank {
             let p = self.order[k];
             let known = dot(&self.g[p * m..p * m + k], &self.y[..k]);
-            self.y[k] = (self.lambda[p] / self.scale[p] - known) / self.g[p * m + k];
+            self.y[k] = (self.gap[p] / self.scale[p] - known) / self.g[p * m + k];
         }
-        if !self.shared {
-            // G' E lambda = y.
-            self.lambda[..m].fill(0.0);
-            for k in (0..r).rev() {
-                let p = self.order[k];
-                let known: f64 = self.order[k + 1..r]
-                    .iter()
-                    .map(|q| self.g[q * m + k] * self.lambda[*q] * self.scale[*q])
-                    .sum();
-                self.lambda[p] = (self.y[k] - known) / (self.g[p * m + k] * self.scale[p]);
-            }
-            return;
-        }
-        // G' E lambda = y, with lambda = W mu: H' mu = y, of smallest norm for mu = H (H'H)^-1 y.
-        cholesky_solve(&self.gram[..r * r], &mut self.y[..r]);
-        for i in 0..m {
-            self.lambda[i] = if self.scale[i] > 0.0 && !self.idle[i] {
-                (rows.weight[i] / self.scale[i]).sqrt() * dot(&self.h[i * r..(i + 1) * r], &self.y[..r])
-            } else {
-                0.0
-            };
+    }
+
+    /// Adds the solution of `G' E lambda = y` by the rows that were chosen.
+    fn up(&mut self, m: usize) {
+        for k in (0..self.rank).rev() {
+            let p = self.order[k];
+            let later = self.order[k + 1..self.rank].iter().zip(&self.y[k + 1..self.rank]);
+            let known: f64 = later.map(|(q, more)| self.g[q * m + k] * more * self.scale[*q]).sum();
+            self.y[k] = (self.y[k] - known) / (self.g[p * m + k] * self.scale[p]);
+            self.lambda[p] += self.y[k];
         }
     }
 }
@@ -450,6 +461,28 @@ mod tests {
             let change: Vec<f64> = after.iter().zip(&before).map(|(a, b)| a - b).collect();
             let energy: f64 = (0..3).map(|i| along[i] * dot(&m[i * 3..(i + 1) * 3], &change)).sum();
             assert!(energy.abs() < 1e-14, "{energy:e}");
+        }
+    }
+
+    #[test]
+    fn what_is_rigid_beside_what_is_weak_takes_no_digit_from_the_multipliers() {
+        let n = 4;
+        let (m, l) = mass(n);
+        // A row and its double bear without bound, and a third one little.
+        let rows = rows(
+            n,
+            &[
+                (&[1.0, -1.0, 0.0, 0.0], 0.0, 1e12),
+                (&[0.0, 1.0, 0.0, 0.0], 0.0, 0.3),
+                (&[1.0, 0.0, 0.0, 0.0], 0.0, 0.1),
+                (&[0.0, 1.0, -1.0, 0.0], 0.0, 1e12),
+                (&[1.0, 0.0, -1.0, 0.0], 0.0, 0.2),
+            ],
+        );
+        let (dv, lambda, rank) = solve(&rows, &m, &l, &[0.7, -0.4, 1.3, 0.2]);
+        assert_eq!(rank, 3);
+        for i in 0..5 {
+            assert!(rows.of(i, &dv).abs() < 1e-13, "{i}: {dv:?}, {lambda:?}");
         }
     }
 }
