@@ -39,10 +39,13 @@ impl Simulation {
         self.modes.note(&self.diagram.d);
         let reset = self.jump_early(first, observer)?;
         self.pass(first)?;
+        // At the start there is no before.
+        let mut told = first;
         if let Some(before) = self.rows.jumped_from() {
             observer.row(self.t, before);
+            told = true;
         }
-        let jumped = self.jump(first, observer)? || reset;
+        let jumped = self.jump(told, observer)? || reset;
         if !first {
             self.tell_modes(observer);
         }
@@ -85,8 +88,10 @@ impl Simulation {
         if finite { Ok(()) } else { Err(diagnose::not_finite(&self.schedule, &self.diagram, &self.x)) }
     }
 
-    /// Repeats the instant while something jumps; the row before the first jump is recorded. Returns whether any did.
-    fn jump(&mut self, first: bool, observer: &mut dyn Observer) -> Result<bool, SimError> {
+    /// Repeats the instant while something jumps; the row before the first jump is recorded unless one of before this instant has
+    /// been `told`: what stands between the jump of an input and that of the modes which answer it is nobody's state. Returns
+    /// whether any did.
+    fn jump(&mut self, told: bool, observer: &mut dyn Observer) -> Result<bool, SimError> {
         if self.diagram.plan.jumping.is_empty() {
             return Ok(false);
         }
@@ -110,8 +115,7 @@ impl Simulation {
                             "it has jumped {JUMPS} times at one instant; a jump must end its own cause"
                         )));
                 }
-                // At the start there is no before.
-                Some(_) if round == 0 && !first => observer.row(t, &self.rows.values),
+                Some(_) if round == 0 && !told => observer.row(t, &self.rows.values),
                 Some(_) => {}
             }
             self.pass(false)?;

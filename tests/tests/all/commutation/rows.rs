@@ -11,7 +11,7 @@ use blocksim_tests::{compile_file, compile_text, root};
 
 use super::random::circuit;
 use super::reference::diagram;
-use super::violation;
+use super::{METHODS, try_run, violation};
 
 /// What the guards of the valves of a network have been.
 #[derive(Debug, Default)]
@@ -231,4 +231,30 @@ fn in_no_random_circuit_does_a_valve_contradict_itself() {
     }
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
     assert!(instants > 50_000, "{instants}");
+}
+
+/// A source that jumps makes a diode block: the rows around the jump are each whole, and there is none with the new voltage
+/// and the old path.
+#[test]
+fn rows_around_a_jump_of_a_source_are_each_whole() {
+    let text = r#"Diagram(
+    simulation: (stop_time: "20 ms"),
+    blocks: {
+        "u": Step(time: "5 ms", before: "10 V", after: "-10 V"), "src": ControlledVoltageSource,
+        "d": Diode(v_f: "0.7 V", r_on: "10 mOhm"), "r": Resistor(r: "10 ohm"), "g": ElectricalReference,
+        "rc": Resistor(r: "1 ohm"), "c": Capacitor(c: "1 mF"), "s": Scope(inputs: ["u", "v", "i"]),
+    },
+    connections: [
+        "u.y -> src.v", "src.p <-> d.p", "d.n <-> r.p <-> rc.p", "rc.n <-> c.p", "r.n <-> c.n <-> src.n <-> g.p",
+        "u.y -> s.u", "d.v -> s.v", "d.i -> s.i",
+    ],
+)"#;
+    for method in METHODS {
+        let run = try_run(&text.replace("\"20 ms\"", &format!("\"20 ms\", solver: {method}"))).unwrap();
+        let rows = |t: f64| run.time.iter().filter(|time| (**time - t).abs() < 1e-12).count();
+        assert_eq!(rows(5e-3), 2, "{method}");
+        for (v, i) in run.column("s.v").iter().zip(run.column("s.i")) {
+            assert!(*i >= 0.0 && *v <= 0.7 + 0.01 * i + 1e-9, "{method}: {v} V, {i} A");
+        }
+    }
 }
