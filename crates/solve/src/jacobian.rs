@@ -255,7 +255,7 @@ impl Jacobian {
 
     /// Adds to the pattern what columns show that are varied one by one.
     fn look(&mut self, work: &mut Work, t: f64, f0: &[f64], h: f64) -> Result<(), Fault> {
-        let mut pattern = self.pattern.take().unwrap_or_else(|| Pattern::diagonal(self.n));
+        let mut pattern = self.pattern.clone().unwrap_or_else(|| Pattern::diagonal(self.n));
         for j in 0..self.n {
             self.vary(work, t, f0, h, j)?;
             for (i, (f, f0)) in self.f.iter().zip(f0).enumerate() {
@@ -465,6 +465,32 @@ mod tests {
         assert!(seen < 299);
         x.fill(0.5);
         assert!(evaluate(&mut jacobian, &mut chain(100), &x) > 100);
+        assert_eq!(jacobian.pattern.as_ref().unwrap().len(), 299);
+    }
+
+    #[test]
+    fn a_look_that_fails_leaves_what_is_known() {
+        let (mut jacobian, left) = (Jacobian::new(100), std::cell::Cell::new(u32::MAX));
+        let mut plain = chain(100);
+        let mut system = function(100, |t, x, dx| {
+            left.set(left.get().saturating_sub(1));
+            if left.get() == 0 {
+                dx.fill(f64::NAN);
+            } else {
+                plain.derivatives(t, x, dx).unwrap();
+            }
+        });
+        evaluate(&mut jacobian, &mut system, &[0.0; 100]);
+        // The product is found to be missing, and the domain ends amid the look for it.
+        left.set(20);
+        let (mut counts, mut weights) = (Counts::default(), Weights::new(Tolerances::automatic(100, 1e-6)));
+        weights.note(&[0.5; 100]);
+        let mut work = Work { system: &mut system, counts: &mut counts, weights: &weights };
+        let mut f0 = vec![0.0; 100];
+        assert!(work.derivatives(0.0, &[0.5; 100], &mut f0).is_ok());
+        assert!(jacobian.evaluate(&mut work, 0.0, &[0.5; 100], &f0, 1e-3).is_err());
+        left.set(u32::MAX);
+        evaluate(&mut jacobian, &mut system, &[0.5; 100]);
         assert_eq!(jacobian.pattern.as_ref().unwrap().len(), 299);
     }
 
