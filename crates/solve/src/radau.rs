@@ -292,9 +292,14 @@ impl Method for RadauIIA {
         Ok(())
     }
 
-    fn interpolate(&self, theta: f64, _h: f64, x0: &[f64], _x1: &[f64], x: &mut [f64]) {
+    /// The polynomial through the start and the stages, which leaves the start with the slope that f has there.
+    fn interpolate(&self, theta: f64, h: f64, x0: &[f64], _x1: &[f64], x: &mut [f64]) {
+        let away = theta * (1.0 - theta) * (1.0 - theta);
         for i in 0..x.len() {
-            x[i] = x0[i] + extension(&[self.z[0][i], self.z[1][i], self.z[2][i]], theta);
+            let z = [self.z[0][i], self.z[1][i], self.z[2][i]];
+            let has = z[0] * P[0][0] + z[1] * P[1][0] + z[2] * P[2][0];
+            let bend = crate::start_slope::bend(h * self.f0[i], has, z[2]);
+            x[i] = x0[i] + extension(&z, theta) + away * bend;
         }
     }
 

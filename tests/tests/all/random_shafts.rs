@@ -283,6 +283,8 @@ fn random_shafts_move_as_time_stepping_says() {
         ("Ode23", 1e-2),
         ("Rodas4", 1e-2),
         ("RosW3", 1e-2),
+        ("Ode15s", 1e-2),
+        ("Radau5", 1e-2),
     ];
     // Where weights of shares took the digits of multipliers: chatter at 304, 1113 and 1412, a wrong end at 1468.
     let failures: Vec<String> = (0..count)
