@@ -60,7 +60,11 @@ use blocksim_diagram::SourceFile;
 use crate::args::model::Format;
 use crate::exit::Exit;
 use crate::terminal::console::Console;
-use crate::terminal::render;
+use crate::terminal::places::Texts;
+use crate::terminal::render::{self, plural};
+
+/// Most problems that are told with the text around them.
+const MOST: usize = 50;
 
 /// Tells problems: to people on the standard error, as data on the standard output.
 ///
@@ -80,11 +84,20 @@ pub fn tell_with(
     exit: Option<Exit>,
     console: Console,
 ) -> io::Result<()> {
-    for problem in problems {
-        match console.format {
-            Format::Full => console.say(&render::full(problem, files, console.colour)),
-            Format::Short => console.say(&render::short(problem, files)),
-            Format::Json => console.data(&format!("{}\n", render::json(problem, files, exit)))?,
+    let texts = Texts::of(files);
+    match console.format {
+        Format::Full => {
+            let chosen = render::first(problems, MOST);
+            chosen.iter().for_each(|problem| console.say(&render::full(problem, &texts, console.colour)));
+            if let left @ 1.. = problems.len() - chosen.len() {
+                let help = "`blocksim check MODEL --output-format short` tells all, a line each";
+                console.say(&format!("and {}\n  = help: {help}\n", plural(left, "further problem")));
+            }
+        }
+        Format::Short => problems.iter().for_each(|problem| console.say(&render::short(problem, &texts))),
+        Format::Json => {
+            let line = |problem| format!("{}\n", render::json(problem, &texts, exit));
+            console.data(&problems.iter().map(line).collect::<String>())?;
         }
     }
     Ok(())

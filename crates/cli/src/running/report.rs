@@ -13,6 +13,7 @@ use crate::signals::shown::{Shown, shown};
 use crate::signals::tracking::trackings;
 use crate::signals::{charts, followed, naming};
 use crate::terminal::console::Console;
+use crate::terminal::places::Texts;
 use crate::terminal::render;
 
 /// A finished run.
@@ -128,11 +129,9 @@ impl Report<'_> {
 
 /// The lines of `log.txt`: the command line's problems, the first events, the summary.
 pub fn log(report: &Report, loaded: &Loaded, events: &[EventRow]) -> Vec<String> {
-    let problems = loaded.compiled.problems.iter();
+    let (problems, texts) = (loaded.compiled.problems.iter(), Texts::of(&loaded.files));
     let mut lines: Vec<String> = problems
-        .flat_map(|problem| {
-            [render::full(problem, &loaded.files, false).trim_end().to_owned(), String::new()]
-        })
+        .flat_map(|problem| [render::full(problem, &texts, false).trim_end().to_owned(), String::new()])
         .collect();
     lines.push(report.summary(None));
     let shown = report.shown();

@@ -4,6 +4,7 @@ pub mod console;
 pub mod diff;
 pub mod format;
 mod formula;
+pub mod places;
 pub mod progress;
 pub mod prose;
 pub mod render;

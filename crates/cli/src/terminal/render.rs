@@ -1,17 +1,15 @@
 //! Problems as text: in full with the places they are about, in a line, or as JSON.
 
-use std::ops::Range;
-
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
-use blocksim_block::problem::{FileId, Label, Place, Problem, Severity};
-use blocksim_diagram::SourceFile;
+use blocksim_block::problem::{FileId, Label, Problem, Severity};
 use serde_json::{Value, json};
 
 use crate::exit::Exit;
+use crate::terminal::places::{Texts, within};
 use crate::terminal::prose::wrapped;
 
 /// A problem with the lines of the files it is about, notes and help, for a person. An empty line is behind what has lines.
-pub fn full(problem: &Problem, files: &[SourceFile], colour: bool) -> String {
+pub fn full(problem: &Problem, texts: &Texts, colour: bool) -> String {
     let level = match problem.severity {
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,
@@ -19,7 +17,7 @@ pub fn full(problem: &Problem, files: &[SourceFile], colour: bool) -> String {
     let title = level.primary_title(problem.message.as_str()).id(problem.code);
     let mut group = Group::with_title(title);
     for file in files_in_order(&problem.labels) {
-        let Some(source) = files.get(file.0 as usize) else { continue };
+        let Some(source) = texts.file(file.0) else { continue };
         let path = source.path.display().to_string();
         let mut snippet = Snippet::source(&*source.text).path(path);
         for (n, label) in problem.labels.iter().enumerate().filter(|(_, label)| label.place.file == file) {
@@ -57,9 +55,9 @@ fn uncoloured(line: &str) -> String {
 }
 
 /// `file:line:column: error[code]: message`, for editors and `grep`.
-pub fn short(problem: &Problem, files: &[SourceFile]) -> String {
+pub fn short(problem: &Problem, texts: &Texts) -> String {
     let said = format!("{}[{}]: {}", word(problem.severity), problem.code, problem.message);
-    match problem.labels.first().and_then(|label| located(&label.place, files)) {
+    match problem.labels.first().and_then(|label| texts.located(&label.place)) {
         Some((file, line, column)) => format!("{}:{line}:{column}: {said}", file.path.display()),
         None => said,
     }
@@ -67,9 +65,9 @@ pub fn short(problem: &Problem, files: &[SourceFile]) -> String {
 
 /// The same as data, with the exit code of the program if it ends with this problem. Lines and columns count from 1,
 /// columns in characters; spans are bytes.
-pub fn json(problem: &Problem, files: &[SourceFile], exit: Option<Exit>) -> Value {
+pub fn json(problem: &Problem, texts: &Texts, exit: Option<Exit>) -> Value {
     let label = |label: &Label| {
-        let (file, line, column) = located(&label.place, files)?;
+        let (file, line, column) = texts.located(&label.place)?;
         let span = &label.place.span;
         Some(json!({
             "file": file.path.display().to_string(),
@@ -91,7 +89,7 @@ pub fn json(problem: &Problem, files: &[SourceFile], exit: Option<Exit>) -> Valu
         "help": problem.help,
         "exit": exit.map(Exit::code),
         "edit": problem.remedy().and_then(|edit| {
-            let (file, line, column) = located(&edit.place, files)?;
+            let (file, line, column) = texts.located(&edit.place)?;
             Some(json!({
                 "file": file.path.display().to_string(),
                 "line": line,
@@ -107,6 +105,15 @@ pub fn json(problem: &Problem, files: &[SourceFile], exit: Option<Exit>) -> Valu
 
 /// Longest line of a note or a help, in characters.
 const LINE: usize = 100;
+
+/// The first of many problems, in their order; errors before warnings where there is not room for all.
+pub fn first(problems: &[Problem], most: usize) -> Vec<&Problem> {
+    let mut order: Vec<usize> = (0..problems.len()).collect();
+    order.sort_by_key(|at| problems[*at].severity != Severity::Error);
+    order.truncate(most);
+    order.sort_unstable();
+    order.into_iter().map(|at| &problems[at]).collect()
+}
 
 /// Number of errors among these problems.
 pub fn errors(problems: &[Problem]) -> usize {
@@ -142,22 +149,6 @@ fn files_in_order(labels: &[Label]) -> Vec<FileId> {
         }
     }
     files
-}
-
-/// File, line and column of a place.
-pub fn located<'a>(place: &Place, files: &'a [SourceFile]) -> Option<(&'a SourceFile, usize, usize)> {
-    let file = files.get(place.file.0 as usize)?;
-    let before = &file.text[..within(&file.text, &place.span).start];
-    let start_of_line = before.rfind('\n').map_or(0, |at| at + 1);
-    let line = before.bytes().filter(|&byte| byte == b'\n').count() + 1;
-    Some((file, line, before[start_of_line..].chars().count() + 1))
-}
-
-/// The span, moved to where the text has whole characters.
-fn within(text: &str, span: &Range<usize>) -> Range<usize> {
-    let whole = |at: usize| (0..=at.min(text.len())).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0);
-    let start = whole(span.start);
-    start..whole(span.end).max(start)
 }
 
 #[cfg(test)]

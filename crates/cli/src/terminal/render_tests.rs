@@ -44,8 +44,8 @@ fn a_problem_shows_all_its_places_in_all_files() {
           = note: `größe` is a `Subsystem`
           = help: its ports are: `u`
     "#]]
-    .assert_eq(&full(&unknown_port(), &files(), false));
-    assert!(full(&unknown_port(), &files(), true).contains("\x1b["));
+    .assert_eq(&full(&unknown_port(), &Texts::of(&files()), false));
+    assert!(full(&unknown_port(), &Texts::of(&files()), true).contains("\x1b["));
 }
 
 #[test]
@@ -54,19 +54,19 @@ fn a_problem_without_place_is_its_message() {
     expect![[r#"
         warning[stop_time]: the run ends before the move
           = help: use Auto"#]]
-    .assert_eq(&full(&problem, &files(), false));
-    assert_eq!(short(&problem, &files()), "warning[stop_time]: the run ends before the move");
+    .assert_eq(&full(&problem, &Texts::of(&files()), false));
+    assert_eq!(short(&problem, &Texts::of(&files())), "warning[stop_time]: the run ends before the move");
 }
 
 #[test]
 fn a_line_names_file_line_and_column() {
     expect!["top.ron:4:10: error[unknown_port]: `größe` has no output port `y`"]
-        .assert_eq(&short(&unknown_port(), &files()));
+        .assert_eq(&short(&unknown_port(), &Texts::of(&files())));
 }
 
 #[test]
 fn data_names_every_place() {
-    let data = json(&unknown_port(), &files(), Some(Exit::Model));
+    let data = json(&unknown_port(), &Texts::of(&files()), Some(Exit::Model));
     assert_eq!(data["code"], "unknown_port");
     assert_eq!(data["severity"], "error");
     assert_eq!(data["labels"].as_array().map(Vec::len), Some(3));
@@ -82,8 +82,8 @@ fn places_outside_of_a_text_or_inside_of_a_character_do_no_harm() {
         for file in [0, 7] {
             let place = Place { file: FileId(file), span: span.clone() };
             let problem = Problem::error("x", "m").at(&place, "here").at(&place, "");
-            assert!(full(&problem, &files(), false).starts_with("error[x]: m"));
-            assert!(short(&problem, &files()).ends_with("error[x]: m"));
+            assert!(full(&problem, &Texts::of(&files()), false).starts_with("error[x]: m"));
+            assert!(short(&problem, &Texts::of(&files())).ends_with("error[x]: m"));
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::disk::{Disk, readable};
 use crate::exit::Exit;
 use crate::failure::Outcome;
 use crate::terminal::console::Console;
+use crate::terminal::places::Texts;
 
 /// Tells what a parameter is worth and where that is written; of a set or a block all that it holds.
 pub fn get(args: &GetArgs, console: Console) -> Outcome {
@@ -24,10 +25,11 @@ pub fn get(args: &GetArgs, console: Console) -> Outcome {
             return Err(unknown(&args.model, &args.target, &help));
         }
     };
+    let texts = Texts::of(&files);
     if args.json {
-        console.data(&found.iter().map(|target| data(target, &files)).collect::<String>())?;
+        console.data(&found.iter().map(|target| data(target, &texts)).collect::<String>())?;
     } else {
-        console.data(&rows(&found, &files, found.len() > 1))?;
+        console.data(&rows(&found, &texts, found.len() > 1))?;
     }
     Ok(Exit::Done)
 }

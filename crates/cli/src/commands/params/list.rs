@@ -7,6 +7,7 @@ use crate::disk::{Disk, readable};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
+use crate::terminal::places::Texts;
 use crate::terminal::render::errors;
 
 /// Lists what `--set` can name.
@@ -28,9 +29,10 @@ pub fn list(args: &ListArgs, console: Console) -> Outcome {
         return Err(Failure::usage(format!("no parameter has `{pattern}` in its name"))
             .help(format!("`blocksim params list {}` lists all", args.model.display())));
     }
+    let texts = Texts::of(&files);
     console.data(&match args.json {
-        true => wanted.iter().map(|target| data(target, &files)).collect(),
-        false => rows(&wanted, &files, true),
+        true => wanted.iter().map(|target| data(target, &texts)).collect(),
+        false => rows(&wanted, &texts, true),
     })?;
     Ok(if errors(&problems) > 0 { Exit::Model } else { Exit::Done })
 }

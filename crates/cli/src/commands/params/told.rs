@@ -3,23 +3,23 @@
 use std::path::Path;
 
 use blocksim_block::problem::Place;
-use blocksim_diagram::{Origin, SourceFile, Target, WrittenUnit};
+use blocksim_diagram::{Origin, Target, WrittenUnit};
 use blocksim_results::{Align, Table};
 use blocksim_signal::{Quantity, Unit, Value};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::terminal::render;
+use crate::terminal::places::Texts;
 
 /// A row for each parameter, with a heading if asked for.
-pub fn rows(targets: &[&Target], files: &[SourceFile], has_heading: bool) -> String {
+pub fn rows(targets: &[&Target], texts: &Texts, has_heading: bool) -> String {
     let headings = if has_heading { ["parameter", "value", "unit", "from"] } else { [""; 4] };
     let aligned = [Align::Left, Align::Right, Align::Left, Align::Left];
     let columns: Vec<(&str, Align)> = headings.into_iter().zip(aligned).collect();
     let mut table = Table::new(&columns);
     for target in targets {
         let (value, unit, _) = shown(target);
-        table.row([target.name.clone(), value, unit, from(target, files)]);
+        table.row([target.name.clone(), value, unit, from(target, texts)]);
     }
     let text = table.render();
     if has_heading { text } else { text.trim_start_matches('\n').trim_start().to_owned() }
@@ -52,12 +52,12 @@ fn shown(target: &Target) -> (String, String, bool) {
 }
 
 /// Where it comes from, with the expression if it is one.
-fn from(target: &Target, files: &[SourceFile]) -> String {
+fn from(target: &Target, texts: &Texts) -> String {
     let (_, _, is_written) = shown(target);
     let told = if is_written { String::new() } else { format!("  {}", short(unquoted(&target.written))) };
     match &target.origin {
-        Origin::Text(place) => format!("{}{told}", located(place, files)),
-        Origin::Declared(place) => format!("default, {}{told}", located(place, files)),
+        Origin::Text(place) => format!("{}{told}", located(place, texts)),
+        Origin::Declared(place) => format!("default, {}{told}", located(place, texts)),
         Origin::Kind(kind) => format!("default of {kind}"),
     }
 }
@@ -77,24 +77,24 @@ fn short(text: &str) -> String {
 }
 
 /// `file:line:column`.
-fn located(place: &Place, files: &[SourceFile]) -> String {
-    let Some((path, line, column)) = counted(place, files) else { return String::new() };
+fn located(place: &Place, texts: &Texts) -> String {
+    let Some((path, line, column)) = counted(place, texts) else { return String::new() };
     format!("{path}:{line}:{column}")
 }
 
-fn counted(place: &Place, files: &[SourceFile]) -> Option<(String, usize, usize)> {
-    let (file, line, column) = render::located(place, files)?;
+fn counted(place: &Place, texts: &Texts) -> Option<(String, usize, usize)> {
+    let (file, line, column) = texts.located(place)?;
     Some((file.path.display().to_string(), line, column))
 }
 
 /// As a line of JSON; the value in SI.
-pub fn data(target: &Target, files: &[SourceFile]) -> String {
+pub fn data(target: &Target, texts: &Texts) -> String {
     let (origin, place) = match &target.origin {
         Origin::Text(place) => ("text", Some(place)),
         Origin::Declared(place) => ("declared", Some(place)),
         Origin::Kind(_) => ("default", None),
     };
-    let counted = place.and_then(|place| counted(place, files));
+    let counted = place.and_then(|place| counted(place, texts));
     let plain = |value: &Value| match value {
         Value::Number(quantity) => (json!(quantity.value), json!(quantity.dimension.to_string())),
         Value::Bool(value) => (json!(value), json!(null)),
