@@ -1,6 +1,6 @@
 //! Connections of one level: every name exists, directions fit, every input has one driver.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use blocksim_block::physical::Domain;
 use blocksim_block::problem::{Place, Problem};
@@ -8,12 +8,12 @@ use blocksim_signal::closest;
 
 use crate::ast::{Ast, ConnectionAst, Reference};
 use crate::model::{Content, Model, ModelBlock, PortKind};
-use crate::problems::{Problems, list, mended};
+use crate::problems::{GUESSES, Problems, list, mended};
 
 /// Checks the connections of a diagram and of all diagrams inside it.
 pub(crate) fn check(model: &Model, problems: &mut Problems) {
     let blocks = model.blocks.iter().map(|block| (block.name.as_str(), block)).collect();
-    let mut level = Level { model, blocks, problems, drivers: HashMap::new() };
+    let mut level = Level::new(model, blocks, problems);
     level.connections();
     level.interface();
     level.unconnected();
@@ -46,9 +46,37 @@ struct Level<'a> {
     problems: &'a mut Problems,
     /// Block and input, and the connection that drives it.
     drivers: HashMap<(String, String), Place>,
+    /// Blocks that a connection names with a port that they do not have, and ports of blocks that there are not: inputs
+    /// without a driver, most likely, because of that.
+    misnamed: HashSet<&'a str>,
+    adrift: HashSet<&'a str>,
+    /// Blocks whose name stands twice: which of them is meant nobody knows.
+    doubled: HashSet<&'a str>,
+    /// Names that nothing has, so far.
+    unknown: usize,
 }
 
 impl<'a> Level<'a> {
+    fn new(
+        model: &'a Model,
+        blocks: HashMap<&'a str, &'a ModelBlock>,
+        problems: &'a mut Problems,
+    ) -> Level<'a> {
+        let mut seen = HashSet::new();
+        let names = model.blocks.iter().map(|block| block.name.as_str());
+        let doubled = names.filter(|name| !seen.insert(*name)).collect();
+        Level {
+            model,
+            blocks,
+            problems,
+            drivers: HashMap::new(),
+            misnamed: HashSet::new(),
+            adrift: HashSet::new(),
+            doubled,
+            unknown: 0,
+        }
+    }
+
     fn ast(&self) -> &'a Ast {
         &self.model.ast
     }
@@ -66,29 +94,36 @@ impl<'a> Level<'a> {
     }
 
     /// The block of a reference; reports a name that is none.
-    fn block(&mut self, reference: &Reference) -> Option<&'a ModelBlock> {
+    fn block(&mut self, reference: &'a Reference) -> Option<&'a ModelBlock> {
         let found = self.blocks.get(reference.block.as_str()).copied();
         if found.is_none() {
+            self.unknown += 1;
+            self.adrift.insert(&reference.port);
             let known: Vec<&str> = self.model.blocks.iter().map(|block| block.name.as_str()).collect();
             let start = reference.span.start;
             let place = self.ast().place(&(start..start + reference.block.len()));
             let problem =
                 Problem::error("unknown_block_name", format!("there is no block `{}`", reference.block))
                     .at(&place, "no such block");
-            let problem = mended(problem, place, &reference.block, known.iter().copied());
-            self.problems.push(match closest(&reference.block, known.iter().copied()) {
-                Some(close) => problem.help(format!("did you mean `{close}`?")),
-                None => problem.help(format!("the blocks here are {}", list(&known))),
+            self.problems.push(if self.unknown > GUESSES {
+                problem
+            } else {
+                let problem = mended(problem, place, &reference.block, known.iter().copied());
+                match closest(&reference.block, known.iter().copied()) {
+                    Some(close) => problem.help(format!("did you mean `{close}`?")),
+                    None => problem.help(format!("the blocks here are {}", list(&known))),
+                }
             });
         }
         found
     }
 
-    fn port(&mut self, reference: &Reference, side: &str) -> Option<PortKind> {
+    fn port(&mut self, reference: &'a Reference, side: &str) -> Option<PortKind> {
         let block = self.block(reference)?;
         if let Some(port) = block.port(&reference.port) {
             return Some(port);
         }
+        self.misnamed.insert(&reference.block);
         let known = match side {
             "input" => block.inputs(),
             "output" => block.outputs(),
@@ -120,7 +155,7 @@ impl<'a> Level<'a> {
         None
     }
 
-    fn source(&mut self, reference: &Reference) {
+    fn source(&mut self, reference: &'a Reference) {
         if reference.block == "in" {
             self.own_input(reference);
             return;
@@ -153,7 +188,7 @@ impl<'a> Level<'a> {
         });
     }
 
-    fn target(&mut self, reference: &Reference) {
+    fn target(&mut self, reference: &'a Reference) {
         let place = self.ast().place(&reference.span);
         match self.port(reference, "input") {
             None => return,
@@ -175,7 +210,9 @@ impl<'a> Level<'a> {
             );
         }
         let key = (reference.block.clone(), reference.port.clone());
-        if let Some(other) = self.drivers.insert(key, place.clone()) {
+        if let Some(other) = self.drivers.insert(key, place.clone())
+            && !self.doubled.contains(reference.block.as_str())
+        {
             self.problems.push(
                 Problem::error(
                     "second_driver",
@@ -188,7 +225,7 @@ impl<'a> Level<'a> {
         }
     }
 
-    fn joined(&mut self, joined: &[Reference]) {
+    fn joined(&mut self, joined: &'a [Reference]) {
         let mut first: Option<(Domain, Place)> = None;
         for reference in joined {
             let place = self.ast().place(&reference.span);
@@ -221,7 +258,8 @@ impl<'a> Level<'a> {
         }
     }
 
-    fn direction(&mut self, reference: &Reference, what: &str, help: &str) {
+    fn direction(&mut self, reference: &'a Reference, what: &str, help: &str) {
+        self.misnamed.insert(&reference.block);
         let place = self.ast().place(&reference.span);
         let declared = self.blocks.get(reference.block.as_str()).map(|block| block.place.clone());
         let problem =
@@ -278,7 +316,11 @@ impl<'a> Level<'a> {
             };
             for (input, _) in needed.iter().filter(|(_, has_default)| !has_default) {
                 let driven = self.drivers.contains_key(&(block.name.clone(), input.clone()));
-                if !driven {
+                // The cause has been told: a connection that leads elsewhere than was meant.
+                let told = self.misnamed.contains(block.name.as_str())
+                    || self.doubled.contains(block.name.as_str())
+                    || self.adrift.contains(input.as_str());
+                if !driven && !told {
                     self.problems.push(
                         Problem::error(
                             "unconnected_input",

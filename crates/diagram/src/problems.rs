@@ -2,15 +2,22 @@
 
 use std::collections::HashMap;
 
-use blocksim_block::problem::{Place, Problem, Severity};
+use blocksim_block::problem::{FileId, Place, Problem, Severity};
 use blocksim_signal::surely;
 
 /// The problems found so far. A problem that is found twice (six instances of one file) is kept once.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Problems {
     all: Vec<Problem>,
-    /// Problems by their message, to find one that is known.
-    known: HashMap<String, Vec<usize>>,
+    /// Problems by their message and first place, to find one that is known.
+    known: HashMap<(String, Option<Start>), Vec<usize>>,
+}
+
+/// File and byte.
+type Start = (FileId, usize);
+
+fn start(problem: &Problem) -> Option<Start> {
+    problem.labels.first().map(|label| (label.place.file, label.place.span.start))
 }
 
 impl Problems {
@@ -19,7 +26,7 @@ impl Problems {
         let same = |other: &usize| {
             self.all[*other].code == problem.code && self.all[*other].labels == problem.labels
         };
-        let known = self.known.entry(problem.message.clone()).or_default();
+        let known = self.known.entry((problem.message.clone(), start(&problem))).or_default();
         if !known.iter().any(same) {
             known.push(self.all.len());
             self.all.push(problem);
@@ -34,10 +41,7 @@ impl Problems {
     /// All, errors first, in the order of files and places.
     pub(crate) fn sorted(&self) -> Vec<Problem> {
         let mut all = self.all.clone();
-        all.sort_by_key(|problem| {
-            let place = problem.labels.first().map(|label| (label.place.file, label.place.span.start));
-            (problem.severity == Severity::Warning, place)
-        });
+        all.sort_by_key(|problem| (problem.severity == Severity::Warning, start(problem)));
         all
     }
 
@@ -67,12 +71,19 @@ pub(crate) fn mended<'a>(
     }
 }
 
-/// Words in a row for people: `a`, `b` and `c`.
+/// So many unknown names are compared with the known ones; nobody reads the advice on more.
+pub(crate) const GUESSES: usize = 100;
+
+/// Most words in a row.
+const WORDS: usize = 40;
+
+/// Words in a row for people: `a`, `b` and `c`; of very many the first.
 pub(crate) fn list<S: AsRef<str>>(words: &[S]) -> String {
-    let quoted: Vec<String> = words.iter().map(|word| format!("`{}`", word.as_ref())).collect();
+    let quoted: Vec<String> = words.iter().take(WORDS).map(|word| format!("`{}`", word.as_ref())).collect();
     match quoted.as_slice() {
         [] => "none".to_owned(),
         [one] => one.clone(),
+        all if words.len() > WORDS => format!("{} and {} more", all.join(", "), words.len() - WORDS),
         [head @ .., last] => format!("{} and {last}", head.join(", ")),
     }
 }

@@ -24,9 +24,6 @@ fn an_unknown_kind_and_a_misspelt_parameter_show_in_one_report() {
             error[unknown_block]: there is no block kind `Gian`
               model.ron:3:10 `Gian` unknown kind
               help: did you mean `Gain`? `blocksim blocks Gain` describes it
-            error[missing_parameter]: `LowPass` needs `tau`
-              model.ron:3:27 `LowPass` not given
-              help: `blocksim blocks LowPass` describes its parameters
             error[unknown_parameter]: `LowPass` has no parameter `tua`
               model.ron:3:35 `tua` unknown parameter
               help: did you mean `tau`? The parameters are `tau` and `y0`

@@ -7,6 +7,7 @@ mod bad_physics;
 mod bad_runs;
 mod bridges;
 mod capacitor_loops;
+mod causes;
 mod central_control;
 mod circuits;
 mod commutation;

@@ -1,7 +1,7 @@
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use blocksim_block::problem::{FileId, Place, Problem};
+use blocksim_block::problem::FileId;
 use blocksim_diagram::{Reader, SourceFile, SyntaxError, format};
 
 use crate::args::fmt::FmtArgs;
@@ -40,7 +40,7 @@ pub fn fmt(args: &FmtArgs, console: Console) -> Outcome {
         let formatted = match format(&text) {
             Ok(formatted) => formatted,
             Err(error) => {
-                no_ron(&error, path, &text).tell(console);
+                no_ron(error, path, &text).tell(console);
                 broken += 1;
                 continue;
             }
@@ -93,14 +93,15 @@ fn standard_input(console: Console) -> Outcome {
             console.data(&formatted)?;
             Ok(Exit::Done)
         }
-        Err(error) => Err(no_ron(&error, Path::new("<stdin>"), &text)),
+        Err(error) => Err(no_ron(error, Path::new("<stdin>"), &text)),
     }
 }
 
 /// Where a text is no RON.
-fn no_ron(error: &SyntaxError, path: &Path, text: &str) -> Failure {
-    let place = Place { file: FileId(0), span: error.span.clone() };
-    let mut problem = Problem::error("syntax", error.message.clone()).at(&place, "");
-    problem.help = error.help.clone();
-    Failure::of(Exit::Model, vec![problem], vec![SourceFile { path: path.to_owned(), text: text.into() }])
+fn no_ron(error: SyntaxError, path: &Path, text: &str) -> Failure {
+    Failure::of(
+        Exit::Model,
+        vec![error.problem(FileId(0))],
+        vec![SourceFile { path: path.to_owned(), text: text.into() }],
+    )
 }

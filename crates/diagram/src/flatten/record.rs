@@ -7,7 +7,7 @@ use blocksim_signal::closest;
 
 use super::view::{Asked, Tree, View};
 use super::{Flat, Source};
-use crate::model::{Model, ModelBlock};
+use crate::model::{Content, Model, ModelBlock};
 use crate::problems::Problems;
 
 /// Signals that `record` asks for at the top: outputs of blocks and elements of buses.
@@ -38,11 +38,13 @@ pub(super) fn record(
         .filter(|block| block.interface.recorded.is_some())
         .flat_map(|block| block.interface.inputs.iter().map(|input| format!("{}.{}", block.path, input.name)))
         .collect();
+    // Of a block that is no good nobody knows the signals.
+    let all_known = !found.iter().any(|(_, block)| matches!(block.content, Content::Unknown));
     let mut seen: BTreeSet<&String> = BTreeSet::new();
     for pattern in model.ast.record.iter().flat_map(|entry| &entry.signals) {
         let place = model.ast.place(&pattern.span);
         let matching: Vec<_> = candidates.iter().filter(|(name, _)| matches(&pattern.text, name)).collect();
-        if matching.is_empty() && !shown.iter().any(|name| matches(&pattern.text, name)) {
+        if all_known && matching.is_empty() && !shown.iter().any(|name| matches(&pattern.text, name)) {
             let names: Vec<&str> = candidates.keys().chain(&shown).map(String::as_str).collect();
             problems.push(
                 Problem::error("unknown_signal", format!("no signal matches `{}`", pattern.text))

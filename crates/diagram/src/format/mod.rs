@@ -34,6 +34,7 @@ pub fn format(text: &str) -> Result<String, SyntaxError> {
     }
     Err(SyntaxError {
         span: before.span.start..before.span.start,
+        beside: None,
         remedy: None,
         message: "this text cannot be laid out without changing it".to_owned(),
         help: Some(

@@ -7,7 +7,7 @@ mod primitive;
 mod subsystem;
 mod variant;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -56,6 +56,8 @@ pub(crate) struct Resolver<'a> {
     /// The diagrams that were built, each before those inside it.
     pub instances: RefCell<Vec<Instance<'a>>>,
     asts: RefCell<HashMap<FileId, Option<Rc<Ast>>>>,
+    /// Names that nothing has, so far.
+    unknown: Cell<usize>,
 }
 
 impl<'a> Resolver<'a> {
@@ -64,6 +66,7 @@ impl<'a> Resolver<'a> {
             sources,
             overrides,
             problems: RefCell::default(),
+            unknown: Cell::default(),
             instances: RefCell::default(),
             asts: RefCell::default(),
         }

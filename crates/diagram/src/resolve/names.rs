@@ -6,7 +6,7 @@ use blocksim_signal::closest;
 
 use super::{HIERARCHY, Resolver};
 use crate::ast::{Ast, BlockAst};
-use crate::problems::{list, mended};
+use crate::problems::{GUESSES, list, mended};
 use crate::tree::{Name, Node};
 
 impl Resolver<'_> {
@@ -15,6 +15,10 @@ impl Resolver<'_> {
         known.extend(HIERARCHY.iter().map(|info| info.kind));
         let problem = Problem::error("unknown_block", format!("there is no block kind `{}`", kind.text))
             .at(&ast.place(&kind.span), "unknown kind");
+        if !self.may_guess() {
+            self.report(problem);
+            return;
+        }
         let problem = mended(problem, ast.place(&kind.span), &kind.text, known.iter().copied());
         self.report(match closest(&kind.text, known.iter().copied()) {
             Some(close) => {
@@ -22,6 +26,12 @@ impl Resolver<'_> {
             }
             None => problem.help("`blocksim blocks` lists all kinds"),
         });
+    }
+
+    /// Whether one more unknown name is compared with all known ones.
+    fn may_guess(&self) -> bool {
+        self.unknown.set(self.unknown.get() + 1);
+        self.unknown.get() <= GUESSES
     }
 
     /// Reports unknown and missing parameters, all at once.
@@ -33,14 +43,18 @@ impl Resolver<'_> {
         parameters: &[(Name, Node)],
     ) -> bool {
         let known: Vec<&str> = info.parameters.iter().map(|parameter| parameter.name).collect();
-        let mut fits = true;
+        let mut unknown = 0;
         for (name, _) in parameters.iter().filter(|(name, _)| !known.contains(&name.text.as_str())) {
-            fits = false;
+            unknown += 1;
             let problem = Problem::error(
                 "unknown_parameter",
                 format!("`{}` has no parameter `{}`", info.kind, name.text),
             )
             .at(&ast.place(&name.span), "unknown parameter");
+            if !self.may_guess() {
+                self.report(problem);
+                continue;
+            }
             // One that is given already is not meant.
             let free =
                 known.iter().copied().filter(|known| !parameters.iter().any(|(n, _)| n.text == *known));
@@ -60,15 +74,15 @@ impl Resolver<'_> {
             .map(|parameter| parameter.name)
             .filter(|name| !parameters.iter().any(|(given, _)| given.text == *name))
             .collect();
-        if !missing.is_empty() {
-            fits = false;
+        // What is missing stands there under a wrong name.
+        if missing.len() > unknown {
             self.report(
                 Problem::error("missing_parameter", format!("`{}` needs {}", info.kind, list(&missing)))
                     .at(&ast.place(&block.kind.span), "not given")
                     .help(format!("`blocksim blocks {}` describes its parameters", info.kind)),
             );
         }
-        fits
+        unknown == 0 && missing.is_empty()
     }
 
     pub(super) fn unknown_with(&self, ast: &Ast, given: &Name, file: &str, known: &[String]) {

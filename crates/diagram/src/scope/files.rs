@@ -9,16 +9,7 @@ use crate::tree::Node;
 
 /// Reads a file as a tree.
 pub(crate) fn read_tree(sources: &Sources, file: FileId) -> Result<Node, Problem> {
-    crate::tree::read(&sources.file(file).text).map_err(|error| {
-        let mut problem = Problem::error("syntax", error.message).at(&Place { file, span: error.span }, "");
-        if let Some(remedy) = error.remedy {
-            problem = problem.edit(Place { file, span: remedy.span }, remedy.old, remedy.new);
-        }
-        match error.help {
-            Some(help) => problem.help(help),
-            None => problem,
-        }
-    })
+    crate::tree::read(&sources.file(file).text).map_err(|error| error.problem(file))
 }
 
 /// A file that cannot be read.

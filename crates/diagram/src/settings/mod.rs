@@ -75,6 +75,8 @@ pub(crate) fn settings<'a>(
         Some(Stop::At(time)) => time,
         Some(Stop::Auto(margin)) => match end {
             Some(end) => end + margin,
+            // Whatever else is wrong may be the move that is missed.
+            None if problems.any_error() => STOP_TIME,
             None => {
                 problems.push(
                     Problem::error("no_end", "nothing in this diagram says when it is over")

@@ -11,6 +11,9 @@ use ron::value::RawValue;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
+use blocksim_block::problem::{FileId, Place, Problem};
+
+use super::mistakes;
 use super::scan::{byte_of, decimal_comma, is_raw_string, skip, skip_with, trim_end, word_length};
 use super::{Name, Node, Shape};
 
@@ -23,8 +26,37 @@ pub struct SyntaxError {
     pub message: String,
     /// What to do.
     pub help: Option<String>,
+    /// A second place and what is to be seen there.
+    pub beside: Option<(Range<usize>, String)>,
     /// The change that mends it, where no other one is likely.
     pub remedy: Option<Box<Remedy>>,
+}
+
+impl SyntaxError {
+    pub(super) fn new(span: Range<usize>, message: impl Into<String>) -> SyntaxError {
+        SyntaxError { span, message: message.into(), help: None, beside: None, remedy: None }
+    }
+
+    pub(super) fn help(self, help: impl Into<String>) -> SyntaxError {
+        SyntaxError { help: Some(help.into()), ..self }
+    }
+
+    pub(super) fn beside(self, place: Range<usize>, seen: impl Into<String>) -> SyntaxError {
+        SyntaxError { beside: Some((place, seen.into())), ..self }
+    }
+
+    /// As a problem of a file.
+    pub fn problem(self, file: FileId) -> Problem {
+        let mut problem = Problem::error("syntax", self.message).at(&Place { file, span: self.span }, "");
+        problem.help = self.help;
+        if let Some((span, seen)) = self.beside {
+            problem = problem.at(&Place { file, span }, seen);
+        }
+        match self.remedy {
+            Some(remedy) => problem.edit(Place { file, span: remedy.span }, remedy.old, remedy.new),
+            None => problem,
+        }
+    }
 }
 
 /// A change that makes RON of a text.
@@ -43,18 +75,23 @@ pub struct Remedy {
 /// # Errors
 /// The first place that is no RON.
 pub fn read(text: &str) -> Result<Node, SyntaxError> {
-    read_once(text).map_err(|error| missing_comma(text, &error).unwrap_or(error))
+    read_once(text).map_err(|error| {
+        // A mistake behind the place where reading failed is another one.
+        let mistake = mistakes::first(text).filter(|mistake| {
+            error.remedy.is_none()
+                && trim_end(&text[..mistake.at]).len() <= error.span.end.max(error.span.start)
+        });
+        match mistake {
+            Some(mistake) => mistake.error,
+            None => missing_comma(text, &error).unwrap_or(error),
+        }
+    })
 }
 
 fn read_once(text: &str) -> Result<Node, SyntaxError> {
     let reader = Reader { text };
     if skip(text) == text.len() {
-        return Err(SyntaxError {
-            span: 0..0,
-            message: "there is nothing in this file".to_owned(),
-            help: None,
-            remedy: None,
-        });
+        return Err(SyntaxError::new(0..0, "there is nothing in this file"));
     }
     let raw: &RawValue = options().from_str(text).map_err(|error| reader.error(text, &error))?;
     reader.node(raw.get_ron())
@@ -72,12 +109,9 @@ fn missing_comma(text: &str, error: &SyntaxError) -> Option<SyntaxError> {
     if read_once(&with_comma).is_err_and(|other| other.span.start <= start + 1) {
         return None;
     }
-    Some(SyntaxError {
-        span: error.span.clone(),
-        message: "a comma is missing before this".to_owned(),
-        help: Some("write `,` between two values".to_owned()),
-        remedy: Some(Box::new(Remedy { span: end..end, old: String::new(), new: ",".to_owned() })),
-    })
+    let remedy = Remedy { span: end..end, old: String::new(), new: ",".to_owned() };
+    let told = SyntaxError::new(error.span.clone(), "a comma is missing before this");
+    Some(SyntaxError { remedy: Some(Box::new(remedy)), ..told.help("write `,` between two values") })
 }
 
 fn options() -> Options {
@@ -179,7 +213,10 @@ impl<'a> Reader<'a> {
         let base = self.offset(raw);
         let start = base + byte_of(raw, error.span.start.line, error.span.start.col);
         let end = (base + byte_of(raw, error.span.end.line, error.span.end.col)).max(start);
-        let mut message = error.code.to_string();
+        let mut message = match &error.code {
+            ron::Error::ExpectedComma => "a `,` or a closing bracket is missing here".to_owned(),
+            other => other.to_string(),
+        };
         let mut help = None;
         let mut span = start..end;
         let mut remedy = None;
@@ -190,7 +227,7 @@ impl<'a> Reader<'a> {
             remedy = Some(Box::new(Remedy { span: comma.clone(), old: old.to_owned(), new }));
             span = comma;
         }
-        SyntaxError { span, message, help, remedy }
+        SyntaxError { span, message, help, beside: None, remedy }
     }
 }
 

@@ -100,11 +100,12 @@ fn raw_string(text: &str) -> Option<usize> {
 }
 
 pub(super) fn word_length(text: &str) -> usize {
-    let starts = text.chars().next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
+    // A letter is a letter in any language: a word is never cut at an umlaut.
+    let starts = text.chars().next().is_some_and(|c| c.is_alphabetic() || c == '_');
     if !starts {
         return 0;
     }
-    text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(text.len())
+    text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len())
 }
 
 /// Byte of a line and a column, both counted from 1, columns in characters.

@@ -1,0 +1,82 @@
+//! A mistake is told once: by its cause, and not by what follows from it.
+
+use std::path::Path;
+
+use blocksim_diagram::{Sources, compile};
+use blocksim_tests::Desk;
+
+/// Codes of all problems of a diagram, in the order of places.
+fn codes(text: &str) -> Vec<&'static str> {
+    let desk = Desk::new().with("model.ron", text);
+    let sources = Sources::new(&desk);
+    compile(&sources, Path::new("model.ron"), &[]).problems.iter().map(|problem| problem.code).collect()
+}
+
+/// A loop of a lag with its scope.
+const SOUND: &str = r#"Diagram(
+    simulation: (stop_time: "1 s", solver: Ode45(rtol: 1e-6)),
+    record: ["lag.y"],
+    blocks: {
+        "one": Constant(value: 1),
+        "lag": LowPass(tau: "1 s"),
+        "sum": Sum(signs: "+-"),
+        "scope": Scope(inputs: ["a", "b"]),
+    },
+    connections: ["one.y -> sum.u1, scope.a", "sum.y -> lag.u", "lag.y -> sum.u2, scope.b"],
+)
+"#;
+
+#[test]
+fn one_mistake_is_one_problem() {
+    assert_eq!(codes(SOUND), Vec::<&str>::new());
+    for (right, wrong, code) in [
+        ("LowPass", "LowPas", "unknown_block"),
+        ("LowPass", "LöwPass", "unknown_block"),
+        ("Scope(", "Scöpe(", "unknown_block"),
+        ("tau:", "taux:", "unknown_parameter"),
+        ("value: 1", "valeu: 1", "unknown_parameter"),
+        ("value: 1", "", "missing_parameter"),
+        ("-> lag.u", "-> lag.v", "unknown_port"),
+        ("-> lag.u", "-> leg.u", "unknown_block_name"),
+        ("lag.y ->", "lag.x ->", "unknown_port"),
+        ("lag.y ->", "lag.u ->", "wrong_direction"),
+        ("\"one\":", "\"lag\":", "duplicate_name"),
+        ("rtol", "rtool", "parameter"),
+        ("Ode45(rtol", "Auto(rtool", "parameter"),
+        ("stop_time", "stop_tme", "parameter"),
+        ("\"1 s\", solver", "\"1 m\", solver", "parameter"),
+        ("value: 1", "value: 1,05", "syntax"),
+        ("stop_time:", "stop_time=", "syntax"),
+        ("Diagram(\n", "Diagram(\n    # a lag\n", "syntax"),
+        ("\"b\"])", "\"b\"]", "syntax"),
+        ("scope.b\"],", "scope.b],", "syntax"),
+    ] {
+        let found = codes(&SOUND.replacen(right, wrong, 1));
+        let of_value = |code: &&str| *code != "duplicate_name";
+        let told: Vec<&str> = match code {
+            // Whatever connects the lost block leads nowhere: the name is told, and where it is missed.
+            "duplicate_name" => found.iter().copied().filter(|code| !of_value(code)).collect(),
+            _ => found.clone(),
+        };
+        assert_eq!(told, [code], "`{right}` as `{wrong}`: {found:?}");
+    }
+}
+
+#[test]
+fn mistakes_in_different_places_are_all_told() {
+    let text =
+        SOUND.replace("tau:", "taux:").replace("scope.b", "scope.c").replace("value: 1", "value: \"1 x\"");
+    assert_eq!(codes(&text), ["expression", "unknown_parameter", "unknown_port"]);
+}
+
+#[test]
+fn very_many_mistakes_are_all_told() {
+    const MANY: usize = 20_000;
+    let blocks: String = (0..MANY).map(|n| format!("\"b{n}\": Gian(k: {n}),\n")).collect();
+    let found = codes(&format!("Diagram(simulation: (stop_time: \"1 s\"), blocks: {{\n{blocks}}})"));
+    assert_eq!(found.len(), MANY);
+    let wires: String = (0..MANY).map(|n| format!("\"one.y -> c{n}.u\",\n")).collect();
+    let found = codes(&SOUND.replace("connections: [", &format!("connections: [\n{wires}")));
+    let other = found.iter().find(|code| **code != "unknown_block_name");
+    assert_eq!((found.len(), other), (MANY, None));
+}
