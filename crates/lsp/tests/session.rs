@@ -152,6 +152,25 @@ fn problems_come_while_a_text_is_typed_and_go_when_it_is_right() {
 }
 
 #[test]
+fn letters_beyond_ascii_do_no_harm_in_half_written_texts() {
+    let mut editor = Editor::new("letters");
+    editor.open("servo.ron", SERVO);
+    editor.problems("servo.ron");
+    for text in
+        ["Diagram(title: \"größe", "Diagram(blocks: { \"a\": Gän(k: 1", "Diagram(titlé: \"ä\", blocks: {\"ü"]
+    {
+        for end in text.char_indices().map(|(at, _)| at).skip(8).chain([text.len()]) {
+            let marked = format!("{}|", &text[..end]);
+            editor.complete("servo.ron", &marked);
+            editor.ask_at("textDocument/hover", "servo.ron", &marked);
+        }
+    }
+    editor.change("servo.ron", SERVO);
+    let last = std::iter::repeat_with(|| editor.problems("servo.ron")).find(Vec::is_empty);
+    assert!(last.is_some());
+}
+
+#[test]
 fn a_part_is_judged_within_the_model_that_it_belongs_to() {
     let editor = Editor::new("part");
     // Alone the output would lead nowhere; in the model the input without a source shows.
