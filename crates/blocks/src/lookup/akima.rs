@@ -43,6 +43,13 @@ pub(super) fn curve(x: &[f64], y: &[f64], i: usize, u: f64) -> f64 {
     y[i] + s * (t0 + s * (3.0 * dy - 2.0 * t0 - t1 + s * (t0 + t1 - 2.0 * dy)))
 }
 
+/// Its second derivative between points `i` and `i + 1`, at either.
+pub(super) fn curvature(x: &[f64], y: &[f64], i: usize) -> [f64; 2] {
+    let h = x[i + 1] - x[i];
+    let (chord, a, b) = ((y[i + 1] - y[i]) / h, slope(x, y, i), slope(x, y, i + 1));
+    [(6.0 * chord - 4.0 * a - 2.0 * b) / h, (2.0 * a + 4.0 * b - 6.0 * chord) / h]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,6 +2,8 @@
 
 use blocksim_block::prelude::*;
 
+use crate::math::elements::ROUNDING;
+
 /// What stands beyond the first and the last breakpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum Extrapolation {
@@ -43,8 +45,44 @@ pub(super) fn check_breakpoints(
 /// The interval `i`, from breakpoint `i` to the next, in which `u` lies or which is nearest; 0 if there is only
 /// one breakpoint. A breakpoint belongs to the interval above it, the last one to the one below.
 pub(super) fn interval(breakpoints: &[f64], u: f64) -> usize {
-    let above = breakpoints.partition_point(|breakpoint| *breakpoint <= u);
-    above.saturating_sub(1).min(breakpoints.len().saturating_sub(2))
+    below(breakpoints, u).saturating_sub(1).min(breakpoints.len().saturating_sub(2))
+}
+
+/// How many breakpoints lie at or below `u`.
+pub(super) fn below(breakpoints: &[f64], u: f64) -> usize {
+    breakpoints.partition_point(|breakpoint| *breakpoint <= u)
+}
+
+/// Whether two slopes at breakpoint `i`, where the value is `y`, differ by more than rounding.
+pub(super) fn bends(before: f64, after: f64, breakpoints: &[f64], i: usize, y: f64) -> bool {
+    let width = |pair: &[f64]| pair[1] - pair[0];
+    let around = &breakpoints[i.saturating_sub(1)..(i + 2).min(breakpoints.len())];
+    let narrow = around.windows(2).map(width).fold(f64::INFINITY, f64::min);
+    let rounding = ROUNDING * (y.abs() / narrow + before.abs() + after.abs());
+    (before - after).abs() > rounding
+}
+
+/// The breakpoints at which a table has a kink. Between two instants the solver looks for the nearest one above and below
+/// the place of the last instant: however many lie within a step, the first of them is found.
+pub(super) struct Kinks<'a, F: Fn(usize) -> bool> {
+    pub breakpoints: &'a [f64],
+    /// Whether there is a kink at a breakpoint.
+    pub is_kink: F,
+}
+
+impl<F: Fn(usize) -> bool> Kinks<'_, F> {
+    /// Whether there are any.
+    pub fn any(&self) -> bool {
+        (0..self.breakpoints.len()).any(&self.is_kink)
+    }
+
+    /// How far `u` is beyond the next kink above and the next below a place with `at` breakpoints at or below it. Without a
+    /// kink there, a value that keeps its sign.
+    pub fn around(&self, at: usize, u: f64) -> [f64; 2] {
+        let above = (at..self.breakpoints.len()).find(|&i| (self.is_kink)(i));
+        let below = (0..at).rev().find(|&i| (self.is_kink)(i));
+        [above.map_or(-1.0, |i| u - self.breakpoints[i]), below.map_or(1.0, |i| u - self.breakpoints[i])]
+    }
 }
 
 /// The interval of `u`, and how far `u` is through it: 0 at its start, 1 at its end, beyond that only when it is

@@ -1,7 +1,7 @@
 use blocksim_block::prelude::*;
 
 use super::akima;
-use super::interval::{Extrapolation, check_breakpoints, interval, mix, share};
+use super::interval::{Extrapolation, Kinks, below, bends, check_breakpoints, interval, mix, share};
 use crate::continuous::units::{agrees, element};
 
 /// Looks a value up in a table, with interpolation: $y = f(u)$ through the points
@@ -15,7 +15,8 @@ use crate::continuous::units::{agrees, element};
 /// | `Cubic` | Akima's curve: smooth up to the first derivative, no overshoot beside flat stretches |
 ///
 /// At the breakpoints the values are exact. Beyond the ends `Linear` and `Cubic` go on along the tangent, or stay
-/// at the end with `extrapolation: Clip`; `Flat` and `Nearest` stay at the end. Where these two jump is an event.
+/// at the end with `extrapolation: Clip`; `Flat` and `Nearest` stay at the end. Where these two jump is an event; where
+/// slope or curvature of the others change the solver steps onto the kink.
 /// The output has the unit of `table`. Direct feedthrough; vectors are looked up element by element.
 ///
 /// ```ron
@@ -72,6 +73,45 @@ impl LookupTable1D {
         if self.jumps() > 0 && u >= self.place_of_jump(i) { i + 1 } else { i }
     }
 
+    /// The slope just below and just above breakpoint `i`.
+    fn slopes(&self, i: usize) -> [f64; 2] {
+        let (x, y) = (&self.breakpoints, &self.table);
+        let last = x.len() - 1;
+        let secant = |k: usize| (y[k + 1] - y[k]) / (x[k + 1] - x[k]);
+        let inside = |k: usize| match self.interpolation {
+            Interpolation::Cubic => akima::slope(x, y, i),
+            _ => secant(k),
+        };
+        let outside = |k: usize| if self.extrapolation == Extrapolation::Clip { 0.0 } else { inside(k) };
+        match i {
+            _ if last == 0 => [0.0; 2],
+            0 => [outside(0), inside(0)],
+            i if i == last => [inside(i - 1), outside(i - 1)],
+            i => [inside(i - 1), inside(i)],
+        }
+    }
+
+    /// Whether the second derivative of Akima's curve jumps at breakpoint `i`.
+    fn curvature_jumps(&self, i: usize) -> bool {
+        let (x, y) = (&self.breakpoints, &self.table);
+        if self.interpolation != Interpolation::Cubic || x.len() < 2 {
+            return false;
+        }
+        let before = if i > 0 { akima::curvature(x, y, i - 1)[1] } else { 0.0 };
+        let after = if i + 1 < x.len() { akima::curvature(x, y, i)[0] } else { 0.0 };
+        bends(before, after, x, i, before.abs() + after.abs())
+    }
+
+    fn kinks(&self) -> Kinks<'_, impl Fn(usize) -> bool> {
+        Kinks {
+            breakpoints: &self.breakpoints,
+            is_kink: |i| {
+                let [before, after] = self.slopes(i);
+                bends(before, after, &self.breakpoints, i, self.table[i]) || self.curvature_jumps(i)
+            },
+        }
+    }
+
     fn smooth(&self, u: f64) -> f64 {
         let (x, y) = (&self.breakpoints, &self.table);
         let (i, share) = share(x, u, self.extrapolation);
@@ -113,31 +153,40 @@ impl Block for LookupTable1D {
             for _ in 0..u.shape.len() {
                 interface = interface.guard("above").guard("below");
             }
+        } else if self.kinks().any() {
+            interface = interface.settles().memory("interval", u.shape.len(), 0.0);
+            for _ in 0..u.shape.len() {
+                interface = interface.kink("above").kink("below");
+            }
         }
         Ok(interface)
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {
-        if self.steps() {
-            d.iter_mut().enumerate().for_each(|(i, step)| *step = self.step(element(c.u, i)) as f64);
-        }
+        let place = |u| if self.steps() { self.step(u) } else { below(&self.breakpoints, u) };
+        d.iter_mut().enumerate().for_each(|(i, at)| *at = place(element(c.u, i)) as f64);
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
         for (i, y) in y.iter_mut().enumerate() {
             let u = element(c.u, i);
-            *y = match c.d.get(i) {
-                None => self.smooth(u),
-                Some(_) if u.is_nan() => u,
-                Some(step) => self.table[*step as usize],
+            *y = match self.steps() {
+                false => self.smooth(u),
+                true if u.is_nan() => u,
+                true => self.table[c.d[i] as usize],
             };
         }
     }
 
-    /// Distances to the jumps above and below the held value. A guard without a jump keeps its sign.
+    /// Distances to the jumps above and below the held value, or to the kinks around the interval of the last instant.
+    /// A guard without a jump or kink keeps its sign.
     fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         for (i, (g, step)) in g.chunks_exact_mut(2).zip(c.d).enumerate() {
             let (u, step) = (element(c.u, i), *step as usize);
+            if !self.steps() {
+                g.copy_from_slice(&self.kinks().around(step, u));
+                continue;
+            }
             g[0] = if step < self.jumps() { u - self.place_of_jump(step) } else { -1.0 };
             g[1] = if step > 0 { u - self.place_of_jump(step - 1) } else { 1.0 };
         }
@@ -260,6 +309,41 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_guards_of_kinks_change_their_sign_however_many_lie_within_a_step() {
+        for (interpolation, extrapolation, kinks) in [
+            (Interpolation::Linear, Extrapolation::Linear, &[0.0, 0.3][..]),
+            (Interpolation::Linear, Extrapolation::Clip, &[-1.0, 0.0, 0.3, 2.0]),
+            (Interpolation::Cubic, Extrapolation::Clip, &[-1.0, 0.0, 0.3, 2.0]),
+        ] {
+            let mut bench = Bench::new(block(interpolation, extrapolation));
+            for held in [-1.5, -0.9, 0.1, 0.9, 3.0] {
+                bench.set(0, &[held]).major();
+                for u in [-9.0, -0.7, -0.2, 0.07, 0.2, 1.0, 1.5, 9.0] {
+                    let g = bench.set(0, &[u]).guards();
+                    let between = kinks.iter().any(|kink| (held < *kink) != (u < *kink));
+                    assert_eq!(g[0] >= 0.0 || g[1] < 0.0, between, "{interpolation:?} from {held} to {u}");
+                    assert_eq!(bench.minor()[0], Bench::new(block(interpolation, extrapolation)).respond(u));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_straight_has_no_kinks_in_spite_of_rounding() {
+        let breakpoints: Vec<f64> = (0..50).map(|k| 0.1 * f64::from(k)).collect();
+        let line = |extrapolation| LookupTable1D {
+            table: breakpoints.iter().map(|x| 1e3 + 0.3 * x).collect(),
+            breakpoints: breakpoints.clone(),
+            interpolation: Interpolation::Linear,
+            extrapolation,
+        };
+        assert!(!line(Extrapolation::Linear).kinks().any());
+        let clipped = line(Extrapolation::Clip);
+        let kinks: Vec<usize> = (0..50).filter(|i| (clipped.kinks().is_kink)(*i)).collect();
+        assert_eq!(kinks, [0, 49]);
     }
 
     #[test]

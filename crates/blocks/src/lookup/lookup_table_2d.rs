@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use super::interval::{Extrapolation, check_breakpoints, mix, share};
+use super::interval::{Extrapolation, Kinks, below, bends, check_breakpoints, mix, share};
 use crate::continuous::units::{agrees, element};
 
 /// Looks a value up in a table with rows and columns, bilinearly: $y = f(u_1, u_2)$ with
@@ -12,8 +12,8 @@ use crate::continuous::units::{agrees, element};
 /// $$ y = (1-s)(1-t)\,z_{ij} + (1-s)\,t\,z_{i,j+1} + s(1-t)\,z_{i+1,j} + s\,t\,z_{i+1,j+1} $$
 ///
 /// At the breakpoints the values are exact. Beyond the ends the cells at the border are continued, or the inputs
-/// clipped with `extrapolation: Clip`. The output has the unit of `table`. Direct feedthrough; vectors are looked
-/// up element by element.
+/// clipped with `extrapolation: Clip`. The solver steps onto the kinks at rows and columns. The output has the unit of
+/// `table`. Direct feedthrough; vectors are looked up element by element.
 ///
 /// ```ron
 /// LookupTable2D(rows: [1.0, 2.0, 3.0], columns: [1.0, 2.0, 3.0],
@@ -33,7 +33,38 @@ pub struct LookupTable2D {
     pub extrapolation: Extrapolation,
 }
 
+/// Guards of an element: the next row and column above, the next below.
+const GUARDS: usize = 4;
+
 impl LookupTable2D {
+    /// Whether the slope across breakpoint `i` of an axis changes there, `value(i, k)` being the `k`th of `lines` values at it.
+    fn has_kink(&self, axis: &[f64], lines: usize, i: usize, value: impl Fn(usize, usize) -> f64) -> bool {
+        let clip = self.extrapolation == Extrapolation::Clip;
+        let slope = |i: usize, k: usize| (value(i + 1, k) - value(i, k)) / (axis[i + 1] - axis[i]);
+        let last = axis.len() - 1;
+        let outside = |slope: f64| if clip { 0.0 } else { slope };
+        let slopes = |k: usize| match i {
+            _ if last == 0 => [0.0; 2],
+            0 => [outside(slope(0, k)), slope(0, k)],
+            i if i == last => [slope(last - 1, k), outside(slope(last - 1, k))],
+            i => [slope(i - 1, k), slope(i, k)],
+        };
+        (0..lines).any(|k| {
+            let [before, after] = slopes(k);
+            bends(before, after, axis, i, value(i, k))
+        })
+    }
+
+    fn kinks_of_rows(&self) -> Kinks<'_, impl Fn(usize) -> bool> {
+        let is_kink = |i| self.has_kink(&self.rows, self.columns.len(), i, |i, k| self.table[i][k]);
+        Kinks { breakpoints: &self.rows, is_kink }
+    }
+
+    fn kinks_of_columns(&self) -> Kinks<'_, impl Fn(usize) -> bool> {
+        let is_kink = |j| self.has_kink(&self.columns, self.rows.len(), j, |j, k| self.table[k][j]);
+        Kinks { breakpoints: &self.columns, is_kink }
+    }
+
     fn value(&self, u1: f64, u2: f64) -> f64 {
         let (i, s) = share(&self.rows, u1, self.extrapolation);
         let (j, t) = share(&self.columns, u2, self.extrapolation);
@@ -70,10 +101,36 @@ impl Block for LookupTable2D {
         agrees(given, "columns", "u2", given.input_or_unknown("u2").dimension)?;
         let shape = given.common_shape(&["u1", "u2"], &[])?;
         let y = PortType::UNKNOWN.shaped(shape).of(Some(given.parameters.get("table")));
-        Ok(Interface::new()
+        let n = y.shape.len();
+        let mut interface = Interface::new()
             .input(Input::real("u1").doc("Chooses between rows."))
             .input(Input::real("u2").doc("Chooses between columns."))
-            .output(Output::like("y", y)))
+            .output(Output::like("y", y));
+        if self.kinks_of_rows().any() || self.kinks_of_columns().any() {
+            interface = interface.settles().memory("row", n, 0.0).memory("column", n, 0.0);
+            for name in (0..n).flat_map(|_| ["row above", "row below", "column above", "column below"]) {
+                interface = interface.kink(name);
+            }
+        }
+        Ok(interface)
+    }
+
+    /// In which cell the inputs are; guards alone read that.
+    fn settle(&self, c: &Context, d: &mut [f64]) {
+        let (rows, columns) = d.split_at_mut(d.len() / 2);
+        for (i, (row, column)) in rows.iter_mut().zip(columns).enumerate() {
+            *row = below(&self.rows, element(c.input(0), i)) as f64;
+            *column = below(&self.columns, element(c.input(1), i)) as f64;
+        }
+    }
+
+    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
+        let (rows, columns) = c.d.split_at(c.d.len() / 2);
+        for (i, g) in g.chunks_exact_mut(GUARDS).enumerate() {
+            let [u1, u2] = [element(c.input(0), i), element(c.input(1), i)];
+            g[..2].copy_from_slice(&self.kinks_of_rows().around(rows[i] as usize, u1));
+            g[2..].copy_from_slice(&self.kinks_of_columns().around(columns[i] as usize, u2));
+        }
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
@@ -145,6 +202,23 @@ mod tests {
             assert!(value(&block(extrapolation), f64::NAN, 1.0).is_nan());
             assert!(value(&block(extrapolation), 1.0, f64::NAN).is_nan());
         }
+    }
+
+    #[test]
+    fn the_guards_are_distances_to_the_kinks_around_the_cell() {
+        let mut bench = Bench::new(block(Extrapolation::Clip));
+        bench.set(0, &[1.5]).set(1, &[3.0]).major();
+        assert_eq!(bench.guards(), [-0.5, 0.5, -1.0, 1.0]);
+        // Held until the next instant, however far the inputs go.
+        assert_eq!(bench.set(0, &[9.0]).set(1, &[0.0]).guards(), [7.0, 8.0, -4.0, -2.0]);
+        let mut bench = Bench::new(block(Extrapolation::Linear));
+        bench.set(0, &[1.5]).set(1, &[3.0]).major();
+        assert_eq!(bench.guards(), [-0.5, 1.0, -1.0, 1.0], "without ends");
+        let plane = LookupTable2D {
+            table: (0..3).map(|i| [1.0, 2.0, 4.0].map(|c| 2.0 * c + f64::from(i)).to_vec()).collect(),
+            ..block(Extrapolation::Linear)
+        };
+        assert!(interface_with(&plane, &[], &[]).unwrap().guards.is_empty());
     }
 
     #[test]
