@@ -41,14 +41,16 @@ impl SpringDamper {
 
     /// Adds what happens where flanks meet and part; nothing without play.
     pub(crate) fn events(&self, part: Part) -> Part {
-        if self.backlash > 0.0 { part.kink("lower_flank").kink("upper_flank") } else { part }
+        if self.backlash == 0.0 {
+            return part;
+        }
+        with_firm(part.kink("lower_flank").kink("upper_flank"), self.transition)
     }
 
-    /// How far the flanks are from pressing, at a deflection and a speed.
+    /// How far the flanks are from pressing, at a deflection and a speed, and from having set in.
     pub(crate) fn guards(&self, deflection: f64, speed: f64, g: &mut [f64]) {
-        for (g, side) in g.iter_mut().zip([-1.0, 1.0]) {
-            *g = self.flank().apart(side * deflection - 0.5 * self.backlash, side * speed);
-        }
+        let depths = [-1.0, 1.0].map(|side| (side * deflection - 0.5 * self.backlash, side * speed));
+        write_distances(&self.flank(), depths, g);
     }
 
     fn flank(&self) -> JointLimit {
@@ -71,6 +73,19 @@ impl SpringDamper {
     }
 }
 
+/// Adds the places where two contacts have set in, if they do so over a width.
+fn with_firm(part: Part, transition: f64) -> Part {
+    if transition > 0.0 { part.kink("lower_firm").kink("upper_firm") } else { part }
+}
+
+/// How far two contacts are from pressing, at depths and rates, and behind that how far they are from having set in, if they do
+/// so over a width.
+fn write_distances(law: &JointLimit, depths: [(f64, f64); 2], g: &mut [f64]) {
+    let apart = depths.map(|(depth, rate)| law.apart(depth, rate));
+    let firm = depths.into_iter().filter_map(|(depth, _)| law.firm(depth));
+    g.iter_mut().zip(apart.into_iter().chain(firm)).for_each(|(g, distance)| *g = distance);
+}
+
 /// Free between two positions, a spring and a damper beyond them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Travel {
@@ -90,13 +105,12 @@ impl Travel {
 
     /// Adds what happens where an end is reached and left.
     pub(crate) fn events(&self, part: Part) -> Part {
-        part.kink("lower").kink("upper")
+        with_firm(part.kink("lower").kink("upper"), self.end.transition)
     }
 
-    /// How far both ends are from pressing, at a position and a speed.
+    /// How far both ends are from pressing, at a position and a speed, and from having set in.
     pub(crate) fn guards(&self, position: f64, speed: f64, g: &mut [f64]) {
-        g[0] = self.end.apart(self.lower - position, -speed);
-        g[1] = self.end.apart(position - self.upper, speed);
+        write_distances(&self.end, [(self.lower - position, -speed), (position - self.upper, speed)], g);
     }
 
     /// Energy and heat of both ends.

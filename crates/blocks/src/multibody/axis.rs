@@ -55,7 +55,7 @@ impl Inside {
         torque
     }
 
-    /// Adds what happens where an end of travel is reached and left; `number` tells several axes apart.
+    /// Adds what happens where an end of travel is reached, has set in, and is left; `number` tells several axes apart.
     pub(crate) fn events(&self, mut part: Part, number: &str) -> Part {
         for (name, _) in self.ends(0.0, 0.0) {
             part = part.kink(&format!("{name}{number}"));
@@ -68,10 +68,13 @@ impl Inside {
         self.ends(q, w).zip(g).map(|((_, distance), g)| *g = distance).count()
     }
 
-    /// Names of the ends of travel, and how far they are from pressing.
+    /// Names of the ends of travel, and how far they are from pressing and from doing so in full.
     fn ends(&self, q: f64, w: f64) -> impl Iterator<Item = (&'static str, f64)> {
         let lower = self.lower.map(|lower| ("lower", self.limit.apart(lower - q, -w)));
-        lower.into_iter().chain(self.upper.map(|upper| ("upper", self.limit.apart(q - upper, w))))
+        let lower_firm = self.lower.and_then(|lower| Some(("lower_firm", self.limit.firm(lower - q)?)));
+        let upper = self.upper.map(|upper| ("upper", self.limit.apart(q - upper, w)));
+        let upper_firm = self.upper.and_then(|upper| Some(("upper_firm", self.limit.firm(q - upper)?)));
+        [lower, lower_firm, upper, upper_firm].into_iter().flatten()
     }
 
     /// What spring, damper and both ends of travel store and turn into heat.

@@ -45,6 +45,12 @@ impl JointLimit {
         -(depth + self.damping / self.stiffness * rate.min(0.0))
     }
 
+    /// How far from having set in fully, where the second derivative of the force jumps: a step over the whole transition
+    /// sees nothing of it. Nothing without a transition.
+    pub(crate) fn firm(&self, depth: f64) -> Option<f64> {
+        (self.transition > 0.0).then_some(self.transition - depth)
+    }
+
     /// Energy of the spring, and heat of the damper. Where the damper would pull, the parts let go of each other, and
     /// what the spring still holds becomes heat while it relaxes by itself.
     pub(crate) fn energy(&self, depth: f64, rate: f64) -> Energy {

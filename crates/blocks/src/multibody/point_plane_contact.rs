@@ -93,7 +93,7 @@ impl Block for PointPlaneContact {
 
 impl Component for PointPlaneContact {
     fn part(&self, _given: &Given) -> Part {
-        Part::new()
+        let part = Part::new()
             .port("base", Domain::Frame, "frame of the plane; its z axis points out")
             .port("follower", Domain::Frame, "frame whose origin touches")
             .measures("f", "N", Needs::State, "normal force")
@@ -101,7 +101,8 @@ impl Component for PointPlaneContact {
             .measures("slip", "m/s", Needs::State, "speed of the point along the plane")
             .element(Element::FrameForce { frame: 0 })
             .element(Element::FrameForce { frame: 1 })
-            .kink("touch")
+            .kink("touch");
+        if self.transition > 0.0 { part.kink("firm") } else { part }
     }
 
     fn wrenches(&self, c: &Law, f: &mut [Wrench]) {
@@ -110,7 +111,8 @@ impl Component for PointPlaneContact {
 
     fn guards(&self, c: &Law, g: &mut [f64]) {
         let touch = self.touch(c.frames);
-        g[0] = self.ground().apart(touch.depth, -touch.rise);
+        let values = std::iter::once(self.ground().apart(touch.depth, -touch.rise));
+        g.iter_mut().zip(values.chain(self.ground().firm(touch.depth))).for_each(|(g, value)| *g = value);
     }
 
     fn energy(&self, c: &Law) -> Energy {
