@@ -52,7 +52,7 @@ impl Simulation {
             if let Some(audit) = &mut self.audit {
                 audit.begin(&self.guards.start);
             }
-            self.kinks.begin(self.stepper.as_deref(), &self.x);
+            self.kinks.begin(&self.x);
             self.step(stop.t)?;
             let mut arrival = self.cut(start, stop.t, observer)?;
             if self.t >= stop.t {
@@ -111,7 +111,7 @@ impl Simulation {
             self.repeat(t0, before.t)?;
             cut = self.crossing(t0)?;
         }
-        let stride = Stride { t0, t1: self.t, x1: &self.x, stepper: self.stepper.as_deref() };
+        let stride = Stride { t0, t1: self.t, stepper: self.stepper.as_deref() };
         if let Some(audit) = &mut self.audit
             && !self.guards.is_empty()
         {
@@ -150,7 +150,12 @@ impl Simulation {
 
     /// Where the step from `t0` to the present must be cut.
     pub(crate) fn crossing(&mut self, t0: f64) -> Result<Option<Cut>, SimError> {
-        let stride = Stride { t0, t1: self.t, x1: &self.x, stepper: self.stepper.as_deref() };
+        let crossed = self.guards.arrive(&mut self.diagram, self.t, &self.x);
+        if self.held(crossed)? {
+            // The state that the step is cut at is to be as exact as the ends of steps.
+            self.stepper.iter_mut().for_each(|stepper| stepper.sharpen(&mut self.diagram));
+        }
+        let stride = Stride { t0, t1: self.t, stepper: self.stepper.as_deref() };
         let cut = self.guards.cut(&mut self.diagram, &stride);
         cut.map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))
     }

@@ -45,13 +45,22 @@ pub(crate) struct Cut {
 }
 
 impl Guards {
-    /// Looks for the first crossing in a step. Its states are then in `self.x`, the guards in `self.fired`.
+    /// Finds the values at the end of a step; returns whether a guard is seen from them to have crossed.
+    pub fn arrive(&mut self, diagram: &mut Diagram, t1: f64, x1: &[f64]) -> Result<bool, Failed> {
+        if self.is_empty() {
+            return Ok(false);
+        }
+        diagram.minor(t1, x1)?;
+        diagram.guards(&mut self.end)?;
+        Ok(self.crossing(&self.end, false).is_some())
+    }
+
+    /// Looks for the first crossing in a step at whose end the values are known. Its states are then in `self.x`, the guards in
+    /// `self.fired`.
     pub fn cut(&mut self, diagram: &mut Diagram, stride: &Stride) -> Result<Option<Cut>, Failed> {
         if self.is_empty() {
             return Ok(None);
         }
-        diagram.minor(stride.t1, stride.x1)?;
-        diagram.guards(&mut self.end)?;
         let mut looks = std::mem::take(&mut diagram.looks);
         let found = self.first(&mut looks, diagram, stride);
         diagram.looks = looks;

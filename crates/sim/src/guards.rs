@@ -15,8 +15,6 @@ const CHATTER: u32 = 1000;
 pub(crate) struct Stride<'a> {
     pub t0: f64,
     pub t1: f64,
-    /// States at `t1`.
-    pub x1: &'a [f64],
     /// Absent without states.
     pub stepper: Option<&'a dyn Stepper>,
 }

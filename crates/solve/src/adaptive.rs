@@ -89,6 +89,14 @@ pub trait Method: Send {
     /// Takes that over.
     fn recall(&mut self, _stages: &Stages) {}
 
+    /// Makes what `interpolate` returns as exact as the end of the step, where the method knows how.
+    ///
+    /// # Errors
+    /// The system fails within the step; what is interpolated is then as before.
+    fn sharpen(&mut self, _work: &mut Work, _span: Span, _x0: &[f64], _x1: &[f64]) -> Result<(), Fault> {
+        Ok(())
+    }
+
     /// State at the fraction `theta` of the last step, which had the size `h`.
     fn interpolate(&self, theta: f64, h: f64, x0: &[f64], x1: &[f64], x: &mut [f64]);
 }
@@ -277,6 +285,12 @@ impl<M: Method> Stepper for Adaptive<M> {
             let theta = (t - self.last.t0) / self.last.h;
             self.method.interpolate(theta, self.last.h, &self.x0, &self.x1, x);
         }
+    }
+
+    fn sharpen(&mut self, system: &mut dyn System) {
+        let mut work = Work { system, counts: &mut self.counts, weights: &self.weights };
+        // A failure is told where the solution gets there.
+        let _unless_failed = self.method.sharpen(&mut work, self.last, &self.x0, &self.x1);
     }
 
     fn last_step(&self) -> (f64, f64) {

@@ -38,6 +38,8 @@ pub struct Auto {
     /// Whether the other method is to go on from here.
     change: bool,
     share: Share,
+    /// The last three before the last step.
+    before: (Turn, bool, Share),
 }
 
 /// What is known of the method at work.
@@ -60,6 +62,7 @@ impl Auto {
             now: Turn::default(),
             change: false,
             share: Share::default(),
+            before: (Turn::default(), false, Share::default()),
         }
     }
 
@@ -139,7 +142,17 @@ impl Stepper for Auto {
             self.turn(*t);
             stepped = self.active_mut().step(system, t, x, limit);
         }
+        self.before = (self.now, self.change, self.share);
         stepped.map(|()| self.judge())
+    }
+
+    fn sharpen(&mut self, system: &mut dyn System) {
+        self.active_mut().sharpen(system);
+    }
+
+    fn back(&mut self) {
+        (self.now, self.change, self.share) = self.before;
+        self.active_mut().back();
     }
 
     fn interpolate(&self, t: f64, x: &mut [f64]) {

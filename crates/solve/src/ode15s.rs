@@ -74,6 +74,8 @@ pub struct Ode15s {
     /// Steps since either has changed.
     steady: usize,
     last: Span,
+    /// What the last step began with: differences, their step, order, what was to come next, steps since either changed.
+    before: (Vec<f64>, f64, usize, (f64, usize), usize),
     x0: Vec<f64>,
     x1: Vec<f64>,
     f: Vec<f64>,
@@ -113,6 +115,7 @@ impl Ode15s {
             next: (0.0, 1),
             steady: 0,
             last: Span { t0: 0.0, t1: 0.0, h: 0.0 },
+            before: (vec![0.0; n * DIFFERENCES], 0.0, 1, (0.0, 1), 0),
             x0: zeros(),
             x1: zeros(),
             f: zeros(),
@@ -514,6 +517,9 @@ impl Stepper for Ode15s {
             self.begun = false;
             self.begin(system, *t, limit)?;
         }
+        self.before.0.copy_from_slice(&self.differences);
+        (self.before.1, self.before.2, self.before.3, self.before.4) =
+            (self.h, self.order, self.next, self.steady);
         // A step that fails leaves a history that is rescaled for steps of no use.
         self.begun = false;
         self.advance(system, *t, limit)?;
@@ -521,6 +527,14 @@ impl Stepper for Ode15s {
         *t = self.last.t1;
         x.copy_from_slice(&self.x1);
         Ok(())
+    }
+
+    /// The history is that before the step.
+    fn back(&mut self) {
+        self.differences.copy_from_slice(&self.before.0);
+        (self.h, self.order, self.next, self.steady) =
+            (self.before.1, self.before.2, self.before.3, self.before.4);
+        (self.begun, self.last.t1) = (true, self.last.t0);
     }
 
     fn interpolate(&self, t: f64, x: &mut [f64]) {

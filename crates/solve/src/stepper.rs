@@ -31,6 +31,15 @@ pub trait Stepper: Send {
     /// call of [`step`](Stepper::step).
     fn interpolate(&self, t: f64, x: &mut [f64]);
 
+    /// Makes the dense output of the last step as exact as its end, for a few evaluations, where the method knows how; states
+    /// that a step is cut at are taken from there. Where the system fails it stays as it is.
+    fn sharpen(&mut self, _system: &mut dyn System) {}
+
+    /// Forgets the last step, which is to be made once more from the same start, but shorter.
+    fn back(&mut self) {
+        self.restart();
+    }
+
     /// Begin and end of the last accepted step, s.
     fn last_step(&self) -> (f64, f64);
 

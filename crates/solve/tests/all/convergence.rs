@@ -1,7 +1,10 @@
 //! Measured orders of all methods, of the steps and of the state in between.
 
 use blocksim_solve::problems::{swing, swing_solution};
-use blocksim_solve::{FixedStep, Ode23, Ode45, Radau5, Rodas4, Ros34pw2, StepLimits, Stepper, Tolerances};
+use blocksim_solve::{
+    Auto, FixedStep, Ode15s, Ode23, Ode45, Radau5, Rodas4, Ros34pw2, StepLimits, Stepper, Tolerances,
+    integrate,
+};
 
 const END: f64 = 2.0;
 
@@ -88,5 +91,72 @@ fn the_state_in_between_joins_the_steps() {
             stepper.interpolate(t0 + 1e-9, &mut y);
             assert!((y[0] - start[0]).hypot(y[1] - start[1]) < 2e-9, "{name}");
         }
+    }
+}
+
+/// Largest error at points within one step of the size `h` from the exact solution, as it is or sharpened.
+fn within_one(h: f64, sharp: bool) -> f64 {
+    let (tolerances, limits) = fixed(h);
+    let mut stepper = Ode45::new(tolerances, limits);
+    let (mut t, mut x) = (0.3, swing_solution(0.3));
+    stepper.step(&mut swing(), &mut t, &mut x, 0.3 + h).unwrap();
+    if sharp {
+        stepper.sharpen(&mut swing());
+    }
+    let error = |k: i32| {
+        let (between, mut y) = (0.3 + h * f64::from(k) / 10.0, [0.0; 2]);
+        stepper.interpolate(between, &mut y);
+        let [a, b] = swing_solution(between);
+        (y[0] - a).hypot(y[1] - b)
+    };
+    (1..10).map(error).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_sharpened_step_is_as_exact_within_as_at_its_end() {
+    for (sharp, order) in [(false, 5.0), (true, 6.0)] {
+        let measured = (within_one(0.04, sharp) / within_one(0.02, sharp)).log2();
+        assert!((measured - order).abs() < 0.4, "{sharp}: {measured:.2}");
+    }
+    assert!(within_one(0.02, true) < 0.5 * within_one(0.02, false));
+    let work = |sharp: bool| {
+        let (tolerances, limits) = fixed(0.1);
+        let mut stepper = Ode45::new(tolerances, limits);
+        let (mut t, mut x) = (0.0, [0.0, 1.0]);
+        stepper.step(&mut swing(), &mut t, &mut x, 0.1).unwrap();
+        (0..2).filter(|_| sharp).for_each(|_| stepper.sharpen(&mut swing()));
+        stepper.counts().evaluations
+    };
+    assert_eq!(work(true), work(false) + 2, "once is enough");
+}
+
+/// Takes a step back and makes it once more: as it was, or up to an earlier time from the same history.
+#[test]
+fn a_step_that_is_taken_back_can_be_made_once_more() {
+    let tolerances = || Tolerances::uniform(2, 1e-6, 1e-6);
+    let limits = StepLimits::default();
+    let steppers: [Box<dyn Stepper>; 3] = [
+        Box::new(Ode15s::new(tolerances(), limits)),
+        Box::new(Auto::new(tolerances(), limits)),
+        Box::new(Ode23::new(tolerances(), limits)),
+    ];
+    for mut stepper in steppers {
+        let (mut t, mut x) = (0.0, [0.0, 1.0]);
+        integrate(&mut *stepper, &mut swing(), &mut t, &mut x, 1.0).unwrap();
+        let before = (t, x);
+        stepper.step(&mut swing(), &mut t, &mut x, 9.0).unwrap();
+        let first = (t, x);
+        stepper.back();
+        (t, x) = before;
+        stepper.step(&mut swing(), &mut t, &mut x, first.0).unwrap();
+        // The iteration may end one round earlier or later.
+        let off = (x[0] - first.1[0]).hypot(x[1] - first.1[1]);
+        assert!(t == first.0 && off < 1e-7, "{}: off by {off:e}", stepper.name());
+        stepper.back();
+        (t, x) = before;
+        let end = 0.5 * (before.0 + first.0);
+        stepper.step(&mut swing(), &mut t, &mut x, end).unwrap();
+        let [a, b] = swing_solution(end);
+        assert!(t == end && (x[0] - a).hypot(x[1] - b) < 3e-5, "{}", stepper.name());
     }
 }

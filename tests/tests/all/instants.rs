@@ -1,0 +1,71 @@
+//! Steps that end at events, against closed forms: an instant takes its states from within a step.
+
+use std::f64::consts::{PI, TAU};
+
+use blocksim_tests::run_text;
+
+/// A sine whose levels are events, sixty in a second, is integrated meanwhile between limits: the integral touches the upper
+/// one once a period, where nothing is lost. A step that is cut at an event must be as exact as one that is not, or
+/// all of them add up.
+#[test]
+fn many_events_cost_an_integral_no_digits() {
+    let (amplitude, f) = (3.27, 4.07);
+    let a = amplitude / (TAU * f);
+    let expected = 0.347 - a - a * f64::cos(TAU * f * 2.0);
+    for solver in ["Auto", "Ode45", "Ode23", "Rodas4", "RosW3", "Radau5", "Ode15s"] {
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "2 s", solver: {solver}),
+                blocks: {{
+                    "u": Sine(amplitude: {amplitude:?}, frequency: "{f} Hz"), "levels": Quantizer(interval: 0.971),
+                    "below": Compare(operator: Less), "rate": Gain(k: "1 1/s"),
+                    "sum": Integrator(x0: 0.104, lower: -0.347, upper: 0.347),
+                    "number": Switch, "one": Constant(value: 1), "zero": Constant(value: 0), "per_s": Gain(k: "1 1/s"),
+                    "share": Integrator, "show": Scope(inputs: ["sum", "share"]),
+                }},
+                connections: [
+                    "u.y -> levels.u", "u.y -> below.u1", "levels.y -> below.u2", "u.y -> rate.u", "rate.y -> sum.u",
+                    "one.y -> number.u1", "below.y -> number.control", "zero.y -> number.u3", "number.y -> per_s.u",
+                    "per_s.y -> share.u", "sum.y -> show.sum", "share.y -> show.share",
+                ],
+            )"#
+        ));
+        let found = run.last("show.sum");
+        assert!((found - expected).abs() < 3e-5, "{solver}: {found} instead of {expected}");
+        let default = matches!(solver, "Auto" | "Ode45");
+        assert!(!default || (found - expected).abs() < 3e-6, "{solver}: {found} instead of {expected}");
+    }
+}
+
+/// A pendulum without gravity between two events of its speed, both from states: the time between them is exact to the
+/// tolerance though both steps are cut.
+#[test]
+fn events_of_states_are_where_the_solution_has_them() {
+    for solver in ["Auto", "Ode45", "Ode23", "Rodas4", "RosW3", "Radau5", "Ode15s"] {
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "20 s", solver: {solver}),
+                blocks: {{
+                    "v": Integrator(x0: 0), "x": Integrator(x0: 1), "k": Gain(k: "-1 1/s^2"), "one": Gain(k: 1),
+                    "above": Compare(operator: Greater, constant: 0.3), "number": Switch, "yes": Constant(value: 1),
+                    "no": Constant(value: 0), "rate": Gain(k: "1 1/s"), "share": Integrator,
+                    "show": Scope(inputs: ["share", "x"]),
+                }},
+                connections: [
+                    "x.y -> k.u", "k.y -> v.u", "v.y -> one.u", "one.y -> x.u", "x.y -> above.u", "yes.y -> number.u1",
+                    "above.y -> number.control", "no.y -> number.u3", "number.y -> rate.u", "rate.y -> share.u",
+                    "share.y -> show.share", "x.y -> show.x",
+                ],
+            )"#
+        ));
+        // cos t is above 0.3 for 2 acos(0.3) of each turn; 20 s are three turns and 1.15 s, which is before it falls.
+        let rest = 20.0 - 3.0 * TAU;
+        assert!(rest < f64::acos(0.3));
+        let expected = 6.0 * f64::acos(0.3) + rest;
+        let found = run.last("show.share");
+        let slack = if solver == "Ode15s" { 2e-3 } else { 1e-4 };
+        assert!((found - expected).abs() < slack, "{solver}: {found} instead of {expected}");
+        assert!((run.last("show.x") - f64::cos(20.0)).abs() < slack, "{solver}");
+        assert!(rest < PI);
+    }
+}
