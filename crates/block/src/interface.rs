@@ -120,6 +120,10 @@ pub struct Interface {
     pub max_step: Option<f64>,
     /// Shortest period with which the outputs swing with time alone, s.
     pub period: Option<f64>,
+    /// Continuous states that are angles of which only the remainder of a turn counts, by number.
+    pub turning_states: Vec<usize>,
+    /// Inputs that are such angles, rad, by number.
+    pub turning_inputs: Vec<usize>,
     /// The block records its inputs.
     pub recorded: Option<Recorded>,
 }
@@ -269,6 +273,19 @@ impl Interface {
     /// derivative, a guard or a memory depends on the outputs. Zero or infinite is no period.
     pub fn period(mut self, period: f64) -> Self {
         self.period = Some(period).filter(|period| *period > 0.0 && period.is_finite());
+        self
+    }
+
+    /// A continuous state is an angle, rad, of which only the remainder of a turn counts. Steps are made short enough to see
+    /// each turn wherever a derivative, a guard or a memory depends on the block, or it has guards itself.
+    pub fn turning_state(mut self, state: usize) -> Self {
+        self.turning_states.push(state);
+        self
+    }
+
+    /// The same of an input.
+    pub fn turning_input(mut self, input: usize) -> Self {
+        self.turning_inputs.push(input);
         self
     }
 

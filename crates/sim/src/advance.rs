@@ -53,7 +53,7 @@ impl Simulation {
                 audit.begin(&self.guards.start);
             }
             self.kinks.begin(&self.x);
-            self.step(stop.t)?;
+            self.step_by_angles(stop.t)?;
             let mut arrival = self.cut(start, stop.t, observer)?;
             if self.t >= stop.t {
                 arrival.event |= stop.event;

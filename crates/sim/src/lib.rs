@@ -17,6 +17,7 @@
 //! | `evaluate`, `act`, `system` | calls of the blocks: outputs, all else, and what the solver sees |
 //! | `clock`, `events`, `modes` | sample hits and time events; zero crossings; modes where nobody looks for these |
 //! | `record`, `sides`, `refine` | rows; which sample hits need them on both sides; rows within steps |
+//! | `angles` | steps no longer than an eighth of a turn of what turns |
 //! | `kinks` | steps that have looked beyond a kink, once more |
 //! | `past` | what blocks remember of steps |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
@@ -25,6 +26,7 @@
 
 mod act;
 mod advance;
+mod angles;
 mod audit;
 mod clock;
 mod diagnose;

@@ -6,6 +6,7 @@ use blocksim_block::schedule::{Instance, Schedule, Solver};
 use blocksim_solve::{Share, Stepper};
 
 use crate::advance::Stop;
+use crate::angles::Angles;
 use crate::audit::{Audit, Findings};
 use crate::clock::{Grid, Hits};
 use crate::evaluate::Diagram;
@@ -37,6 +38,8 @@ pub struct Simulation {
     pub(crate) guards: Guards,
     /// Which guards are those of kinks, and what repeats a step up to one.
     pub(crate) kinks: Kinks,
+    /// Angles of which only the remainder of a turn counts.
+    pub(crate) angles: Angles,
     pub(crate) modes: Modes,
     pub(crate) pace: Pace,
     pub(crate) rows: Rows,
@@ -138,6 +141,7 @@ impl Simulation {
             hits: Hits::new(&schedule.clock),
             guards: Guards::new(guards, schedule.states),
             kinks: Kinks::new(&schedule),
+            angles: Angles::new(&schedule),
             modes: Modes::new(&schedule),
             pace: Pace::default(),
             rows: Rows::new(&schedule),

@@ -27,6 +27,7 @@ pub struct Snapshot {
     next_step: u64,
     guards: Guards,
     pace: Pace,
+    angles: f64,
     past: Past,
     refine: Refine,
     stepper: Option<Memory>,
@@ -50,6 +51,7 @@ impl Simulation {
             next_step: self.grid.as_ref().map_or(0, |grid| grid.next),
             guards: self.guards.clone(),
             pace: self.pace.clone(),
+            angles: self.angles.rate,
             past: self.past.clone(),
             refine: self.refine.clone(),
             stepper: self.stepper.as_ref().map(|stepper| stepper.memory()),
@@ -86,6 +88,7 @@ impl Simulation {
         self.grid.iter_mut().for_each(|grid| grid.next = snapshot.next_step);
         self.guards.clone_from(&snapshot.guards);
         self.pace.clone_from(&snapshot.pace);
+        self.angles.rate = snapshot.angles;
         self.past.clone_from(&snapshot.past);
         self.refine.clone_from(&snapshot.refine);
         self.stepper = methods::stepper(&self.schedule);

@@ -21,6 +21,7 @@ impl Block for InversePark {
         Ok(Interface::new()
             .input(Input::real("dq").shape(Shape::Vector(2)).doc("axes that turn: d, q"))
             .input(Input::real("theta").scalar().unit("rad").doc("angle of the d axis against alpha"))
+            .turning_input(1)
             .output(
                 Output::like("alpha_beta", PortType::vector(2).of(unit)).doc("axes at rest: alpha, beta"),
             ))

@@ -22,6 +22,7 @@ impl Block for Park {
         Ok(Interface::new()
             .input(Input::real("alpha_beta").shape(Shape::Vector(2)).doc("axes at rest: alpha, beta"))
             .input(Input::real("theta").scalar().unit("rad").doc("angle of the d axis against alpha"))
+            .turning_input(1)
             .output(Output::like("dq", PortType::vector(2).of(unit)).doc("axes that turn: d, q")))
     }
 

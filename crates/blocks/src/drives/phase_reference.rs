@@ -41,7 +41,8 @@ impl Block for PhaseReference {
             .input(Input::real("f").scalar().unit("Hz").doc("frequency; may be negative"))
             .output_reading(&[V], abc)
             .output_from_state(Output::real("theta").unit("rad").doc("angle of phase a"))
-            .drifting_state("theta", self.theta0))
+            .drifting_state("theta", self.theta0)
+            .turning_state(0))
     }
 
     fn outputs(&self, group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {

@@ -119,6 +119,10 @@ impl Block for Function {
             input = input.dimension(Some(Dimension::NONE));
         }
         let interface = Interface::new().input(input).output(Output::like("y", u.of(dimension)));
+        let interface = match self.function {
+            Sin | Cos | Tan => interface.turning_input(0),
+            _ => interface,
+        };
         let guards = if self.function == SignedSqrt { u.shape.len() } else { 0 };
         Ok(guard_each(interface, "zero", guards))
     }

@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use blocksim_block::physical::{Element, LossModel, Needs, ValveKind};
 use blocksim_block::{Crossing, Input, Interface, Output};
+use blocksim_multibody::Joint;
 
 use crate::accounts::Accounts;
 use crate::electrics::currents::UNTOLD;
@@ -54,6 +55,10 @@ impl Network {
         let mut interface = Interface::new().implicit();
         for (name, position) in frames.position_names.iter().zip(&frames.position) {
             interface = interface.drifting_state(name.clone(), *position);
+        }
+        if let Some(tree) = &frames.model {
+            let turns = tree.bodies().filter(|body| matches!(tree.joint(*body), Joint::Revolute { .. }));
+            interface.turning_states = turns.flat_map(|body| tree.positions(body)).collect();
         }
         for (name, start) in rotation.names.iter().zip(&rotation.start) {
             interface = interface.state(name.clone(), *start);
