@@ -18,7 +18,7 @@ use blocksim_block::prelude::*;
 pub struct Backlash {
     /// Play $w$ from one flank to the other.
     pub width: f64,
-    /// Output at the start.
+    /// Output at the start; where the input begins outside of the play around it, the nearer flank carries from the start.
     #[block(default = 0.0)]
     pub y0: f64,
 }
@@ -136,6 +136,15 @@ mod tests {
         ] {
             assert_eq!(bench.respond(u), y, "{u}");
             bench.accept();
+        }
+    }
+
+    #[test]
+    fn a_start_outside_of_the_play_is_on_the_nearer_flank() {
+        for (u, y) in [(3.0, 2.5), (-3.0, -2.5), (0.25, 0.0)] {
+            let mut bench = Bench::new(PLAY);
+            assert_eq!(bench.set(0, &[u]).major(), [y]);
+            assert!(bench.guards()[0] >= 0.0, "the flank is right from the start");
         }
     }
 
