@@ -8,6 +8,7 @@ mod bounds;
 mod compare;
 mod metrics;
 mod series;
+mod smooth;
 mod statistics;
 mod together;
 mod turns;

@@ -1,6 +1,7 @@
 //! How well a signal follows its set value.
 
 use crate::series::Series;
+use crate::smooth::refine;
 
 /// Bounds of the rise, and of the band in which a signal has settled; shares of the step.
 const RISE: (f64, f64) = (0.1, 0.9);
@@ -35,21 +36,20 @@ pub struct Metrics {
     pub max_error_at: f64,
 }
 
-/// Numbers of how `actual` follows `set`, which have the same times; signals are straight between their values. Rows
-/// with a value that is not finite are left out; `None` where fewer than two are left.
+/// Numbers of how `actual` follows `set`, which have the same times. Between their values signals follow a cubic where they are
+/// smooth and are straight elsewhere. Rows with a value that is not finite are left out; `None` where fewer than two are left.
 ///
 /// Without a `set` the signal is taken as the answer to a step, at its first instant, to its own last value.
 pub fn metrics(time: &[f64], set: Option<&[f64]>, actual: &[f64]) -> Option<Metrics> {
     let last = *actual.iter().rfind(|x| x.is_finite())?;
-    let rows: Vec<Row> = time
+    let rows: Vec<(f64, [f64; 2])> = time
         .iter()
         .zip(actual)
         .enumerate()
-        .filter_map(|(n, (&t, &y))| {
-            Some(Row { t, set: set.map_or(Some(last), |set| set.get(n).copied())?, y })
-        })
-        .filter(|row| row.t.is_finite() && row.set.is_finite() && row.y.is_finite())
+        .filter_map(|(n, (&t, &y))| Some((t, [set.map_or(Some(last), |set| set.get(n).copied())?, y])))
+        .filter(|(t, [set, y])| t.is_finite() && set.is_finite() && y.is_finite())
         .collect();
+    let rows: Vec<Row> = refine(&rows).into_iter().map(|(t, [set, y])| Row { t, set, y }).collect();
     let (first, end) = (*rows.first()?, *rows.last()?);
     if rows.len() < 2 {
         return None;

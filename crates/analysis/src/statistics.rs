@@ -1,5 +1,7 @@
 //! What a signal is over its time: bounds, mean, root mean square.
 
+use crate::smooth::refine;
+
 /// Numbers of one signal, in its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Statistics {
@@ -22,11 +24,13 @@ impl Statistics {
     }
 }
 
-/// Numbers of a signal that goes straight between its values. What is not finite is left out; `None` where nothing is
+/// Numbers of a signal that follows a cubic between its values where it is smooth and is straight elsewhere. What is not finite is left out; `None` where nothing is
 /// left. Mean and root mean square of a single instant are those of its last value.
 pub fn statistics(time: &[f64], values: &[f64]) -> Option<Statistics> {
     let rows = time.iter().copied().zip(values.iter().copied());
-    let rows: Vec<(f64, f64)> = rows.filter(|(t, x)| t.is_finite() && x.is_finite()).collect();
+    let rows: Vec<(f64, [f64; 1])> =
+        rows.filter(|(t, x)| t.is_finite() && x.is_finite()).map(|(t, x)| (t, [x])).collect();
+    let rows: Vec<(f64, f64)> = refine(&rows).into_iter().map(|(t, [x])| (t, x)).collect();
     let (&(from, _), &(to, last)) = (rows.first()?, rows.last()?);
     let integral = |of: fn(f64, f64) -> f64| -> f64 {
         rows.windows(2).map(|ends| (ends[1].0 - ends[0].0) * of(ends[0].1, ends[1].1)).sum()
