@@ -3,6 +3,8 @@
 //! A stage of a Runge-Kutta method is near the solution, not on it, so a look is a hint. What it shows is checked
 //! on the dense output before anything follows from it.
 
+/// How near two times are that differ by rounding, as a share of them.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Looks that are kept: the last stages of the last trial step.
 const KEPT: usize = 16;
 
@@ -44,9 +46,9 @@ impl Looks {
     }
 
     /// Room for the guards at `t`. Of several looks at one time the last one counts: an iteration comes nearer to the
-    /// solution.
+    /// solution. Times that differ by rounding are one, or what lies between them would be taken for the way of a guard.
     pub fn row(&mut self, t: f64) -> &mut [f64] {
-        let known = self.times.iter().position(|&time| time == t);
+        let known = self.times.iter().position(|&time| (time - t).abs() <= ROUNDING * t.abs());
         let at = known.unwrap_or(self.next);
         if known.is_none() {
             self.next = (self.next + 1) % KEPT;
@@ -98,6 +100,16 @@ mod tests {
         assert_eq!(looks.find_within(0.0, 1.0), 1);
         looks.clear();
         assert_eq!(looks.find_within(0.0, 9.0), 0);
+    }
+
+    #[test]
+    fn times_that_differ_by_rounding_are_one() {
+        let mut looks = Looks::new(1);
+        for (t, value) in [(0.5, 1.0), (0.5_f64.next_up(), 2.0), (0.500001, 3.0)] {
+            looks.row(t)[0] = value;
+        }
+        assert_eq!(looks.find_within(0.0, 1.0), 2);
+        assert_eq!((looks.within(0).1, looks.within(1).1), ([2.0].as_slice(), [3.0].as_slice()));
     }
 
     #[test]
