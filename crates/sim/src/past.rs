@@ -87,6 +87,8 @@ impl Simulation {
         if self.diagram.plan.remembering.is_empty() || self.t <= start {
             return Ok(());
         }
+        // What comes out of a memory and goes in again must not lose digits on its way through.
+        self.stepper.iter_mut().for_each(|stepper| stepper.sharpen(&mut self.diagram));
         let whole = self.t - start;
         let (mut begin, mut length) = (start, whole);
         while begin < self.t {

@@ -294,3 +294,30 @@ fn what_cancels_does_not_fill_the_memory() {
         assert!((y - expected).abs() < 1e-12 || nearest < 1e-9, "{t}: {y} instead of {expected}");
     }
 }
+
+/// What goes round a dead time without a loss: y(t) = x(t) - t + y(t - T) behind a lag x of t - y(t - T), eight times in all,
+/// against the same by short steps at a tight tolerance.
+#[test]
+fn what_goes_round_a_dead_time_loses_no_digits() {
+    let value = |settings: &str| {
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "4 s"{settings}),
+                blocks: {{
+                    "time": Clock, "number": Gain(k: "1 1/s"), "lag": LowPass(tau: "0.153 s"),
+                    "late": TransportDelay(delay: "0.487 s"), "left": Sum(signs: "+-"), "round": Sum(signs: "+-"), "show": Scope,
+                }},
+                connections: [
+                    "time.y -> number.u", "number.y -> left.u1", "late.y -> left.u2", "left.y -> lag.u", "lag.y -> round.u1",
+                    "left.y -> round.u2", "round.y -> late.u, show.u",
+                ],
+            )"#
+        ));
+        run.last("show.u")
+    };
+    let expected = value(", solver: Ode45(rtol: 1e-10, max_step: \"1 ms\")");
+    for solver in ["Auto", "Ode45", "Ode23", "Rodas4", "RosW3", "Radau5", "Ode15s"] {
+        let found = value(&format!(", solver: {solver}"));
+        assert!((found - expected).abs() < 2.5e-5, "{solver}: {found} instead of {expected}");
+    }
+}
