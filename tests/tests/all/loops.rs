@@ -80,6 +80,24 @@ fn a_steady_start_keeps_the_solution_of_a_loop() {
     every_row(&run, "show.y", 1e-12, |_| -1.0);
 }
 
+/// The search begins where x = 10 and the loop y = f(y) + x, with f = 2.5 above 2 and 0 below 1, has the solution 12.5 alone. At
+/// rest x is zero and there are three: a search from nothing finds 0, one from where the loop was 2.5.
+#[test]
+fn a_steady_start_goes_on_with_the_solution_that_was_followed() {
+    let run = run_text(
+        r#"Diagram(
+    simulation: (stop_time: 1, start: Steady),
+    blocks: {
+        "zero": Constant(value: 0), "x": LowPass(tau: "0.5 s", y0: 10), "y": Sum(signs: "++"),
+        "f": LookupTable1D(breakpoints: [1, 2], table: [0, 2.5], extrapolation: Clip), "show": Scope(inputs: ["x", "y"]),
+    },
+    connections: ["zero.y -> x.u", "x.y -> y.u1, show.x", "y.y -> f.u, show.y", "f.y -> y.u2"],
+)"#,
+    );
+    every_row(&run, "show.x", 1e-9, |_| 0.0);
+    every_row(&run, "show.y", 1e-9, |_| 2.5);
+}
+
 #[test]
 fn a_loop_that_is_not_linear_is_solved_at_every_instant() {
     // y = t cos(y), by bisection.
