@@ -107,6 +107,18 @@ pub fn branch(law: &Law, t: f64, u: &[f64], held: f64, shift: f64) -> Option<f64
     })
 }
 
+/// On which side of its kinks a node is. Between two instants a slope that is limited is measured from a step's start, so that a
+/// kink before it must not lie within a step.
+pub fn piece(law: &Law, u: &[f64]) -> Option<f64> {
+    let beyond = |lower: f64, upper: f64| f64::from(u[0] > upper) - f64::from(u[0] < lower);
+    match law {
+        Law::MinMax(_) => Some(f64::from(u[0] > u[1])),
+        Law::Saturation { lower, upper } => Some(beyond(*lower, *upper)),
+        Law::DeadZone { start, end } => Some(beyond(*start, *end)),
+        _ => None,
+    }
+}
+
 /// The output of a node on a branch.
 pub fn on_branch(law: &Law, branch: f64, u: &[f64]) -> f64 {
     match law {

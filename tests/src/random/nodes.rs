@@ -31,11 +31,14 @@ impl Run<'_> {
             let model = self.model;
             let law = &model.nodes[n].law;
             let u = self.inputs(n);
+            let instant = matches!(point, Point::Instant);
             if let Some(y) = plain(law, t, &u) {
                 self.y[n] = y;
+                if instant && let Some(piece) = self.piece(n, &u) {
+                    self.held[n] = piece;
+                }
                 continue;
             }
-            let instant = matches!(point, Point::Instant);
             if instant && let Some(branch) = branch(law, t, &u, self.held[n], self.shifts[n]) {
                 self.held[n] = branch;
             }

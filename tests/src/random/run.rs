@@ -1,6 +1,6 @@
 //! A run of the interpreter: steps, what ends them, instants.
 
-use super::laws::{branch, distances};
+use super::laws::{branch, distances, piece};
 use super::memory::{History, Trigger};
 use super::model::{Edge, Law, Model, Way};
 use super::nodes::{Point, states};
@@ -23,6 +23,8 @@ pub(super) struct Run<'a> {
     pub(super) samples: Vec<Vec<f64>>,
     /// Output of nodes with play or a limited slope at the start of the step.
     pub(super) last: Vec<f64>,
+    /// Whether any node limits a slope.
+    pub(super) limits_slopes: bool,
     /// Which integrators stand on a limit during the step.
     pub(super) pinned: Vec<bool>,
     pub(super) past: Vec<History>,
@@ -87,6 +89,7 @@ impl<'a> Run<'a> {
             counts: vec![0.0; n],
             samples: model.nodes.iter().map(|node| sample(&node.law)).collect(),
             last: model.nodes.iter().map(|node| first(&node.law)).collect(),
+            limits_slopes: model.nodes.iter().any(|node| matches!(node.law, Law::RateLimiter { .. })),
             pinned: vec![false; n],
             past: vec![History::default(); n],
             hits: vec![0; n],
@@ -331,9 +334,18 @@ impl<'a> Run<'a> {
                     let (v, _) = gains.sum(u[0], x[0], x[1]);
                     gains.clamped(v + shift, u[0], self.held[n], true) != self.held[n]
                 }
-                law => branch(law, self.t, &u, self.held[n], shift).is_some_and(|b| b != self.held[n]),
+                law => {
+                    let held = self.held[n];
+                    let branch = branch(law, self.t, &u, held, shift).or_else(|| self.piece(n, &u));
+                    branch.is_some_and(|branch| branch != held)
+                }
             }
         })
+    }
+
+    /// On which side of its kinks a node is, where anything limits slopes.
+    pub(super) fn piece(&self, n: usize, u: &[f64]) -> Option<f64> {
+        piece(&self.model.nodes[n].law, u).filter(|_| self.limits_slopes)
     }
 
     /// What happens at one instant: branches, resets, samples, jumps into dead times.
