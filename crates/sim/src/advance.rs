@@ -104,7 +104,9 @@ impl Simulation {
     /// Cuts the step at the first zero crossing of a guard.
     fn cut(&mut self, t0: f64, limit: f64, observer: &mut dyn Observer) -> Result<Arrival, SimError> {
         let mut arrival = Arrival::default();
+        self.note_hops();
         let mut cut = self.crossing(t0)?;
+        self.find_hops(t0, cut)?;
         if let Some(before) = cut
             && self.stops_at_kink(t0, before)
         {

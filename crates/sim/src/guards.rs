@@ -46,6 +46,8 @@ pub(crate) struct Guards {
     pub kept: Vec<f64>,
     /// Those that crossed or left zero at the last cut, if that was the last step.
     pub fired: Vec<bool>,
+    /// Those that have fired, and may come back within the step to fire again.
+    pub hops: Vec<bool>,
     /// When each fired lately.
     pub rhythm: Rhythm,
     /// Whether `start` holds for the step to come.
@@ -72,6 +74,7 @@ impl Guards {
             x: vec![0.0; states],
             kept: Vec::new(),
             fired: vec![false; guards],
+            hops: vec![false; guards],
             rhythm: Rhythm::new(guards),
             known: false,
             chatter: (f64::NEG_INFINITY, 0),

@@ -18,7 +18,9 @@ pub(crate) struct Kinks {
     /// Of each guard, whether it is that of a kink; empty where no step is repeated for one.
     kinks: Vec<bool>,
     /// States at the start of the step.
-    x: Vec<f64>,
+    pub x: Vec<f64>,
+    /// A point close by.
+    pub ahead: Vec<f64>,
 }
 
 impl Kinks {
@@ -26,8 +28,9 @@ impl Kinks {
         let free = matches!(schedule.settings.solver, Solver::Variable { .. });
         let guards = schedule.blocks.iter().flat_map(|block| &block.interface.guards);
         let kinks: Vec<bool> = guards.map(|guard| guard.kink).collect();
+        let zeros = vec![0.0; schedule.states];
         let stops = schedule.states > 0 && free && kinks.contains(&true);
-        Self { kinks: if stops { kinks } else { Vec::new() }, x: vec![0.0; schedule.states] }
+        Self { kinks: if stops { kinks } else { Vec::new() }, x: zeros.clone(), ahead: zeros }
     }
 
     /// Notes where a step begins.

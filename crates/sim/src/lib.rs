@@ -18,6 +18,7 @@
 //! | `clock`, `events`, `modes` | sample hits and time events; zero crossings; modes where nobody looks for these |
 //! | `record`, `sides`, `refine` | rows; which sample hits need them on both sides; rows within steps |
 //! | `angles` | steps no longer than an eighth of a turn of what turns |
+//! | `hops` | hops of guards that are lower than the tolerance |
 //! | `kinks` | steps that have looked beyond a kink, once more |
 //! | `past` | what blocks remember of steps |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
@@ -36,6 +37,7 @@ mod evaluate;
 mod events;
 mod frozen;
 mod guards;
+mod hops;
 mod kinks;
 mod looks;
 mod loops;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use blocksim_tests::run_text;
+use blocksim_tests::{compile_text, run, run_text};
 
 /// A sine whose levels are events, sixty in a second, is integrated meanwhile between limits: the integral touches the upper
 /// one once a period, where nothing is lost. A step that is cut at an event must be as exact as one that is not, or
@@ -67,5 +67,38 @@ fn events_of_states_are_where_the_solution_has_them() {
         assert!((found - expected).abs() < slack, "{solver}: {found} instead of {expected}");
         assert!((run.last("show.x") - f64::cos(20.0)).abs() < slack, "{solver}");
         assert!(rest < PI);
+    }
+}
+
+/// A mass that bounces for ever lower never falls through the floor, whatever the method: hops that are lower than the
+/// tolerance are still seen, up to where their accumulation is an error.
+#[test]
+fn hops_that_are_lower_than_the_tolerance_are_not_lost() {
+    for (solver, drag) in ["Auto", "Ode45", "Ode23", "Rodas4", "RosW3", "Radau5", "Ode15s"]
+        .into_iter()
+        .flat_map(|s| [(s, 0.0), (s, 0.3)])
+    {
+        let (compiled, problems) = compile_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "14 s", solver: {solver}),
+                blocks: {{
+                    "gravity": Constant(value: "-9.80665 m/s^2"), "drag": Gain(k: "{drag} 1/s"), "force": Sum(signs: "+-"),
+                    "velocity": Integrator(reset: Falling, external: true), "height": Integrator(x0: "10 m"),
+                    "impact": Gain(k: -0.8), "show": Scope(inputs: ["h"]),
+                }},
+                connections: [
+                    "velocity.y -> drag.u", "gravity.y -> force.u1", "drag.y -> force.u2", "force.y -> velocity.u",
+                    "velocity.y -> height.u, impact.u", "impact.y -> velocity.x0", "height.y -> velocity.reset, show.h",
+                ],
+            )"#
+        ));
+        let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+        let error = run
+            .error
+            .as_ref()
+            .unwrap_or_else(|| panic!("{solver}, drag {drag}: ended at {} m", run.last("show.h")));
+        assert_eq!(error.code, "endless_events", "{solver}, drag {drag}: {}", error.message);
+        let least = run.column("show.h").iter().fold(0.0_f64, |least, h| least.min(*h));
+        assert!(least > -1e-8, "{solver}, drag {drag}: {least} m");
     }
 }
