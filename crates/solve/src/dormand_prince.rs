@@ -175,14 +175,14 @@ impl Method for DormandPrince {
             method.interpolate(theta, h, x0, x1, &mut x);
             work.derivatives(t0 + theta * h, &x, &mut f)?;
             let place = usize::from(theta == 0.5);
-            for i in 0..x.len() {
+            for (i, f) in f.iter().enumerate() {
                 let [_, chord, start, end, bump] = method.coefficients(i, h, x0, x1);
                 let rest = 1.0 - theta;
                 let slope = chord
                     + start * (1.0 - 2.0 * theta)
                     + end * theta * (2.0 - 3.0 * theta)
                     + bump * 2.0 * theta * rest * (1.0 - 2.0 * theta);
-                method.more[place][i] = h * f[i] - slope;
+                method.more[place][i] = h * f - slope;
             }
             Ok(place)
         };
@@ -203,12 +203,12 @@ impl Method for DormandPrince {
 
     fn interpolate(&self, theta: f64, h: f64, x0: &[f64], x1: &[f64], x: &mut [f64]) {
         let rest = 1.0 - theta;
-        for i in 0..x.len() {
+        for (i, x) in x.iter_mut().enumerate() {
             let [x0, chord, start, end, mut bump] = self.coefficients(i, h, x0, x1);
             if self.sharp {
                 bump += self.more[0][i] + theta * self.more[1][i];
             }
-            x[i] = x0 + theta * (chord + rest * (start + theta * (end + rest * bump)));
+            *x = x0 + theta * (chord + rest * (start + theta * (end + rest * bump)));
         }
     }
 }
