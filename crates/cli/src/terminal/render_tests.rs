@@ -1,5 +1,6 @@
 use super::*;
 use blocksim_block::problem::Place;
+use blocksim_diagram::SourceFile;
 use expect_test::expect;
 
 const MOTOR: &str = "Diagram(\n    inputs: {\"u\": (unit: \"V\")},\n    blocks: {\n        \"filter\": LowPass(tau: 0.05),\n    },\n)\n";
