@@ -34,6 +34,7 @@ mod combine;
 mod dormand_prince;
 mod jacobian;
 pub mod linear;
+mod newton;
 mod ode15s;
 pub mod problems;
 mod radau;

@@ -10,7 +10,8 @@
 //! (section 2.3). Choice of step and order: E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, section V.1.
 
 use crate::adaptive::{Fault, Span, Work};
-use crate::jacobian::{Age, Jacobian};
+use crate::jacobian::Age;
+use crate::newton::{Equation, Iteration, Newton};
 use crate::step_size::smallest;
 use crate::stepper::{History, Memory};
 use crate::weights::{Learnt, Weights};
@@ -36,12 +37,6 @@ const fn error_constant(order: usize) -> f64 {
     KAPPA[order - 1] * GAMMA[order] + 1.0 / (order as f64 + 1.0)
 }
 
-/// Newton iterations of one step, at most.
-const ITERATIONS: usize = 4;
-/// Error of the iteration, as a part of what the step may err by.
-const CONVERGED: f64 = 0.03;
-/// Factor of a correction from one iteration to the next above which the iteration is too slow.
-const SLOW: f64 = 0.9;
 /// How far a step may be stretched to meet a limit.
 const STRETCH: f64 = 1.01;
 /// Growth that is worth a factorisation.
@@ -53,15 +48,10 @@ const GROW: f64 = 10.0;
 pub struct Ode15s {
     weights: Weights,
     limits: StepLimits,
-    jacobian: Jacobian,
-    /// Whether there is a Jacobian, and whether it belongs to the start of this step.
-    slopes: Age,
-    /// The g of the factors of I - g J; not a number if there are none.
-    factored: f64,
+    /// Finds the difference of order k + 1 of this step.
+    newton: Newton,
     /// Bound of the eigenvalues of J, 1/s.
     radius: f64,
-    /// Convergence rate of the iteration with these factors, if known.
-    rate: Option<f64>,
     /// Backward differences, column after column.
     differences: Vec<f64>,
     /// Whether they are those of a solution.
@@ -78,20 +68,9 @@ pub struct Ode15s {
     before: (Vec<f64>, f64, usize, (f64, usize), usize),
     x0: Vec<f64>,
     x1: Vec<f64>,
-    f: Vec<f64>,
     predicted: Vec<f64>,
     known: Vec<f64>,
-    /// The difference of order k + 1 of this step, and a correction of it.
-    step: Vec<f64>,
-    correction: Vec<f64>,
     counts: Counts,
-}
-
-/// How an iteration ended.
-enum Iteration {
-    Converged,
-    Slow,
-    Failed(Fault),
 }
 
 impl Ode15s {
@@ -103,11 +82,8 @@ impl Ode15s {
         Self {
             weights: Weights::new(tolerances),
             limits,
-            jacobian: Jacobian::new(n),
-            slopes: Age::Unknown,
-            factored: f64::NAN,
+            newton: Newton::new(n),
             radius: f64::INFINITY,
-            rate: None,
             differences: vec![0.0; n * DIFFERENCES],
             begun: false,
             order: 1,
@@ -118,11 +94,8 @@ impl Ode15s {
             before: (vec![0.0; n * DIFFERENCES], 0.0, 1, (0.0, 1), 0),
             x0: zeros(),
             x1: zeros(),
-            f: zeros(),
             predicted: zeros(),
             known: zeros(),
-            step: zeros(),
-            correction: zeros(),
             counts: Counts::default(),
         }
     }
@@ -131,8 +104,7 @@ impl Ode15s {
     pub(crate) fn follow(&mut self, explicit: &Ode45) {
         self.begun = false;
         self.weights.recall(explicit.learnt());
-        self.jacobian.forget();
-        (self.slopes, self.factored, self.rate) = (Age::Unknown, f64::NAN, None);
+        self.newton.forget();
         (self.h, self.radius) = (0.0, f64::INFINITY);
     }
 
@@ -148,7 +120,7 @@ impl Ode15s {
 
     /// Begins at order 1 with a step whose error, half of h^2 x'', is a part of what it may be; x'' by one difference.
     fn begin(&mut self, system: &mut dyn System, t: f64, limit: f64) -> Result<(), StepError> {
-        let Self { weights, x0, x1, f, step, correction, .. } = self;
+        let Self { weights, x0, x1, newton: Newton { f, step, correction, .. }, .. } = self;
         let mut work = Work { system, counts: &mut self.counts, weights };
         work.derivatives(t, x0, f).map_err(|fault| match fault {
             Fault::System => StepError::System,
@@ -241,66 +213,15 @@ impl Ode15s {
         }
     }
 
-    /// Finds the step d with h/alpha f(t1, predicted + d) = known + d.
-    fn iterate(&mut self, system: &mut dyn System, span: Span) -> Iteration {
-        let g = span.h / alpha(self.order);
-        self.step.fill(0.0);
-        self.x1.copy_from_slice(&self.predicted);
-        let mut before = f64::NAN;
-        for iteration in 0..ITERATIONS {
-            let mut work = Work { system, counts: &mut self.counts, weights: &self.weights };
-            if let Err(fault) = work.derivatives(span.t1, &self.x1, &mut self.f) {
-                return Iteration::Failed(fault);
-            }
-            for i in 0..self.step.len() {
-                self.correction[i] = g * self.f[i] - self.known[i] - self.step[i];
-            }
-            self.jacobian.solve(&mut self.correction);
-            for i in 0..self.step.len() {
-                self.step[i] += self.correction[i];
-                self.x1[i] = self.predicted[i] + self.step[i];
-            }
-            let size = self.weights.norm(&self.x0, &self.x1, &self.correction, span.h);
-            // Rounding of the states themselves.
-            let least = 100.0 * f64::EPSILON / self.weights.relative().max(f64::EPSILON);
-            if size <= least.min(CONVERGED) {
-                return Iteration::Converged;
-            }
-            if iteration > 0 {
-                let rate = size / before;
-                if rate > SLOW {
-                    return Iteration::Slow;
-                }
-                self.rate = Some(self.rate.map_or(rate, |known| rate.max(SLOW * known)));
-            }
-            if let Some(rate) = self.rate {
-                let left = size * rate / (1.0 - rate);
-                if left <= CONVERGED {
-                    return Iteration::Converged;
-                }
-                let more = (ITERATIONS - 1 - iteration) as i32;
-                if left * rate.powi(more) > CONVERGED {
-                    return Iteration::Slow;
-                }
-            }
-            before = size;
-        }
-        Iteration::Slow
-    }
-
     /// Evaluates the Jacobian at the start of the step.
     fn differentiate(&mut self, system: &mut dyn System, span: Span) -> Result<(), StepError> {
         let t = span.t0;
         let mut work = Work { system, counts: &mut self.counts, weights: &self.weights };
-        let evaluated = work
-            .derivatives(t, &self.x0, &mut self.f)
-            .and_then(|()| self.jacobian.evaluate(&mut work, t, &self.x0, &self.f, span.h));
-        evaluated.map_err(|fault| match fault {
+        self.newton.differentiate(&mut work, t, &self.x0, span.h).map_err(|fault| match fault {
             Fault::System => StepError::System,
             Fault::NotFinite(state) => StepError::NotFinite { t, state },
         })?;
-        self.radius = self.jacobian.radius(&self.weights, &self.x0);
-        (self.slopes, self.factored) = (Age::Current, f64::NAN);
+        self.radius = self.newton.jacobian.radius(&self.weights, &self.x0);
         Ok(())
     }
 
@@ -313,15 +234,13 @@ impl Ode15s {
         // The first failure of the error test may be met by the order, more of them speak of a history that is none.
         let mut failures = 0;
         let n = self.x0.len();
-        if self.slopes == Age::Current {
-            self.slopes = Age::Old;
-        }
+        self.newton.begin();
         loop {
             let (span, cut) = self.plan(t, limit, wanted);
             self.rescale(span.h);
             let fault = match self.attempt(system, span)? {
                 Iteration::Converged => None,
-                Iteration::Slow if self.slopes != Age::Current => {
+                Iteration::Slow if self.newton.slopes != Age::Current => {
                     self.differentiate(system, span)?;
                     continue;
                 }
@@ -330,7 +249,7 @@ impl Ode15s {
             };
             let constant = error_constant(self.order);
             if fault.is_none() {
-                let Self { step, correction, x0, x1, weights, .. } = self;
+                let Self { newton: Newton { step, correction, .. }, x0, x1, weights, .. } = self;
                 correction.iter_mut().zip(&*step).for_each(|(e, d)| *e = constant * d);
                 let err = weights.norm(x0, x1, correction, span.h);
                 if err <= 1.0 {
@@ -340,7 +259,7 @@ impl Ode15s {
                 failures += 1;
                 self.counts.rejected += 1;
                 if span.h <= smallest(t, self.limits.min) {
-                    let state = self.weights.worst(&self.x0, &self.x1, &self.correction, span.h);
+                    let state = self.weights.worst(&self.x0, &self.x1, &self.newton.correction, span.h);
                     return Err(StepError::Underflow { t, h: span.h, state });
                 }
                 if !err.is_finite() {
@@ -362,16 +281,16 @@ impl Ode15s {
                         // What lies behind does not continue: its first difference is all that is worth keeping.
                         self.order = 1;
                         let mut work = Work { system, counts: &mut self.counts, weights: &self.weights };
-                        if work.derivatives(t, &self.x0, &mut self.f).is_ok() {
+                        if work.derivatives(t, &self.x0, &mut self.newton.f).is_ok() {
                             let column = &mut self.differences[n..2 * n];
-                            column.iter_mut().zip(&self.f).for_each(|(d, f)| *d = self.h * f);
+                            column.iter_mut().zip(&self.newton.f).for_each(|(d, f)| *d = self.h * f);
                         }
                     }
                 }
                 let spent = self.weights.rejected(system, t, &self.x0, span.h);
                 self.counts.evaluations += spent;
                 if spent > 0 {
-                    self.slopes = Age::Old;
+                    self.newton.slopes = Age::Old;
                 }
             } else {
                 self.counts.rejected += 1;
@@ -380,7 +299,8 @@ impl Ode15s {
                         Some(Fault::System) => StepError::System,
                         Some(Fault::NotFinite(state)) => StepError::Underflow { t, h: span.h, state },
                         None => {
-                            let state = self.weights.worst(&self.x0, &self.x1, &self.correction, span.h);
+                            let state =
+                                self.weights.worst(&self.x0, &self.x1, &self.newton.correction, span.h);
                             StepError::Underflow { t, h: span.h, state }
                         }
                     });
@@ -392,20 +312,19 @@ impl Ode15s {
 
     /// Factors where that is due, and iterates.
     fn attempt(&mut self, system: &mut dyn System, span: Span) -> Result<Iteration, StepError> {
-        if self.slopes == Age::Unknown {
+        if self.newton.slopes == Age::Unknown {
             self.differentiate(system, span)?;
         }
         let g = span.h / alpha(self.order);
-        if self.factored != g {
-            let mut work = Work { system, counts: &mut self.counts, weights: &self.weights };
-            if let Err(fault) = self.jacobian.factor(&mut work, g) {
-                self.factored = f64::NAN;
-                return Ok(Iteration::Failed(fault));
-            }
-            (self.factored, self.rate) = (g, None);
+        let mut work = Work { system, counts: &mut self.counts, weights: &self.weights };
+        if let Err(fault) = self.newton.factor(&mut work, g) {
+            return Ok(Iteration::Failed(fault));
         }
         self.predict();
-        Ok(self.iterate(system, span))
+        let (h, t) = (span.h, span.t1);
+        let equation = Equation { t, g, predicted: &self.predicted, known: &self.known, x0: &self.x0, h };
+        let mut work = Work { system, counts: &mut self.counts, weights: &self.weights };
+        Ok(self.newton.iterate(&mut work, &equation, &mut self.x1))
     }
 
     /// Error of a step of the size `h` by a formula of another order, from the difference of order `order + 1`: that of
@@ -414,10 +333,10 @@ impl Ode15s {
         let n = self.x0.len();
         let column = &self.differences[(order + 1) * n..(order + 2) * n];
         let constant = error_constant(order);
-        for ((error, d), step) in self.correction.iter_mut().zip(column).zip(&self.step) {
+        for ((error, d), step) in self.newton.correction.iter_mut().zip(column).zip(&self.newton.step) {
             *error = constant * if renewed { d + step } else { *d };
         }
-        self.weights.norm(&self.x0, &self.x1, &self.correction, h)
+        self.weights.norm(&self.x0, &self.x1, &self.newton.correction, h)
     }
 
     /// Takes the step over into the history and chooses what comes next. `cut` is what it would have been without a limit.
@@ -427,8 +346,9 @@ impl Ode15s {
         self.weights.accepted();
         self.steady += 1;
         for i in 0..n {
-            self.differences[(k + 2) * n + i] = self.step[i] - self.differences[(k + 1) * n + i];
-            self.differences[(k + 1) * n + i] = self.step[i];
+            let step = self.newton.step[i];
+            self.differences[(k + 2) * n + i] = step - self.differences[(k + 1) * n + i];
+            self.differences[(k + 1) * n + i] = step;
         }
         for j in (0..=k).rev() {
             for i in 0..n {
@@ -567,10 +487,8 @@ impl Stepper for Ode15s {
             order: self.order,
             next: self.next,
             steady: self.steady,
-            slopes: (self.slopes != Age::Unknown).then(|| self.jacobian.slopes()),
-            factored: Some(self.factored).filter(|g| g.is_finite()),
+            newton: self.newton.memory(),
             radius: self.radius,
-            rate: self.rate,
         };
         Memory {
             tolerances: self.weights.learnt().cloned(),
@@ -586,16 +504,8 @@ impl Stepper for Ode15s {
         self.differences.clone_from(&history.differences);
         self.last.t1 = history.t;
         (self.h, self.order, self.next) = (history.h, history.order, history.next);
-        (self.steady, self.rate, self.radius) = (history.steady, history.rate, history.radius);
-        self.slopes = Age::Unknown;
-        self.factored = f64::NAN;
-        if let Some(slopes) = &history.slopes {
-            self.jacobian.recall(slopes);
-            self.slopes = Age::Old;
-            if let Some(g) = history.factored.filter(|&g| self.jacobian.refactor(g)) {
-                self.factored = g;
-            }
-        }
+        (self.steady, self.radius) = (history.steady, history.radius);
+        self.newton.recall(&history.newton);
     }
 
     fn counts(&self) -> Counts {

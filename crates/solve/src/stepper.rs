@@ -2,7 +2,7 @@
 
 use crate::System;
 use crate::auto::Turn;
-use crate::jacobian::Slopes;
+use crate::newton::Convergence;
 use crate::radau::Stages;
 use crate::weights::Learnt;
 
@@ -122,12 +122,9 @@ pub(crate) struct History {
     /// Step and order to go on with.
     pub next: (f64, usize),
     pub steady: usize,
-    pub slopes: Option<Slopes>,
-    /// The g of the factors of I - g J.
-    pub factored: Option<f64>,
+    pub newton: Convergence,
     /// Bound of the eigenvalues of J, 1/s.
     pub radius: f64,
-    pub rate: Option<f64>,
 }
 
 /// What the controller of the step size has learnt.

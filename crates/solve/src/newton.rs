@@ -1,0 +1,173 @@
+//! Simplified Newton iteration for the one implicit equation of a step or stage, with a Jacobian and factors that serve on
+//! over many steps.
+//!
+//! What is sought is a state x = predicted + d with g f(t, x) = known + d. The Jacobian is kept until the iteration is slow,
+//! its factors until g changes, and the rate of convergence that was seen with them tells after a single correction
+//! whether another is needed.
+//!
+//! E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, section IV.8.
+
+use crate::adaptive::{Fault, Work};
+use crate::jacobian::{Age, Jacobian, Slopes};
+
+/// Iterations of one equation, at most.
+const ITERATIONS: usize = 4;
+/// Error of the iteration, as a part of what the step may err by.
+const CONVERGED: f64 = 0.03;
+/// Factor of a correction from one iteration to the next above which the iteration is too slow.
+const SLOW: f64 = 0.9;
+
+/// Iteration, Jacobian and factors of one method.
+pub(crate) struct Newton {
+    pub jacobian: Jacobian,
+    /// Whether there is a Jacobian, and whether it belongs to the start of this step.
+    pub slopes: Age,
+    /// The g of the factors of I - g J; not a number if there are none.
+    factored: f64,
+    /// Convergence rate of the iteration with these factors, if known.
+    rate: Option<f64>,
+    /// The derivative that was evaluated last.
+    pub f: Vec<f64>,
+    /// What the iteration adds to the predicted state, and its last correction.
+    pub step: Vec<f64>,
+    pub correction: Vec<f64>,
+}
+
+/// The equation g f(t, predicted + d) = known + d.
+pub(crate) struct Equation<'a> {
+    pub t: f64,
+    pub g: f64,
+    pub predicted: &'a [f64],
+    pub known: &'a [f64],
+    /// State at the start of the step, and its size, by which errors are weighed.
+    pub x0: &'a [f64],
+    pub h: f64,
+}
+
+/// How an iteration ended.
+pub(crate) enum Iteration {
+    Converged,
+    Slow,
+    Failed(Fault),
+}
+
+/// What an iteration carries from one step to the next.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Convergence {
+    slopes: Option<Slopes>,
+    factored: Option<f64>,
+    rate: Option<f64>,
+}
+
+impl Newton {
+    pub fn new(n: usize) -> Self {
+        let zeros = || vec![0.0; n];
+        Self {
+            jacobian: Jacobian::new(n),
+            slopes: Age::Unknown,
+            factored: f64::NAN,
+            rate: None,
+            f: zeros(),
+            step: zeros(),
+            correction: zeros(),
+        }
+    }
+
+    /// A new step begins: the Jacobian is one of before.
+    pub fn begin(&mut self) {
+        if self.slopes == Age::Current {
+            self.slopes = Age::Old;
+        }
+    }
+
+    /// Forgets the Jacobian and all that follows from it.
+    pub fn forget(&mut self) {
+        self.jacobian.forget();
+        (self.slopes, self.factored, self.rate) = (Age::Unknown, f64::NAN, None);
+    }
+
+    /// Evaluates the Jacobian at (`t`, `x`), where a step of the size `h` begins.
+    pub fn differentiate(&mut self, work: &mut Work, t: f64, x: &[f64], h: f64) -> Result<(), Fault> {
+        work.derivatives(t, x, &mut self.f)?;
+        self.jacobian.evaluate(work, t, x, &self.f, h)?;
+        (self.slopes, self.factored) = (Age::Current, f64::NAN);
+        Ok(())
+    }
+
+    /// Factors I - g J unless that is done.
+    pub fn factor(&mut self, work: &mut Work, g: f64) -> Result<(), Fault> {
+        if self.factored != g {
+            self.factored = f64::NAN;
+            self.jacobian.factor(work, g)?;
+            (self.factored, self.rate) = (g, None);
+        }
+        Ok(())
+    }
+
+    /// Finds `x1` = predicted + `step`.
+    pub fn iterate(&mut self, work: &mut Work, equation: &Equation, x1: &mut [f64]) -> Iteration {
+        let &Equation { t, g, predicted, known, x0, h } = equation;
+        self.step.fill(0.0);
+        x1.copy_from_slice(predicted);
+        let mut before = f64::NAN;
+        for iteration in 0..ITERATIONS {
+            if let Err(fault) = work.derivatives(t, x1, &mut self.f) {
+                return Iteration::Failed(fault);
+            }
+            for i in 0..self.step.len() {
+                self.correction[i] = g * self.f[i] - known[i] - self.step[i];
+            }
+            self.jacobian.solve(&mut self.correction);
+            for i in 0..self.step.len() {
+                self.step[i] += self.correction[i];
+                x1[i] = predicted[i] + self.step[i];
+            }
+            let size = work.weights.norm(x0, x1, &self.correction, h);
+            // Rounding of the states themselves.
+            let least = 100.0 * f64::EPSILON / work.weights.relative().max(f64::EPSILON);
+            if size <= least.min(CONVERGED) {
+                return Iteration::Converged;
+            }
+            if iteration > 0 {
+                let rate = size / before;
+                if rate > SLOW {
+                    return Iteration::Slow;
+                }
+                self.rate = Some(self.rate.map_or(rate, |known| rate.max(SLOW * known)));
+            }
+            if let Some(rate) = self.rate {
+                let left = size * rate / (1.0 - rate);
+                if left <= CONVERGED {
+                    return Iteration::Converged;
+                }
+                let more = (ITERATIONS - 1 - iteration) as i32;
+                if left * rate.powi(more) > CONVERGED {
+                    return Iteration::Slow;
+                }
+            }
+            before = size;
+        }
+        Iteration::Slow
+    }
+
+    /// What another needs to go on from here.
+    pub fn memory(&self) -> Convergence {
+        Convergence {
+            slopes: (self.slopes != Age::Unknown).then(|| self.jacobian.slopes()),
+            factored: Some(self.factored).filter(|g| g.is_finite()),
+            rate: self.rate,
+        }
+    }
+
+    /// Takes over what another knows.
+    pub fn recall(&mut self, memory: &Convergence) {
+        (self.slopes, self.factored, self.rate) = (Age::Unknown, f64::NAN, memory.rate);
+        if let Some(slopes) = &memory.slopes {
+            self.jacobian.recall(slopes);
+            self.slopes = Age::Old;
+            if let Some(g) = memory.factored.filter(|&g| self.jacobian.refactor(g)) {
+                self.factored = g;
+            }
+        }
+    }
+}
