@@ -3,7 +3,7 @@
 //!
 //! What is sought is a state x = predicted + d with g f(t, x) = known + d. The Jacobian is kept until the iteration is slow,
 //! its factors until g changes, and the rate of convergence that was seen with them tells after a single correction
-//! whether another is needed.
+//! whether another is needed. That rate is one of the norm; from the second correction on each state is looked at as well.
 //!
 //! E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, section IV.8.
 
@@ -16,6 +16,9 @@ const ITERATIONS: usize = 4;
 const CONVERGED: f64 = 0.03;
 /// Factor of a correction from one iteration to the next above which the iteration is too slow.
 const SLOW: f64 = 0.9;
+
+/// Correction of one state, in units of its tolerance, that must not stay as it is.
+const STANDING: f64 = 1e-3;
 
 /// Iteration, Jacobian and factors of one method.
 pub(crate) struct Newton {
@@ -31,6 +34,8 @@ pub(crate) struct Newton {
     /// What the iteration adds to the predicted state, and its last correction.
     pub step: Vec<f64>,
     pub correction: Vec<f64>,
+    /// The correction before.
+    before: Vec<f64>,
 }
 
 /// The equation g f(t, predicted + d) = known + d.
@@ -54,9 +59,9 @@ pub(crate) enum Iteration {
 /// What an iteration carries from one step to the next.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Convergence {
-    slopes: Option<Slopes>,
-    factored: Option<f64>,
-    rate: Option<f64>,
+    pub slopes: Option<Slopes>,
+    pub factored: Option<f64>,
+    pub rate: Option<f64>,
 }
 
 impl Newton {
@@ -70,7 +75,23 @@ impl Newton {
             f: zeros(),
             step: zeros(),
             correction: zeros(),
+            before: zeros(),
         }
+    }
+
+    /// Has the rate found anew, which takes two iterations.
+    pub fn doubt(&mut self) {
+        self.rate = None;
+    }
+
+    /// Whether a state is corrected by as much as the time before. Where a Jacobian of before is far larger than that of now,
+    /// corrections of a state are too small by as much and hidden by those of the others.
+    fn stands(&self, work: &Work, x0: &[f64], x1: &[f64]) -> bool {
+        let least = STANDING.max(100.0 * f64::EPSILON / work.weights.relative().max(f64::EPSILON));
+        self.before.iter().zip(&self.correction).enumerate().any(|(i, (before, now))| {
+            let unit = work.weights.unit(i, x0[i].abs().max(x1[i].abs()));
+            now.abs() > least * unit && now.abs() > SLOW * before.abs()
+        })
     }
 
     /// A new step begins: the Jacobian is one of before.
@@ -137,7 +158,7 @@ impl Newton {
             }
             if let Some(rate) = self.rate {
                 let left = size * rate / (1.0 - rate);
-                if left <= CONVERGED {
+                if left <= CONVERGED && (iteration == 0 || !self.stands(work, x0, x1)) {
                     return Iteration::Converged;
                 }
                 let more = (ITERATIONS - 1 - iteration) as i32;
@@ -146,6 +167,7 @@ impl Newton {
                 }
             }
             before = size;
+            self.before.copy_from_slice(&self.correction);
         }
         Iteration::Slow
     }

@@ -31,7 +31,7 @@ fn stiff_problems_end_where_the_literature_says_with_little_work() {
     let tolerances = [1e-4, 1e-6, 1e-8];
     // Evaluations by SciPy 1.17's BDF, those for Jacobians included, with absolute tolerances a thousandth (Robertson: 1e-10) of
     // the relative ones.
-    type Case<'a> = (&'a str, Box<dyn System>, &'a [f64], f64, (&'a [f64], f64), [u64; 3], [u64; 3]);
+    type Case<'a> = (&'a str, Box<dyn System>, &'a [f64], f64, (&'a [f64], f64), [u64; 3]);
     let cases: [Case; 4] = [
         (
             "Van der Pol",
@@ -40,17 +40,8 @@ fn stiff_problems_end_where_the_literature_says_with_little_work() {
             2000.0,
             (&VAN_DER_POL, 0.0),
             [1928, 3927, 8441],
-            PINNED[0],
         ),
-        (
-            "Robertson",
-            Box::new(robertson()),
-            &[1.0, 0.0, 0.0],
-            1e11,
-            (&ROBERTSON, 1.0),
-            [1296, 2600, 5427],
-            PINNED[1],
-        ),
+        ("Robertson", Box::new(robertson()), &[1.0, 0.0, 0.0], 1e11, (&ROBERTSON, 1.0), [1296, 2600, 5427]),
         (
             "HIRES",
             Box::new(hires()),
@@ -58,7 +49,6 @@ fn stiff_problems_end_where_the_literature_says_with_little_work() {
             321.8122,
             (&HIRES, 0.0),
             [614, 1111, 2238],
-            PINNED[2],
         ),
         (
             "Oregonator",
@@ -67,10 +57,10 @@ fn stiff_problems_end_where_the_literature_says_with_little_work() {
             360.0,
             (&OREGONATOR, 0.0),
             [2483, 4824, 10_163],
-            PINNED[3],
         ),
     ];
-    for (name, mut system, start, end, expected, others, pinned) in cases {
+    let mut all = Vec::new();
+    for (name, mut system, start, end, expected, others) in cases {
         let mut found = [0; 3];
         for (k, relative) in tolerances.into_iter().enumerate() {
             let (error, counts) = run(&mut *system, start, end, relative, expected);
@@ -80,12 +70,21 @@ fn stiff_problems_end_where_the_literature_says_with_little_work() {
             assert!(counts.evaluations * 10 <= others[k] * 13, "{name}, {relative:e}: {counts:?}");
             found[k] = counts.evaluations;
         }
-        assert_eq!(found, pinned, "{name}");
+        all.push(found);
     }
+    assert_eq!(all, PINNED);
 }
 
 /// Evaluations of the problems above.
-const PINNED: [[u64; 3]; 4] = [[1872, 3101, 4584], [963, 1476, 2622], [776, 1036, 1695], [2419, 3546, 6018]];
+const PINNED: [[u64; 3]; 4] = [[1878, 3101, 4584], [957, 1464, 2622], [776, 1036, 1770], [2322, 3674, 6284]];
+
+#[test]
+fn a_jacobian_of_before_hides_no_state_behind_the_others() {
+    // In the slow phase the Jacobian of the spike is a thousand times too large for the first state, whose corrections are then too
+    // small to be seen among those of the others: it stayed behind, and the next spike came at another time.
+    let (error, _) = run(&mut oregonator(), &[1.0, 2.0, 3.0], 360.0, 1e-3, (&OREGONATOR, 0.0));
+    assert!(error < 0.1, "{error}");
+}
 
 #[test]
 fn the_pleiades_end_where_the_literature_says() {
@@ -117,7 +116,7 @@ fn a_rod_of_a_thousand_cells_is_solved_with_a_sparse_jacobian() {
     }
     let counts = stepper.counts();
     // A thousand of the evaluations tell which entries there are.
-    assert_eq!((counts.evaluations, counts.accepted, counts.jacobians), (4084, 1236, 2));
+    assert_eq!((counts.evaluations, counts.accepted, counts.jacobians), (4008, 1236, 2));
 }
 
 const VAN_DER_POL: [f64; 2] = [1.706_167_732_170_469, -0.892_809_701_024_812_5e-3];
@@ -135,7 +134,7 @@ const HIRES: [f64; 8] = [
 const OREGONATOR: [f64; 3] =
     [0.100_081_487_031_852_3e1, 0.122_817_852_154_991_7e4, 0.132_055_494_284_670_6e3];
 /// Coordinates of the stars.
-const STARS: [f64; 14] = [
+pub const STARS: [f64; 14] = [
     0.370_613_914_397_050_2,
     0.323_728_409_205_723_3e1,
     -0.322_255_903_241_832_4e1,
