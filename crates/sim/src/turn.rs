@@ -40,6 +40,12 @@ const NEAR: f64 = 2.0;
 /// distance of its ends.
 const DETOUR: f64 = 1.5;
 
+/// Looks of a method that has stages within the step, at least. One alone may be that of a guess of the first step.
+const SEEN: usize = 2;
+/// Where to look in a step of a method that has none, in parts of the step: at no equal distances, which a swing could
+/// keep time with.
+const BETWEEN: [f64; 3] = [0.24, 0.47, 0.78];
+
 impl Guards {
     /// A time at which the stages of the method have shown a guard on the other side of zero, and the dense output agrees.
     pub(crate) fn see(
@@ -50,10 +56,14 @@ impl Guards {
     ) -> Result<Option<f64>, Failed> {
         let Stride { t0, t1, .. } = *stride;
         let mut count = looks.find_within(t0, t1);
-        let middle = t0 + 0.5 * (t1 - t0);
-        if count == 0 && middle > t0 && middle < t1 {
-            self.at(middle, diagram, stride)?;
-            looks.row(middle).copy_from_slice(&self.trial);
+        if count < SEEN {
+            for part in BETWEEN {
+                let t = t0 + part * (t1 - t0);
+                if t > t0 && t < t1 {
+                    self.at(t, diagram, stride)?;
+                    looks.row(t).copy_from_slice(&self.trial);
+                }
+            }
             count = looks.find_within(t0, t1);
         }
         self.turns.looks = count;

@@ -6,9 +6,6 @@ use blocksim_sim::{Counts, Simulation};
 
 use crate::toys::*;
 
-const METHODS: [VariableMethod; 4] =
-    [VariableMethod::Ode23, VariableMethod::Ode45, VariableMethod::Rodas4, VariableMethod::RosW3];
-
 fn solver(method: VariableMethod, max_step: f64) -> Solver {
     Solver::Variable { method, rtol: 1e-6, atol: Some(1e-9), max_step }
 }
