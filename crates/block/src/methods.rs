@@ -43,7 +43,7 @@ const fn fixed(
 }
 
 /// All methods, the default first.
-pub const METHODS: [MethodInfo; 12] = [
+pub const METHODS: [MethodInfo; 15] = [
     variable(
         "Auto",
         VariableMethod::Auto,
@@ -52,6 +52,12 @@ pub const METHODS: [MethodInfo; 12] = [
     ),
     variable("Ode45", VariableMethod::Ode45, "5", "Dormand-Prince 5(4): what is not stiff"),
     variable("Ode23", VariableMethod::Ode23, "3", "Bogacki-Shampine 3(2): loose tolerances, many events"),
+    variable(
+        "Dop853",
+        VariableMethod::Dop853,
+        "8",
+        "Dormand-Prince 8(5,3): what is smooth and not stiff, at tight tolerances",
+    ),
     variable(
         "Ode15s",
         VariableMethod::Ode15s,
@@ -66,6 +72,18 @@ pub const METHODS: [MethodInfo; 12] = [
         "a Rosenbrock method with the whole Jacobian: small stiff systems, weakly damped ones too",
     ),
     variable(
+        "Ode23tb",
+        VariableMethod::Ode23tb,
+        "2",
+        "TR-BDF2: stiff systems at loose tolerances, events; damps what is fast",
+    ),
+    variable(
+        "Ode23t",
+        VariableMethod::Ode23t,
+        "2",
+        "the trapezoidal rule: stiff systems at loose tolerances whose oscillations must not be damped",
+    ),
+    variable(
         "RosW3",
         VariableMethod::RosW3,
         "3",
@@ -78,13 +96,31 @@ pub const METHODS: [MethodInfo; 12] = [
     fixed("Ode5", FixedMethod::Ode5, "5", "fixed step: Dormand-Prince"),
 ];
 
+/// The methods that choose their step, the default first.
+pub const VARIABLE: [VariableMethod; 10] = {
+    let mut methods = [VariableMethod::Auto; 10];
+    let (mut from, mut to) = (0, 0);
+    while from < METHODS.len() {
+        if let Method::Variable(method) = METHODS[from].method {
+            methods[to] = method;
+            to += 1;
+        }
+        from += 1;
+    }
+    assert!(to == methods.len(), "as many as there are");
+    methods
+};
+
 /// Names of methods elsewhere, and what does the same here.
-const ELSEWHERE: [(&str, &str); 10] = [
+const ELSEWHERE: [(&str, &str); 13] = [
     ("VariableStepAuto", "Auto"),
-    ("Ode113", "Ode45"),
+    ("Ode78", "Dop853"),
+    ("Ode89", "Dop853"),
+    ("Ode113", "Dop853"),
+    ("Dop8", "Dop853"),
+    ("Dopri5", "Ode45"),
+    ("Vern8", "Dop853"),
     ("Ode23s", "Rodas4"),
-    ("Ode23t", "Rodas4"),
-    ("Ode23tb", "Radau5"),
     ("DaeSsc", "Ode15s"),
     ("Dassl", "Ode15s"),
     ("CVode", "Ode15s"),
@@ -128,6 +164,6 @@ mod tests {
         for (_, here) in ELSEWHERE {
             assert!(Method::named(here).is_some(), "{here}");
         }
-        assert_eq!(instead_of("ode23tb"), Some("Radau5"));
+        assert_eq!(instead_of("ode89"), Some("Dop853"));
     }
 }

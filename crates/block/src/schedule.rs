@@ -326,6 +326,12 @@ pub enum VariableMethod {
     Ode23,
     /// Dormand-Prince 5(4).
     Ode45,
+    /// Dormand-Prince 8(5,3), for tight tolerances.
+    Dop853,
+    /// The trapezoidal rule, order 2, for stiff systems without numerical damping.
+    Ode23t,
+    /// The trapezoidal rule and a differentiation formula in each step, order 2, for stiff systems.
+    Ode23tb,
     /// Numerical differentiation formulas of orders 1 to 5, for stiff systems; keeps its Jacobian.
     Ode15s,
     /// Radau IIA, order 5, for stiff systems at tight tolerances.

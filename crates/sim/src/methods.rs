@@ -3,7 +3,8 @@
 use blocksim_block::Interface;
 use blocksim_block::schedule::{FixedMethod, LATEST, OutputTimes, Schedule, Solver, VariableMethod};
 use blocksim_solve::{
-    Auto, FixedStep, Ode15s, Ode23, Ode45, Radau5, Rodas4, Ros34pw2, StepLimits, Stepper, Tolerances,
+    Auto, Dop853, FixedStep, Ode15s, Ode23, Ode23t, Ode23tb, Ode45, Radau5, Rodas4, Ros34pw2, StepLimits,
+    Stepper, Tolerances,
 };
 
 use crate::SimError;
@@ -38,6 +39,9 @@ fn fixed(method: FixedMethod, n: usize, step: f64) -> Box<dyn Stepper> {
 fn variable(method: VariableMethod, tolerances: Tolerances, limits: StepLimits) -> Box<dyn Stepper> {
     match method {
         VariableMethod::Auto => Box::new(Auto::new(tolerances, limits)),
+        VariableMethod::Dop853 => Box::new(Dop853::new(tolerances, limits)),
+        VariableMethod::Ode23t => Box::new(Ode23t::new(tolerances, limits)),
+        VariableMethod::Ode23tb => Box::new(Ode23tb::new(tolerances, limits)),
         VariableMethod::Ode15s => Box::new(Ode15s::new(tolerances, limits)),
         VariableMethod::Ode23 => Box::new(Ode23::new(tolerances, limits)),
         VariableMethod::Ode45 => Box::new(Ode45::new(tolerances, limits)),

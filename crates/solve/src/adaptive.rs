@@ -1,8 +1,7 @@
 //! The loop of every method with an error estimate: propose, try, keep or repeat.
 
-use crate::radau::Stages;
 use crate::step_size::{StepSize, Trial};
-use crate::stepper::{Experience, Memory};
+use crate::stepper::{Experience, Memory, Stages};
 use crate::weights::{Learnt, Weights};
 use crate::{Counts, StepError, StepLimits, Stepper, System, Tolerances};
 
@@ -63,6 +62,11 @@ pub trait Method: Send {
         error: &mut [f64],
     ) -> Result<(), Fault>;
 
+    /// What the state in between needs besides, of a step from `x0` to `x1` that is about to be kept.
+    fn finish(&mut self, _work: &mut Work, _kept: Span, _x0: &[f64], _x1: &[f64]) -> Result<(), Fault> {
+        Ok(())
+    }
+
     /// The derivative at the end of the last step, where `begin` may use it; else empty.
     fn last_derivative(&self) -> &[f64] {
         &[]
@@ -77,6 +81,9 @@ pub trait Method: Send {
     fn radius(&self, _weights: &Weights, _x0: &[f64], _x1: &[f64], _h: f64) -> Radius {
         Radius::default()
     }
+
+    /// Radius from which on stability, and not the tolerance, limits the steps of an explicit method.
+    const NEAR_EDGE: f64 = NEAR_EDGE;
 
     /// Whether a step that is hardly longer than the one before is better as long as that, because factors serve on.
     const KEEPS_SIZE: bool = false;
@@ -108,8 +115,29 @@ pub struct Radius {
     pub(crate) decay: f64,
 }
 
-/// Radius from which on stability, and not the tolerance, limits the steps of an explicit method.
+/// The same of `Ode45`, whose stability ends at 3.3.
 pub(crate) const NEAR_EDGE: f64 = 2.5;
+
+/// The radius of a step from `x[0]` to `x[1]` whose last two stages, of the derivatives `k`, belong to its end: by how much f
+/// differs at two states that are both near there. `stage` is the one that is not the end itself.
+pub(crate) fn difference_radius(
+    weights: &Weights,
+    [x0, x1]: [&[f64]; 2],
+    [before, end]: [&[f64]; 2],
+    stage: &[f64],
+    h: f64,
+) -> Radius {
+    let (mut above, mut below, mut against) = (0.0, 0.0, 0.0);
+    for i in 0..x1.len() {
+        let unit = weights.unit(i, x0[i].abs().max(x1[i].abs()));
+        let (f, x) = ((end[i] - before[i]) / unit, (x1[i] - stage[i]) / unit);
+        (above, below, against) = (above + f * f, below + x * x, against - f * x);
+    }
+    if below == 0.0 {
+        return Radius::default();
+    }
+    Radius { all: h * (above / below).sqrt(), decay: h * against / below }
+}
 
 /// Begin, end and size of a step.
 #[derive(Debug, Clone, Copy)]
@@ -220,12 +248,16 @@ impl<M: Method> Adaptive<M> {
         loop {
             let trial = self.control.propose(t, limit);
             let mut work = Work { system: &mut *system, counts: &mut self.counts, weights: &self.weights };
-            let attempt =
+            let mut attempt =
                 self.method.attempt(&mut work, trial.into(), &self.x0, &mut self.x1, &mut self.error);
-            let err = match attempt {
+            let mut err = match attempt {
                 Ok(()) => self.weights.norm(&self.x0, &self.x1, &self.error, trial.h),
                 Err(_) => f64::INFINITY,
             };
+            if err <= 1.0 {
+                attempt = self.method.finish(&mut work, trial.into(), &self.x0, &self.x1);
+                err = if attempt.is_ok() { err } else { f64::INFINITY };
+            }
             if err <= 1.0 {
                 self.control.accept(trial, err);
                 self.weights.accepted();
@@ -270,7 +302,7 @@ impl<M: Method> Stepper for Adaptive<M> {
         self.last = self.advance(system, *t, known, limit)?;
         self.known = true;
         self.radius = self.method.radius(&self.weights, &self.x0, &self.x1, self.last.h);
-        self.counts.limited += u64::from(self.radius.all > NEAR_EDGE);
+        self.counts.limited += u64::from(self.radius.all > M::NEAR_EDGE);
         *t = self.last.t1;
         x.copy_from_slice(&self.x1);
         Ok(())

@@ -8,7 +8,7 @@
 //! doi 10.1016/0771-050X(80)90013-3. Continuous extension: E. Hairer, S. P. Nørsett, G. Wanner: Solving Ordinary
 //! Differential Equations I, 2nd ed., section II.6.
 
-use crate::adaptive::{Adaptive, Fault, Method, Radius, Span, Work};
+use crate::adaptive::{Adaptive, Fault, Method, Radius, Span, Work, difference_radius};
 use crate::combine::{combine, combine_error};
 use crate::weights::Weights;
 use crate::{Ode15s, Stepper};
@@ -90,19 +90,8 @@ impl Method for DormandPrince {
         Self { k: std::array::from_fn(|_| zeros()), more: [zeros(), zeros()], sharp: false, sixth: zeros() }
     }
 
-    /// As stages 6 and 7 tell it, by how much f differs at two states that are both near the end.
     fn radius(&self, weights: &Weights, x0: &[f64], x1: &[f64], h: f64) -> Radius {
-        let [.., k6, k7] = &self.k;
-        let (mut above, mut below, mut against) = (0.0, 0.0, 0.0);
-        for i in 0..x1.len() {
-            let unit = weights.unit(i, x0[i].abs().max(x1[i].abs()));
-            let (f, x) = ((k7[i] - k6[i]) / unit, (x1[i] - self.sixth[i]) / unit);
-            (above, below, against) = (above + f * f, below + x * x, against - f * x);
-        }
-        if below == 0.0 {
-            return Radius::default();
-        }
-        Radius { all: h * (above / below).sqrt(), decay: h * against / below }
+        difference_radius(weights, [x0, x1], [&self.k[5], &self.k[6]], &self.sixth, h)
     }
 
     fn begin(&mut self, work: &mut Work, t: f64, x: &[f64], known: bool) -> Result<(), Fault> {

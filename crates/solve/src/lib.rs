@@ -8,6 +8,9 @@
 //! | [`Auto`] | 5(4), 1 to 5 | anything: `Ode45`, and `Ode15s` where that is stiff; the default |
 //! | [`Ode45`] | 5(4) | anything that is not stiff |
 //! | [`Ode23`] | 3(2) | loose tolerances, rough derivatives |
+//! | [`Dop853`] | 8(5,3) | smooth systems at tight tolerances |
+//! | [`Ode23tb`] | 2(3) | stiff systems at loose tolerances |
+//! | [`Ode23t`] | 2 | the same without numerical damping |
 //! | [`Ode15s`] | 1 to 5 | stiff systems, large and sparse ones too |
 //! | [`Radau5`] | 5 | stiff systems at tight tolerances |
 //! | [`Rodas4`] | 4(3) | small stiff systems |
@@ -31,6 +34,7 @@ mod adaptive;
 mod auto;
 mod bogacki_shampine;
 mod combine;
+mod dop853;
 mod dormand_prince;
 mod jacobian;
 pub mod linear;
@@ -48,6 +52,7 @@ mod step_size;
 mod stepper;
 mod system;
 mod tableau;
+mod tr_bdf2;
 #[cfg(test)]
 mod trees;
 mod weights;
@@ -55,6 +60,7 @@ mod weights;
 pub use adaptive::Adaptive;
 pub use auto::Auto;
 pub use bogacki_shampine::Ode23;
+pub use dop853::Dop853;
 pub use dormand_prince::Ode45;
 pub use ode15s::Ode15s;
 pub use radau::Radau5;
@@ -64,3 +70,4 @@ pub use ros34pw2::Ros34pw2;
 pub use runge_kutta::FixedStep;
 pub use stepper::{Counts, Memory, Share, StepError, StepLimits, Stepper, integrate};
 pub use system::{Failed, System, Tolerances};
+pub use tr_bdf2::{Ode23t, Ode23tb};

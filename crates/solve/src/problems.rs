@@ -237,3 +237,21 @@ pub fn heat(n: usize) -> impl System {
         }
     })
 }
+
+/// A small body between earth and moon, in the plane that turns with them: positions, then speeds. Not stiff, with close passages.
+///
+/// E. Hairer, S. P. Nørsett, G. Wanner: Solving Ordinary Differential Equations I, eq. II.0.1.
+pub fn arenstorf() -> impl System {
+    const MOON: f64 = 0.012_277_471;
+    const EARTH: f64 = 1.0 - MOON;
+    function(4, |_, x, dx| {
+        let earth = ((x[0] + MOON).powi(2) + x[1] * x[1]).powf(1.5);
+        let moon = ((x[0] - EARTH).powi(2) + x[1] * x[1]).powf(1.5);
+        (dx[0], dx[1]) = (x[2], x[3]);
+        dx[2] = x[0] + 2.0 * x[3] - EARTH * (x[0] + MOON) / earth - MOON * (x[0] - EARTH) / moon;
+        dx[3] = x[1] - 2.0 * x[2] - EARTH * x[1] / earth - MOON * x[1] / moon;
+    })
+}
+
+/// The usual start of [`hires`].
+pub const HIRES_START: [f64; 8] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0057];

@@ -11,7 +11,9 @@
 #![expect(clippy::excessive_precision, reason = "the digits are those of the tables")]
 
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
-use crate::jacobian::{Age, Jacobian, Slopes, Twice};
+use crate::jacobian::{Age, Jacobian, Twice};
+use crate::newton::Convergence;
+use crate::stepper::Stages;
 
 /// Order 5 for stiff systems at tight tolerances.
 pub type Radau5 = Adaptive<RadauIIA>;
@@ -73,15 +75,6 @@ pub struct RadauIIA {
     /// Size of the step before, if `z` are its stages and may be continued; and of a trial from the same start.
     before: Option<f64>,
     tried: Option<f64>,
-}
-
-/// What [`Radau5`] carries from one step to the next.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Stages {
-    slopes: Option<Slopes>,
-    quick: bool,
-    tried: Option<f64>,
-    z: [Vec<f64>; 3],
 }
 
 /// How an iteration ended.
@@ -305,21 +298,24 @@ impl Method for RadauIIA {
 
     fn stages(&self) -> Option<Box<Stages>> {
         Some(Box::new(Stages {
-            slopes: (self.slopes != Age::Unknown).then(|| self.jacobian.slopes()),
+            newton: Convergence {
+                slopes: (self.slopes != Age::Unknown).then(|| self.jacobian.slopes()),
+                ..Convergence::default()
+            },
             quick: self.quick,
             tried: self.tried,
-            z: self.z.clone(),
+            columns: self.z.to_vec(),
         }))
     }
 
     fn recall(&mut self, stages: &Stages) {
         (self.slopes, self.factored) = (Age::Unknown, f64::NAN);
-        if let Some(slopes) = &stages.slopes {
+        if let Some(slopes) = &stages.newton.slopes {
             self.jacobian.recall(slopes);
             self.slopes = Age::Old;
         }
         (self.quick, self.before, self.tried) = (stages.quick, None, stages.tried);
-        self.z.clone_from(&stages.z);
+        self.z.clone_from_slice(&stages.columns);
     }
 }
 

@@ -3,7 +3,6 @@
 use crate::System;
 use crate::auto::Turn;
 use crate::newton::Convergence;
-use crate::radau::Stages;
 use crate::weights::Learnt;
 
 /// A method of integration with its memory of the last step. No call allocates.
@@ -96,6 +95,18 @@ pub struct Memory {
     pub(crate) turn: Option<(Turn, bool, Share)>,
     /// Stages of a method that begins with those of the step before, and whether they still hold.
     pub(crate) stages: Option<(Box<Stages>, bool)>,
+}
+
+/// What an implicit method of one step carries to the next one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stages {
+    pub(crate) newton: Convergence,
+    /// Whether the last iteration was so quick that its Jacobian may serve on.
+    pub(crate) quick: bool,
+    /// Size of the step that can be continued, s.
+    pub(crate) tried: Option<f64>,
+    /// States, slopes or stages of it.
+    pub(crate) columns: Vec<Vec<f64>>,
 }
 
 /// How much of its work a method that is two has left to the stiff one.

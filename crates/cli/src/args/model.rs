@@ -23,7 +23,7 @@ pub struct SolverArgs {
     /// End of the simulation, such as `10`, `10s` or `250ms`.
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub until: Option<f64>,
-    /// Method: auto, ode45, ode23, ode15s, radau5, rodas4, rosw3 (variable step), ode1 to ode5 (fixed step).
+    /// Method: auto, ode45, ode23, dop853, ode15s, radau5, rodas4, ode23tb, ode23t, rosw3 (variable step), ode1 to ode5 (fixed step).
     #[arg(long, value_name = "NAME")]
     pub solver: Option<String>,
     /// Relative tolerance of a method of variable step.

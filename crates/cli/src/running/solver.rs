@@ -164,8 +164,8 @@ mod tests {
         assert!(with(ODE4, &["--rtol", "1e-3"]).unwrap_err().contains("fixed step"));
         let unknown = with(ODE45, &["--solver", "ode54"]).unwrap_err();
         assert!(unknown.contains("did you mean `ode"), "{unknown}");
-        let elsewhere = with(ODE45, &["--solver", "ode23tb"]).unwrap_err();
-        assert!(elsewhere.contains("`radau5` is for the same here"), "{elsewhere}");
+        let elsewhere = with(ODE45, &["--solver", "ode89"]).unwrap_err();
+        assert!(elsewhere.contains("`dop853` is for the same here"), "{elsewhere}");
         assert!(with(ODE45, &["--rtol", "0.5"]).unwrap_err().contains("between 1e-14 and 1e-1"));
     }
 

@@ -218,6 +218,9 @@ fn solver(method: Method) -> Solver {
         Method::Ode4 { step } => fixed(FixedMethod::Ode4, step),
         Method::Ode5 { step } => fixed(FixedMethod::Ode5, step),
         Method::Auto { rtol, atol, max_step } => variable(VariableMethod::Auto, rtol, atol, max_step),
+        Method::Dop853 { rtol, atol, max_step } => variable(VariableMethod::Dop853, rtol, atol, max_step),
+        Method::Ode23t { rtol, atol, max_step } => variable(VariableMethod::Ode23t, rtol, atol, max_step),
+        Method::Ode23tb { rtol, atol, max_step } => variable(VariableMethod::Ode23tb, rtol, atol, max_step),
         Method::Ode15s { rtol, atol, max_step } => variable(VariableMethod::Ode15s, rtol, atol, max_step),
         Method::Ode23 { rtol, atol, max_step } => variable(VariableMethod::Ode23, rtol, atol, max_step),
         Method::Ode45 { rtol, atol, max_step } => variable(VariableMethod::Ode45, rtol, atol, max_step),
@@ -352,7 +355,7 @@ mod tests {
     #[test]
     fn a_misspelt_word_or_a_wrong_unit_is_named() {
         assert!(message("(stop: 1)").contains("`stop` is not known here"));
-        assert!(message("(solver: Ode23tb())").contains("`Ode23tb` is no choice for `solver`"));
+        assert!(message("(solver: Ode113())").contains("`Ode113` is no choice for `solver`"));
         assert!(message("(solver: Ode46())").contains("`Ode46` is no choice for `solver`"));
         assert!(message("(solver: Ode45(rtoll: 1e-9))").contains("`rtoll` is not known here"));
         assert!(message("(stop_time: Auto(marg: 1))").contains("`marg` is not known here"));

@@ -2,8 +2,8 @@
 
 use blocksim_solve::problems::{draining_tank, function, pole, swing, van_der_pol};
 use blocksim_solve::{
-    Auto, Failed, FixedStep, Ode15s, Ode23, Ode45, Radau5, Rodas4, Ros34pw2, StepError, StepLimits, Stepper,
-    System, Tolerances, integrate,
+    Auto, Dop853, Failed, FixedStep, Ode15s, Ode23, Ode23t, Ode23tb, Ode45, Radau5, Rodas4, Ros34pw2,
+    StepError, StepLimits, Stepper, System, Tolerances, integrate,
 };
 
 fn adaptive(n: usize) -> [Box<dyn Stepper>; 4] {
@@ -21,6 +21,9 @@ fn variable(n: usize) -> Vec<Box<dyn Stepper>> {
     let mut variable: Vec<Box<dyn Stepper>> = adaptive(n).into();
     for tolerances in [Tolerances::uniform(n, 1e-6, 1e-9), Tolerances::automatic(n, 1e-6)] {
         variable.push(Box::new(Ode15s::new(tolerances.clone(), StepLimits::default())));
+        variable.push(Box::new(Dop853::new(tolerances.clone(), StepLimits::default())));
+        variable.push(Box::new(Ode23t::new(tolerances.clone(), StepLimits::default())));
+        variable.push(Box::new(Ode23tb::new(tolerances.clone(), StepLimits::default())));
         variable.push(Box::new(Radau5::new(tolerances.clone(), StepLimits::default())));
         variable.push(Box::new(Auto::new(tolerances, StepLimits::default())));
     }
@@ -137,8 +140,9 @@ fn a_pole_is_an_underflow_at_its_time() {
             panic!("{}: {error:?}", stepper.name())
         };
         assert_eq!(at, t, "t is that of the last good state");
-        // On its way to the pole an error of 1e-6 grows with x^2.
-        assert!((t - 1.0).abs() < 5e-5 && h < 1e-14, "{}: {error}", stepper.name());
+        // On its way to the pole an error of 1e-6 grows with x^2; methods of order two make more steps with such errors.
+        let within = if stepper.name().starts_with("Ode23t") { 1e-4 } else { 5e-5 };
+        assert!((t - 1.0).abs() < within && h < 1e-14, "{}: {error}", stepper.name());
         assert!(x[1] > 1e6 && x[1].is_finite());
     }
 }

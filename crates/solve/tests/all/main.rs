@@ -2,6 +2,8 @@
 
 mod convergence;
 mod limits;
+mod order_eight;
 mod stiff;
 mod tolerances;
+mod trapezoidal;
 mod work;

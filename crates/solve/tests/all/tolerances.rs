@@ -2,8 +2,8 @@
 
 use blocksim_solve::problems::{function, robertson};
 use blocksim_solve::{
-    Counts, Ode15s, Ode23, Ode45, Radau5, Rodas4, Ros34pw2, StepLimits, Stepper, System, Tolerances,
-    integrate,
+    Counts, Dop853, Ode15s, Ode23, Ode23t, Ode23tb, Ode45, Radau5, Rodas4, Ros34pw2, StepLimits, Stepper,
+    System, Tolerances, integrate,
 };
 
 fn all(n: usize, relative: f64) -> Vec<Box<dyn Stepper>> {
@@ -11,10 +11,20 @@ fn all(n: usize, relative: f64) -> Vec<Box<dyn Stepper>> {
     vec![
         Box::new(Ode45::new(tolerances(), StepLimits::default())),
         Box::new(Ode23::new(tolerances(), StepLimits::default())),
+        Box::new(Dop853::new(tolerances(), StepLimits::default())),
+        Box::new(Ode23t::new(tolerances(), StepLimits::default())),
+        Box::new(Ode23tb::new(tolerances(), StepLimits::default())),
         Box::new(Radau5::new(tolerances(), StepLimits::default())),
         Box::new(Rodas4::new(tolerances(), StepLimits::default())),
         Box::new(Ros34pw2::new(tolerances(), StepLimits::default())),
     ]
+}
+
+/// What errors of the size of the tolerance may add up to over the steps of a method of order two, which makes so many of them;
+/// nothing for others.
+fn added_up(stepper: &dyn Stepper, relative: f64) -> f64 {
+    let second = stepper.name().starts_with("Ode23t");
+    if second { 2.0 * relative * stepper.counts().accepted as f64 } else { 0.0 }
 }
 
 /// Van der Pol's oscillator with mu = 5, its states in another unit.
@@ -29,6 +39,7 @@ fn scaled(unit: f64) -> impl System {
 #[test]
 fn units_change_neither_the_steps_nor_the_solution() {
     for k in 0..all(2, 1e-6).len() {
+        let keeps = all(2, 1e-6)[k].name().starts_with("Ode23t");
         let run = |unit: f64, start: [f64; 2]| -> (Counts, [f64; 2]) {
             let mut stepper = all(2, 1e-6).remove(k);
             let (mut t, mut x) = (0.0, start.map(|x| unit * x));
@@ -41,11 +52,12 @@ fn units_change_neither_the_steps_nor_the_solution() {
             for unit in [(2f64).powi(-10), (2f64).powi(30)].into_iter().filter(|_| start[1] != 0.0) {
                 assert_eq!(run(unit, start), (counts, x), "{k}: a unit of {unit:e}");
             }
-            // Where units are no powers of two, rounding makes a step more or less.
+            // Where units are no powers of two, rounding makes a step more or less, or a Jacobian serve longer.
             for unit in [1e-9, 1e9] {
                 let (other, y) = run(unit, start);
                 let more = other.evaluations as f64 / counts.evaluations as f64;
-                assert!((more - 1.0).abs() < 0.01, "{k}: {other:?} with a unit of {unit:e}, not {counts:?}");
+                let part = if keeps { 0.02 } else { 0.01 };
+                assert!((more - 1.0).abs() < part, "{k}: {other:?} with a unit of {unit:e}, not {counts:?}");
                 assert!((x[0] - y[0]).abs() < 1e-4 && (x[1] - y[1]).abs() < 1e-4, "{k}: {x:?} {y:?}");
             }
         }
@@ -66,8 +78,10 @@ fn an_oscillation_of_a_microvolt_beside_a_large_state_keeps_its_amplitude() {
             let (mut t, mut x) = (0.0, [volts, 0.0, 300.0]);
             integrate(&mut *stepper, &mut circuit, &mut t, &mut x, 50.0 * period).unwrap();
             // Errors of 1e-6 of some thousand steps.
+            let more = added_up(&*stepper, 1e-6);
             assert!((x[0] / volts - 1.0).abs() < 3e-3, "{}: {:e} V", stepper.name(), x[0]);
-            assert!((x[1] / volts * f64::sqrt(l / c)).abs() < 1e-2, "{}: {:e} A", stepper.name(), x[1]);
+            let current = (x[1] / volts * f64::sqrt(l / c)).abs();
+            assert!(current < 1e-2 + more, "{}: {:e} A", stepper.name(), x[1]);
         }
     }
 }
@@ -102,7 +116,9 @@ fn a_state_that_is_only_rounding_costs_nothing_worth_mentioning() {
     for (mut plain, mut noisy) in all(3, 1e-6).into_iter().zip(all(3, 1e-6)) {
         let without = steps(0.0, &mut *plain);
         let with = steps(1e3, &mut *noisy);
-        assert!(with < without * 5 / 2, "{}: {with} instead of {without}", plain.name());
+        // An order of eight grows slowly again from the steps that it makes before noise is known.
+        let times = if plain.name() == "Dop853" { 4.0 } else { 2.5 };
+        assert!((with as f64) < times * without as f64, "{}: {with} instead of {without}", plain.name());
     }
 }
 
@@ -120,7 +136,8 @@ fn what_grows_from_nothing_with_a_high_power_of_time_does_not_stall() {
         let mut exact = 1.0;
         for (i, x) in x.iter().enumerate() {
             exact *= 2.0 / (i + 1) as f64;
-            assert!((x / exact - 1.0).abs() < 1e-5, "{}: {i}: {x:e} {exact:e}", stepper.name());
+            let within = 1e-5 + added_up(&*stepper, 1e-6);
+            assert!((x / exact - 1.0).abs() < within, "{}: {i}: {x:e} {exact:e}", stepper.name());
         }
         assert!(stepper.counts().accepted < most, "{}: {:?}", stepper.name(), stepper.counts());
     }
@@ -136,7 +153,8 @@ fn a_tighter_tolerance_is_never_worse() {
             let mut swing = function(2, |_, x, dx| (dx[0], dx[1]) = (x[1], -x[0]));
             integrate(&mut *stepper, &mut swing, &mut t, &mut x, 20.0).unwrap();
             let error = (x[0] - 1e-9 * 20f64.cos()).hypot(x[1] + 1e-9 * 20f64.sin());
-            assert!(error < before && error < 1e-9 * 100.0 * relative, "{k}, {relative:e}: {error:e}");
+            let within = 1e-9 * (100.0 * relative + added_up(&*stepper, relative));
+            assert!(error < before && error < within, "{}, {relative:e}: {error:e}", stepper.name());
             before = error;
         }
     }

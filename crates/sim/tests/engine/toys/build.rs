@@ -209,14 +209,3 @@ impl Toy {
         })
     }
 }
-
-/// All methods that choose their step.
-pub const METHODS: [VariableMethod; 7] = [
-    VariableMethod::Auto,
-    VariableMethod::Ode15s,
-    VariableMethod::Ode23,
-    VariableMethod::Ode45,
-    VariableMethod::Radau5,
-    VariableMethod::Rodas4,
-    VariableMethod::RosW3,
-];

@@ -7,5 +7,6 @@ mod build;
 mod tape;
 
 pub use blocks::*;
-pub use build::{METHODS, Toy, ode4, ode45};
+pub use blocksim_block::methods::VARIABLE as METHODS;
+pub use build::{Toy, ode4, ode45};
 pub use tape::Tape;
