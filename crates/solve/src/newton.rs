@@ -86,10 +86,10 @@ impl Newton {
 
     /// Whether a state is corrected by as much as the time before. Where a Jacobian of before is far larger than that of now,
     /// corrections of a state are too small by as much and hidden by those of the others.
-    fn stands(&self, work: &Work, x0: &[f64], x1: &[f64]) -> bool {
+    fn stands(&self, work: &Work, x0: &[f64], x1: &[f64], h: f64) -> bool {
         let least = STANDING.max(100.0 * f64::EPSILON / work.weights.relative().max(f64::EPSILON));
         self.before.iter().zip(&self.correction).enumerate().any(|(i, (before, now))| {
-            let unit = work.weights.unit(i, x0[i].abs().max(x1[i].abs()));
+            let unit = work.weights.scale(i, x0[i].abs().max(x1[i].abs()), h);
             now.abs() > least * unit && now.abs() > SLOW * before.abs()
         })
     }
@@ -135,8 +135,8 @@ impl Newton {
             if let Err(fault) = work.derivatives(t, x1, &mut self.f) {
                 return Iteration::Failed(fault);
             }
-            for i in 0..self.step.len() {
-                self.correction[i] = g * self.f[i] - known[i] - self.step[i];
+            for (i, correction) in self.correction.iter_mut().enumerate() {
+                *correction = g * self.f[i] - known[i] - self.step[i];
             }
             self.jacobian.solve(&mut self.correction);
             for i in 0..self.step.len() {
@@ -158,7 +158,9 @@ impl Newton {
             }
             if let Some(rate) = self.rate {
                 let left = size * rate / (1.0 - rate);
-                if left <= CONVERGED && (iteration == 0 || !self.stands(work, x0, x1)) {
+                // With the Jacobian of now what stands until the end is noise.
+                let last = iteration + 1 == ITERATIONS && self.slopes == Age::Current;
+                if left <= CONVERGED && (iteration == 0 || last || !self.stands(work, x0, x1, h)) {
                     return Iteration::Converged;
                 }
                 let more = (ITERATIONS - 1 - iteration) as i32;

@@ -144,7 +144,7 @@ impl Weights {
     /// Error of state `i` that counts as one, in a step of the size `h` through magnitudes up to `magnitude`. Never zero,
     /// so that 0/0 cannot occur.
     #[inline]
-    fn scale(&self, i: usize, magnitude: f64, h: f64) -> f64 {
+    pub fn scale(&self, i: usize, magnitude: f64, h: f64) -> f64 {
         let plain = self.absolute[i] + self.relative * magnitude;
         let noise = match &self.learnt {
             Some(learnt) if learnt.noisy => {

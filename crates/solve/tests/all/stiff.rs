@@ -76,7 +76,7 @@ fn stiff_problems_end_where_the_literature_says_with_little_work() {
 }
 
 /// Evaluations of the problems above.
-const PINNED: [[u64; 3]; 4] = [[1878, 3101, 4584], [957, 1464, 2622], [776, 1036, 1770], [2322, 3674, 6284]];
+const PINNED: [[u64; 3]; 4] = [[1878, 3101, 4584], [962, 1469, 2622], [776, 1036, 1770], [2322, 3674, 6284]];
 
 #[test]
 fn a_jacobian_of_before_hides_no_state_behind_the_others() {
