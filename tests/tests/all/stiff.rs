@@ -202,3 +202,97 @@ fn a_rod_of_a_thousand_cells_is_a_diagram_of_three_thousand_blocks() {
     assert_eq!([run.counts.accepted, run.counts.evaluations], [1109, 5155]);
     assert!(run.time.len() < 2000, "{} rows", run.time.len());
 }
+
+/// Seven stars of the masses 1 to 7 in a plane, with near encounters; not stiff. E. Hairer, S. P. Nørsett, G. Wanner: Solving Ordinary
+/// Differential Equations I, section II.10; coordinates at t = 3 as in F. Mazzia, C. Magherini, problem plei.
+#[test]
+fn the_pleiades_are_a_diagram_of_twenty_eight_states() {
+    const START: [[f64; 7]; 4] = [
+        [3.0, 3.0, -1.0, -3.0, 2.0, -2.0, 2.0],
+        [3.0, -3.0, 2.0, 0.0, 0.0, -4.0, 4.0],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 1.75, -1.5],
+        [0.0, 0.0, 0.0, -1.25, 1.0, 0.0, 0.0],
+    ];
+    const END: [[f64; 7]; 2] = [
+        [
+            0.370_613_914_397_050_2,
+            0.323_728_409_205_723_3e1,
+            -0.322_255_903_241_832_4e1,
+            0.659_709_145_577_531,
+            0.342_558_170_715_658_4,
+            0.156_217_210_140_063_1e1,
+            -0.700_309_292_221_249_5,
+        ],
+        [
+            -0.394_343_758_551_739_2e1,
+            -3.271_380_973_972_55,
+            0.522_508_184_345_654_3e1,
+            -2.590_612_434_977_47,
+            0.119_821_369_339_227_5e1,
+            -0.242_968_234_493_582_4,
+            1.091_449_240_428_98,
+        ],
+    ];
+    let (mut blocks, mut connections, mut shown) = (String::new(), String::new(), Vec::new());
+    let mut block = |text: String| blocks.push_str(&text);
+    let mut connect = |from: String, to: String| writeln!(connections, r#""{from} -> {to}","#).expect("text");
+    for (axis, name) in ["x", "y"].into_iter().enumerate() {
+        for i in 0..7 {
+            let (place, speed) = (START[axis][i], START[2 + axis][i]);
+            block(format!(
+                r#""{name}{i}": Integrator(x0: {place:?}), "v{name}{i}": Integrator(x0: {speed:?}),"#
+            ));
+            block(format!(r#""s{name}{i}": Gain(k: "1 1/s"), "a{name}{i}": Sum(signs: "++++++"),"#));
+            connect(format!("v{name}{i}.y"), format!("s{name}{i}.u"));
+            connect(format!("s{name}{i}.y"), format!("{name}{i}.u"));
+            connect(format!("a{name}{i}.y"), format!("v{name}{i}.u"));
+            connect(format!("{name}{i}.y"), format!("show.{name}{i}"));
+            shown.push(format!(r#""{name}{i}""#));
+            for j in (0..7).filter(|&j| j != i) {
+                let (a, b) = (i.min(j), i.max(j));
+                // The pull of star j, along the way from a to b.
+                let mass = if i < j { j as f64 + 1.0 } else { -(j as f64 + 1.0) };
+                block(format!(r#""m{name}{i}{j}": Gain(k: "{mass} 1/s"),"#));
+                connect(format!("w{name}{a}{b}.y"), format!("m{name}{i}{j}.u"));
+                let port = if j < i { j + 1 } else { j };
+                connect(format!("m{name}{i}{j}.y"), format!("a{name}{i}.u{port}"));
+            }
+            for j in i + 1..7 {
+                let pair = format!("{name}{i}{j}");
+                block(format!(r#""d{pair}": Sum(signs: "+-"), "q{pair}": Product(inputs: 2),"#));
+                block(format!(r#""w{pair}": Product(inputs: 2),"#));
+                connect(format!("{name}{j}.y"), format!("d{pair}.u1"));
+                connect(format!("{name}{i}.y"), format!("d{pair}.u2"));
+                connect(format!("d{pair}.y"), format!("q{pair}.u1"));
+                connect(format!("d{pair}.y"), format!("q{pair}.u2"));
+                connect(format!("d{pair}.y"), format!("w{pair}.u1"));
+                connect(format!("r{i}{j}.y"), format!("w{pair}.u2"));
+                connect(format!("q{pair}.y"), format!("s{i}{j}.u{}", axis + 1));
+            }
+        }
+    }
+    for i in 0..7 {
+        for j in i + 1..7 {
+            block(format!(r#""s{i}{j}": Sum(signs: "++"), "r{i}{j}": Power(exponent: -1.5),"#));
+            connect(format!("s{i}{j}.y"), format!("r{i}{j}.u"));
+        }
+    }
+    let mut found = Vec::new();
+    for rtol in [1e-4, 1e-6, 1e-8] {
+        let run = run_text(&format!(
+            "Diagram(simulation: (stop_time: 3, solver: Auto(rtol: {rtol:e})), blocks: {{ {blocks} \
+             \"show\": Scope(inputs: [{}]) }}, connections: [ {connections} ])",
+            shown.join(", ")
+        ));
+        let mut error = 0.0_f64;
+        for (end, name) in END.into_iter().zip(["x", "y"]) {
+            for (i, expected) in end.into_iter().enumerate() {
+                error = error.max((run.last(&format!("show.{name}{i}")) / expected - 1.0).abs());
+            }
+        }
+        // Each of the encounters, of which the nearest is at 0.006, multiplies errors.
+        assert!(error < 2000.0 * rtol, "{rtol:e}: {error:e}");
+        found.push([run.counts.accepted, run.counts.evaluations]);
+    }
+    assert_eq!(found, [[98, 755], [195, 1472], [461, 3062]]);
+}
