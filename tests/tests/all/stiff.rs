@@ -237,8 +237,7 @@ fn the_pleiades_are_a_diagram_of_twenty_eight_states() {
     let mut block = |text: String| blocks.push_str(&text);
     let mut connect = |from: String, to: String| writeln!(connections, r#""{from} -> {to}","#).expect("text");
     for (axis, name) in ["x", "y"].into_iter().enumerate() {
-        for i in 0..7 {
-            let (place, speed) = (START[axis][i], START[2 + axis][i]);
+        for (i, (place, speed)) in START[axis].into_iter().zip(START[2 + axis]).enumerate() {
             block(format!(
                 r#""{name}{i}": Integrator(x0: {place:?}), "v{name}{i}": Integrator(x0: {speed:?}),"#
             ));
