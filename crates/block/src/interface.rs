@@ -71,6 +71,17 @@ impl Crossing {
 
 /// What a recording block wants recorded: all its inputs.
 #[derive(Debug, Clone, PartialEq, Default)]
+/// Outputs whose values the engine finds, so that something else becomes zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Constraint {
+    /// Output group whose values are found. Asked for its outputs, it leaves the unknowns as they are.
+    pub group: usize,
+    /// Group without outputs that writes what is left over, where the unknowns lie: each in the place of one of them.
+    pub rest: usize,
+    /// Where the unknowns lie among the outputs of the block, and where the search begins.
+    pub unknowns: Vec<(usize, f64)>,
+}
+
 pub struct Recorded {
     /// Unit to show them in; SI when absent.
     pub display: Option<String>,
@@ -128,6 +139,8 @@ pub struct Interface {
     pub recorded: Option<Recorded>,
 }
 
+    /// Outputs that the engine finds.
+    pub constraint: Option<Constraint>,
 impl Interface {
     /// No ports, no states.
     pub fn new() -> Self {
@@ -168,6 +181,17 @@ impl Interface {
 
     /// Adds a continuous state.
     pub fn state(mut self, name: impl Into<String>, initial: f64) -> Self {
+    /// Adds an output with values that the engine finds: those at `unknowns` (places among all outputs, and where the search
+    /// begins), so that as many numbers become zero, which follow from all inputs. The block writes these as the outputs of
+    /// the group behind that of this output. It is the only output of the block.
+    pub fn output_sought(mut self, output: Output, unknowns: Vec<(usize, f64)>) -> Self {
+        self = self.output_from_state(output);
+        self.groups.push(None);
+        let rest = self.groups.len() - 1;
+        self.constraint = Some(Constraint { group: rest - 1, rest, unknowns });
+        self
+    }
+
         self.states.push(State { name: name.into(), initial });
         self
     }

@@ -30,7 +30,7 @@ pub use context::{Context, Fault};
 pub use contract::{Block, Bus, Files, LoadError, Scratch};
 pub use defaults::in_diagram;
 pub use given::{Given, ParamUnits};
-pub use interface::{Crossing, Discrete, Guard, Interface, InterfaceError, Recorded, State};
+pub use interface::{Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, Recorded, State};
 pub use parameter::{ParamError, ParamValue, VALUE_ENUM, at_least, finite, not_negative, ordered, positive};
 pub use parameters::{ParameterInfo, Parameters};
 pub use piece::{NODES, Piece, roughness, through};

@@ -103,6 +103,8 @@ pub struct Loop {
     pub count: usize,
     /// Cells among the signals that are read before they are written: the unknowns of the loop.
     pub cells: Vec<usize>,
+    /// How many of them, the last ones, belong to constraints: the steps do not write their values but what must become zero.
+    pub sought: usize,
 }
 
 /// When an output group must be evaluated.

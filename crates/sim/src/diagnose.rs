@@ -19,6 +19,10 @@ const NETWORK: &str = "the physical network";
 const BREAK: &str = "put a block without direct feedthrough into the loop, such as a LowPass; a jump within it, as that of a \
                      Relay or a Sign, may leave it without a solution";
 
+/// What helps where a constraint has no solution.
+const NEARER: &str = "begin nearer to the solution with `z0` or `x0`; a constraint may also lose its solution, as where a curve turns \
+                      back, or never have had one";
+
 /// Most inputs that are told.
 const FEW: usize = 4;
 
@@ -28,13 +32,24 @@ pub(crate) fn failed(schedule: &Schedule, diagram: &mut Diagram) -> SimError {
         Some(Failure { ring: Some(ring), t, reason, block }) => {
             let found = &schedule.loops[ring];
             let steps = schedule.steps[found.first..].iter().take(found.count);
-            let mut names: Vec<&str> =
-                steps.map(|step| schedule.blocks[step.block as usize].path.as_str()).collect();
-            names.dedup();
-            let more = if names.len() > FEW { ", ..." } else { "" };
-            let names: Vec<String> = names.iter().take(FEW).map(|name| format!("`{name}`")).collect();
-            let message = format!("the algebraic loop of {}{more} {reason}", names.join(", "));
-            SimError::new("algebraic_loop", t, message).at(&schedule.blocks[block].path).help(BREAK)
+            let mut members: Vec<&Instance> = Vec::new();
+            for member in steps.map(|step| &schedule.blocks[step.block as usize]) {
+                if !members.iter().any(|known| known.path == member.path) {
+                    members.push(member);
+                }
+            }
+            let constraints: Vec<&Instance> =
+                members.iter().copied().filter(|member| member.interface.constraint.is_some()).collect();
+            let (who, named, help) = match constraints.first() {
+                Some(_) => ("constraint", &constraints, NEARER),
+                None => ("algebraic loop", &members, BREAK),
+            };
+            let more = if named.len() > FEW { ", ..." } else { "" };
+            let names: Vec<String> =
+                named.iter().take(FEW).map(|member| format!("`{}`", member.path)).collect();
+            let message = format!("the {who} of {}{more} {reason}", names.join(", "));
+            let path = constraints.first().map_or(&schedule.blocks[block].path, |first| &first.path);
+            SimError::new("algebraic_loop", t, message).at(path).help(help)
         }
         Some(failure) => {
             let block = &schedule.blocks[failure.block];

@@ -98,6 +98,9 @@ impl<'a> Graph<'a> {
                 let inputs = self.inputs[block].iter().enumerate();
                 let read = inputs.filter(|(input, _)| interface.reads(group, *input));
                 stack.extend(read.flat_map(|(_, from)| from));
+                let constraint = interface.constraint.as_ref();
+                let rest = constraint.filter(|constraint| constraint.group == group);
+                stack.extend(rest.map(|constraint| (block, constraint.rest)));
             }
         }
         found

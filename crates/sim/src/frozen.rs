@@ -2,6 +2,7 @@
 
 use blocksim_block::schedule::{Schedule, Step, When};
 
+use crate::spread::{spread, written};
 use crate::{Observer, SimError, Simulation};
 
 /// A signal that may be changed on its way from the block that gives it to those that read it.
@@ -135,32 +136,10 @@ impl Frozen {
 fn asked(schedule: &Schedule, taps: &[Tap]) -> Vec<bool> {
     let mut touched = vec![false; schedule.initial_signals.len()];
     taps.iter().for_each(|tap| touched[tap.cell] = true);
-    let step = |step: &Step| {
-        let block = &schedule.blocks[step.block as usize];
-        let group = step.group as usize;
-        let read = block.gather.iter().enumerate().any(|(input, &(from, len))| {
-            let cells = from as usize..(from + len) as usize;
-            block.interface.reads(group, input) && touched[cells].contains(&true)
-        });
-        let asked = match step.when {
-            When::Continuous => true,
-            When::Major | When::Constant => read,
-            When::Sampled(_) => false,
-        };
-        if asked && read {
-            written(schedule, step).for_each(|cell| touched[cell] = true);
-        }
-        asked
-    };
-    schedule.steps.iter().map(step).collect()
-}
-
-/// Cells that a group of outputs writes.
-fn written<'a>(schedule: &'a Schedule, step: &'a Step) -> impl Iterator<Item = usize> + 'a {
-    let block = &schedule.blocks[step.block as usize];
-    let ports = block.outputs.iter().zip(&block.interface.group_of);
-    let own = ports.filter(move |(_, group)| **group == step.group as usize);
-    own.flat_map(move |((start, end), _)| block.y + *start as usize..block.y + *end as usize)
+    let sampled = |step: &Step| matches!(step.when, When::Sampled(_));
+    let read = spread(schedule, &mut touched, |step, read| read && !sampled(step));
+    let asked = |(step, read): (&Step, bool)| step.when == When::Continuous || read && !sampled(step);
+    schedule.steps.iter().zip(read).map(asked).collect()
 }
 
 /// Number among the calls of a major pass of the one that writes a cell.

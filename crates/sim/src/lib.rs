@@ -56,6 +56,7 @@ mod sides;
 mod simulation;
 mod slopes;
 mod snapshot;
+mod spread;
 mod steady;
 mod system;
 mod turn;

@@ -1,6 +1,8 @@
 //! Which sample hits need rows on both sides, because a recorded signal jumps there.
 
-use blocksim_block::schedule::{Instance, OutputTimes, Schedule, When};
+use blocksim_block::schedule::{OutputTimes, Schedule, When};
+
+use crate::spread::spread;
 
 /// What is known of the jumps of recorded signals at sample hits.
 #[derive(Debug, Clone)]
@@ -36,21 +38,9 @@ impl Sides {
 /// Which cells may jump at the hits of a rate: what is sampled then, and what follows from it at the same instant.
 fn jumping(schedule: &Schedule, rate: usize) -> Vec<bool> {
     let mut jumping = vec![false; schedule.initial_signals.len()];
-    for step in &schedule.steps {
-        let (block, group) = (&schedule.blocks[step.block as usize], step.group as usize);
-        let sampled = block.rate == Some(rate);
-        if step.when != When::Constant && (sampled || reads(block, group, &jumping)) {
-            let outputs = block.outputs.iter().zip(&block.interface.group_of).filter(|(_, of)| **of == group);
-            for (&(from, to), _) in outputs {
-                jumping[block.y + from as usize..block.y + to as usize].fill(true);
-            }
-        }
-    }
+    spread(schedule, &mut jumping, |step, read| {
+        let sampled = schedule.blocks[step.block as usize].rate == Some(rate);
+        step.when != When::Constant && (sampled || read)
+    });
     jumping
-}
-
-/// Whether an output group depends at once on one of these cells.
-fn reads(block: &Instance, group: usize, cells: &[bool]) -> bool {
-    let inputs = block.gather.iter().enumerate().filter(|(input, _)| block.interface.reads(group, *input));
-    inputs.into_iter().any(|(_, &(from, len))| cells[from as usize..(from + len) as usize].contains(&true))
 }

@@ -13,6 +13,7 @@ mod circuits;
 mod commutation;
 mod contacts;
 mod converters;
+mod dae;
 mod damaged_files;
 mod dead_time;
 mod determinism;

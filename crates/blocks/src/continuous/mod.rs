@@ -2,11 +2,16 @@
 
 mod derivative;
 pub use derivative::Derivative;
+mod descriptor;
+mod descriptor_state_space;
+pub use descriptor_state_space::{DescriptorStateSpace, InitialValues};
 mod history;
 mod integrator;
 pub use integrator::{Integrator, Wrap};
 mod low_pass;
 pub use low_pass::LowPass;
+mod mass_matrix_integrator;
+pub use mass_matrix_integrator::MassMatrixIntegrator;
 mod pid;
 pub use pid::Pid;
 pub(crate) mod pid_law;

@@ -40,12 +40,18 @@ impl StateSpace {
 }
 
 /// A scalar where one number will do.
-fn column(n: usize) -> Shape {
+pub(super) fn column(n: usize) -> Shape {
     if n == 1 { Shape::Scalar } else { Shape::Vector(n) }
 }
 
 /// Rows and columns must be these; `why` says where they come from.
-fn sized(name: &str, m: &[Vec<f64>], rows: usize, columns: usize, why: &str) -> Result<(), ParamError> {
+pub(super) fn sized(
+    name: &str,
+    m: &[Vec<f64>],
+    rows: usize,
+    columns: usize,
+    why: &str,
+) -> Result<(), ParamError> {
     let wrong = |param: String, message: String| {
         Err(ParamError::new(param, message).help(format!("make `{name}` {rows}x{columns}: {why}")))
     };
@@ -64,7 +70,16 @@ fn sized(name: &str, m: &[Vec<f64>], rows: usize, columns: usize, why: &str) -> 
     Ok(())
 }
 
-fn dot(row: &[f64], v: &[f64]) -> f64 {
+/// Initial values must be one for each row of a matrix, or none.
+pub(super) fn initial(x0: &[f64], rows: usize, of: &str) -> Result<(), ParamError> {
+    if !x0.is_empty() && x0.len() != rows {
+        let message = format!("`x0` has {} values, but `{of}` has {rows} rows", x0.len());
+        return Err(ParamError::new("x0", message).help("give one value for each state, or none"));
+    }
+    x0.iter().enumerate().try_for_each(|(i, x0)| finite(&format!("x0[{i}]"), *x0))
+}
+
+pub(super) fn dot(row: &[f64], v: &[f64]) -> f64 {
     row.iter().zip(v).map(|(m, v)| m * v).sum()
 }
 
@@ -89,11 +104,7 @@ impl Block for StateSpace {
                 "a row for each row of `c`, a column for each column of `b`",
             )?;
         }
-        if !self.x0.is_empty() && self.x0.len() != states {
-            let message = format!("`x0` has {} values, but `a` has {states} rows", self.x0.len());
-            return Err(ParamError::new("x0", message).help("give one value for each state, or none"));
-        }
-        self.x0.iter().enumerate().try_for_each(|(i, x0)| finite(&format!("x0[{i}]"), *x0))
+        initial(&self.x0, states, "a")
     }
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {

@@ -123,11 +123,22 @@ pub(super) fn lay_out(
         .collect();
     let loops = sorted.rings.iter().map(|ring| {
         let outputs = ring.cut.iter().map(|(block, output)| &signals[first_signal[*block].0 + output]);
-        let cells = outputs.flat_map(|signal| signal.offset..signal.offset + signal.shape.len()).collect();
+        let mut cells: Vec<usize> =
+            outputs.flat_map(|signal| signal.offset..signal.offset + signal.shape.len()).collect();
+        let guessed = cells.len();
+        for &block in &ring.constraints {
+            let unknowns = typed.interfaces[block].constraint.iter().flat_map(|found| &found.unknowns);
+            for &(place, guess) in unknowns {
+                let cell = first_signal[block].1 + place;
+                initial_signals[cell] = guess;
+                cells.push(cell);
+            }
+        }
+        let sought = cells.len() - guessed;
         let first = sorted.groups.iter().position(|group| Some(group) == ring.groups.first()).unwrap_or(0);
-        Loop { first, count: ring.groups.len(), cells }
+        Loop { first, count: ring.groups.len(), cells, sought }
     });
-    let loops = loops.collect();
+    let loops: Vec<Loop> = loops.collect();
     Schedule {
         title,
         blocks,

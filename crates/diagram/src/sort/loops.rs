@@ -21,8 +21,12 @@ pub(super) struct Ring {
     pub groups: Vec<Group>,
     /// Outputs, by block and number, that are guessed, and corrected until they are what their blocks give.
     pub cut: Vec<(usize, usize)>,
+    /// Blocks with constraints, whose unknowns are found together with what is cut.
+    pub constraints: Vec<usize>,
     /// A shortest way round.
     cycle: Vec<Group>,
+    /// The same of what is a loop even without the constraints.
+    slip: Option<Vec<Group>>,
 }
 
 impl Order<'_> {
@@ -41,10 +45,25 @@ impl Order<'_> {
             }
         }
         let read = self.read_within(&inside);
+        let constraints: Vec<usize> = component
+            .iter()
+            .map(|node| self.graph[*node])
+            .filter(|group| self.is_rest(*group))
+            .map(|(block, _)| block)
+            .collect();
+        graph.retain_edges(|graph, edge| {
+            graph.edge_endpoints(edge).is_none_or(|(from, _)| !self.is_rest(graph[from]))
+        });
+        let mut slip = None;
         let mut cut = Vec::new();
         loop {
             let closed = kosaraju_scc(&graph).into_iter().find(|part| is_closed(&graph, part));
             let Some(part) = closed else { break };
+            slip.get_or_insert_with(|| {
+                let mut part: Vec<NodeIndex> = part.iter().map(|node| self.node_of[&graph[*node]]).collect();
+                part.sort_by_key(|node| self.graph[*node]);
+                self.cycle(&part)
+            });
             let ways = |node: NodeIndex| {
                 let count = |direction| graph.neighbors_directed(node, direction).count();
                 count(Direction::Incoming) * count(Direction::Outgoing)
@@ -63,7 +82,12 @@ impl Order<'_> {
                 graph.edge_endpoints(edge).is_none_or(|(from, _)| graph[from] != group)
             });
         }
-        Ok(Ring { groups: in_order(&graph), cut, cycle })
+        Ok(Ring { groups: in_order(&graph), cut, constraints, cycle, slip })
+    }
+
+    /// Whether a group gives what is left over of a constraint.
+    fn is_rest(&self, (block, group): Group) -> bool {
+        self.typed.interfaces[block].constraint.as_ref().is_some_and(|constraint| constraint.rest == group)
     }
 
     /// Outputs, by block and number, that members of a loop read at the same instant.
@@ -100,19 +124,43 @@ impl Order<'_> {
 
     /// Warns of the loops that are solved, and refuses those whose members are not evaluated at the same times.
     pub(super) fn judge(&self, sorted: &Sorted, when: &HashMap<Group, When>) -> Vec<Problem> {
-        let judged = sorted.rings.iter().map(|ring| {
+        let judged = sorted.rings.iter().filter_map(|ring| {
             let mut times = ring.groups.iter().map(|group| when.get(group));
             let first = times.next();
             if times.any(|other| Some(other) != first) {
                 let reason = "its blocks are evaluated at different times: some at samples, others always or at other samples";
-                return self.describe(&ring.cycle).note(reason).help(BREAK);
+                return Some(self.describe(&ring.cycle).note(reason).help(BREAK));
             }
-            let told = self.describe(&ring.cycle);
+            // Who draws a constraint means the loop through it.
+            let told = self.describe(ring.slip.as_ref()?);
             let message = format!("{}; solved at every instant", told.message);
             let help = format!("nothing is to be done if the loop is meant; else {BREAK}");
-            Problem { severity: Severity::Warning, message, ..told }.help(help)
+            Some(Problem { severity: Severity::Warning, message, ..told }.help(help))
         });
-        judged.collect()
+        judged.chain(self.idle(sorted)).collect()
+    }
+
+    /// Constraints on which their unknowns have no influence.
+    fn idle(&self, sorted: &Sorted) -> impl Iterator<Item = Problem> {
+        let bound = |block: usize| sorted.rings.iter().any(|ring| ring.constraints.contains(&block));
+        let blocks = self.flat.blocks.iter().zip(&self.typed.interfaces).enumerate();
+        blocks.filter(move |(block, (_, interface))| interface.constraint.is_some() && !bound(*block)).map(
+            |(_, (block, interface))| {
+                let (input, output) = (&interface.inputs[0].name, &interface.outputs[0].name);
+                let message = format!(
+                    "`{path}.{input}` does not depend on `{path}.{output}` at the same instant, so no value of it could make `{input}` zero",
+                    path = block.path
+                );
+                let problem = Problem::error("algebraic_loop", message).help(format!(
+                    "lead `{output}` to `{input}` through blocks that pass it on at once; behind an Integrator, a LowPass or a delay it comes \
+                     too late"
+                ));
+                match block.inputs.first() {
+                    Some(Some(source)) => problem.at(&source.target, ""),
+                    _ => problem,
+                }
+            },
+        )
     }
 
     /// A shortest cycle through the first group of a component.

@@ -126,7 +126,10 @@ mod tests {
         // Each follows its source but for one, behind which the loop is cut; `d` only looks on.
         assert_eq!(order(&schedule), ["c", "b", "a", "d"]);
         let cell = schedule.signals.iter().find(|signal| signal.path == "a.y").map(|signal| signal.offset);
-        assert_eq!(schedule.loops, [Loop { first: 0, count: 3, cells: cell.into_iter().collect() }]);
+        assert_eq!(
+            schedule.loops,
+            [Loop { first: 0, count: 3, cells: cell.into_iter().collect(), sought: 0 }]
+        );
     }
 
     #[test]

@@ -48,6 +48,10 @@ impl<'a> Order<'a> {
                     order.graph.update_edge(a, b, ());
                 }
             }
+            if let Some(constraint) = &typed.interfaces[block].constraint {
+                let (rest, group) = ((block, constraint.rest), (block, constraint.group));
+                order.graph.update_edge(order.node_of[&rest], order.node_of[&group], ());
+            }
         }
         order
     }

@@ -108,6 +108,9 @@ pub(super) fn needed_in_minor_steps(
         // What is held between major steps hides what it was made of.
         if when.get(&next) == Some(&When::Continuous) && needed.insert(next) {
             stack.extend(order.reads(next.0, next.1).into_iter().map(|(from, _)| from));
+            let constraint = order.typed.interfaces[next.0].constraint.as_ref();
+            let rest = constraint.filter(|constraint| constraint.group == next.1);
+            stack.extend(rest.map(|constraint| (next.0, constraint.rest)));
         }
     }
     needed

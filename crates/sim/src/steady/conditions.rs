@@ -7,6 +7,7 @@ use blocksim_block::schedule::{Schedule, Steady, Step, When};
 use blocksim_solve::Failed;
 
 use crate::evaluate::Diagram;
+use crate::spread::spread;
 use crate::{SimError, Simulation, state_names};
 
 /// Rounds in which jumps of states may settle.
@@ -274,21 +275,9 @@ fn memories(schedule: &Schedule, diagram: &mut Diagram) -> Vec<Memory> {
 fn calls(schedule: &Schedule, free: &[usize], given: &[usize]) -> Vec<bool> {
     let mut touched = vec![false; schedule.initial_signals.len()];
     free.iter().for_each(|&cell| touched[cell] = true);
-    let asked = |(call, step): (usize, &Step)| {
-        let block = &schedule.blocks[step.block as usize];
-        let group = step.group as usize;
-        let reads = block.gather.iter().enumerate().any(|(input, &(from, length))| {
-            let cells = from as usize..(from + length) as usize;
-            block.interface.reads(group, input) && touched[cells].contains(&true)
-        });
-        if reads {
-            let ports = block.outputs.iter().zip(&block.interface.group_of);
-            for ((start, end), _) in ports.filter(|(_, of)| **of == group) {
-                touched[block.y + *start as usize..block.y + *end as usize].fill(true);
-            }
-        }
-        (step.when != When::Constant || reads) && !given.contains(&call)
-    };
+    let read = spread(schedule, &mut touched, |_, read| read);
+    let asked =
+        |(call, step): (usize, &Step)| (step.when != When::Constant || read[call]) && !given.contains(&call);
     schedule.steps.iter().enumerate().map(asked).collect()
 }
 

@@ -1,0 +1,156 @@
+use std::sync::OnceLock;
+
+use blocksim_block::prelude::*;
+
+use super::descriptor::{Reduction, matrix, undecided};
+use super::state_space::{column, initial, sized};
+
+/// Integrator with a constant mass matrix, which may be singular.
+///
+/// $$ M \dot y = u, \qquad y(0) = x_0 $$
+///
+/// With $u = f(t, y)$ fed back this is the usual form of a system of differential and algebraic equations (DAE): rows
+/// of `m` that are zero, or combinations of other rows, are constraints. It must be of index 1: $u$ depends at once on
+/// those $y$ that no derivative determines, and moves with them. Index 2 or more ends the run with an error; put a
+/// constraint that has been differentiated in the place of the original one.
+///
+/// A singular `m` is reduced once: $Q^T M P = (R_1\ R_2;\ 0\ 0)$ by a QR factorisation with exchange of columns, rows
+/// and columns scaled to like sizes before. States are $w = x_1 + T z$ with $T = R_1^{-1} R_2$; the rest, $z$, is found at every
+/// instant so that the last rows of $Q^T u$ are zero. `x0` says where the states begin and where the search for $z$ begins:
+/// what $M y$ says of the start is kept, and the rest is made to fit. All methods of integration can be used.
+///
+/// ```ron
+/// MassMatrixIntegrator(m: [[1.0, 0.0], [0.0, 0.0]], x0: [1.0, 0.5])
+/// ```
+///
+/// Source: E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, section VI.1 (state space form method).
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Continuous", symbol = Lines("M ẏ = u", ""))]
+pub struct MassMatrixIntegrator {
+    /// Mass matrix, a list of rows.
+    pub m: Vec<Vec<f64>>,
+    /// Output at the start, one value for each row; empty means zero.
+    #[block(default = Vec::new())]
+    pub x0: Vec<f64>,
+    /// What follows from the mass matrix, worked out when it is first used.
+    #[block(skip)]
+    reduction: OnceLock<Result<Reduction, f64>>,
+}
+
+/// The group that gives what is left over of the constraints.
+const REST: usize = 1;
+
+impl MassMatrixIntegrator {
+    fn reduction(&self) -> &Result<Reduction, f64> {
+        self.reduction.get_or_init(|| Reduction::new(matrix(&self.m, self.m.len())))
+    }
+
+    fn x0(&self) -> Vec<f64> {
+        if self.x0.is_empty() { vec![0.0; self.m.len()] } else { self.x0.clone() }
+    }
+}
+
+impl Block for MassMatrixIntegrator {
+    fn check(&self) -> Result<(), ParamError> {
+        let n = self.m.len();
+        if n == 0 {
+            return Err(ParamError::new("m", "`m` is empty")
+                .help("give a list of rows, such as [[1.0, 0.0], [0.0, 0.0]]"));
+        }
+        sized("m", &self.m, n, n, "it is square, a row for each derivative")?;
+        initial(&self.x0, n, "m")?;
+        match self.reduction() {
+            Ok(found) if found.states() == 0 => {
+                Err(ParamError::new("m", "`m` is zero, so there is nothing to integrate")
+                    .help("use AlgebraicConstraint for equations without derivatives"))
+            }
+            Ok(_) => Ok(()),
+            Err(share) => Err(undecided("m", *share)),
+        }
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let (n, x0) = (self.m.len(), self.x0());
+        let y = Output::like("y", PortType::UNKNOWN.shaped(column(n)));
+        let interface = Interface::new().input(Input::real("u").shape(column(n)));
+        let Ok(found) = self.reduction() else { return Ok(interface.output_from_state(y)) };
+        if let Some(u) = given.input("u").filter(|u| u.shape.len() != n) {
+            let message = format!("`u` is a {}, but `m` has {n} rows", u.shape);
+            return Err(InterfaceError::types(&["u"], message).help("join one signal for each row with Mux"));
+        }
+        let mut interface = if found.constraints() == 0 {
+            interface.output_from_state(y)
+        } else {
+            interface.output_sought(y, found.algebraic().iter().map(|&place| (place, x0[place])).collect())
+        };
+        for (i, state) in found.states_of(&x0).into_iter().enumerate() {
+            interface = interface.state(found.name(i), state);
+        }
+        Ok(interface)
+    }
+
+    fn outputs(&self, group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        let Ok(found) = self.reduction() else { return };
+        let algebraic = found.algebraic();
+        if group == REST {
+            for (row, &place) in found.g.row_iter().zip(algebraic) {
+                y[place] = row.iter().zip(c.u).map(|(g, u)| g * u).sum();
+            }
+            return;
+        }
+        for (i, &place) in found.order[..found.states()].iter().enumerate() {
+            let moved: f64 = algebraic.iter().enumerate().map(|(j, &other)| found.t[(i, j)] * y[other]).sum();
+            y[place] = c.x[i] - moved;
+        }
+    }
+
+    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
+        let Ok(found) = self.reduction() else { return };
+        for (dx, row) in dx.iter_mut().zip(found.f.row_iter()) {
+            *dx = row.iter().zip(c.u).map(|(f, u)| f * u).sum();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use blocksim_block::testing::Bench;
+
+    fn block(m: &[&[f64]], x0: &[f64]) -> MassMatrixIntegrator {
+        let m = m.iter().map(|row| row.to_vec()).collect();
+        MassMatrixIntegrator { m, x0: x0.to_vec(), reduction: OnceLock::new() }
+    }
+
+    #[test]
+    fn a_regular_mass_matrix_is_divided_by() {
+        // 2 x' + y' = 1, x' + y' = 3: x' = -2, y' = 5.
+        let mut bench = Bench::with_inputs(
+            block(&[&[2.0, 1.0], &[1.0, 1.0]], &[1.0, 0.0]),
+            vec![("u".to_owned(), PortType::vector(2))],
+        );
+        assert!(bench.interface.constraint.is_none());
+        bench.set(0, &[1.0, 3.0]).integrate(1.0, 10);
+        let y = bench.minor();
+        assert!((y[0] + 1.0).abs() < 1e-12 && (y[1] - 5.0).abs() < 1e-12, "{y:?}");
+    }
+
+    #[test]
+    fn a_singular_mass_matrix_has_constraints_and_fewer_states() {
+        let interface =
+            block(&[&[1.0, -1.0], &[-1.0, 1.0]], &[3.0, 1.0]).interface(&Given::nothing()).unwrap();
+        assert_eq!(interface.states.len(), 1);
+        assert_eq!(interface.states[0].initial.abs(), 2.0);
+        assert_eq!(interface.constraint.unwrap().unknowns.len(), 1);
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        assert_eq!(block(&[], &[]).check().unwrap_err().param, "m");
+        assert_eq!(block(&[&[1.0, 0.0]], &[]).check().unwrap_err().param, "m[0]");
+        assert_eq!(block(&[&[1.0]], &[1.0, 2.0]).check().unwrap_err().param, "x0");
+        assert!(block(&[&[0.0]], &[]).check().unwrap_err().help.unwrap().contains("AlgebraicConstraint"));
+        let error = block(&[&[1.0, 1.0], &[1.0, 1.0 + 1e-12]], &[]).check().unwrap_err();
+        assert!(error.message.contains("neither regular nor singular"), "{}", error.message);
+    }
+}
