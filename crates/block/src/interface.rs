@@ -1,6 +1,6 @@
 //! What a block looks like from outside: ports, states, dependencies. Pure data.
 
-use blocksim_signal::SampleTime;
+use blocksim_signal::{Dimension, SampleTime};
 
 use crate::physical::PhysicalPort;
 use crate::ports::{Input, Output};
@@ -12,6 +12,8 @@ pub struct State {
     pub name: String,
     /// Value at the start.
     pub initial: f64,
+    /// Dimension, where it is known.
+    pub dimension: Option<Dimension>,
 }
 
 /// One discrete state: a sampled state, a mode or a cell of a memory.
@@ -69,8 +71,6 @@ impl Crossing {
     }
 }
 
-/// What a recording block wants recorded: all its inputs.
-#[derive(Debug, Clone, PartialEq, Default)]
 /// Outputs whose values the engine finds, so that something else becomes zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constraint {
@@ -82,6 +82,8 @@ pub struct Constraint {
     pub unknowns: Vec<(usize, f64)>,
 }
 
+/// What a recording block wants recorded: all its inputs.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recorded {
     /// Unit to show them in; SI when absent.
     pub display: Option<String>,
@@ -137,10 +139,10 @@ pub struct Interface {
     pub turning_inputs: Vec<usize>,
     /// The block records its inputs.
     pub recorded: Option<Recorded>,
-}
-
     /// Outputs that the engine finds.
     pub constraint: Option<Constraint>,
+}
+
 impl Interface {
     /// No ports, no states.
     pub fn new() -> Self {
@@ -179,8 +181,6 @@ impl Interface {
         self
     }
 
-    /// Adds a continuous state.
-    pub fn state(mut self, name: impl Into<String>, initial: f64) -> Self {
     /// Adds an output with values that the engine finds: those at `unknowns` (places among all outputs, and where the search
     /// begins), so that as many numbers become zero, which follow from all inputs. The block writes these as the outputs of
     /// the group behind that of this output. It is the only output of the block.
@@ -192,7 +192,14 @@ impl Interface {
         self
     }
 
-        self.states.push(State { name: name.into(), initial });
+    /// Adds a continuous state.
+    pub fn state(self, name: impl Into<String>, initial: f64) -> Self {
+        self.state_in(name, initial, None)
+    }
+
+    /// Adds a continuous state of a dimension, if it is known.
+    pub fn state_in(mut self, name: impl Into<String>, initial: f64, dimension: Option<Dimension>) -> Self {
+        self.states.push(State { name: name.into(), initial, dimension });
         self
     }
 

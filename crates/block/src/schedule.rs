@@ -213,6 +213,21 @@ pub struct Settings {
     pub seed: u64,
     /// Where the run begins.
     pub start: Start,
+    /// Absolute tolerances of single states.
+    pub atol: Vec<StateTolerance>,
+}
+
+/// What counts as nothing of some states.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StateTolerance {
+    /// Block, or one of its states, as it is written.
+    pub name: String,
+    /// In SI units.
+    pub value: f64,
+    /// What the value is measured in, if it is written.
+    pub dimension: Dimension,
+    /// Which states.
+    pub states: Vec<usize>,
 }
 
 /// Latest end of a run, s. Times are numbers of sixteen digits: at 1e15 s they go on by an eighth of a second.

@@ -202,6 +202,9 @@ pub(crate) fn schedule(schedule: &Schedule) -> String {
         },
     };
     let _ = writeln!(out, "stop at {} s, {solver}", settings.stop_time);
+    for tolerance in &settings.atol {
+        let _ = writeln!(out, "atol {} of `{}`", tolerance.value, tolerance.name);
+    }
     if let Start::Steady(Steady { hold, free, drift }) = &settings.start {
         let held = hold.iter().map(|held| format!(", `{}` held at {}", held.name, held.value));
         let free = free.iter().map(|free| format!(", `{}` free", free.name));

@@ -153,6 +153,7 @@ pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled
                     if let Some(schedule) = &mut compiled.schedule {
                         rates::assign(&model.ast, &rates, &mut schedule.recorded);
                         settings::start::resolve(&model.ast, schedule, &mut problems);
+                        settings::atol::resolve(&model.ast, schedule, &mut problems);
                     }
                     compiled.stages.schedule = compiled.schedule.as_ref().map(emit::schedule);
                 }

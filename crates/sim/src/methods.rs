@@ -17,10 +17,13 @@ pub(crate) fn stepper(schedule: &Schedule) -> Option<Box<dyn Stepper>> {
         Solver::Fixed { method, step } => fixed(method, n, step),
         Solver::Variable { method, rtol, atol, .. } => {
             let limits = StepLimits { max: longest(schedule), ..StepLimits::default() };
-            let tolerances = match atol {
+            let mut tolerances = match atol {
                 Some(atol) => Tolerances::uniform(n, rtol, atol),
                 None => Tolerances::automatic(n, rtol),
             };
+            for given in &schedule.settings.atol {
+                given.states.iter().for_each(|&state| tolerances.fix(state, given.value));
+            }
             variable(method, tolerances, limits)
         }
     })

@@ -60,17 +60,35 @@ pub struct Tolerances {
     /// Whether the floor rises with the size that a state has had, to a thousandth of the relative tolerance there;
     /// `absolute` is then the least. States that are nothing but rounding are found out.
     pub automatic: bool,
+    /// States whose floor stays as it is even so.
+    pub fixed: Vec<bool>,
 }
 
 impl Tolerances {
     /// The same tolerances for all of `dimension` states.
     pub fn uniform(dimension: usize, relative: f64, absolute: f64) -> Self {
-        Self { relative, absolute: vec![absolute; dimension], automatic: false }
+        Self {
+            relative,
+            absolute: vec![absolute; dimension],
+            automatic: false,
+            fixed: vec![false; dimension],
+        }
     }
 
     /// A relative tolerance alone; what counts as nothing follows from the sizes of the states, down to a magnitude of
     /// 1e-12.
     pub fn automatic(dimension: usize, relative: f64) -> Self {
-        Self { relative, absolute: vec![relative * NOTHING; dimension], automatic: true }
+        Self {
+            relative,
+            absolute: vec![relative * NOTHING; dimension],
+            automatic: true,
+            fixed: vec![false; dimension],
+        }
+    }
+
+    /// Gives one state a floor of its own.
+    pub fn fix(&mut self, state: usize, absolute: f64) {
+        self.absolute[state] = absolute;
+        self.fixed[state] = true;
     }
 }

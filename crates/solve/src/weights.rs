@@ -43,6 +43,8 @@ pub struct Weights {
     relative: f64,
     /// What was given: the tolerance itself, or the least automatic one.
     given: Vec<f64>,
+    /// Which of them stay.
+    fixed: Vec<bool>,
     /// The absolute tolerances in force.
     absolute: Vec<f64>,
     /// What an automatic tolerance has learnt.
@@ -70,12 +72,13 @@ pub struct Learnt {
 
 impl Weights {
     pub fn new(tolerances: Tolerances) -> Self {
-        let Tolerances { relative, absolute, automatic } = tolerances;
+        let Tolerances { relative, absolute, automatic, fixed } = tolerances;
         let n = absolute.len();
         let zeros = || vec![0.0; n];
         Self {
             relative,
             given: absolute.clone(),
+            fixed,
             absolute,
             learnt: automatic.then(|| Learnt {
                 size: zeros(),
@@ -113,8 +116,9 @@ impl Weights {
     fn renew(&mut self) {
         let Some(learnt) = &self.learnt else { return };
         let least = self.relative * DWARF * learnt.largest;
-        for ((absolute, given), size) in self.absolute.iter_mut().zip(&self.given).zip(&learnt.size) {
-            *absolute = given.max(self.relative * SHARE * size).max(least);
+        let states = self.absolute.iter_mut().zip(&self.given).zip(&learnt.size).zip(&self.fixed);
+        for (((absolute, given), size), fixed) in states {
+            *absolute = if *fixed { *given } else { given.max(self.relative * SHARE * size).max(least) };
         }
     }
 

@@ -60,6 +60,7 @@ mod steppers;
 mod stick_slip;
 mod stiction;
 mod stiff;
+mod tolerances;
 mod translation;
 mod turning;
 mod windings;

@@ -1,6 +1,7 @@
 //! What a component declares before a network is assembled.
 
 use blocksim_scene::Shape;
+use blocksim_signal::Unit;
 
 use super::{Domain, Element, PhysicalPort};
 use crate::{Discrete, Input, Interface, Output, State};
@@ -112,8 +113,16 @@ impl Part {
 
     /// Adds a state.
     pub fn state(mut self, name: &str, initial: f64) -> Self {
-        self.states.push(State { name: name.to_owned(), initial });
+        self.states.push(State { name: name.to_owned(), initial, dimension: None });
         self
+    }
+
+    /// Adds a state that is measured in a unit.
+    pub fn state_in(self, name: &str, initial: f64, unit: &str) -> Self {
+        let mut part = self.state(name, initial);
+        let dimension = Unit::parse(unit).ok().map(|unit| unit.dimension);
+        part.states.iter_mut().last().into_iter().for_each(|state| state.dimension = dimension);
+        part
     }
 
     /// Adds a state that may go on moving where everything else is steady: a place, a phase, what has flowed.

@@ -148,7 +148,7 @@ impl Block for Integrator {
         let y = PortType::UNKNOWN.shaped(shape).of(dimension);
         interface = interface.output_from_state(Output::like("y", y));
         for _ in 0..shape.len() {
-            interface = interface.state("x", self.x0());
+            interface = interface.state_in("x", self.x0(), dimension);
         }
         if !self.jumps() {
             return Ok(interface);

@@ -33,7 +33,7 @@ impl Block for LowPass {
         let u = given.input_or_unknown("u");
         let mut interface = Interface::new().input(Input::real("u")).output_from_state(Output::like("y", u));
         for _ in 0..u.shape.len() {
-            interface = interface.state("x", self.y0);
+            interface = interface.state_in("x", self.y0, u.dimension);
         }
         Ok(interface)
     }

@@ -42,7 +42,7 @@ impl Component for Capacitor {
     fn part(&self, _given: &Given) -> Part {
         Part::new()
             .pins()
-            .state("v", self.v0.unwrap_or(0.0))
+            .state_in("v", self.v0.unwrap_or(0.0), "V")
             .element(Element::Capacitance {
                 p: Pin::Port(0),
                 n: Pin::Port(1),

@@ -37,7 +37,7 @@ impl Block for Inductor {
 impl Component for Inductor {
     fn part(&self, _given: &Given) -> Part {
         let winding = Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true };
-        Part::new().pins().state("i", self.i0).element(winding).measures(
+        Part::new().pins().state_in("i", self.i0, "A").element(winding).measures(
             "i",
             "A",
             Needs::State,

@@ -82,7 +82,7 @@ impl Component for DcMotor {
             .element(Element::Branch { r: 2, c: 3 })
             .element(Element::Inertia { port: 2, inertia: self.j, speed: None });
         if self.l > 0.0 {
-            part.linear().state("i", self.i0).measures("i", "A", Needs::State, "current from p to n")
+            part.linear().state_in("i", self.i0, "A").measures("i", "A", Needs::State, "current from p to n")
         } else {
             part.measures("i", "A", Needs::Electrics, "current from p to n")
         }

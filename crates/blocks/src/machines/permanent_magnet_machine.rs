@@ -119,8 +119,8 @@ impl Component for PermanentMagnetMachine {
             .measures("i_q", "A", Needs::State, "current across the magnets")
             .measures("theta", "rad", Needs::State, "electrical angle of the rotor, not reduced to one turn")
             .measures("power", "W", Needs::Electrics, "power drawn from the lines")
-            .state("i_d", self.i_d0)
-            .state("i_q", self.i_q0)
+            .state_in("i_d", self.i_d0, "A")
+            .state_in("i_q", self.i_q0, "A")
             .drifting_state("theta", self.theta0)
     }
 

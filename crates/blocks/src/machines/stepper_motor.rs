@@ -155,7 +155,7 @@ impl Component for StepperMotor {
             .element(Element::Branch { r: 4, c: 5 })
             .element(Element::Inertia { port: 4, inertia: self.j, speed: None });
         let (part, needs) = if from_state {
-            (part.linear().state("i_a", self.i_a0).state("i_b", self.i_b0), Needs::State)
+            (part.linear().state_in("i_a", self.i_a0, "A").state_in("i_b", self.i_b0, "A"), Needs::State)
         } else {
             (part, Needs::Electrics)
         };

@@ -74,7 +74,7 @@ impl Component for UniversalMotor {
             .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true })
             .element(Element::Branch { r: 2, c: 3 })
             .element(Element::Inertia { port: 2, inertia: self.j, speed: None })
-            .state("i", self.i0)
+            .state_in("i", self.i0, "A")
             .measures("i", "A", Needs::State, "current from p to n")
             .measures("torque", "N*m", Needs::State, "torque of the armature, before the damping")
     }

@@ -44,7 +44,7 @@ impl Component for DcLink {
         let inner = if self.r == 0.0 { Pin::Port(0) } else { Pin::Inner(0) };
         let part = Part::new()
             .pins()
-            .state("v", self.v0.unwrap_or(0.0))
+            .state_in("v", self.v0.unwrap_or(0.0), "V")
             .element(Element::Capacitance {
                 p: inner,
                 n: Pin::Port(1),

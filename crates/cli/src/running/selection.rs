@@ -240,6 +240,6 @@ mod tests {
     fn settings(output: OutputTimes) -> Settings {
         let (method, max_step) = (VariableMethod::Ode45, f64::INFINITY);
         let solver = Solver::Variable { method, rtol: 1e-6, atol: Some(1e-6), max_step };
-        Settings { stop_time: 1.0, solver, output, seed: 0, start: Start::Given }
+        Settings { stop_time: 1.0, solver, output, seed: 0, start: Start::Given, atol: Vec::new() }
     }
 }

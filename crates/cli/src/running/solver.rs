@@ -40,6 +40,7 @@ pub fn apply(args: &SolverArgs, settings: &mut Settings) -> Result<(), Failure> 
                 }
                 // A given absolute tolerance keeps its ratio to the relative one.
                 *atol = atol.map(|atol| atol * asked / *rtol);
+                settings.atol.iter_mut().for_each(|state| state.value *= asked / *rtol);
                 *rtol = asked;
             }
             *atol = args.atol.or(*atol);
@@ -136,8 +137,14 @@ mod tests {
     fn with(solver: Solver, options: &[&str]) -> Result<Settings, String> {
         let args = Args::parse_from([&["blocksim", "run", "m.ron"], options].concat());
         let Some(Command::Run(args)) = args.command else { panic!("run was asked for") };
-        let mut settings =
-            Settings { stop_time: 1.0, solver, output: OutputTimes::Steps, seed: 0, start: Start::Given };
+        let mut settings = Settings {
+            stop_time: 1.0,
+            solver,
+            output: OutputTimes::Steps,
+            seed: 0,
+            start: Start::Given,
+            atol: Vec::new(),
+        };
         apply(&args.solver, &mut settings).map(|()| settings).map_err(|failure| failure.text())
     }
 

@@ -1,5 +1,6 @@
 //! `simulation: (...)`: stop time, method, tolerances, output.
 
+pub(crate) mod atol;
 pub(crate) mod start;
 pub(crate) mod written;
 
@@ -53,6 +54,7 @@ pub(crate) fn settings<'a>(
         output: OutputTimes::Steps,
         seed: 0,
         start: Start::Given,
+        atol: Vec::new(),
     };
     let Some(node) = &ast.simulation else { return default };
     let place = ast.place(&node.span);
@@ -159,7 +161,14 @@ pub(crate) fn settings<'a>(
             Start::Given
         }
     };
-    let settings = Settings { stop_time, solver, output, seed: read.seed, start };
+    let atol = match atol::read(read.atol, &solver) {
+        Ok(atol) => atol,
+        Err(problem) => {
+            problems.push(problem.at(&at("atol"), ""));
+            Vec::new()
+        }
+    };
+    let settings = Settings { stop_time, solver, output, seed: read.seed, start, atol };
     if stop_time.is_finite() && stop_time > LATEST {
         problems.push(
             Problem::error("parameter", format!("the stop time of {stop_time:e} s is beyond the clock"))
@@ -276,6 +285,7 @@ mod tests {
             output: OutputTimes::Every(0.01),
             seed: 7,
             start: Start::Given,
+            atol: Vec::new(),
         };
         assert_eq!(read_settings(text, None), (wanted, Vec::new()));
     }

@@ -17,6 +17,8 @@ pub(super) struct Simulation {
     #[serde(default)]
     pub seed: u64,
     pub start: Option<Begin>,
+    #[serde(default)]
+    pub atol: BTreeMap<String, ParamValue>,
 }
 
 /// Where a run begins.

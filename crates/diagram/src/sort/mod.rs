@@ -70,8 +70,14 @@ mod tests {
         let mut problems = Problems::default();
         let solver =
             Solver::Variable { method: VariableMethod::Ode45, rtol: 1e-6, atol: Some(1e-6), max_step: 1.0 };
-        let settings =
-            Settings { stop_time: 1.0, solver, output: OutputTimes::Steps, seed: 0, start: Start::Given };
+        let settings = Settings {
+            stop_time: 1.0,
+            solver,
+            output: OutputTimes::Steps,
+            seed: 0,
+            start: Start::Given,
+            atol: Vec::new(),
+        };
         let (flat, _) = elaborate(flat, &mut problems);
         let typed = infer(&flat, &mut problems);
         let schedule = sort(String::new(), &flat, &typed, settings, &mut problems);

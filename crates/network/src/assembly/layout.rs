@@ -306,8 +306,8 @@ fn free(
     let first = interface.states.len();
     interface.drifting.extend(part.drifting.iter().map(|state| first + state));
     for state in &part.states {
-        *interface =
-            std::mem::take(interface).state(format!("{}.{}", member.path, state.name), state.initial);
+        let name = format!("{}.{}", member.path, state.name);
+        *interface = std::mem::take(interface).state_in(name, state.initial, state.dimension);
     }
     for memory in &part.discrete {
         *interface =

@@ -203,7 +203,7 @@ impl Toy {
             guards: g,
             clock,
             recorded,
-            settings: Settings { stop_time, solver, output, seed: 0, start: Start::Given },
+            settings: Settings { stop_time, solver, output, seed: 0, start: Start::Given, atol: Vec::new() },
             blocks,
             signals,
         })

@@ -1,0 +1,103 @@
+//! Absolute tolerances of single states, and automatic ones of states whose sizes lie far apart.
+
+use blocksim_tests::{Run, compile_text, run_text};
+
+fn diagram(settings: &str, blocks: &str, connections: &str) -> String {
+    format!("Diagram(simulation: ({settings}), blocks: {{ {blocks} }}, connections: [ {connections} ])")
+}
+
+/// A state that begins at a million and decays: how much of its value is wrong after 30 time constants.
+fn decay(atol: &str) -> (Run, f64) {
+    let run = run_text(&diagram(
+        &format!("stop_time: 30, {atol}"),
+        r#""none": Constant(value: 0), "x": LowPass(tau: 1, y0: 1e6), "show": Scope(inputs: ["x"])"#,
+        r#""none.y -> x.u", "x.y -> show.x""#,
+    ));
+    let error = (run.last("show.x") / (1e6 * (-30.0_f64).exp()) - 1.0).abs();
+    (run, error)
+}
+
+#[test]
+fn a_tolerance_of_its_own_lets_a_state_be_followed_below_what_it_once_was() {
+    let (plain, coarse) = decay("");
+    for name in ["x", "x.x"] {
+        let (close, fine) = decay(&format!(r#"atol: {{ "{name}": 1e-15 }}"#));
+        assert!(fine < 1e-4 && coarse > 10.0 * fine, "{name}: {fine:e} instead of {coarse:e}");
+        assert!(close.counts.evaluations > plain.counts.evaluations);
+    }
+    // Of two the one that is closer to the state holds.
+    let (_, both) = decay(r#"atol: { "x": 1e3, "x.x": 1e-15 }"#);
+    assert!(both < 1e-4, "{both:e}");
+    let (loose, _) = decay(r#"atol: { "x": 1e3 }"#);
+    assert!(loose.counts.evaluations < plain.counts.evaluations);
+    // Beside one for all.
+    let (_, beside) = decay(r#"solver: Auto(atol: 1), atol: { "x": 1e-15 }"#);
+    assert!(beside < 1e-4, "{beside:e}");
+}
+
+#[test]
+fn a_part_of_a_circuit_may_have_a_tolerance_in_its_unit() {
+    let circuit = |atol: &str| {
+        compile_text(&diagram(
+            &format!("stop_time: 1, atol: {{ {atol} }}"),
+            r#""u": VoltageSource(v: "1 V"), "r": Resistor(r: "1 ohm"), "coil": Inductor(l: "1 mH"), "store": Capacitor(c: "1 uF"), "g": ElectricalReference"#,
+            r#""u.p <-> r.p", "r.n <-> coil.p", "coil.n <-> store.p", "store.n <-> u.n <-> g.p""#,
+        ))
+    };
+    let (compiled, problems) = circuit(r#""coil": "1 nA", "store.v": "1 uV""#);
+    let schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+    let found: Vec<(&str, f64, usize)> =
+        schedule.settings.atol.iter().map(|one| (one.name.as_str(), one.value, one.states.len())).collect();
+    assert_eq!(found, [("coil", 1e-9, 1), ("store.v", 1e-6, 1)]);
+    for (atol, message, help) in [
+        (r#""coil": "1 nV""#, "`coil.i` is measured in A, but its tolerance is in", ""),
+        (r#""r": "1 nA""#, "`r` has no continuous states, so no tolerance", ""),
+        (r#""stor": "1 nV""#, "there is no block or state `stor`", "did you mean `store`?"),
+        (r#""store": 0"#, "`atol` of `store` is 0, but must be positive", ""),
+        (r#""store": true"#, "`atol` of `store` must be a number, not", ""),
+    ] {
+        let (compiled, problems) = circuit(atol);
+        assert!(compiled.schedule.is_none() || problems.contains("error"), "{atol}");
+        assert!(problems.contains(message) && problems.contains(help), "{atol}: {problems}");
+    }
+    let (_, problems) = compile_text(&diagram(
+        r#"stop_time: 1, solver: Ode4(step: "1 ms"), atol: { "x": 1 }"#,
+        r#""one": Constant(value: 1), "x": Integrator"#,
+        r#""one.y -> x.u""#,
+    ));
+    assert!(problems.contains("Ode4 has no tolerances: its step is fixed"), "{problems}");
+}
+
+/// The states of a state space are those of the user, whatever their sizes: an oscillator of 1e4 rad/s, damped by 0.01, with its
+/// second state in units that are up to 1e12 too small or too large. The automatic tolerances do what a balancing of the matrices
+/// would.
+#[test]
+fn a_state_space_whose_states_differ_by_many_powers_of_ten_needs_no_balance() {
+    let (w, damping) = (1e4_f64, 0.01_f64);
+    let fast = w * (1.0 - damping * damping).sqrt();
+    for (solver, within) in [("Auto", 2e-5), ("Radau5", 1e-6), ("Ode15s", 4e-4)] {
+        let mut work = Vec::new();
+        for k in [1.0, 1e4, 1e8, 1e-8, 1e12] {
+            let run = run_text(&diagram(
+                &format!(r#"stop_time: "20 ms", solver: {solver}"#),
+                &format!(
+                    r#""u": Constant(value: 1), "show": Scope(inputs: ["y"]),
+                       "g": StateSpace(a: [[0, {:e}], [{:e}, {}]], b: [[0], [{:e}]], c: [[1, 0]])"#,
+                    1.0 / k,
+                    -w * w * k,
+                    -2.0 * damping * w,
+                    w * w * k
+                ),
+                r#""u.y -> g.u", "g.y -> show.y""#,
+            ));
+            for (t, y) in run.time.iter().zip(run.column("show.y")) {
+                let swing = (fast * t).cos() + damping * w / fast * (fast * t).sin();
+                let error = y - (1.0 - (-damping * w * t).exp() * swing);
+                assert!(error.abs() < within, "{solver}, {k:e} at {t}: {error:e}");
+            }
+            work.push(run.counts.accepted);
+        }
+        let (least, most) = (work.iter().min(), work.iter().max());
+        assert!(most.zip(least).is_some_and(|(most, least)| 2 * most < 3 * least), "{solver}: {work:?}");
+    }
+}
