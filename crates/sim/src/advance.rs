@@ -208,10 +208,14 @@ impl Simulation {
         let help = "give the switching a hysteresis, or use a method of fixed step";
         match named {
             Some((block, name)) => {
-                let message = format!("`{}` switches to and fro (`{name}`)", block.path);
+                let message =
+                    format!("`{}` is chattering: its guard `{name}` keeps crossing zero", block.path);
                 SimError::new("chatter", self.t, message).at(&block.path).help(help)
             }
-            None => SimError::new("chatter", self.t, "the diagram switches to and fro").help(help),
+            None => {
+                SimError::new("chatter", self.t, "the diagram is chattering: a guard keeps crossing zero")
+                    .help(help)
+            }
         }
     }
 

@@ -176,6 +176,9 @@ pub(crate) fn step(schedule: &Schedule, diagram: &mut Diagram, x: &[f64], error:
     {
         return not_finite(schedule, diagram, x);
     }
+    if let Some(error) = behind(schedule, diagram, x, t, &error) {
+        return error;
+    }
     let owner = schedule.blocks.iter().find_map(|block| {
         let states = &block.interface.states;
         Some((block, &states.get(state.checked_sub(block.x)?)?.name))
@@ -196,6 +199,31 @@ pub(crate) fn step(schedule: &Schedule, diagram: &mut Diagram, x: &[f64], error:
         }
     });
     SimError::new("step_size", t, message).at(&block.path).help(help.join("; "))
+}
+
+/// What is not finite, or where a block cannot go on, just behind the time up to which steps could be made.
+fn behind(
+    schedule: &Schedule,
+    diagram: &mut Diagram,
+    x: &[f64],
+    t: f64,
+    error: &StepError,
+) -> Option<SimError> {
+    let StepError::Underflow { h, .. } = error else { return None };
+    let mut dx = vec![0.0; x.len()];
+    diagram.minor(t, x).and_then(|()| diagram.derive(&mut dx)).ok()?;
+    for ahead in [1.0, 10.0, 100.0, 1000.0].map(|times| times * h) {
+        let next: Vec<f64> = x.iter().zip(&dx).map(|(x, dx)| x + ahead * dx).collect();
+        if diagram.minor(t + ahead, &next).is_err() {
+            return Some(failed(schedule, diagram));
+        }
+        let signals = &diagram.signals;
+        let written = diagram.plan.minor.iter().flat_map(|call| &signals[call.unit.y.range()]);
+        if next.iter().chain(written).any(|value| !value.is_finite()) {
+            return Some(not_finite(schedule, diagram, &next));
+        }
+    }
+    None
 }
 
 /// A number of any size in few digits.

@@ -87,6 +87,35 @@ fn a_value_that_is_not_a_number_ends_the_run_at_its_block_and_the_rows_before_ar
     }
 }
 
+/// A signal that grows without a jump beyond all numbers: not the state that it happens to feed is to blame.
+#[test]
+fn a_signal_that_overflows_ends_the_run_with_its_block_and_a_root_of_less_than_nothing_with_a_remedy() {
+    let run = run_of(
+        r#"Diagram(
+            simulation: (stop_time: 800),
+            blocks: { "t": Ramp(slope: "1 1/s"), "grow": Function(function: Exp), "none": Sum(signs: "+-"), "x": Integrator, "show": Scope },
+            connections: [ "t.y -> grow.u", "grow.y -> none.u1, none.u2", "none.y -> x.u", "x.y -> show.u" ],
+        )"#,
+    );
+    let error = failure(&run);
+    assert_eq!((error.code, error.path.as_deref()), ("not_finite", Some("grow")), "{error}");
+    // exp(t) is the largest number at 709.78 s.
+    assert!((error.t - f64::MAX.ln()).abs() < 1e-6 && error.message == "`grow.y` is inf", "{error}");
+    assert!(run.time.len() > 40 && error.help.is_some(), "{error}");
+    let run = run_of(
+        r#"Diagram(
+            simulation: (stop_time: 2),
+            blocks: { "t": Ramp(slope: "1 1/s"), "one": Constant(value: 1), "left": Sum(signs: "+-"), "root": Function(function: Sqrt),
+                      "x": Integrator, "show": Scope },
+            connections: [ "one.y -> left.u1", "t.y -> left.u2", "left.y -> root.u", "root.y -> x.u", "x.y -> show.u" ],
+        )"#,
+    );
+    let error = failure(&run);
+    assert_eq!((error.code, error.path.as_deref()), ("block_failed", Some("root")), "{error}");
+    assert!((error.t - 1.0).abs() < 1e-6 && error.message.contains("MinMax or Saturation"), "{error}");
+    assert!((run.last("show.u") - 2.0 / 3.0).abs() < 1e-5, "{}", run.last("show.u"));
+}
+
 #[test]
 fn what_chatters_by_design_ends_at_its_time_and_the_rows_before_are_kept() {
     let run = run_of(

@@ -60,7 +60,7 @@ fn a_function_outside_of_where_it_is_defined() {
         r#""t": Ramp(slope: "-1 1/s", initial: 1), "root": Function(function: Sqrt), "show": Scope"#,
         r#""t.y -> root.u", "root.y -> show.u""#,
         &expect![[r#"
-            root: error[block_failed] at t = 1.25 s: `root` cannot go on: Sqrt has no value at u = -0.25; u must be not negative
+            root: error[block_failed] at t = 1.25 s: `root` cannot go on: Sqrt has no value at u = -0.25; u must be not negative (MinMax or Saturation can keep it there)
         "#]],
     );
     assert_eq!(run.time, [0.0, 0.25, 0.5, 0.75, 1.0], "the root of zero is still defined");
@@ -141,7 +141,7 @@ fn a_relay_without_hysteresis_around_zero() {
         r#""x": Integrator(x0: "1 s"), "relay": Relay(on_at: "0 s", off_at: "0 s", on: -1, off: 1), "show": Scope"#,
         r#""x.y -> relay.u, show.u", "relay.y -> x.u""#,
         &expect![[r#"
-            relay: error[chatter] at t = 1.0000000000004443 s: `relay` switches to and fro (`switches`)
+            relay: error[chatter] at t = 1.0000000000004443 s: `relay` is chattering: its guard `switches` keeps crossing zero
             help: give the switching a hysteresis, or use a method of fixed step
         "#]],
     );

@@ -130,7 +130,12 @@ impl Block for Function {
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
         for (y, u) in y.iter_mut().zip(c.u) {
             if let Some(wanted) = self.function.objection(*u) {
-                c.fail(format!("{:?} has no value at u = {u}; u must be {wanted}", self.function));
+                let plain = *u == 0.0 || (1e-4..1e7).contains(&u.abs());
+                let u = if plain { u.to_string() } else { format!("{u:e}") };
+                c.fail(format!(
+                    "{:?} has no value at u = {u}; u must be {wanted} (MinMax or Saturation can keep it there)",
+                    self.function,
+                ));
             }
             *y = self.function.of(*u);
         }
