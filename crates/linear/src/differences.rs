@@ -104,6 +104,96 @@ pub fn jacobian<E>(
     Ok(jacobian)
 }
 
+/// As [`jacobian`], for many functions each of which depends on few arguments: arguments that no function has in common are
+/// varied together (A. R. Curtis, M. J. D. Powell, J. K. Reid: On the estimation of sparse Jacobian matrices, IMA J. Appl. Math.
+/// 13 (1974) 117). Which those are is seen where one argument after the other is moved by a large and by a small step.
+///
+/// # Errors
+/// That of `f` at the point, or for the shortest step.
+pub fn sparse_jacobian<E>(
+    point: &[f64],
+    rows: usize,
+    mut f: impl FnMut(&[f64], &mut [f64]) -> Result<(), E>,
+) -> Result<Jacobian, E> {
+    let mut x = point.to_vec();
+    let mut middle = vec![0.0; rows];
+    f(&x, &mut middle)?;
+    let size = |column: usize| point[column].abs().max(1.0);
+    let acts = (0..point.len()).map(|column| {
+        let mut acts = vec![false; rows];
+        let mut there = vec![0.0; rows];
+        for share in PROBES {
+            x[column] = point[column] + share * size(column);
+            // Where there is no value, nothing is known of any function.
+            let done = f(&x, &mut there).is_ok();
+            let moved = there.iter().zip(&middle).map(|(there, middle)| !done || there != middle);
+            acts.iter_mut().zip(moved).for_each(|(acts, moved)| *acts |= moved);
+        }
+        x[column] = point[column];
+        (0..rows).filter(|&row| acts[row]).collect()
+    });
+    let acts: Vec<Vec<usize>> = acts.collect();
+    let mut jacobian = Jacobian {
+        value: DMatrix::zeros(rows, point.len()),
+        error: DMatrix::zeros(rows, point.len()),
+        kinks: Vec::new(),
+    };
+    let mut sides = vec![Side::new(rows); STEPS];
+    for group in apart(&acts, rows) {
+        let step = |column: usize, level: usize| {
+            let wanted = LONGEST * size(column) / FACTOR.powi(level as i32);
+            (point[column] + wanted, point[column] - wanted)
+        };
+        for (level, side) in sides.iter_mut().enumerate() {
+            group.iter().for_each(|&column| x[column] = step(column, level).0);
+            let done = f(&x, &mut side.above).and_then(|()| {
+                group.iter().for_each(|&column| x[column] = step(column, level).1);
+                f(&x, &mut side.below)
+            });
+            match done {
+                Ok(()) => {}
+                Err(error) if level + 1 == STEPS => return Err(error),
+                Err(_) => side.above.fill(f64::NAN),
+            }
+        }
+        for &column in &group {
+            x[column] = point[column];
+            for (level, side) in sides.iter_mut().enumerate() {
+                let (above, below) = step(column, level);
+                side.h = (above - point[column], point[column] - below);
+            }
+            for &row in &acts[column] {
+                let (value, error) = best(&sides, row, middle[row]);
+                let entry = (row, column);
+                jacobian.error[entry] = error;
+                jacobian.value[entry] = if value.abs() <= error { 0.0 } else { value };
+                if let Some((left, right)) = kink(&sides, row, middle[row]) {
+                    jacobian.kinks.push(Kink { row, column, left, right });
+                }
+            }
+        }
+    }
+    Ok(jacobian)
+}
+
+/// Steps, as parts of the size of an argument, by which it is moved to see on what it acts.
+const PROBES: [f64; 2] = [LONGEST, 1e-6];
+
+/// Sets of columns no two of which act on the same row.
+fn apart(acts: &[Vec<usize>], rows: usize) -> Vec<Vec<usize>> {
+    let mut groups: Vec<(Vec<usize>, Vec<bool>)> = Vec::new();
+    for (column, own) in acts.iter().enumerate().filter(|(_, own)| !own.is_empty()) {
+        let free = groups.iter().position(|(_, taken)| own.iter().all(|&row| !taken[row]));
+        let at = free.unwrap_or_else(|| {
+            groups.push((Vec::new(), vec![false; rows]));
+            groups.len() - 1
+        });
+        groups[at].0.push(column);
+        own.iter().for_each(|&row| groups[at].1[row] = true);
+    }
+    groups.into_iter().map(|(columns, _)| columns).collect()
+}
+
 /// The values of all functions a step beside the point.
 #[derive(Clone)]
 struct Side {
@@ -211,6 +301,32 @@ mod tests {
         let beside = of(&[1e-3, -1e-6], abs);
         assert!(beside.kinks.is_empty(), "{:?}", beside.kinks);
         assert!((beside.value[(0, 0)] - 4.0).abs() < 1e-8 && beside.value[(1, 1)] == 0.0);
+    }
+
+    #[test]
+    fn functions_of_few_arguments_have_the_same_derivatives_when_these_are_varied_together() {
+        let n = 30;
+        let mut evaluations = 0;
+        let chain = |x: &[f64], y: &mut [f64]| {
+            for i in 0..n {
+                let (left, right) = (x[i.max(1) - 1], x[(i + 1).min(n - 1)]);
+                y[i] = (left - x[i]).sin() + x[i] * right + if i == 7 { x[20].abs() } else { 0.0 };
+            }
+        };
+        let point: Vec<f64> = (0..n).map(|i| if i == 20 { 0.0 } else { (i as f64).cos() }).collect();
+        let sparse: Result<Jacobian, Infallible> = sparse_jacobian(&point, n, |x, y| {
+            evaluations += 1;
+            chain(x, y);
+            Ok(())
+        });
+        let dense: Result<Jacobian, Infallible> = jacobian(&point, n, |x, y| {
+            chain(x, y);
+            Ok(())
+        });
+        let (sparse, dense) = (sparse.unwrap(), dense.unwrap());
+        assert_eq!((sparse.value, &sparse.kinks), (dense.value, &dense.kinks));
+        assert_eq!(sparse.kinks.len(), 1);
+        assert!(evaluations < 1 + 2 * n + 22 * 6, "{evaluations}");
     }
 
     #[test]

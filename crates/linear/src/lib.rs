@@ -27,7 +27,7 @@ mod system;
 mod zeros;
 
 pub use course::{StepInfo, step_info, step_response};
-pub use differences::{Jacobian, Kink, jacobian};
+pub use differences::{Jacobian, Kink, jacobian, sparse_jacobian};
 pub use error::LinearError;
 pub use grid::frequencies;
 pub use margins::{Margin, Margins, bandwidth, margins};

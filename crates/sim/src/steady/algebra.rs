@@ -1,12 +1,14 @@
 //! Linear equations that may have no solution, or many.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use blocksim_linear::DMatrix;
 
 /// Directions that move the equations by less than this part are left alone.
 const RANK: f64 = 1e-11;
 
 /// Unknowns above which a factorisation is tried that is quick but tells nothing of singular systems.
-const LARGE: usize = 60;
+pub(super) const LARGE: usize = 60;
 
 /// Share of a direction from which an unknown takes part in it.
 const SHARE: f64 = 1e-3;
@@ -62,9 +64,79 @@ fn regular(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> 
     if !matrix.is_square() || matrix.nrows() <= LARGE {
         return None;
     }
+    if let Some((pivots, solution)) = eliminate(matrix, right) {
+        return is_regular(&pivots).then_some(solution);
+    }
     let factors = matrix.clone().full_piv_lu();
-    let pivots = factors.u().diagonal().abs();
-    (pivots.min() > RANK.sqrt() * pivots.max()).then(|| factors.solve(right)).flatten()
+    is_regular(factors.u().diagonal().as_slice()).then(|| factors.solve(right)).flatten()
+}
+
+/// Whether no pivot is small beside the largest.
+fn is_regular(pivots: &[f64]) -> bool {
+    let size = |extreme: fn(f64, f64) -> f64, start: f64| {
+        pivots.iter().map(|pivot| pivot.abs()).fold(start, extreme)
+    };
+    size(f64::min, f64::INFINITY) > RANK.sqrt() * size(f64::max, 0.0)
+}
+
+/// Part of the largest entry of its column that a pivot has at least.
+const STABLE: f64 = 0.1;
+/// Part of all entries above which a matrix does not count as sparse.
+const CROWDED: f64 = 0.1;
+
+/// The pivots and the solution of a sparse system by Gaussian elimination, where always a column with few entries is next, and
+/// of its rows with large enough an entry the shortest (H. M. Markowitz, Management Science 3 (1957) 255, with threshold). None if
+/// the matrix is not sparse or does not stay so.
+fn eliminate(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<(Vec<f64>, DMatrix<f64>)> {
+    let n = matrix.nrows();
+    let most = (CROWDED * (n * n) as f64) as usize;
+    let mut rows: Vec<BTreeMap<usize, f64>> = vec![BTreeMap::new(); n];
+    let mut columns: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); n];
+    let mut entries = 0;
+    for (j, column) in matrix.column_iter().enumerate() {
+        for (i, &value) in column.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+            rows[i].insert(j, value);
+            columns[j].insert(i);
+            entries += 1;
+        }
+    }
+    let mut right: Vec<f64> = right.iter().copied().collect();
+    let mut left: BTreeSet<(usize, usize)> = (0..n).map(|j| (columns[j].len(), j)).collect();
+    let mut done = Vec::with_capacity(n);
+    while let Some((_, j)) = left.pop_first() {
+        if entries > most {
+            return None;
+        }
+        let largest = columns[j].iter().fold(0.0, |largest: f64, &i| largest.max(rows[i][&j].abs()));
+        let candidates = columns[j].iter().filter(|&&i| rows[i][&j].abs() >= STABLE * largest);
+        let Some(&pivot) = candidates.min_by_key(|&&i| rows[i].len()).filter(|_| largest > 0.0) else {
+            // A singular matrix, as its pivots tell.
+            return Some((vec![0.0], DMatrix::zeros(n, 1)));
+        };
+        let own = std::mem::take(&mut rows[pivot]);
+        for &k in own.keys().filter(|k| **k != j) {
+            left.remove(&(columns[k].len(), k));
+            columns[k].remove(&pivot);
+        }
+        let others = std::mem::take(&mut columns[j]);
+        for i in others.into_iter().filter(|i| *i != pivot) {
+            let factor = rows[i].remove(&j).unwrap_or(0.0) / own[&j];
+            entries -= 1;
+            for (&k, value) in own.iter().filter(|(k, _)| **k != j) {
+                *rows[i].entry(k).or_insert(0.0) -= factor * value;
+                entries += usize::from(columns[k].insert(i));
+            }
+            right[i] -= factor * right[pivot];
+        }
+        left.extend(own.keys().filter(|k| **k != j).map(|&k| (columns[k].len(), k)));
+        done.push((pivot, j, own));
+    }
+    let mut solution = DMatrix::zeros(n, 1);
+    for (pivot, j, own) in done.iter().rev() {
+        let others: f64 = own.iter().filter(|(k, _)| *k != j).map(|(&k, value)| value * solution[k]).sum();
+        solution[*j] = (right[*pivot] - others) / own[j];
+    }
+    Some((done.iter().map(|(_, j, own)| own[j]).collect(), solution))
 }
 
 /// Which unknowns take part in directions that the equations say nothing about.
@@ -75,8 +147,8 @@ pub(super) fn undetermined(matrix: DMatrix<f64>, sizes: &[f64]) -> Vec<bool> {
     }
     let mut square = Scaled::new(matrix, sizes).matrix;
     if unknowns > LARGE && square.is_square() {
-        let pivots = square.clone().full_piv_lu().u().diagonal().abs();
-        if pivots.min() > RANK.sqrt() * pivots.max() {
+        let zero = DMatrix::zeros(unknowns, 1);
+        if regular(&square, &zero).is_some() {
             return vec![false; unknowns];
         }
     }

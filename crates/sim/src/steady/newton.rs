@@ -1,9 +1,9 @@
 //! The search for a steady state.
 
-use blocksim_linear::{DMatrix, jacobian};
+use blocksim_linear::{DMatrix, jacobian, sparse_jacobian};
 
 use super::Rest;
-use super::algebra::{least, undetermined};
+use super::algebra::{LARGE, least, undetermined};
 use super::conditions::Conditions;
 use crate::SimError;
 
@@ -189,13 +189,15 @@ impl<'s, 'g> Search<'s, 'g> {
         }
         let conditions = &mut self.conditions;
         let rows = conditions.equations();
-        let mut matrix = jacobian(z, rows, |z, rest| -> Result<(), std::convert::Infallible> {
+        let equations = |z: &[f64], rest: &mut [f64]| -> Result<(), std::convert::Infallible> {
             if conditions.evaluate(z, rest).is_err() {
                 rest.fill(f64::NAN);
             }
             Ok(())
-        })
-        .map_or_else(|never| match never {}, |found| found.value);
+        };
+        let slopes =
+            if rows > LARGE { sparse_jacobian(z, rows, equations) } else { jacobian(z, rows, equations) };
+        let mut matrix = slopes.map_or_else(|never| match never {}, |found| found.value);
         conditions.evaluate(z, &mut self.rest)?;
         let sizes: Vec<f64> = z.iter().map(size).collect();
         for (column, size) in sizes.iter().enumerate() {
