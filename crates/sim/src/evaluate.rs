@@ -7,6 +7,7 @@ use blocksim_solve::Failed;
 use crate::looks::Looks;
 use crate::loops::{Loops, Pass};
 use crate::plan::{Call, Plan, Source, Unit};
+use crate::stepwise::Stepwise;
 
 /// Everything that the evaluation of a diagram needs and changes, except time and states, which belong to whoever
 /// asks for it.
@@ -22,6 +23,7 @@ pub(crate) struct Diagram {
     pub loops: Loops,
     /// Guards at the stages of the solver.
     pub looks: Looks,
+    pub stepwise: Stepwise,
     /// Derivatives that nobody asked for.
     pub(crate) unused: Vec<f64>,
     /// Blocks whose constant outputs were set from outside and are not evaluated.
@@ -136,6 +138,7 @@ impl Diagram {
             settle: Settling { last: vec![0; plan.units.len()], before: vec![0.0; discrete], changed: false },
             loops: Loops::new(schedule),
             looks: Looks::default(),
+            stepwise: Stepwise::new(schedule),
             unused: vec![0.0; schedule.states],
             pinned: Vec::new(),
             failure: None,

@@ -58,6 +58,7 @@ mod slopes;
 mod snapshot;
 mod spread;
 mod steady;
+mod stepwise;
 mod system;
 mod turn;
 

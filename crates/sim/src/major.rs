@@ -37,6 +37,7 @@ impl Simulation {
         self.hit_count += self.hits.strike(self.t);
         self.diagram.settle.changed = false;
         self.modes.note(&self.diagram.d);
+        self.diagram.hold_steps();
         let reset = self.jump_early(first, observer)?;
         self.pass(first)?;
         // At the start there is no before.
@@ -75,7 +76,7 @@ impl Simulation {
         let plan = &self.diagram.plan;
         let mut rates = self.hits.due.iter().zip(&plan.busy);
         self.diagram.settle.changed
-            || plan.stepwise
+            || self.diagram.has_stepped()
             || !plan.accepting.is_empty()
             || rates.any(|(&due, &busy)| due && busy)
     }

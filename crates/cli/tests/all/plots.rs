@@ -355,7 +355,7 @@ fn two_runs_are_the_same_within_or_different() {
     expect![[r#"
         signal        verdict                 largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
         scope.set     SHORT, only 0 s to 1 s               0 deg       0                     -         -         -        -
-        scope.actual  DIFFERS                       10.23e-6 deg   0.563                 0.101  0.448877  0.448877        0
+        scope.actual  DIFFERS                       7.470e-6 deg   0.586                 0.101  0.448877  0.448877        0
 
         2 of 2 signals do not agree
         exit code 1
