@@ -180,7 +180,10 @@ fn pictures_of_different_length_begin_with_all_times_and_one_value_is_a_dot() {
         ],
         ..Report::default()
     };
-    let script = "await new Promise((ok) => setTimeout(ok, 300)); R.setTime(1);
+    // A busy machine takes its time to draw.
+    let script = "const until = async (done) => { for (let n = 0; n < 100 && !done(); n++) await new Promise((ok) => setTimeout(ok, 50)); };
+        await until(() => R.Plots.panels.length === 5 && R.Plots.panels.every((p) => p.main.scales.x.max === 5)); R.setTime(1);
+        await until(() => document.querySelector('.entry b')?.textContent === '1.2');
         const dots = R.Plots.panels.map((p) => p.main.series[1].points.show(p.main, 1));
         return [R.Plots.range(), R.Plots.panels.map((p) => `${p.main.scales.x.min} to ${p.main.scales.x.max}`), dots,
           [...document.querySelectorAll('.entry b')].map((b) => b.textContent)].map((all) => all.join(', ')).join('\\n');";
