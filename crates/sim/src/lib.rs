@@ -19,6 +19,8 @@
 //! | `record`, `sides`, `refine` | rows; which sample hits need them on both sides; rows within steps |
 //! | `angles` | steps no longer than an eighth of a turn of what turns |
 //! | `hops` | hops of guards that are lower than the tolerance |
+//! | `stepwise` | whether outputs that change at major steps alone have changed |
+//! | `spread` | what depends at once on some signals |
 //! | `kinks` | steps that have looked beyond a kink, once more |
 //! | `past` | what blocks remember of steps |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
