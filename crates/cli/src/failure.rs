@@ -145,24 +145,27 @@ impl Failure {
 
     /// Tells it; how the program is to end.
     pub fn tell(&self, console: Console) -> Exit {
-        let outcome = match &*self.0 {
-            Content::Output(error) => Err(io::Error::from(error.kind())),
-            Content::Told { exit, problems, files, last } => tell_with(problems, files, Some(*exit), console)
-                .map(|()| {
-                    last.iter().for_each(|line| console.say(line));
-                    *exit
-                }),
-        };
-        match outcome {
-            Ok(exit) => exit,
-            // Whoever reads only the first lines, such as `head`, has what they want.
-            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Exit::Done,
-            Err(error) => {
-                console.say(&format!("error: cannot write to the standard output: {error}"));
-                Exit::Files
+        match &*self.0 {
+            Content::Output(error) => tell_output(error, console),
+            Content::Told { exit, problems, files, last } => {
+                if let Err(error) = tell_with(problems, files, Some(*exit), console) {
+                    return tell_output(&error, console);
+                }
+                last.iter().for_each(|line| console.say(line));
+                *exit
             }
         }
     }
+}
+
+/// Tells that the standard output cannot be written.
+fn tell_output(error: &io::Error, console: Console) -> Exit {
+    // Whoever reads only the first lines, such as `head`, has what they want.
+    if error.kind() == io::ErrorKind::BrokenPipe {
+        return Exit::Done;
+    }
+    console.say(&format!("error: cannot write to the standard output: {error}"));
+    Exit::Files
 }
 
 impl From<io::Error> for Failure {

@@ -46,7 +46,7 @@ pub fn main() -> ExitCode {
     let args = match Args::try_parse() {
         Ok(args) => args,
         Err(error) => {
-            let is_data = usage::asks_for_data(std::env::args());
+            let is_data = usage::asks_for_data(std::env::args_os());
             let format = if is_data { Format::Json } else { Format::Full };
             let console = Console::of_process(Colour::Auto, false, format);
             return usage::tell(&error, console, is_data).into();

@@ -1,5 +1,7 @@
 //! A command line that makes no sense, as the parser of command lines tells it.
 
+use std::ffi::OsString;
+
 use clap::error::{Error, ErrorKind};
 
 use crate::exit::Exit;
@@ -20,8 +22,9 @@ pub fn tell(error: &Error, console: Console, is_data: bool) -> Exit {
 }
 
 /// Whether a command line that cannot be read asks for data.
-pub fn asks_for_data(words: impl Iterator<Item = String>) -> bool {
-    let words: Vec<String> = words.collect();
+pub fn asks_for_data(words: impl Iterator<Item = OsString>) -> bool {
+    // What is no text in Unicode is no option of ours.
+    let words: Vec<OsString> = words.collect();
     let formats = words.iter().zip(words.iter().skip(1));
     words.iter().any(|word| word == "--json" || word == "--output-format=json")
         || formats.into_iter().any(|(option, value)| option == "--output-format" && value == "json")
@@ -51,7 +54,7 @@ mod tests {
 
     #[test]
     fn data_is_asked_for_in_two_ways() {
-        let asks = |line: &str| asks_for_data(line.split(' ').map(str::to_owned));
+        let asks = |line: &str| asks_for_data(line.split(' ').map(OsString::from));
         assert!(
             asks("run --json") && asks("check a --output-format json") && asks("check --output-format=json")
         );

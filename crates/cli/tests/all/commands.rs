@@ -303,6 +303,20 @@ fn whoever_asks_for_data_gets_failures_as_data() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn words_that_are_no_unicode_are_usage_and_no_bug() {
+    use std::os::unix::ffi::OsStrExt;
+    let desk = Desk::with(&[]);
+    let word = std::ffi::OsStr::from_bytes(b"\xff");
+    for arguments in [&[][..], &["check", "--output-format"]] {
+        let output = desk.command(arguments).arg(word).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+    }
+    let output = desk.command(&["check"]).arg(word).output().unwrap();
+    assert_eq!(output.status.code(), Some(4), "{output:?}");
+}
+
 #[test]
 fn a_missing_model_is_a_matter_of_files() {
     let desk = Desk::with(&[("lag.ron", LAG)]);
