@@ -71,13 +71,14 @@ fn conflicts(conflicts: &[Conflict]) -> String {
     table.render()
 }
 
+fn problem(fault: &Fault, book: &Path) -> Problem {
+    Problem::error("workbook", format!("{}: {}: {}", book.display(), fault.place(), fault.message))
+        .help(fault.help.clone())
+}
+
 /// What is wrong in a workbook.
 pub fn faulty(faults: &[Fault], book: &Path) -> Failure {
-    let problem = |fault: &Fault| {
-        Problem::error("workbook", format!("{}: {}: {}", book.display(), fault.place(), fault.message))
-            .help(fault.help.clone())
-    };
-    let problems = faults.iter().map(problem).collect();
+    let problems = faults.iter().map(|fault| problem(fault, book)).collect();
     Failure::of(Exit::Model, problems, Vec::new()).last(plural(faults.len(), "error"))
 }
 
@@ -86,17 +87,19 @@ pub fn faulty(faults: &[Fault], book: &Path) -> Failure {
 /// # Errors
 /// What does.
 pub fn unhindered(found: &Comparison, book: &Path) -> Result<(), Failure> {
-    if !found.faults.is_empty() {
-        return Err(faulty(&found.faults, book));
-    }
+    let mut problems: Vec<Problem> = found.faults.iter().map(|fault| problem(fault, book)).collect();
     if !found.conflicts.is_empty() {
         let said = "numbers were changed in the workbook and in the set since the export";
-        return Err(Failure::new(Exit::Model, "workbook", said)
-            .note(conflicts(&found.conflicts).trim_end())
-            .help("write the number that shall hold into the cell or into the set, so that both agree")
-            .last(plural(found.conflicts.len(), "error")));
+        problems.push(
+            Problem::error("workbook", said)
+                .note(conflicts(&found.conflicts).trim_end())
+                .help("write the number that shall hold into the cell or into the set, so that both agree"),
+        );
     }
-    Ok(())
+    match found.faults.len() + found.conflicts.len() {
+        0 => Ok(()),
+        count => Err(Failure::of(Exit::Model, problems, Vec::new()).last(plural(count, "error"))),
+    }
 }
 
 /// What is to be said of the age of a workbook.
