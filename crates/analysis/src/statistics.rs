@@ -24,8 +24,8 @@ impl Statistics {
     }
 }
 
-/// Numbers of a signal that follows a cubic between its values where it is smooth and is straight elsewhere. What is not finite is left out; `None` where nothing is
-/// left. Mean and root mean square of a single instant are those of its last value.
+/// Numbers of a signal that follows a cubic between its values where it is smooth and is straight elsewhere. What is not
+/// finite is left out; `None` where nothing is left. Mean and root mean square of a single instant are those of its last value.
 pub fn statistics(time: &[f64], values: &[f64]) -> Option<Statistics> {
     let rows = time.iter().copied().zip(values.iter().copied());
     let rows: Vec<(f64, [f64; 1])> =

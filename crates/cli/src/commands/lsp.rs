@@ -23,6 +23,6 @@ pub fn lsp() -> Outcome {
 pub fn lsp() -> Outcome {
     blocksim_lsp::serve(prose).map(|()| Exit::Done).map_err(|error| {
         Failure::usage(format!("the editor broke the Language Server Protocol: {error}"))
-            .help("`blocksim lsp` is started by editors; docs/editors.md tells how")
+            .help("editors start `blocksim lsp`; see docs/editors.md")
     })
 }

@@ -405,7 +405,7 @@ fn a_late_measurement_is_aligned() {
     assert!(aligned.ends_with("exit code 0\n"), "{aligned}");
     let flat = Desk::with(&[("a.csv", "t,x\n0,1\n1,1\n"), ("b.csv", "t,x\n5,1\n6,1\n")]);
     expect![[r#"
-        error[usage]: the signals do not vary, so nothing tells how they belong together in time
+        error[usage]: the signals are constant, so their time shift cannot be found
           = help: choose others with --signals, or say --shift
         exit code 2
     "#]]

@@ -130,7 +130,7 @@ fn shift(args: &CompareArgs, books: &[Book; 2], chosen: &[usize]) -> Result<f64,
                 .map(|(a, b)| (Series::new(&a.time, &a.values), Series::new(&b.time, &b.values)))
                 .collect();
             lag(&pairs).ok_or_else(|| {
-                Failure::usage("the signals do not vary, so nothing tells how they belong together in time")
+                Failure::usage("the signals are constant, so their time shift cannot be found")
                     .help("choose others with --signals, or say --shift")
             })
         }

@@ -36,7 +36,7 @@ pub struct Arm {
 /// The robot of the diagram, by its description.
 ///
 /// # Errors
-/// If there is none that could be read.
+/// If it cannot be read.
 pub fn arm(common: &Common) -> Result<Arm, Failure> {
     let disk = Disk::default();
     let sources = Sources::new(&disk);

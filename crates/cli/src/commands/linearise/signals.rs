@@ -26,7 +26,7 @@ impl Place {
 /// Finds a signal: what is recorded under this name, or an output of a block; of a vector one element, `arm.q[2]`.
 ///
 /// # Errors
-/// That there is none, and which may be meant.
+/// If there is no such signal; the help suggests one.
 pub fn find(schedule: &Schedule, name: &str) -> Result<Place, Failure> {
     let name = name.trim();
     if let Some(recorded) = schedule.recorded.iter().find(|recorded| recorded.path == name) {
