@@ -117,7 +117,7 @@ pub struct Run {
     /// Work that was done.
     pub counts: Counts,
     /// What blocks say at its end about approximations of theirs.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Problem>,
     /// How the run failed, if it did.
     pub error: Option<SimError>,
 }

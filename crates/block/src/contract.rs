@@ -1,5 +1,6 @@
 //! What a block must be able to say and do.
 
+use crate::problem::Problem;
 use std::any::Any;
 use std::fmt::Debug;
 use std::path::Path;
@@ -87,8 +88,8 @@ pub trait Block: Any + Debug + Send + Sync {
     }
 
     /// Where an approximation of the block has missed the relative tolerance `rtol` of the run, by how much and what to do
-    /// about it; asked at the end of a run. A line behind the first begins with `= help: `.
-    fn warnings(&self, _d: &[f64], _rtol: f64) -> Vec<String> {
+    /// about it; asked at the end of a run.
+    fn warnings(&self, _d: &[f64], _rtol: f64) -> Vec<Problem> {
         Vec::new()
     }
 

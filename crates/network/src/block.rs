@@ -1,5 +1,6 @@
 //! A network as a block.
 
+use blocksim_block::problem::Problem;
 use blocksim_block::{Block, Context, Given, Interface, InterfaceError, Scratch};
 
 use crate::network::Network;
@@ -133,7 +134,7 @@ impl Block for Network {
         }
     }
 
-    fn warnings(&self, d: &[f64], rtol: f64) -> Vec<String> {
+    fn warnings(&self, d: &[f64], rtol: f64) -> Vec<Problem> {
         self.coupling_warnings(d, rtol)
     }
 

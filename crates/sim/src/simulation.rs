@@ -1,5 +1,6 @@
 //! The step loop and who owns what.
 
+use blocksim_block::problem::Problem;
 use std::sync::Arc;
 
 use blocksim_block::schedule::{Instance, Schedule, Solver};
@@ -272,7 +273,7 @@ impl Simulation {
 
     /// What blocks have to say about approximations of theirs that have missed the tolerance so far. A method of fixed step,
     /// which knows no tolerance, is taken for one of 1e-3.
-    pub fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<Problem> {
         let rtol = match self.schedule.settings.solver {
             Solver::Variable { rtol, .. } => rtol,
             Solver::Fixed { .. } => UNTOLD,

@@ -272,7 +272,7 @@ fn warned(run: &Run) -> Option<f64> {
         assert!(run.warnings.is_empty(), "{:?}", run.warnings);
         return None;
     };
-    let (_, rest) = warning.split_once("is off by about ").expect("a number");
+    let (_, rest) = warning.message.split_once("is off by about ").expect("a number");
     Some(rest.split_once(' ').expect("a number").0.parse().expect("a number"))
 }
 

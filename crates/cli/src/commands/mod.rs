@@ -90,7 +90,7 @@ pub fn tell_with(
             let chosen = render::first(problems, MOST);
             chosen.iter().for_each(|problem| console.say(&render::full(problem, &texts, console.colour)));
             if let left @ 1.. = problems.len() - chosen.len() {
-                let help = "`blocksim check MODEL --output-format short` tells all, a line each";
+                let help = "`blocksim check MODEL --output-format short` lists all of them, one per line";
                 console.say(&format!("and {}\n  = help: {help}\n", plural(left, "further problem")));
             }
         }

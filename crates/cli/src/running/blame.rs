@@ -2,7 +2,7 @@
 
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{Instance, Part, Schedule};
-use blocksim_sim::SimError;
+use blocksim_sim::{SimError, Simulation};
 
 use crate::terminal::format::short_time;
 
@@ -22,6 +22,19 @@ pub fn failure(error: &SimError, schedule: &Schedule) -> Problem {
     }
     problem.help.clone_from(&error.help);
     problem
+}
+
+/// What blocks say of their approximations at the end of a run, with the places of the parts that they name.
+pub fn warnings(simulation: &Simulation, schedule: &Schedule) -> Vec<Problem> {
+    let networks = || schedule.blocks.iter().filter(|block| !block.parts.is_empty());
+    let placed = |warning: Problem| {
+        let network = networks().find(|network| !named(&warning.message, &network.parts).is_empty());
+        match network {
+            Some(network) => in_network(warning, network),
+            None => warning,
+        }
+    };
+    simulation.warnings().into_iter().map(placed).collect()
 }
 
 /// What happened, and when.

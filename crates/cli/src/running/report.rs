@@ -1,5 +1,6 @@
 //! What a run says at its end: to people, to programs, and to the log.
 
+use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{Recorded, Schedule};
 use blocksim_results::{Ended, EventRow, Manifest, Recording};
 use blocksim_sim::Counts;
@@ -33,7 +34,7 @@ pub struct Report<'a> {
     /// Number of all rows of the run.
     pub rows: u64,
     /// What blocks have to say about approximations that missed the tolerance.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Problem>,
     /// The steady state that it began in, if it did.
     pub began: Option<Began>,
 }
@@ -77,7 +78,6 @@ impl Report<'_> {
             "sample_hits": self.counts.hits,
             "signals": self.signals,
             "rows": self.rows,
-            "warnings": self.warnings,
             "tracking": followed::json(&trackings(&shown), &self.recording.time),
         })
     }
@@ -129,7 +129,8 @@ impl Report<'_> {
 
 /// The lines of `log.txt`: the command line's problems, the first events, the summary.
 pub fn log(report: &Report, loaded: &Loaded, events: &[EventRow]) -> Vec<String> {
-    let (problems, texts) = (loaded.compiled.problems.iter(), Texts::of(&loaded.files));
+    let (problems, texts) =
+        (loaded.compiled.problems.iter().chain(&report.warnings), Texts::of(&loaded.files));
     let mut lines: Vec<String> = problems
         .flat_map(|problem| [render::full(problem, &texts, false).trim_end().to_owned(), String::new()])
         .collect();

@@ -3,6 +3,7 @@
 
 use blocksim_block::Context;
 use blocksim_block::physical::{Element, Law, Supply};
+use blocksim_block::problem::Problem;
 use blocksim_solve::linear::cholesky_solve;
 
 use crate::electrics::Separate;
@@ -189,7 +190,7 @@ impl Network {
     }
 
     /// Where the coupling of a circuit and the mechanics has missed the tolerance.
-    pub(crate) fn coupling_warnings(&self, d: &[f64], rtol: f64) -> Vec<String> {
+    pub(crate) fn coupling_warnings(&self, d: &[f64], rtol: f64) -> Vec<Problem> {
         let error_of = |seat: &Seat| {
             let missed = seat.held.as_ref()?.missed;
             Some(d[missed + 2].max(d[missed + 4]) / d[missed + 1].max(STANDSTILL))
@@ -202,13 +203,15 @@ impl Network {
                 .filter(|(error, _)| *error > rtol)?;
             let asks = seats().find(|seat| seat.member.part.separate.is_some()).unwrap_or(worst);
             let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
-            Some(format!(
+            let message = format!(
                 "the coupling of `{}` with the mechanics misses the tolerance: with coupling steps of {step:.2e} s the speed \
-                 of `{}` is off by about {error:.0e} of its maximum, {:.0} times rtol ({rtol:.0e})\n  = help: write \
-                 `integration: Together`, or shorten the step: fewer `periods`, or a higher switching frequency",
+                 of `{}` is off by about {error:.0e} of its maximum, {:.0} times rtol ({rtol:.0e})",
                 asks.member.path,
                 worst.member.path,
                 error / rtol,
+            );
+            Some(Problem::warning("coupling_error", message).help(
+                "write `integration: Together`, or shorten the step: fewer `periods`, or a higher switching frequency",
             ))
         };
         self.separate.iter().filter_map(warning).collect()

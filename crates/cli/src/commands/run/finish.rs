@@ -1,5 +1,7 @@
 //! What is kept of a run, and what is said about it.
 
+use crate::commands::tell;
+use crate::running::blame::warnings;
 use blocksim_block::schedule::Recorded;
 use blocksim_results::STORE;
 use blocksim_results::format::ordinal;
@@ -39,7 +41,7 @@ pub fn keep_and_tell(
         recording: &seen.recording,
         signals: run.signals().len(),
         rows,
-        warnings: simulation.warnings(),
+        warnings: warnings(&simulation, &schedule),
         began: Began::of(&simulation),
     };
     for file in loaded.scene().into_iter().flat_map(scene::missing_meshes) {
@@ -83,9 +85,7 @@ pub fn keep_and_tell(
             exit = Exit::Failed;
         }
     }
-    for warning in &report.warnings {
-        console.say(&format!("warning: {warning}"));
-    }
+    tell(&report.warnings, &loaded.files, console)?;
     if let Some(warning) = report.plot_warning(args) {
         console.say(&warning);
     }

@@ -1,5 +1,6 @@
 //! Runs of a sweep that are kept, as `blocksim run` keeps one.
 
+use crate::running::blame::warnings;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
@@ -124,7 +125,7 @@ impl<'a> Keeping<'a> {
             recording,
             signals: run.signals().len(),
             rows,
-            warnings: simulation.warnings(),
+            warnings: warnings(simulation, schedule),
             began: Began::of(simulation),
         };
         let events: &[EventRow] = &events;

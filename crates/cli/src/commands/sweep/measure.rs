@@ -15,7 +15,7 @@ use crate::args::model::ModelArgs;
 use crate::args::sweep::{Metric, SweepArgs, Wanted};
 use crate::failure::Failure;
 use crate::loaded::Loaded;
-use crate::running::blame::reason;
+use crate::running::blame::{reason, warnings};
 use crate::running::solver;
 use crate::signals::naming::{fits, short_names};
 use crate::signals::shown::{Shown, recording, shown, turn};
@@ -58,7 +58,8 @@ impl From<Failure> for Lost {
 const OF_ONE: [Metric; 5] =
     [Metric::LargestError, Metric::FinalError, Metric::Overshoot, Metric::Settling, Metric::Iae];
 
-/// Runs a model, keeps the run at `place` if one is given, and measures what is wanted.
+/// Runs a model, keeps the run at `place` if one is given, and measures what is wanted; `told` becomes what blocks say of their
+/// approximations.
 ///
 /// # Errors
 /// Why there are no numbers.
@@ -68,6 +69,7 @@ pub fn measure(
     args: &SweepArgs,
     model: &ModelArgs,
     place: Option<PathBuf>,
+    told: &mut Vec<Problem>,
     console: Console,
 ) -> Result<Vec<Measured>, Lost> {
     let wanted = &args.metric;
@@ -88,6 +90,7 @@ pub fn measure(
     let mut keeping = place.map(begin).transpose()?;
     let mut both = Both { rows: Rows(recording(recorded)), keeping: keeping.as_mut() };
     let outcome = simulation.run(&mut both);
+    *told = warnings(&simulation, &schedule);
     let rows = both.rows.0.unfolded(recorded.iter().map(|recorded| recorded.held).collect());
     if let Some(keeping) = keeping {
         let ended = match &outcome {

@@ -6,12 +6,15 @@ mod measure;
 mod rows;
 mod told;
 
-use blocksim_block::problem::Severity;
+use std::io;
+
+use blocksim_block::problem::{Problem, Severity};
 
 use self::combinations::Combinations;
 use self::measure::{Lost, Measured, measure};
 use crate::args::model::ModelArgs;
 use crate::args::sweep::SweepArgs;
+use crate::commands::tell;
 use crate::disk::{free, write_file};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
@@ -63,7 +66,20 @@ pub fn sweep(args: &SweepArgs, console: Console) -> Outcome {
     if live {
         console.rewrite("");
     }
-    finish(args, rows, console)
+    let (rows, warnings): (Vec<Row>, Vec<Vec<Problem>>) = rows.into_iter().unzip();
+    let exit = finish(args, rows, console)?;
+    tell_warnings(&warnings, console)?;
+    Ok(exit)
+}
+
+/// Tells what blocks say of their approximations in the first run in which they say something, and in how many they do.
+fn tell_warnings(of_runs: &[Vec<Problem>], console: Console) -> io::Result<()> {
+    let mut found = of_runs.iter().filter(|warnings| !warnings.is_empty());
+    let Some(first) = found.next() else { return Ok(()) };
+    let note = format!("something like it in {} of {}", 1 + found.count(), plural(of_runs.len(), "run"));
+    // Each run has read the texts anew, in which the places lie.
+    let plain = |warning: &Problem| Problem { labels: Vec::new(), ..warning.clone() }.note(&*note);
+    tell(&first.iter().map(plain).collect::<Vec<_>>(), &[], console)
 }
 
 /// Tells what came out of all runs.
@@ -104,21 +120,27 @@ fn finish(args: &SweepArgs, mut rows: Vec<Row>, console: Console) -> Outcome {
 }
 
 /// Runs one combination.
-fn one<'a>(args: &SweepArgs, plan: &'a Combinations, number: usize, console: Console) -> Row<'a> {
+fn one<'a>(
+    args: &SweepArgs,
+    plan: &'a Combinations,
+    number: usize,
+    console: Console,
+) -> (Row<'a>, Vec<Problem>) {
     let values = plan.values(number);
     if interrupt::is_requested() {
-        return Row { values, outcome: Err(Lost::Interrupted) };
+        return (Row { values, outcome: Err(Lost::Interrupted) }, Vec::new());
     }
     let model = model(args, &values);
     let place = args.keep.as_ref().map(|folder| folder.join(kept::name(number, plan.runs())));
+    let mut warnings = Vec::new();
     let outcome = match load(&model) {
         Ok(mut loaded) => match loaded.compiled.schedule.take() {
-            Some(schedule) => measure(&loaded, schedule, args, &model, place, console),
+            Some(schedule) => measure(&loaded, schedule, args, &model, place, &mut warnings, console),
             None => Err(Lost::Simulation(refused(&loaded))),
         },
         Err(failure) => Err(Lost::Simulation(failure.message())),
     };
-    Row { values, outcome }
+    (Row { values, outcome }, warnings)
 }
 
 /// The first error of a model.
