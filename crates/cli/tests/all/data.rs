@@ -102,3 +102,62 @@ fn numbers_do_not_depend_on_how_far_the_steps_of_the_solver_are_apart() {
         }
     }
 }
+
+/// A light rotor behind an inverter that is integrated apart from it, with steps that are too long for the tolerance.
+const COUPLED: &str = r#"Diagram(
+    simulation: (stop_time: "32 ms", solver: Ode45(rtol: 1e-6), output: Every("1 ms")),
+    blocks: {
+        "v": Constant(value: "60 V"), "f": Constant(value: "20 Hz"),
+        "inverter": SwitchedInverter(
+            vdc: "400 V", switching_frequency: "2 kHz", modulation: SpaceVector, integration: Separate(periods: 1),
+        ),
+        "machine": AsynchronousMachine(
+            rated_power: "15 kW", rated_voltage: "220 V", rated_frequency: "60 Hz", pole_pairs: 1,
+            r_s: "0.25 ohm", x_ls: "0.9 ohm", r_r: "0.14 ohm", x_lr: "0.41 ohm", x_m: "17 ohm",
+        ),
+        "rotor": Inertia(j: "1e-4 kg*m^2"), "encoder": MotionSensor, "frame": RotationalReference,
+        "s": Scope(inputs: ["w"]),
+    },
+    connections: [
+        "v.y -> inverter.v", "f.y -> inverter.f", "inverter.ac <-> machine.ac",
+        "machine.r <-> rotor.r <-> encoder.r", "machine.c <-> encoder.c <-> frame.r", "encoder.w -> s.w",
+    ],
+)
+"#;
+
+#[test]
+fn a_missed_tolerance_is_told_with_its_place_by_all_who_run_a_model() {
+    let desk = Desk::with(&[("coupled.ron", COUPLED)]);
+    let lines = |words: &[&str]| -> Vec<Value> {
+        let answer = desk.call(words);
+        assert_eq!(answer.code, Some(0), "{answer:?}");
+        answer.out.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+    };
+    let run = lines(&["run", "coupled.ron", "--json", "--out", "kept"]);
+    let sweep = [
+        "sweep",
+        "coupled.ron",
+        "--over",
+        "v.value=50..60/2",
+        "--metric",
+        "final:w",
+        "--json",
+        "--keep",
+        "all",
+    ];
+    let sweep = lines(&sweep);
+    for (told, last) in [(&run, "done"), (&sweep, "sweep")] {
+        let warning = told.iter().find(|line| line["code"] == "coupling_error").expect("a warning");
+        assert_eq!(warning["severity"], "warning");
+        assert_eq!(told.last().expect("a line")["type"], last);
+    }
+    let warning = run.iter().find(|line| line["code"] == "coupling_error").expect("a warning");
+    assert_eq!(
+        (&warning["labels"][0]["line"], &warning["labels"][0]["text"]),
+        (&5.into(), &"this is `inverter`".into())
+    );
+    for log in ["kept/log.txt", "all/1/log.txt", "all/2/log.txt"] {
+        assert!(desk.read(log).contains("warning[coupling_error]"), "{log}");
+    }
+    assert!(desk.call(&["run", "coupled.ron", "--quiet"]).err.contains("warning[coupling_error]"));
+}

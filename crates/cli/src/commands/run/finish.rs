@@ -74,6 +74,10 @@ pub fn keep_and_tell(
     };
     // As the user wrote it, where they did.
     let place = args.out.as_ref().unwrap_or(&place).display().to_string();
+    // The last line of data is that of the run.
+    if args.json {
+        tell(&report.warnings, &loaded.files, console)?;
+    }
     console.data(&match (args.json, args.quiet) {
         (true, _) => format!("{}\n", report.json(&place)),
         (_, true) => format!("{place}\n"),
@@ -85,7 +89,9 @@ pub fn keep_and_tell(
             exit = Exit::Failed;
         }
     }
-    tell(&report.warnings, &loaded.files, console)?;
+    if !args.json {
+        tell(&report.warnings, &loaded.files, console)?;
+    }
     if let Some(warning) = report.plot_warning(args) {
         console.say(&warning);
     }

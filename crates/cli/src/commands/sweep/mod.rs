@@ -67,9 +67,8 @@ pub fn sweep(args: &SweepArgs, console: Console) -> Outcome {
         console.rewrite("");
     }
     let (rows, warnings): (Vec<Row>, Vec<Vec<Problem>>) = rows.into_iter().unzip();
-    let exit = finish(args, rows, console)?;
     tell_warnings(&warnings, console)?;
-    Ok(exit)
+    finish(args, rows, console)
 }
 
 /// Tells what blocks say of their approximations in the first run in which they say something, and in how many they do.
