@@ -1,115 +1,92 @@
-//! Runs random models against the reference:
-//! `cargo run --release -p blocksim-tests --features random_models --bin random_models -- --count 2000`.
+//! Runs random models of a class against their reference:
+//! `cargo run --release -p blocksim-tests --features random_models --bin random_models -- --class circuits --count 2000`.
 //!
-//! `--class sampled` or `mechanisms` takes those instead of models of any signals; `--settings TEXT` follows their stop time.
-//! `--seed N` is the first seed, `--variants` tries all methods and orders, `--show SEED` prints a model. What fails is shrunk and
-//! printed as a diagram with what was expected and found.
+//! | flag | meaning |
+//! |---|---|
+//! | `--class NAME` | `signals` (default), `sampled`, `mechanisms`, `circuits` or `shafts` |
+//! | `--seed N` | first seed, 1 if absent |
+//! | `--count N` | number of models, 200 if absent |
+//! | `--settings TEXT` | what follows the stop time, such as `, solver: Ode23()` |
+//! | `--variants` | all methods and orders, one after the other |
+//! | `--shrink N` | number of failures that are shrunk to the least model, 10 if absent |
+//! | `--undecided` | prints the seeds that nobody can decide, too |
+//! | `--show` | prints the model of the first seed, its diagram and what becomes of it |
 
-use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::ops::Range;
 
 use blocksim_tests::random::{
-    Finding, Mechanisms, Model, Puzzle, Sampled, Variant, Verdict, diagram, generate, judge, least, shrink,
-    vary,
+    Circuit, Finding, Mechanisms, Puzzle, Sampled, Shafts, Signals, Variant, least, survey, vary,
 };
 
 fn main() -> io::Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let number = |flag: &str, default: u64| {
-        let at = arguments.iter().position(|argument| argument == flag);
-        at.and_then(|at| arguments.get(at + 1)).and_then(|text| text.parse().ok()).unwrap_or(default)
-    };
-    let has = |flag: &str| arguments.iter().any(|argument| argument == flag);
+    let orders = Orders { arguments: std::env::args().skip(1).collect() };
     let out = &mut io::stdout().lock();
-    let (first, count, most) = (number("--seed", 1), number("--count", 200), number("--shrink", 10));
-    let word = |flag: &str| arguments.iter().skip_while(|argument| *argument != flag).nth(1).cloned();
-    let settings = word("--settings").unwrap_or_default();
-    match word("--class").as_deref() {
-        Some("mechanisms") => return solve::<Mechanisms>(first..first + count, &settings, most, out),
-        Some("sampled") => return solve::<Sampled>(first..first + count, &settings, most, out),
-        Some(other) => return writeln!(out, "no class `{other}`"),
-        None => {}
+    match orders.word("--class").unwrap_or("signals") {
+        "signals" => orders.follow::<Signals>(out),
+        "sampled" => orders.follow::<Sampled>(out),
+        "mechanisms" => orders.follow::<Mechanisms>(out),
+        "circuits" => orders.follow::<Circuit>(out),
+        "shafts" => orders.follow::<Shafts>(out),
+        other => writeln!(out, "there is no class `{other}`"),
     }
-    if has("--show") {
-        let model = generate(number("--show", 1));
-        writeln!(
-            out,
-            "{}\n{model:?}\n{:?}",
-            diagram(&model, &Variant::plain()),
-            judge(&model, &Variant::plain())
-        )?;
-        return Ok(());
-    }
-    let variants = match () {
-        () if has("--variants") => vary(),
-        () if has("--fine") => vec![Variant::fine()],
-        () => vec![Variant::plain()],
-    };
-    let mut tally: BTreeMap<String, u32> = BTreeMap::new();
-    let mut shrunk = 0;
-    for seed in first..first + count {
-        let model = generate(seed);
-        for variant in &variants {
-            let verdict = judge(&model, variant);
-            let what = match &verdict {
-                Verdict::Right => "right".to_owned(),
-                Verdict::Undecided(why) => format!("undecided: {why:?}"),
-                Verdict::Wrong(faults) => format!("wrong: {}", faults[0].class()),
-            };
-            *tally.entry(format!("{}: {what}", variant.name)).or_default() += 1;
-            if matches!(verdict, Verdict::Undecided(_)) {
-                break;
-            }
-            if let Verdict::Wrong(faults) = &verdict {
-                writeln!(out, "seed {seed}, {}: {:?}", variant.name, faults[0])?;
-                if shrunk < most {
-                    shrunk += 1;
-                    let least = shrink(&model, variant);
-                    *tally.entry(format!("    {}: {}", variant.name, kinds(&least))).or_default() += 1;
-                    tell(out, &least, variant)?;
-                }
-            }
-        }
-    }
-    tally.iter().try_for_each(|(what, count)| writeln!(out, "{count:6}  {what}"))
 }
 
-/// Runs models of one class.
-fn solve<P: Puzzle>(seeds: Range<u64>, settings: &str, most: u64, out: &mut impl Write) -> io::Result<()> {
-    let mut tally: BTreeMap<String, u32> = BTreeMap::new();
-    let mut shrunk = 0;
-    for seed in seeds {
-        let model = P::of(seed);
-        let finding = model.judge(settings);
-        let class = match &finding {
-            Finding::Right => "right".to_owned(),
-            Finding::Undecided(why) => format!("undecided: {why}"),
-            Finding::Wrong(kind, _) => format!("wrong: {kind}"),
+/// What is asked for.
+struct Orders {
+    arguments: Vec<String>,
+}
+
+impl Orders {
+    fn word(&self, flag: &str) -> Option<&str> {
+        self.arguments.iter().skip_while(|argument| *argument != flag).nth(1).map(String::as_str)
+    }
+
+    fn number(&self, flag: &str, default: u64) -> u64 {
+        self.word(flag).and_then(|text| text.parse().ok()).unwrap_or(default)
+    }
+
+    fn has(&self, flag: &str) -> bool {
+        self.arguments.iter().any(|argument| argument == flag)
+    }
+
+    fn follow<P: Puzzle>(&self, out: &mut impl Write) -> io::Result<()> {
+        let (first, count) = (self.number("--seed", 1), self.number("--count", 200));
+        let variants = match self.word("--settings") {
+            Some(settings) => vec![Variant::with(settings)],
+            None if self.has("--variants") => vary(),
+            None => vec![Variant::plain()],
         };
-        *tally.entry(class).or_default() += 1;
-        let Finding::Wrong(_, what) = finding else { continue };
-        writeln!(out, "seed {seed}: {what}")?;
-        if shrunk < most {
-            shrunk += 1;
-            let least = least(&model, settings);
-            writeln!(out, "{least:?}\n{:?}\n{}", least.judge(settings), least.text(settings))?;
+        if self.has("--show") {
+            let model = P::of(first);
+            let variant = &variants[0];
+            return writeln!(out, "{}\n{model:?}\n{:?}", model.text(variant), model.judge(variant));
         }
+        let mut left = self.number("--shrink", 10);
+        for variant in &variants {
+            let mut told = Ok(());
+            let mut tell = |seed: u64, model: &P, finding: &Finding| match finding {
+                Finding::Right => Ok(()),
+                Finding::Undecided(why) if self.has("--undecided") => writeln!(out, "seed {seed}: {why}"),
+                Finding::Undecided(_) => Ok(()),
+                Finding::Wrong(fault) => {
+                    writeln!(out, "seed {seed}, {}: {}: {}", variant.name, fault.kind, fault.what)?;
+                    if left == 0 {
+                        return Ok(());
+                    }
+                    left -= 1;
+                    let least = least(model, variant);
+                    writeln!(out, "{least:?}\n{:?}\n{}", least.judge(variant), least.text(variant))?;
+                    out.flush()
+                }
+            };
+            let survey = survey::<P>(first..first + count, variant, |seed, model, finding| {
+                if told.is_ok() {
+                    told = tell(seed, model, finding);
+                }
+            });
+            told?;
+            writeln!(out, "{}:\n{survey}", variant.name)?;
+        }
+        Ok(())
     }
-    tally.iter().try_for_each(|(what, count)| writeln!(out, "{count:6}  {what}"))
-}
-
-/// The kinds of the nodes of a model.
-fn kinds(model: &Model) -> String {
-    let mut kinds: Vec<&str> = model.nodes.iter().map(|node| node.law.kind()).collect();
-    kinds.sort_unstable();
-    kinds.join(" ")
-}
-
-/// A model and what is wrong with it.
-fn tell(out: &mut impl Write, model: &Model, variant: &Variant) -> io::Result<()> {
-    if let Verdict::Wrong(faults) = judge(model, variant) {
-        faults.iter().try_for_each(|fault| writeln!(out, "    {fault:?}"))?;
-    }
-    writeln!(out, "{}", diagram(model, variant))
 }

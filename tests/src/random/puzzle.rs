@@ -1,44 +1,154 @@
-//! What all classes of random models have in common: a model of a seed, its judge, smaller models.
+//! What all classes of random models have in common: a model of a seed, its reference, its judge, smaller models.
 
-use std::fmt::Debug;
+use std::cell::OnceCell;
+use std::fmt::{self, Debug};
+
+use super::variants::Variant;
+use crate::{Run, compile_text, run};
+
+/// Why nobody can say what comes out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Undecided {
+    /// Switches more often than anyone counts.
+    Chatters,
+    /// A threshold is touched or nearly so.
+    Grazes,
+    /// Two things happen at nearly the same time.
+    Coincides,
+    /// Grows beyond all bounds.
+    Grows,
+    /// The steps of the reference are too long.
+    Coarse,
+    /// Turns out otherwise if something changes by some millionths.
+    Sensitive,
+}
+
+impl fmt::Display for Undecided {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Undecided::Chatters => "chatters",
+            Undecided::Grazes => "grazes a threshold",
+            Undecided::Coincides => "two things coincide",
+            Undecided::Grows => "grows",
+            Undecided::Coarse => "the reference is too coarse",
+            Undecided::Sensitive => "sensitive",
+        })
+    }
+}
+
+/// What is wrong with a run: its kind, and what it is in words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fault {
+    /// A word that tells kinds of faults apart.
+    pub kind: &'static str,
+    /// Where, what was expected, what was found.
+    pub what: String,
+}
+
+impl Fault {
+    /// What is wrong, in words.
+    pub fn new(kind: &'static str, what: String) -> Self {
+        Self { kind, what }
+    }
+
+    /// A value that is further from what is known than it may be.
+    pub fn value(kind: &'static str, name: &str, found: f64, expected: f64, slack: f64) -> Option<Self> {
+        let is_off = (found - expected).abs() > slack || found.is_nan();
+        is_off.then(|| Self::new(kind, format!("{name} is {found} instead of {expected} (+-{slack:.1e})")))
+    }
+}
 
 /// What became of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Finding {
     /// Engine and reference agree.
     Right,
-    /// Nobody can say what comes out, and why.
-    Undecided(&'static str),
-    /// They do not agree: the kind of fault, and what it is in words.
-    Wrong(&'static str, String),
+    /// Nobody can say what comes out.
+    Undecided(Undecided),
+    /// They do not agree.
+    Wrong(Fault),
 }
 
 /// A class of random models.
 pub trait Puzzle: Sized + Clone + Debug + PartialEq {
+    /// What the reference makes of a model.
+    type Outcome;
+
+    /// How often the reference may be made finer.
+    const EFFORT: u32 = 1;
+
     /// The model of a seed.
     fn of(seed: u64) -> Self;
 
-    /// Its diagram; `settings` follow the stop time, such as `, solver: Ode23()`.
-    fn text(&self, settings: &str) -> String;
+    /// Its diagram, put as the variant says.
+    fn text(&self, variant: &Variant) -> String;
 
-    /// Runs it by the engine and by the reference.
-    fn judge(&self, settings: &str) -> Finding;
+    /// What comes out, or why nobody knows. The greater the effort, the shorter the steps.
+    ///
+    /// # Errors
+    /// Says why nobody knows.
+    fn refer(&self, effort: u32) -> Result<Self::Outcome, Undecided>;
+
+    /// The first difference between a run and what is known, if there is one.
+    fn compare(&self, outcome: &Self::Outcome, run: &Run) -> Option<Fault>;
 
     /// Models that are a little simpler, the much simpler ones first.
     fn simpler(&self) -> Vec<Self>;
+
+    /// Runs it by the engine and by the reference. Where these differ, and where the reference is too coarse, it is made finer
+    /// before it is believed.
+    fn judge(&self, variant: &Variant) -> Finding {
+        let run = OnceCell::new();
+        let mut finding = Finding::Undecided(Undecided::Coarse);
+        for effort in 0..=Self::EFFORT {
+            let outcome = match self.refer(effort) {
+                Ok(outcome) => outcome,
+                Err(Undecided::Coarse) => continue,
+                Err(why) => return Finding::Undecided(why),
+            };
+            let fault = match run.get_or_init(|| by_engine(&self.text(variant))) {
+                Ok(run) => self.compare(&outcome, run),
+                Err(fault) => return Finding::Wrong(fault.clone()),
+            };
+            match fault {
+                None => return Finding::Right,
+                Some(fault) => finding = Finding::Wrong(fault),
+            }
+        }
+        finding
+    }
 }
 
-/// The smallest model that still fails in the same way.
-pub fn least<P: Puzzle>(puzzle: &P, settings: &str) -> P {
-    let Finding::Wrong(kind, _) = puzzle.judge(settings) else { return puzzle.clone() };
-    let fails = |puzzle: &P| matches!(puzzle.judge(settings), Finding::Wrong(found, _) if found == kind);
-    let mut best = puzzle.clone();
-    for _ in 0..50 {
-        let Some(smaller) = best.simpler().into_iter().find(|smaller| *smaller != best && fails(smaller))
-        else {
-            return best;
-        };
-        best = smaller;
+/// Runs a diagram; a fault where it is refused or fails.
+pub(super) fn by_engine(text: &str) -> Result<Run, Fault> {
+    let (compiled, problems) = compile_text(text);
+    let schedule = compiled.schedule.ok_or_else(|| Fault::new("refused", problems))?;
+    let run = run(schedule);
+    match &run.error {
+        Some(error) => Err(Fault::new("refused", format!("{} {}", error.code, error.message))),
+        None => Ok(run),
     }
-    best
+}
+
+/// Smaller models that are tried at most.
+const TRIES: usize = 400;
+
+/// The smallest model that still fails in the same way.
+pub fn least<P: Puzzle>(puzzle: &P, variant: &Variant) -> P {
+    let Finding::Wrong(fault) = puzzle.judge(variant) else { return puzzle.clone() };
+    let fails =
+        |puzzle: &P| matches!(puzzle.judge(variant), Finding::Wrong(found) if found.kind == fault.kind);
+    let mut best = puzzle.clone();
+    let mut left = TRIES;
+    loop {
+        let mut candidates = best.simpler().into_iter().filter(|smaller| *smaller != best);
+        let smaller = candidates.find(|smaller| {
+            left = left.saturating_sub(1);
+            left > 0 && fails(smaller)
+        });
+        match smaller {
+            Some(smaller) => best = smaller,
+            None => return best,
+        }
+    }
 }

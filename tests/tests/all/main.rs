@@ -44,10 +44,7 @@ mod parameters;
 #[cfg(unix)]
 mod plugins;
 mod power;
-mod random_mechanisms;
-mod random_sampled;
-mod random_shafts;
-mod random_signals;
+mod random_models;
 mod redundant_friction;
 mod responses;
 mod robots;

@@ -18,8 +18,9 @@ mod plant;
 mod text;
 mod walk;
 
-use super::puzzle::{Finding, Puzzle};
-use crate::{Run, compile_text, run};
+use super::puzzle::{Fault, Puzzle, Undecided};
+use super::variants::Variant;
+use crate::Run;
 use walk::{Ends, refer};
 
 /// By how much a run at default settings may be off, as part of the size of a motion.
@@ -96,31 +97,26 @@ pub struct Mechanisms {
 }
 
 impl Puzzle for Mechanisms {
+    type Outcome = Vec<Ends>;
+
     fn of(seed: u64) -> Self {
         draw::draw(seed)
     }
 
-    fn text(&self, settings: &str) -> String {
-        text::diagram(self, settings)
+    fn text(&self, variant: &Variant) -> String {
+        text::diagram(self, variant)
     }
 
-    fn judge(&self, settings: &str) -> Finding {
-        let mut ends = Vec::new();
-        for one in &self.all {
-            match refer(one, self.stop, SLACK) {
-                Ok(end) if matches!(one, Mechanism::Ball { .. }) => ends.push(end.at_least(BOUNCING)),
-                Ok(end) => ends.push(end),
-                Err(why) => return Finding::Undecided(why),
-            }
-        }
-        let (compiled, problems) = compile_text(&self.text(settings));
-        let Some(schedule) = compiled.schedule else { return Finding::Wrong("refused", problems) };
-        let run = run(schedule);
-        if let Some(error) = &run.error {
-            return Finding::Wrong("refused", format!("{} {}", error.code, error.message));
-        }
-        let wrong = ends.iter().enumerate().find_map(|(i, ends)| compare(i, ends, &run));
-        wrong.map_or(Finding::Right, |what| Finding::Wrong("end", what))
+    fn refer(&self, effort: u32) -> Result<Vec<Ends>, Undecided> {
+        let known = |one: &Mechanism| {
+            let ends = refer(one, self.stop, SLACK, effort)?;
+            Ok(if matches!(one, Mechanism::Ball { .. }) { ends.at_least(BOUNCING) } else { ends })
+        };
+        self.all.iter().map(known).collect()
+    }
+
+    fn compare(&self, ends: &Vec<Ends>, run: &Run) -> Option<Fault> {
+        ends.iter().enumerate().find_map(|(i, ends)| compare(i, ends, run))
     }
 
     fn simpler(&self) -> Vec<Self> {
@@ -192,10 +188,9 @@ impl Mechanism {
 }
 
 /// The first difference, if there is one.
-fn compare(i: usize, ends: &Ends, run: &Run) -> Option<String> {
+fn compare(i: usize, ends: &Ends, run: &Run) -> Option<Fault> {
     ends.values.iter().zip(&ends.slack).enumerate().find_map(|(k, (expected, slack))| {
         let found = run.last(&format!("show{i}.v{k}"));
-        ((found - expected).abs() > *slack || found.is_nan())
-            .then(|| format!("mechanism {i}: v{k} ends at {found} instead of {expected} (+-{slack:.1e})"))
+        Fault::value("end", &format!("v{k} of mechanism {i}"), found, *expected, *slack)
     })
 }

@@ -1,26 +1,16 @@
 //! Mechanisms as a diagram.
 
+use super::super::sheet::Sheet;
+use super::super::variants::Variant;
 use super::{Bar, Drive, Joint, Mechanism, Mechanisms};
 
-pub(super) fn diagram(model: &Mechanisms, settings: &str) -> String {
+pub(super) fn diagram(model: &Mechanisms, variant: &Variant) -> String {
     let mut sheet = Sheet::default();
     sheet.block("world", "World");
     for (i, one) in model.all.iter().enumerate() {
-        sheet.one(i, one);
+        sheet.mechanism(i, one);
     }
-    let Sheet { blocks, wires } = sheet;
-    format!(
-        "Diagram(\n    simulation: (stop_time: \"{:?} s\"{settings}),\n    blocks: {{\n{}    }},\n    connections: [\n{}    ],\n)\n",
-        model.stop,
-        blocks.concat(),
-        wires.concat()
-    )
-}
-
-#[derive(Default)]
-struct Sheet {
-    blocks: Vec<String>,
-    wires: Vec<String>,
+    sheet.finish(model.stop, variant)
 }
 
 /// The x-z plane: angles turn x towards z with this axis, and straight down towards -x with the opposite one.
@@ -28,20 +18,9 @@ const UPWARDS: &str = "[0, -1, 0]";
 const HANGING: &str = "[0, 1, 0]";
 
 impl Sheet {
-    fn block(&mut self, name: &str, text: &str) {
-        self.blocks.push(format!("        \"{name}\": {text},\n"));
-    }
-
-    fn wire(&mut self, wire: &str) {
-        self.wires.push(format!("        \"{wire}\",\n"));
-    }
-
-    fn show(&mut self, i: usize, outputs: &[String]) {
-        let names: Vec<String> = (0..outputs.len()).map(|k| format!("\"v{k}\"")).collect();
-        self.block(&format!("show{i}"), &format!("Scope(inputs: [{}])", names.join(", ")));
-        for (k, output) in outputs.iter().enumerate() {
-            self.wire(&format!("{output} -> show{i}.v{k}"));
-        }
+    fn show(&mut self, i: usize, outputs: impl Iterator<Item = String>) {
+        let outputs: Vec<_> = outputs.enumerate().map(|(k, from)| (format!("v{k}"), from)).collect();
+        self.scope(&format!("show{i}"), &outputs);
     }
 
     /// A joint with what acts in it; `turns` says of which kind it is.
@@ -101,7 +80,7 @@ impl Sheet {
         self.block(&format!("{name}_end"), &format!("Transform(translation: {})", at(bar.length)));
     }
 
-    fn one(&mut self, i: usize, one: &Mechanism) {
+    fn mechanism(&mut self, i: usize, one: &Mechanism) {
         match one {
             Mechanism::Chain { bars, joints, start, drive } => {
                 let mut from = "world.frame".to_owned();
@@ -117,7 +96,7 @@ impl Sheet {
                     shown.extend([format!("{name}.q"), format!("{name}.w")]);
                 }
                 self.drive(i, drive, &format!("joint{i}_0"));
-                self.show(i, &shown);
+                self.show(i, shown.into_iter());
             }
             Mechanism::Slider { crank, rod, piston, joints, start, drive } => {
                 let begin = format!(", position: {:?}, velocity: {:?}", start.0, start.1);
@@ -144,7 +123,7 @@ impl Sheet {
                 self.wire(&format!("wrist{i}.follower <-> slide{i}.follower <-> piston{i}.frame"));
                 self.drive(i, drive, &format!("crank{i}"));
                 let shown = ["crank", "crank", "slide", "slide"].iter().zip([".q", ".w", ".x", ".v"]);
-                self.show(i, &shown.map(|(joint, output)| format!("{joint}{i}{output}")).collect::<Vec<_>>());
+                self.show(i, shown.map(|(joint, output)| format!("{joint}{i}{output}")));
             }
             Mechanism::FourBar { bars, ground, joints, start, drive } => {
                 let begin = format!(", position: {:?}, velocity: {:?}", start.0, start.1);
@@ -173,7 +152,7 @@ impl Sheet {
                 self.wire(&format!("pivot{i}.base <-> ground{i}.follower"));
                 self.drive(i, drive, &format!("crank{i}"));
                 let shown = ["crank", "crank", "pivot", "pivot"].iter().zip([".q", ".w", ".q", ".w"]);
-                self.show(i, &shown.map(|(joint, output)| format!("{joint}{i}{output}")).collect::<Vec<_>>());
+                self.show(i, shown.map(|(joint, output)| format!("{joint}{i}{output}")));
             }
             Mechanism::Ball {
                 mass,
@@ -208,7 +187,7 @@ impl Sheet {
                 self.wire(&format!("fall{i}.follower <-> ball{i}.frame <-> touch{i}.follower"));
                 self.wire(&format!("plane{i}.follower <-> touch{i}.base"));
                 let shown = ["across", "across", "fall", "fall"].iter().zip([".x", ".v", ".x", ".v"]);
-                self.show(i, &shown.map(|(joint, output)| format!("{joint}{i}{output}")).collect::<Vec<_>>());
+                self.show(i, shown.map(|(joint, output)| format!("{joint}{i}{output}")));
             }
         }
     }

@@ -2,16 +2,18 @@
 //! keeps its joint from moving, and both change where bisection says.
 
 use super::super::dice::Dice;
+use super::super::puzzle::Undecided;
 use super::Mechanism;
 use super::plant::Point;
 
-/// Steps of the coarse run.
+/// Steps of the coarse run at the least effort, and by how much there are more at the next.
 const STEPS: usize = 10_000;
+const FINER: usize = 4;
 /// Forces and speeds at the start are changed by this part to see what depends on them.
 const CHANGE: f64 = 1e-5;
 
 /// Places and speeds of the joints in the end.
-pub(super) struct Ends {
+pub struct Ends {
     pub values: Vec<f64>,
     /// By how much they may be off.
     pub slack: Vec<f64>,
@@ -27,10 +29,11 @@ impl Ends {
 }
 
 /// What comes out, or why nobody knows.
-pub(super) fn refer(one: &Mechanism, stop: f64, slack: f64) -> Result<Ends, &'static str> {
+pub(super) fn refer(one: &Mechanism, stop: f64, slack: f64, effort: u32) -> Result<Ends, Undecided> {
+    let steps = STEPS * FINER.pow(effort);
     let exact = [1.0; 3];
-    let coarse = Walk::new(one, exact).finish(stop, STEPS)?;
-    let mut fine = Walk::new(one, exact).finish(stop, 2 * STEPS)?;
+    let coarse = Walk::new(one, exact).finish(stop, steps)?;
+    let mut fine = Walk::new(one, exact).finish(stop, 2 * steps)?;
     let widen = |fine: &mut Ends, a: &Ends, b: &Ends, factor: f64| {
         for k in 0..fine.slack.len() {
             fine.slack[k] = fine.slack[k].max(factor * (a.values[k] - b.values[k]).abs());
@@ -43,15 +46,15 @@ pub(super) fn refer(one: &Mechanism, stop: f64, slack: f64) -> Result<Ends, &'st
         Ends { values: fine.values.clone(), slack: fine.slack.clone(), sizes: fine.sizes.clone() };
     widen(&mut sharp, &fine, &coarse, 2.0);
     if !known(&sharp) {
-        return Err("coarse");
+        return Err(Undecided::Coarse);
     }
     for seed in [1, 2] {
         let mut dice = Dice::new(seed);
         let changes = std::array::from_fn(|_| 1.0 + CHANGE * (2.0 * dice.unit() - 1.0));
-        let other = Walk::new(one, changes).finish(stop, STEPS).map_err(|_| "sensitive")?;
+        let other = Walk::new(one, changes).finish(stop, steps).map_err(|_| Undecided::Sensitive)?;
         widen(&mut sharp, &coarse, &other, 5.0);
     }
-    if known(&sharp) { Ok(sharp) } else { Err("sensitive") }
+    if known(&sharp) { Ok(sharp) } else { Err(Undecided::Sensitive) }
 }
 
 struct Walk<'a> {
@@ -78,7 +81,7 @@ impl<'a> Walk<'a> {
         walk
     }
 
-    fn finish(mut self, stop: f64, steps: usize) -> Result<Ends, &'static str> {
+    fn finish(mut self, stop: f64, steps: usize) -> Result<Ends, Undecided> {
         let h = stop / steps as f64;
         let mut sizes = vec![0.0_f64; self.one.shown(&self.q, &self.w).len()];
         let mut changes = 0;
@@ -95,7 +98,7 @@ impl<'a> Walk<'a> {
             } else {
                 changes += 1;
                 if changes > 2000 {
-                    return Err("chatters");
+                    return Err(Undecided::Chatters);
                 }
                 let (mut near, mut far) = (0.0, end - self.t);
                 while far - near > 1e-13 {
@@ -120,7 +123,7 @@ impl<'a> Walk<'a> {
                 *size = size.max(value.abs());
             }
             if !shown.iter().all(|value| value.abs() < 1e4) {
-                return Err("grows");
+                return Err(Undecided::Grows);
             }
         }
         // A place is known no better than what a speed does to it.

@@ -18,8 +18,9 @@ mod plant;
 mod reference;
 mod text;
 
-use super::puzzle::{Finding, Puzzle};
-use crate::{Run, compile_text, run};
+use super::puzzle::{Fault, Puzzle, Undecided};
+use super::variants::Variant;
+use crate::Run;
 use reference::{Outcome, refer};
 
 /// By how much a run at default settings may be off, as part of the size of a signal.
@@ -130,31 +131,25 @@ pub struct Sampled {
 }
 
 impl Puzzle for Sampled {
+    type Outcome = Vec<Outcome>;
+    const EFFORT: u32 = 0;
+
     fn of(seed: u64) -> Self {
         draw::draw(seed)
     }
 
-    fn text(&self, settings: &str) -> String {
-        text::diagram(self, settings)
+    fn text(&self, variant: &Variant) -> String {
+        text::diagram(self, variant)
     }
 
-    fn judge(&self, settings: &str) -> Finding {
-        let mut outcomes = Vec::new();
-        for one in &self.loops {
-            match refer(one, self.stop, SLACK) {
-                Ok(outcome) => outcomes.push(outcome),
-                Err(why) => return Finding::Undecided(why),
-            }
-        }
-        let (compiled, problems) = compile_text(&self.text(settings));
-        let Some(schedule) = compiled.schedule else { return Finding::Wrong("refused", problems) };
-        let run = run(schedule);
-        if let Some(error) = &run.error {
-            return Finding::Wrong("refused", format!("{} {}", error.code, error.message));
-        }
-        let wrong =
-            outcomes.iter().enumerate().find_map(|(i, outcome)| compare(i, outcome, &self.loops[i], &run));
-        wrong.map_or(Finding::Right, |(kind, what)| Finding::Wrong(kind, what))
+    /// Its plants are exact whatever the effort.
+    fn refer(&self, _effort: u32) -> Result<Vec<Outcome>, Undecided> {
+        self.loops.iter().map(|one| refer(one, self.stop, SLACK)).collect()
+    }
+
+    fn compare(&self, outcomes: &Vec<Outcome>, run: &Run) -> Option<Fault> {
+        let mut loops = self.loops.iter().zip(outcomes).enumerate();
+        loops.find_map(|(i, (one, outcome))| compare(i, outcome, one, run))
     }
 
     fn simpler(&self) -> Vec<Self> {
@@ -222,14 +217,12 @@ impl Loop {
 }
 
 /// The first difference, if there is one.
-fn compare(i: usize, outcome: &Outcome, one: &Loop, run: &Run) -> Option<(&'static str, String)> {
+fn compare(i: usize, outcome: &Outcome, one: &Loop, run: &Run) -> Option<Fault> {
     for (name, expected, slack) in outcome.ends() {
         let found = run.last(&format!("show{i}.{name}"));
-        if (found - expected).abs() > slack || found.is_nan() {
-            return Some((
-                "end",
-                format!("loop {i}: {name} ends at {found} instead of {expected} (+-{slack:.1e})"),
-            ));
+        let fault = Fault::value("end", &format!("{name} of loop {i}"), found, expected, slack);
+        if fault.is_some() {
+            return fault;
         }
     }
     let slack = SLACK * (outcome.control_size() + 1e-3);
@@ -241,8 +234,9 @@ fn compare(i: usize, outcome: &Outcome, one: &Loop, run: &Run) -> Option<(&'stat
         // What is held has no row of its own before the next sample.
         let row = run.time.partition_point(|time| *time <= t).max(1) - 1;
         let found = run.column(&format!("show{i}.c"))[row];
-        if (found - expected).abs() > slack || found.is_nan() {
-            return Some(("sample", format!("loop {i}: c is {found} instead of {expected} in sample {k}")));
+        let fault = Fault::value("sample", &format!("c of loop {i} in sample {k}"), found, expected, slack);
+        if fault.is_some() {
+            return fault;
         }
     }
     None

@@ -1,6 +1,7 @@
 //! A loop over its samples.
 
 use super::super::dice::Dice;
+use super::super::puzzle::Undecided;
 use super::control::Memory;
 use super::plant::Plant;
 use super::{Loop, Measuring, Signal, Static};
@@ -9,7 +10,7 @@ use super::{Loop, Measuring, Signal, Static};
 const CHANGE: f64 = 1e-5;
 
 /// What comes out of a loop.
-pub(super) struct Outcome {
+pub struct Outcome {
     /// Behind the first half and behind all, in the end.
     outputs: [f64; 2],
     sizes: [f64; 2],
@@ -50,12 +51,12 @@ impl Outcome {
 }
 
 /// What comes out, or why nobody knows.
-pub(super) fn refer(one: &Loop, stop: f64, slack: f64) -> Result<Outcome, &'static str> {
+pub(super) fn refer(one: &Loop, stop: f64, slack: f64) -> Result<Outcome, Undecided> {
     let outcome = walk(one, stop, slack, None)?;
     for seed in [1, 2] {
         let other = walk(one, stop, slack, Some((&outcome, seed)))?;
         if outcome.differs(&other) {
-            return Err("sensitive");
+            return Err(Undecided::Sensitive);
         }
     }
     Ok(outcome)
@@ -90,7 +91,7 @@ impl Static {
     }
 }
 
-fn walk(one: &Loop, stop: f64, slack: f64, change: Option<(&Outcome, u64)>) -> Result<Outcome, &'static str> {
+fn walk(one: &Loop, stop: f64, slack: f64, change: Option<(&Outcome, u64)>) -> Result<Outcome, Undecided> {
     let mut dice = Dice::new(change.map_or(0, |(_, seed)| seed));
     let mut changed = |value: f64, output: usize| {
         let size = change.map_or(0.0, |(outcome, _)| CHANGE * (outcome.sizes[output] + 1e-3));
@@ -112,7 +113,7 @@ fn walk(one: &Loop, stop: f64, slack: f64, change: Option<(&Outcome, u64)>) -> R
         }
         plant.go(t);
         if !plant.outputs().iter().all(|y| y.abs() < 1e4) {
-            return Err("grows");
+            return Err(Undecided::Grows);
         }
         if let Some((_, outer)) = outer.as_mut().filter(|_| later <= t + SAME) {
             set = outer.next(one.reference.at(t) - changed(plant.outputs()[1], 1));

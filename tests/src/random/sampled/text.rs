@@ -1,44 +1,19 @@
 //! Loops as a diagram.
 
+use super::super::sheet::Sheet;
+use super::super::variants::Variant;
 use super::{Controller, Loop, Measuring, Sampled, Signal, Stage, Static, Sum, Windup};
 
-pub(super) fn diagram(model: &Sampled, settings: &str) -> String {
+pub(super) fn diagram(model: &Sampled, variant: &Variant) -> String {
     let mut sheet = Sheet::default();
     for (i, one) in model.loops.iter().enumerate() {
-        sheet.one(i, one);
+        sheet.control_loop(i, one);
     }
-    let Sheet { blocks, wires } = sheet;
-    format!(
-        "Diagram(\n    simulation: (stop_time: \"{:?} s\"{settings}),\n    blocks: {{\n{}    }},\n    connections: [\n{}    ],\n)\n",
-        model.stop,
-        blocks.concat(),
-        wires.concat()
-    )
-}
-
-#[derive(Default)]
-struct Sheet {
-    blocks: Vec<String>,
-    wires: Vec<String>,
+    sheet.finish(model.stop, variant)
 }
 
 impl Sheet {
-    fn block(&mut self, name: &str, text: &str) {
-        self.blocks.push(format!("        \"{name}\": {text},\n"));
-    }
-
-    fn wire(&mut self, from: &str, to: &str) {
-        self.wires.push(format!("        \"{from} -> {to}\",\n"));
-    }
-
-    /// A block behind a signal; returns its output.
-    fn behind(&mut self, from: &str, name: &str, text: &str) -> String {
-        self.block(name, text);
-        self.wire(from, &format!("{name}.u"));
-        format!("{name}.y")
-    }
-
-    fn one(&mut self, i: usize, one: &Loop) {
+    fn control_loop(&mut self, i: usize, one: &Loop) {
         let ts = one.ts;
         let name = |what: &str| format!("{what}{i}");
         self.block(&name("reference"), &source(&one.reference));
@@ -68,13 +43,13 @@ impl Sheet {
         let mut wanted = format!("{}.y", name("reference"));
         if let Some((slow, law)) = &one.outer {
             self.block(&name("outer_error"), "Sum(signs: \"+-\")");
-            self.wire(&wanted, &format!("{}.u1", name("outer_error")));
-            self.wire(&y, &format!("{}.u2", name("outer_error")));
+            self.signal(&wanted, &format!("{}.u1", name("outer_error")));
+            self.signal(&y, &format!("{}.u2", name("outer_error")));
             wanted = self.controller(&format!("{}.y", name("outer_error")), &name("outer"), *slow, law);
         }
         self.block(&name("error"), "Sum(signs: \"+-\")");
-        self.wire(&wanted, &format!("{}.u1", name("error")));
-        self.wire(&seen, &format!("{}.u2", name("error")));
+        self.signal(&wanted, &format!("{}.u1", name("error")));
+        self.signal(&seen, &format!("{}.u2", name("error")));
         let c = self.controller(&format!("{}.y", name("error")), &name("controller"), ts, &one.controller);
         let mut given = c.clone();
         for (k, part) in one.actuator.iter().enumerate() {
@@ -89,14 +64,14 @@ impl Sheet {
             let text = format!("RateLimiter(rising: {rate:?}, falling: {:?})", -rate);
             given = self.behind(&given, &name("rate"), &text);
         }
-        self.wire(&given, &format!("{}.u1", name("drive")));
+        self.signal(&given, &format!("{}.u1", name("drive")));
         self.count(i, one, measured);
         self.block(&name("per_second"), "Gain(k: \"1 1/s\")");
-        self.wire(&y, &format!("{}.u", name("per_second")));
+        self.signal(&y, &format!("{}.u", name("per_second")));
         let sum = self.behind(&format!("{}.y", name("per_second")), &name("sum"), "Integrator");
         self.block(&name("show"), "Scope(inputs: [\"inner\", \"y\", \"sum\", \"count\", \"c\", \"given\"])");
         for (from, to) in [(&inner, "inner"), (&y, "y"), (&sum, "sum"), (&c, "c"), (&given, "given")] {
-            self.wire(from, &format!("show{i}.{to}"));
+            self.signal(from, &format!("show{i}.{to}"));
         }
     }
 
@@ -133,7 +108,7 @@ impl Sheet {
                     limits(limit)
                 );
                 self.block(name, &text);
-                self.wire(error, &format!("{name}.e"));
+                self.signal(error, &format!("{name}.e"));
                 format!("{name}.u")
             }
         }
@@ -143,7 +118,7 @@ impl Sheet {
     fn plant(&mut self, i: usize, one: &Loop) -> (String, String) {
         self.block(&format!("drive{i}"), "Sum(signs: \"++\")");
         self.block(&format!("disturbance{i}"), &source(&one.disturbance));
-        self.wire(&format!("disturbance{i}.y"), &format!("drive{i}.u2"));
+        self.signal(&format!("disturbance{i}.y"), &format!("drive{i}.u2"));
         let mut at = format!("drive{i}.y");
         for (k, stage) in one.first.iter().enumerate() {
             at = self.stage(&at, &format!("first{i}_{k}"), stage);
@@ -182,7 +157,7 @@ impl Sheet {
     fn count(&mut self, i: usize, one: &Loop, measured: &str) {
         self.block(&format!("zero{i}"), "Constant(value: 0)");
         let Some(threshold) = one.count else {
-            self.wire(&format!("zero{i}.y"), &format!("show{i}.count"));
+            self.signal(&format!("zero{i}.y"), &format!("show{i}.count"));
             return;
         };
         let above = self.behind(
@@ -192,15 +167,15 @@ impl Sheet {
         );
         self.block(&format!("one{i}"), "Constant(value: 1)");
         self.block(&format!("number{i}"), "Switch");
-        self.wire(&format!("one{i}.y"), &format!("number{i}.u1"));
-        self.wire(&above, &format!("number{i}.control"));
-        self.wire(&format!("zero{i}.y"), &format!("number{i}.u3"));
+        self.signal(&format!("one{i}.y"), &format!("number{i}.u1"));
+        self.signal(&above, &format!("number{i}.control"));
+        self.signal(&format!("zero{i}.y"), &format!("number{i}.u3"));
         self.block(&format!("more{i}"), "Sum(signs: \"++\")");
-        self.wire(&format!("number{i}.y"), &format!("more{i}.u1"));
+        self.signal(&format!("number{i}.y"), &format!("more{i}.u1"));
         self.block(&format!("count{i}"), &format!("UnitDelay(ts: \"{:?} s\")", one.ts));
-        self.wire(&format!("more{i}.y"), &format!("count{i}.u"));
-        self.wire(&format!("count{i}.y"), &format!("more{i}.u2"));
-        self.wire(&format!("count{i}.y"), &format!("show{i}.count"));
+        self.signal(&format!("more{i}.y"), &format!("count{i}.u"));
+        self.signal(&format!("count{i}.y"), &format!("more{i}.u2"));
+        self.signal(&format!("count{i}.y"), &format!("show{i}.count"));
     }
 }
 

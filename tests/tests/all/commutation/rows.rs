@@ -7,11 +7,10 @@ use std::sync::{Arc, Mutex};
 use blocksim_block::schedule::Schedule;
 use blocksim_block::{Block, Context, Given, Interface, InterfaceError, Piece, Scratch};
 use blocksim_sim::{Observer, Simulation};
+use blocksim_tests::random::{Circuit, Puzzle, Variant, contradiction};
 use blocksim_tests::{compile_file, compile_text, root};
 
-use super::random::circuit;
-use super::reference::diagram;
-use super::{METHODS, try_run, violation};
+use super::{METHODS, try_run};
 
 /// What the guards of the valves of a network have been.
 #[derive(Debug, Default)]
@@ -216,14 +215,14 @@ fn in_no_shipped_diagram_does_a_valve_contradict_itself() {
 fn in_no_random_circuit_does_a_valve_contradict_itself() {
     let (mut instants, mut wrong) = (0, Vec::new());
     for seed in 2000..2200 {
-        let (nodes, branches) = circuit(seed);
-        let text = diagram(nodes, &branches, 0.04, 2e-4, "Ode45");
+        let circuit = Circuit::of(seed);
+        let text = circuit.text(&Variant::plain());
         let mut schedule = compile_text(&text).0.schedule.expect("a schedule");
         let seen = watch(&mut schedule);
         let run = blocksim_tests::run(schedule);
         wrong.extend(run.error.as_ref().map(|error| format!("seed {seed}: {error}")));
         wrong.extend(faults(&format!("seed {seed}"), &seen));
-        let beyond = violation(&run, &branches);
+        let beyond = contradiction(&run, &circuit);
         if beyond > 1e-4 {
             wrong.push(format!("seed {seed}: a row is wrong by {beyond:e}"));
         }

@@ -1,40 +1,10 @@
-//! The smallest model that still fails.
+//! Models that are a little simpler.
 
-use super::dice::rounded;
-use super::judge::{Verdict, judge};
+use super::super::dice::rounded;
 use super::model::{Law, Model, Node};
-use super::variants::Variant;
-
-/// Takes away and simplifies as long as the model still fails in the same way.
-pub fn shrink(model: &Model, variant: &Variant) -> Model {
-    let Verdict::Wrong(faults) = judge(model, variant) else { return model.clone() };
-    let class = faults[0].class();
-    let fails = |model: &Model| {
-        model.is_causal()
-            && matches!(judge(model, variant), Verdict::Wrong(faults) if faults.iter().any(|f| f.class() == class))
-    };
-    let mut best = model.clone();
-    let mut left = 200;
-    loop {
-        let before = best.clone();
-        for smaller in candidates(&best) {
-            if left == 0 {
-                return best;
-            }
-            left -= 1;
-            if smaller != best && fails(&smaller) {
-                best = smaller;
-                break;
-            }
-        }
-        if best == before {
-            return best;
-        }
-    }
-}
 
 /// Models that are a little simpler, the much simpler ones first.
-fn candidates(model: &Model) -> Vec<Model> {
+pub(super) fn simpler(model: &Model) -> Vec<Model> {
     let n = model.nodes.len();
     let mut all = Vec::new();
     // What one node alone depends on.
@@ -64,6 +34,7 @@ fn candidates(model: &Model) -> Vec<Model> {
     for stop in [0.5 * model.stop, 0.8 * model.stop] {
         all.push(Model { stop: rounded(stop), ..model.clone() });
     }
+    all.retain(Model::is_causal);
     all
 }
 

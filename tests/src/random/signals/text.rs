@@ -2,32 +2,32 @@
 
 use std::fmt::Write;
 
+use super::super::sheet::Sheet;
+use super::super::variants::Variant;
 use super::model::{Edge, Gains, Law, Model, Windup};
-use super::variants::Variant;
 
 /// Names of the outputs in the recording: of a node, and of the integral of a node.
-pub fn shown(node: usize) -> String {
+pub(super) fn shown(node: usize) -> String {
     format!("nodes.n{node}")
 }
 
 /// See [`shown`].
-pub fn integral(node: usize) -> String {
+pub(super) fn integral(node: usize) -> String {
     format!("integrals.n{node}")
 }
 
 /// The text of a model as a diagram, put as the variant says.
-pub fn diagram(model: &Model, variant: &Variant) -> String {
-    let mut writer = Writer { model, variant, blocks: Vec::new(), wires: Vec::new() };
+pub(super) fn diagram(model: &Model, variant: &Variant) -> String {
+    let mut writer = Writer { model, variant, sheet: Sheet::default() };
     (0..model.nodes.len()).for_each(|n| writer.node(n));
     writer.outputs();
-    writer.finish()
+    writer.sheet.finish(model.stop, variant)
 }
 
 struct Writer<'a> {
     model: &'a Model,
     variant: &'a Variant,
-    blocks: Vec<String>,
-    wires: Vec<String>,
+    sheet: Sheet,
 }
 
 /// A number as a diagram has it.
@@ -56,38 +56,30 @@ impl Writer<'_> {
         }
     }
 
-    fn block(&mut self, name: &str, text: &str) {
-        self.blocks.push(format!("        \"{name}\": {text},\n"));
-    }
-
-    fn wire(&mut self, from: &str, to: &str) {
-        self.wires.push(format!("        \"{from} -> {to}\",\n"));
-    }
-
     fn node(&mut self, node: usize) {
         let name = self.name(node);
         let law = &self.model.nodes[node].law;
-        self.block(&name, &format!("{}{}", law.kind(), parameters(law)));
+        self.sheet.block(&name, &format!("{}{}", law.kind(), parameters(law)));
         let per_second = matches!(law, Law::Integrator { .. } | Law::DiscreteIntegrator { .. });
         match law {
             Law::Clock => {
-                self.block(&format!("{name}_plain"), "Gain(k: \"1 1/s\")");
-                self.wire(&format!("{name}.y"), &format!("{name}_plain.u"));
+                self.sheet.block(&format!("{name}_plain"), "Gain(k: \"1 1/s\")");
+                self.sheet.signal(&format!("{name}.y"), &format!("{name}_plain.u"));
             }
             Law::Derivative { .. } => {
-                self.block(&format!("{name}_plain"), "Gain(k: \"1 s\")");
-                self.wire(&format!("{name}.y"), &format!("{name}_plain.u"));
+                self.sheet.block(&format!("{name}_plain"), "Gain(k: \"1 s\")");
+                self.sheet.signal(&format!("{name}.y"), &format!("{name}_plain.u"));
             }
             _ => {}
         }
         for (port, &u) in self.model.nodes[node].inputs.iter().enumerate() {
             let from = self.output(u);
             if per_second && port == 0 {
-                self.block(&format!("{name}_rate"), "Gain(k: \"1 1/s\")");
-                self.wire(&from, &format!("{name}_rate.u"));
-                self.wire(&format!("{name}_rate.y"), &format!("{name}.u"));
+                self.sheet.block(&format!("{name}_rate"), "Gain(k: \"1 1/s\")");
+                self.sheet.signal(&from, &format!("{name}_rate.u"));
+                self.sheet.signal(&format!("{name}_rate.y"), &format!("{name}.u"));
             } else {
-                self.wire(&from, &format!("{name}.{}", input(law, port)));
+                self.sheet.signal(&from, &format!("{name}.{}", input(law, port)));
             }
         }
     }
@@ -98,62 +90,38 @@ impl Writer<'_> {
         self.scope("nodes", &all);
         for &node in &all {
             let from = self.output(node);
-            self.wire(&from, &format!("nodes.n{node}"));
+            self.sheet.signal(&from, &format!("nodes.n{node}"));
         }
         let probes = self.model.probes.clone();
         if probes.iter().any(|&probe| self.model.nodes[probe].boolean) {
-            self.block("one", "Constant(value: 1)");
-            self.block("zero", "Constant(value: 0)");
+            self.sheet.block("one", "Constant(value: 1)");
+            self.sheet.block("zero", "Constant(value: 0)");
         }
         for &probe in &probes {
             let mut from = self.output(probe);
             if self.model.nodes[probe].boolean {
                 let number = format!("number_{probe}");
-                self.block(&number, "Switch");
-                self.wire("one.y", &format!("{number}.u1"));
-                self.wire(&from, &format!("{number}.control"));
-                self.wire("zero.y", &format!("{number}.u3"));
+                self.sheet.block(&number, "Switch");
+                self.sheet.signal("one.y", &format!("{number}.u1"));
+                self.sheet.signal(&from, &format!("{number}.control"));
+                self.sheet.signal("zero.y", &format!("{number}.u3"));
                 from = format!("{number}.y");
             }
             let (rate, sum) = (format!("rate_{probe}"), format!("integral_{probe}"));
-            self.block(&rate, "Gain(k: \"1 1/s\")");
-            self.block(&sum, "Integrator");
-            self.wire(&from, &format!("{rate}.u"));
-            self.wire(&format!("{rate}.y"), &format!("{sum}.u"));
-            self.wire(&format!("{sum}.y"), &format!("integrals.n{probe}"));
+            self.sheet.block(&rate, "Gain(k: \"1 1/s\")");
+            self.sheet.block(&sum, "Integrator");
+            self.sheet.signal(&from, &format!("{rate}.u"));
+            self.sheet.signal(&format!("{rate}.y"), &format!("{sum}.u"));
+            self.sheet.signal(&format!("{sum}.y"), &format!("integrals.n{probe}"));
         }
         if !probes.is_empty() {
             self.scope("integrals", &probes);
-        }
-        if self.variant.bystander {
-            self.block("bystander_source", "Sine(frequency: \"0.37 Hz\")");
-            self.block("bystander", "LowPass(tau: \"0.3 s\")");
-            self.wire("bystander_source.y", "bystander.u");
-            self.block("bystander_end", "Terminator");
-            self.wire("bystander.y", "bystander_end.u");
         }
     }
 
     fn scope(&mut self, name: &str, nodes: &[usize]) {
         let names: Vec<String> = nodes.iter().map(|node| format!("\"n{node}\"")).collect();
-        self.block(name, &format!("Scope(inputs: [{}])", names.join(", ")));
-    }
-
-    fn finish(mut self) -> String {
-        if self.variant.reversed {
-            self.blocks.reverse();
-            self.wires.reverse();
-        }
-        let mut text = format!(
-            "Diagram(\n    simulation: (stop_time: \"{} s\"{}),\n    blocks: {{\n",
-            n(self.model.stop),
-            self.variant.settings()
-        );
-        self.blocks.iter().for_each(|block| text.push_str(block));
-        text.push_str("    },\n    connections: [\n");
-        self.wires.iter().for_each(|wire| text.push_str(wire));
-        text.push_str("    ],\n)\n");
-        text
+        self.sheet.block(name, &format!("Scope(inputs: [{}])", names.join(", ")));
     }
 }
 

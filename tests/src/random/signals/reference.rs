@@ -3,6 +3,8 @@
 //! During a step all branches stand still, so that a step sees smooth functions, apart from kinks, whose error is of the
 //! second order in the step. A model is run with one length and with half of it; the difference is what the finer run may be off by.
 
+use super::super::dice::Dice;
+use super::super::puzzle::Undecided;
 use super::model::{Law, Model};
 use super::run::Run;
 
@@ -25,25 +27,9 @@ pub struct Outcome {
     pub sizes: Vec<f64>,
 }
 
-/// Why nobody can say what comes out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Undecided {
-    /// Switches more often than anyone counts.
-    Chatters,
-    /// A threshold is touched or nearly so.
-    Grazes,
-    /// Two things happen at nearly the same time.
-    Coincides,
-    /// Grows beyond all bounds.
-    Grows,
-    /// Steps are too long.
-    Coarse,
-    /// Turns out otherwise if something changes by some millionths.
-    Sensitive,
-}
-
-/// Steps of the coarse run, at least.
+/// Steps of the coarse run at the least effort, and by how much there are more at the next.
 const STEPS: usize = 8000;
+const FINER: usize = 4;
 /// By which part derivatives and thresholds are changed in order to see what depends on it.
 const CHANGE: f64 = 1e-5;
 /// By how much a run with a relative tolerance of 1e-6 may be off, as part of the size of a signal.
@@ -54,11 +40,12 @@ pub(super) const MOST_EVENTS: usize = 2000;
 pub(super) const SAME: f64 = 1e-9;
 
 /// What comes out of a model.
-pub fn refer(model: &Model) -> Result<Outcome, Undecided> {
+pub fn refer(model: &Model, effort: u32) -> Result<Outcome, Undecided> {
     let n = model.nodes.len();
+    let steps = STEPS * FINER.pow(effort);
     let none = vec![0.0; n];
-    let coarse = Run::new(model, STEPS, &none, &none).finish()?;
-    let mut fine = Run::new(model, 2 * STEPS, &none, &none).finish()?;
+    let coarse = Run::new(model, steps, &none, &none).finish()?;
+    let mut fine = Run::new(model, 2 * steps, &none, &none).finish()?;
     if fine.toggles != coarse.toggles {
         return Err(Undecided::Coarse);
     }
@@ -68,7 +55,7 @@ pub fn refer(model: &Model) -> Result<Outcome, Undecided> {
     }
     let exact: Vec<bool> = (0..n).map(|node| is_exact(model, node, &mut vec![false; n])).collect();
     for seed in [11, 12] {
-        let mut dice = super::Dice::new(seed);
+        let mut dice = Dice::new(seed);
         let mut random = || 2.0 * dice.unit() - 1.0;
         let rates: Vec<f64> = (0..n).map(|_| CHANGE * random()).collect();
         let watched = |node: usize| {
@@ -77,7 +64,7 @@ pub fn refer(model: &Model) -> Result<Outcome, Undecided> {
             moved.fold(0.0, f64::max)
         };
         let shifts: Vec<f64> = (0..n).map(|node| CHANGE * random() * watched(node)).collect();
-        let other = Run::new(model, STEPS, &rates, &shifts).finish();
+        let other = Run::new(model, steps, &rates, &shifts).finish();
         let Ok(other) = other else { return Err(Undecided::Sensitive) };
         if other.toggles != coarse.toggles {
             return Err(Undecided::Sensitive);

@@ -1,6 +1,6 @@
 //! A model of a seed.
 
-use super::dice::Dice;
+use super::super::dice::{Dice, rounded};
 use super::model::{Edge, Gains, Gate, Law, Method, Model, Node, Relation, Smooth, Way, Windup};
 
 /// How large a model is to be.
@@ -91,14 +91,10 @@ impl Draft<'_> {
             _ => Law::Clock,
         };
         let law = match law {
-            Law::Step { time, before, after } => {
-                Law::Step { time: super::dice::rounded(time), before, after }
-            }
-            Law::Ramp { slope, start, initial } => {
-                Law::Ramp { slope, start: super::dice::rounded(start), initial }
-            }
+            Law::Step { time, before, after } => Law::Step { time: rounded(time), before, after },
+            Law::Ramp { slope, start, initial } => Law::Ramp { slope, start: rounded(start), initial },
             Law::Sine { amplitude, frequency, phase, bias } => {
-                Law::Sine { amplitude, frequency, phase, bias: super::dice::rounded(bias) }
+                Law::Sine { amplitude, frequency, phase, bias: rounded(bias) }
             }
             law => law,
         };
@@ -142,7 +138,7 @@ impl Draft<'_> {
         if self.dice.chance(0.15) {
             return 0.0;
         }
-        super::dice::rounded(self.dice.number(-0.8, 0.8) * self.sizes[u])
+        rounded(self.dice.number(-0.8, 0.8) * self.sizes[u])
     }
 
     fn block(&mut self) {
@@ -201,7 +197,7 @@ impl Draft<'_> {
                 let mut points = Vec::new();
                 let mut values = Vec::new();
                 for _ in 0..n {
-                    points.push(super::dice::rounded(at));
+                    points.push(rounded(at));
                     values.push(self.dice.number(-1.0, 1.0));
                     at += size * self.dice.number(0.05, 0.8);
                 }
@@ -215,7 +211,7 @@ impl Draft<'_> {
     fn limit(&mut self) {
         let u = self.real();
         let size = self.sizes[u];
-        let part = |dice: &mut Dice, low, high| super::dice::rounded(size * dice.number(low, high));
+        let part = |dice: &mut Dice, low, high| rounded(size * dice.number(low, high));
         let dice = &mut *self.dice;
         let law = match dice.below(6) {
             0 => Law::Saturation { lower: part(dice, -0.9, -0.1), upper: part(dice, 0.1, 0.9) },
@@ -294,7 +290,7 @@ impl Draft<'_> {
             5 => {
                 let method =
                     self.dice.one_of(&[Method::ForwardEuler, Method::BackwardEuler, Method::Trapezoidal]);
-                let limit = self.dice.one_of(&[None, Some(super::dice::rounded(0.5 * size))]);
+                let limit = self.dice.one_of(&[None, Some(rounded(0.5 * size))]);
                 self.add(Law::DiscreteIntegrator { ts, method, gain: 1.0, limit }, vec![u], size);
             }
             6 => {
@@ -304,7 +300,7 @@ impl Draft<'_> {
             }
             _ => {
                 let mut gains = self.gains(size);
-                gains.n = super::dice::rounded(0.5 / ts);
+                gains.n = rounded(0.5 / ts);
                 self.add(Law::DiscretePid { ts, gains }, vec![u], size);
             }
         }
@@ -312,8 +308,7 @@ impl Draft<'_> {
 
     fn gains(&mut self, size: f64) -> Gains {
         let dice = &mut *self.dice;
-        let limit =
-            if dice.chance(0.6) { Some(super::dice::rounded(size * dice.number(0.2, 1.0))) } else { None };
+        let limit = if dice.chance(0.6) { Some(rounded(size * dice.number(0.2, 1.0))) } else { None };
         let windup = match limit {
             None => Windup::None,
             Some(_) => {
@@ -337,7 +332,7 @@ impl Draft<'_> {
         match self.dice.below(9) {
             0..=3 => {
                 let limit = if self.dice.chance(0.3) {
-                    Some(super::dice::rounded(size * self.dice.number(0.05, 0.6)))
+                    Some(rounded(size * self.dice.number(0.05, 0.6)))
                 } else {
                     None
                 };
@@ -349,7 +344,7 @@ impl Draft<'_> {
                 } else {
                     None
                 };
-                let x0 = self.dice.one_of(&[0.0, 0.0, super::dice::rounded(limit.unwrap_or(size) * 0.3)]);
+                let x0 = self.dice.one_of(&[0.0, 0.0, rounded(limit.unwrap_or(size) * 0.3)]);
                 self.add(Law::Integrator { x0, limit, reset }, inputs, limit.unwrap_or(0.5 * size));
             }
             4..=5 => {
@@ -359,7 +354,7 @@ impl Draft<'_> {
             6 => {
                 let w = self.dice.decades(2.0, 50.0);
                 let d = self.dice.number(0.1, 1.2);
-                let (a1, a0) = (super::dice::rounded(2.0 * d * w), super::dice::rounded(w * w));
+                let (a1, a0) = (rounded(2.0 * d * w), rounded(w * w));
                 let num = match self.dice.below(3) {
                     0 => vec![a0],
                     1 => vec![a1, a0],

@@ -1,10 +1,11 @@
 //! A run of the interpreter: steps, what ends them, instants.
 
+use super::super::puzzle::Undecided;
 use super::laws::{branch, distances, piece};
 use super::memory::{History, Trigger};
 use super::model::{Edge, Law, Model, Way};
 use super::nodes::{Point, states};
-use super::reference::{MOST_EVENTS, Outcome, SAME, SLACK, Undecided};
+use super::reference::{MOST_EVENTS, Outcome, SAME, SLACK};
 
 /// A run and all that it remembers.
 pub(super) struct Run<'a> {

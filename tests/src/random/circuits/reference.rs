@@ -1,0 +1,91 @@
+//! What comes out of a circuit, and by how much it may be off.
+
+use super::super::dice::Dice;
+use super::super::puzzle::Undecided;
+use super::walk::Walk;
+use super::{Circuit, Kind};
+
+/// Longest step of the coarse run at the least effort, s, and by how much it is shorter at the next.
+const STEP: f64 = 4e-6;
+const FINER: f64 = 8.0;
+/// Sources and levels are changed by this part to see what depends on them.
+const CHANGE: f64 = 1e-5;
+/// By how much a run at default settings may be off, as part of the size of what is alike.
+const SLACK: f64 = 5e-4;
+
+/// Values at the times that are compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Names of the values in the recording.
+    pub names: Vec<String>,
+    /// Times, s.
+    pub times: Vec<f64>,
+    /// The values at each time.
+    pub rows: Vec<Vec<f64>>,
+    /// By how much each may be off, at any time.
+    pub slack: Vec<f64>,
+    sizes: Vec<f64>,
+}
+
+/// What comes out, or why nobody knows.
+pub(super) fn refer(circuit: &Circuit, effort: u32) -> Result<Outcome, Undecided> {
+    let step = STEP / FINER.powi(effort as i32);
+    let exact = vec![0.0; circuit.branches.len()];
+    let coarse = walk(circuit, step, &exact)?;
+    let mut fine = walk(circuit, 0.5 * step, &exact)?;
+    let mut slack: Vec<f64> = fine.sizes.iter().map(|size| SLACK * size).collect();
+    let widen = |slack: &mut Vec<f64>, a: &Outcome, b: &Outcome, factor: f64| {
+        for (a, b) in a.rows.iter().zip(&b.rows) {
+            let off = a.iter().zip(b).map(|(a, b)| factor * (a - b).abs());
+            slack.iter_mut().zip(off).for_each(|(slack, off)| *slack = slack.max(off));
+        }
+    };
+    let known =
+        |slack: &[f64]| slack.iter().zip(&fine.sizes).all(|(slack, size)| *slack <= 5.0 * SLACK * size);
+    widen(&mut slack, &fine, &coarse, 2.0);
+    if !known(&slack) {
+        return Err(Undecided::Coarse);
+    }
+    for seed in [1, 2] {
+        let mut dice = Dice::new(seed);
+        let changes: Vec<f64> = exact.iter().map(|_| CHANGE * (2.0 * dice.unit() - 1.0)).collect();
+        let other = walk(circuit, step, &changes)?;
+        widen(&mut slack, &coarse, &other, 5.0);
+    }
+    if !known(&slack) {
+        return Err(Undecided::Sensitive);
+    }
+    fine.slack = slack;
+    Ok(fine)
+}
+
+fn walk(circuit: &Circuit, step: f64, changes: &[f64]) -> Result<Outcome, Undecided> {
+    let storages: Vec<usize> =
+        (0..circuit.branches.len()).filter(|k| circuit.branches[*k].kind.is_storage()).collect();
+    let mut names: Vec<String> = storages.iter().map(|k| format!("x{k}")).collect();
+    if circuit.integrals {
+        names.extend((1..=circuit.nodes).map(|node| format!("flux{node}")));
+    }
+    let every = circuit.every.unwrap_or(circuit.stop).min(circuit.stop);
+    let count = (circuit.stop / every + 1e-6).floor() as usize;
+    let times: Vec<f64> = (1..=count).map(|k| k as f64 * every).collect();
+    let mut walk = Walk::new(circuit, changes);
+    let mut rows = Vec::new();
+    for time in &times {
+        walk.go(*time, step)?;
+        let states = storages.iter().map(|k| walk.x[*k]);
+        let fluxes = walk.fluxes.iter().filter(|_| circuit.integrals);
+        rows.push(states.chain(fluxes.copied()).collect::<Vec<_>>());
+    }
+    // Where only the end is compared, the sizes are those of the way there all the same: potentials are.
+    let is_coil = |k: usize| matches!(circuit.branches[k].kind, Kind::Coil(_));
+    let largest = walk.largest + 0.1;
+    let most = |alike: &dyn Fn(usize) -> bool| {
+        let columns = (0..storages.len()).filter(|i| alike(storages[*i]));
+        columns.flat_map(|i| rows.iter().map(move |row| row[i].abs())).fold(0.0, f64::max)
+    };
+    let (current, voltage) = (most(&is_coil) + 1e-2, largest);
+    let sizes = storages.iter().map(|k| if is_coil(*k) { current } else { voltage });
+    let sizes = sizes.chain((storages.len()..names.len()).map(|_| circuit.stop * largest)).collect();
+    Ok(Outcome { names, times, rows, slack: Vec::new(), sizes })
+}

@@ -1,0 +1,69 @@
+//! What comes out of shafts, and by how much it may be off.
+
+use super::super::dice::Dice;
+use super::super::puzzle::Undecided;
+use super::Shafts;
+use super::walk::Walk;
+
+/// Longest step of the coarse run at the least effort, s, and by how much it is shorter at the next.
+const STEP: f64 = 2e-4;
+const FINER: f64 = 8.0;
+/// Torques are changed by this part to see what depends on them.
+const CHANGE: f64 = 1e-5;
+/// By how much a run at default settings may be off, as part of the largest speed.
+const SLACK: f64 = 5e-4;
+
+/// Speeds and angles in the end.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Names of the values in the recording.
+    pub names: Vec<String>,
+    pub values: Vec<f64>,
+    /// By how much each may be off.
+    pub slack: Vec<f64>,
+    sizes: Vec<f64>,
+}
+
+/// What comes out, or why nobody knows.
+pub(super) fn refer(shafts: &Shafts, effort: u32) -> Result<Outcome, Undecided> {
+    let step = STEP / FINER.powi(effort as i32);
+    let exact = vec![0.0; shafts.torques.len() + shafts.joints.len()];
+    let coarse = walk(shafts, step, &exact);
+    let mut fine = walk(shafts, 0.5 * step, &exact);
+    fine.slack = fine.sizes.iter().map(|size| SLACK * size).collect();
+    fine.widen(&coarse, &fine.values.clone(), 2.0);
+    if !fine.is_known() {
+        return Err(Undecided::Coarse);
+    }
+    for seed in [1, 2] {
+        let mut dice = Dice::new(seed);
+        let changes: Vec<f64> = exact.iter().map(|_| CHANGE * (2.0 * dice.unit() - 1.0)).collect();
+        fine.widen(&coarse, &walk(shafts, step, &changes).values, 5.0);
+    }
+    if fine.is_known() { Ok(fine) } else { Err(Undecided::Sensitive) }
+}
+
+impl Outcome {
+    /// Adds to the slack what two runs differ by.
+    fn widen(&mut self, a: &Outcome, b: &[f64], factor: f64) {
+        let off = a.values.iter().zip(b).map(|(a, b)| factor * (a - b).abs());
+        self.slack.iter_mut().zip(off).for_each(|(slack, off)| *slack = slack.max(off));
+    }
+
+    fn is_known(&self) -> bool {
+        self.slack.iter().zip(&self.sizes).all(|(slack, size)| *slack <= 5.0 * SLACK * size)
+    }
+}
+
+fn walk(shafts: &Shafts, step: f64, changes: &[f64]) -> Outcome {
+    let mut walk = Walk::new(shafts, changes);
+    walk.go(shafts.stop, step);
+    let size = walk.largest + 1e-2;
+    let mut outcome = Outcome { names: Vec::new(), values: Vec::new(), slack: Vec::new(), sizes: Vec::new() };
+    for (i, (w, phi)) in walk.w.iter().zip(&walk.phi).enumerate() {
+        outcome.names.extend([format!("w{i}"), format!("phi{i}")]);
+        outcome.values.extend([*w, *phi]);
+        outcome.sizes.extend([size, shafts.stop * size]);
+    }
+    outcome
+}
