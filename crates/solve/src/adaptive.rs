@@ -205,6 +205,16 @@ impl<M: Method> Adaptive<M> {
         self.radius
     }
 
+    /// What errors are measured by.
+    pub(crate) fn weights(&self) -> &Weights {
+        &self.weights
+    }
+
+    /// The step that the tolerance would allow next, s.
+    pub(crate) fn wanted(&self) -> f64 {
+        self.control.learnt.wanted.unwrap_or(0.0)
+    }
+
     /// What has been learnt of the sizes of states.
     pub(crate) fn learnt(&self) -> Option<&Learnt> {
         self.weights.learnt()

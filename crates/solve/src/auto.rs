@@ -3,13 +3,15 @@
 //! Dormand and Prince's method tells from its last two stages, which belong to the same time, how fast differences of
 //! states fade: h |lambda|. Where its steps are limited by stability and not by the tolerance that stays at the edge of
 //! its region of stability, near 3.3. Fifteen such steps, with fewer than six others in a row between them, and `Ode15s`
-//! goes on; or more of them further inside, where a small error of what fades balances the growth of the steps. No
-//! accuracy allows such steps for long. The stiff method gives back when the explicit method would be stable with its steps
-//! for a while, as the norm of the Jacobian says, which is never too small.
+//! goes on. No accuracy allows such steps for long. Further inside, the small errors of what has faded can limit the steps
+//! all the same, at tight tolerances far inside: there the last states tell how long a step of `Ode15s` could be. The stiff
+//! method gives back when the explicit method would be stable with its steps for a while, as the norm of the Jacobian says,
+//! which is never too small.
 //!
 //! E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, section IV.2.
 
 use crate::adaptive::{NEAR_EDGE, Radius};
+use crate::past::Past;
 use crate::stepper::{Memory, Share};
 use crate::{Counts, Ode15s, Ode45, StepError, StepLimits, Stepper, System, Tolerances};
 
@@ -17,9 +19,10 @@ use crate::{Counts, Ode15s, Ode45, StepError, StepLimits, Stepper, System, Toler
 const EDGE: (f64, u32) = (3.25, 10);
 /// The same near the edge.
 const NEAR: (f64, u32) = (NEAR_EDGE, 3);
-/// The same further inside, where the fast parts have an error of their own that the tolerance does not let grow; and how much
-/// of h |lambda| must be decay: an oscillation has such steps at a loose tolerance, and the stiff method would damp it.
-const INSIDE: (f64, u32) = (1.25, 1);
+/// The same further inside, where a step of the stiff method could be longer by a factor, although it is the dearer one that
+/// has to begin anew; and how much of h |lambda| must be decay, since the stiff method would damp an oscillation.
+const INSIDE: (f64, u32) = (0.3, 30);
+const LONGER: f64 = 2.0;
 const FADES: f64 = 0.7;
 /// What such steps must count to be taken for stiffness.
 const STIFF: u32 = 150;
@@ -34,6 +37,10 @@ const CALM: u32 = 20;
 pub struct Auto {
     explicit: Ode45,
     stiff: Ode15s,
+    /// Longest step, s.
+    max: f64,
+    /// States since all steps of the explicit method have been such as the stiff one may be better at.
+    past: Past,
     now: Turn,
     /// Whether the other method is to go on from here.
     change: bool,
@@ -56,9 +63,12 @@ pub(crate) struct Turn {
 impl Auto {
     /// A stepper for as many states as there are absolute tolerances.
     pub fn new(tolerances: Tolerances, limits: StepLimits) -> Self {
+        let past = Past::new(tolerances.absolute.len());
         Self {
             explicit: Ode45::new(tolerances.clone(), limits),
             stiff: Ode15s::new(tolerances, limits),
+            max: limits.max,
+            past,
             now: Turn::default(),
             change: false,
             share: Share::default(),
@@ -84,11 +94,12 @@ impl Auto {
         }
         self.now = Turn { stiff: !self.now.stiff, ..Turn::default() };
         self.change = false;
+        self.past.clear();
         self.share.changes += 1;
     }
 
-    /// Looks at a step that was kept.
-    fn judge(&mut self) {
+    /// Looks at a step that was kept and led to `x`.
+    fn judge(&mut self, x: &[f64]) {
         let now = &mut self.now;
         if now.stiff {
             self.share.stiff += 1;
@@ -99,14 +110,22 @@ impl Auto {
             return;
         }
         let Radius { all: radius, decay } = self.explicit.radius();
-        if radius > NEAR.0 || radius > INSIDE.0 && decay > FADES * radius {
-            let counts = if radius > EDGE.0 {
-                EDGE.1
-            } else if radius > NEAR.0 {
-                NEAR.1
-            } else {
-                INSIDE.1
-            };
+        let fades = radius > INSIDE.0 && decay > FADES * radius;
+        if fades {
+            self.past.push(self.explicit.last_step().1, x);
+        } else {
+            self.past.clear();
+        }
+        let counts = if radius > EDGE.0 {
+            EDGE.1
+        } else if radius > NEAR.0 {
+            NEAR.1
+        } else {
+            0
+        };
+        let could = || self.past.longest_step(self.explicit.weights()).min(self.max);
+        let counts = if fades && could() > LONGER * self.explicit.wanted() { INSIDE.1 } else { counts };
+        if counts > 0 {
             (now.against, now.others) = (now.against + counts, 0);
             self.change = now.against >= STIFF;
         } else if now.against > 0 {
@@ -120,6 +139,7 @@ impl Auto {
 
 impl Stepper for Auto {
     fn restart(&mut self) {
+        self.past.clear();
         self.active_mut().restart();
     }
 
@@ -143,7 +163,7 @@ impl Stepper for Auto {
             stepped = self.active_mut().step(system, t, x, limit);
         }
         self.before = (self.now, self.change, self.share);
-        stepped.map(|()| self.judge())
+        stepped.map(|()| self.judge(x))
     }
 
     fn sharpen(&mut self, system: &mut dyn System) {
@@ -152,6 +172,7 @@ impl Stepper for Auto {
 
     fn back(&mut self) {
         (self.now, self.change, self.share) = self.before;
+        self.past.clear();
         self.active_mut().back();
     }
 
@@ -164,12 +185,16 @@ impl Stepper for Auto {
     }
 
     fn memory(&self) -> Memory {
-        Memory { turn: Some((self.now, self.change, self.share)), ..self.active().memory() }
+        Memory {
+            turn: Some(Box::new((self.now, self.change, self.share, self.past.clone()))),
+            ..self.active().memory()
+        }
     }
 
     fn recall(&mut self, memory: &Memory) {
-        if let Some((now, change, share)) = memory.turn {
-            (self.now, self.change, self.share) = (now, change, share);
+        if let Some((now, change, share, past)) = memory.turn.as_deref() {
+            (self.now, self.change, self.share) = (*now, *change, *share);
+            self.past.clone_from(past);
         }
         self.active_mut().recall(memory);
     }

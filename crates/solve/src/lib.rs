@@ -40,6 +40,7 @@ mod jacobian;
 pub mod linear;
 mod newton;
 mod ode15s;
+mod past;
 pub mod problems;
 mod radau;
 mod rodas;

@@ -18,7 +18,7 @@ use crate::weights::{Learnt, Weights};
 use crate::{Counts, Ode45, StepError, StepLimits, Stepper, System, Tolerances};
 
 /// Highest order.
-const MAX: usize = 5;
+pub(crate) const MAX: usize = 5;
 /// Columns of differences: those of the highest order, and two more to judge the next order by.
 const DIFFERENCES: usize = MAX + 3;
 
@@ -33,7 +33,7 @@ const fn alpha(order: usize) -> f64 {
 }
 
 /// Local error in units of the difference of order k + 1.
-const fn error_constant(order: usize) -> f64 {
+pub(crate) const fn error_constant(order: usize) -> f64 {
     KAPPA[order - 1] * GAMMA[order] + 1.0 / (order as f64 + 1.0)
 }
 

@@ -3,6 +3,7 @@
 use crate::System;
 use crate::auto::Turn;
 use crate::newton::Convergence;
+use crate::past::Past;
 use crate::weights::Learnt;
 
 /// A method of integration with its memory of the last step. No call allocates.
@@ -91,8 +92,8 @@ pub struct Memory {
     pub(crate) tolerances: Option<Learnt>,
     /// What a method of many steps knows of those before.
     pub(crate) history: Option<Box<History>>,
-    /// Which method of two is at work, whether the other one goes on, and what each has done.
-    pub(crate) turn: Option<(Turn, bool, Share)>,
+    /// Which method of two is at work, whether the other one goes on, what each has done, and the last states.
+    pub(crate) turn: Option<Box<(Turn, bool, Share, Past)>>,
     /// Stages of a method that begins with those of the step before, and whether they still hold.
     pub(crate) stages: Option<(Box<Stages>, bool)>,
 }

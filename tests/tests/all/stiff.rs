@@ -77,8 +77,8 @@ fn problems() -> Vec<Problem> {
             stop: 2000.0,
             end: vec![1.706_167_732_170_469, -0.892_809_701_024_812_5e-3],
             least: 0.0,
-            within: 120.0,
-            work: [[421, 2160], [791, 3595], [1346, 5801]],
+            within: 150.0,
+            work: [[381, 1933], [670, 3085], [1312, 5614]],
         },
         Problem {
             name: "Robertson",
@@ -92,7 +92,7 @@ fn problems() -> Vec<Problem> {
             end: vec![2.083_340_149_701_255e-8, 8.333_360_770_334_713e-14, 0.999_999_979_166_505],
             least: 1e-3,
             within: 120.0,
-            work: [[356, 1049], [618, 1630], [1126, 3094]],
+            work: [[346, 983], [608, 1532], [1094, 2806]],
         },
         Problem {
             name: "HIRES",
@@ -120,7 +120,7 @@ fn problems() -> Vec<Problem> {
             ],
             least: 0.0,
             within: 120.0,
-            work: [[189, 928], [383, 1775], [920, 4421]],
+            work: [[187, 702], [314, 1307], [617, 2376]],
         },
         Problem {
             name: "Oregonator",
@@ -134,7 +134,7 @@ fn problems() -> Vec<Problem> {
             end: vec![0.100_081_487_031_852_3e1, 0.122_817_852_154_991_7e4, 0.132_055_494_284_670_6e3],
             least: 0.0,
             within: 400.0,
-            work: [[585, 2510], [1157, 5046], [2466, 10_722]],
+            work: [[562, 2511], [1027, 4223], [2097, 7747]],
         },
     ]
 }
@@ -199,7 +199,7 @@ fn a_rod_of_a_thousand_cells_is_a_diagram_of_three_thousand_blocks() {
         let (found, expected) = (run.last(port), 1.0 - term(1.0) - term(3.0));
         assert!((found - expected).abs() < 5e-6, "{port}: {found} {expected}");
     }
-    assert_eq!([run.counts.accepted, run.counts.evaluations], [1109, 5155]);
+    assert_eq!([run.counts.accepted, run.counts.evaluations], [1078, 4930]);
     assert!(run.time.len() < 2000, "{} rows", run.time.len());
 }
 

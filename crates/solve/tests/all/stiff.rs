@@ -3,7 +3,7 @@
 //! Values at the end are those of F. Mazzia, C. Magherini: Test set for initial value problem solvers, release 2.4.
 
 use blocksim_solve::problems::{
-    PLEIADES, heat, hires, oregonator, pleiades, robertson, swing, swing_solution, van_der_pol,
+    PLEIADES, function, heat, hires, oregonator, pleiades, robertson, swing, swing_solution, van_der_pol,
 };
 use blocksim_solve::{
     Auto, Counts, Ode15s, Ode45, Radau5, Share, StepLimits, Stepper, System, Tolerances, integrate,
@@ -304,4 +304,40 @@ fn radau_gains_digits_where_tolerances_are_tight() {
         }
         assert_eq!(found, pinned, "{name}");
     }
+}
+
+#[test]
+fn rounding_is_not_taken_for_stiffness() {
+    // Adding a number that is far larger and taking it away leaves noise in f, which makes steps short; but no stiff method
+    // could make longer ones.
+    for (large, relative) in [(1e8, 1e-6), (1e8, 1e-10), (1e10, 1e-8)] {
+        let rounded = |x: f64| (large + x) - large;
+        let mut swing = function(2, |_, x, dx| {
+            dx[0] = x[1];
+            dx[1] = -rounded(x[0]);
+        });
+        let mut follows = function(2, |t: f64, x, dx| {
+            dx[0] = -rounded(x[0]) + 0.1 * x[1];
+            dx[1] = rounded(t.sin()) - x[1];
+        });
+        for system in [&mut swing as &mut dyn System, &mut follows] {
+            let mut auto = Auto::new(Tolerances::automatic(2, relative), StepLimits::default());
+            let (mut t, mut x) = (0.0, [1.0, 0.5]);
+            integrate(&mut auto, system, &mut t, &mut x, 100.0).unwrap();
+            assert_eq!(auto.share().unwrap().changes, 0, "{large:e}, {relative:e}");
+        }
+    }
+}
+
+#[test]
+fn what_has_faded_is_left_to_the_stiff_method_far_inside_the_region_of_stability() {
+    // HIRES at a tight tolerance: Ode45 makes steps of 1.1 of the shortest time constant where those of Ode15s are twice as long.
+    let mut auto = Auto::new(Tolerances::automatic(8, 1e-8), StepLimits::default());
+    let (mut t, mut x) = (0.0, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0057]);
+    integrate(&mut auto, &mut hires(), &mut t, &mut x, 321.8122).unwrap();
+    let Share { changes, first, .. } = auto.share().unwrap();
+    assert_eq!(changes, 1);
+    assert!((0.9..1.4).contains(&first.unwrap()), "{first:?}");
+    assert!(auto.counts().evaluations < 2500, "{:?}", auto.counts());
+    assert!((x[0] / 0.737_131_257_332_566_8e-3 - 1.0).abs() < 1e-6);
 }
