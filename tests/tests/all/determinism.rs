@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use blocksim_block::schedule::{OutputTimes, Schedule};
+use blocksim_block::methods::{METHODS, Method, MethodInfo};
+use blocksim_block::schedule::{OutputTimes, Schedule, Solver};
 use blocksim_sim::{Observer, Simulation};
 use blocksim_tests::{Desk, SMALL_DIAGRAMS, compile_with, root, schedule};
 
@@ -133,6 +134,40 @@ fn a_run_that_is_saved_and_restored_in_the_middle_gives_the_same_bits() {
         let [straight, restored] =
             resumed(&Arc::new(schedule("diagrams/irb2600/irb2600.ron", &[drive])), 0.0317);
         assert!(restored == straight, "{drive}");
+    }
+}
+
+/// A schedule with another method, and not longer than half a second.
+fn by(info: &MethodInfo, mut schedule: Schedule) -> Arc<Schedule> {
+    let settings = &mut schedule.settings;
+    settings.stop_time = settings.stop_time.min(0.5);
+    settings.solver = match info.method {
+        Method::Fixed(method) => Solver::Fixed { method, step: 1e-4 },
+        Method::Variable(method) => {
+            Solver::Variable { method, rtol: 1e-4, atol: None, max_step: f64::INFINITY }
+        }
+    };
+    schedule.into()
+}
+
+#[test]
+fn every_method_gives_the_same_bits_again_in_any_order_in_threads_and_from_a_snapshot() {
+    for path in SMALL_DIAGRAMS {
+        let text = std::fs::read_to_string(root().join(path)).expect("a diagram");
+        let file = root().join(path).with_file_name("turned_round.ron");
+        let desk = Desk::new().with(&file.display().to_string(), &turned_round(&text));
+        for info in &METHODS {
+            let written = by(info, schedule(path, &[]));
+            let once = bits(&written);
+            let turned = compile_with(&desk, &file, &[]).0.schedule.expect("a sound diagram");
+            assert!(bits(&by(info, turned)) == once, "{path}, {}: in another order", info.name);
+            let [beside, again] = std::thread::scope(|scope| {
+                [0, 1].map(|_| scope.spawn(|| bits(&written))).map(|thread| thread.join().expect("a run"))
+            });
+            assert!(beside == once && again == once, "{path}, {}: in threads", info.name);
+            let [straight, restored] = resumed(&written, 0.43 * written.settings.stop_time);
+            assert!(restored == straight, "{path}, {}: resumed", info.name);
+        }
     }
 }
 
