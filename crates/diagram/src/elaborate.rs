@@ -1,5 +1,6 @@
 //! Physical networks become ordinary blocks.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use blocksim_block::problem::Problem;
@@ -25,9 +26,10 @@ pub(crate) fn elaborate(flat: Flat, problems: &mut Problems) -> (Flat, Scene) {
         }
     }
     let joined = joined(&flat, &member_of, groups.len());
+    let read = read(&flat);
     let mut networks = Vec::new();
     for (group, joined) in groups.iter().zip(&joined) {
-        networks.push(build(&flat, group, joined, problems));
+        networks.push(build(&flat, group, joined, &read, problems));
     }
 
     // Blocks that stay, then the networks.
@@ -142,16 +144,32 @@ fn joined(flat: &Flat, member_of: &[Option<(usize, usize)>], groups: usize) -> V
     joined
 }
 
-fn build(flat: &Flat, group: &[usize], joined: &[Vec<Terminal>], problems: &mut Problems) -> Option<Network> {
+/// The outputs, by block and number, that something is connected to or that are recorded.
+fn read(flat: &Flat) -> HashSet<(usize, usize)> {
+    let wired = flat.blocks.iter().flat_map(|block| block.inputs.iter().flatten());
+    let recorded = flat.recorded.iter().map(|(_, source)| source);
+    wired.chain(recorded).map(|source| (source.block, source.output)).collect()
+}
+
+fn build(
+    flat: &Flat,
+    group: &[usize],
+    joined: &[Vec<Terminal>],
+    read: &HashSet<(usize, usize)>,
+    problems: &mut Problems,
+) -> Option<Network> {
     let members: Vec<Member> = group
         .iter()
         .filter_map(|index| {
             let block = &flat.blocks[*index];
             let mut part = block.block.component()?.part(&Given::new(Vec::new(), block.units.clone()));
+            let wired = |input: usize| block.inputs.get(input).is_some_and(Option::is_some);
+            part.rates |= part.rate_input.is_some_and(wired);
             // The sizes of a network are fixed before shapes are inferred.
             let input_lengths =
                 part.inputs.iter_mut().map(|i| i.shape.get_or_insert_default().len()).collect();
-            Some(Member { path: block.path.clone(), block: block.block.clone(), part, input_lengths })
+            let read = (0..part.outputs.len()).map(|output| read.contains(&(*index, output))).collect();
+            Some(Member { path: block.path.clone(), block: block.block.clone(), part, input_lengths, read })
         })
         .collect();
     match assemble(members, joined) {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use blocksim_block::Block;
-use blocksim_block::physical::{Element, Part};
+use blocksim_block::physical::{Element, Needs, Part};
 
 /// A block of a network.
 #[derive(Debug, Clone)]
@@ -16,9 +16,17 @@ pub struct Member {
     pub part: Part,
     /// Number of elements of each input port.
     pub input_lengths: Vec<usize>,
+    /// Whether anything is connected to each output, or records it.
+    pub read: Vec<bool>,
 }
 
 impl Member {
+    /// Somebody reads an output that depends on voltages and currents.
+    pub(crate) fn is_read(&self) -> bool {
+        let outputs = self.part.outputs.iter().zip(&self.read);
+        outputs.into_iter().any(|((_, needs), read)| *read && *needs != Needs::State)
+    }
+
     /// It keeps an account of the network, and is connected to it at no matter what node.
     pub(crate) fn is_account(&self) -> bool {
         self.part.elements.iter().any(|element| matches!(element, Element::EnergyAccount { .. }))

@@ -1,9 +1,11 @@
 //! What must hold before a network can run.
 
+use blocksim_block::physical::Law;
 use blocksim_block::{Context, Fault};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
-use crate::electrics::{Branch, loops};
+use crate::electrics::commutation::REMAINDER;
+use crate::electrics::{Branch, Crossing, Floating, loops};
 use crate::network::Network;
 use crate::problem::NetworkProblem;
 use crate::seat::Role;
@@ -11,6 +13,12 @@ use crate::work::Work;
 
 /// Voltages around a loop that miss zero by less than this, relative to the largest of them, are rounding.
 const MISFIT: f64 = 1e-9;
+
+/// Currents that leave each part of a circuit and do not come back.
+fn missing(floating: &Floating, w: &Work) -> DVector<f64> {
+    let sum = |leaving: &Vec<(usize, f64)>| leaving.iter().map(|(i, sign)| sign * w.given[*i]).sum::<f64>();
+    DVector::from_iterator(floating.parts, floating.leaving.iter().map(sum))
+}
 
 impl Network {
     /// At the start pose every independent speed must move something.
@@ -41,9 +49,10 @@ impl Network {
         ])
     }
 
-    /// Currents that are states must obey Kirchhoff's law from the start. Where valves may open a path, the first
-    /// instant tells.
-    pub(crate) fn currents_fit(&self) -> Result<(), Vec<NetworkProblem>> {
+    /// Currents that are states must obey Kirchhoff's law from the start: those that are not given follow the others, by the
+    /// volt-seconds that would make them. Currents that come as signals count as zero before the start. Where valves may open a
+    /// path, the first instant tells.
+    pub(crate) fn fit_currents(&mut self) -> Result<(), Vec<NetworkProblem>> {
         let mut work = Work::new(self);
         let x: Vec<f64> = self.interface.states.iter().map(|state| state.initial).collect();
         let d: Vec<f64> = self.interface.discrete.iter().map(|state| state.initial).collect();
@@ -54,13 +63,106 @@ impl Network {
             Context { t: 0.0, x: &x, d: &d, u: &u, inputs: &[], outputs: &[], evaluation: 0, fault: &fault };
         self.state_phase(&c, &mut work);
         let mut problems = Vec::new();
+        let mut starts = Vec::new();
         for (index, island) in self.electrics.islands.iter().enumerate() {
             if !island.valves.is_empty() || self.circuit(index, &c, &mut work).is_err() {
                 continue;
             }
-            problems.extend(self.misfit(index, &work));
+            let circuits = std::mem::take(&mut work.circuits);
+            if let Some(floating) = &circuits[index].now().floating {
+                let size = |w: &Work| {
+                    let of = |i: &usize| w.given[*i].abs();
+                    floating.leaving.iter().flatten().map(|(i, _)| of(i)).fold(0.0, f64::max)
+                };
+                self.take_states(index, &c, &mut work);
+                self.currents_of_states(index, &c, &mut work);
+                let before = size(&work);
+                let fitted = self.share_currents(floating, &c, &mut work);
+                let lost = missing(floating, &work).amax();
+                if lost > REMAINDER * before.max(size(&work)) {
+                    problems.push(self.misfit(floating, lost));
+                } else {
+                    starts.extend(fitted);
+                }
+            }
+            work.circuits = circuits;
+        }
+        for (member, start) in starts {
+            (0..start.len()).for_each(|state| self.start_state(member, state, start[state]));
         }
         if problems.is_empty() { Ok(()) } else { Err(problems) }
+    }
+
+    /// Changes the given currents that follow others at the start, by the smallest volt-seconds after which the law of nodes holds;
+    /// returns the states of their members.
+    fn share_currents(&self, floating: &Floating, c: &Context, w: &mut Work) -> Vec<(usize, Vec<f64>)> {
+        let k = floating.parts;
+        let mut matrix = DMatrix::zeros(k, k);
+        let follows = |crossing: &&Crossing| self.seats[crossing.member].member.part.currents_follow;
+        let border =
+            |crossing: &Crossing| DMatrix::from_row_slice(crossing.weights.len(), k, &crossing.border);
+        for crossing in floating.crossing.iter().filter(follows) {
+            let seat = &self.seats[crossing.member];
+            let Some(component) = seat.component() else { continue };
+            let m = crossing.weights.len();
+            let (mut internal, mut inverse) = (vec![0.0; m], vec![0.0; m * m]);
+            component.reluctance(&self.own_law(c, seat, w), &mut internal, &mut inverse);
+            let weights = DMatrix::from_diagonal(&DVector::from_column_slice(&crossing.weights));
+            let border = border(crossing);
+            matrix += border.transpose() * weights * DMatrix::from_row_slice(m, m, &inverse) * border;
+        }
+        let missing = -missing(floating, w);
+        let largest = matrix.amax();
+        if missing.amax() == 0.0 || largest == 0.0 {
+            return Vec::new();
+        }
+        let Ok(psi) = matrix.svd(true, true).solve(&missing, 1e-12 * largest) else { return Vec::new() };
+        let mut starts = Vec::new();
+        for crossing in floating.crossing.iter().filter(follows) {
+            let seat = &self.seats[crossing.member];
+            let Some(component) = seat.component() else { continue };
+            let law = self.own_law(c, seat, w);
+            let mut x = law.x.to_vec();
+            component.strike(&law, (border(crossing) * &psi).as_slice(), &mut x);
+            let law = Law { x: &x, ..law };
+            let mut currents = vec![0.0; seat.windings.len()];
+            component.currents(&law, &mut currents);
+            let first = self.electrics.sources + seat.windings.start;
+            w.given[first..first + currents.len()].copy_from_slice(&currents);
+            starts.push((crossing.member, x));
+        }
+        starts
+    }
+
+    /// Start currents that do not obey Kirchhoff's law.
+    fn misfit(&self, floating: &Floating, lost: f64) -> NetworkProblem {
+        let sources = floating.cut.contains(&true);
+        let problem = NetworkProblem::new(
+            "start_conflict",
+            format!("the currents at the start do not obey Kirchhoff's law: {lost} A have no path"),
+            if sources {
+                "leave out `i0` of the inductances in series with a current source, or make them add up to zero: what comes as a \
+                 signal counts as zero before the start"
+            } else {
+                "leave out `i0` of one of these inductances, or make their start currents add up to zero at every node"
+            },
+        );
+        floating
+            .crossing
+            .iter()
+            .fold(problem, |problem, crossing| problem.with(crossing.member, "has a current at the start"))
+    }
+
+    /// Gives a state of a member another start.
+    fn start_state(&mut self, member: usize, state: usize, start: f64) {
+        let seat = &self.seats[member];
+        match &seat.held {
+            None => self.interface.states[seat.x.start + state].initial = start,
+            Some(held) => {
+                self.interface.discrete[seat.x.start + state].initial = start;
+                self.interface.discrete[held.x_end.start + state].initial = start;
+            }
+        }
     }
 
     /// Voltages of capacitances in loops must obey Kirchhoff's law from the start: those that are not given follow the others.
@@ -100,16 +202,7 @@ impl Network {
                 starts.push((capacitance.member, capacitance.state, fitted[k] - added));
             }
         }
-        for (member, state, start) in starts {
-            let seat = &self.seats[member];
-            match &seat.held {
-                None => self.interface.states[seat.x.start + state].initial = start,
-                Some(held) => {
-                    self.interface.discrete[seat.x.start + state].initial = start;
-                    self.interface.discrete[held.x_end.start + state].initial = start;
-                }
-            }
-        }
+        starts.into_iter().for_each(|(member, state, start)| self.start_state(member, state, start));
         if problems.is_empty() { Ok(()) } else { Err(problems) }
     }
 

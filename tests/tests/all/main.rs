@@ -28,6 +28,7 @@ mod formatting;
 mod impacts;
 mod import;
 mod induction;
+mod inductor_cuts;
 mod instants;
 mod inverters;
 mod kinks;

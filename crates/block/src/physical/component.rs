@@ -28,6 +28,9 @@ pub trait Component: Debug + Send + Sync {
     /// Current of each winding and current source, A.
     fn currents(&self, _c: &Law, _i: &mut [f64]) {}
 
+    /// Derivative of the current of each current source, A/s. Only when the part says [`Part::rates`].
+    fn current_rates(&self, _c: &Law, _di: &mut [f64]) {}
+
     /// Ratio of each variable transformer; from time, inputs and states.
     fn ratios(&self, _c: &Law, _ratio: &mut [f64]) {}
 

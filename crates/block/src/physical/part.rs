@@ -48,8 +48,13 @@ pub struct Part {
     pub uses_time: bool,
     /// Voltages and prescribed currents stay as they are until inputs or discrete states change.
     pub holds: bool,
-    /// Has [`Component::voltage_rates`](super::Component::voltage_rates).
+    /// Has [`Component::voltage_rates`](super::Component::voltage_rates), or
+    /// [`Component::current_rates`](super::Component::current_rates) if it gives currents.
     pub rates: bool,
+    /// The input, by number, that tells these derivatives: there are [`rates`](Self::rates) where it is connected.
+    pub rate_input: Option<usize>,
+    /// Currents of windings at the start are not given: where the law of nodes asks for it, the network chooses others.
+    pub currents_follow: bool,
     /// What the component contributes.
     pub elements: Vec<Element>,
     /// What is seen of the component: a frame port and a shape fixed to it. It acts on nothing.
@@ -158,6 +163,18 @@ impl Part {
     /// Has [`Component::voltage_rates`](super::Component::voltage_rates): the voltages are functions of time alone.
     pub fn rates(mut self) -> Self {
         self.rates = true;
+        self
+    }
+
+    /// The last input tells the derivatives of the voltages or currents that the component gives.
+    pub fn rate_input(mut self) -> Self {
+        self.rate_input = self.inputs.len().checked_sub(1);
+        self
+    }
+
+    /// Lets the network choose the currents of windings at the start where the law of nodes asks for it.
+    pub fn currents_follow(mut self) -> Self {
+        self.currents_follow = true;
         self
     }
 

@@ -4,6 +4,9 @@ use blocksim_block::prelude::*;
 /// Ideal current source that a signal commands: $i$ flows from `p` through the source to `n`, whatever voltage that
 /// takes.
 ///
+/// Inductances in series with it take its current; the voltage across them contains its derivative: connect `di` where something
+/// measures that voltage.
+///
 /// ```ron
 /// ControlledCurrentSource
 /// ```
@@ -22,10 +25,16 @@ impl Component for ControlledCurrentSource {
         Part::new()
             .pins()
             .input(Input::real("i").scalar().unit("A").doc("current from p to n"))
+            .input(Input::real("di").scalar().unit("A/s").default(0.0).doc("derivative of i"))
+            .rate_input()
             .element(Element::CurrentSource { p: Pin::Port(0), n: Pin::Port(1) })
     }
 
     fn currents(&self, c: &Law, i: &mut [f64]) {
         i[0] = c.scalar(0);
+    }
+
+    fn current_rates(&self, c: &Law, di: &mut [f64]) {
+        di[0] = c.scalar(1);
     }
 }

@@ -3,6 +3,9 @@ use blocksim_block::prelude::*;
 
 /// Ideal voltage source that a signal commands: $v_p - v_n = v$, whatever current that takes.
 ///
+/// Capacitors across it take its voltage; the current through them contains its derivative: connect `dv` where something measures
+/// that current.
+///
 /// ```ron
 /// ControlledVoltageSource
 /// ```
@@ -21,11 +24,17 @@ impl Component for ControlledVoltageSource {
         Part::new()
             .pins()
             .input(Input::real("v").scalar().unit("V").doc("voltage from p to n"))
+            .input(Input::real("dv").scalar().unit("V/s").default(0.0).doc("derivative of v"))
+            .rate_input()
             .element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Port(1) })
     }
 
     fn voltages(&self, c: &Law, v: &mut [f64]) {
         v[0] = c.scalar(0);
+    }
+
+    fn voltage_rates(&self, c: &Law, dv: &mut [f64]) {
+        dv[0] = c.scalar(1);
     }
 }
 
@@ -37,7 +46,7 @@ mod tests {
     #[test]
     fn the_voltage_is_the_input() {
         let mut v = [0.0];
-        ControlledVoltageSource.voltages(&Law { u: &[-48.0], ..law() }, &mut v);
+        ControlledVoltageSource.voltages(&Law { u: &[-48.0, 0.0], ..law() }, &mut v);
         assert_eq!(v[0], -48.0);
     }
 }

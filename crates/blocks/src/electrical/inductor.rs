@@ -3,7 +3,7 @@ use blocksim_block::prelude::*;
 
 /// Inductor: $v = L \frac{di}{dt}$. Its current is a state.
 ///
-/// Where only inductances meet at a node their currents depend on each other: start values must then obey
+/// Where only inductances and current sources meet at a node their currents depend on each other: start values must then obey
 /// Kirchhoff's law.
 ///
 /// ```ron
@@ -15,9 +15,9 @@ pub struct Inductor {
     /// Inductance, positive.
     #[block(unit = "H")]
     pub l: f64,
-    /// Current at the start, from `p` to `n`.
-    #[block(unit = "A", default = 0.0)]
-    pub i0: f64,
+    /// Current at the start, from `p` to `n`. Where none is given it is what the inductances in series with it tell, else zero.
+    #[block(unit = "A", default = None)]
+    pub i0: Option<f64>,
 }
 
 impl Block for Inductor {
@@ -26,7 +26,7 @@ impl Block for Inductor {
             0.0 => error.help("without inductance it is a wire: join the two nodes instead"),
             _ => error,
         })?;
-        finite("i0", self.i0)
+        finite("i0", self.i0.unwrap_or(0.0))
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -37,12 +37,10 @@ impl Block for Inductor {
 impl Component for Inductor {
     fn part(&self, _given: &Given) -> Part {
         let winding = Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true };
-        Part::new().pins().state_in("i", self.i0, "A").element(winding).measures(
-            "i",
-            "A",
-            Needs::State,
-            "current from p to n",
-        )
+        let start = self.i0.unwrap_or(0.0);
+        let part = Part::new().pins().state_in("i", start, "A").element(winding);
+        let part = part.measures("i", "A", Needs::State, "current from p to n");
+        if self.i0.is_none() { part.currents_follow() } else { part }
     }
 
     fn currents(&self, c: &Law, i: &mut [f64]) {

@@ -7,7 +7,7 @@ use blocksim_block::prelude::*;
 ///
 /// Leave out what is not there: a line is `r` and `l`, a load with a `FloatingNeutral` or a `PhasePermute` behind it
 /// stands in star or delta. Currents of inductances and voltages of capacitances are states; in a star whose point
-/// floats, currents at the start must add up to zero.
+/// floats, currents given for the start must add up to zero.
 ///
 /// ```ron
 /// ThreePhaseRlc(r: "0.1 Ohm", l: "2 mH")
@@ -24,9 +24,10 @@ pub struct ThreePhaseRlc {
     /// Capacitance of a phase; without it the current passes.
     #[block(unit = "F", default = None)]
     pub c: Option<f64>,
-    /// Currents of the inductances at the start.
-    #[block(unit = "A", default = [0.0, 0.0, 0.0])]
-    pub i0: [f64; 3],
+    /// Currents of the inductances at the start. Where none are given they are what the inductances in series with them tell, else
+    /// zero.
+    #[block(unit = "A", default = None)]
+    pub i0: Option<[f64; 3]>,
     /// Voltages of the capacitances at the start. Where none are given they are what ideal voltages around them tell,
     /// else zero.
     #[block(unit = "V", default = None)]
@@ -60,13 +61,13 @@ impl Block for ThreePhaseRlc {
         if let Some(c) = self.c {
             positive("c", c).map_err(|error| error.help("leave `c` out where there is no capacitor"))?;
         }
-        self.i0.iter().try_for_each(|i| finite("i0", *i))?;
+        self.i0.iter().flatten().try_for_each(|i| finite("i0", *i))?;
         self.v0.iter().flatten().try_for_each(|v| finite("v0", *v))?;
         if self.count() == 0 {
             return Err(ParamError::new("r", "`r` and `l` are zero, and there is no `c`: this is a wire")
                 .help("join the two ports instead"));
         }
-        if self.l == 0.0 && self.i0 != [0.0; 3] {
+        if self.l == 0.0 && self.i0.is_some() {
             return Err(ParamError::new("i0", "`i0` is given, but without `l` no current is a state")
                 .help("leave `i0` out, or give `l`"));
         }
@@ -91,11 +92,12 @@ impl Component for ThreePhaseRlc {
             .port("ac2", Domain::ThreePhase, "the other")
             .output(current, needs);
         let phases = ["a", "b", "c"];
-        let winding_states = phases.iter().zip(self.i0).filter(|_| self.windings() > 0);
+        let winding_states = phases.iter().zip(self.i0.unwrap_or([0.0; 3])).filter(|_| self.windings() > 0);
         part = winding_states.fold(part, |part, (phase, i)| part.state(&format!("i_{phase}"), i));
         let voltage_states =
             phases.iter().zip(self.v0.unwrap_or([0.0; 3])).filter(|_| self.capacitances() > 0);
         part = voltage_states.fold(part, |part, (phase, v)| part.state(&format!("v_{phase}"), v));
+        part.currents_follow = self.i0.is_none();
         let count = self.count();
         for k in 0..3 {
             // Pin before the element at this place of the series.
@@ -173,7 +175,7 @@ impl Component for ThreePhaseRlc {
 mod tests {
     use super::*;
 
-    const LINE: ThreePhaseRlc = ThreePhaseRlc { r: 0.1, l: 1e-3, c: None, i0: [0.0; 3], v0: None };
+    const LINE: ThreePhaseRlc = ThreePhaseRlc { r: 0.1, l: 1e-3, c: None, i0: None, v0: None };
 
     #[test]
     fn what_is_not_there_is_no_element() {
@@ -188,7 +190,7 @@ mod tests {
     fn a_wire_and_start_values_of_nothing_are_refused() {
         let refused = |rlc: ThreePhaseRlc| rlc.check().unwrap_err();
         assert!(refused(ThreePhaseRlc { r: 0.0, l: 0.0, ..LINE }).help.is_some());
-        assert_eq!(refused(ThreePhaseRlc { l: 0.0, i0: [1.0, -1.0, 0.0], ..LINE }).param, "i0");
+        assert_eq!(refused(ThreePhaseRlc { l: 0.0, i0: Some([1.0, -1.0, 0.0]), ..LINE }).param, "i0");
         assert_eq!(refused(ThreePhaseRlc { v0: Some([1.0, 0.0, 0.0]), ..LINE }).param, "v0");
         assert_eq!(refused(ThreePhaseRlc { c: Some(0.0), ..LINE }).param, "c");
     }

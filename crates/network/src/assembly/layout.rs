@@ -250,16 +250,18 @@ impl Network {
         };
         network.interface.jumps |= network.loops_meet_sources();
         network.mass_matrix_is_definite()?;
-        network.currents_fit()?;
+        network.fit_currents()?;
         network.fit_voltages()?;
         Ok(network)
     }
 }
 
-/// Whether sources add to the voltage of a capacitance of a member.
+/// Whether sources add to the voltage of a capacitance of a member, or to its currents.
 fn is_shifted(electrics: &Electrics, member: usize) -> bool {
-    let shifts = electrics.places[member].island.map(|island| &electrics.islands[island].shifts);
-    shifts.is_some_and(|shifts| shifts.iter().any(|shift| shift.member == member))
+    let island = electrics.places[member].island.map(|island| &electrics.islands[island]);
+    island.is_some_and(|island| {
+        island.in_cuts.contains(&member) || island.shifts.iter().any(|shift| shift.member == member)
+    })
 }
 
 /// Circuits with valves that the solver integrates.

@@ -5,19 +5,16 @@ use blocksim_block::Context;
 use blocksim_block::physical::ValveKind;
 
 use crate::electrics::Conducting;
-use crate::electrics::commutation::{REMAINDER, Wrong};
+use crate::electrics::commutation::Wrong;
 use crate::network::Network;
-use crate::problem::NetworkProblem;
 use crate::work::Work;
 
 impl Network {
-    /// Largest current that enters a floating part and does not leave it, A.
+    /// Largest current that enters a floating part and does not leave it, A. Where current sources lead into it, none is lost.
     pub(crate) fn lost(&self, island: usize, w: &Work) -> f64 {
         let Some(floating) = &w.circuits[island].now().floating else { return 0.0 };
-        floating
-            .leaving
-            .iter()
-            .map(|leaving| leaving.iter().map(|(i, sign)| sign * w.given[*i]).sum::<f64>().abs())
+        let free = floating.leaving.iter().zip(&floating.cut).filter(|(_, cut)| !**cut);
+        free.map(|(leaving, _)| leaving.iter().map(|(i, sign)| sign * w.given[*i]).sum::<f64>().abs())
             .fold(0.0, f64::max)
     }
 
@@ -28,34 +25,15 @@ impl Network {
         if let Some(floating) = &circuits[island].now().floating {
             let mut room = std::mem::take(&mut w.float);
             self.assemble_floating(floating, c, w, &mut room, false);
-            for (phi, leaving) in room.phi.iter_mut().zip(&floating.leaving) {
+            let free =
+                floating.leaving.iter().zip(&floating.cut).zip(&mut room.phi).filter(|((_, cut), _)| !**cut);
+            for ((leaving, _), phi) in free {
                 *phi = -leaving.iter().map(|(i, sign)| sign * w.given[*i]).sum::<f64>();
             }
             self.settle_floating(island, floating, &mut room, w);
             w.float = room;
         }
         w.circuits = circuits;
-    }
-
-    /// Start values of currents that do not obey Kirchhoff's law.
-    pub(crate) fn misfit(&self, island: usize, w: &Work) -> Option<NetworkProblem> {
-        let circuit = &self.electrics.islands[island];
-        let most = circuit.two_pins.iter().fold(0.0, |m: f64, p| m.max(w.current[p.index].abs()));
-        let lost = self.lost(island, w);
-        if lost <= REMAINDER * most {
-            return None;
-        }
-        let problem = NetworkProblem::new(
-            "start_conflict",
-            format!("the currents at the start do not obey Kirchhoff's law: {lost} A have no path"),
-            "make the start currents of these inductances add up to zero at every node",
-        );
-        let floating = w.circuits[island].now().floating.as_ref()?;
-        Some(
-            floating.crossing.iter().fold(problem, |problem, crossing| {
-                problem.with(crossing.member, "has a current at the start")
-            }),
-        )
     }
 
     /// The valve that the arc would drive hardest to conduct.

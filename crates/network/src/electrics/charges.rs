@@ -29,22 +29,23 @@ impl Network {
         for shift in &circuit.shifts {
             given[shift.source] += shift.by.of(given);
         }
-        let mut seen = None;
         for shift in &circuit.shifts {
-            let seat = &self.seats[shift.member];
-            let Some(at) = seat.shifted else { continue };
-            if seen.replace(shift.member) != Some(shift.member) {
-                let x = seat.states(c).0;
-                own[at..at + x.len()].copy_from_slice(x);
+            if let Some(at) = self.seats[shift.member].shifted {
+                own[at + shift.state] = given[shift.source];
             }
-            own[at + shift.state] = given[shift.source];
         }
         w.own = own;
         for seat in circuit.rated.iter().map(|i| &self.seats[*i]) {
-            let first = self.electrics.slope_of(seat.sources.start);
-            if let (Some(component), Some(first)) = (seat.component(), first) {
-                let law = self.law(c, seat, w);
+            let Some(component) = seat.component() else { continue };
+            let law = self.law(c, seat, w);
+            if let Some(first) =
+                self.electrics.slope_of(seat.sources.start).filter(|_| !seat.sources.is_empty())
+            {
                 component.voltage_rates(&law, &mut given[first..first + seat.sources.len()]);
+            }
+            let first = self.electrics.sources + seat.windings.start;
+            if let Some(first) = self.electrics.slope_of(first).filter(|_| !seat.windings.is_empty()) {
+                component.current_rates(&law, &mut given[first..first + seat.windings.len()]);
             }
         }
     }

@@ -9,10 +9,10 @@ pub(crate) enum Unsolvable {
     /// Branches that prescribe voltages close a loop: indices of two-pins.
     Loop(Vec<usize>),
     /// The current of a two-pin that somebody looks at, the first, asks for the slope of a voltage, the second, that
-    /// nobody knows.
+    /// nobody knows; or its voltage for the slope of a current.
     Slope(usize, usize),
     /// Nothing determines the potential of a part of the circuit: its nodes.
     Floating(Vec<usize>),
-    /// Given currents of which some are no states have no path: indices of two-pins.
+    /// Given currents that are no states have no path: indices of two-pins.
     Cut(Vec<usize>),
 }

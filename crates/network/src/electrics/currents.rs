@@ -35,6 +35,14 @@ impl Network {
         w.given = given;
     }
 
+    /// Currents of an island that are states.
+    pub(crate) fn currents_of_states(&self, island: usize, c: &Context, w: &mut Work) {
+        let mut given = std::mem::take(&mut w.given);
+        let members = &self.electrics.islands[island].members;
+        self.given_currents(c, w, &mut given, members, |by| by == GivenBy::State);
+        w.given = given;
+    }
+
     /// Currents of these members that depend on what is asked for.
     fn given_currents(
         &self,
@@ -110,6 +118,7 @@ impl Network {
     /// Voltages that sources and capacitances of an island give.
     pub(crate) fn prescribed_voltages(&self, island: usize, c: &Context, w: &mut Work) {
         let members = &self.electrics.islands[island].members;
+        self.take_states(island, c, w);
         let mut given = std::mem::take(&mut w.given);
         for seat in members.iter().map(|i| &self.seats[*i]).filter(|seat| !seat.sources.is_empty()) {
             let Some(component) = seat.component() else { continue };
@@ -144,6 +153,9 @@ impl Network {
                 c.fail(self.unsolvable(island, conducting, &why));
                 return Err(Faulty);
             }
+        }
+        if !self.electrics.islands[island].in_cuts.is_empty() {
+            self.follow_sources(island, c, w);
         }
         self.convert(island, c, w)?;
         self.voltages(island, w);
@@ -304,6 +316,17 @@ impl Network {
                 valves(false),
                 two_pins.first().map_or("", name)
             ),
+            Unsolvable::Slope(looks, source)
+                if matches!(circuit.two_pins[*source].branch, crate::electrics::Branch::Given(_)) =>
+            {
+                format!(
+                    "with the conducting valves (`{}`) the voltage of `{}` contains the slope of the current of `{}`, which \
+                     nothing tells: connect `di` of the source, or put a resistance in parallel to it, for instance of 1 MOhm",
+                    valves(true),
+                    name(looks),
+                    name(source)
+                )
+            }
             Unsolvable::Slope(looks, source) => format!(
                 "with the conducting valves (`{}`) the current of `{}` contains the slope of the voltage of `{}`, which \
                  nothing tells: put a resistance in series to the source, for instance of 1 mOhm",

@@ -34,7 +34,7 @@ pub(super) fn readings(electrics: &Electrics) -> Vec<Option<Early>> {
 fn is_state(electrics: &Electrics, given: usize) -> bool {
     match given.checked_sub(electrics.sources) {
         Some(winding) => match electrics.windings.get(winding) {
-            Some(by) => *by == GivenBy::State,
+            Some(by) => *by == GivenBy::State && !electrics.follows(winding),
             None => given + 1 == electrics.given(),
         },
         None => {

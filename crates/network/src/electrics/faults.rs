@@ -137,27 +137,40 @@ fn closed(island: &Island, two_pins: &[usize]) -> NetworkProblem {
     two_pins.iter().fold(problem, |problem, i| problem.with(island.two_pins[*i].member, "belongs to it"))
 }
 
-/// A current that contains the slope of a voltage that nothing tells.
+/// A current that contains the slope of a voltage that nothing tells, or a voltage that contains that of a current.
 fn unknown_slope(island: &Island, looks: usize, source: usize) -> NetworkProblem {
+    let of_current = matches!(island.two_pins[source].branch, Branch::Given(_));
     let (looks, source) = (island.two_pins[looks].member, island.two_pins[source].member);
+    if of_current {
+        return NetworkProblem::new(
+            "unknown_slope",
+            "inductances lie in series with an ideal current source: the voltage across them contains the slope of a current that \
+             comes as a signal, which nothing tells",
+            "connect `di` of the source, put a resistance in parallel to it, for instance Resistor(r: \"1 MOhm\"), or leave out what \
+             measures the voltage",
+        )
+        .with(source, "gives this current")
+        .with(looks, "looks at the voltage");
+    }
     NetworkProblem::new(
         "unknown_slope",
         "capacitors lie across an ideal source: the current through them contains the slope of a voltage that comes as a \
          signal, which nothing tells",
-        "put a resistance in series to the source, for instance Resistor(r: \"1 mOhm\"), or leave out what measures the current",
+        "connect `dv` of the source if it has this input, put a resistance in series to it, for instance Resistor(r: \"1 mOhm\"), or \
+         leave out what measures the current",
     )
     .with(source, "gives this voltage")
     .with(looks, "looks at the current")
 }
 
-/// Given currents of which one is no state, with nothing else at the node.
+/// Given currents that are no states, with nothing at the node that could answer them.
 fn no_path(m: &Members, island: &Island, two_pins: &[usize]) -> NetworkProblem {
     let first = &island.two_pins[two_pins[0]];
     let node = first.p.or(first.n).map_or(0, |node| island.nodes[node]);
     let problem = NetworkProblem::new(
         "no_current_path",
         format!(
-            "a prescribed current has no path at `{}`: only prescribed currents and inductances meet there",
+            "a prescribed current has no path at `{}`: only other prescribed currents and windings that cannot follow it meet there",
             m.electrical_node_name(node)
         ),
         "connect a resistance or a capacitance there, in parallel to the source",

@@ -20,7 +20,7 @@ impl Network {
         w.circuits = std::mem::take(&mut circuits);
     }
 
-    /// `W' Gamma W` and, if wanted, `W' Gamma (u - v)`, or else `-W' i`.
+    /// `W' Gamma W` and, if wanted, `W' Gamma (u - v) - Q' j'`, or else zeros.
     pub(crate) fn assemble_floating(
         &self,
         floating: &Floating,
@@ -63,6 +63,14 @@ impl Network {
                         room.matrix[a * k + b] += crossing.border[i * k + a] * room.product[i * k + b];
                     }
                 }
+            }
+        }
+        if of_voltages {
+            let slope = |(index, sign): &(usize, f64)| {
+                self.electrics.slope_of(*index).map_or(0.0, |slope| sign * w.given[slope])
+            };
+            for (phi, driven) in room.phi.iter_mut().zip(&floating.driven) {
+                *phi -= driven.iter().map(slope).sum::<f64>();
             }
         }
         // The common potential of a group that windings do not connect to the rest is free here.

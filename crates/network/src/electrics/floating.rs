@@ -11,14 +11,21 @@
 //! An ideal transformer ties potentials of such parts to each other: what remains free are coordinates over which the
 //! potential of each part is a linear form, mostly the potential of one part each; below a part means such a coordinate.
 //!
+//! Where a current source `j` leads into such parts, the law is `W' i + Q' j = 0`, and `- Q' j'` is added on the right; the
+//! currents then depend on that of the source (`cuts.rs`).
+//!
 //! Where only open valves connect a group of such parts to ground, their leakage decides, however small it is: the
 //! potential at which the squares of the voltages over these valves have the least sum.
 
 use nalgebra::DMatrix;
+use petgraph::unionfind::UnionFind;
 
 use super::conducting::{Conducting, Unsolvable};
 use super::{Branch, Electrics, GivenBy, Island, Joined, TwoPin};
 use crate::assembly::eliminate::{Eliminated, Relations};
+
+/// Sums of whole numbers, or of ratios of transformers, that are zero but for rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// The windings of a member that cross borders.
 #[derive(Debug, Clone)]
@@ -49,15 +56,21 @@ pub(crate) struct Floating {
     pub leaks: Vec<(usize, Vec<f64>)>,
     /// Inverse of `Z'Z` of the leaks, by rows.
     pub leak_inverse: Vec<f64>,
+    /// `Q`: currents of sources that leave each part, indices of given values with signs.
+    pub driven: Vec<Vec<(usize, f64)>>,
+    /// The parts that sources lead into, directly or through windings.
+    pub cut: Vec<bool>,
 }
 
 impl Floating {
-    /// Finds the floating parts; `part` tells the part of each node, 0 being the one with ground.
+    /// Finds the floating parts; `part` tells the part of each node, 0 being the one with ground, and `always` that while all valves
+    /// conduct.
     pub(super) fn find(
         electrics: &Electrics,
         island: &Island,
         conducting: Conducting,
         part: &[usize],
+        always: &[usize],
     ) -> Result<Option<Self>, Unsolvable> {
         let all = part.iter().max().copied().unwrap_or(0);
         if all == 0 {
@@ -80,8 +93,11 @@ impl Floating {
             signs
         };
         let mut leaving = vec![Vec::new(); parts];
+        let mut driven = vec![Vec::new(); parts];
         let mut joined = Relations::new(parts, 0);
-        let mut cut = Vec::new();
+        // Parts that belong together by windings.
+        let mut together = UnionFind::new(parts);
+        let mut sources = Vec::new();
         for (position, pin) in island.two_pins.iter().enumerate() {
             let Branch::Given(index) = pin.branch else { continue };
             let signs: Vec<(usize, f64)> =
@@ -89,16 +105,32 @@ impl Floating {
             if signs.is_empty() {
                 continue;
             }
-            if electrics.windings[index - electrics.sources] == GivenBy::State {
-                joined.add(&signs, &[]);
-            } else {
-                cut.push(position);
+            match electrics.windings[index - electrics.sources] {
+                GivenBy::State => {
+                    joined.add(&signs, &[]);
+                    signs.windows(2).for_each(|pair| _ = together.union(pair[0].0, pair[1].0));
+                }
+                GivenBy::Input => {
+                    sources.push(position);
+                    signs.iter().for_each(|(i, sign)| driven[*i].push((index, *sign)));
+                }
+                // It follows from the potential that is looked for.
+                GivenBy::Voltage | GivenBy::Ratio => return Err(Unsolvable::Cut(vec![position])),
             }
             signs.into_iter().for_each(|(i, sign)| leaving[i].push((index, sign)));
         }
-        if !cut.is_empty() {
-            return Err(Unsolvable::Cut(cut));
+        // A machine has its windings on both axes at once, and a member its coils coupled.
+        for member in &island.members {
+            let windings =
+                island.two_pins.iter().filter(|pin| pin.member == *member && is_state(electrics, pin));
+            let of_member: Vec<usize> = windings
+                .flat_map(|pin| signs(pin).into_iter().enumerate().filter(|(_, sign)| *sign != 0.0))
+                .map(|(i, _)| i)
+                .collect();
+            of_member.windows(2).for_each(|pair| _ = together.union(pair[0], pair[1]));
         }
+        let cut: Vec<bool> =
+            (0..parts).map(|i| (0..parts).any(|k| !driven[k].is_empty() && together.equiv(i, k))).collect();
         // What no winding sees.
         let loose = joined.eliminate(|_| 0);
         let group = |g: usize| -> Vec<(usize, f64)> {
@@ -106,6 +138,36 @@ impl Floating {
             moved.filter(|(_, by)| *by != 0.0).collect()
         };
         let groups: Vec<Vec<(usize, f64)>> = (0..loose.free.len()).map(group).collect();
+        // A source that no winding answers has no path, nor has one that valves have cut off from what it had.
+        let through = |group: &[(usize, f64)], source: usize| -> f64 {
+            let of = |(i, by): &(usize, f64)| {
+                let own = driven[*i].iter().filter(|(index, _)| *index == source);
+                by * own.map(|(_, sign)| sign).sum::<f64>()
+            };
+            group.iter().map(of).sum()
+        };
+        let given = |position: &usize| match island.two_pins[*position].branch {
+            Branch::Given(index) => index,
+            _ => 0,
+        };
+        let unanswered = groups.iter().any(|g| sources.iter().any(|j| through(g, given(j)).abs() > ROUNDING));
+        let cut_off = || {
+            let new = part.iter().max() != always.iter().max();
+            let of_valves = |i: usize| {
+                let own = |node: &usize| part[*node] == free[i] + 1;
+                let before = (0..part.len()).find(own).map_or(0, |node| always[node]);
+                before == 0 || (0..part.len()).any(|node| always[node] == before && !own(&node))
+            };
+            new && (parts < all || (0..parts).any(|i| cut[i] && of_valves(i)))
+        };
+        let machine = |pin: &&TwoPin| {
+            electrics.places[pin.member].machine.is_some()
+                && signs(pin).iter().zip(&cut).any(|(sign, cut)| *sign != 0.0 && *cut)
+        };
+        if !sources.is_empty() && (unanswered || cut_off() || island.two_pins.iter().any(|pin| machine(&pin)))
+        {
+            return Err(Unsolvable::Cut(sources));
+        }
 
         let is_open =
             |branch: &Branch| matches!(branch, Branch::Valve { index, .. } if conducting >> index & 1 == 0);
@@ -142,7 +204,23 @@ impl Floating {
             Some(Crossing { member: *member, border: border.0, weights: border.1 })
         });
         let crossing = crossing.collect();
-        Ok(Some(Self { parts, nodes, crossing, leaving, shifts, groups, leaks, leak_inverse }))
+        Ok(Some(Self { parts, nodes, crossing, leaving, shifts, groups, leaks, leak_inverse, driven, cut }))
+    }
+
+    /// Members whose windings lead to parts that sources lead into.
+    pub(super) fn in_cuts(&self) -> impl Iterator<Item = usize> + '_ {
+        let crosses = |crossing: &&Crossing| {
+            let k = self.parts;
+            crossing.border.iter().enumerate().any(|(i, w)| *w != 0.0 && self.cut[i % k])
+        };
+        self.crossing.iter().filter(crosses).map(|crossing| crossing.member)
+    }
+}
+
+fn is_state(electrics: &Electrics, pin: &TwoPin) -> bool {
+    match pin.branch {
+        Branch::Given(index) => electrics.windings[index - electrics.sources] == GivenBy::State,
+        _ => false,
     }
 }
 
@@ -175,11 +253,7 @@ fn border(
     let windings: Vec<Vec<f64>> = island
         .two_pins
         .iter()
-        .filter(|pin| pin.member == member)
-        .filter(|pin| match pin.branch {
-            Branch::Given(index) => electrics.windings[index - electrics.sources] == GivenBy::State,
-            _ => false,
-        })
+        .filter(|pin| pin.member == member && is_state(electrics, pin))
         .map(signs)
         .collect();
     if windings.iter().flatten().all(|sign| *sign == 0.0) {

@@ -26,6 +26,7 @@
 //! | `convert` | transformers whose ratio varies |
 //! | `commutation` | which valves conduct, chosen at events |
 //! | `margin` | how far a valve is from having to change: verdict and guard |
+//! | `cuts` | currents of inductances that current sources decide |
 //! | `charges` | what capacitances do when a valve closes a loop of them |
 //! | `drift` | where the margins go from here |
 //! | `arc` | currents that have lost their path |
@@ -39,6 +40,7 @@ pub(crate) mod commutation;
 pub(crate) mod convert;
 pub(crate) mod coupling;
 pub(crate) mod currents;
+pub(crate) mod cuts;
 pub(crate) mod drift;
 pub(crate) mod float;
 pub(crate) mod loops;
@@ -63,7 +65,7 @@ use crate::assembly::members::Members;
 use crate::problem::NetworkProblem;
 
 pub(crate) use conducting::{Conducting, Unsolvable};
-pub(crate) use floating::{Floating, coordinates};
+pub(crate) use floating::{Crossing, Floating, coordinates};
 pub(crate) use solved::{Solved, solve};
 
 /// What a current that a component gives depends on.
@@ -202,8 +204,10 @@ pub(crate) struct Island {
     pub transformers: Vec<(usize, usize)>,
     /// Voltages of capacitances that sources in their loops add to.
     pub shifts: Vec<Shift>,
-    /// Members that tell how fast their voltages change.
+    /// Members that tell how fast their voltages or currents change.
     pub rated: Vec<usize>,
+    /// Members whose currents depend on those of current sources: their states are without what these have moved.
+    pub in_cuts: Vec<usize>,
     /// Loops of capacitances that are there whatever valves do.
     pub loops: Option<loops::Law>,
     /// Valves may close loops of capacitances.
@@ -225,13 +229,13 @@ pub(crate) struct Island {
 pub(crate) struct Electrics {
     pub places: Vec<Places>,
     /// Number of voltages that components give: the first of the given values. Then come currents, then the slopes of those
-    /// voltages that currents ask for, then the number 1.
+    /// voltages and currents that others ask for, then the number 1.
     pub sources: usize,
     /// Those of them that are voltages of capacitances, ascending.
     pub capacitances: Vec<Capacitance>,
-    /// The voltages whose slopes are among the given values, ascending, and whether anything tells them.
+    /// The voltages and currents whose slopes are among the given values, ascending, and whether anything tells them.
     pub slopes: Vec<(usize, bool)>,
-    /// Whether somebody looks at the current of each two-pin.
+    /// Whether somebody looks at the voltage or the current of each two-pin.
     pub looked: Vec<bool>,
     /// What each current that a component gives depends on.
     pub windings: Vec<GivenBy>,
@@ -288,10 +292,16 @@ impl Electrics {
         place.ok().map(|place| &self.capacitances[place])
     }
 
-    /// Where the slope of a voltage lies among the given values.
+    /// Where the slope of a given voltage or current lies among the given values.
     pub(crate) fn slope_of(&self, source: usize) -> Option<usize> {
         let place = self.slopes.binary_search_by_key(&source, |slope| slope.0);
         place.ok().map(|place| self.sources + self.windings.len() + place)
+    }
+
+    /// Whether current sources decide about the current of a winding.
+    pub(crate) fn follows(&self, winding: usize) -> bool {
+        let member = self.places.iter().position(|places| places.windings.contains(&winding));
+        member.is_some_and(|member| self.islands.iter().any(|island| island.in_cuts.contains(&member)))
     }
 
     /// Two-pins of the windings of a member whose currents are states.

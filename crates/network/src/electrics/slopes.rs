@@ -1,18 +1,26 @@
-//! Whose slopes the currents in loops of capacitances ask for, and whether anybody knows them.
+//! Whose slopes the currents in loops of capacitances and the voltages in cuts of inductances ask for, and whether anybody
+//! knows them.
 
-use blocksim_block::physical::{Element, Needs, ValveKind};
+use blocksim_block::physical::{Element, Part, ValveKind};
 
 use super::conducting::Unsolvable;
-use super::{Branch, Electrics, Island, Solved, loops};
+use super::solved::always_floating;
+use super::{Branch, Electrics, GivenBy, Island, Solved, loops};
 use crate::assembly::members::Members;
 
 /// Coefficients of slopes below this part of a capacitance are rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// Whether a component tells how fast what it gives changes: it says so, or what it gives stays.
+fn is_known(part: &Part) -> bool {
+    part.rates || part.holds && part.inputs.is_empty() && !part.jumps
+}
+
 /// Adds the slopes of the voltages in islands where capacitances may close loops, and what these voltages add to those of the
-/// capacitances.
+/// capacitances; and the slopes of the currents of sources that meet nothing but inductances.
 pub(super) fn declare(m: &Members, electrics: &mut Electrics) {
     electrics.looked = looked(m, electrics);
+    of_cuts(m, electrics);
     for index in 0..electrics.islands.len() {
         let island = &electrics.islands[index];
         let always = |i: usize| {
@@ -40,44 +48,75 @@ pub(super) fn declare(m: &Members, electrics: &mut Electrics) {
                 continue;
             }
             let part = &m.list[pin.member].part;
-            slopes.push((source, part.rates || part.holds && part.inputs.is_empty() && !part.jumps));
+            slopes.push((source, is_known(part)));
             if part.rates && rated.last() != Some(&pin.member) {
                 rated.push(pin.member);
             }
         }
         let island = &mut electrics.islands[index];
-        (island.loops, island.shifts, island.rated, island.divides) = (law, shifts, rated, divides);
+        (island.loops, island.shifts, island.divides) = (law, shifts, divides);
+        island.rated.extend(rated);
         electrics.slopes.extend(slopes);
     }
     electrics.slopes.sort_unstable_by_key(|slope| slope.0);
 }
 
-/// Whether somebody looks at the current of each two-pin.
+/// The same for current sources that lead into parts of the circuit where only inductances meet them.
+fn of_cuts(m: &Members, electrics: &mut Electrics) {
+    for index in 0..electrics.islands.len() {
+        let island = &electrics.islands[index];
+        let by_input = |index: &usize| electrics.windings[index - electrics.sources] == GivenBy::Input;
+        let sources: Vec<(usize, usize)> = island
+            .two_pins
+            .iter()
+            .filter_map(|pin| match pin.branch {
+                Branch::Given(index) if by_input(&index) => Some((index, pin.member)),
+                _ => None,
+            })
+            .collect();
+        if sources.is_empty() {
+            continue;
+        }
+        let Some(floating) = always_floating(electrics, island).filter(|f| f.cut.contains(&true)) else {
+            continue;
+        };
+        let cut: Vec<usize> = floating.in_cuts().collect();
+        let mut rated: Vec<usize> = sources.iter().map(|(_, member)| *member).collect();
+        rated.dedup();
+        rated.retain(|member| m.list[*member].part.rates);
+        let slopes = sources.iter().map(|(index, member)| (*index, is_known(&m.list[*member].part)));
+        electrics.slopes.extend(slopes);
+        let island = &mut electrics.islands[index];
+        (island.in_cuts, island.rated) = (cut, rated);
+    }
+}
+
+/// Whether somebody looks at the voltage or the current of each two-pin: an output that is read, an account, a valve that
+/// conducts by itself, a transformer whose ratio varies.
 fn looked(m: &Members, electrics: &Electrics) -> Vec<bool> {
     let accounts = m.list.iter().any(|member| member.is_account());
     let mut looked = vec![false; electrics.two_pins];
     for pin in electrics.islands.iter().flat_map(|island| &island.two_pins) {
-        let part = &m.list[pin.member].part;
-        let natural = |e: &Element| matches!(e, Element::Valve { kind, .. } if *kind != ValveKind::Switch);
-        looked[pin.index] = match pin.branch {
-            Branch::Probe => false,
-            Branch::Wire => true,
-            _ => {
-                accounts
-                    || part.outputs.iter().any(|(_, needs)| *needs != Needs::State)
-                    || part.elements.iter().any(natural)
-            }
+        let sensor = matches!(pin.branch, Branch::Probe | Branch::Wire);
+        let needed = |e: &Element| match e {
+            Element::Valve { kind, .. } => *kind != ValveKind::Switch,
+            Element::VariableTransformer { .. } => true,
+            _ => false,
         };
+        let member = &m.list[pin.member];
+        looked[pin.index] =
+            member.is_read() || !sensor && (accounts || member.part.elements.iter().any(needed));
     }
     looked
 }
 
-/// Looks whether all slopes are known that a solution asks for: those in currents that somebody looks at, and those that
-/// change a state.
+/// Looks whether all slopes are known that a solution asks for: those in currents and voltages that somebody looks at, and
+/// those that change a state.
 ///
 /// # Errors
 /// [`Unsolvable::Slope`].
 pub(super) fn known(electrics: &Electrics, island: &Island, solved: &Solved) -> Result<(), Unsolvable> {
+    known_in_cuts(electrics, island, solved)?;
     let Some(law) = &solved.loops else { return Ok(()) };
     let source = |index: usize| {
         island.two_pins.iter().position(|pin| matches!(pin.branch, Branch::Source(i) if i == index))
@@ -99,4 +138,18 @@ pub(super) fn known(electrics: &Electrics, island: &Island, solved: &Solved) -> 
         }
     }
     Ok(())
+}
+
+/// The voltages of parts that current sources lead into contain the slopes of these currents.
+fn known_in_cuts(electrics: &Electrics, island: &Island, solved: &Solved) -> Result<(), Unsolvable> {
+    let Some(floating) = &solved.floating else { return Ok(()) };
+    let is_unknown = |(index, _): &&(usize, f64)| electrics.slopes.contains(&(*index, false));
+    let Some((unknown, _)) = floating.driven.iter().flatten().find(is_unknown) else { return Ok(()) };
+    let source = |pin: &super::TwoPin| matches!(pin.branch, Branch::Given(index) if index == *unknown);
+    let at = island.two_pins.iter().position(source).unwrap_or(0);
+    let looks = floating.shifts.iter().find(|(position, parts)| {
+        let pin = &island.two_pins[*position];
+        electrics.looked[pin.index] && parts.iter().any(|(part, _)| floating.cut[*part])
+    });
+    looks.map_or(Ok(()), |(position, _)| Err(Unsolvable::Slope(*position, at)))
 }

@@ -92,8 +92,7 @@ pub(crate) fn solve(
     let (nodes, given) = (island.nodes.len(), electrics.given());
     let mut branches: Vec<Now> =
         island.two_pins.iter().map(|pin| now(pin.branch, conducting, given - 1)).collect();
-    let part = parts(island, &branches);
-    let floating = Floating::find(electrics, island, conducting, &part)?;
+    let floating = floating(electrics, island, conducting, &branches)?;
 
     let loops = loops::find(electrics, island, |i| matches!(branches[i], Now::Row(_)));
     let loops = loops.map_err(Unsolvable::Loop)?;
@@ -188,6 +187,27 @@ pub(crate) fn solve(
     solved.stiff = solved.floating.is_none() && solved.voltages.iter().all(of_sources);
     slopes::known(electrics, island, &solved)?;
     Ok(solved)
+}
+
+/// The parts that float while certain valves conduct.
+fn floating(
+    electrics: &Electrics,
+    island: &Island,
+    conducting: Conducting,
+    branches: &[Now],
+) -> Result<Option<Floating>, Unsolvable> {
+    let part = parts(island, branches);
+    if island.valves.is_empty() {
+        return Floating::find(electrics, island, conducting, &part, &part);
+    }
+    let all: Vec<Now> = island.two_pins.iter().map(|pin| now(pin.branch, Conducting::MAX, 0)).collect();
+    Floating::find(electrics, island, conducting, &part, &parts(island, &all))
+}
+
+/// The parts that float whatever valves do, if there is any solution.
+pub(super) fn always_floating(electrics: &Electrics, island: &Island) -> Option<Floating> {
+    let all: Vec<Now> = island.two_pins.iter().map(|pin| now(pin.branch, Conducting::MAX, 0)).collect();
+    floating(electrics, island, Conducting::MAX, &all).ok().flatten()
 }
 
 /// The equation of the current that closes a loop: its voltage changes as the others of the loop do,

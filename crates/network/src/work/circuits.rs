@@ -36,6 +36,8 @@ pub(crate) struct FloatRoom {
     /// `Gamma W` of one member, and the voltages of its windings.
     pub product: Vec<f64>,
     pub voltage: Vec<f64>,
+    /// States of one member.
+    pub state: Vec<f64>,
 }
 
 impl FloatRoom {
@@ -49,6 +51,7 @@ impl FloatRoom {
             phi: vector(),
             product: square(),
             voltage: vector(),
+            state: vector(),
         }
     }
 }

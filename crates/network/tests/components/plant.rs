@@ -78,7 +78,8 @@ fn members(blocks: &[(&str, &str)]) -> Vec<Member> {
             let part = block.component().expect("a component").part(&Given::nothing());
             let length = |input: &Input| input.shape.map_or(1, |shape| shape.len());
             let input_lengths = part.inputs.iter().map(length).collect();
-            Member { path: (*path).to_owned(), block, part, input_lengths }
+            let read = vec![true; part.outputs.len()];
+            Member { path: (*path).to_owned(), block, part, input_lengths, read }
         })
         .collect();
     members.sort_by(|a, b| a.path.cmp(&b.path));

@@ -1,0 +1,70 @@
+//! Currents of inductances that current sources decide.
+//!
+//! Where nothing but windings and current sources meets at a part of the circuit, Kirchhoff's law `W' i + Q' j = 0` ties the
+//! currents `i` of the windings to those of the sources, `j` (`floating.rs` has the notation). The states need no slope of `j`:
+//! they hold the fluxes without what the sources have moved, and at each evaluation the currents are
+//!
+//! ```text
+//! i = x + Gamma W psi,    (W' Gamma W) psi = - (W' x + Q' j)
+//! ```
+//!
+//! with volt-seconds `psi` of the potentials of such parts: what a voltage without end does in no time where `j` jumps, so the
+//! flux is shared by the windings as they would share a jump. `x'` is `i'` with a potential for those `j'` that are known, and the
+//! rest of `i'` comes by `psi`, so `x` may hold a jump or a signal whose slope nobody tells; only the potential is unknown then,
+//! which is told where somebody looks at it.
+
+use blocksim_block::Context;
+
+use crate::network::Network;
+use crate::work::Work;
+
+impl Network {
+    /// Passes the states of members that the network shifts on as the solver has them.
+    pub(crate) fn take_states(&self, island: usize, c: &Context, w: &mut Work) {
+        let circuit = &self.electrics.islands[island];
+        if circuit.shifts.is_empty() && circuit.in_cuts.is_empty() {
+            return;
+        }
+        for seat in circuit.members.iter().map(|i| &self.seats[*i]) {
+            if let Some(at) = seat.shifted {
+                let x = seat.states(c).0;
+                w.own[at..at + x.len()].copy_from_slice(x);
+            }
+        }
+    }
+
+    /// Gives the windings in cuts the currents that the sources ask for. The given currents are those of the states.
+    pub(crate) fn follow_sources(&self, island: usize, c: &Context, w: &mut Work) {
+        let circuits = std::mem::take(&mut w.circuits);
+        let floating = circuits[island].now().floating.as_ref();
+        if let Some(floating) = floating.filter(|floating| floating.cut.contains(&true)) {
+            let mut room = std::mem::take(&mut w.float);
+            self.assemble_floating(floating, c, w, &mut room, false);
+            let parts = room.phi.iter_mut().zip(&floating.leaving).zip(&floating.cut);
+            for ((psi, leaving), _) in parts.filter(|(_, cut)| **cut) {
+                *psi = -leaving.iter().map(|(i, sign)| sign * w.given[*i]).sum::<f64>();
+            }
+            super::float::solve_symmetric(&mut room.matrix, &mut room.phi);
+            for crossing in &floating.crossing {
+                let seat = &self.seats[crossing.member];
+                let (Some(component), Some(at)) = (seat.component(), seat.shifted) else { continue };
+                let mut flux = std::mem::take(&mut w.flux);
+                flux.clear();
+                let rows = crossing.border.chunks(floating.parts);
+                flux.extend(rows.map(|row| row.iter().zip(&room.phi).map(|(w, psi)| w * psi).sum::<f64>()));
+                room.state.clear();
+                room.state.extend_from_slice(&w.own[at..at + seat.x.len()]);
+                component.strike(&self.own_law(c, seat, w), &flux, &mut room.state);
+                w.own[at..at + seat.x.len()].copy_from_slice(&room.state);
+                w.flux = flux;
+                let first = self.electrics.sources;
+                let mut given = std::mem::take(&mut w.given);
+                let own = &mut given[first + seat.windings.start..first + seat.windings.end];
+                component.currents(&self.law(c, seat, w), own);
+                w.given = given;
+            }
+            w.float = room;
+        }
+        w.circuits = circuits;
+    }
+}
