@@ -306,6 +306,94 @@ fn a_peak_rectifier_without_any_resistance_conducts_between_its_two_angles() {
     assert!(worst < 1e-6, "{worst}");
 }
 
+/// Three-phase capacitors across a source of signals take its voltages; with the derivatives connected its power is
+/// `sum v (C v' + i)`, and without them what does not look at their currents is the same.
+#[test]
+fn capacitors_across_a_commanded_three_phase_source_take_its_voltages() {
+    let w = std::f64::consts::TAU * 50.0;
+    let sines = |name: &str, amplitude: f64, unit: &str, lead: f64| -> String {
+        let one = |(k, phase): (usize, f64)| {
+            let phase = phase + lead;
+            format!(
+                r#""{name}{k}": Sine(amplitude: "{amplitude} {unit}", frequency: "50 Hz", phase: "{phase} deg")"#
+            )
+        };
+        [0.0, -120.0, 120.0].into_iter().enumerate().map(one).collect::<Vec<_>>().join(", ")
+    };
+    let whole = |dv: &str, power: &str| {
+        format!(
+            r#"Diagram(
+    simulation: (stop_time: "40 ms", solver: Ode45(rtol: 1e-9)),
+    blocks: {{ {}, {}, "v": Mux(inputs: 3), "dv": Mux(inputs: 3), "u": ControlledThreePhaseSource, "g": ElectricalReference,
+        "c": ThreePhaseRlc(c: "10 uF"), "nc": GroundedNeutral, "z": ThreePhaseRlc(r: "5 Ohm", l: "20 mH"), "nz": GroundedNeutral,
+        "s": Scope(inputs: ["i", "p"]) }},
+    connections: ["v0.y -> v.u1", "v1.y -> v.u2", "v2.y -> v.u3", "d0.y -> dv.u1", "d1.y -> dv.u2", "d2.y -> dv.u3", "v.y -> u.v", {dv}
+        "u.n <-> g.p", "u.ac <-> c.ac1 <-> z.ac1", "c.ac2 <-> nc.ac", "z.ac2 <-> nz.ac", "z.i -> s.i", "{power} -> s.p"],
+)"#,
+            sines("v", 300.0, "V", 0.0),
+            sines("d", 300.0 * w, "V/s", 90.0),
+        )
+    };
+    let (r, l) = (5.0, 20e-3);
+    let (z, phi) = (f64::hypot(r, w * l), (w * l / r).atan());
+    let lag = |k: usize| [0.0, -1.0, 1.0][k] * std::f64::consts::TAU / 3.0;
+    let current = |t: f64, k: usize| {
+        300.0 / z * ((w * t + lag(k) - phi).sin() - (lag(k) - phi).sin() * (-t * r / l).exp())
+    };
+    for (dv, power) in [("\"dv.y -> u.dv\",", "u.power"), ("", "v0.y")] {
+        let run = run_text(&whole(dv, power));
+        for k in 0..3 {
+            assert!(off(&run, &format!("s.i[{k}]"), |t| current(t, k)) < 1e-8);
+        }
+        if power == "u.power" {
+            // What three equal capacitors take adds up to nothing.
+            let v = |t: f64, k: usize| 300.0 * (w * t + lag(k)).sin();
+            assert!(off(&run, "s.p", |t| (0..3).map(|k| v(t, k) * current(t, k)).sum()) < 1e-8);
+        }
+    }
+    let problems = compile_text(&whole("", "u.power")).1;
+    assert!(
+        problems.contains("unknown_slope") && problems.contains("connect `dv` of the source"),
+        "{problems}"
+    );
+}
+
+/// Ideal inverters give their voltages whatever lies across them: a load does not notice capacitors in delta or in star.
+#[test]
+fn capacitors_across_ideal_inverters_change_nothing_for_a_load() {
+    for inverter in [
+        "AveragedInverter(vdc: \"560 V\")",
+        "SwitchedInverter(vdc: \"560 V\", switching_frequency: \"4 kHz\")",
+        "SwitchedInverter(vdc: \"560 V\", switching_frequency: \"4 kHz\", integration: Separate(periods: 1))",
+    ] {
+        let run = |blocks: &str, connections: &str| {
+            run_text(&format!(
+                r#"Diagram(
+    simulation: (stop_time: "20 ms", solver: Ode45(rtol: 1e-9)),
+    blocks: {{ "v": Constant(value: "200 V"), "f": Constant(value: "50 Hz"), "u": {inverter},
+        "z": ThreePhaseRlc(r: "5 Ohm", l: "20 mH"), "nz": FloatingNeutral, {blocks} "s": Scope(inputs: ["i"]) }},
+    connections: ["v.y -> u.v", "f.y -> u.f", "u.ac <-> z.ac1", "z.ac2 <-> nz.ac", {connections} "z.i -> s.i"],
+)"#
+            ))
+        };
+        let plain = run("", "");
+        let delta = run(
+            r#""c": ThreePhaseRlc(c: "1 uF"), "x": PhasePermute,"#,
+            r#""u.ac <-> c.ac1 <-> x.ac1", "c.ac2 <-> x.ac2","#,
+        );
+        let star = run(
+            r#""c": ThreePhaseRlc(c: "1 uF"), "nc": FloatingNeutral,"#,
+            r#""u.ac <-> c.ac1", "c.ac2 <-> nc.ac","#,
+        );
+        for with in [delta, star] {
+            for name in ["s.i[0]", "s.i[1]", "s.i[2]"] {
+                let end = plain.last(name);
+                assert!(end.abs() > 1.0 && (with.last(name) - end).abs() < 1e-6, "{inverter} {name}: {end}");
+            }
+        }
+    }
+}
+
 #[test]
 fn what_has_no_answer_is_told() {
     let problems = |blocks: &str, connections: &str| {
@@ -339,9 +427,9 @@ fn what_has_no_answer_is_told() {
         error[unknown_slope]: capacitors lie across an ideal source: the current through them contains the slope of a voltage that comes as a signal, which nothing tells
           model.ron:3:90 `"u"` `u` gives this voltage
           model.ron:3:120 `"m"` `m` looks at the current
-          help: put a resistance in series to the source, for instance Resistor(r: "1 mOhm"), or leave out what measures the current
+          help: connect `dv` of the source if it has this input, put a resistance in series to it, for instance Resistor(r: "1 mOhm"), or leave out what measures the current
     "#]].assert_eq(&problems(
-        r#""w": Sine(amplitude: "5 V", frequency: "50 Hz"), "u": ControlledVoltageSource, "m": CurrentSensor, "b": Capacitor(c: "1 uF")"#,
-        r#""w.y -> u.v", "u.p <-> m.p", "m.n <-> b.p", "u.n <-> b.n <-> g.p""#,
+        r#""w": Sine(amplitude: "5 V", frequency: "50 Hz"), "u": ControlledVoltageSource, "m": CurrentSensor, "b": Capacitor(c: "1 uF"), "abs": Abs"#,
+        r#""w.y -> u.v", "u.p <-> m.p", "m.n <-> b.p", "u.n <-> b.n <-> g.p", "m.i -> abs.u""#,
     ));
 }
