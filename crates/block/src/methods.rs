@@ -22,6 +22,14 @@ pub struct MethodInfo {
     pub order: &'static str,
     /// What it is and what it is for, in a line of a table.
     pub purpose: &'static str,
+    /// Whether stiffness of any kind does not limit its steps.
+    pub stiff: bool,
+}
+
+impl MethodInfo {
+    const fn for_stiff(self) -> Self {
+        Self { stiff: true, ..self }
+    }
 }
 
 const fn variable(
@@ -30,7 +38,7 @@ const fn variable(
     order: &'static str,
     purpose: &'static str,
 ) -> MethodInfo {
-    MethodInfo { name, method: Method::Variable(method), order, purpose }
+    MethodInfo { name, method: Method::Variable(method), order, purpose, stiff: false }
 }
 
 const fn fixed(
@@ -39,7 +47,7 @@ const fn fixed(
     order: &'static str,
     purpose: &'static str,
 ) -> MethodInfo {
-    MethodInfo { name, method: Method::Fixed(method), order, purpose }
+    MethodInfo { name, method: Method::Fixed(method), order, purpose, stiff: false }
 }
 
 /// All methods, the default first.
@@ -49,7 +57,8 @@ pub const METHODS: [MethodInfo; 15] = [
         VariableMethod::Auto,
         "5, 1 to 5",
         "the default: `Ode45`, and `Ode15s` where stability limits the steps of that",
-    ),
+    )
+    .for_stiff(),
     variable("Ode45", VariableMethod::Ode45, "5", "Dormand-Prince 5(4): what is not stiff"),
     variable("Ode23", VariableMethod::Ode23, "3", "Bogacki-Shampine 3(2): loose tolerances, many events"),
     variable(
@@ -63,26 +72,31 @@ pub const METHODS: [MethodInfo; 15] = [
         VariableMethod::Ode15s,
         "1 to 5",
         "differentiation formulas of variable order: stiff systems, large ones too",
-    ),
-    variable("Radau5", VariableMethod::Radau5, "5", "Radau IIA: stiff systems at tight tolerances, events"),
+    )
+    .for_stiff(),
+    variable("Radau5", VariableMethod::Radau5, "5", "Radau IIA: stiff systems at tight tolerances, events")
+        .for_stiff(),
     variable(
         "Rodas4",
         VariableMethod::Rodas4,
         "4",
         "a Rosenbrock method with the whole Jacobian: small stiff systems, weakly damped ones too",
-    ),
+    )
+    .for_stiff(),
     variable(
         "Ode23tb",
         VariableMethod::Ode23tb,
         "2",
         "TR-BDF2: stiff systems at loose tolerances, events; damps what is fast",
-    ),
+    )
+    .for_stiff(),
     variable(
         "Ode23t",
         VariableMethod::Ode23t,
         "2",
         "the trapezoidal rule: stiff systems at loose tolerances whose oscillations must not be damped",
-    ),
+    )
+    .for_stiff(),
     variable(
         "RosW3",
         VariableMethod::RosW3,

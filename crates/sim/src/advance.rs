@@ -68,6 +68,7 @@ impl Simulation {
             if arrival.event || self.rows.jump_at(self.t, &self.hits) {
                 self.look_back(arrival.event)?;
             }
+            self.sizes.note(&self.x);
             self.remember(start)?;
             self.accept()?;
             self.reach()?;

@@ -1,6 +1,7 @@
 //! From the fact that something failed to the block that is to blame. Costs nothing until then.
 
-use blocksim_block::schedule::{Instance, Schedule, Solver};
+use blocksim_block::methods::{METHODS, Method};
+use blocksim_block::schedule::{Instance, Schedule, Solver, VariableMethod};
 use blocksim_solve::StepError;
 
 use crate::SimError;
@@ -11,6 +12,10 @@ const HUGE: f64 = 1e12;
 
 /// What helps where the steps of a fixed size may be too long.
 const SMALLER: &str = "use a smaller step or a method of variable step";
+
+/// What helps where a block gives such values of its own accord.
+const BEYOND: &str =
+    "its parameters lead beyond the largest number, 1.8e308: give smaller ones, or other units";
 
 /// Who failed, where many blocks are one; the reason names those it is about.
 const NETWORK: &str = "the physical network";
@@ -77,8 +82,12 @@ pub(crate) fn not_finite(schedule: &Schedule, diagram: &Diagram, x: &[f64]) -> S
         return SimError::new("not_finite", t, "a recorded value is not finite");
     };
     let mut help = inputs(block, &diagram.signals);
+    if block.gather.is_empty() && block.interface.states.is_empty() {
+        help.push(BEYOND.to_owned());
+    }
     if let Solver::Fixed { .. } = schedule.settings.solver
         && schedule.states > 0
+        && help.first().is_none_or(|help| help != BEYOND)
     {
         help.push(SMALLER.to_owned());
     }
@@ -102,7 +111,7 @@ pub fn state_names(schedule: &Schedule) -> Vec<String> {
 }
 
 /// Path and name of a state. Those of a network carry the path of the member they belong to.
-fn state_name(block: &Instance, state: &str) -> String {
+pub(crate) fn state_name(block: &Instance, state: &str) -> String {
     if block.path.starts_with("network(") { state.to_owned() } else { format!("{}.{state}", block.path) }
 }
 
@@ -164,15 +173,15 @@ pub(crate) fn step(schedule: &Schedule, diagram: &mut Diagram, x: &[f64], error:
         StepError::NotFinite { t, state } => (t, state, "no derivative that is finite".to_owned()),
     };
     // What is not finite comes from the first block that gives such a value, not from the state that it reaches, unless
-    // states that explode have led to it.
+    // states that explode have led to it; a source depends on none.
     if let StepError::NotFinite { .. } = error
-        && x.iter().all(|x| x.abs() < HUGE)
         && diagram.minor(t, x).is_ok()
-        && diagram
+        && let Some(call) = diagram
             .plan
             .major
             .iter()
-            .any(|call| !diagram.signals[call.unit.y.range()].iter().all(|y| y.is_finite()))
+            .find(|call| !diagram.signals[call.unit.y.range()].iter().all(|y| y.is_finite()))
+        && (call.unit.width == 0 || x.iter().all(|x| x.abs() < HUGE))
     {
         return not_finite(schedule, diagram, x);
     }
@@ -193,12 +202,22 @@ pub(crate) fn step(schedule: &Schedule, diagram: &mut Diagram, x: &[f64], error:
     let mut help = inputs(block, &diagram.signals);
     help.push(match schedule.settings.solver {
         Solver::Fixed { .. } => SMALLER.to_owned(),
-        Solver::Variable { .. } => {
-            "a jump or a pole of the law, or a stiff one, may be the cause: `Rodas4` is for stiff systems"
-                .to_owned()
-        }
+        Solver::Variable { method, .. } => stuck(method),
     });
     SimError::new("step_size", t, message).at(&block.path).help(help.join("; "))
+}
+
+/// What may have left a method that chooses its steps without one.
+fn stuck(method: VariableMethod) -> String {
+    let methods =
+        METHODS.iter().filter(|info| info.stiff && info.method != Method::Variable(VariableMethod::Auto));
+    let is_stiff = METHODS.iter().any(|info| info.stiff && info.method == Method::Variable(method));
+    let cause = "a jump or a pole of the law may be the cause";
+    if is_stiff {
+        return cause.to_owned();
+    }
+    let names: Vec<String> = methods.map(|info| format!("`{}`", info.name)).collect();
+    format!("{cause}, or a stiff law, for which there are {}", names.join(", "))
 }
 
 /// What is not finite, or where a block cannot go on, just behind the time up to which steps could be made.

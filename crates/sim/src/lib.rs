@@ -40,6 +40,7 @@ mod events;
 mod frozen;
 mod guards;
 mod hops;
+mod ignored_states;
 mod kinks;
 mod looks;
 mod loops;

@@ -24,7 +24,9 @@ impl Simulation {
     /// The first major step, which evaluates constants as well.
     pub(crate) fn start(&mut self, observer: &mut dyn Observer) -> Result<(), SimError> {
         self.started = true;
-        self.instant(Arrival { end: true, ..Arrival::default() }, true, observer)
+        self.instant(Arrival { end: true, ..Arrival::default() }, true, observer)?;
+        self.sizes.begin(&self.x);
+        Ok(())
     }
 
     /// A major step.

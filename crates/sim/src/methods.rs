@@ -174,7 +174,8 @@ fn resolution(schedule: &Schedule) -> Result<(), SimError> {
     })
 }
 
-/// A fixed step that is longer than a delay would need what it computes itself.
+/// A step that is longer than a delay needs what it computes itself: its end follows from an equation that would have to be
+/// solved in each step, which methods of fixed step do not do.
 fn delays(schedule: &Schedule) -> Result<(), SimError> {
     let Solver::Fixed { step, .. } = schedule.settings.solver else { return Ok(()) };
     let shorter = schedule.blocks.iter().find_map(|block| {
@@ -183,10 +184,12 @@ fn delays(schedule: &Schedule) -> Result<(), SimError> {
     });
     shorter.map_or(Ok(()), |(path, shortest)| {
         let message =
-            format!("the fixed step of {step} s is longer than the delay of `{path}`, {shortest} s");
-        Err(SimError::new("settings", 0.0, message)
-            .at(path)
-            .help("take a step that is no longer than the delay, or a method that chooses its steps"))
+            format!("the fixed step of {step} s is longer than the delay of `{path}`, {shortest} s: what comes out within a step \
+                     would depend on its own end, an equation that methods of fixed step do not solve");
+        Err(SimError::new("settings", 0.0, message).at(path).help(format!(
+            "take a step of at most {shortest} s, a method that chooses its steps such as Auto, or a delay of a whole number of \
+             steps"
+        )))
     })
 }
 

@@ -12,6 +12,7 @@ use crate::audit::{Audit, Findings};
 use crate::clock::{Grid, Hits};
 use crate::evaluate::Diagram;
 use crate::guards::Guards;
+use crate::ignored_states::Sizes;
 use crate::kinks::Kinks;
 use crate::looks::Looks;
 use crate::modes::Modes;
@@ -42,6 +43,7 @@ pub struct Simulation {
     /// Angles of which only the remainder of a turn counts.
     pub(crate) angles: Angles,
     pub(crate) modes: Modes,
+    pub(crate) sizes: Sizes,
     pub(crate) pace: Pace,
     pub(crate) rows: Rows,
     /// Where rows are needed within steps.
@@ -158,6 +160,7 @@ impl Simulation {
             majors: 0,
             events: 0,
             hit_count: 0,
+            sizes: Sizes::new(&x),
             x,
             diagram,
             schedule,
@@ -271,16 +274,19 @@ impl Simulation {
         Some(&self.diagram.signals[signal.offset..signal.offset + signal.shape.len()])
     }
 
-    /// What blocks have to say about approximations of theirs that have missed the tolerance so far. A method of fixed step,
-    /// which knows no tolerance, is taken for one of 1e-3.
-    pub fn warnings(&self) -> Vec<Problem> {
+    /// What is to be said of the accuracy of the run so far: approximations of blocks that have missed the tolerance, and states
+    /// that the tolerance has ignored. A method of fixed step, which knows no tolerance, is taken for one of 1e-3.
+    pub fn warnings(&mut self) -> Vec<Problem> {
         let rtol = match self.schedule.settings.solver {
             Solver::Variable { rtol, .. } => rtol,
             Solver::Fixed { .. } => UNTOLD,
         };
         let cells = |block: &Instance| block.d..block.d + block.interface.discrete.len();
         let blocks = self.schedule.blocks.iter();
-        blocks.flat_map(|block| block.block.warnings(&self.diagram.d[cells(block)], rtol)).collect()
+        let told = blocks.flat_map(|block| block.block.warnings(&self.diagram.d[cells(block)], rtol));
+        let mut told: Vec<Problem> = told.collect();
+        told.extend(self.ignored_states());
+        told
     }
 
     /// Work done so far.

@@ -3,6 +3,7 @@
 use blocksim_solve::Memory;
 
 use crate::guards::Guards;
+use crate::ignored_states::Sizes;
 use crate::pace::Pace;
 use crate::past::Past;
 use crate::refine::Refine;
@@ -30,6 +31,7 @@ pub struct Snapshot {
     angles: f64,
     past: Past,
     refine: Refine,
+    sizes: Sizes,
     stepper: Option<Memory>,
     unasked: u32,
     interrupted: bool,
@@ -54,6 +56,7 @@ impl Simulation {
             angles: self.angles.rate,
             past: self.past.clone(),
             refine: self.refine.clone(),
+            sizes: self.sizes.clone(),
             stepper: self.stepper.as_ref().map(|stepper| stepper.memory()),
             unasked: self.unasked,
             interrupted: self.interrupted,
@@ -91,6 +94,7 @@ impl Simulation {
         self.angles.rate = snapshot.angles;
         self.past.clone_from(&snapshot.past);
         self.refine.clone_from(&snapshot.refine);
+        self.sizes.clone_from(&snapshot.sizes);
         self.stepper = methods::stepper(&self.schedule);
         if let (Some(stepper), Some(memory)) = (&mut self.stepper, &snapshot.stepper) {
             stepper.recall(memory);

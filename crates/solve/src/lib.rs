@@ -72,3 +72,4 @@ pub use runge_kutta::FixedStep;
 pub use stepper::{Counts, Memory, Share, StepError, StepLimits, Stepper, integrate};
 pub use system::{Failed, System, Tolerances};
 pub use tr_bdf2::{Ode23t, Ode23tb};
+pub use weights::least_absolute;

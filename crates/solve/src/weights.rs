@@ -12,6 +12,7 @@
 //!   the fourth difference vanishes there; what it is not is noise, and what noise does to a state over a step is no error.
 //!   It never hides more than a share of the largest state.
 
+use crate::system::NOTHING;
 use crate::{System, Tolerances};
 
 /// Part of the largest magnitude of a state, so far, below which it counts as nothing.
@@ -37,6 +38,12 @@ const FOURTH: [f64; 5] = {
 };
 /// Steps that are kept until noise is looked for again.
 const PATIENCE: f64 = 50.0;
+
+/// The least automatic absolute tolerance at a relative one: states of a run in which `largest` is the largest magnitude of any
+/// state count as nothing below it.
+pub fn least_absolute(relative: f64, largest: f64) -> f64 {
+    relative * NOTHING.max(DWARF * largest)
+}
 
 /// Weights of the states of one stepper.
 pub struct Weights {

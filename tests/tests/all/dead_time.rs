@@ -179,7 +179,14 @@ fn a_fixed_step_follows_the_method_of_steps_and_one_longer_than_the_delay_is_ref
     let error = blocksim_sim::Simulation::new(compile_text(text).0.schedule.unwrap().into()).unwrap_err();
     assert_eq!(error.code, "settings");
     assert!(error.message.contains("0.002 s") && error.message.contains("`late`"), "{}", error.message);
-    assert!(error.help.unwrap().contains("no longer than the delay"));
+    assert!(
+        error.message.contains("an equation that methods of fixed step do not solve"),
+        "{}",
+        error.message
+    );
+    assert!(
+        error.help.unwrap().starts_with("take a step of at most 0.001 s, a method that chooses its steps")
+    );
 }
 
 /// -1 until the start comes out as 2 at 0.1 s: a limiter of the rate follows from then on, not from the step before.

@@ -101,3 +101,97 @@ fn a_state_space_whose_states_differ_by_many_powers_of_ten_needs_no_balance() {
         assert!(most.zip(least).is_some_and(|(most, least)| 2 * most < 3 * least), "{solver}: {work:?}");
     }
 }
+
+/// An oscillation of 1e-20 for twenty seconds, its size brought to one, by a method and with tolerances.
+fn tiny(settings: &str) -> Run {
+    run_text(&diagram(
+        &format!("stop_time: 20, {settings}"),
+        r#""x": Integrator(x0: 1e-20), "v": Integrator, "minus": Gain(k: -1), "show": Scope(inputs: ["x"])"#,
+        r#""v.y -> x.u", "x.y -> minus.u, show.x", "minus.y -> v.u""#,
+    ))
+}
+
+fn ignored(run: &Run) -> Vec<String> {
+    let told = run.warnings.iter().filter(|warning| warning.code == "ignored_state");
+    told.map(|warning| format!("{} ({})", warning.message, warning.help.as_deref().unwrap_or("no help")))
+        .collect()
+}
+
+/// Below `rtol` times 1e-12 a state counts as nothing, so this one may be noise: that is said, with what helps, and it does help.
+#[test]
+fn a_state_that_lies_below_its_tolerance_all_the_time_is_named_with_a_remedy_that_helps() {
+    let exact = 1e-20 * 20.0_f64.cos();
+    for (method, allowed) in
+        [("Auto", 1e-4), ("Ode15s", 1e-3), ("Radau5", 1e-4), ("Ode23t", 1e-2), ("RosW3", 1e-3)]
+    {
+        let run = tiny(&format!("solver: {method}"));
+        let told = ignored(&run);
+        assert_eq!(told.len(), 1, "{method}: {told:?}");
+        for part in [
+            "no step was chosen for `v.x`, `x.x`, which are never larger than the absolute tolerance",
+            "its tolerance is 1e-18",
+            r#"give it a tolerance of its own: `simulation: (atol: {"v.x": "#,
+        ] {
+            assert!(told[0].contains(part), "{method}: {part} is not in {}", told[0]);
+        }
+        let run = tiny(&format!(r#"solver: {method}, atol: {{ "x": 1e-26, "v": 1e-26 }}"#));
+        assert_eq!(ignored(&run), [""; 0], "{method}");
+        let error = (run.last("show.x") - exact).abs() / 1e-20;
+        assert!(error < allowed, "{method}: {error:e}");
+    }
+    // Without the remedy it may indeed be noise.
+    assert!((tiny("solver: Ode15s").last("show.x") - exact).abs() > 0.1 * 1e-20);
+}
+
+#[test]
+fn a_tolerance_that_is_larger_than_what_it_is_for_is_told_be_it_for_one_state_or_for_all() {
+    for (settings, told) in [
+        (r#"atol: { "x": 100 }"#, true),
+        ("solver: Ode45(atol: 1e300)", true),
+        (r#"atol: { "x": 0.5 }"#, false),
+        ("solver: Ode45(atol: 0.5)", false),
+        ("", false),
+        (r#"solver: Ode4(step: "1 ms")"#, false),
+    ] {
+        let run = run_text(&diagram(
+            &format!("stop_time: 1, {settings}"),
+            r#""none": Constant(value: 0), "x": LowPass(tau: 1, y0: 1), "show": Scope(inputs: ["x"])"#,
+            r#""none.y -> x.u", "x.y -> show.x""#,
+        ));
+        let found = ignored(&run);
+        assert_eq!(found.len(), usize::from(told), "{settings}: {found:?}");
+        assert!(
+            found.iter().all(|text| text.contains("`x.x`, which is never") && text.contains("leave it out")),
+            "{found:?}"
+        );
+    }
+}
+
+/// Zero, constant, zero but for rounding, on its way: of these nobody wants to hear.
+#[test]
+fn states_that_are_zero_or_at_rest_or_only_arriving_are_not_named() {
+    for method in ["Auto", "Ode15s", "Radau5", "Rodas4", "Ode23t", "Ode23tb", "Dop853", "Ode23", "RosW3"] {
+        // Three phases whose sum is rounding, a PI controller whose filter has nothing to do, a tiny constant.
+        let run = run_text(&diagram(
+            &format!("stop_time: 2, solver: {method}"),
+            r#""a": Sine(amplitude: 300, frequency: "1 Hz"), "b": Sine(amplitude: 300, frequency: "1 Hz", phase: "120 deg"),
+               "c": Sine(amplitude: 300, frequency: "1 Hz", phase: "240 deg"), "sum": Sum(signs: "+++"), "k": Gain(k: 1e-6),
+               "rounding": LowPass(tau: 0.1), "control": Pid(kp: 2, ki: 1), "plant": LowPass(tau: 0.5), "error": Sum(signs: "+-"),
+               "zero": Constant(value: 0), "still": Integrator(x0: 1e-30), "nothing": LowPass(tau: 1), "show": Scope(inputs: ["x"])"#,
+            r#""a.y -> sum.u1, error.u1", "b.y -> sum.u2", "c.y -> sum.u3", "sum.y -> k.u", "k.y -> rounding.u", "rounding.y -> show.x",
+               "error.y -> control.e", "control.u -> plant.u", "plant.y -> error.u2", "zero.y -> still.u, nothing.u""#,
+        ));
+        assert_eq!(ignored(&run), [""; 0], "{method}");
+    }
+    // The warmth has only just reached the far end of a rod of sixty cells: 1e-40 of what goes in.
+    let cells = 60;
+    let blocks: String = (0..cells).map(|i| format!("\"t{i}\": LowPass(tau: 1), ")).collect();
+    let chain: String = (1..cells).map(|i| format!("\"t{}.y -> t{i}.u\", ", i - 1)).collect();
+    let run = run_text(&diagram(
+        "stop_time: 3",
+        &format!(r#""one": Constant(value: 1), {blocks} "show": Scope(inputs: ["x"])"#),
+        &format!(r#""one.y -> t0.u", {chain} "t{}.y -> show.x""#, cells - 1),
+    ));
+    assert!(run.last("show.x") < 1e-30 && run.last("show.x") > 0.0, "{:e}", run.last("show.x"));
+    assert_eq!(ignored(&run), [""; 0]);
+}

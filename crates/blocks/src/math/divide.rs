@@ -31,7 +31,9 @@ impl Block for Divide {
         for (i, y) in y.iter_mut().enumerate() {
             let (above, below) = (at(c.input(0), i), at(c.input(1), i));
             if below == 0.0 {
-                c.fail(format!("division by zero: u1 = {above}, u2 = {below}"));
+                c.fail(format!(
+                    "division by zero: u1 = {above}, u2 = {below}: keep `u2` away from zero, as with a Switch before it"
+                ));
             }
             *y = above / below;
         }

@@ -133,7 +133,10 @@ fn read_header(line: usize, text: &str) -> Result<Vec<Column>, Fault> {
 fn read_value(field: &str) -> Result<f64, (String, Option<String>)> {
     match field.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err((format!("`{field}` is not finite"), None)),
+        Ok(_) => Err((
+            format!("`{field}` is not finite"),
+            Some("write a number, or leave out the line: values between two lines are found on a straight line".to_owned()),
+        )),
         Err(_) if field.is_empty() => Err(("there is no value".to_owned(), None)),
         Err(_) => Err((
             format!("`{field}` is not a number"),

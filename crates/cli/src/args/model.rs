@@ -21,20 +21,20 @@ pub struct ModelArgs {
 #[derive(Debug, clap::Args)]
 pub struct SolverArgs {
     /// End of the simulation, such as `10`, `10s` or `250ms`.
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME", value_parser = time)]
     pub until: Option<f64>,
     /// Method: auto, ode45, ode23, dop853, ode15s, radau5, rodas4, ode23tb, ode23t, rosw3 (variable step), ode1 to ode5 (fixed step).
     #[arg(long, value_name = "NAME")]
     pub solver: Option<String>,
     /// Relative tolerance of a method of variable step.
-    #[arg(long, value_name = "X", value_parser = positive)]
+    #[arg(long, allow_hyphen_values = true, value_name = "X", value_parser = positive)]
     pub rtol: Option<f64>,
     /// Absolute tolerance of a method of variable step, in SI units of every state; without it each state has its own,
     /// which follows its size.
-    #[arg(long, value_name = "X", value_parser = positive)]
+    #[arg(long, allow_hyphen_values = true, value_name = "X", value_parser = positive)]
     pub atol: Option<f64>,
     /// Step of a method of fixed step, or the largest one of a method of variable step.
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME", value_parser = time)]
     pub step: Option<f64>,
 }
 

@@ -24,22 +24,38 @@ pub fn failure(error: &SimError, schedule: &Schedule) -> Problem {
     problem
 }
 
-/// What blocks say of their approximations at the end of a run, with the places of the parts that they name.
-pub fn warnings(simulation: &Simulation, schedule: &Schedule) -> Vec<Problem> {
+/// What is said of the accuracy of a run at its end, with the places of the blocks that are named.
+pub fn warnings(simulation: &mut Simulation, schedule: &Schedule) -> Vec<Problem> {
     let networks = || schedule.blocks.iter().filter(|block| !block.parts.is_empty());
     let placed = |warning: Problem| {
         let network = networks().find(|network| !named(&warning.message, &network.parts).is_empty());
         match network {
             Some(network) => in_network(warning, network),
-            None => warning,
+            None => at_blocks(warning, schedule),
         }
     };
     simulation.warnings().into_iter().map(placed).collect()
 }
 
-/// What happened, and when.
+/// What happened, and when. Settings are refused before there is any time.
 pub fn reason(error: &SimError) -> String {
-    format!("{} at t = {} s", error.message, short_time(error.t))
+    match error.code {
+        "settings" => error.message.clone(),
+        _ => format!("{} at t = {} s", error.message, short_time(error.t)),
+    }
+}
+
+/// Points to the blocks that the message names.
+fn at_blocks(mut problem: Problem, schedule: &Schedule) -> Problem {
+    let blocks = schedule.blocks.iter().filter(|block| block.parts.is_empty());
+    let parts: Vec<Part> =
+        blocks.map(|block| Part { path: block.path.clone(), place: block.place.clone() }).collect();
+    for part in named(&problem.message, &parts).iter().take(MOST) {
+        if let Some(place) = &part.place {
+            problem = problem.at(place, format!("this is `{}`", part.path));
+        }
+    }
+    problem
 }
 
 /// Points to the parts of a network that the message names, or to one of them if it names none.

@@ -36,7 +36,8 @@ pub fn apply(args: &SolverArgs, settings: &mut Settings) -> Result<(), Failure> 
             if let Some(asked) = args.rtol {
                 if !(1e-14..=0.1).contains(&asked) {
                     let said = format!("--rtol is {asked:e}, but must be between 1e-14 and 1e-1");
-                    return Err(Failure::usage(said));
+                    return Err(Failure::usage(said)
+                        .help("1e-3 is enough for a picture, 1e-6 is the default, 1e-9 is for references"));
                 }
                 // A given absolute tolerance keeps its ratio to the relative one.
                 *atol = atol.map(|atol| atol * asked / *rtol);

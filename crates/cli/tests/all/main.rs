@@ -1,5 +1,6 @@
 //! The program as users call it.
 
+mod bad_runs;
 mod collisions;
 mod commands;
 mod data;

@@ -193,6 +193,12 @@ impl<'a> Resolver<'a> {
             .at(&over.place(), "");
         let mut known: Vec<String> = model.ast.parameters.iter().map(|(name, _)| name.text.clone()).collect();
         collect_parameters(model, &mut known);
+        if target == "simulation" || target.starts_with("simulation.") {
+            return problem.help(
+                "what `simulation` says is changed by --until, --solver, --rtol, --atol and --step, or by a parameter of the \
+                 diagram that stands in it",
+            );
+        }
         match closest(target, known.iter().map(String::as_str)) {
             Some(close) => problem.help(format!("did you mean `{close}`?")),
             None => problem.help(format!(

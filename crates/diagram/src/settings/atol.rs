@@ -26,7 +26,8 @@ pub(super) fn read(
         Value::Number(number) => Err(Problem::error(
             "parameter",
             format!("`atol` of `{name}` is {}, but must be positive", number.value),
-        )),
+        )
+        .help(super::ATOL)),
         other => Err(Problem::error(
             "parameter",
             format!("`atol` of `{name}` must be a number, not {}", other.describe()),

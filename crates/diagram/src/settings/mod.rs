@@ -35,6 +35,10 @@ static INFO: BlockInfo = BlockInfo {
 const MOST_EXACT: f64 = 1e-14;
 const LEAST_EXACT: f64 = 0.1;
 
+/// What an absolute tolerance is.
+const ATOL: &str = "it is an error that does not matter, in the unit of the state; without it each state has its own, which follows \
+                    its size";
+
 /// Relative tolerance where the diagram says none.
 const RTOL: f64 = 1e-6;
 
@@ -110,20 +114,16 @@ pub(crate) fn settings<'a>(
     let solver = read.solver.map_or(default.solver, solver);
     let bad = match solver {
         Solver::Fixed { step, .. } => {
-            (!(step.is_finite() && step > 0.0)).then(|| format!("the step is {step} s"))
+            (!(step.is_finite() && step > 0.0)).then(|| (format!("the step is {step} s"), None))
         }
-        Solver::Variable { rtol, atol, max_step, .. } => {
-            if !(rtol.is_finite() && rtol > 0.0) {
-                Some(format!("`rtol` is {rtol}"))
-            } else if let Some(atol) = atol.filter(|atol| !(atol.is_finite() && *atol > 0.0)) {
-                Some(format!("`atol` is {atol}"))
-            } else {
-                (max_step.is_nan() || max_step <= 0.0).then(|| format!("`max_step` is {max_step} s"))
-            }
+        Solver::Variable { atol, max_step, .. } => {
+            let atol = atol.filter(|atol| !(atol.is_finite() && *atol > 0.0));
+            let max_step = (max_step.is_nan() || max_step <= 0.0).then_some(max_step);
+            let atol = atol.map(|atol| (format!("`atol` is {atol}"), Some(ATOL)));
+            atol.or(max_step.map(|step| (format!("`max_step` is {step} s"), None)))
         }
     };
     if let Solver::Variable { rtol, .. } = solver
-        && bad.is_none()
         && !(MOST_EXACT..=LEAST_EXACT).contains(&rtol)
     {
         problems.push(
@@ -135,9 +135,10 @@ pub(crate) fn settings<'a>(
             .help("1e-3 is enough for a picture, 1e-6 is the default, 1e-9 is for references"),
         );
     }
-    if let Some(bad) = bad {
-        problems
-            .push(Problem::error("parameter", format!("{bad}, but must be positive")).at(&at("solver"), ""));
+    if let Some((bad, help)) = bad {
+        let mut problem = Problem::error("parameter", format!("{bad}, but must be positive"));
+        problem.help = help.map(str::to_owned);
+        problems.push(problem.at(&at("solver"), ""));
     }
     let output = match read.output {
         None | Some(Output::Steps) => OutputTimes::Steps,
@@ -322,7 +323,10 @@ mod tests {
         assert_eq!(message("(stop_time: 0)"), "the stop time is 0 s, but must be positive");
         assert_eq!(message("(stop_time: inf)"), "the stop time is inf s, but must be positive");
         assert_eq!(message("(solver: Ode1(step: -1))"), "the step is -1 s, but must be positive");
-        assert_eq!(message("(solver: Ode45(rtol: 0))"), "`rtol` is 0, but must be positive");
+        for rtol in ["0", "-1", "NaN", "inf"] {
+            let message = message(&format!("(solver: Ode45(rtol: {rtol}))"));
+            assert!(message.ends_with(", but must be between 1e-14 and 1e-1"), "{message}");
+        }
         assert_eq!(
             message("(solver: Ode45(rtol: 0.5))"),
             "`rtol` is 5e-1, but must be between 1e-14 and 1e-1"

@@ -29,7 +29,7 @@ pub fn keep_and_tell(
     simulated: Simulated,
     console: Console,
 ) -> Result<(String, Exit), Failure> {
-    let Prepared { loaded, schedule, simulation, selection, folder, .. } = prepared;
+    let Prepared { loaded, schedule, mut simulation, selection, folder, .. } = prepared;
     let Simulated { run, seen, events, manifest, rows, lost, mut exit } = simulated;
     let source = |at: &usize| schedule.recorded[selection.sources[*at]].clone();
     let recorded: Vec<Recorded> = seen.signals.iter().map(source).collect();
@@ -41,7 +41,7 @@ pub fn keep_and_tell(
         recording: &seen.recording,
         signals: run.signals().len(),
         rows,
-        warnings: warnings(&simulation, &schedule),
+        warnings: warnings(&mut simulation, &schedule),
         began: Began::of(&simulation),
     };
     for file in loaded.scene().into_iter().flat_map(scene::missing_meshes) {

@@ -1,6 +1,6 @@
 //! Runs of a sweep that are kept, as `blocksim run` keeps one.
 
-use crate::running::blame::warnings;
+use blocksim_block::problem::Problem;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
@@ -97,6 +97,7 @@ impl<'a> Keeping<'a> {
         schedule: &Arc<Schedule>,
         simulation: &Simulation,
         recording: &Recording,
+        warnings: Vec<Problem>,
         ended: Ended,
     ) -> Result<(), String> {
         let Keeping { folder, mut recorder, selection, loaded, model, started } = self;
@@ -125,7 +126,7 @@ impl<'a> Keeping<'a> {
             recording,
             signals: run.signals().len(),
             rows,
-            warnings: warnings(simulation, schedule),
+            warnings,
             began: Began::of(simulation),
         };
         let events: &[EventRow] = &events;

@@ -90,7 +90,7 @@ pub fn measure(
     let mut keeping = place.map(begin).transpose()?;
     let mut both = Both { rows: Rows(recording(recorded)), keeping: keeping.as_mut() };
     let outcome = simulation.run(&mut both);
-    *told = warnings(&simulation, &schedule);
+    *told = warnings(&mut simulation, &schedule);
     let rows = both.rows.0.unfolded(recorded.iter().map(|recorded| recorded.held).collect());
     if let Some(keeping) = keeping {
         let ended = match &outcome {
@@ -98,7 +98,7 @@ pub fn measure(
             Ok(Ended::Interrupted) => How::Interrupted,
             Err(error) => How::Failed { reason: reason(error) },
         };
-        keeping.end(&schedule, &simulation, &rows, ended).map_err(Lost::Simulation)?;
+        keeping.end(&schedule, &simulation, &rows, told.clone(), ended).map_err(Lost::Simulation)?;
     }
     if outcome.map_err(|error| failed(&error))? == Ended::Interrupted {
         return Err(Lost::Interrupted);
