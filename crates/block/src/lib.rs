@@ -33,7 +33,7 @@ pub use given::{Given, ParamUnits};
 pub use interface::{Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, Recorded, State};
 pub use parameter::{ParamError, ParamValue, VALUE_ENUM, at_least, finite, not_negative, ordered, positive};
 pub use parameters::{ParameterInfo, Parameters};
-pub use piece::{NODES, Piece, roughness, through};
+pub use piece::{NODES, Piece, derivatives, roughness, through};
 pub use ports::{Input, Output, PortType};
 pub use registry::{BlockInfo, BlockKind, kinds};
 pub use shapes::Shapes;

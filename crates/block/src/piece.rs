@@ -28,7 +28,7 @@ impl Piece<'_> {
     }
 }
 
-/// Value at the share `share` of a piece of the polynomial through `values` at its [`NODES`].
+/// Value at the share `share` of a piece of the polynomial through `values` at its [`NODES`]; exact where all are the same.
 #[inline]
 pub fn through(values: [f64; NODES.len()], share: f64) -> f64 {
     let (mut above, mut below) = (0.0, 0.0);
@@ -38,10 +38,25 @@ pub fn through(values: [f64; NODES.len()], share: f64) -> f64 {
             return values[n];
         }
         let weight = WEIGHTS[n] / distance;
-        above += weight * values[n];
+        above += weight * (values[n] - values[0]);
         below += weight;
     }
-    above / below
+    values[0] + above / below
+}
+
+/// First and second derivative over the share at the begin or the end of the polynomial through `values` at its [`NODES`].
+pub fn derivatives(values: [f64; NODES.len()], at_end: bool) -> [f64; 2] {
+    // J.-P. Berrut, L. N. Trefethen, Barycentric Lagrange interpolation, SIAM Rev. 46 (2004), section 9.3.
+    let slope = |values: &[f64; NODES.len()], node: usize| -> f64 {
+        let others = (0..NODES.len()).filter(|&other| other != node);
+        let part = |other: usize| {
+            WEIGHTS[other] / WEIGHTS[node] * (values[other] - values[node]) / (NODES[node] - NODES[other])
+        };
+        others.map(part).sum()
+    };
+    let node = if at_end { NODES.len() - 1 } else { 0 };
+    let slopes = std::array::from_fn(|node| slope(&values, node));
+    [slopes[node], slope(&slopes, node)]
 }
 
 /// How far the value in the middle is from the cubic through the other four nodes: what the fourth derivative adds, and a
@@ -71,6 +86,22 @@ mod tests {
             assert!((through(at(f), share) - f(share)).abs() < 1e-13, "{share}");
         }
         assert_eq!(through(at(f), 1.0), f(1.0));
+    }
+
+    #[test]
+    fn derivatives_at_both_ends_are_those_of_the_polynomial() {
+        let f = |s: f64| 1.0 - 2.0 * s + 3.0 * s * s - 4.0 * s.powi(3) + 5.0 * s.powi(4);
+        let close = |a: [f64; 2], b: [f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-11);
+        assert!(close(derivatives(at(f), false), [-2.0, 6.0]));
+        assert!(close(derivatives(at(f), true), [12.0, 42.0]), "{:?}", derivatives(at(f), true));
+    }
+
+    #[test]
+    fn a_constant_comes_back_without_rounding() {
+        for k in 0..1000 {
+            let share = f64::from(k) / 997.0;
+            assert_eq!(through([3.05; 5], share), 3.05, "{share}");
+        }
     }
 
     #[test]

@@ -328,3 +328,35 @@ fn what_goes_round_a_dead_time_loses_no_digits() {
         assert!((found - expected).abs() < 2.5e-5, "{solver}: {found} instead of {expected}");
     }
 }
+
+/// A kink that goes round without being integrated stays a kink: y(t) = u(t) + y(t - T) is the sum of all u(t - kT), and each of
+/// them begins with one. Steps end at all of them, and the integral of y is as exact as its tolerance.
+#[test]
+fn a_kink_that_is_not_integrated_comes_round_as_one() {
+    let (delay, w) = (0.0345, 2.0 * std::f64::consts::TAU);
+    for solver in ["Auto", "Ode45", "Ode23", "Rodas4", "RosW3", "Radau5", "Ode15s"] {
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "1 s", solver: {solver}),
+                blocks: {{
+                    "u": Sine(frequency: "2 Hz"), "y": Sum(signs: "++"), "late": TransportDelay(delay: "{delay} s"),
+                    "rate": Gain(k: "1 1/s"), "x": Integrator, "show": Scope(inputs: ["y", "x"]),
+                }},
+                connections: [
+                    "u.y -> y.u1", "late.y -> y.u2", "y.y -> late.u, rate.u, show.y", "rate.y -> x.u", "x.y -> show.x",
+                ],
+            )"#
+        ));
+        let starts = |t: f64| (0..=((t / delay + 1e-9) as i32)).map(move |k| t - f64::from(k) * delay);
+        let (y, x) = (run.column("show.y"), run.column("show.x"));
+        for (row, &t) in run.time.iter().enumerate() {
+            let sum: f64 = starts(t).map(|t| (w * t).sin()).sum();
+            let integral: f64 = starts(t).map(|t| (1.0 - (w * t).cos()) / w).sum();
+            assert!((y[row] - sum).abs() < 1e-4, "{solver} at {t}: {} instead of {sum}", y[row]);
+            assert!((x[row] - integral).abs() < 1e-4, "{solver} at {t}: {} instead of {integral}", x[row]);
+        }
+        for kink in (1..29).map(|k| f64::from(k) * delay) {
+            assert!(run.time.iter().any(|t| (t - kink).abs() < 1e-9), "{solver}: no step ends at {kink} s");
+        }
+    }
+}

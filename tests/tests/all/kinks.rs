@@ -136,3 +136,34 @@ fn curves_through_short_pieces_cost_no_digits() {
         assert!((found - expected).abs() < slack, "{solver}: {found} instead of {expected}");
     }
 }
+
+/// Two signals that have come to the same value differ by rounding at most: neither takes over from the other again and again.
+#[test]
+fn what_has_caught_up_with_its_target_is_at_rest_there() {
+    let run = run_text(
+        r#"Diagram(
+            simulation: (stop_time: "4 s"),
+            blocks: {
+                "step": Step(time: "0.684 s", before: 0, after: 3.05), "late": TransportDelay(delay: "0.517 s"),
+                "slow": RateLimiter(rising: 8.14, falling: -14.6), "most": MinMax(function: Max, inputs: 2),
+                "least": MinMax(function: Min, inputs: 2), "limit": Saturation(lower: 0, upper: 3.05),
+                "s": Scope(inputs: ["most", "least", "limit"]),
+            },
+            connections: [
+                "step.y -> late.u, most.u2, least.u2", "late.y -> slow.u", "slow.y -> most.u1, least.u1, limit.u",
+                "most.y -> s.most", "least.y -> s.least", "limit.y -> s.limit",
+            ],
+        )"#,
+    );
+    let caught = 0.684 + 0.517 + 3.05 / 8.14;
+    for (row, &t) in run.time.iter().enumerate() {
+        let slow = (8.14 * (t - 1.201)).clamp(0.0, 3.05);
+        let step = if run.column("s.most")[row] > 1.0 { 3.05 } else { 0.0 };
+        for (name, expected) in [("most", slow.max(step)), ("least", slow.min(step)), ("limit", slow)] {
+            let found = run.column(&format!("s.{name}"))[row];
+            assert!((found - expected).abs() < 1e-9, "{name} is {found} instead of {expected} at {t}");
+        }
+    }
+    let later = run.events.iter().filter(|(t, _, _)| *t > caught + 1e-6);
+    assert_eq!(later.count(), 0, "{:?}", run.events);
+}

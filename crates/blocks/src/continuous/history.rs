@@ -4,13 +4,18 @@
 //! of it, there is a *break*: on each side another polynomial holds, and what reads the past must be made to stop there.
 
 use blocksim_block::prelude::*;
-use blocksim_block::{NODES, through};
+use blocksim_block::{NODES, derivatives, through};
 
 /// Breaks up to a jump of this derivative are stopped at. A method of order five does not feel those of higher ones.
 const HIGHEST: f64 = 3.0;
 
 /// Jumps of a signal below this share of its size come from rounding.
 const ROUNDING: f64 = 1e-9;
+
+/// A derivative jumps if it changes by more than this part of what it is or usually is within a piece, and by more than what
+/// rounding of values, as a part of them, makes of it.
+const CLEAR: f64 = 0.02;
+const NOISE: f64 = 1e-10;
 
 /// Discrete states before the pieces: next piece to write, number of pieces in use, time up to which breaks have been
 /// passed, time of the last break.
@@ -157,7 +162,7 @@ impl<'a> History<'a> {
 
     /// Which derivative jumps at the begin of a fresh piece. Why it is fresh is not known, so the first derivative may jump;
     /// but where a break came out of this history at that time, that is the reason, and what came out has been integrated
-    /// once on its way.
+    /// once on its way, unless both pieces show that it has not: it may come back without (equations of neutral type).
     fn level_of(&self, piece: &Piece, first: &[f64], initial: f64, delay: f64) -> f64 {
         let jumps = |(new, old): (&f64, f64)| (new - old).abs() > ROUNDING * new.abs().max(old.abs());
         let Some(newest) = self.count().checked_sub(1) else {
@@ -173,9 +178,37 @@ impl<'a> History<'a> {
         let begun = self.begun(came);
         match (begun.saturating_sub(2)..self.count().min(begun + 2)).find(near) {
             None => 1.0,
-            Some(age) if self.level(age) < HIGHEST => self.level(age) + 1.0,
-            Some(_) => NO_BREAK,
+            Some(age) => match self.jumping(piece, newest, self.level(age)) {
+                Some(level) => level,
+                None if self.level(age) < HIGHEST => self.level(age) + 1.0,
+                None => NO_BREAK,
+            },
         }
+    }
+
+    /// The lowest derivative, up to `highest` and the second, that differs between the end of the newest piece and the begin of
+    /// a fresh one.
+    fn jumping(&self, piece: &Piece, newest: usize, highest: f64) -> Option<f64> {
+        let place = self.place(newest);
+        let lengths = [self.d[place + END] - self.d[place + BEGIN], piece.end - piece.begin];
+        let jumps = |element: usize, order: usize| {
+            let old = std::array::from_fn(|node| self.d[place + VALUES + node * self.n + element]);
+            let new = std::array::from_fn(|node| piece.node(node)[element]);
+            let sizes = [old, new].map(|values: [f64; NODES.len()]| {
+                let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (v.min(a), v.max(b)));
+                (high - low, low.abs().max(high.abs()))
+            });
+            let power = order as i32;
+            let [a, b] = [derivatives(old, true), derivatives(new, false)];
+            let [a, b] = [a[order - 1] / lengths[0].powi(power), b[order - 1] / lengths[1].powi(power)];
+            let usual = (0..2).map(|k| sizes[k].0 / lengths[k].powi(power)).fold(0.0, f64::max);
+            let noise = NOISE * sizes[0].1.max(sizes[1].1) / lengths[0].min(lengths[1]).powi(power);
+            (a - b).abs() > CLEAR * a.abs().max(b.abs()).max(usual) + noise
+        };
+        let orders = (1..=2).filter(|order| f64::from(*order) <= highest);
+        let found =
+            orders.into_iter().find(|order| (0..self.n).any(|element| jumps(element, *order as usize)));
+        found.map(f64::from)
     }
 }
 
