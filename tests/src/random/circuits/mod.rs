@@ -31,6 +31,9 @@ pub use circuit::{Branch, Circuit, Gate, Kind, Source, Valve};
 pub use compare::contradiction;
 pub use reference::Outcome;
 
+/// Runs are not shrunk below this, s: what is wrong then is something else.
+const SHORTEST: f64 = 5e-4;
+
 impl Puzzle for Circuit {
     type Outcome = Outcome;
 
@@ -53,7 +56,10 @@ impl Puzzle for Circuit {
     fn simpler(&self) -> Vec<Self> {
         let mut all = Vec::new();
         for share in [0.25, 0.5, 0.8] {
-            all.push(Circuit { stop: rounded(share * self.stop), ..self.clone() });
+            let stop = rounded(share * self.stop);
+            if stop >= SHORTEST {
+                all.push(Circuit { stop, ..self.clone() });
+            }
         }
         // What is left must still give every node a way to ground and every transformer its own.
         for k in 0..self.branches.len() {

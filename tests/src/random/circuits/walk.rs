@@ -9,6 +9,10 @@ use super::{Circuit, Gate, Kind, Valve};
 /// `1 - 1/sqrt(2)`.
 const GAMMA: f64 = 0.292_893_218_813_452_5;
 
+/// Steps behind an edge: how often the first is half as long as the next, and how many there are of each length.
+const HALVINGS: i32 = 10;
+const EACH: usize = 6;
+
 /// A part of a valve that conducts in one direction.
 struct Leg {
     p: usize,
@@ -51,6 +55,8 @@ pub(super) struct Walk<'a> {
     /// Gates of all branches during the step.
     gates: Vec<bool>,
     t: f64,
+    /// The last edge of a gate.
+    edge: f64,
     /// Current of a coil or voltage of a capacitor, for each branch.
     pub x: Vec<f64>,
     /// Integrals of the potentials.
@@ -100,6 +106,7 @@ impl<'a> Walk<'a> {
             latched: 0,
             gates: vec![false; circuit.branches.len()],
             t: 0.0,
+            edge: 0.0,
             x: circuit.branches.iter().map(|branch| start(branch.kind)).collect(),
             fluxes: vec![0.0; circuit.nodes],
             largest: 0.0,
@@ -110,14 +117,37 @@ impl<'a> Walk<'a> {
     pub fn go(&mut self, end: f64, h: f64) -> Result<(), Undecided> {
         while end - self.t > 1e-12 {
             self.set_gates();
-            let next = self.next_edge().min(end);
-            let steps = ((next - self.t) / h - 1e-6).ceil().max(1.0);
+            let edge = self.next_edge();
+            let next = edge.min(end);
+            self.settle(next, h)?;
+            let steps = ((next - self.t) / h - 1e-6).ceil().max(0.0);
             let (start, step) = (self.t, (next - self.t) / steps);
             for k in 0..steps as usize {
                 self.t = start + k as f64 * step;
                 self.step(step)?;
             }
             self.t = next;
+            if next == edge {
+                self.edge = edge;
+            }
+        }
+        Ok(())
+    }
+
+    /// Behind the start and each edge goes on in steps that begin short and grow: charges pass through small resistances.
+    fn settle(&mut self, end: f64, h: f64) -> Result<(), Undecided> {
+        if self.t > 0.0 && self.t != self.edge {
+            return Ok(());
+        }
+        for halvings in (1..=HALVINGS).rev() {
+            let step = h * 0.5_f64.powi(halvings);
+            for _ in 0..EACH {
+                if self.t + step >= end {
+                    return Ok(());
+                }
+                self.step(step)?;
+                self.t += step;
+            }
         }
         Ok(())
     }
