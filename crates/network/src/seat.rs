@@ -73,15 +73,35 @@ pub(crate) struct Held {
     pub times: usize,
     pub x_end: Range<usize>,
     pub d_end: Range<usize>,
-    /// Mean torque of each branch.
+    /// Mean torque of each branch, and by how much the straight line that stands for its course is more at the end of the step.
     pub torque: Range<usize>,
+    pub course: Range<usize>,
     /// Means over the step: states, voltages and currents of the two-pins, space vector and zero sequence of the supply.
     pub mean: Range<usize>,
-    /// Speed of each pin that is expected at the end of the step, and where it lies how far off it has been of late, the greatest
-    /// speed so far, the largest error of a speed that the coupling has made in a step, and that of the mean speed of late and at
-    /// most.
+    /// Speed of each pin that is expected at the end of the step, and how much more than by torques and accelerations at its
+    /// beginning the speeds have changed in the last step and in the one before.
     pub expected: Range<usize>,
+    pub bent: Range<usize>,
+    pub bent_before: Range<usize>,
+    /// Where it lies how far off speeds have been of late, and the greatest speed so far.
     pub missed: usize,
+    /// What [`errors`](Self::errors) divides.
+    pub errors: Range<usize>,
+}
+
+impl Held {
+    /// Where it lies for a pin what the coupling does to its speed: in a step, summed up, and that at most; and how much loads bend the
+    /// speed in a step, and the mean change in it, of late.
+    pub(crate) fn errors(&self, pin: usize) -> [usize; 5] {
+        [0, 1, 2, 3, 4].map(|k| self.errors.start + 5 * pin + k)
+    }
+
+    /// Where in its coupling step an instant lies: from -1 at the beginning to 1 at the end.
+    pub(crate) fn place(&self, c: &Context) -> f64 {
+        let (begin, end) = (c.d[self.times], c.d[self.times + 1]);
+        let half = 0.5 * (end - begin);
+        if half > 0.0 && half.is_finite() { ((c.t - begin) / half - 1.0).clamp(-1.0, 1.0) } else { 0.0 }
+    }
 }
 
 impl Seat {

@@ -20,7 +20,8 @@ use crate::machines::space_vector::turned;
 /// `integration: Together` leaves the circuit to the solver of the diagram, which stops at every edge. `Separate`
 /// integrates the circuit by itself, from edge to edge, and couples it to the mechanics every so many periods of the
 /// carrier: the shaft gets the mean torque of these periods, the machine the speed that is expected for them. That is
-/// many times faster, and exact to second order in the length of a coupling step; a warning at the end of a run says by about how
+/// many times faster, and exact to third order in the length of a coupling step, but for what the ripple of the torque does to loads,
+/// which falls with the square of the switching frequency; a warning at the end of a run says by about how
 /// much the speeds are off where that misses the relative tolerance, and where a shaft does not move at all as its circuit has
 /// expected, the run ends with an error. What needs voltages (powers, RMS voltages, slip, `v_legs`) is measured on the means over
 /// the coupling step; currents and states are those at its beginning.

@@ -348,10 +348,6 @@ fn hold(
     };
     let (x, d) = copy("");
     let (x_end, d_end) = copy("'");
-    let torque = take(&mut next.d, branches);
-    for branch in 0..branches {
-        *interface = std::mem::take(interface).discrete(format!("{}.torque{branch}", member.path), 0.0);
-    }
     let mut cells = |what: &str, count: usize| {
         for k in 0..count {
             let name = format!("{}.{what}{k}", member.path);
@@ -359,10 +355,17 @@ fn hold(
         }
         take(&mut next.d, count)
     };
+    let torque = cells("torque", branches);
+    let course = cells("course", branches);
     let mean = cells("mean", part.states.len() + 2 * two_pins + 3);
     let expected = cells("expected", pins);
-    let missed = cells("missed", 5).start;
-    (x, d, Some(Held { times, x_end, d_end, torque, mean, expected, missed }))
+    let bent = cells("bent", pins);
+    let bent_before = cells("bent_before", pins);
+    let missed = cells("missed", 2).start;
+    let errors = cells("error", 5 * pins);
+    let held =
+        Held { times, x_end, d_end, torque, course, mean, expected, bent, bent_before, missed, errors };
+    (x, d, Some(held))
 }
 
 /// Declares the outputs of a member; returns, for each group, the need that its component knows them by. A sensor that

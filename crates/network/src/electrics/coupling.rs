@@ -19,6 +19,17 @@ const LOOSE: f64 = 0.1;
 /// Speeds below this, rad/s, are standstill: what hardly moves may do so as it likes.
 const STANDSTILL: f64 = 1.0;
 
+/// The smaller of two numbers of one sign, else nothing.
+fn smaller(a: f64, b: f64) -> f64 {
+    if a * b <= 0.0 {
+        0.0
+    } else if a.abs() < b.abs() {
+        a
+    } else {
+        b
+    }
+}
+
 impl Network {
     /// What a torque of each held branch changes about the acceleration of each pin. Accelerations are known.
     pub(crate) fn yields(&self, w: &mut Work, yields: &mut Vec<f64>) {
@@ -44,22 +55,19 @@ impl Network {
         separate.members.iter().flat_map(|i| self.seats[*i].branches.clone())
     }
 
-    /// Notes what the torques have been more than in the mean of the last step, until `s` after the hit.
+    /// Notes what the torques have been more than the accelerations at the hit know of, until `s` after the hit.
     pub(crate) fn kick(&self, separate: &Separate, s: f64, room: &mut Room) {
         self.kick_within(separate, s, 0.0, room);
     }
 
     /// The same within a step of the integrator that began `s` after the hit, this much later, with the last torques found.
     pub(crate) fn kick_within(&self, separate: &Separate, s: f64, later: f64, room: &mut Room) {
-        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
-            let cells = seat.held.iter().flat_map(|held| held.torque.clone());
-            for (branch, cell) in seat.branches.clone().zip(cells) {
-                let mut kick = room.mean[branch] - s * room.d[cell];
-                if later > 0.0 {
-                    kick += later * (room.torque[branch].value - room.d[cell]);
-                }
-                room.kick[branch] = kick;
+        for branch in self.own_branches(separate) {
+            let mut kick = room.mean[branch] - s * room.base[branch];
+            if later > 0.0 {
+                kick += later * (room.torque[branch].value - room.base[branch]);
             }
+            room.kick[branch] = kick;
         }
     }
 
@@ -106,32 +114,30 @@ impl Network {
         component.measure(&Law { x, voltage, current, supply: &supply, ..law }, needs, y);
     }
 
-    /// Whether the speeds have come as they were expected in the last step; else the run ends with an error. Notes in `missed`
-    /// by how much they did not.
-    pub(crate) fn meets(
-        &self,
-        separate: &Separate,
-        c: &Context,
-        speed: &[f64],
-        d: &mut [f64],
-        missed: &mut [f64],
-    ) -> bool {
+    /// Whether the speeds have come as they were expected in the last step; else the run ends with an error. Notes how they have bent,
+    /// and in the working space how they are expected to do so in the step that comes: as in the last one, unless the one before
+    /// says less or the contrary, since an impact is not to come again.
+    pub(crate) fn meets(&self, separate: &Separate, c: &Context, d: &mut [f64], room: &mut Room) -> bool {
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             let Some(held) = &seat.held else { continue };
             if d[held.times + 1] <= 0.0 || held.expected.is_empty() {
                 continue;
             }
             let expected = &d[held.expected.clone()];
-            let speeds = || speed[seat.pins.clone()].iter().zip(expected);
-            for (pin, (found, expected)) in seat.pins.clone().zip(speeds()) {
-                missed[pin] = found - expected;
-            }
+            let speeds = || room.speed[seat.pins.clone()].iter().zip(expected);
             let so_far = d[held.missed + 1];
             let size = speeds()
                 .fold(so_far, |most: f64, (found, expected)| most.max(found.abs()).max(expected.abs()));
             let off = speeds().fold(0.0, |most: f64, (found, expected)| most.max((found - expected).abs()));
             let share = off / size.max(STANDSTILL);
-            let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
+            let step = self.coupling_step();
+            for (k, pin) in seat.pins.clone().enumerate() {
+                let (last, before) = (held.bent.start + k, held.bent_before.start + k);
+                let bent = room.speed[pin] - d[held.expected.start + k] + smaller(d[last], d[before]);
+                (d[before], d[last]) = (d[last], bent);
+                room.bend[pin] = smaller(d[last], d[before]);
+                room.doubt[pin] = 2.0 * d[last] - d[before] - room.bend[pin];
+            }
             d[held.missed + 1] = size;
             d[held.missed] += FRESH * (share - d[held.missed]);
             if d[held.missed] > LOOSE {
@@ -149,51 +155,45 @@ impl Network {
         true
     }
 
-    /// Notes by how much a trial and the step itself differ: what the torques in the one have changed about the speeds more than in
-    /// the other.
-    pub(crate) fn note_error(&self, separate: &Separate, room: &Room, d: &mut [f64]) {
-        let branches = room.mean.len();
+    /// Adds up what the coupling does to the speeds, after the step has been kept. Each step adds by how much the trial and the step
+    /// itself differ (those that are not tried, as much as the last that was). The straight line that the mechanics sees has not the
+    /// moment of the torque, above all of its ripple: that is an error of the mean speed in the step, of which a load takes as much
+    /// into the speed itself as it bends it, and by the same share forgets errors. A mere inertia does neither.
+    pub(crate) fn note_error(&self, separate: &Separate, tried: bool, w: &Work, room: &Room, d: &mut [f64]) {
+        let (branches, step) = (room.mean.len(), self.coupling_step());
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             let Some(held) = &seat.held else { continue };
-            for pin in seat.pins.clone() {
-                let own = self.own_branches(separate).map(|branch| {
-                    room.yields[pin * branches + branch] * (room.trial[branch] - room.mean[branch])
-                });
-                d[held.missed + 2] = d[held.missed + 2].max(own.sum::<f64>().abs());
+            for (k, pin) in seat.pins.clone().enumerate() {
+                let (mut own, mut lag) = (0.0, 0.0);
+                for other in separate.members.iter().map(|i| &self.seats[*i]) {
+                    let rises = other.held.iter().flat_map(|held| held.course.clone());
+                    for (branch, rise) in other.branches.clone().zip(rises) {
+                        let yields = room.yields[pin * branches + branch];
+                        if tried {
+                            own += yields * (room.trial[branch] - room.mean[branch]);
+                        }
+                        lag += yields * (room.moment[branch] / step - d[rise] * step / 6.0);
+                    }
+                }
+                let [of_step, error, most, bent, turned] = Held::errors(held, k);
+                if tried {
+                    d[of_step] = own;
+                }
+                d[bent] += FRESH * (d[held.bent.start + k].abs() - d[bent]);
+                d[turned] += FRESH * (0.5 * (w.pin_speed[pin] - room.speed[pin]).abs() - d[turned]);
+                let share = if d[bent] < d[turned] { d[bent] / d[turned] } else { 1.0 };
+                d[error] += d[of_step] + share * (lag - d[error]);
+                d[most] = d[most].max(d[error].abs());
             }
-        }
-    }
-
-    /// Notes what the mean of a torque in the place of its course does to the angle: where it grows by `dT` from step to step, its
-    /// course has gone through `dT H^2 / 12` more (of the angle at the inertia). Divided by the step this is an error of the mean
-    /// speed, which a load that depends on speed or angle makes an error of the speed itself. Ripple within the step is not meant.
-    pub(crate) fn note_lag(&self, separate: &Separate, step: f64, room: &Room, d: &mut [f64]) {
-        let branches = room.mean.len();
-        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
-            let Some(held) = &seat.held else { continue };
-            if d[held.times + 1] <= 0.0 {
-                continue;
-            }
-            let cells = || seat.branches.clone().zip(held.torque.clone());
-            let of_pin = |pin: usize| {
-                let own = cells().map(|(branch, cell)| {
-                    room.yields[pin * branches + branch] * (room.mean[branch] - step * d[cell])
-                });
-                own.sum::<f64>() / 12.0
-            };
-            // With its sign, since what an oscillation does to one step it takes back in another.
-            let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
-            let most = seat.pins.clone().map(of_pin).fold(0.0, larger);
-            d[held.missed + 3] += FRESH * (most - d[held.missed + 3]);
-            d[held.missed + 4] = d[held.missed + 4].max(d[held.missed + 3].abs());
         }
     }
 
     /// Where the coupling of a circuit and the mechanics has missed the tolerance.
     pub(crate) fn coupling_warnings(&self, d: &[f64], rtol: f64) -> Vec<Problem> {
         let error_of = |seat: &Seat| {
-            let missed = seat.held.as_ref()?.missed;
-            Some(d[missed + 2].max(d[missed + 4]) / d[missed + 1].max(STANDSTILL))
+            let held = seat.held.as_ref()?;
+            let most = (0..seat.pins.len()).map(|pin| d[Held::errors(held, pin)[2]]).fold(0.0, f64::max);
+            Some(most / d[held.missed + 1].max(STANDSTILL))
         };
         let warning = |separate: &Separate| {
             let seats = || separate.members.iter().map(|i| &self.seats[*i]);
@@ -202,7 +202,7 @@ impl Network {
                 .max_by(|a, b| a.0.total_cmp(&b.0))
                 .filter(|(error, _)| *error > rtol)?;
             let asks = seats().find(|seat| seat.member.part.separate.is_some()).unwrap_or(worst);
-            let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
+            let step = self.coupling_step();
             let message = format!(
                 "the coupling of `{}` with the mechanics misses the tolerance: with coupling steps of {step:.2e} s the speed \
                  of `{}` is off by about {error:.0e} of its maximum, {:.0} times rtol ({rtol:.0e})",

@@ -2,19 +2,20 @@
 //!
 //! At each hit of the coupling step `H` the network integrates such a circuit from `t` to `t + H`, from edge to edge,
 //! each of which is hit exactly, at the speeds that are expected: `w(t) + w'(t) s`, and what the torques of the circuit itself
-//! change about them through the inertia that they see. The mechanics is then integrated by the solver with the mean of each
-//! torque over the step, so that it gets exactly the impulse of the torque.
+//! change about them through the inertia that they see. The mechanics is then integrated by the solver with a simple course of
+//! each torque over the step that has exactly its impulse.
 //!
-//! The order of the coupling is two. Speeds are predicted with an error of `H^2` within a step, so torques are wrong by
-//! as much; a mean instead of the course of a torque changes the angle by `H^2` times the change of torque within a
-//! step, which is `H` itself but for the ripple of the valves, whose mean is what is wanted. Between edges Runge-Kutta
-//! of order four is used.
+//! The order of the coupling is three. What a load does to the speeds within a step is taken from the last steps, so that speeds
+//! are predicted with an error of `H^3`, and torques are wrong by as much. The mechanics gets a torque that is a straight line over
+//! the step, with the mean of the true one, and rises as the means do from step to step. What it leaves out is the ripple of the
+//! valves, whose moment is an error of the angle of order two; the line of its own moment would put it into every reading of a
+//! torque. Between edges Runge-Kutta of order four is used.
 //!
 //! Inputs are held during a coupling step. Outputs that need voltages show means over the step, since an instant of a
 //! circuit that switches says little; readings of currents and states show its beginning.
 //!
 //! Where the speeds turn out to be others than were expected, coupling steps are too long; see `coupling.rs`. What that does to
-//! the torques is found by trial: a coupling step is integrated once more, with the speeds bent as they were in the last one.
+//! the torques is found by trial: a coupling step is integrated once more, with the speeds bent as the last two steps together say.
 
 use blocksim_block::Context;
 use blocksim_block::physical::Torque;
@@ -36,6 +37,11 @@ const EARLY: f64 = 64.0;
 const CHATTER: usize = 10_000;
 
 impl Network {
+    /// One step for all, so that they stay together on the grid of the hits.
+    pub(crate) fn coupling_step(&self) -> f64 {
+        self.separate.iter().map(|separate| separate.step).fold(f64::INFINITY, f64::min)
+    }
+
     /// Integrates all separate circuits over the coupling step that begins now.
     pub(crate) fn couple(&self, c: &Context, w: &mut Work, d: &mut [f64]) {
         let mut room = std::mem::take(&mut w.room);
@@ -50,24 +56,24 @@ impl Network {
         self.yields(w, &mut room.yields);
         room.average.clear();
         room.average.resize(d.len(), 0.0);
-        // One step for all, so that they stay together on the grid of the hits.
-        let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
+        let step = self.coupling_step();
         let tries = is_tried((c.t / step).round());
-        room.off.clear();
-        room.off.resize(self.rotation.pins.len(), 0.0);
+        room.base.clear();
+        room.base.extend(w.torque.iter().map(|torque| torque.value));
+        room.bend.clear();
+        room.bend.resize(self.rotation.pins.len(), 0.0);
+        room.doubt.clear();
+        room.doubt.resize(self.rotation.pins.len(), 0.0);
         for separate in &self.separate {
-            if !self.meets(separate, c, &room.speed, d, &mut room.off) {
+            if !self.meets(separate, c, d, &mut room) {
                 break;
             }
             let tried = !tries || self.trial(separate, c, step, w, &mut room, d).is_ok();
             if !tried || self.over(separate, c, step, w, &mut room, d).is_err() {
                 break;
             }
-            if tries {
-                self.note_error(separate, &room, d);
-            }
-            self.note_lag(separate, step, &room, d);
             self.end(separate, w, &room, d);
+            self.note_error(separate, tries, w, &room, d);
         }
         w.room = room;
         // Speeds and circuits in the working space are those of another time now.
@@ -90,8 +96,8 @@ impl Network {
         self.advance(separate, c, w, room)
     }
 
-    /// The same in twice as many steps of the integrator, with speeds that miss what is expected as they did in the last step: what
-    /// this changes about the torques is the error of the coupling and of the integrator.
+    /// The same in twice as many steps of the integrator, with the doubt about the speeds added: what this changes about the torques
+    /// is the error of the coupling and of the integrator.
     fn trial(
         &self,
         separate: &Separate,
@@ -101,9 +107,9 @@ impl Network {
         room: &mut Room,
         d: &[f64],
     ) -> Result<(), Faulty> {
-        room.bend = 1.0 / (step * step);
+        room.tries = true;
         let done = self.over(separate, c, step, w, room, d);
-        room.bend = 0.0;
+        room.tries = false;
         let Room { trial, mean, average, .. } = room;
         copy(trial, mean);
         let helds = separate.members.iter().filter_map(|i| self.seats[*i].held.as_ref());
@@ -128,7 +134,7 @@ impl Network {
     /// Keeps what the integration has found: the beginning stays what it was, the end is new.
     fn end(&self, separate: &Separate, w: &Work, room: &Room, d: &mut [f64]) {
         let t = room.d[separate.times];
-        let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
+        let step = self.coupling_step();
         d[separate.times] = t;
         // Half an instant early: at the next hit the end is what holds.
         d[separate.times + 1] = t + step * (1.0 - 1e-9);
@@ -138,8 +144,10 @@ impl Network {
             d.copy_within(held.d_end.clone(), seat.d.start);
             d[held.x_end.clone()].copy_from_slice(&room.d[seat.x.clone()]);
             d[held.d_end.clone()].copy_from_slice(&room.d[seat.d.clone()]);
-            for (to, branch) in d[held.torque.clone()].iter_mut().zip(seat.branches.clone()) {
-                *to = room.mean[branch] / step;
+            let cells = held.torque.clone().zip(held.course.clone());
+            for ((mean, rise), branch) in cells.zip(seat.branches.clone()) {
+                let last = std::mem::replace(&mut d[mean], room.mean[branch] / step);
+                d[rise] = 0.5 * (d[mean] - last);
             }
             for cell in held.mean.clone() {
                 d[cell] = room.average[cell] / step;
@@ -150,18 +158,20 @@ impl Network {
 
     /// From edge to edge.
     fn advance(&self, separate: &Separate, c: &Context, w: &mut Work, room: &mut Room) -> Result<(), Faulty> {
-        let step = self.separate.iter().map(|s| s.step).fold(f64::INFINITY, f64::min);
+        let step = self.coupling_step();
         let end = c.t + step;
         room.mean.clear();
         room.mean.resize(self.rotation.branches.len(), 0.0);
         room.torque.resize(self.rotation.branches.len(), Torque::default());
+        room.moment.clear();
+        room.moment.resize(self.rotation.branches.len(), 0.0);
         room.kick.clear();
         room.kick.resize(self.rotation.branches.len(), 0.0);
         let mut t = c.t;
         for _ in 0..CHATTER {
             let next = self.switch(separate, t, c, w, room)?;
             let until = next.min(end);
-            let fine = if room.bend > 0.0 { 2.0 } else { 1.0 };
+            let fine = if room.tries { 2.0 } else { 1.0 };
             let steps = fine * ((until - t) / step * LEAST).ceil().max(1.0);
             let h = (until - t) / steps;
             self.average(separate, 0.5 * h, w, room);
@@ -223,13 +233,15 @@ impl Network {
 
     /// Expected speeds, `s` after the hit.
     fn expect(&self, separate: &Separate, s: f64, w: &mut Work, room: &Room) {
+        let step = self.coupling_step();
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             for pin in seat.pins.clone() {
                 let own = self
                     .own_branches(separate)
                     .map(|b| room.yields[pin * room.mean.len() + b] * room.kick[b]);
-                let missed = room.bend * s * s * room.off[pin];
-                w.pin_speed[pin] = room.speed[pin] + s * room.acceleration[pin] + own.sum::<f64>() + missed;
+                let bend = room.bend[pin] + if room.tries { room.doubt[pin] } else { 0.0 };
+                let bent = bend * (s / step).powi(2);
+                w.pin_speed[pin] = room.speed[pin] + s * room.acceleration[pin] + own.sum::<f64>() + bent;
             }
         }
     }
@@ -267,8 +279,11 @@ impl Network {
             self.slopes(separate, t + part * h, c, w, room)?;
             room.sum.iter_mut().zip(&room.slope).for_each(|(sum, slope)| *sum += weight * slope);
             for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+                let middle = t + part * h - c.t - 0.5 * self.coupling_step();
                 for branch in seat.branches.clone() {
-                    room.gained[branch] += weight * h / 6.0 * room.torque[branch].value;
+                    let gained = weight * h / 6.0 * room.torque[branch].value;
+                    room.gained[branch] += gained;
+                    room.moment[branch] += gained * middle;
                 }
             }
         }

@@ -55,8 +55,10 @@ impl Network {
         let mut torque = std::mem::take(&mut w.torque);
         for seat in self.active.branches.iter().map(|i| &self.seats[*i]) {
             if let Some(held) = &seat.held {
-                for (to, mean) in torque[seat.branches.clone()].iter_mut().zip(held.torque.clone()) {
-                    *to = Torque { value: c.d[mean], slope: 0.0 };
+                let courses = held.torque.clone().zip(held.course.clone());
+                for (to, (mean, rise)) in torque[seat.branches.clone()].iter_mut().zip(courses) {
+                    let value = c.d[mean] + c.d[rise] * held.place(c);
+                    *to = Torque { value, slope: 0.0 };
                 }
             } else if let Some(component) = seat.component() {
                 component.torques(&self.law(c, seat, w), &mut torque[seat.branches.clone()]);

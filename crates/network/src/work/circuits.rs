@@ -73,14 +73,20 @@ pub(crate) struct Room {
     /// Integrals of the torques since the hit, and over the step of the integrator at hand, N*m*s.
     pub mean: Vec<f64>,
     pub gained: Vec<f64>,
-    /// Integral of what each torque is more than it was on the mean of the last step, N*m*s.
+    /// Integrals of the torques times the time since the middle of the coupling step, N*m*s^2.
+    pub moment: Vec<f64>,
+    /// Torques that the accelerations at the hit know of.
+    pub base: Vec<f64>,
+    /// Integral of what each torque is more than these, N*m*s.
     pub kick: Vec<f64>,
     /// What a torque of each branch changes about the acceleration of each pin, by pins.
     pub yields: Vec<f64>,
-    /// By how much more than was expected the speed of each pin has changed in the last step.
-    pub off: Vec<f64>,
-    /// Share of it that is expected of this step, too: all in a trial, else none.
-    pub bend: f64,
+    /// How much more than by torques and accelerations at its beginning the speed of each pin is expected to change in the step, and
+    /// by how much this may be wrong.
+    pub bend: Vec<f64>,
+    pub doubt: Vec<f64>,
+    /// The step is a trial: the doubt is added.
+    pub tries: bool,
     /// Integrals of the torques over a trial, N*m*s.
     pub trial: Vec<f64>,
     /// Sums for the means of what is measured, where the discrete states will hold them.
@@ -102,9 +108,12 @@ impl Room {
             torque: Vec::with_capacity(branches),
             mean: room(branches),
             gained: room(branches),
+            moment: room(branches),
+            base: room(branches),
             kick: room(branches),
-            off: room(pins),
-            bend: 0.0,
+            bend: room(pins),
+            doubt: room(pins),
+            tries: false,
             trial: room(branches),
             yields: room(if network.separate.is_empty() { 0 } else { pins * branches }),
             average: room(d),
