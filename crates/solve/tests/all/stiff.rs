@@ -76,7 +76,7 @@ fn stiff_problems_end_where_the_literature_says_with_little_work() {
 }
 
 /// Evaluations of the problems above.
-const PINNED: [[u64; 3]; 4] = [[1878, 3101, 4584], [962, 1469, 2622], [776, 1036, 1770], [2322, 3674, 6284]];
+const PINNED: [[u64; 3]; 4] = [[1878, 3101, 4584], [962, 1474, 2627], [776, 1041, 1775], [2322, 3674, 6284]];
 
 #[test]
 fn a_jacobian_of_before_hides_no_state_behind_the_others() {
@@ -116,7 +116,7 @@ fn a_rod_of_a_thousand_cells_is_solved_with_a_sparse_jacobian() {
     }
     let counts = stepper.counts();
     // A thousand of the evaluations tell which entries there are.
-    assert_eq!((counts.evaluations, counts.accepted, counts.jacobians), (4008, 1236, 2));
+    assert_eq!((counts.evaluations, counts.accepted, counts.jacobians), (4013, 1236, 2));
 }
 
 const VAN_DER_POL: [f64; 2] = [1.706_167_732_170_469, -0.892_809_701_024_812_5e-3];
@@ -280,14 +280,14 @@ fn auto_solves_the_stiff_problems_by_default() {
 fn radau_gains_digits_where_tolerances_are_tight() {
     type Case<'a> = (&'a str, Box<dyn System>, &'a [f64], f64, &'a [f64], [u64; 2]);
     let cases: [Case; 3] = [
-        ("Van der Pol", Box::new(van_der_pol(1000.0)), &[2.0, 0.0], 2000.0, &VAN_DER_POL, [6576, 16_774]),
+        ("Van der Pol", Box::new(van_der_pol(1000.0)), &[2.0, 0.0], 2000.0, &VAN_DER_POL, [6581, 16_779]),
         (
             "HIRES",
             Box::new(hires()),
             &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0057],
             321.8122,
             &HIRES,
-            [3407, 8970],
+            [3412, 8975],
         ),
         ("Oregonator", Box::new(oregonator()), &[1.0, 2.0, 3.0], 360.0, &OREGONATOR, [8449, 21_732]),
     ];
