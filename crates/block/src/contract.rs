@@ -93,8 +93,11 @@ pub trait Block: Any + Debug + Send + Sync {
         Vec::new()
     }
 
-    /// Notes what an accepted step brought (rate limits, backlash).
-    fn accept(&self, _c: &Context, _d: &mut [f64]) {}
+    /// Notes what an accepted step brought (rate limits, backlash). Returns whether another law holds from here, so that the
+    /// outputs or their slopes differ from those just before; a method of many steps then begins anew.
+    fn accept(&self, _c: &Context, _d: &mut [f64]) -> bool {
+        false
+    }
 
     /// Notes the inputs over a part of an accepted step, as exactly as the method knows them (delay lines); the parts of a
     /// step come one behind the other, before `accept`. The [`Context`] is that of the end of the part. Only when the

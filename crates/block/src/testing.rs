@@ -188,7 +188,7 @@ impl<B: Block> Bench<B> {
     /// Notes an accepted step.
     pub fn accept(&mut self) {
         let mut d = self.d.clone();
-        self.block.accept(&self.context(&self.x, &[]), &mut d);
+        let _ = self.block.accept(&self.context(&self.x, &[]), &mut d);
         self.d = d;
     }
 

@@ -7,8 +7,7 @@ use std::{fmt, sync::OnceLock};
 ///
 /// `cycle` is counted so that a frequency in Hz (cycle/s) is not mistaken for one in rad/s. `rad` is kept for
 /// display alone: checks ([`compatible`](Self::compatible), [`is_none`](Self::is_none)) ignore it, because
-/// N*m*rad/s must equal W. `==` compares all nine. So var and VA, which are W to every check, keep their names: they have
-/// so many radians as no law has.
+/// N*m*rad/s must equal W. `==` compares all nine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Dimension {
     /// The nine exponents in the order named above.
@@ -28,10 +27,6 @@ const PER_SECOND: Dimension = Dimension { exponents: [0, 0, -1, 0, 0, 0, 0, 0, 0
 impl Dimension {
     /// The dimension of a plain number.
     pub const NONE: Self = Self { exponents: [0; 9] };
-
-    /// Radians of var and of VA.
-    pub(crate) const REACTIVE: i8 = 20;
-    pub(crate) const APPARENT: i8 = -20;
 
     /// The dimension of a plane angle.
     pub(crate) const RADIAN: Self = Self { exponents: [0, 0, 0, 0, 0, 0, 0, 0, 1] };
@@ -111,12 +106,8 @@ impl Dimension {
         self.exponents.iter().map(|e| u32::from(e.unsigned_abs())).sum()
     }
 
-    /// Without the radians of an arc: rad * m is m, and so N*m*rad/s is W. `rad`, `rad/s` and `N*m/rad` keep theirs. Nor with what
-    /// a product has of var or VA.
+    /// Without the radians of an arc: rad * m is m, and so N*m*rad/s is W. `rad`, `rad/s` and `N*m/rad` keep theirs.
     fn without_arc(mut self) -> Self {
-        if self.exponents[RADIAN].abs() >= Self::REACTIVE / 2 {
-            self.exponents[RADIAN] = 0;
-        }
         if self.exponents[RADIAN] > 0 && self.exponents[METRE] > 0 {
             self.exponents[RADIAN] = 0;
         }
@@ -125,7 +116,7 @@ impl Dimension {
 }
 
 /// Forms that are printed as they stand when they fit exactly. The first of equal dimension wins.
-const FORMS: [&str; 26] = [
+const FORMS: [&str; 24] = [
     "Hz",
     "N",
     "Pa",
@@ -150,8 +141,6 @@ const FORMS: [&str; 26] = [
     "J/K",
     "J/(kg*K)",
     "J/mol",
-    "var",
-    "VA",
 ];
 
 fn forms() -> &'static [(Dimension, &'static str)] {
@@ -184,15 +173,11 @@ impl fmt::Display for Dimension {
     /// The SI unit in ASCII: a named unit if one fits, else the shortest product of one named unit and base units.
     /// [`Unit::parse`] reads it back with scale 1.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let form = |dimension: Self| forms().iter().find(|(form, _)| *form == dimension);
-        if let Some((_, text)) = form(*self) {
-            return f.write_str(text);
-        }
         let dimension = self.without_arc();
         if dimension == Self::NONE {
             return f.write_str("1");
         }
-        if let Some((_, text)) = form(dimension) {
+        if let Some((_, text)) = forms().iter().find(|(form, _)| *form == dimension) {
             return f.write_str(text);
         }
         let mut best = (dimension.size(), None, dimension);

@@ -56,9 +56,6 @@ const fn entry(
 const ENGINEERING: &str = "pnumkMG";
 
 const W: [i8; 9] = [2, 1, -3, 0, 0, 0, 0, 0, 0];
-/// Powers of their own kind, told apart from W by radians that no law has: for display alone.
-const VAR: [i8; 9] = [2, 1, -3, 0, 0, 0, 0, 0, Dimension::REACTIVE];
-const VA: [i8; 9] = [2, 1, -3, 0, 0, 0, 0, 0, Dimension::APPARENT];
 const PLAIN: [i8; 9] = [0; 9];
 const ANGLE: [i8; 9] = [0, 0, 0, 0, 0, 0, 0, 0, 1];
 const TIME: [i8; 9] = [0, 0, 1, 0, 0, 0, 0, 0, 0];
@@ -77,8 +74,8 @@ const TABLE: &[Entry] = &[
     entry(&["N"], 1.0, 1.0, [1, 1, -2, 0, 0, 0, 0, 0, 0], "pnumckMG"),
     entry(&["J"], 1.0, 1.0, [2, 1, -2, 0, 0, 0, 0, 0, 0], ENGINEERING),
     entry(&["W"], 1.0, 1.0, W, ENGINEERING),
-    entry(&["VA"], 1.0, 1.0, VA, "mkMG"),
-    entry(&["var"], 1.0, 1.0, VAR, "mkMG"),
+    entry(&["VA"], 1.0, 1.0, W, "mkMG"),
+    entry(&["var"], 1.0, 1.0, W, "mkMG"),
     entry(&["V"], 1.0, 1.0, [2, 1, -3, -1, 0, 0, 0, 0, 0], ENGINEERING),
     entry(&["Ohm", "ohm", "Ω", "\u{2126}"], 1.0, 1.0, OHM, ENGINEERING),
     entry(&["F"], 1.0, 1.0, [-2, -1, 4, 2, 0, 0, 0, 0, 0], ENGINEERING),

@@ -89,15 +89,16 @@ impl Diagram {
         Ok(())
     }
 
-    /// Tells the blocks that want to know that a step was accepted.
-    pub fn accept(&mut self) -> Result<(), Failed> {
+    /// Tells the blocks that want to know that a step was accepted. Returns whether another law holds from here for any.
+    pub fn accept(&mut self) -> Result<bool, Failed> {
+        let mut changed = false;
         for i in 0..self.plan.accepting.len() {
-            self.change(self.plan.accepting[i], |block, c, _, d| block.accept(c, d))?;
+            self.change(self.plan.accepting[i], |block, c, _, d| changed |= block.accept(c, d))?;
         }
         if !self.plan.accepting.is_empty() {
             self.forget();
         }
-        Ok(())
+        Ok(changed)
     }
 
     /// Tells the blocks that remember what they saw of a part of a step; `inputs` are those of each block in turn, at the
@@ -155,7 +156,7 @@ impl Diagram {
     pub(crate) fn change(
         &mut self,
         block: usize,
-        act: impl Fn(&dyn Block, &Context, &mut Scratch, &mut [f64]),
+        mut act: impl FnMut(&dyn Block, &Context, &mut Scratch, &mut [f64]),
     ) -> Result<(), Failed> {
         let Self { plan, now, signals, d, scratch, .. } = self;
         let unit = &plan.units[block];

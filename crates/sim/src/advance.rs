@@ -255,6 +255,7 @@ impl Simulation {
         let accepted = self.diagram.accept();
         // What they remember now may stand in their guards.
         self.guards.known = false;
-        self.held(accepted)
+        self.relearnt |= self.held(accepted)?;
+        Ok(())
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! A step that passes a kink has stages on both sides of it, and neither its end nor its dense output up to the kink is
 //! as exact as its error estimate says. Such a step is thrown away and made once more up to the kink, so that all its
-//! stages lie on one side; a method of several steps takes the history back that it had before.
+//! stages lie on one side; a method of several steps takes the history back that it had before. So is a step that something
+//! else cuts while a kink lies behind the cut: stages beyond bend the dense output before it.
 
 use blocksim_block::schedule::{Schedule, Solver};
 
@@ -40,10 +41,13 @@ impl Kinks {
 }
 
 impl Simulation {
-    /// Whether the step from `t0` has looked so far beyond a kink that it must be made once more.
+    /// Whether the step from `t0` has looked so far beyond a kink that it must be made once more, up to where it is cut.
     pub(crate) fn stops_at_kink(&self, t0: f64, cut: Cut) -> bool {
-        let passed = || self.kinks.kinks.iter().zip(&self.guards.fired).any(|(&kink, &fired)| kink && fired);
         let h = self.t - t0;
+        let looks = &self.diagram.looks;
+        let mut kinks = self.kinks.kinks.iter().zip(&self.guards.fired).enumerate();
+        let mut passed =
+            || kinks.any(|(i, (&kink, &fired))| kink && (fired || looks.straddle(i, t0, self.t)));
         cut.crossed && cut.t - t0 > SHORT * h && self.t - cut.t > SHORT * h && passed()
     }
 

@@ -62,6 +62,13 @@ impl Looks {
         self.times.iter_mut().filter(|time| **time == t).for_each(|time| *time = f64::NAN);
     }
 
+    /// Whether a guard had both signs at looks after `t0` and not after `t1`.
+    pub fn straddle(&self, guard: usize, t0: f64, t1: f64) -> bool {
+        let times = self.times.iter().enumerate().filter(|&(_, &time)| time > t0 && time <= t1);
+        let values = || times.clone().map(|(i, _)| self.values[i * self.guards + guard]);
+        values().any(|value| value < 0.0) && values().any(|value| value > 0.0)
+    }
+
     /// Finds the looks between two times; returns how many there are.
     pub fn find_within(&mut self, t0: f64, t1: f64) -> usize {
         let Self { times, within, .. } = self;
@@ -100,6 +107,15 @@ mod tests {
         assert_eq!(looks.find_within(0.0, 1.0), 1);
         looks.clear();
         assert_eq!(looks.find_within(0.0, 9.0), 0);
+    }
+
+    #[test]
+    fn a_guard_straddles_zero_within_the_times_that_are_meant() {
+        let mut looks = Looks::new(2);
+        for (t, values) in [(0.0, [-1.0, 1.0]), (0.5, [1.0, 1.0]), (1.0, [0.0, -1.0]), (2.0, [-1.0, 1.0])] {
+            looks.row(t).copy_from_slice(&values);
+        }
+        assert!(!looks.straddle(0, 0.0, 1.0) && looks.straddle(0, 0.0, 2.0) && looks.straddle(1, 0.0, 1.0));
     }
 
     #[test]

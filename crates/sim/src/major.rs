@@ -66,10 +66,15 @@ impl Simulation {
         if why.event || why.cut || jumped || self.diagram.settle.changed {
             self.guards.turns.forget();
         }
-        if why.event || why.cut || jumped || self.is_discontinuous() {
+        let is_other = why.event || why.cut || jumped || self.is_discontinuous();
+        // What blocks note at a step stands in their guards from there.
+        if is_other || !self.diagram.plan.accepting.is_empty() {
             self.guards.turns.forget_slopes();
+        }
+        if is_other {
             self.stepper.iter_mut().for_each(|stepper| stepper.restart());
         }
+        self.relearnt = false;
         Ok(())
     }
 
@@ -79,7 +84,7 @@ impl Simulation {
         let mut rates = self.hits.due.iter().zip(&plan.busy);
         self.diagram.settle.changed
             || self.diagram.has_stepped()
-            || !plan.accepting.is_empty()
+            || self.relearnt
             || rates.any(|(&due, &busy)| due && busy)
     }
 

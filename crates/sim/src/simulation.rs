@@ -43,7 +43,10 @@ pub struct Simulation {
     /// Angles of which only the remainder of a turn counts.
     pub(crate) angles: Angles,
     pub(crate) modes: Modes,
+    /// How large states have become.
     pub(crate) sizes: Sizes,
+    /// Whether a block follows another law since a step that it has taken note of.
+    pub(crate) relearnt: bool,
     pub(crate) pace: Pace,
     pub(crate) rows: Rows,
     /// Where rows are needed within steps.
@@ -160,6 +163,7 @@ impl Simulation {
             majors: 0,
             events: 0,
             hit_count: 0,
+            relearnt: false,
             sizes: Sizes::new(&x),
             x,
             diagram,

@@ -47,13 +47,16 @@ impl Backlash {
         }
     }
 
-    /// The outputs and flanks at the end of a step or behind a jump.
-    fn keep(&self, inputs: &[f64], d: &mut [f64]) {
+    /// The outputs and flanks at the end of a step or behind a jump; whether another flank carries now.
+    fn keep(&self, inputs: &[f64], d: &mut [f64]) -> bool {
         let (last, flanks) = d.split_at_mut(inputs.len());
+        let mut changed = false;
         for ((last, flank), u) in last.iter_mut().zip(flanks).zip(inputs) {
             *last = self.follow(*u, *last);
-            *flank = self.flank(*u, *last);
+            let before = std::mem::replace(flank, self.flank(*u, *last));
+            changed |= *flank != before;
         }
+        changed
     }
 }
 
@@ -108,8 +111,8 @@ impl Block for Backlash {
         }
     }
 
-    fn accept(&self, c: &Context, d: &mut [f64]) {
-        self.keep(c.u, d);
+    fn accept(&self, c: &Context, d: &mut [f64]) -> bool {
+        self.keep(c.u, d)
     }
 }
 

@@ -134,15 +134,18 @@ impl Block for RateLimiter {
         true
     }
 
-    fn accept(&self, c: &Context, d: &mut [f64]) {
+    fn accept(&self, c: &Context, d: &mut [f64]) -> bool {
         let elapsed = c.t - d[0];
         d[0] = c.t;
         let (last, modes) = d[OUTPUTS..].split_at_mut(c.u.len());
+        let mut changed = false;
         for ((last, mode_of), u) in last.iter_mut().zip(modes).zip(c.u) {
             let (lower, upper) = self.range(*last, elapsed);
             *last = clamp(*u, lower, upper);
-            *mode_of = mode(*u, *last);
+            let before = std::mem::replace(mode_of, mode(*u, *last));
+            changed |= *mode_of != before;
         }
+        changed
     }
 }
 

@@ -112,24 +112,6 @@ fn conversion_and_back_is_the_identity() {
     }
 }
 
-/// Reactive and apparent power are W to every check, and bear their own names where they stand alone.
-#[test]
-fn kinds_of_power_keep_their_names_by_themselves_alone() {
-    for (text, printed) in [
-        ("kvar", "var"),
-        ("MVA", "VA"),
-        ("W", "W"),
-        ("var*s", "N*m"),
-        ("kVA/V", "A"),
-        ("var/A^2", "Ohm"),
-        ("VA*var/W", "W"),
-        ("var^2", "W^2"),
-    ] {
-        assert_eq!(dimension(text).to_string(), printed, "{text}");
-    }
-    assert_eq!(dimension("var^2").root(2).unwrap().to_string(), "var");
-}
-
 #[test]
 fn every_named_unit_prints_as_an_si_unit_that_reads_back() {
     let mut seen = 0;

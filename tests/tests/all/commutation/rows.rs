@@ -109,8 +109,8 @@ impl Block for Watched {
         self.network.next_event(c)
     }
 
-    fn accept(&self, c: &Context, d: &mut [f64]) {
-        self.network.accept(c, d);
+    fn accept(&self, c: &Context, d: &mut [f64]) -> bool {
+        self.network.accept(c, d)
     }
 
     fn remember(&self, c: &Context, piece: &Piece, d: &mut [f64]) {

@@ -39,11 +39,10 @@ impl Network {
             let never = speed != 0.0 && w.grip[i].hold[usize::from(speed < 0.0)] == f64::INFINITY
                 || self.jam(i, mode, w) < 0.0;
             let threshold = if mode == 0.0 { drifted } else { zero } + self.jitter(i, c, w);
-            // Nobody has watched which way something slides that nothing brakes.
-            let moves = speed.abs() > threshold && (mode * speed >= 0.0 || self.is_loose(i, w));
+            let moves = speed.abs() > threshold && (mode == 0.0 || mode * speed > 0.0);
             w.struck |= never && speed.abs() > threshold;
             w.rests[i] = if moves && !never {
-                wrong |= mode != speed.signum();
+                wrong |= mode == 0.0;
                 Rest::Moves(speed.signum())
             } else {
                 wrong |= moves || speed.abs() > threshold || self.verdict(i, mode, w, false).is_some();
@@ -256,13 +255,6 @@ impl Network {
     /// What is to be decided about a part at rest.
     pub(super) fn stands(&self, i: usize, w: &Work) -> Rest {
         if self.is_free(i, w) { Rest::Free } else { Rest::Stands }
-    }
-
-    /// Nothing holds a friction, which is no end of a travel.
-    pub(super) fn is_loose(&self, i: usize, w: &Work) -> bool {
-        matches!(self.stiction.parts[i], Place::Pin(_))
-            && w.grip[i].hold == [0.0; 2]
-            && w.grip[i].stop.is_none()
     }
 
     /// Nothing holds it, or nothing would move if it were held.

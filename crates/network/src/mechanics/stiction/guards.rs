@@ -2,7 +2,7 @@
 
 use blocksim_block::Context;
 
-use super::{DRIFT, FAR, ROUNDING};
+use super::{FAR, ROUNDING};
 use crate::network::Network;
 use crate::work::Work;
 
@@ -26,20 +26,9 @@ impl Network {
                 forward.min(backward).min(FAR)
             } else {
                 let (speed, zero, _) = self.slip(i, c.x, &w.s);
-                (mode * speed + zero.max(self.idle(i, c.x, w))).min(self.jam(i, *mode, w))
+                (mode * speed + zero).min(self.jam(i, *mode, w))
             };
         }
-    }
-
-    /// Speed at which the way it slides makes no difference: a clutch that is not pressed brakes nothing, and what stands there
-    /// by itself would cross zero with every rounding.
-    fn idle(&self, i: usize, x: &[f64], w: &Work) -> f64 {
-        let grip = &w.grip[i];
-        if !self.is_loose(i, w) || grip.slide.iter().any(|slide| slide.value != 0.0 || slide.slope != 0.0) {
-            return 0.0;
-        }
-        let speeds = &x[self.positions..self.positions + self.rotation.free];
-        DRIFT * speeds.iter().fold(0.0_f64, |most, v| most.max(v.abs()))
     }
 
     /// What a part that is stuck could still bear in either direction, N*m: the guard and the verdict are the same number.

@@ -400,8 +400,9 @@ impl Block for Memory {
         y[0] = c.d[0];
     }
 
-    fn accept(&self, c: &Context, d: &mut [f64]) {
+    fn accept(&self, c: &Context, d: &mut [f64]) -> bool {
         d[0] = c.scalar(0);
+        true
     }
 }
 
