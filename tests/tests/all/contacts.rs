@@ -21,7 +21,20 @@ fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
     assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected} (tolerance {tolerance})");
 }
 
-const SOLVERS: [&str; 6] = ["Ode45", "Ode23", "RosW3", "Rodas4", "RosW3(rtol: 1e-7)", "Rodas4(rtol: 1e-8)"];
+const SOLVERS: [&str; 12] = [
+    "Auto",
+    "Ode45",
+    "Ode23",
+    "Dop853",
+    "Ode15s",
+    "Radau5",
+    "Rodas4",
+    "Ode23tb",
+    "Ode23t",
+    "RosW3",
+    "RosW3(rtol: 1e-7)",
+    "Rodas4(rtol: 1e-8)",
+];
 const G: f64 = 9.80665;
 
 /// A ball falls on an elastic plane and bounces without loss: the time in contact is that of a half swing about the depth

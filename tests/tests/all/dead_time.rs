@@ -3,7 +3,8 @@
 
 use blocksim_tests::{Run, compile_text, run_text};
 
-const METHODS: [&str; 4] = ["Ode23", "Ode45", "Rodas4", "RosW3"];
+const METHODS: [&str; 10] =
+    ["Auto", "Ode45", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "Ode23tb", "Ode23t", "RosW3"];
 
 /// x' = -k x(t - 1) from x = 1, with nothing before the start.
 fn integrator_with_dead_time(simulation: &str, k: f64) -> Run {
@@ -35,6 +36,11 @@ fn error(simulation: &str, k: f64) -> f64 {
     pairs.map(|(&t, x)| (x - by_steps(k, t)).abs()).fold(0.0, f64::max)
 }
 
+/// How exact a run at 1e-8 is: errors of steps add up where the order is low, since there are many.
+fn within(method: &str) -> f64 {
+    if matches!(method, "Ode15s" | "Ode23tb" | "Ode23t") { 5e-5 } else { 1e-6 }
+}
+
 #[test]
 fn an_integrator_with_dead_time_follows_the_method_of_steps() {
     for method in METHODS {
@@ -43,7 +49,7 @@ fn an_integrator_with_dead_time_follows_the_method_of_steps() {
             assert!(default < 4e-3, "{method} with k = {k}: {default}");
             let tight =
                 error(&format!(r#"solver: {method}(rtol: 1e-8, atol: 1e-8), output: Every("10 ms")"#), k);
-            assert!(tight < 1e-6, "{method} with k = {k}: {tight}");
+            assert!(tight < within(method), "{method} with k = {k}: {tight}");
         }
     }
 }
@@ -114,7 +120,7 @@ fn a_variable_delay_gives_what_went_in_then() {
         for (t, y) in run.time.iter().zip(run.column("show.u")) {
             let s = t - 0.5 - 0.2 * (std::f64::consts::TAU * t).sin();
             let expected = if s < 0.0 { 0.0 } else { (3.0 * s).sin() };
-            assert!((y - expected).abs() < 1e-6, "{method} at {t} s: {y} instead of {expected}");
+            assert!((y - expected).abs() < within(method), "{method} at {t} s: {y} instead of {expected}");
         }
     }
 }
@@ -323,7 +329,7 @@ fn what_goes_round_a_dead_time_loses_no_digits() {
         run.last("show.u")
     };
     let expected = value(", solver: Ode45(rtol: 1e-10, max_step: \"1 ms\")");
-    for solver in ["Auto", "Ode45", "Ode23", "Rodas4", "RosW3", "Radau5", "Ode15s"] {
+    for solver in METHODS {
         let found = value(&format!(", solver: {solver}"));
         assert!((found - expected).abs() < 2.5e-5, "{solver}: {found} instead of {expected}");
     }

@@ -21,7 +21,20 @@ fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
     assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected} (tolerance {tolerance})");
 }
 
-const SOLVERS: [&str; 6] = ["Ode45", "Ode23", "RosW3", "Rodas4", "Ode4(step: 1e-3)", "Ode1(step: 1e-4)"];
+const SOLVERS: [&str; 12] = [
+    "Auto",
+    "Ode45",
+    "Ode23",
+    "Dop853",
+    "Ode15s",
+    "Radau5",
+    "Rodas4",
+    "Ode23tb",
+    "Ode23t",
+    "RosW3",
+    "Ode4(step: 1e-3)",
+    "Ode1(step: 1e-4)",
+];
 
 /// A disc that turns hits one at rest through a freewheel: both go on with the momentum of the first, whatever the
 /// bearing of the second could hold.

@@ -178,26 +178,6 @@ fn frictions_that_share_what_they_hold_neither_chatter_nor_slip() {
     }
 }
 
-/// A disc that stands by itself beside a clutch that is not pressed is pushed by an end of travel that sets in smoothly: which way
-/// it slides in the clutch is known to rounding only, and makes no difference.
-#[test]
-fn what_stands_beside_an_open_clutch_is_set_in_motion() {
-    let shafts = Shafts {
-        discs: vec![(0.439, 0.0), (0.112, -1.29), (0.1, 0.0)],
-        joints: vec![
-            (2, None, Joint::Friction(2.82, None)),
-            (1, Some(0), Joint::Stop { at: 0.223, k: 169.0, d: 0.668, width: 0.0093 }),
-            (1, Some(2), Joint::Friction(0.864, Some(0.38))),
-        ],
-        torques: vec![(0, Torque::Sine { amplitude: 3.06, frequency: 0.81 })],
-        stop: 1.2,
-    };
-    for method in ["Auto", "Ode45", "Ode23", "Rodas4", "RosW3", "Ode15s", "Radau5"] {
-        let finding = shafts.judge(&Variant::with(&format!(", solver: {method}")));
-        assert_eq!(finding, Finding::Right, "{method}");
-    }
-}
-
 /// Four-bar linkages with dry friction on the rocker, whose loop has drifted by the error of the steps when the rocker turns
 /// round: the crank goes on as if nothing had happened.
 #[test]

@@ -19,7 +19,19 @@ fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
     assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected} (tolerance {tolerance})");
 }
 
-const SOLVERS: [&str; 5] = ["Ode45", "Ode23", "RosW3", "Rodas4", "Ode4(step: 1e-3)"];
+const SOLVERS: [&str; 11] = [
+    "Auto",
+    "Ode45",
+    "Ode23",
+    "Dop853",
+    "Ode15s",
+    "Radau5",
+    "Rodas4",
+    "Ode23tb",
+    "Ode23t",
+    "RosW3",
+    "Ode4(step: 1e-3)",
+];
 
 /// Three discs, a clutch between each two. A torque between `a` and `b` grows: the clutch `ab` bears what it can, and the
 /// way over `c` the lower one of its two. An even share would be too much for `ab` long before.

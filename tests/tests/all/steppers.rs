@@ -230,20 +230,3 @@ fn two_h_bridges_hold_the_rotor_where_their_mean_voltages_do() {
     // A microstep is 0.0105 rad.
     close(run.last("s.theta"), 8.0 * TAU / 600.0, 1e-5, "angle after eight microsteps");
 }
-
-/// With both phases on, the rotor stands at odd multiples of half a step of 1.8 degrees: it goes to the one that is nearest to its
-/// command, on either side of zero.
-#[test]
-fn the_rotor_goes_to_the_place_nearest_to_a_commanded_angle() {
-    for (command, place) in [(-0.7, -0.9), (0.7, 0.9), (-0.2, -0.9), (0.2, 0.9), (1.7, 0.9), (1.9, 2.7)] {
-        let run = driven(
-            "0.6 s",
-            "10 ms",
-            r#"StepperDriver(amplitude: "2.4 V", drive: Full, command: Angle(teeth: 50))"#,
-            r#"r: "1.2 Ohm", l: "2.4 mH", damping: "4e-3 N*m*s/rad""#,
-            &format!(r#""angle": Constant(value: "{command} deg")"#),
-            r#""angle.y -> driver.angle""#,
-        );
-        close(run.last("s.theta").to_degrees(), place, 1e-4, &format!("place for {command} degrees"));
-    }
-}

@@ -26,7 +26,13 @@ fn modes(run: &Run, guard: &str) -> Vec<f64> {
     run.events.iter().filter(|(_, _, what)| what == guard).map(|(t, ..)| *t).collect()
 }
 
-const SOLVERS: [&str; 9] = [
+const SOLVERS: [&str; 15] = [
+    "Auto",
+    "Dop853",
+    "Ode15s",
+    "Radau5",
+    "Ode23tb",
+    "Ode23t",
     "Ode45",
     "Ode23",
     "RosW3",

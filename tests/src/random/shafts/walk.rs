@@ -27,7 +27,7 @@ pub(super) struct Walk<'a> {
 impl<'a> Walk<'a> {
     pub fn new(shafts: &'a Shafts, changes: &'a [f64]) -> Self {
         let w: Vec<f64> = shafts.discs.iter().map(|(_, w)| *w).collect();
-        let mut walk = Walk {
+        Walk {
             changes,
             t: 0.0,
             phi: vec![0.0; w.len()],
@@ -37,10 +37,7 @@ impl<'a> Walk<'a> {
             held: vec![0.0; shafts.torques.len()],
             largest: 0.0,
             shafts,
-        };
-        // What meets at the start with speeds that cannot be does so before anybody samples them.
-        walk.step(0.0);
-        walk
+        }
     }
 
     /// Goes on to a time, in steps no longer than `h` that end wherever a torque jumps.

@@ -49,8 +49,7 @@ pub fn refer(model: &Model, effort: u32) -> Result<Outcome, Undecided> {
     if fine.toggles != coarse.toggles {
         return Err(Undecided::Coarse);
     }
-    // Kinks that no step ends at leave an error of the first order: that of the finer run is the difference.
-    widen(&mut fine, &coarse, 2.0);
+    widen(&mut fine, &coarse, 1.0);
     if !fine.is_sharp(model.stop) {
         return Err(Undecided::Coarse);
     }
