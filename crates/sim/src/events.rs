@@ -152,7 +152,9 @@ impl Guards {
 
     /// Whether guard `i` has anything to leave: a mode that holds at zero holds beyond it.
     fn leaves(&self, i: usize, value: f64) -> bool {
-        !matches!(self.events[i], Crossing::Holds | Crossing::Peak) && self.start[i] == 0.0 && value != 0.0
+        let ignored =
+            self.deaf && self.kinks[i] || matches!(self.events[i], Crossing::Holds | Crossing::Peak);
+        !ignored && self.start[i] == 0.0 && value != 0.0
     }
 
     /// Whether a guard was zero at the start and is no longer, or has just fired and seems to have stayed.

@@ -10,6 +10,9 @@ use crate::slopes::Turns;
 
 /// Crossings in a row, without time getting on, that are taken for chatter.
 const CHATTER: u32 = 1000;
+/// Crossings in a row, without time getting on, after which steps pass over kinks: these are continuous, and what crosses one so
+/// often is nothing but what the dense output is off by.
+const DEAF: u32 = 100;
 
 /// An accepted step of the solver.
 pub(crate) struct Stride<'a> {
@@ -54,6 +57,14 @@ pub(crate) struct Guards {
     pub known: bool,
     /// Since when, and how often, guards have crossed without time getting on.
     pub chatter: (f64, u32),
+    /// Which guards are those of kinks, and whether these are passed over in this step.
+    pub kinks: Vec<bool>,
+    pub deaf: bool,
+}
+
+/// Whether time has not got on between two instants.
+fn stands_still(since: f64, t: f64) -> bool {
+    t - since <= 1e-9 * t.abs().max(1.0)
 }
 
 impl Guards {
@@ -78,6 +89,8 @@ impl Guards {
             rhythm: Rhythm::new(guards),
             known: false,
             chatter: (f64::NEG_INFINITY, 0),
+            kinks: vec![false; guards],
+            deaf: false,
         }
     }
 
@@ -87,6 +100,7 @@ impl Guards {
 
     /// Notes the values at the start of a step.
     pub fn begin(&mut self, diagram: &mut Diagram, t: f64, x: &[f64]) -> Result<(), Failed> {
+        self.deaf = self.chatter.1 >= DEAF && stands_still(self.chatter.0, t);
         if self.known || self.is_empty() {
             return Ok(());
         }
@@ -97,8 +111,11 @@ impl Guards {
 
     /// The first guard, by number, whose sign is not that of the start; `both` if those count, too, that are no events.
     pub fn crossing(&self, values: &[f64], both: bool) -> Option<usize> {
-        let mut ends = self.start.iter().zip(values).zip(&self.events);
-        ends.position(|((&start, &value), &events)| {
+        let mut ends = self.start.iter().zip(values).zip(&self.events).zip(&self.kinks);
+        ends.position(|(((&start, &value), &events), &kink)| {
+            if kink && self.deaf {
+                return false;
+            }
             let counts = if both && !matches!(events, Crossing::Holds | Crossing::Peak) {
                 Crossing::Either
             } else {
@@ -132,11 +149,7 @@ impl Guards {
     /// Counts a cut and tells whether there have been too many.
     pub fn chatters(&mut self, t: f64) -> bool {
         let (since, count) = self.chatter;
-        if t - since > 1e-9 * t.abs().max(1.0) {
-            self.chatter = (t, 1);
-        } else {
-            self.chatter.1 = count + 1;
-        }
+        self.chatter = if stands_still(since, t) { (since, count + 1) } else { (t, 1) };
         self.chatter.1 > CHATTER
     }
 }

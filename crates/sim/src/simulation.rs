@@ -141,11 +141,16 @@ impl Simulation {
         let plan = &diagram.plan;
         let moves = schedule.states > 0 || !plan.continuous.is_empty() || is_fixed && plan.stepwise;
         let grid = methods::grid(&schedule).filter(|_| moves).map(Grid::new);
+        let mut guards = Guards::new(guards, schedule.states);
+        if !guards.is_empty() {
+            let all = schedule.blocks.iter().flat_map(|block| &block.interface.guards);
+            guards.kinks = all.map(|guard| guard.kink).collect();
+        }
         Ok(Self {
             stepper: methods::stepper(&schedule),
             t: 0.0,
             hits: Hits::new(&schedule.clock),
-            guards: Guards::new(guards, schedule.states),
+            guards,
             kinks: Kinks::new(&schedule),
             angles: Angles::new(&schedule),
             modes: Modes::new(&schedule),
