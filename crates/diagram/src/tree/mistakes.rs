@@ -15,6 +15,9 @@ pub(super) struct Mistake {
 /// The first mistake of a text that its signs tell.
 pub(super) fn first(text: &str) -> Option<Mistake> {
     let (mut at, mut open) = (0, Vec::<usize>::new());
+    // Of each open bracket, whether what stands between it has names, as far as it is known.
+    let mut named = Vec::<Option<bool>>::new();
+    let mut before = None;
     // The first text that goes on behind its line: where one is never closed, most likely it is this.
     let mut long: Option<Range<usize>> = None;
     loop {
@@ -27,10 +30,22 @@ pub(super) fn first(text: &str) -> Option<Mistake> {
         let rest = &text[at..];
         let Some(sign) = rest.chars().next() else { break };
         let length = length(rest);
+        if let (Some('(' | ','), Some(named)) = (before, named.last_mut())
+            && open.last().is_some_and(|opener| text[*opener..].starts_with('('))
+            && let Some(mistake) = mixed(text, *open.last()?, at, named)
+        {
+            return Some(mistake);
+        }
+        before = Some(sign);
         match sign {
-            '(' | '[' | '{' => open.push(at),
+            '(' | '[' | '{' => {
+                open.push(at);
+                named.push(None);
+            }
             ')' | ']' | '}' => match open.pop() {
-                Some(opener) if closer(text, opener) == sign => {}
+                Some(opener) if closer(text, opener) == sign => {
+                    named.pop();
+                }
                 opener => return Some(mismatch(text, opener, at)),
             },
             ':' if open.last().is_some_and(|opener| text[*opener..].starts_with('[')) => {
@@ -64,6 +79,41 @@ pub(super) fn first(text: &str) -> Option<Mistake> {
         SyntaxError::new(opener..opener + 1, format!("this `{}` is never closed", &text[opener..=opener]))
             .help(format!("a `{}` is missing behind what belongs to it", closer(text, opener)));
     Some(Mistake { at: text.len(), error })
+}
+
+/// A value at `at` between the parentheses that `opener` opens which has a name where those before it have none, or none where
+/// those have some.
+fn mixed(text: &str, opener: usize, at: usize, named: &mut Option<bool>) -> Option<Mistake> {
+    if text[at..].starts_with('"') {
+        let name = length(&text[at..]);
+        let behind = &text[at + name..];
+        if behind[skip(behind)..].starts_with(':') {
+            let error = SyntaxError::new(at..at + name, "names between parentheses have no quotes")
+                .beside(opener..opener + 1, "this `(` is still open")
+                .help("close it with `)` before the name, or write the name without quotes");
+            return Some(Mistake { at, error });
+        }
+    }
+    let word = word_length(&text[at..]);
+    let behind = &text[at + word..];
+    let behind = &behind[skip(behind)..];
+    let has_name = word > 0 && behind.starts_with(':');
+    // A word before anything else has lost its `:`, which is told where that is missing.
+    let is_value = word == 0 || behind.starts_with([',', '(', ')']);
+    if text[at..].starts_with(')') || !has_name && !is_value {
+        return None;
+    }
+    if *named.get_or_insert(has_name) == has_name {
+        return None;
+    }
+    let help = "name all values between these parentheses, or none";
+    let error = if has_name {
+        let name = &text[at..at + word];
+        SyntaxError::new(at..at + word, format!("`{name}` has a name, but what stands before it has none"))
+    } else {
+        SyntaxError::new(at..at + word.max(1), "this value has no name, but what stands before it has")
+    };
+    Some(Mistake { at, error: error.help(help) })
 }
 
 /// Length of a word, a text, a character between quotes or a single sign.
@@ -165,6 +215,23 @@ mod tests {
             told("(a: 1))"),
             "this `)` closes nothing: `)` | take it away, or open what it is to close"
         );
+    }
+
+    #[test]
+    fn names_for_some_values_only_are_told() {
+        assert_eq!(
+            told("Choice([\"a\", \"b\"], defalt: \"a\")"),
+            "`defalt` has a name, but what stands before it has none: `defalt` | name all values between these parentheses, or none"
+        );
+        assert_eq!(
+            told("(a: 1, Sine(b: 2), c: 3)"),
+            "this value has no name, but what stands before it has: `Sine` | name all values between these parentheses, or none"
+        );
+        assert_eq!(
+            told("{\"a\": Sine(b: 1, \"c\": Scope}"),
+            "names between parentheses have no quotes: `\"c\"` | `(` this `(` is still open | close it with `)` before the name, or write the name without quotes"
+        );
+        assert_eq!(told("(a: 1, b 2)").split(": ").next(), Some("a `:` is missing here"));
     }
 
     #[test]

@@ -215,6 +215,7 @@ impl<'a> Reader<'a> {
         let end = (base + byte_of(raw, error.span.end.line, error.span.end.col)).max(start);
         let mut message = match &error.code {
             ron::Error::ExpectedComma => "a `,` or a closing bracket is missing here".to_owned(),
+            ron::Error::ExpectedMapColon => "a `:` is missing here".to_owned(),
             other => other.to_string(),
         };
         let mut help = None;
