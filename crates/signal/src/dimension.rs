@@ -22,6 +22,8 @@ const KILOGRAM: usize = 1;
 const AMPERE: usize = 3;
 const CYCLE: usize = 7;
 const RADIAN: usize = 8;
+const TIME: Dimension = Dimension { exponents: [0, 0, 1, 0, 0, 0, 0, 0, 0] };
+const TIME_PER_CYCLE: Dimension = Dimension { exponents: [0, 0, 1, 0, 0, 0, 0, -1, 0] };
 const PER_SECOND: Dimension = Dimension { exponents: [0, 0, -1, 0, 0, 0, 0, 0, 0] };
 
 impl Dimension {
@@ -63,6 +65,12 @@ impl Dimension {
     /// Whether two quantities of these dimensions may be added: equal but for rad.
     pub fn compatible(self, other: Self) -> bool {
         self.exponents[..RADIAN] == other.exponents[..RADIAN]
+    }
+
+    /// Whether a value of the other dimension may stand where one of this is wanted: a compatible one, or the period of a
+    /// frequency, `1 / fs` in s/cycle, for a time.
+    pub fn takes(self, other: Self) -> bool {
+        self.compatible(other) || self == TIME && other == TIME_PER_CYCLE
     }
 
     /// Whether this is the dimension of a plain number or a plane angle.

@@ -7,7 +7,7 @@ use crate::arithmetic::{self, Operand};
 use crate::lexer::{Lexeme, Token, lex};
 use crate::unit::to_si;
 use crate::unit_reader::UnitReader;
-use crate::unit_table::{self, Factor};
+use crate::unit_table::{self, DECIBEL, Factor};
 use crate::{ExprError, Lookup, Quantity, Scope, Value, functions, select};
 use notes::Notes;
 use std::{f64::consts::PI, ops::Range};
@@ -24,6 +24,7 @@ pub use notes::Noted;
 ///   such name; otherwise the sign is an operator. Parentheses there belong to the unit if all they hold does. Within
 ///   square brackets, `9.81 [m/s^2]`, every word is a unit.
 /// * `degC` has an offset and is read only in whole literals: `"20 degC"`, `[-5 degC, 40 degC]`.
+/// * `dB` is the ratio of two amplitudes, `"-3 dB"` is 0.708, and read only in whole literals, too.
 /// * A frequency in Hz counts cycles and does not mix with rad/s; `angular` and `cycles` convert.
 ///
 /// Errors carry the bytes of the text they are about. Nesting is limited to 200, the text to 64 KiB.
@@ -133,7 +134,7 @@ impl<'a> Parser<'a> {
             }
             Token::Sign('-') => {
                 self.at += 1;
-                if let Some(value) = self.celsius_ahead() {
+                if let Some(value) = self.whole_literal_ahead() {
                     self.at += 1;
                     return self.literal(-value, first);
                 }
@@ -158,6 +159,16 @@ impl<'a> Parser<'a> {
     /// The unit behind a number that has just been read. `first` is the token the literal begins with.
     fn literal(&mut self, value: f64, first: usize) -> Result<Operand, ExprError> {
         let start = self.lexemes[first].span.start;
+        if self.token() == Token::Word(DECIBEL) {
+            self.at += 1;
+            let span = start..self.end();
+            if !self.is_whole_literal(first) {
+                return Err(decibel_error(span));
+            }
+            self.notes.decibels();
+            let ratio = Quantity::plain(10f64.powf(value / 20.0));
+            return Ok(Operand { value: arithmetic::sound(ratio, span.clone())?, span });
+        }
         let factor = if self.token() == Token::Sign('[') { Some(self.bracket()?) } else { self.unit()? };
         let Some(factor) = factor else {
             return Ok(Operand { value: value.into(), span: start..self.end() });
@@ -230,12 +241,12 @@ impl<'a> Parser<'a> {
         Ok(factor)
     }
 
-    /// The number that comes next, if it is in degrees Celsius.
-    fn celsius_ahead(&self) -> Option<f64> {
+    /// The number that comes next, if its unit is one that the sign belongs to: degrees Celsius, decibels.
+    fn whole_literal_ahead(&self) -> Option<f64> {
         let mut ahead = self.lexemes[self.at..].iter().map(|lexeme| lexeme.token);
         let Some(Token::Number(value)) = ahead.next() else { return None };
         let unit = ahead.find(|token| *token != Token::Sign('['))?;
-        matches!(unit, Token::Word(word) if unit_table::is_celsius(word)).then_some(value)
+        matches!(unit, Token::Word(word) if word == DECIBEL || unit_table::is_celsius(word)).then_some(value)
     }
 
     /// Whether the literal from token `first` to here stands alone, in the text or in a list.
@@ -352,6 +363,11 @@ fn is_unit(word: &str) -> bool {
 fn scaled(quantity: Quantity, factor: Factor) -> Quantity {
     let value = to_si(quantity.value, factor.scale(), factor.offset);
     Quantity::new(value, quantity.dimension.times(factor.dimension))
+}
+
+fn decibel_error(span: Range<usize>) -> ExprError {
+    let error = ExprError::new(span, "dB stands only in a whole literal, such as \"-3 dB\"");
+    error.help("write a ratio for calculations: -3 dB is 0.708, 20 dB is 10")
 }
 
 fn celsius_error(span: Range<usize>) -> ExprError {

@@ -5,6 +5,9 @@ use crate::{closest, surely, unit_table};
 /// What may be meant by an unknown symbol: a word for a unit, a plural, other capitals, a product without sign, or a
 /// slip of the pen.
 pub(crate) fn hint(symbol: &str) -> String {
+    if symbol == unit_table::DECIBEL {
+        return "dB stands only directly behind the number of a whole literal, such as \"-3 dB\"".to_owned();
+    }
     let is_unit = |text: &str| unit_table::find(text).is_some();
     let singular = symbol.strip_suffix('s').filter(|word| word.len() > 1).unwrap_or(symbol);
     let same = |a: &str, b: &str| a.eq_ignore_ascii_case(b);

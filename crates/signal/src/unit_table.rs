@@ -99,12 +99,24 @@ const TABLE: &[Entry] = &[
     entry(&["Wh"], 3600.0, 1.0, [2, 1, -2, 0, 0, 0, 0, 0, 0], "mkMG"),
     entry(&["Ah"], 3600.0, 1.0, [0, 0, 1, 1, 0, 0, 0, 0, 0], "umk"),
     entry(&["%"], 1.0, 100.0, PLAIN, ""),
+    entry(&["Nm"], 1.0, 1.0, [2, 1, -2, 0, 0, 0, 0, 0, 0], "mkM"),
+    entry(&["in"], 254.0, 10_000.0, [1, 0, 0, 0, 0, 0, 0, 0, 0], ""),
+    entry(&["ft"], 3048.0, 10_000.0, [1, 0, 0, 0, 0, 0, 0, 0, 0], ""),
+    // The international pound, the force of one under 9.80665 m/s^2, and 550 ft*lbf/s: NIST Special Publication 811 (2008),
+    // appendix B.8.
+    entry(&["lb"], 0.453_592_37, 1.0, [0, 1, 0, 0, 0, 0, 0, 0, 0], ""),
+    entry(&["lbf"], 4.448_221_615_260_5, 1.0, [1, 1, -2, 0, 0, 0, 0, 0, 0], ""),
+    entry(&["hp"], 745.699_871_582_270_2, 1.0, W, ""),
+    entry(&["gauss"], 1.0, 10_000.0, [0, 1, -2, -1, 0, 0, 0, 0, 0], "k"),
 ];
 
 /// Degrees Celsius: the one unit with an offset, fit for whole literals only.
 pub(crate) fn is_celsius(symbol: &str) -> bool {
     matches!(symbol, "degC" | "°C")
 }
+
+/// The decibel of an amplitude: x dB is the ratio 10^(x / 20). It is no factor, and fit for whole literals only.
+pub(crate) const DECIBEL: &str = "dB";
 
 /// The unit of a symbol with or without prefix.
 pub(crate) fn find(symbol: &str) -> Option<Factor> {
@@ -175,7 +187,15 @@ pub(crate) const WORDS: &[(&str, &str)] = &[
     ("amp", "A"),
     ("kelvin", "K"),
     ("celsius", "degC"),
-    ("Nm", "N*m"),
+    ("inch", "in"),
+    ("inches", "in"),
+    ("foot", "ft"),
+    ("feet", "ft"),
+    ("pound", "lb"),
+    ("lbs", "lb"),
+    ("horsepower", "hp"),
+    ("decibel", "dB"),
+    ("Gs", "gauss"),
     ("newton", "N"),
     ("joule", "J"),
     ("watt", "W"),

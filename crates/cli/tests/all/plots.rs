@@ -418,7 +418,7 @@ fn a_late_measurement_is_aligned() {
 fn foreign_tables_are_compared_and_their_faults_told() {
     let desk = Desk::with(&[
         ("a.csv", "time [s],q.x [rad],m.x [N*m]\n0,0,1\n1,1.5707963267948966,1\n"),
-        ("b.csv", "Zeit [ms];q1;M [Nm]\n0;0;1,0\n500;45,0;1,0\n1000;90,0;1,0\n"),
+        ("b.csv", "Zeit [ms];q1;M [Vs]\n0;0;1,0\n500;45,0;1,0\n1000;90,0;1,0\n"),
         ("wrong.csv", "Zeit [ms];q1 [mm]\n0;0\n1000;90,0\n"),
     ]);
     let map = ["--map", "q1=q.x[deg]", "--map", "M=m.x[N*m]"];
@@ -430,8 +430,8 @@ fn foreign_tables_are_compared_and_their_faults_told() {
     "#]]
     .assert_eq(&desk.said(&arguments(&map)));
     expect![[r#"
-        error[unreadable]: the unit of column `M` in `b.csv` is not known: unknown unit `Nm`
-          = help: write `N*m`, or say it with --map 'M=m.x[UNIT]'
+        error[unreadable]: the unit of column `M` in `b.csv` is not known: unknown unit `Vs`
+          = help: write `V*s`, or say it with --map 'M=m.x[UNIT]'
         exit code 4
     "#]]
     .assert_eq(&desk.said(&arguments(&["--map", "M=m.x"])));

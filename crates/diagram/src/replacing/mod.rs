@@ -105,11 +105,12 @@ impl<'a> Replacing<'_, 'a> {
     fn number(&self, new: &Node, value: f64, old: Option<&Place<'a>>) -> Result<Meant, Problem> {
         let Some(dimension) = old.and_then(Place::dimension) else { return Ok(self.in_manual(new, value)) };
         let unit = match old.map_or(WrittenUnit::Si, |old| old.unit(dimension)) {
-            WrittenUnit::One(unit) => unit,
+            WrittenUnit::One(unit) => unit.text,
+            WrittenUnit::Decibels => "dB".to_owned(),
             WrittenUnit::Si if dimension == Dimension::NONE => {
                 return Ok(self.in_manual(new, value));
             }
-            WrittenUnit::Si => Unit::si(dimension),
+            WrittenUnit::Si => Unit::si(dimension).text,
             WrittenUnit::Unclear => {
                 let message = format!(
                     "`{}` is computed from values in other units, {} has none",
@@ -120,7 +121,7 @@ impl<'a> Replacing<'_, 'a> {
                 return Err(Problem::error("unit_mismatch", message).help(help));
             }
         };
-        let text = in_unit(value, &unit.text);
+        let text = in_unit(value, &unit);
         Ok(Meant {
             node: Node { span: new.span.clone(), value: Shape::Text(text.clone()) },
             text: Some(text),
@@ -146,7 +147,7 @@ impl<'a> Replacing<'_, 'a> {
             WrittenUnit::Si if dimension == Dimension::NONE => return Ok(()),
             _ => Unit::si(dimension).text,
         };
-        if new.dimension.compatible(dimension) {
+        if dimension.takes(new.dimension) {
             return Ok(());
         }
         let found = match new.dimension.is_none() {

@@ -29,6 +29,8 @@ pub enum WrittenUnit {
     Si,
     /// This one.
     One(Unit),
+    /// A ratio in decibels, `"-3 dB"`.
+    Decibels,
     /// Several stand there, or one that is no unit of the result, as in `"10 deg / 2 s"`.
     Unclear,
 }
@@ -82,6 +84,9 @@ impl<'a> Place<'a> {
 
     /// The unit in which the value is written, which has this dimension.
     pub(crate) fn unit(&self, dimension: Dimension) -> WrittenUnit {
+        if self.in_decibels() {
+            return WrittenUnit::Decibels;
+        }
         let mut all = Vec::new();
         self.units(&mut all, 0);
         let mut fit: Vec<&Unit> = Vec::new();
@@ -98,6 +103,12 @@ impl<'a> Place<'a> {
             }
             _ => WrittenUnit::Unclear,
         }
+    }
+
+    /// Whether a ratio in decibels stands here.
+    fn in_decibels(&self) -> bool {
+        let Shape::Text(text) = &self.node.value else { return false };
+        noted(&self.scope, text, self.file, 0, &(0..0)).is_ok_and(|noted| noted.has_decibels)
     }
 
     /// Units that stand in the value, and in the parameters that it names.

@@ -69,7 +69,7 @@ fn find_held(held: &mut Held, schedule: &Schedule) -> Result<(), Problem> {
     }
     if let (Some(wanted), Some(given)) = (dimension, held.dimension)
         && given != Dimension::NONE
-        && !wanted.compatible(given)
+        && !wanted.takes(given)
     {
         let message = format!("`{name}` is measured in {wanted}, but is to be held at a value in {given}");
         return Err(Problem::error("unit_mismatch", message));

@@ -60,7 +60,7 @@ fn quantity<'de, D: Deserializer<'de>>(deserializer: D, unit: &str) -> Result<f6
         return Err(serde::de::Error::custom(format!("expected a number, found {}", value.describe())));
     };
     let wanted = Unit::parse(unit).map_or(Dimension::NONE, |unit| unit.dimension);
-    if quantity.dimension != Dimension::NONE && !wanted.compatible(quantity.dimension) {
+    if quantity.dimension != Dimension::NONE && !wanted.takes(quantity.dimension) {
         return Err(serde::de::Error::custom(format!(
             "expected a value in {wanted}, found one in {}",
             quantity.dimension

@@ -59,6 +59,8 @@ fn replacing(target: &Target, text: &str) -> Result<Option<String>, (String, Str
     let before = target.written.trim_matches('"');
     let unit = match &target.written_unit {
         WrittenUnit::One(unit) => unit.clone(),
+        WrittenUnit::Decibels if !new.is_bare => return Ok(None),
+        WrittenUnit::Decibels => return Ok(Some(in_unit(number.value, "dB"))),
         WrittenUnit::Si if old.dimension == Dimension::NONE => return Ok(None),
         WrittenUnit::Si => Unit::si(old.dimension),
         WrittenUnit::Unclear if new.is_bare => {
@@ -70,7 +72,7 @@ fn replacing(target: &Target, text: &str) -> Result<Option<String>, (String, Str
         WrittenUnit::Unclear => Unit::si(old.dimension),
     };
     if !new.is_bare {
-        return match number.dimension.compatible(old.dimension) {
+        return match old.dimension.takes(number.dimension) {
             true => Ok(None),
             false => Err((
                 format!(

@@ -15,6 +15,8 @@ pub struct Noted {
     pub units: Vec<Unit>,
     /// The parameters that it names, with members and items as written: `axis.mass`, `start[0]`.
     pub names: Vec<String>,
+    /// Whether a ratio in decibels stands in it, which is no multiple of a unit.
+    pub has_decibels: bool,
 }
 
 /// What is gathered while an expression is read.
@@ -24,6 +26,7 @@ pub(super) struct Notes {
     pub names: Vec<String>,
     /// Whether a parameter with a unit was named.
     has_dimension: bool,
+    has_decibels: bool,
 }
 
 impl Notes {
@@ -34,6 +37,11 @@ impl Notes {
         self.units.push(Unit { text, scale: factor.scale(), offset, dimension });
     }
 
+    /// A ratio in decibels.
+    pub(super) fn decibels(&mut self) {
+        self.has_decibels = true;
+    }
+
     /// A parameter that is named, and its value.
     pub(super) fn name(&mut self, text: &str, value: &Value) {
         self.has_dimension |= has_dimension(value);
@@ -41,8 +49,9 @@ impl Notes {
     }
 
     pub(super) fn with(self, value: Value) -> Noted {
-        let is_bare = self.units.is_empty() && !self.has_dimension;
-        Noted { value, is_bare, units: self.units, names: self.names }
+        let is_bare = self.units.is_empty() && !self.has_dimension && !self.has_decibels;
+        let Self { units, names, has_decibels, .. } = self;
+        Noted { value, is_bare, units, names, has_decibels }
     }
 }
 

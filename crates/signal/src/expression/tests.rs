@@ -275,7 +275,7 @@ fn names_and_units_are_spelled_out() {
         ("axis.foo", 5..8, "no member `foo`", "the members are: number, limits, mass"),
         ("2 kQ", 2..4, "unknown unit `kQ`", error("2 kQ").help.as_deref().unwrap()),
         ("2 rmp", 2..5, "unknown unit `rmp`", "did you mean `rpm`?"),
-        ("2 Nm", 2..4, "unknown unit `Nm`", "write `N*m`"),
+        ("2 Vs", 2..4, "unknown unit `Vs`", "write `V*s`"),
         ("2 x", 2..3, "unknown unit `x`", "to multiply by `x` write `* x`"),
         ("2 pi", 2..4, "unknown unit `pi`", "to multiply by `pi` write `* pi`"),
         (
@@ -480,6 +480,28 @@ fn printed_values_read_back() {
         assert_eq!(value(&printed), value(text), "{text} -> {printed}");
     }
     assert_eq!(value("5 rad").as_number().map(|quantity| quantity.dimension), Some(Dimension::RADIAN));
+}
+
+#[test]
+fn decibels_are_ratios_of_amplitudes() {
+    assert_eq!(si("20 dB"), (10.0, "1".to_string()));
+    assert_eq!(si("-20 dB"), (0.1, "1".to_string()));
+    let Value::List(both) = value("[-6 dB, 0 dB]") else { panic!("a list") };
+    assert!((both[0].as_number().unwrap().value - 0.501_187_233_627_272_2).abs() < 1e-15);
+    assert_eq!(both[1].as_number().unwrap().value, 1.0);
+    for text in ["2 * 3 dB", "3 dB + 3 dB", "-(3 dB)", "3 [dB]", "(3) dB", "3 dB/s", "1 / 3 dB"] {
+        let error = error(text);
+        assert!(error.help.unwrap_or_default().contains("dB") || error.message.contains("dB"), "{text}");
+    }
+}
+
+#[test]
+fn a_period_is_a_time() {
+    let of = |text: &str| value(text).as_number().unwrap().dimension;
+    assert!(of("1 s").takes(of("1 / (50 Hz)")) && of("1 s").takes(of("1 / (8 kHz)")));
+    assert!(
+        !of("1 s").takes(of("50 Hz")) && !of("50 Hz").takes(of("1 s")) && !of("1 / (50 Hz)").takes(of("1 s"))
+    );
 }
 
 #[test]

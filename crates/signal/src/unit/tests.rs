@@ -166,11 +166,32 @@ fn si_units_bear_their_printed_name() {
     assert_eq!(Unit::si(Dimension::NONE).to_string(), "1");
 }
 
+/// NIST Special Publication 811 (2008), appendix B.8, to the digits that it gives.
+#[test]
+fn units_of_other_traditions_are_exact() {
+    for (text, value) in [
+        ("in", 0.0254),
+        ("ft", 0.3048),
+        ("lb", 0.453_592_37),
+        ("lbf", 4.448_222),
+        ("ft*lbf", 1.355_818),
+        ("hp", 745.6999),
+        ("gauss", 1e-4),
+        ("lbf/in^2", 6894.757),
+    ] {
+        let unit = Unit::parse(text).unwrap();
+        assert!((unit.to_si(1.0) / value - 1.0).abs() < 3e-7, "{text}: {}", unit.to_si(1.0));
+    }
+    assert_eq!(Unit::parse("kNm").unwrap().to_si(3.0), 3000.0);
+    assert_eq!(Unit::parse("Nm").unwrap().dimension, dimension("N*m"));
+}
+
 #[test]
 fn an_unknown_unit_names_what_may_be_meant() {
     for (text, remedy) in [
-        ("Nm", "write `N*m`"),
-        ("kNm", "write `kN*m`"),
+        ("NM", "did you mean `Nm`?"),
+        ("inches", "write `in`"),
+        ("pounds", "write `lb`"),
         ("Vs", "write `V*s`"),
         ("KW", "did you mean `kW`?"),
         ("Kg", "did you mean `kg`?"),
