@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use blocksim_block::problem::{FileId, Place, Problem, Severity};
-use blocksim_signal::surely;
+use blocksim_signal::{closest, surely};
 
 /// The problems found so far. A problem that is found twice (six instances of one file) is kept once.
 #[derive(Debug, Clone, Default)]
@@ -68,6 +68,18 @@ pub(crate) fn mended<'a>(
     match surely(word, known) {
         Some(meant) => problem.edit(Place { span, ..place }, word, meant),
         None => problem,
+    }
+}
+
+/// A member of a set at `place` is none of the known ones. What stands `within` begins the message.
+pub(crate) fn unknown_member(within: &str, word: &str, place: Place, known: &[&str]) -> Problem {
+    let all = list(known);
+    let problem = Problem::error("parameter", format!("{within}`{word}` is not known here")).at(&place, "");
+    let problem = mended(problem, place, word, known.iter().copied());
+    match closest(word, known.iter().copied()) {
+        _ if known.is_empty() => problem.help("nothing stands in these parentheses"),
+        Some(meant) => problem.help(format!("did you mean `{meant}`? Known here: {all}")),
+        None => problem.help(format!("known here: {all}")),
     }
 }
 

@@ -89,7 +89,7 @@ fn what_makes_no_robot_is_told_with_the_member_and_a_remedy() {
     expect![[r#"
         manipulator.links: the robot has no links; give at least one link with an axis
         `limits` is missing
-        `tools` is not known here; known are `name`, `gravity`, `base`, `pedestal`, `reference`, `links`, `flange`, `tool`, `load`, `tcp_limits` and `may_touch`
+        `tools` is not known here
         manipulator.links[0].start: the axis starts at 1.5707963267948966 rad, outside -1 rad to 1 rad; correct `links[0].start` in the description of the robot
         manipulator.links[0].start: axis 1 turns, but this has the unit of an axis that slides; give it with rad or deg in the place of m, such as 30 deg, 2 rad/s or 50 N*m
         manipulator.links[0].drive.gear: 10 lobes and 10 pins give no reduction; a disc has at least one lobe, its ring more pins than it has lobes

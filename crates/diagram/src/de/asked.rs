@@ -11,7 +11,7 @@ use super::members::{Items, Members, Variant};
 use super::wire::Wire;
 use super::word_or::WORD_OR;
 use super::written::Written;
-use crate::scope::{Evaluation, expression};
+use crate::scope::{Evaluation, noted};
 use crate::tree::{Node, Shape};
 
 impl<'n, 'a> Written<'n, 'a> {
@@ -23,15 +23,16 @@ impl<'n, 'a> Written<'n, 'a> {
 
     /// An expression, evaluated, with the place of its text.
     fn computed(&self) -> Result<Computed<'n, 'a>, Noted> {
-        let value = match &self.node.value {
+        match &self.node.value {
             Shape::Text(text) => {
                 let (file, span) = (self.reading.file, &self.node.span);
-                expression(&self.reading.scope, text, file, span.start + 1, span)
-                    .map_err(|problem| self.reading.note(problem))?
+                let noted = noted(&self.reading.scope, text, file, span.start + 1, span)
+                    .map_err(|problem| self.reading.note(problem))?;
+                let is_share = noted.units.iter().any(|unit| unit.text == "%");
+                Ok(Computed { written: *self, value: noted.value, is_bare: noted.is_bare, is_share })
             }
-            _ => self.evaluate()?,
-        };
-        Ok(Computed { written: *self, value })
+            _ => Ok(Computed { written: *self, value: self.evaluate()?, is_bare: true, is_share: false }),
+        }
     }
 }
 
@@ -172,7 +173,7 @@ impl<'de> Deserializer<'de> for Written<'_, '_> {
             }
             _ => match self.node.members() {
                 Some(members) => {
-                    let top = self.expected.field.is_none() && self.reading.info.is_some();
+                    let top = self.is_block();
                     let access = Members { written: self, rest: members.iter(), value: None, top };
                     let result = visitor.visit_map(access);
                     self.placed(result)
@@ -185,9 +186,14 @@ impl<'de> Deserializer<'de> for Written<'_, '_> {
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         _name: &'static str,
-        _fields: &'static [&'static str],
+        fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Noted> {
+        if let Some(members) = self.node.members()
+            && !self.is_block()
+        {
+            self.only(members, fields)?;
+        }
         self.deserialize_map(visitor)
     }
 

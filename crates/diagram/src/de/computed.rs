@@ -9,17 +9,22 @@ use serde::de::{DeserializeSeed, Deserializer, IntoDeserializer, MapAccess, SeqA
 use super::wire::Wire;
 use super::written::Written;
 use super::{Expected, Noted};
-use crate::tree::{Node, Shape};
+use crate::tree::Shape;
 
 /// A value that was computed, with the text that it came from for messages.
 pub(super) struct Computed<'n, 'a> {
     pub written: Written<'n, 'a>,
     pub value: Value,
+    /// Whether nothing in the text has a unit: such a number is meant in SI. Decided on what is computed and not on how it is
+    /// written; units that cancel are units.
+    pub is_bare: bool,
+    /// Whether a per cent sign stands in it.
+    pub is_share: bool,
 }
 
 impl Computed<'_, '_> {
     fn of(&self, value: Value) -> Self {
-        Computed { written: self.written, value }
+        Computed { value, ..*self }
     }
 
     fn wrong<T>(&self, wanted: &str) -> Result<T, Noted> {
@@ -32,8 +37,8 @@ impl Computed<'_, '_> {
         let Expected { field, dimension } = self.written.expected;
         match (field, dimension) {
             (_, Some(dimension)) => {
-                let bare = quantity.dimension == Dimension::NONE && is_bare(self.written.node);
-                if !bare && !dimension.compatible(quantity.dimension) {
+                let bare = quantity.dimension == Dimension::NONE && self.is_bare;
+                if !bare && !dimension.takes(quantity.dimension) {
                     return Err(self.written.reading.note(self.wrong_unit(
                         quantity.value,
                         quantity.dimension,
@@ -71,23 +76,13 @@ impl Computed<'_, '_> {
     }
 }
 
-/// A number or a plain reference to one: without a unit it is meant in SI. A computed number without unit is not.
-fn is_bare(node: &Node) -> bool {
-    match &node.value {
-        Shape::Text(text) => {
-            let text = text.trim();
-            text.parse::<f64>().is_ok()
-                || (text.chars().next().is_some_and(|c| c.is_ascii_alphabetic())
-                    && text.chars().all(|c| c.is_ascii_alphanumeric() || "_.[] -+".contains(c)))
-        }
-        _ => true,
-    }
-}
-
 macro_rules! computed_integers {
     ($($method:ident)*) => {
         $(fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
             let number = self.number()?;
+            if self.is_share {
+                return Err(Noted(format!("expected a whole number and no share of a hundred, found {number}")));
+            }
             if number.fract() != 0.0 || number.abs() > 9e15 {
                 return Err(Noted(format!("expected a whole number, found {number}")));
             }

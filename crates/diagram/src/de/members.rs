@@ -112,11 +112,12 @@ impl<'de> VariantAccess<'de> for Variant<'_, '_> {
 
     fn struct_variant<V: Visitor<'de>>(
         self,
-        _fields: &'static [&'static str],
+        fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Noted> {
         match self.0.node.members() {
             Some(members) => {
+                self.0.only(members, fields)?;
                 let access = Members { written: self.0, rest: members.iter(), value: None, top: false };
                 visitor.visit_map(access)
             }

@@ -1,9 +1,10 @@
 //! A written value and where it stands.
 
-use blocksim_block::problem::Problem;
+use blocksim_block::problem::{Place, Problem};
 
 use super::{Expected, Noted, Reading};
-use crate::tree::Node;
+use crate::problems::unknown_member;
+use crate::tree::{Name, Node};
 
 /// A written value, ready to become whatever is asked for.
 #[derive(Clone, Copy)]
@@ -32,6 +33,23 @@ impl<'n, 'a> Written<'n, 'a> {
 
     pub(super) fn mismatch<T>(&self, wanted: &str) -> Result<T, Noted> {
         self.placed(Err(Noted(format!("expected {wanted}, found {}", self.node.describe()))))
+    }
+
+    /// Whether this is a whole block, whose members are its parameters.
+    pub(super) fn is_block(&self) -> bool {
+        self.expected.field.is_none() && self.reading.info.is_some()
+    }
+
+    /// Refuses a member that a set does not have. Most readers of serde would pass over it.
+    pub(super) fn only(&self, members: &[(Name, Node)], known: &[&str]) -> Result<(), Noted> {
+        match members.iter().find(|(name, _)| !known.contains(&name.text.as_str())) {
+            None => Ok(()),
+            Some((name, _)) => {
+                let place = Place { file: self.reading.file, span: name.span.clone() };
+                let within = self.expected.field.map(|field| format!("`{field}`: ")).unwrap_or_default();
+                Err(self.reading.note(unknown_member(&within, &name.text, place, known)))
+            }
+        }
     }
 
     pub(super) fn with_node(&self, node: &'n Node) -> Self {

@@ -3,14 +3,17 @@
 use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
-use blocksim_signal::{Quantity, Value, closest};
+use blocksim_signal::{Quantity, Value, closest, surely};
 
 use super::{Scope, expression, missing_file, read_tree};
-use crate::problems::list;
+use crate::problems::{list, unknown_member};
 use crate::tree::{Name, Node, Shape};
 
 /// Names that go with `value` in a number that says where it comes from.
 const PROVENANCE: [&str; 4] = ["source", "note", "tolerance", "published"];
+
+/// What stands in `Choice(...)`.
+const CHOICE: [&str; 2] = ["default", "of"];
 
 /// What a written value means where a value of any type may stand.
 pub(crate) struct Evaluation<'s, 'a> {
@@ -79,16 +82,32 @@ impl<'a> Evaluation<'_, 'a> {
         name: Option<&Name>,
         members: &[(Name, Node)],
     ) -> Result<Value, Problem> {
-        if name.is_some_and(|name| name.text == "Choice") {
-            return self.choice(node, members);
-        }
-        match described(members) {
-            Some(value) if name.is_none() => self.value(value),
-            _ => self.set(members),
+        match name.map(|name| name.text.as_str()) {
+            Some("Choice") => self.choice(node, members),
+            // A set may carry a name, as a move in a file of its own does.
+            Some(name) if surely(name, ["Choice"]).is_some() => Err(self.no_value(node, name)),
+            Some(_) => self.set(members),
+            None => match described(members) {
+                Some(value) => self.value(value),
+                None => self.set(members),
+            },
         }
     }
 
+    fn no_value(&self, node: &Node, name: &str) -> Problem {
+        Problem::error("parameter", format!("`{name}(...)` is no value")).at(&self.place(node), "").help(
+            match closest(name, ["File", "Text", "Choice"]) {
+                Some(known) => format!("did you mean `{known}(...)`?"),
+                None => "values are numbers, texts, lists, sets, File(\"...\") and Text(\"...\")".to_owned(),
+            },
+        )
+    }
+
     fn choice(&self, node: &Node, members: &[(Name, Node)]) -> Result<Value, Problem> {
+        if let Some((name, _)) = members.iter().find(|(name, _)| !CHOICE.contains(&name.text.as_str())) {
+            let place = Place { file: self.file, span: name.span.clone() };
+            return Err(unknown_member("`Choice`: ", &name.text, place, &CHOICE));
+        }
         let text = |name: &str| members.iter().find(|(n, _)| n.text == name).map(|(_, node)| &node.value);
         let (Some(Shape::Text(default)), Some(Shape::List(_))) = (text("default"), text("of")) else {
             return Err(Problem::error("parameter", "a choice needs a default and its alternatives")
@@ -116,14 +135,7 @@ impl<'a> Evaluation<'_, 'a> {
         match name {
             "Text" => Ok(Value::Text(text.clone())),
             "File" => self.read(item, text),
-            _ => Err(Problem::error("parameter", format!("`{name}(...)` is no value"))
-                .at(&self.place(node), "")
-                .help(match closest(name, ["File", "Text", "Choice"]) {
-                    Some(known) => format!("did you mean `{known}(...)`?"),
-                    None => {
-                        "values are numbers, texts, lists, sets, File(\"...\") and Text(\"...\")".to_owned()
-                    }
-                })),
+            _ => Err(self.no_value(node, name)),
         }
     }
 
