@@ -37,6 +37,7 @@ mod limits_of_signals;
 mod long_shafts;
 mod loops;
 mod lossy_gears;
+mod members;
 mod motors;
 mod moves;
 mod oracles;
