@@ -393,7 +393,8 @@ mod tests {
         let x = [0.0, 0.7];
         weights.note(&x);
         let spent: u64 = (0..3).map(|_| weights.rejected(&mut system, 0.1, &x, 1e-3)).sum();
-        assert_eq!(spent, 5);
+        // A second look, at closer points, tells it from a kink.
+        assert_eq!(spent, 10);
         let noise = &weights.learnt().unwrap().noise;
         assert!(noise[0] > 1e-17 && noise[0] < 3e-13, "{noise:?}");
         assert!(noise[1] < 1e6 * 3e-16, "{noise:?}");
