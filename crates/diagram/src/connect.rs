@@ -4,11 +4,11 @@ use std::collections::{HashMap, HashSet};
 
 use blocksim_block::physical::Domain;
 use blocksim_block::problem::{Place, Problem};
-use blocksim_signal::closest;
+use blocksim_signal::{closest, surely};
 
 use crate::ast::{Ast, ConnectionAst, Reference};
 use crate::model::{Content, Model, ModelBlock, PortKind};
-use crate::problems::{GUESSES, Problems, list, mended};
+use crate::problems::{GUESSES, Problems, list, mended, mended_to};
 
 /// Checks the connections of a diagram and of all diagrams inside it.
 pub(crate) fn check(model: &Model, problems: &mut Problems) {
@@ -54,6 +54,10 @@ struct Level<'a> {
     doubled: HashSet<&'a str>,
     /// Names that nothing has, so far.
     unknown: usize,
+    /// How often connections name what they join.
+    named: HashMap<&'a str, usize>,
+    /// Names of blocks that are written another way wherever they are used, and have been told.
+    told: HashSet<&'a str>,
 }
 
 impl<'a> Level<'a> {
@@ -65,6 +69,10 @@ impl<'a> Level<'a> {
         let mut seen = HashSet::new();
         let names = model.blocks.iter().map(|block| block.name.as_str());
         let doubled = names.filter(|name| !seen.insert(*name)).collect();
+        let mut named = HashMap::new();
+        for reference in model.ast.connections.iter().flat_map(ConnectionAst::references) {
+            *named.entry(reference.block.as_str()).or_default() += 1;
+        }
         Level {
             model,
             blocks,
@@ -74,6 +82,8 @@ impl<'a> Level<'a> {
             adrift: HashSet::new(),
             doubled,
             unknown: 0,
+            named,
+            told: HashSet::new(),
         }
     }
 
@@ -99,6 +109,9 @@ impl<'a> Level<'a> {
         if found.is_none() {
             self.unknown += 1;
             self.adrift.insert(&reference.port);
+            if self.told.contains(reference.block.as_str()) || self.defined_otherwise(reference) {
+                return None;
+            }
             let known: Vec<&str> = self.model.blocks.iter().map(|block| block.name.as_str()).collect();
             let start = reference.span.start;
             let place = self.ast().place(&(start..start + reference.block.len()));
@@ -116,6 +129,33 @@ impl<'a> Level<'a> {
             });
         }
         found
+    }
+
+    /// A name that stands in several connections, and a block of nearly that name which stands in none: the slip is in the one
+    /// place where the block is declared. Told once.
+    fn defined_otherwise(&mut self, reference: &'a Reference) -> bool {
+        let uses = self.named.get(reference.block.as_str()).copied().unwrap_or_default();
+        if uses < 2 || self.unknown > GUESSES {
+            return false;
+        }
+        let unused = self.model.blocks.iter().filter(|block| !self.named.contains_key(block.name.as_str()));
+        let unused: Vec<&ModelBlock> = unused.collect();
+        let meant = surely(&reference.block, unused.iter().map(|block| block.name.as_str()));
+        let Some(block) = unused.iter().find(|block| Some(block.name.as_str()) == meant) else {
+            return false;
+        };
+        let start = reference.span.start;
+        let problem = Problem::error(
+            "unknown_block_name",
+            format!("there is no block `{}`, which is named {uses} times", reference.block),
+        )
+        .at(&block.place, "named by no connection");
+        let problem = mended_to(problem, block.place.clone(), &block.name, &reference.block)
+            .at(&self.ast().place(&(start..start + reference.block.len())), "no such block")
+            .help(format!("is it `{}` that is meant by `{}`?", reference.block, block.name));
+        self.problems.push(problem);
+        self.told.insert(&reference.block);
+        true
     }
 
     fn port(&mut self, reference: &'a Reference, side: &str) -> Option<PortKind> {

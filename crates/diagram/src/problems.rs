@@ -45,6 +45,12 @@ impl Problems {
         all
     }
 
+    /// Whether a block that is declared by another name was told to be meant by this one.
+    pub(crate) fn names(&self, name: &str) -> bool {
+        let mut unknown = self.all.iter().filter(|problem| problem.code == "unknown_block_name");
+        unknown.any(|problem| problem.remedy().is_some_and(|edit| edit.new == name))
+    }
+
     /// Whether any of them stops the run.
     pub(crate) fn any_error(&self) -> bool {
         self.all.iter().any(|problem| problem.severity == Severity::Error)
@@ -59,16 +65,20 @@ pub(crate) fn mended<'a>(
     word: &str,
     known: impl IntoIterator<Item = &'a str>,
 ) -> Problem {
-    let quotes = place.span.len().checked_sub(word.len());
-    let span = match quotes {
+    match surely(word, known) {
+        Some(meant) => mended_to(problem, place, word, meant),
+        None => problem,
+    }
+}
+
+/// Adds the edit that writes another word for the one at a place, which may stand in quotes there.
+pub(crate) fn mended_to(problem: Problem, place: Place, word: &str, meant: &str) -> Problem {
+    let span = match place.span.len().checked_sub(word.len()) {
         Some(0) => place.span.clone(),
         Some(2) => place.span.start + 1..place.span.end - 1,
         _ => return problem,
     };
-    match surely(word, known) {
-        Some(meant) => problem.edit(Place { span, ..place }, word, meant),
-        None => problem,
-    }
+    problem.edit(Place { span, ..place }, word, meant)
 }
 
 /// A member of a set at `place` is none of the known ones. What stands `within` begins the message.

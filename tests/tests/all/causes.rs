@@ -57,6 +57,24 @@ fn one_mistake_is_one_problem() {
 }
 
 #[test]
+fn the_side_that_stands_once_is_the_one_to_mend() {
+    // The block is declared by a name that no connection uses; they agree on another one.
+    for (wrong, uses) in
+        [(SOUND.replacen("\"lag\":", "\"leg\":", 1), 2), (SOUND.replacen("lag.u", "leg.u", 1), 1)]
+    {
+        let desk = Desk::new().with("model.ron", &wrong);
+        let sources = Sources::new(&desk);
+        let problems = compile(&sources, Path::new("model.ron"), &[]).problems;
+        let [problem] = problems.as_slice() else { panic!("{problems:?}") };
+        assert_eq!(problem.code, "unknown_block_name");
+        let edit = problem.remedy().expect("a remedy");
+        let mut mended = wrong.clone();
+        mended.replace_range(edit.place.span.clone(), &edit.new);
+        assert_eq!(mended, SOUND, "named {uses} times: {}", problem.message);
+    }
+}
+
+#[test]
 fn mistakes_in_different_places_are_all_told() {
     let text =
         SOUND.replace("tau:", "taux:").replace("scope.b", "scope.c").replace("value: 1", "value: \"1 x\"");

@@ -88,6 +88,17 @@ pub enum ConnectionAst {
     Conserving(Vec<Reference>),
 }
 
+impl ConnectionAst {
+    /// All that it joins.
+    pub fn references(&self) -> impl Iterator<Item = &Reference> {
+        let (source, rest) = match self {
+            Self::Signal(source, targets) => (Some(source), targets),
+            Self::Conserving(joined) => (None, joined),
+        };
+        source.into_iter().chain(rest)
+    }
+}
+
 impl Ast {
     /// A place in this file.
     pub fn place(&self, span: &Range<usize>) -> Place {

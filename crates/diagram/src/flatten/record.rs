@@ -44,7 +44,10 @@ pub(super) fn record(
     for pattern in model.ast.record.iter().flat_map(|entry| &entry.signals) {
         let place = model.ast.place(&pattern.span);
         let matching: Vec<_> = candidates.iter().filter(|(name, _)| matches(&pattern.text, name)).collect();
-        if all_known && matching.is_empty() && !shown.iter().any(|name| matches(&pattern.text, name)) {
+        let path = pattern.text.split('.').next().unwrap_or_default();
+        let told = problems.names(path.rsplit('/').next().unwrap_or_default());
+        if all_known && !told && matching.is_empty() && !shown.iter().any(|name| matches(&pattern.text, name))
+        {
             let names: Vec<&str> = candidates.keys().chain(&shown).map(String::as_str).collect();
             problems.push(
                 Problem::error("unknown_signal", format!("no signal matches `{}`", pattern.text))
