@@ -4,8 +4,8 @@ use blocksim_signal::{Dimension, Shape};
 
 use crate::{InterfaceError, PortType};
 
-/// The dimensions of parameters as they were written in the diagram. A parameter that is not listed was a bare
-/// number, which has no dimension.
+/// The dimensions of parameters as they were written in the diagram, open for bare numbers. A parameter that is not listed has
+/// its default, which has no dimension.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ParamUnits(Vec<(String, Dimension)>);
 
@@ -20,12 +20,17 @@ impl ParamUnits {
 
     /// The dimension of a parameter.
     pub fn get(&self, name: &str) -> Dimension {
-        self.find(name).unwrap_or(Dimension::NONE)
+        self.written(name).unwrap_or(Dimension::NONE)
     }
 
-    /// The dimension of a parameter that was written with a unit or as an expression.
-    pub fn find(&self, name: &str) -> Option<Dimension> {
+    /// The dimension of a parameter that was written, open if as a bare number.
+    pub fn written(&self, name: &str) -> Option<Dimension> {
         self.0.iter().find(|(known, _)| known == name).map(|(_, dimension)| *dimension)
+    }
+
+    /// The dimension of a parameter of which a unit was said.
+    pub fn find(&self, name: &str) -> Option<Dimension> {
+        self.written(name).filter(|dimension| !dimension.is_open())
     }
 }
 
@@ -87,7 +92,8 @@ impl Given {
         Ok(common.0)
     }
 
-    /// The common dimension of inputs that are added or compared; `None` if none is known.
+    /// The common dimension of inputs that are added or compared; `None` if none is known. What is said of one of them counts
+    /// before what bare numbers leave open.
     ///
     /// # Errors
     /// Two inputs of different dimensions.
@@ -99,14 +105,22 @@ impl Given {
             };
             match common {
                 None => common = Some((dimension, name)),
-                Some((first, first_name)) if !first.compatible(dimension) => {
+                Some((first, first_name)) => {
+                    if let Some(met) = first.meet(dimension) {
+                        // The first one of which a unit is said stands for all.
+                        let named = if first.is_open() && !dimension.is_open() { name } else { first_name };
+                        common = Some((met, named));
+                        continue;
+                    }
                     return Err(InterfaceError::units(
                         &[name, first_name],
                         format!("`{name}` is in {dimension}, but `{first_name}` is in {first}"),
                     )
-                    .help("give both the same unit: scale one with Gain, or mend the parameter that sets its unit"));
+                    .help(format!(
+                        "scale one, as `Gain(k: \"{}\")` before `{name}` does, or mend the parameter that sets its unit",
+                        first.factor_from(dimension)
+                    )));
                 }
-                Some(_) => {}
             }
         }
         Ok(common.map(|(dimension, _)| dimension))

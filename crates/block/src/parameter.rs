@@ -112,7 +112,7 @@ impl<'de> Deserialize<'de> for ParamValue {
                 Wire::Number(value, powers) => {
                     let mut exponents = [0; 9];
                     exponents.iter_mut().zip(powers).for_each(|(to, from)| *to = from);
-                    Value::Number(Quantity { value, dimension: Dimension { exponents } })
+                    Value::Number(Quantity { value, dimension: Dimension::of(exponents) })
                 }
                 Wire::Bool(b) => Value::Bool(b),
                 Wire::Text(text) => Value::Text(text),

@@ -2,7 +2,7 @@
 
 use blocksim_block::problem::{Place, Problem};
 use blocksim_block::{Given, Interface, InterfaceError, PortType};
-use blocksim_signal::Kind;
+use blocksim_signal::{Dimension, Kind};
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
@@ -82,7 +82,17 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
     for declared in &flat.declared {
         declared_unit(flat, declared, typed.of(&declared.source), problems);
     }
+    settle(&mut typed);
     typed
+}
+
+/// What is left open has the dimension that it was given last; or none, where that may be anything.
+fn settle(typed: &mut Typed) {
+    for interface in &mut typed.interfaces {
+        let inputs = interface.inputs.iter_mut().map(|input| &mut input.dimension);
+        let outputs = interface.outputs.iter_mut().map(|output| &mut output.port_type.dimension);
+        inputs.chain(outputs).for_each(|dimension| *dimension = dimension.and_then(Dimension::settled));
+    }
 }
 
 /// Blocks in the order in which signals travel, those of a loop by their index; and the blocks that read each block.
@@ -205,7 +215,10 @@ fn check(
             Problem::error("unit_mismatch", format!("`{to}` is in {wanted}, but `{from}` {has}"))
                 .at(a, has)
                 .at(b, format!("takes {wanted}"))
-                .help("mend the unit where the signal arises, or scale it: Gain(k: \"1 V\") makes a voltage of a plain number"),
+                .help(format!(
+                    "mend the unit where the signal arises, or scale it: `Gain(k: \"{}\")` makes {wanted} of it",
+                    wanted.factor_from(dimension)
+                )),
         );
     }
 }

@@ -7,11 +7,26 @@ use std::{fmt, sync::OnceLock};
 ///
 /// `cycle` is counted so that a frequency in Hz (cycle/s) is not mistaken for one in rad/s. `rad` is kept for
 /// display alone: checks ([`compatible`](Self::compatible), [`is_none`](Self::is_none)) ignore it, because
-/// N*m*rad/s must equal W. `==` compares all nine.
+/// N*m*rad/s must equal W. `==` compares all nine, and whether anybody has said them.
+///
+/// The dimension of a signal may be open: a bare number went into it, which fits whatever it meets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Dimension {
     /// The nine exponents in the order named above.
     pub exponents: [i8; 9],
+    said: Said,
+}
+
+/// How far a dimension is one that somebody has said, least first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+enum Said {
+    /// Units were written.
+    #[default]
+    Yes,
+    /// A number without unit is in it: the exponents hold unless something else is said.
+    Open,
+    /// Open ones have met that differ: it is anything.
+    Nothing,
 }
 
 const BASE: [&str; 9] = ["m", "kg", "s", "A", "K", "mol", "cd", "cycle", "rad"];
@@ -22,16 +37,60 @@ const KILOGRAM: usize = 1;
 const AMPERE: usize = 3;
 const CYCLE: usize = 7;
 const RADIAN: usize = 8;
-const TIME: Dimension = Dimension { exponents: [0, 0, 1, 0, 0, 0, 0, 0, 0] };
-const TIME_PER_CYCLE: Dimension = Dimension { exponents: [0, 0, 1, 0, 0, 0, 0, -1, 0] };
-const PER_SECOND: Dimension = Dimension { exponents: [0, 0, -1, 0, 0, 0, 0, 0, 0] };
+const TIME: Dimension = Dimension::of([0, 0, 1, 0, 0, 0, 0, 0, 0]);
+const TIME_PER_CYCLE: Dimension = Dimension::of([0, 0, 1, 0, 0, 0, 0, -1, 0]);
+const PER_SECOND: Dimension = Dimension::of([0, 0, -1, 0, 0, 0, 0, 0, 0]);
 
 impl Dimension {
     /// The dimension of a plain number.
-    pub const NONE: Self = Self { exponents: [0; 9] };
+    pub const NONE: Self = Self::of([0; 9]);
+
+    /// That of a bare number in a place without a fixed unit: of any unit, none as long as nothing else is said.
+    pub const OPEN: Self = Self { exponents: [0; 9], said: Said::Open };
 
     /// The dimension of a plane angle.
-    pub(crate) const RADIAN: Self = Self { exponents: [0, 0, 0, 0, 0, 0, 0, 0, 1] };
+    pub(crate) const RADIAN: Self = Self::of([0, 0, 0, 0, 0, 0, 0, 0, 1]);
+
+    /// The dimension with these exponents, in the order of [`Dimension`].
+    pub const fn of(exponents: [i8; 9]) -> Self {
+        Self { exponents, said: Said::Yes }
+    }
+
+    /// Whether a bare number is in it, so that it fits whatever it meets.
+    pub fn is_open(self) -> bool {
+        self.said != Said::Yes
+    }
+
+    /// What two signals are in that are added or compared: what is said of one of them, or of both. `None` if that differs.
+    pub fn meet(self, other: Self) -> Option<Self> {
+        match (self.is_open(), other.is_open()) {
+            (false, true) => Some(self),
+            (true, false) => Some(other),
+            (false, false) => self.compatible(other).then_some(self),
+            (true, true) if self.exponents[..RADIAN] == other.exponents[..RADIAN] => {
+                Some(Self { said: self.said.max(other.said), ..self })
+            }
+            (true, true) => Some(Self { exponents: [0; 9], said: Said::Nothing }),
+        }
+    }
+
+    /// The factor, with its unit, that makes a quantity of this dimension of one in another: `1 V/A`. Of Hz it makes rad/s by a
+    /// turn for each cycle.
+    pub fn factor_from(self, other: Self) -> String {
+        let unit = self.over(other);
+        let turns = Self::RADIAN.over(Self::of([0, 0, 0, 0, 0, 0, 0, 1, 0]));
+        let number = match unit {
+            unit if unit == turns => "(2 * pi)",
+            unit if unit == turns.power(-1) => "(0.5 / pi)",
+            _ => "1",
+        };
+        format!("{number} {unit}")
+    }
+
+    /// The dimension that is left where nothing else is said; `None` where it may be anything.
+    pub fn settled(self) -> Option<Self> {
+        (self.said != Said::Nothing).then_some(Self::of(self.exponents))
+    }
 
     /// The dimension of a product. Exponents stay within -128..=127.
     pub fn times(self, other: Self) -> Self {
@@ -45,7 +104,7 @@ impl Dimension {
 
     /// The dimension of the n-th power. Exponents stay within -128..=127.
     pub fn power(self, n: i8) -> Self {
-        Self { exponents: self.exponents.map(|e| e.saturating_mul(n)) }
+        Self { exponents: self.exponents.map(|e| e.saturating_mul(n)), ..self }
     }
 
     /// The dimension of the n-th root; none if an exponent cannot be divided by n, or n is 0.
@@ -56,15 +115,16 @@ impl Dimension {
             *e = match e.checked_rem(n)? {
                 0 => e.checked_div(n)?,
                 _ if place == RADIAN => 0,
+                _ if self.is_open() => return Some(Self { exponents: [0; 9], said: Said::Nothing }),
                 _ => return None,
             };
         }
-        Some(Self { exponents })
+        Some(Self { exponents, ..self })
     }
 
-    /// Whether two quantities of these dimensions may be added: equal but for rad.
+    /// Whether two quantities of these dimensions may be added: equal but for rad, or one of them open.
     pub fn compatible(self, other: Self) -> bool {
-        self.exponents[..RADIAN] == other.exponents[..RADIAN]
+        self.is_open() || other.is_open() || self.exponents[..RADIAN] == other.exponents[..RADIAN]
     }
 
     /// Whether a value of the other dimension may stand where one of this is wanted: a compatible one, or the period of a
@@ -75,7 +135,7 @@ impl Dimension {
 
     /// Whether this is the dimension of a plain number or a plane angle.
     pub fn is_none(self) -> bool {
-        self.compatible(Self::NONE)
+        self.exponents[..RADIAN] == Self::NONE.exponents[..RADIAN]
     }
 
     /// Whether an exponent has reached the end of its range, so that it may be wrong.
@@ -107,7 +167,11 @@ impl Dimension {
     }
 
     fn zip(self, other: Self, f: fn(i8, i8) -> i8) -> Self {
-        Self { exponents: std::array::from_fn(|i| f(self.exponents[i], other.exponents[i])) }
+        let exponents = std::array::from_fn(|i| f(self.exponents[i], other.exponents[i]));
+        match self.said.max(other.said) {
+            Said::Nothing => Self { exponents: [0; 9], said: Said::Nothing },
+            said => Self { exponents, said },
+        }
     }
 
     fn size(self) -> u32 {
@@ -225,6 +289,41 @@ fn fraction<'a>(factors: impl Iterator<Item = (&'a str, i8)>) -> String {
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn what_is_open_fits_everything_and_yields_to_what_is_said() {
+        let of = |unit: &str| Unit::parse(unit).unwrap().dimension;
+        let open = |unit: &str| of(unit).times(Dimension::OPEN);
+        assert!(open("V").compatible(of("A")) && of("A").compatible(open("V")));
+        assert!(open("V").is_open() && !of("V").is_open() && open("V") != of("V"));
+        assert_eq!(of("V").meet(of("A")), None);
+        assert_eq!(of("V").meet(open("A")), Some(of("V")));
+        assert_eq!(open("A").meet(of("V")), Some(of("V")));
+        assert_eq!(open("A").meet(open("A")).and_then(Dimension::settled), Some(of("A")));
+        // Open ones that differ are anything, and so is all that is made of them.
+        let anything = open("A").meet(open("V")).unwrap();
+        assert_eq!(anything.times(of("s")).power(2).settled(), None);
+        assert_eq!(anything.meet(of("s")), Some(of("s")));
+        assert_eq!(anything.times(of("s")), anything, "else a loop of signals would never come to an end");
+        assert_eq!(open("m/s").over(of("m")).settled(), Some(of("1/s")));
+        assert_eq!(open("s").root(2).and_then(Dimension::settled), None);
+        assert_eq!(of("s").root(2), None);
+        assert!(Dimension::OPEN.is_none() && !open("s").is_none());
+    }
+
+    #[test]
+    fn a_factor_leads_from_one_dimension_to_another() {
+        let of = |unit: &str| Unit::parse(unit).unwrap().dimension;
+        for (to, from, factor) in [
+            ("V", "A", "1 Ohm"),
+            ("V", "1", "1 V"),
+            ("1", "s", "1 1/s"),
+            ("rad/s", "Hz", "(2 * pi) rad/cycle"),
+            ("Hz", "rad/s", "(0.5 / pi) cycle/rad"),
+        ] {
+            assert_eq!(of(to).factor_from(of(from)), factor);
+        }
+    }
+
     use super::*;
 
     fn dimension(text: &str) -> Dimension {
@@ -278,7 +377,7 @@ mod tests {
         assert_eq!(dimension("rad").root(2), Some(Dimension::NONE));
         assert_eq!(dimension("m^-3").root(-3), Some(dimension("m")));
         assert_eq!(dimension("m").root(0), None);
-        assert_eq!(Dimension { exponents: [-128; 9] }.root(-1), None);
+        assert_eq!(Dimension::of([-128; 9]).root(-1), None);
     }
 
     #[test]

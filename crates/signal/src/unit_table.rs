@@ -141,7 +141,7 @@ fn factor(entry: &Entry, above: f64, below: f64) -> Factor {
     if above == below {
         (above, below) = (1.0, 1.0);
     }
-    Factor { above, below, offset: 0.0, dimension: Dimension { exponents: entry.exponents } }
+    Factor { above, below, offset: 0.0, dimension: Dimension::of(entry.exponents) }
 }
 
 fn prefix_scale(prefix: char) -> (f64, f64) {

@@ -40,6 +40,7 @@ mod lossy_gears;
 mod members;
 mod motors;
 mod moves;
+mod open_units;
 mod oracles;
 mod pages;
 mod parameters;

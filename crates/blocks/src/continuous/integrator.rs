@@ -132,7 +132,9 @@ impl Block for Integrator {
         let own = u.dimension.map(|dimension| dimension.times(SECOND));
         let external = given.input("x0").filter(|_| self.external).and_then(|x0| x0.dimension);
         let written = given.parameters.find("x0").filter(|dimension| *dimension != Dimension::NONE);
-        let dimension = own.or(external).or(written);
+        // What is said counts before what a bare number leaves open.
+        let all = [own, external, written];
+        let dimension = all.into_iter().flatten().find(|dimension| !dimension.is_open()).or(own).or(external);
         for parameter in ["x0", "lower", "upper", "wrap"] {
             agrees(given, parameter, "u", dimension)?;
         }

@@ -3,7 +3,7 @@
 use blocksim_block::prelude::*;
 
 /// Dimension of time.
-pub(crate) const SECOND: Dimension = Dimension { exponents: [0, 0, 1, 0, 0, 0, 0, 0, 0] };
+pub(crate) const SECOND: Dimension = Dimension::of([0, 0, 1, 0, 0, 0, 0, 0, 0]);
 
 /// Checks that a parameter written with a unit agrees with the signal it belongs to. A bare number, or a signal
 /// of unknown unit, always agrees.

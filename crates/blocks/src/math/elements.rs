@@ -4,7 +4,7 @@ use blocksim_block::{Context, Given, Interface, InterfaceError};
 use blocksim_signal::Dimension;
 
 /// The dimension of a time, s.
-pub(crate) const TIME: Dimension = Dimension { exponents: [0, 0, 1, 0, 0, 0, 0, 0, 0] };
+pub(crate) const TIME: Dimension = Dimension::of([0, 0, 1, 0, 0, 0, 0, 0, 0]);
 
 /// Names of `n` inputs: `u`, or `u1`, `u2`, ...
 pub(crate) fn input_names(n: usize) -> Vec<String> {
@@ -81,7 +81,7 @@ pub(crate) fn parameters_like(
     let mut common = dimension;
     for name in parameters {
         let written = given.parameters.get(name);
-        if written == Dimension::NONE {
+        if written.is_open() || written == Dimension::NONE {
             continue;
         }
         match common {
@@ -106,8 +106,10 @@ pub(crate) fn parameters_like(
 /// Two parameters of different dimensions.
 pub(crate) fn common_unit(given: &Given, parameters: &[(&str, f64)]) -> Result<Dimension, InterfaceError> {
     let unit = |name: &str| given.parameters.get(name);
-    let Some((first, _)) = parameters.iter().find(|(name, _)| unit(name) != Dimension::NONE) else {
-        return Ok(Dimension::NONE);
+    let is_said = |name: &str| !unit(name).is_open() && unit(name) != Dimension::NONE;
+    let Some((first, _)) = parameters.iter().find(|(name, _)| is_said(name)) else {
+        let open = parameters.iter().any(|(name, _)| unit(name).is_open());
+        return Ok(if open { Dimension::OPEN } else { Dimension::NONE });
     };
     let common = unit(first);
     for (name, value) in parameters {

@@ -43,9 +43,8 @@ impl Block for Mux {
             }
         }
         let types: Vec<PortType> = names.iter().map(|name| given.input_or_unknown(name)).collect();
-        let dimension = types[0].dimension.filter(|first| {
-            types.iter().all(|u| u.dimension.is_some_and(|dimension| dimension.compatible(*first)))
-        });
+        let meet = |a: Option<Dimension>, b: Option<Dimension>| a.zip(b).and_then(|(a, b)| a.meet(b));
+        let dimension = types.iter().map(|u| u.dimension).reduce(meet).flatten();
         let y = PortType {
             kind: kind.map_or(Kind::Real, |(kind, _)| kind),
             shape: Shape::Vector(types.iter().map(|u| u.shape.len()).sum()),

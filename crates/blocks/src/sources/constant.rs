@@ -29,7 +29,7 @@ impl Constant {
 
     fn dimension(&self) -> Dimension {
         let written = |quantity: &Quantity| quantity.dimension != Dimension::NONE;
-        self.quantities().find(written).map_or(Dimension::NONE, |quantity| quantity.dimension)
+        self.quantities().find(written).map_or(Dimension::OPEN, |quantity| quantity.dimension)
     }
 }
 

@@ -25,8 +25,8 @@ impl Ramp {
     fn dimension(&self, given: &Given) -> Result<Dimension, InterfaceError> {
         let initial = given.parameters.get("initial");
         let slope = given.parameters.get("slope");
-        if slope == Dimension::NONE {
-            return Ok(initial);
+        if slope.is_open() || slope == Dimension::NONE {
+            return Ok(initial.meet(slope).unwrap_or(initial));
         }
         let ramp = slope.times(TIME);
         if ramp.compatible(initial) || (self.initial == 0.0 && initial == Dimension::NONE) {

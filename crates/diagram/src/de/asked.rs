@@ -29,9 +29,22 @@ impl<'n, 'a> Written<'n, 'a> {
                 let noted = noted(&self.reading.scope, text, file, span.start + 1, span)
                     .map_err(|problem| self.reading.note(problem))?;
                 let is_share = noted.units.iter().any(|unit| unit.text == "%");
-                Ok(Computed { written: *self, value: noted.value, is_bare: noted.is_bare, is_share })
+                let has_units = !noted.units.is_empty() || noted.has_decibels;
+                Ok(Computed {
+                    written: *self,
+                    value: noted.value,
+                    is_bare: noted.is_bare,
+                    has_units,
+                    is_share,
+                })
             }
-            _ => Ok(Computed { written: *self, value: self.evaluate()?, is_bare: true, is_share: false }),
+            _ => Ok(Computed {
+                written: *self,
+                value: self.evaluate()?,
+                is_bare: true,
+                has_units: false,
+                is_share: false,
+            }),
         }
     }
 }

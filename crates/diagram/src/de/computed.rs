@@ -9,7 +9,6 @@ use serde::de::{DeserializeSeed, Deserializer, IntoDeserializer, MapAccess, SeqA
 use super::wire::Wire;
 use super::written::Written;
 use super::{Expected, Noted};
-use crate::tree::Shape;
 
 /// A value that was computed, with the text that it came from for messages.
 pub(super) struct Computed<'n, 'a> {
@@ -18,13 +17,16 @@ pub(super) struct Computed<'n, 'a> {
     /// Whether nothing in the text has a unit: such a number is meant in SI. Decided on what is computed and not on how it is
     /// written; units that cancel are units.
     pub is_bare: bool,
+    /// Whether a unit stands in the text itself.
+    pub has_units: bool,
     /// Whether a per cent sign stands in it.
     pub is_share: bool,
 }
 
 impl Computed<'_, '_> {
     fn of(&self, value: Value) -> Self {
-        Computed { value, ..*self }
+        // Items of a list that is named, `"link.com"`, may be bare beside others that are not.
+        Computed { value, is_bare: self.is_bare || !self.has_units, ..*self }
     }
 
     fn wrong<T>(&self, wanted: &str) -> Result<T, Noted> {
@@ -46,12 +48,13 @@ impl Computed<'_, '_> {
                     )));
                 }
             }
-            // A bare number says nothing of its unit.
-            (Some(_), None) if matches!(self.written.node.value, Shape::Number(_)) => {}
             (Some(field), None) => {
                 let mut units = self.written.reading.units.borrow_mut();
-                let known = units.find(field);
-                if known.is_none() || quantity.dimension != Dimension::NONE {
+                // A bare number says nothing of its unit.
+                let bare = quantity.dimension == Dimension::NONE && self.is_bare;
+                if bare && units.written(field).is_none() {
+                    units.insert(field, Dimension::OPEN);
+                } else if !bare && (units.find(field).is_none() || quantity.dimension != Dimension::NONE) {
                     units.insert(field, quantity.dimension);
                 }
             }
