@@ -117,7 +117,7 @@ impl Given {
                         format!("`{name}` is in {dimension}, but `{first_name}` is in {first}"),
                     )
                     .help(format!(
-                        "scale one, as `Gain(k: \"{}\")` before `{name}` does, or mend the parameter that sets its unit",
+                        "insert `Gain(k: \"{}\")` before `{name}`, or correct the parameter that sets its unit",
                         first.factor_from(dimension)
                     )));
                 }

@@ -147,12 +147,12 @@ impl<'a> Level<'a> {
         let start = reference.span.start;
         let problem = Problem::error(
             "unknown_block_name",
-            format!("there is no block `{}`, which is named {uses} times", reference.block),
+            format!("there is no block `{}`, but connections use it {uses} times", reference.block),
         )
-        .at(&block.place, "named by no connection");
+        .at(&block.place, "not used in any connection");
         let problem = mended_to(problem, block.place.clone(), &block.name, &reference.block)
             .at(&self.ast().place(&(start..start + reference.block.len())), "no such block")
-            .help(format!("is it `{}` that is meant by `{}`?", reference.block, block.name));
+            .help(format!("rename `{}` to `{}`", block.name, reference.block));
         self.problems.push(problem);
         self.told.insert(&reference.block);
         true

@@ -216,7 +216,7 @@ fn check(
                 .at(a, has)
                 .at(b, format!("takes {wanted}"))
                 .help(format!(
-                    "mend the unit where the signal arises, or scale it: `Gain(k: \"{}\")` makes {wanted} of it",
+                    "correct the unit at the source of the signal, or insert `Gain(k: \"{}\")`, which gives a value in {wanted}",
                     wanted.factor_from(dimension)
                 )),
         );

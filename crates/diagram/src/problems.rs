@@ -87,7 +87,7 @@ pub(crate) fn unknown_member(within: &str, word: &str, place: Place, known: &[&s
     let problem = Problem::error("parameter", format!("{within}`{word}` is not known here")).at(&place, "");
     let problem = mended(problem, place, word, known.iter().copied());
     match closest(word, known.iter().copied()) {
-        _ if known.is_empty() => problem.help("nothing stands in these parentheses"),
+        _ if known.is_empty() => problem.help("remove it: these parentheses are empty"),
         Some(meant) => problem.help(format!("did you mean `{meant}`? Known here: {all}")),
         None => problem.help(format!("known here: {all}")),
     }

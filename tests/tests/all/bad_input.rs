@@ -98,7 +98,7 @@ fn a_wrong_unit_in_a_parameter_and_on_a_connection() {
             error[unit_mismatch]: in `sum`: `u2` is in A, but `u1` is in V
               model.ron:5:42 `sum.u2` `u2` comes from here
               model.ron:5:25 `sum.u1` `u1` comes from here
-              help: scale one, as `Gain(k: "1 Ohm")` before `u2` does, or mend the parameter that sets its unit
+              help: insert `Gain(k: "1 Ohm")` before `u2`, or correct the parameter that sets its unit
         "#]],
     );
 }
@@ -112,7 +112,7 @@ fn units_of_a_connection_that_do_not_fit_show_both_places() {
             error[unit_mismatch]: in `sum`: `u2` is in A, but `u1` is in V
               model.ron:5:42 `sum.u2` `u2` comes from here
               model.ron:5:25 `sum.u1` `u1` comes from here
-              help: scale one, as `Gain(k: "1 Ohm")` before `u2` does, or mend the parameter that sets its unit
+              help: insert `Gain(k: "1 Ohm")` before `u2`, or correct the parameter that sets its unit
         "#]],
     );
 }
@@ -240,7 +240,7 @@ fn rotation_and_translation_are_not_joined_and_do_not_mix_their_units() {
             error[unit_mismatch]: `f.f` is in N, but `t.y` is in N*m
               model.ron:5:18 `t.y` is in N*m
               model.ron:5:25 `f.f` takes N
-              help: mend the unit where the signal arises, or scale it: `Gain(k: "1 1/m")` makes N of it
+              help: correct the unit at the source of the signal, or insert `Gain(k: "1 1/m")`, which gives a value in N
         "#]],
     );
 }

@@ -47,7 +47,7 @@ fn a_member_that_a_set_does_not_have_is_refused_with_the_one_that_is_meant() {
             "",
             "\"x\": Chioce(default: \"a\", of: [\"a\"])",
             "",
-            "`Chioce(...)` is no value",
+            "`Chioce(...)` is not a value",
             "did you mean `Choice(...)`?",
         ),
         (
@@ -90,5 +90,5 @@ fn a_number_without_any_unit_in_it_is_one_in_si_however_it_is_computed() {
         assert!(told.contains(message), "{tau}: {told}");
     }
     let told = problems("", "", "\"sum\": Product(inputs: \"200 %\")");
-    assert!(told.contains("expected a whole number and no share of a hundred"), "{told}");
+    assert!(told.contains("expected a whole number, not a percentage"), "{told}");
 }

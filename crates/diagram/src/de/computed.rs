@@ -84,7 +84,7 @@ macro_rules! computed_integers {
         $(fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
             let number = self.number()?;
             if self.is_share {
-                return Err(Noted(format!("expected a whole number and no share of a hundred, found {number}")));
+                return Err(Noted(format!("expected a whole number, not a percentage, found {number}")));
             }
             if number.fract() != 0.0 || number.abs() > 9e15 {
                 return Err(Noted(format!("expected a whole number, found {number}")));

@@ -95,7 +95,7 @@ impl<'a> Evaluation<'_, 'a> {
     }
 
     fn no_value(&self, node: &Node, name: &str) -> Problem {
-        Problem::error("parameter", format!("`{name}(...)` is no value")).at(&self.place(node), "").help(
+        Problem::error("parameter", format!("`{name}(...)` is not a value")).at(&self.place(node), "").help(
             match closest(name, ["File", "Text", "Choice"]) {
                 Some(known) => format!("did you mean `{known}(...)`?"),
                 None => "values are numbers, texts, lists, sets, File(\"...\") and Text(\"...\")".to_owned(),
@@ -124,9 +124,8 @@ impl<'a> Evaluation<'_, 'a> {
 
     fn called(&self, node: &Node, name: &str, items: &[Node]) -> Result<Value, Problem> {
         let [item] = items else {
-            return Err(
-                Problem::error("parameter", format!("`{name}(...)` is no value")).at(&self.place(node), "")
-            );
+            return Err(Problem::error("parameter", format!("`{name}(...)` is not a value"))
+                .at(&self.place(node), ""));
         };
         let Shape::Text(text) = &item.value else {
             return Err(Problem::error("parameter", format!("`{name}(...)` holds {}", item.describe()))

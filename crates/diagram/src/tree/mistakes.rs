@@ -88,7 +88,7 @@ fn mixed(text: &str, opener: usize, at: usize, named: &mut Option<bool>) -> Opti
         let name = length(&text[at..]);
         let behind = &text[at + name..];
         if behind[skip(behind)..].starts_with(':') {
-            let error = SyntaxError::new(at..at + name, "names between parentheses have no quotes")
+            let error = SyntaxError::new(at..at + name, "names in parentheses are written without quotes")
                 .beside(opener..opener + 1, "this `(` is still open")
                 .help("close it with `)` before the name, or write the name without quotes");
             return Some(Mistake { at, error });
@@ -109,9 +109,9 @@ fn mixed(text: &str, opener: usize, at: usize, named: &mut Option<bool>) -> Opti
     let help = "name all values between these parentheses, or none";
     let error = if has_name {
         let name = &text[at..at + word];
-        SyntaxError::new(at..at + word, format!("`{name}` has a name, but what stands before it has none"))
+        SyntaxError::new(at..at + word, format!("`{name}` has a name, but the value before it has none"))
     } else {
-        SyntaxError::new(at..at + word.max(1), "this value has no name, but what stands before it has")
+        SyntaxError::new(at..at + word.max(1), "this value has no name, but the one before it has")
     };
     Some(Mistake { at, error: error.help(help) })
 }
@@ -221,15 +221,15 @@ mod tests {
     fn names_for_some_values_only_are_told() {
         assert_eq!(
             told("Choice([\"a\", \"b\"], defalt: \"a\")"),
-            "`defalt` has a name, but what stands before it has none: `defalt` | name all values between these parentheses, or none"
+            "`defalt` has a name, but the value before it has none: `defalt` | name all values between these parentheses, or none"
         );
         assert_eq!(
             told("(a: 1, Sine(b: 2), c: 3)"),
-            "this value has no name, but what stands before it has: `Sine` | name all values between these parentheses, or none"
+            "this value has no name, but the one before it has: `Sine` | name all values between these parentheses, or none"
         );
         assert_eq!(
             told("{\"a\": Sine(b: 1, \"c\": Scope}"),
-            "names between parentheses have no quotes: `\"c\"` | `(` this `(` is still open | close it with `)` before the name, or write the name without quotes"
+            "names in parentheses are written without quotes: `\"c\"` | `(` this `(` is still open | close it with `)` before the name, or write the name without quotes"
         );
         assert_eq!(told("(a: 1, b 2)").split(": ").next(), Some("a `:` is missing here"));
     }

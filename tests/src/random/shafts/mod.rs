@@ -54,7 +54,7 @@ pub enum Torque {
 pub struct Shafts {
     /// Moment of inertia and speed at the start.
     pub discs: Vec<(f64, f64)>,
-    /// Ends and what it is. The second end is the housing where there is none.
+    /// Discs at both ends of the part, and its kind. Without a second disc it is attached to the housing.
     pub joints: Vec<(usize, Option<usize>, Joint)>,
     /// Disc, and what drives it.
     pub torques: Vec<(usize, Torque)>,
