@@ -13,11 +13,17 @@ use petgraph::unionfind::UnionFind;
 
 use crate::flatten::{Declared, Flat, FlatBlock, Source};
 use crate::problems::Problems;
+use crate::settings::start::split_element;
 
-/// Replaces the components of every connected network by one block; returns what is seen of them, too.
+/// Replaces the components of every connected network by one block; returns what is seen of them, too. `watched` are names of
+/// outputs that somebody looks at, though nothing may be connected to them.
 ///
 /// This happens after flattening, because a network reaches across subsystems.
-pub(crate) fn elaborate(flat: Flat, problems: &mut Problems) -> (Flat, Scene) {
+pub(crate) fn elaborate<'a>(
+    flat: Flat,
+    watched: impl Iterator<Item = &'a String>,
+    problems: &mut Problems,
+) -> (Flat, Scene) {
     let groups = groups(&flat);
     let mut member_of: Vec<Option<(usize, usize)>> = vec![None; flat.blocks.len()];
     for (group, members) in groups.iter().enumerate() {
@@ -26,7 +32,7 @@ pub(crate) fn elaborate(flat: Flat, problems: &mut Problems) -> (Flat, Scene) {
         }
     }
     let joined = joined(&flat, &member_of, groups.len());
-    let read = read(&flat);
+    let read = read(&flat, watched);
     let mut networks = Vec::new();
     for (group, joined) in groups.iter().zip(&joined) {
         networks.push(build(&flat, group, joined, &read, problems));
@@ -144,11 +150,17 @@ fn joined(flat: &Flat, member_of: &[Option<(usize, usize)>], groups: usize) -> V
     joined
 }
 
-/// The outputs, by block and number, that something is connected to or that are recorded.
-fn read(flat: &Flat) -> HashSet<(usize, usize)> {
+/// The outputs, by block and number, that something is connected to, that are recorded or watched.
+fn read<'a>(flat: &Flat, watched: impl Iterator<Item = &'a String>) -> HashSet<(usize, usize)> {
+    let watched: HashSet<&str> = watched.map(|name| split_element(name.trim()).0).collect();
     let wired = flat.blocks.iter().flat_map(|block| block.inputs.iter().flatten());
     let recorded = flat.recorded.iter().map(|(_, source)| source);
-    wired.chain(recorded).map(|source| (source.block, source.output)).collect()
+    let outputs = flat.blocks.iter().enumerate().flat_map(|(block, of)| {
+        let names = of.output_names.iter().enumerate();
+        let named = names.filter(|(_, name)| watched.contains(name.as_str()));
+        named.map(move |(output, _)| (block, output))
+    });
+    wired.chain(recorded).map(|source| (source.block, source.output)).chain(outputs).collect()
 }
 
 fn build(

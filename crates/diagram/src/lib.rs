@@ -38,7 +38,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 use blocksim_block::problem::Problem;
-use blocksim_block::schedule::Schedule;
+use blocksim_block::schedule::{Schedule, Start};
 use blocksim_scene::Scene;
 
 pub use ast::{Ast, BlockAst, ConnectionAst, RATES, RecordAst, Reference};
@@ -126,6 +126,19 @@ struct Top<'a> {
 
 /// Turns the text of a diagram into something that can run. `overrides` are `target=value` as of `--set`.
 pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled {
+    compile_to_watch(sources, root, overrides, &[])
+}
+
+/// The same for somebody who will look at outputs that nothing in the diagram reads or records, by their names
+/// (`circuit/l.v`, or one element of a vector, `arm.q[2]`). A physical network owes only those outputs a value that are read, recorded
+/// or named here: where it cannot know one of these, as that needs the slope of a signal which nothing tells, it says so.
+/// Names that fit no output are left alone.
+pub fn compile_to_watch(
+    sources: &Sources,
+    root: &Path,
+    overrides: &[String],
+    watched: &[String],
+) -> Compiled {
     let mut problems = problems::Problems::default();
     let mut compiled = Compiled::default();
     if let Some(Top { model, scope, replaced }) = top(sources, root, overrides, &mut problems) {
@@ -142,7 +155,12 @@ pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled
         });
         // A network that lacks a block would bring problems that are none.
         if !problems.any_error() {
-            let (flat, scene) = elaborate::elaborate(flat, &mut problems);
+            let held = match &settings.start {
+                Start::Steady(steady) => steady.hold.as_slice(),
+                _ => &[],
+            };
+            let watched = watched.iter().chain(held.iter().map(|held| &held.name));
+            let (flat, scene) = elaborate::elaborate(flat, watched, &mut problems);
             if !problems.any_error() {
                 compiled.scene = Some(scene);
                 compiled.stages.flat = Some(emit::flat(&flat));

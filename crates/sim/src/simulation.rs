@@ -278,6 +278,8 @@ impl Simulation {
     }
 
     /// Values of an output by its path (`arm/base/joint.q`), as of the last evaluation; none if there is no such output.
+    /// Of an output of a physical network that the diagram neither reads nor records it is exact only if it was named when the diagram
+    /// was compiled (`compile_to_watch`).
     pub fn signal(&self, path: &str) -> Option<&[f64]> {
         let signal = self.schedule.signals.iter().find(|signal| signal.path == path)?;
         Some(&self.diagram.signals[signal.offset..signal.offset + signal.shape.len()])

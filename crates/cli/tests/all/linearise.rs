@@ -331,3 +331,36 @@ fn slow_parts_beside_fast_ones_are_not_left_away() {
     near(&way["static_gain"], 0.5);
     assert!((number(&way["step"]["rise"]) / (50.0 * 9_f64.ln()) - 1.0).abs() < 1e-5, "{way}");
 }
+
+/// Whoever names an output looks at it, whether or not anything in the diagram does: a voltage that nobody can know is refused
+/// instead of taken as zero.
+#[test]
+fn what_is_named_counts_as_looked_at() {
+    let coil = |start: &str| {
+        format!(
+            r#"Diagram(
+    simulation: (stop_time: "1 s"{start}),
+    blocks: {{
+        "amperes": Constant(value: "5 A"), "j": ControlledCurrentSource, "l": Inductor(l: "1 mH"),
+        "v": VoltageSensor, "g": ElectricalReference, "s": Scope(inputs: ["i"]),
+    }},
+    connections: ["amperes.y -> j.i", "j.p <-> l.p <-> v.p", "l.n <-> j.n <-> v.n <-> g.p", "l.i -> s.i"],
+)
+"#
+        )
+    };
+    let desk = Desk::new("watched");
+    std::fs::write(desk.0.join("coil.ron"), coil("")).expect("a model");
+    let current = linearise(&desk.0, &["coil.ron", "--from", "amperes.y", "--to", "l.i", "--json"]);
+    assert!(current.status.success(), "{current:?}");
+    let voltage = linearise(&desk.0, &["coil.ron", "--from", "amperes.y", "--to", "v.v"]);
+    let said = String::from_utf8_lossy(&voltage.stderr);
+    assert_eq!(voltage.status.code(), Some(3), "{voltage:?}");
+    assert!(said.contains("error[unknown_slope]") && said.contains("`v` looks at the voltage"), "{said}");
+
+    let held = r#", start: Steady(hold: {"v.v": "0 V"}, free: ["amperes.value"])"#;
+    std::fs::write(desk.0.join("held.ron"), coil(held)).expect("a model");
+    let steady = linearise(&desk.0, &["held.ron", "--from", "amperes.y", "--to", "l.i"]);
+    let said = String::from_utf8_lossy(&steady.stderr);
+    assert!(!steady.status.success() && said.contains("error[unknown_slope]"), "{said}");
+}

@@ -79,7 +79,7 @@ fn find_held(held: &mut Held, schedule: &Schedule) -> Result<(), Problem> {
 }
 
 fn find_free(free: &mut Free, schedule: &Schedule) -> Result<(), Problem> {
-    let (path, element) = split(&free.name);
+    let (path, element) = split_element(&free.name);
     let constants = || schedule.blocks.iter().enumerate().filter(|(_, block)| is_constant(block));
     let Some(path) = path.strip_suffix(".value") else {
         return Err(unknown_constant(&free.name, constants().map(|(_, block)| block)));
@@ -126,7 +126,7 @@ fn signal(schedule: &Schedule, name: &str) -> Option<Cell> {
     if let Some(recorded) = schedule.recorded.iter().find(|recorded| recorded.path == name) {
         return Some(Cell { cell: recorded.cell, kind: recorded.kind, dimension: recorded.dimension });
     }
-    let (path, element) = split(name);
+    let (path, element) = split_element(name);
     let signal = schedule.signals.iter().find(|signal| signal.path == path)?;
     let element = match element {
         None if signal.shape.len() == 1 => 0,
@@ -136,7 +136,7 @@ fn signal(schedule: &Schedule, name: &str) -> Option<Cell> {
 }
 
 /// Path and element of `arm.q[2]`.
-fn split(name: &str) -> (&str, Option<usize>) {
+pub(crate) fn split_element(name: &str) -> (&str, Option<usize>) {
     let parts = name.strip_suffix(']').and_then(|name| name.rsplit_once('['));
     match parts.and_then(|(path, element)| Some((path, element.parse().ok()?))) {
         Some((path, element)) => (path, Some(element)),

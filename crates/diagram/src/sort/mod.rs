@@ -78,7 +78,7 @@ mod tests {
             start: Start::Given,
             atol: Vec::new(),
         };
-        let (flat, _) = elaborate(flat, &mut problems);
+        let (flat, _) = elaborate(flat, [].iter(), &mut problems);
         let typed = infer(&flat, &mut problems);
         let schedule = sort(String::new(), &flat, &typed, settings, &mut problems);
         (schedule, messages(&problems))

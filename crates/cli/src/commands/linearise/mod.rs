@@ -20,7 +20,7 @@ use crate::args::linearise::LineariseArgs;
 use crate::disk::{free, write_file};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
-use crate::loaded::{Loaded, load};
+use crate::loaded::{Loaded, load_to_watch};
 use crate::picture_file::write_pictures;
 use crate::running::blame::failure;
 use crate::running::interrupt;
@@ -55,7 +55,8 @@ pub fn linearise(args: &LineariseArgs, console: Console) -> Outcome {
     for file in [&args.csv, &args.svg, &args.png].into_iter().flatten() {
         free(file, args.yes)?;
     }
-    let mut loaded = load(&args.model)?;
+    let watched: Vec<String> = args.to.iter().chain(&args.open).chain(&args.from).cloned().collect();
+    let mut loaded = load_to_watch(&args.model, &watched)?;
     let schedule = loaded.take_schedule("nothing was linearised", console)?;
     if let Some(understood) = loaded.understood() {
         console.say(&understood);
