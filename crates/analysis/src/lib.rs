@@ -19,4 +19,4 @@ pub use metrics::{Metrics, metrics};
 pub use series::{Interpolation, Series};
 pub use statistics::{Statistics, statistics};
 pub use together::together;
-pub use turns::{jumps, with_gaps, without_jumps};
+pub use turns::{continued, jumps, with_gaps, without_jumps};

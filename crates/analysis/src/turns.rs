@@ -62,6 +62,25 @@ pub fn with_gaps(time: &[f64], values: &[f64], turn: f64) -> Option<(Vec<f64>, V
     Some((times, broken))
 }
 
+/// An angle that goes on where its scale has an end, moved by whole turns so that the middle of its range lies within half a
+/// turn of zero; `None` where it never jumps. `turn` is a whole turn in the unit of the values.
+///
+/// ```
+/// let shown = [-178.0, 179.0, 170.0];
+/// assert_eq!(blocksim_analysis::continued(&shown, 360.0), Some(vec![182.0, 179.0, 170.0]));
+/// ```
+pub fn continued(values: &[f64], turn: f64) -> Option<Vec<f64>> {
+    let mut values = values.to_vec();
+    if !unwrap(&mut values, turn) {
+        return None;
+    }
+    let finite = || values.iter().copied().filter(|x| x.is_finite());
+    let middle = (finite().fold(f64::INFINITY, f64::min) + finite().fold(f64::NEG_INFINITY, f64::max)) / 2.0;
+    let whole = (middle / turn).round() * turn;
+    values.iter_mut().for_each(|value| *value -= whole);
+    Some(values)
+}
+
 /// Makes an angle go on where it jumps; whether it has done so.
 fn unwrap(values: &mut [f64], turn: f64) -> bool {
     let jumps = jumps(values, turn);

@@ -1,5 +1,7 @@
 //! What a run says at its end: to people, to programs, and to the log.
 
+use std::collections::HashSet;
+
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{Recorded, Schedule};
 use blocksim_results::{Ended, EventRow, Manifest, Recording};
@@ -114,14 +116,24 @@ impl Report<'_> {
             return text;
         }
         let trackings = trackings(shown);
-        if !trackings.is_empty() {
-            return charts::following(&trackings, time, console);
-        }
         // A scope shows what its author wanted to see; other recorded signals only stand in for one.
-        let scopes = || self.schedule.blocks.iter().filter(|block| block.interface.recorded.is_some());
-        let of_scope = |s: &&Shown| scopes().any(|scope| scope.path == s.block());
-        match shown.iter().find(of_scope).or(shown.first()) {
-            Some(first) => charts::block(first.block(), shown, time, console),
+        let scopes: HashSet<&str> = self
+            .schedule
+            .blocks
+            .iter()
+            .filter(|block| block.interface.recorded.is_some())
+            .map(|block| block.path.as_str())
+            .collect();
+        let of_scope: Vec<&Shown> = shown.iter().filter(|s| scopes.contains(s.block())).collect();
+        if !trackings.is_empty() {
+            // What two scopes show is told once.
+            let mut told: HashSet<usize> =
+                trackings.iter().flat_map(|pair| [pair.set.cell, pair.actual.cell]).collect();
+            let more: Vec<&Shown> = of_scope.into_iter().filter(|s| told.insert(s.cell)).collect();
+            return charts::following(&trackings, &more, time, console);
+        }
+        match of_scope.first().copied().or(shown.first()) {
+            Some(first) => charts::block(first.block(), shown, &of_scope, time, console),
             None => String::new(),
         }
     }

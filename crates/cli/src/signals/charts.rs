@@ -1,9 +1,10 @@
 //! What a run looks like in the terminal.
 
-use blocksim_analysis::with_gaps;
+use blocksim_analysis::{continued, with_gaps};
 use blocksim_results::format::with_unit;
 use blocksim_results::{Align, Kind, PlotOptions, Series, Table, plot, sparkline};
 
+use crate::signals::headings::headings;
 use crate::signals::naming::{fits, short_names};
 use crate::signals::shown::{Shown, turn};
 use crate::signals::tracking::Tracking;
@@ -13,14 +14,20 @@ use crate::terminal::console::Console;
 const SERIES: usize = 8;
 /// Most plots for one question.
 const PLOTS: usize = 6;
-/// Most lines of signals that nobody asked for.
+/// Most lines of signals that scopes show, and of others.
+const SCOPE_LINES: usize = 96;
 const LINES: usize = 12;
+/// What signals of one unit differ by below this share of the largest of them is rounding; below `NOTHING`, in any unit, it is
+/// nothing that a diagram is about.
+const ROUNDING: f64 = 1e-12;
+const NOTHING: f64 = 1e-14;
 /// Columns of a sparkline.
 const SPARKS: usize = 40;
 
-/// A plot of the scope with the largest motion, of those in the unit of the first one, and a line for each of the others.
-/// An element of a vector comes into question only where there is nothing else.
-pub fn following(trackings: &[Tracking], time: &[f64], console: Console) -> String {
+/// A plot of the scope with the largest motion, of those in the unit of the first one, and a line for each of the others and
+/// for each signal of `more`, which are what other scopes show. An element of a vector comes into question for the plot only
+/// where there is nothing else.
+pub fn following(trackings: &[Tracking], more: &[&Shown], time: &[f64], console: Console) -> String {
     let motion = |tracking: &Tracking| range(tracking.set.si).map_or(0.0, |(low, high)| high - low);
     let is_like_first = |tracking: &Tracking| tracking.set.unit.text == trackings[0].set.unit.text;
     let rank =
@@ -33,17 +40,39 @@ pub fn following(trackings: &[Tracking], time: &[f64], console: Console) -> Stri
     let Some((largest, tracking)) = largest else { return String::new() };
     let title = if trackings.len() == 1 { tracking.scope } else { tracking.name.as_str() };
     let mut text = drawn(title, &[tracking.set, tracking.actual], &["set", "actual"], time, console);
-    let rest: Vec<(&str, &Shown)> = trackings
-        .iter()
-        .enumerate()
-        .filter(|&(n, _)| n != largest)
-        .map(|(_, tracking)| (tracking.name.as_str(), tracking.actual))
-        .collect();
-    if !rest.is_empty() {
-        text.push('\n');
-        text.push_str(&sparks(&rest, console));
+    let rest = trackings.iter().enumerate().filter(|&(n, _)| n != largest);
+    let mut rest: Vec<(String, &Shown)> =
+        rest.map(|(_, tracking)| (tracking.name.clone(), tracking.actual)).collect();
+    rest.extend(scope_names(more).into_iter().zip(more.iter().copied()));
+    text.push_str(&lines(&rest, SCOPE_LINES, time, console));
+    text
+}
+
+/// A line for each signal, at most so many, below an empty one; those left over are counted.
+fn lines(all: &[(String, &Shown)], most: usize, time: &[f64], console: Console) -> String {
+    let Some(left) = all.len().checked_sub(1).map(|last| (last + 1).saturating_sub(most)) else {
+        return String::new();
+    };
+    let mut text = format!("\n{}", sparks(&all[..all.len() - left], time, console));
+    if left > 0 {
+        text.push_str(&format!("and {left} more signals\n"));
     }
     text
+}
+
+/// Names of signals of scopes: the label of the scope and, where it shows several of these signals, what it calls each; the path
+/// where there is no label.
+fn scope_names(shown: &[&Shown]) -> Vec<String> {
+    let titles = headings(&shown.iter().map(|s| (s.block(), s.title)).collect::<Vec<_>>());
+    let name = |(s, title): (&&Shown, String)| {
+        let is_alone = shown.iter().filter(|other| other.block() == s.block()).count() == 1;
+        match s.title.is_empty() {
+            true => s.path.to_owned(),
+            false if is_alone => title,
+            false => format!("{title} {}", s.legend.unwrap_or(s.port())),
+        }
+    };
+    shown.iter().zip(titles).map(name).collect()
 }
 
 /// Plots of all signals that fit one of the patterns, one plot for each unit; `None` if nothing fits.
@@ -53,18 +82,16 @@ pub fn chosen(patterns: &[String], shown: &[Shown], time: &[f64], console: Conso
     if found.is_empty() { None } else { Some(by_unit("", &found, time, console)) }
 }
 
-/// Plots of all inputs of one block, and a line for each other signal.
-pub fn block(path: &str, shown: &[Shown], time: &[f64], console: Console) -> String {
+/// Plots of all inputs of one block, and a line for each other signal of `scopes`; where there is none, for each other signal.
+pub fn block(path: &str, shown: &[Shown], scopes: &[&Shown], time: &[f64], console: Console) -> String {
     let (found, rest): (Vec<&Shown>, Vec<&Shown>) = shown.iter().partition(|s| s.block() == path);
     let mut text = by_unit(path, &found, time, console);
-    let lines: Vec<(&str, &Shown)> = rest.iter().take(LINES).map(|s| (s.path, *s)).collect();
-    if !lines.is_empty() {
-        text.push('\n');
-        text.push_str(&sparks(&lines, console));
-    }
-    if rest.len() > LINES {
-        text.push_str(&format!("and {} more signals\n", rest.len() - LINES));
-    }
+    let (rest, most) = match scopes.is_empty() {
+        true => (rest, LINES),
+        false => (scopes.iter().copied().filter(|s| s.block() != path).collect(), SCOPE_LINES),
+    };
+    let named: Vec<(String, &Shown)> = scope_names(&rest).into_iter().zip(rest.iter().copied()).collect();
+    text.push_str(&lines(&named, most, time, console));
     text
 }
 
@@ -121,8 +148,19 @@ fn drawn(title: &str, shown: &[&Shown], names: &[&str], time: &[f64], console: C
     plot(&series, &PlotOptions { title: &heading, width, height: 12, ascii, ..PlotOptions::default() })
 }
 
-/// A line for each signal: its course and the range of its values.
-fn sparks(shown: &[(&str, &Shown)], console: Console) -> String {
+/// A line for each signal: its course over time and the range of its values. An angle goes on where its scale has an end.
+fn sparks(shown: &[(String, &Shown)], time: &[f64], console: Console) -> String {
+    let values = |s: &Shown| {
+        let values = s.values();
+        turn(&s.unit).and_then(|turn| continued(&values, turn)).unwrap_or(values)
+    };
+    let courses: Vec<Vec<f64>> = shown.iter().map(|(_, s)| values(s)).collect();
+    let size = |course: &Vec<f64>| range(course).map_or(0.0, |(low, high)| low.abs().max(high.abs()));
+    // What signals of one unit differ by is rounding, or not, beside the largest of them.
+    let floor = |unit: &str| {
+        let alike = shown.iter().zip(&courses).filter(|((_, s), _)| s.unit.text == unit);
+        alike.map(|(_, course)| ROUNDING * size(course)).fold(NOTHING, f64::max)
+    };
     let mut table = Table::new(&[
         ("", Align::Left),
         ("", Align::Left),
@@ -130,14 +168,18 @@ fn sparks(shown: &[(&str, &Shown)], console: Console) -> String {
         ("", Align::Left),
         ("", Align::Right),
     ]);
-    for (name, s) in shown {
-        let values = s.values();
+    for ((name, s), values) in shown.iter().zip(&courses) {
         let unit = s.unit.text.as_str();
-        let course = if console.ascii { String::new() } else { sparkline(&values, SPARKS) };
-        let (low, high) = range(&values).unwrap_or((f64::NAN, f64::NAN));
-        let low = with_unit(low, unit);
+        let floor = floor(unit);
+        let course = match console.ascii {
+            true => String::new(),
+            false => sparkline(time, values, s.kind != Kind::Real, floor, SPARKS),
+        };
+        let (low, high) = range(values).unwrap_or((f64::NAN, f64::NAN));
+        let told = |x: f64| with_unit(if x.abs() <= floor { 0.0 } else { x }, unit);
+        let low = told(low);
         let low = low.strip_suffix(&format!(" {unit}")).unwrap_or(&low).to_owned();
-        table.row([(*name).to_owned(), course, low, "to".to_owned(), with_unit(high, unit)]);
+        table.row([name.clone(), course, low, "to".to_owned(), told(high)]);
     }
     table.render()
 }
@@ -192,7 +234,7 @@ mod tests {
 
             joint1  ▁▁▁▁▁▂▂▂▂▂▃▃▃▃▃▄▄▄▄▄▅▅▅▅▅▆▆▆▆▆▇▇▇▇▇█████  0.00  to  28.65 deg
         "#]]
-        .assert_eq(&following(&trackings(&shown), &recording.time, CONSOLE));
+        .assert_eq(&following(&trackings(&shown), &[], &recording.time, CONSOLE));
     }
 
     #[test]
@@ -208,5 +250,48 @@ mod tests {
         let text = chosen(&["a".into()], &shown, &recording.time, CONSOLE).unwrap();
         assert_eq!(text.matches("time [s]").count(), 2, "{text}");
         assert_eq!(chosen(&["z".into()], &shown, &recording.time, CONSOLE), None);
+    }
+
+    #[test]
+    fn lines_name_what_other_scopes_show_and_angles_go_on() {
+        let pi = std::f64::consts::PI;
+        let turning: Vec<f64> = (0..41).map(|k| pi + 0.05 * f64::from(k)).collect();
+        let wrapped = turning.iter().map(|x| if *x > pi { x - 2.0 * pi } else { *x }).collect();
+        let (mut recorded, recording) = example(vec![
+            ("scope.set", "rad", "deg", ramp(0.5)),
+            ("scope.actual", "rad", "deg", ramp(0.5)),
+            ("tool/angle.z", "rad", "deg", wrapped),
+            ("motors/all.one", "N*m", "", ramp(2.0)),
+            ("motors/all.two", "N*m", "", ramp(1.0).iter().map(|x| 1e-15 * x.sin()).collect()),
+            ("motors/speed.w", "rad/s", "", ramp(-1e-15)),
+        ]);
+        recorded[2].title = vec!["Direction".to_owned()];
+        recorded[3..5].iter_mut().for_each(|r| r.title = vec!["Torques".to_owned()]);
+        recorded[3].legend = Some("first".to_owned());
+        let shown = shown(&recorded, &recording);
+        let more: Vec<&Shown> = shown[2..].iter().collect();
+        let text = following(&trackings(&shown), &more, &recording.time, CONSOLE);
+        let lines = text.split_once("\n\n").unwrap().1;
+        expect![[r#"
+            Direction       ▁▁▁▁▁▂▂▂▂▂▃▃▃▃▃▄▄▄▄▄▅▅▅▅▅▆▆▆▆▆▇▇▇▇▇█████  -180.00  to  -65.41 deg
+            Torques first   ▁▁▁▁▁▂▂▂▂▂▃▃▃▃▃▄▄▄▄▄▅▅▅▅▅▆▆▆▆▆▇▇▇▇▇█████        0  to   2.000 N*m
+            Torques two     ▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁        0  to       0 N*m
+            motors/speed.w  ▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁        0  to     0 rad/s
+        "#]]
+        .assert_eq(lines);
+    }
+
+    #[test]
+    fn no_scope_is_left_away() {
+        let paths: Vec<String> = (0..40).map(|k| format!("s{k}.u")).collect();
+        let columns = paths.iter().map(|path| (path.as_str(), "m", "", ramp(1.0))).collect();
+        let (recorded, recording) = example(columns);
+        let shown = shown(&recorded, &recording);
+        let scopes: Vec<&Shown> = shown.iter().collect();
+        let text = block("s0", &shown, &scopes, &recording.time, CONSOLE);
+        assert!(paths[1..].iter().all(|path| text.contains(path.as_str())), "{text}");
+        // What nobody has made a scope for is cut short.
+        let text = block("s0", &shown, &[], &recording.time, CONSOLE);
+        assert!(text.ends_with("and 27 more signals\n"), "{text}");
     }
 }

@@ -19,6 +19,8 @@ pub struct Shown<'a> {
     pub cell: usize,
     /// Labels of its scope and of the subsystems around it, the outermost first; empty without.
     pub title: &'a [String],
+    /// What the diagram calls it in legends, if it does.
+    pub legend: Option<&'a str>,
     /// The values in SI.
     pub si: &'a [f64],
 }
@@ -74,6 +76,7 @@ pub fn shown<'a>(recorded: &'a [Recorded], recording: &'a Recording) -> Vec<Show
         kind: kind(r),
         cell: r.cell,
         title: &r.title,
+        legend: r.legend.as_deref(),
         si: &signal.values,
     };
     recorded.iter().zip(&recording.signals).map(pair).collect()
