@@ -55,12 +55,12 @@ fn group(table: &mut Table, unit: &str, rows: &[&(&str, Errors)]) {
         headed("following", &[unit]),
         "largest error".into(),
         "at [s]".into(),
-        "last error".into(),
+        "final error".into(),
         heading,
     ]);
-    let (largest, last) = (errors(|e| e.largest), errors(|e| e.last));
+    let (largest, remaining) = (errors(|e| e.largest), errors(|e| e.remaining));
     for (n, (name, errors)) in rows.iter().enumerate() {
-        table.row([*name, &largest[n], &seconds(errors.at, 3), &last[n], &peaks[n]]);
+        table.row([*name, &largest[n], &seconds(errors.at, 3), &remaining[n], &peaks[n]]);
     }
 }
 
@@ -75,7 +75,7 @@ pub fn json(trackings: &[Tracking], time: &[f64]) -> Value {
             "unit": errors.unit,
             "largest_error": errors.largest,
             "largest_error_at": errors.at,
-            "last_error": errors.last,
+            "final_error": errors.remaining,
             "torque": tracking.torque.map(|torque| torque.path),
             "peak_torque": errors.torque.as_ref().map(|torque| torque.0),
             "torque_unit": errors.torque.as_ref().map(|torque| torque.1.as_str()),
@@ -106,12 +106,12 @@ mod tests {
         let shown = shown(&recorded, &recording);
         let trackings = trackings(&shown);
         expect![[r#"
-            following [deg]       largest error  at [s]  last error  peak torque [N*m]
-            joint1                        0.286   1.000   -0.005730               1061
-            joint2                        5.730   1.000    0.000000                  -
+            following [deg]       largest error  at [s]  final error  peak torque [N*m]
+            joint1                        0.286   1.000      0.00011               1061
+            joint2                        5.730   1.000      0.11459                  -
 
-            following [mm]        largest error  at [s]  last error
-            Tool centre point, x          1.000   1.000     -0.2000
+            following [mm]        largest error  at [s]  final error
+            Tool centre point, x          1.000   1.000      -0.1760
         "#]]
         .assert_eq(&table(&trackings, &recording.time));
         let data = json(&trackings, &recording.time);
@@ -128,8 +128,8 @@ mod tests {
             example(vec![("level.set", "1", "", vec![1.0, 1.0]), ("level.actual", "1", "", vec![0.5, 0.75])]);
         let shown = shown(&recorded, &recording);
         expect![[r#"
-            following  largest error  at [s]  last error
-            level             0.5000   0.000      0.2500
+            following  largest error  at [s]  final error
+            level             0.5000   0.000       0.2525
         "#]]
         .assert_eq(&table(&trackings(&shown), &recording.time));
         assert_eq!(table(&[], &[]), "");

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use blocksim_analysis::without_jumps;
+use blocksim_analysis::{metrics, without_jumps};
 use blocksim_plot::pairs;
 use blocksim_signal::Unit;
 
@@ -34,8 +34,8 @@ pub struct Errors {
     pub largest: f64,
     /// When it was, s.
     pub at: f64,
-    /// set - actual in the last row.
-    pub last: f64,
+    /// Mean of set - actual over the last 2 % of the time, as [`blocksim_analysis::Metrics`] has it.
+    pub remaining: f64,
     /// Largest absolute torque and its unit.
     pub torque: Option<(f64, String)>,
 }
@@ -147,15 +147,21 @@ impl Tracking<'_> {
         if let Some(turn) = turn(unit) {
             without_jumps(&mut set, &mut actual, turn);
         }
-        let errors = set.iter().zip(&actual).map(|(set, actual)| set - actual);
-        let finite: Vec<(f64, f64)> =
-            time.iter().copied().zip(errors).filter(|(_, error)| error.is_finite()).collect();
-        let largest = finite.iter().copied().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+        let (largest, at, remaining) = match metrics(time, Some(&set), &actual) {
+            Some(numbers) => (numbers.max_error, numbers.max_error_at, numbers.steady_state_error),
+            // Of one row alone there is no mean over time.
+            None => {
+                let errors =
+                    time.iter().zip(set.iter().zip(&actual)).map(|(t, (set, actual))| (t, set - actual));
+                let (t, error) = errors.filter(|(_, error)| error.is_finite()).last()?;
+                (error.abs(), *t, error)
+            }
+        };
         Some(Errors {
             unit: unit.to_string(),
-            largest: largest.1.abs(),
-            at: largest.0,
-            last: finite.last()?.1,
+            largest,
+            at,
+            remaining,
             torque: self.torque.map(|torque| {
                 let sizes = torque.values().into_iter().map(f64::abs).filter(|x| x.is_finite());
                 (sizes.fold(0.0, f64::max), torque.unit.to_string())
@@ -199,7 +205,7 @@ mod tests {
         ]);
         let shown = shown(&recorded, &recording);
         let errors = trackings(&shown)[0].errors(&recording.time).unwrap();
-        assert!(errors.largest.abs() < 1e-9 && errors.last.abs() < 1e-9, "{errors:?}");
+        assert!(errors.largest.abs() < 1e-9 && errors.remaining.abs() < 1e-9, "{errors:?}");
     }
 
     #[test]
@@ -272,6 +278,6 @@ mod tests {
         assert_eq!(trackings[0].torque.map(|torque| torque.path), Some("left/drive.torque"));
         assert!(trackings[1].torque.is_none());
         assert_eq!(trackings[0].name, "left");
-        assert!((trackings[0].errors(&recording.time).unwrap().last + 1.0).abs() < 1e-12);
+        assert!((trackings[0].errors(&recording.time).unwrap().remaining + 1.0).abs() < 1e-12);
     }
 }

@@ -44,7 +44,7 @@ fn a_new_controller_is_built_run_tested_and_shown() {
     let last = String::from_utf8_lossy(&run.stdout).lines().last().map(str::to_owned).expect("a result");
     let result: Value = serde_json::from_str(&last).expect("data");
     // The integral part takes the error away.
-    let left = result["tracking"][0]["last_error"].as_f64().unwrap_or_else(|| panic!("{result}"));
+    let left = result["tracking"][0]["final_error"].as_f64().unwrap_or_else(|| panic!("{result}"));
     assert!(left.abs() < 0.01, "{result}");
 
     let tested = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
