@@ -93,10 +93,34 @@ fn keyed<'a>(book: &'a Book, chosen: &[usize], layout: Layout) -> Vec<(&'a str, 
         }
         keyed[n].1.push(at);
     }
-    let parts = |(key, traces): (&'a str, Vec<usize>)| -> Vec<(&'a str, Vec<usize>)> {
-        traces.chunks(LINES).map(|part| (key, part.to_vec())).collect()
+    let of_key = |(key, traces): (&'a str, Vec<usize>)| -> Vec<(&'a str, Vec<usize>)> {
+        let ports: Vec<&str> = traces.iter().map(|&at| book.traces[at].port()).collect();
+        let part = |places: Vec<usize>| (key, places.into_iter().map(|n| traces[n]).collect());
+        parts(&ports).into_iter().map(part).collect()
     };
-    keyed.into_iter().flat_map(parts).collect()
+    keyed.into_iter().flat_map(of_key).collect()
+}
+
+/// Signals of these names in parts of at most [`LINES`], as positions in their order; a set value and what follows it stay
+/// together.
+fn parts(names: &[&str]) -> Vec<Vec<usize>> {
+    let pairs = pairs(names);
+    let of_pair = |n: usize| pairs.iter().find(|pair| pair.0 == n || pair.1 == n);
+    let mut parts: Vec<Vec<usize>> = Vec::new();
+    for n in 0..names.len() {
+        let family = match of_pair(n) {
+            // It came with the first of both.
+            Some(&(set, actual)) if set.min(actual) < n => continue,
+            Some(&(set, actual)) => vec![set, actual],
+            None => vec![n],
+        };
+        match parts.last_mut() {
+            Some(part) if part.len() + family.len() <= LINES => part.extend(family),
+            _ => parts.push(family),
+        }
+    }
+    parts.iter_mut().for_each(|part| part.sort_unstable());
+    parts
 }
 
 fn group(book: &Book, key: &str, traces: &[usize], layout: Layout) -> Group {
@@ -175,4 +199,36 @@ fn colours(path: &str, names: &[String], pairs: &[(usize, usize)]) -> Vec<usize>
 
 fn colour_of(name: &str) -> Option<usize> {
     name_number(name).filter(|number| (1..=6).contains(number)).map(|number| number as usize - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_of_long_vectors_keep_set_and_actual_values_together() {
+        for length in [1, 3, 4, 7, 13] {
+            let names = |port: &str| (0..length).map(|k| format!("{port}[{k}]")).collect::<Vec<_>>();
+            let names = [names("set"), names("actual"), vec!["other".to_owned()]].concat();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let parts = parts(&names);
+            let found: usize = parts
+                .iter()
+                .map(|part| pairs(&part.iter().map(|&n| names[n]).collect::<Vec<_>>()).len())
+                .sum();
+            assert_eq!(found, length, "{parts:?}");
+            let mut all: Vec<usize> = parts.concat();
+            all.sort_unstable();
+            assert_eq!(all, (0..names.len()).collect::<Vec<_>>());
+            assert!(parts.iter().all(|part| part.len() <= LINES), "{parts:?}");
+        }
+    }
+
+    #[test]
+    fn signals_without_pairs_come_six_by_six() {
+        let names: Vec<String> = (0..14).map(|k| format!("axis{k}")).collect();
+        let sizes: Vec<usize> =
+            parts(&names.iter().map(String::as_str).collect::<Vec<_>>()).iter().map(Vec::len).collect();
+        assert_eq!(sizes, [6, 6, 2]);
+    }
 }
