@@ -2,8 +2,30 @@
 
 use std::path::{Path, PathBuf};
 
+use blocksim_plot::{Figure, pages};
+
 use crate::disk::{free, write_file};
 use crate::failure::Failure;
+use crate::terminal::console::Console;
+
+/// The page of a figure that is asked for, counted from 1; where there are more, a note says so.
+///
+/// # Errors
+/// If there is no such page.
+pub fn page(figure: &Figure, wanted: u32, console: Console) -> Result<Figure, Failure> {
+    let pages = pages(figure);
+    let count = pages.len();
+    let Some(page) = pages.into_iter().nth(wanted as usize - 1) else {
+        let there = if count == 1 { "one page".to_owned() } else { format!("{count} pages") };
+        return Err(Failure::usage(format!("there is no page {wanted}: the drawing has {there}"))
+            .help("leave `--page` away for the first one, or choose signals"));
+    };
+    if count > 1 {
+        let next = if wanted as usize == count { 1 } else { wanted + 1 };
+        console.say(&format!("note: page {wanted} of {count}; `--page {next}` draws another one"));
+    }
+    Ok(page)
+}
 
 /// Writes a drawing as SVG and as PNG, where asked for, each whole or not at all; returns the files.
 ///

@@ -17,5 +17,5 @@ pub use blocksim_picture::{Palette, Theme};
 pub use decimate::thinned;
 pub use figure::{Across, Figure, Line, Panel, Strip, Style};
 pub use paired::pairs;
-pub use svg::svg;
+pub use svg::{pages, svg};
 pub use units::pretty_unit;

@@ -7,7 +7,7 @@ use blocksim_picture::{Palette, Theme, text_width};
 
 use crate::figure::{Across, Figure, Line, Panel, Style};
 use crate::frame::{Area, Axis};
-use crate::legend::{ROW, SAMPLE, SIZE, entries, fitted, rows};
+use crate::legend::{Entry, ROW, SAMPLE, SIZE, entries, fitted, rows};
 use crate::straighten::straightened;
 use crate::units::pretty_unit;
 
@@ -33,25 +33,22 @@ const ERROR: f64 = 0.06;
 /// The figure as a drawing in SVG 1.1 with literal colours. Texts are escaped: no name can add anything to it.
 pub fn svg(figure: &Figure, theme: Theme) -> String {
     let palette = Palette::of(theme);
-    let columns = figure.columns.clamp(1, figure.panels.len().max(1));
     let time = time_range(figure.time);
-    let cell = (figure.width - 2.0 * MARGIN - (columns - 1) as f64 * MARGIN) / columns as f64;
     let axes: Vec<Axes> = figure.panels.iter().map(|panel| Axes::of(panel, figure)).collect();
-    // One gutter for all, so that the time axes of panels above each other agree.
-    let gutter = axes.iter().map(Axes::widest).fold(0.0, f64::max) + 10.0;
-    let plot_width = (cell - gutter - 6.0).max(40.0);
+    let gutter = gutter(&axes);
 
     let mut body = String::new();
-    let mut top = MARGIN + if figure.title.is_empty() { 0.0 } else { TITLE + 12.0 };
-    for (row, panels) in figure.panels.chunks(columns).enumerate() {
-        let mut height: f64 = 0.0;
-        for (column, panel) in panels.iter().enumerate() {
-            let number = row * columns + column;
-            let left = MARGIN + column as f64 * (cell + MARGIN) + gutter;
+    let mut top = head(figure);
+    for row in figure_rows(figure, gutter) {
+        for (column, number) in row.panels.clone().enumerate() {
+            let left = MARGIN + column as f64 * (row.cell + MARGIN) + gutter;
+            let panel = &figure.panels[number];
+            // What one panel of a row has more than another in strips and legends, the other has in height.
+            let high = HIGH + row.height - natural_height(panel, row.plot);
             let mut pen = Pen { out: &mut body, palette: &palette, time: &time, across: &figure.across };
-            height = height.max(pen.panel(panel, &axes[number], (left, top), plot_width));
+            pen.panel(panel, &axes[number], (left, top), (row.plot, high));
         }
-        top += height + MARGIN;
+        top += row.height + MARGIN;
     }
     let (width, height) = (figure.width, top.ceil());
     let mut out = format!(
@@ -76,6 +73,93 @@ pub fn svg(figure: &Figure, theme: Theme) -> String {
     out.push_str(&body);
     out.push_str("</svg>\n");
     out
+}
+
+/// The figure in parts that are no higher than a page of paper (A4, upright) as wide as they are, each with as many rows of
+/// panels as fit, at least one.
+pub fn pages(figure: &Figure) -> Vec<Figure> {
+    let axes: Vec<Axes> = figure.panels.iter().map(|panel| Axes::of(panel, figure)).collect();
+    let page = figure.width * std::f64::consts::SQRT_2;
+    let mut pages: Vec<Figure> = Vec::new();
+    let mut bottom = f64::INFINITY;
+    for row in figure_rows(figure, gutter(&axes)) {
+        if bottom + row.height + MARGIN > page {
+            pages.push(Figure { panels: Vec::new(), ..figure.clone() });
+            bottom = head(figure);
+        }
+        bottom += row.height + MARGIN;
+        if let Some(page) = pages.last_mut() {
+            page.panels.extend_from_slice(&figure.panels[row.panels]);
+        }
+    }
+    if pages.is_empty() { vec![figure.clone()] } else { pages }
+}
+
+/// A row of panels.
+struct Row {
+    /// Which.
+    panels: std::ops::Range<usize>,
+    /// Width of each with its numbers, and of its plot.
+    cell: f64,
+    plot: f64,
+    /// Height of all of them.
+    height: f64,
+}
+
+/// The rows of a figure: as many panels in each as it has columns, and in the last what is left, over the whole width.
+fn figure_rows(figure: &Figure, gutter: f64) -> Vec<Row> {
+    let columns = figure.columns.clamp(1, figure.panels.len().max(1));
+    let row = |first: usize| {
+        let panels = first..(first + columns).min(figure.panels.len());
+        let side_by_side = panels.len() as f64;
+        let cell = (figure.width - 2.0 * MARGIN - (side_by_side - 1.0) * MARGIN) / side_by_side;
+        let plot = (cell - gutter - 6.0).max(40.0);
+        let height =
+            figure.panels[panels.clone()].iter().map(|panel| natural_height(panel, plot)).fold(0.0, f64::max);
+        Row { panels, cell, plot, height }
+    };
+    (0..figure.panels.len()).step_by(columns).map(row).collect()
+}
+
+/// Where the first row begins, dots from the top.
+fn head(figure: &Figure) -> f64 {
+    MARGIN + if figure.title.is_empty() { 0.0 } else { TITLE + 12.0 }
+}
+
+/// Room for the numbers of all vertical axes: one for all, so that the time axes of panels above each other agree.
+fn gutter(axes: &[Axes]) -> f64 {
+    axes.iter().map(Axes::widest).fold(0.0, f64::max) + 10.0
+}
+
+/// Title and unit above a panel.
+fn heading(panel: &Panel, width: f64) -> String {
+    let unit = pretty_unit(&panel.unit);
+    let heading = match (panel.title.as_str(), unit.as_str()) {
+        (title, "") => title.to_owned(),
+        ("", unit) => format!("[{unit}]"),
+        (title, unit) => format!("{title} [{unit}]"),
+    };
+    fitted(&heading, TITLE, width)
+}
+
+/// The names of the lines of a panel of this width from `left` on, and whether they stand beside its title: where there is
+/// room, else below it.
+fn named_lines<'p>(panel: &'p Panel, heading: &str, left: f64, width: f64) -> (Vec<Entry<'p>>, bool) {
+    let title_end = left + text_width(heading, TITLE) * 1.1 + 16.0;
+    let beside = entries(&panel.lines, title_end, left + width);
+    let fits = rows(&beside) <= 1
+        && beside
+            .last()
+            .is_none_or(|last| last.x + SAMPLE + 5.0 + text_width(&last.line.name, SIZE) <= left + width);
+    if fits { (beside, true) } else { (entries(&panel.lines, left, left + width), false) }
+}
+
+/// Height of a panel whose plot has its usual one, dots.
+fn natural_height(panel: &Panel, width: f64) -> f64 {
+    let (legend, is_beside) = named_lines(panel, &heading(panel, width), 0.0, width);
+    let legend = if is_beside { 0.0 } else { rows(&legend) as f64 * ROW };
+    let strip = if panel.strip.is_some() { GAP + LOW } else { 0.0 };
+    TITLE + 8.0 + legend + HIGH + strip + FOOT
 }
 
 /// What a drawing without a title is called.
@@ -139,31 +223,15 @@ struct Pen<'a> {
 }
 
 impl Pen<'_> {
-    /// Draws a panel with title, legend, strip and time axis; returns its height.
-    fn panel(&mut self, panel: &Panel, axes: &Axes, at: (f64, f64), width: f64) -> f64 {
+    /// Draws a panel with title, legend, strip and time axis; `width` and `high` are those of its plot.
+    fn panel(&mut self, panel: &Panel, axes: &Axes, at: (f64, f64), (width, high): (f64, f64)) {
         let (left, top) = at;
-        let unit = pretty_unit(&panel.unit);
-        let heading = match (panel.title.as_str(), unit.as_str()) {
-            (title, "") => title.to_owned(),
-            ("", unit) => format!("[{unit}]"),
-            (title, unit) => format!("{title} [{unit}]"),
-        };
-        let heading = fitted(&heading, TITLE, width);
+        let heading = heading(panel, width);
         let text = self.palette.text;
         self.text((left, top + TITLE), TITLE, text, " font-weight=\"bold\"", &heading);
-        // Beside the title if there is room, else below it.
-        let title_end = left + text_width(&heading, TITLE) * 1.1 + 16.0;
-        let beside = entries(&panel.lines, title_end, left + width);
-        let fits = rows(&beside) <= 1
-            && beside
-                .last()
-                .is_none_or(|last| last.x + SAMPLE + 5.0 + text_width(&last.line.name, SIZE) <= left + width);
-        let (legend, first) = if fits {
-            (beside, top + TITLE)
-        } else {
-            (entries(&panel.lines, left, left + width), top + TITLE + ROW)
-        };
-        let below = if fits { 0.0 } else { rows(&legend) as f64 * ROW };
+        let (legend, is_beside) = named_lines(panel, &heading, left, width);
+        let first = top + TITLE + if is_beside { 0.0 } else { ROW };
+        let below = if is_beside { 0.0 } else { rows(&legend) as f64 * ROW };
         for entry in &legend {
             let y = first + entry.row as f64 * ROW;
             let sample = format!("M{} {}H{}", round(entry.x), round(y - 4.0), round(entry.x + SAMPLE));
@@ -172,7 +240,7 @@ impl Pen<'_> {
             let name = fitted(&entry.line.name, SIZE, room);
             self.text((entry.x + SAMPLE + 5.0, y), SIZE, text, "", &name);
         }
-        let mut area = Area { x: left, y: top + TITLE + 8.0 + below, width, height: HIGH };
+        let mut area = Area { x: left, y: top + TITLE + 8.0 + below, width, height: high };
         self.plot(&panel.lines, axes.main.as_ref(), area);
         for (n, note) in panel.notes.iter().enumerate() {
             let y = area.y + 14.0 + n as f64 * 13.0;
@@ -186,7 +254,6 @@ impl Pen<'_> {
             self.text((left + 2.0, area.y - 4.0), NUMBER, self.palette.quiet, "", &strip.name);
         }
         self.time_axis(area);
-        area.bottom() + FOOT - top
     }
 
     /// Frame, grid, numbers and lines.

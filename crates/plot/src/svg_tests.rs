@@ -115,3 +115,73 @@ fn panels_above_each_other_share_their_axis_of_time() {
 fn two_drawings_can_stand_in_one_page() {
     assert!(!svg(&figure(), Theme::Light).contains(" id=\""), "names would clash");
 }
+
+/// Left, top, width and height of all plots and strips.
+fn areas(text: &str) -> Vec<[f64; 4]> {
+    let number = |line: &str, name: &str| -> f64 {
+        line.split(&format!(" {name}=\""))
+            .nth(1)
+            .and_then(|rest| rest.split('"').next())
+            .unwrap()
+            .parse()
+            .unwrap()
+    };
+    let plots = text.lines().filter(|line| line.starts_with("<svg class=\"courses\""));
+    plots.map(|line| ["x", "y", "width", "height"].map(|name| number(line, name))).collect()
+}
+
+#[test]
+fn a_grid_has_no_holes() {
+    for (count, columns) in [(1, 2), (2, 2), (3, 2), (5, 2), (4, 3), (5, 3), (7, 4)] {
+        let mut figure = Figure { width: 960.0, columns, ..figure() };
+        let panel = figure.panels[0].clone();
+        // Every other panel has no strip.
+        let lower = Panel { strip: None, ..panel.clone() };
+        figure.panels = (0..count).map(|n| if n % 2 == 0 { panel.clone() } else { lower.clone() }).collect();
+        let areas = areas(&svg(&figure, Theme::Light));
+        let mut tops: Vec<f64> = areas.iter().filter(|area| area[3] > 100.0).map(|area| area[1]).collect();
+        tops.dedup();
+        assert_eq!(tops.len(), usize::div_ceil(count, columns), "{areas:?}");
+        for (row, top) in tops.iter().enumerate() {
+            let next = tops.get(row + 1).copied().unwrap_or(f64::INFINITY);
+            let row: Vec<&[f64; 4]> = areas.iter().filter(|area| area[1] >= *top && area[1] < next).collect();
+            let end = |fold: fn(f64, f64) -> f64, of: &dyn Fn(&[f64; 4]) -> f64| {
+                row.iter().map(|area| of(area)).reduce(fold).unwrap()
+            };
+            // The whole width is used, and all panels end at the same height.
+            assert!((end(f64::max, &|area| area[0] + area[2]) - 940.0).abs() < 0.1, "{row:?}");
+            let lefts = areas.iter().map(|area| area[0]).reduce(f64::min).unwrap();
+            assert_eq!(end(f64::min, &|area| area[0]), lefts);
+            let bottom = end(f64::max, &|area| area[1] + area[3]);
+            let mut ends: Vec<f64> = Vec::new();
+            for panel in row.iter().filter(|area| area[3] > 100.0) {
+                let own = row.iter().filter(|area| area[0] == panel[0]);
+                ends.push(own.map(|area| area[1] + area[3]).reduce(f64::max).unwrap());
+            }
+            assert!(ends.iter().all(|end| (end - bottom).abs() < 0.02), "{ends:?}");
+        }
+    }
+}
+
+#[test]
+fn pages_are_no_longer_than_paper_and_lose_nothing() {
+    let mut whole = Figure { width: 960.0, columns: 2, title: "Arm".to_owned(), ..figure() };
+    let panel = whole.panels[0].clone();
+    whole.panels = (0..23).map(|n| Panel { title: format!("joint{n}"), ..panel.clone() }).collect();
+    let parts = pages(&whole);
+    assert!(parts.len() > 1);
+    let titles = |figure: &Figure| figure.panels.iter().map(|p| p.title.clone()).collect::<Vec<_>>();
+    assert_eq!(parts.iter().flat_map(titles).collect::<Vec<_>>(), titles(&whole));
+    for (n, part) in parts.iter().enumerate() {
+        let text = svg(part, Theme::Light);
+        let height = text.split("height=\"").nth(1).and_then(|rest| rest.split('"').next()).unwrap();
+        assert!(height.parse::<f64>().unwrap() <= 960.0 * std::f64::consts::SQRT_2 + 1.0, "{height}");
+        assert!(
+            n + 1 == parts.len() || part.panels.len() % 2 == 0,
+            "only the last page may have a row that is not full"
+        );
+        assert_eq!(part.title, "Arm");
+    }
+    assert_eq!(pages(&figure()), [figure()]);
+    assert_eq!(pages(&Figure::default()).len(), 1);
+}
