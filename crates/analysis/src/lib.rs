@@ -17,6 +17,7 @@ pub use align::lag;
 pub use compare::{Comparison, Deviation, Instants, Rule, compare};
 pub use metrics::{Metrics, metrics};
 pub use series::{Interpolation, Series};
+pub use smooth::refined;
 pub use statistics::{Statistics, statistics};
 pub use together::together;
-pub use turns::{continued, jumps, with_gaps, without_jumps};
+pub use turns::{brought_together, continued, jumps, with_gaps, without_jumps};

@@ -6,6 +6,9 @@ use crate::smooth::refine;
 /// Bounds of the rise, and of the band in which a signal has settled; shares of the step.
 const RISE: (f64, f64) = (0.1, 0.9);
 const BAND: f64 = 0.02;
+/// A response that has stayed in the band for so many times as long as it took to get there is at rest; what drives it out
+/// of the band after that is not the step.
+const REST: f64 = 1.0;
 /// Share of the time, at its end, over which the remaining error is averaged.
 const END: f64 = 0.02;
 
@@ -24,6 +27,9 @@ pub struct Metrics {
     /// Time after which the signal stays within 2 % of the step around the last set value, s; none without a step or
     /// where it is outside at the end.
     pub settling: Option<f64>,
+    /// When something else, such as a load, has driven the signal out of the band after it had come to rest there, s. Rise,
+    /// overshoot and settling are those of the time before. None without a step or where nothing has.
+    pub disturbed: Option<f64>,
     /// Integral of the absolute error, unit times s.
     pub iae: f64,
     /// Integral of the squared error, squared unit times s.
@@ -62,14 +68,18 @@ pub fn metrics(time: &[f64], set: Option<&[f64]>, actual: &[f64]) -> Option<Metr
     let is_step = step.abs() > 1e-9 * scale;
     let after = &rows[changes..];
     let share = |row: &Row| (row.y - begin.y) / step;
+    let disturbance = if is_step { disturbance(after, share) } else { None };
+    let disturbed = disturbance.map(|at| after[at].t);
+    let response = &after[..disturbance.unwrap_or(after.len())];
     let largest =
         rows.iter().fold(first, |a, row| if row.error().abs() > a.error().abs() { *row } else { a });
     Some(Metrics {
         begin: begin.t,
         step,
-        rise: if is_step { rise(after, share) } else { None },
-        overshoot: is_step.then(|| (after.iter().map(share).fold(1.0, f64::max)) - 1.0),
-        settling: if is_step { settled(after, share).map(|t| t - begin.t) } else { None },
+        rise: if is_step { rise(response, share) } else { None },
+        overshoot: is_step.then(|| (response.iter().map(share).fold(1.0, f64::max)) - 1.0),
+        settling: if is_step { settled(response, share).map(|t| t - begin.t) } else { None },
+        disturbed,
         iae: sum(&rows, absolute),
         ise: sum(&rows, |a, b| (a * a + a * b + b * b) / 3.0),
         steady_state_error: remaining(&rows),
@@ -104,6 +114,25 @@ fn rise(rows: &[Row], share: impl Fn(&Row) -> f64 + Copy) -> Option<f64> {
         Some(if at == 0 { rows[0].t } else { crossing(&rows[at - 1..=at], share, level) })
     };
     Some(reaches(RISE.1)? - reaches(RISE.0)?)
+}
+
+/// The first row outside the band behind a time of rest, with the set value in the band for good, too.
+fn disturbance(rows: &[Row], share: impl Fn(&Row) -> f64 + Copy) -> Option<usize> {
+    let begin = rows.first()?.t;
+    let is_on_its_way = |row: &Row| (share(&Row { y: row.set, ..*row }) - 1.0).abs() > BAND;
+    let set = rows.iter().rposition(is_on_its_way).map_or(0, |at| at + 1);
+    let mut entered = None;
+    for (at, row) in rows.iter().enumerate().skip(set) {
+        if (share(row) - 1.0).abs() <= BAND {
+            entered.get_or_insert(row.t);
+        } else if let Some(since) = entered.take() {
+            let rest = rows[at - 1].t - since;
+            if since > begin && rest >= REST * (since - begin) {
+                return Some(at);
+            }
+        }
+    }
+    None
 }
 
 /// Instant from which on the share stays within the band around 1.
@@ -245,6 +274,42 @@ mod tests {
         near(m.steady_state_error, 0.05, 1e-9);
         assert_eq!(m.settling, None);
         assert!(m.rise.is_some());
+    }
+
+    #[test]
+    fn a_load_step_does_not_spoil_the_numbers_of_the_response_before_it() {
+        // A lag of 0.1 s; after 2 s a load takes 30 % away, which a slower lag makes good.
+        let load = |t: f64| if t < 2.0 { 0.0 } else { 0.3 * ((2.0 - t) / 0.4).exp() };
+        let y = |t: f64| 1.0 - (-t / 0.1_f64).exp();
+        let (time, set, actual) = response(3.0, 5.0, |t| y(t) - load(t));
+        let m = metrics(&time, Some(&set), &actual).unwrap();
+        near(m.settling.unwrap(), 0.1 * 50_f64.ln(), 1e-6);
+        near(m.rise.unwrap(), 0.1 * 9_f64.ln(), 1e-6);
+        near(m.overshoot.unwrap(), 0.0, 1e-12);
+        near(m.disturbed.unwrap(), 3.0, 1e-3);
+        // The errors are those of all the time.
+        near(m.iae, 3.0 * (0.1 + 0.3 * 0.4 * (1.0 - (-3.0 / 0.4_f64).exp())), 1e-4);
+        // A load that goes the other way is no overshoot.
+        let (time, set, actual) = response(3.0, 5.0, |t| y(t) + load(t));
+        assert!(metrics(&time, Some(&set), &actual).unwrap().overshoot.unwrap() < 1e-9);
+        // A set value that only creeps to its end, as behind a filter, makes no difference.
+        let creeping: Vec<f64> =
+            time.iter().map(|t| if *t < 1.0 { 2.0 } else { 5.0 - 3.0 * ((1.0 - t) / 0.1).exp() }).collect();
+        let m = metrics(&time, Some(&creeping), &actual).unwrap();
+        near(m.disturbed.unwrap(), 3.0, 1e-3);
+        // One that comes before the response is at rest cannot be told from it.
+        let (time, set, actual) =
+            response(3.0, 5.0, |t| y(t) - if t < 0.5 { 0.0 } else { 0.3 * ((0.5 - t) / 0.4).exp() });
+        let m = metrics(&time, Some(&set), &actual).unwrap();
+        assert!(m.disturbed.is_none() && m.settling.unwrap() > 1.0, "{m:?}");
+    }
+
+    #[test]
+    fn an_oscillation_is_no_disturbance() {
+        for d in [0.02, 0.05, 0.1, 0.3, 0.6, 0.77] {
+            let (time, set, actual) = response(1.0, 8.0 / (d * 10.0), |t| second_order(10.0, d, t));
+            assert_eq!(metrics(&time, Some(&set), &actual).unwrap().disturbed, None, "{d}");
+        }
     }
 
     #[test]

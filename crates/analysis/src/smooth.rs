@@ -37,6 +37,22 @@ pub(crate) fn refine<const N: usize>(rows: &[(f64, [f64; N])]) -> Vec<(f64, [f64
     refined
 }
 
+/// A signal with more rows where it is smooth, eight in place of one, along a cubic; as it is where a value is not finite.
+/// Times do not decrease.
+///
+/// ```
+/// let time = [0.0, 1.0, 2.0, 3.0];
+/// let (times, values) = blocksim_analysis::refined(&time, &time.map(|t: f64| t * t));
+/// assert_eq!((times[12], values[12]), (1.5, 2.25));
+/// ```
+pub fn refined(time: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let rows: Vec<(f64, [f64; 1])> = time.iter().zip(values).map(|(&t, &x)| (t, [x])).collect();
+    if rows.iter().any(|(t, [x])| !t.is_finite() || !x.is_finite()) {
+        return rows.into_iter().map(|(t, [x])| (t, x)).unzip();
+    }
+    refine(&rows).into_iter().map(|(t, [x])| (t, x)).unzip()
+}
+
 /// The second divided difference of a stretch, at its start and at its end.
 #[derive(Debug, Clone, Copy, Default)]
 struct Bend([f64; 2]);

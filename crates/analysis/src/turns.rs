@@ -1,5 +1,7 @@
 //! Angles that jump by a whole turn, because they are told between two limits.
 
+use crate::series::{Interpolation, Series};
+
 /// Steps of more than this part of a turn, but not much more than one, are jumps of the scale, not motion.
 const JUMP: std::ops::Range<f64> = 0.75..1.25;
 /// How far beyond the ends of a scale rounding may lead, turns.
@@ -60,6 +62,42 @@ pub fn with_gaps(time: &[f64], values: &[f64], turn: f64) -> Option<(Vec<f64>, V
         from = at;
     }
     Some((times, broken))
+}
+
+/// Two recordings of one angle that go on where their scale has ends, the second moved by whole turns to lie within half a
+/// turn of the first at their first common time; `None` where whole turns between them mean something.
+///
+/// They mean nothing where either jumps by a turn, or where both stay within half a turn of zero, one of them begins at an
+/// end of this scale and they are nearly a turn apart at all times: there rounding has chosen between the ends.
+pub fn brought_together(a: Series, b: Series, turn: f64) -> Option<(Vec<f64>, Vec<f64>)> {
+    let (mut first, mut second) = (a.values.to_vec(), b.values.to_vec());
+    let jumped = [unwrap(&mut first, turn), unwrap(&mut second, turn)];
+    let start = a.span()?.0.max(b.span()?.0);
+    let at = |time: &[f64], values: &[f64]| {
+        Series::new(time, values).at(start, Interpolation::Linear, 0.0).map(|sides| sides.1)
+    };
+    let (x, y) = (at(a.time, &first)?, at(b.time, &second)?);
+    let whole = ((x - y) / turn).round();
+    if jumped == [false, false] {
+        let within = |values: &[f64]| values.iter().all(|x| !x.is_finite() || (x / turn).abs() <= 0.5 + EDGE);
+        let is_end = |x: f64| ((x / turn).abs() - 0.5).abs() <= EDGE;
+        let apart = |(&t, &y): (&f64, &f64)| {
+            let there = Series::new(a.time, a.values).at(t, Interpolation::Linear, 0.0);
+            there.is_none_or(|(x, _)| !x.is_finite() || !y.is_finite() || ((x - y) / turn).abs() > JUMP.start)
+        };
+        let is_edge = whole != 0.0
+            && within(a.values)
+            && within(b.values)
+            && (is_end(x) || is_end(y))
+            && b.time.iter().zip(b.values).all(apart);
+        if !is_edge {
+            return None;
+        }
+    }
+    if whole.is_finite() {
+        second.iter_mut().for_each(|value| *value += whole * turn);
+    }
+    Some((first, second))
 }
 
 /// An angle that goes on where its scale has an end, moved by whole turns so that the middle of its range lies within half a
@@ -129,6 +167,33 @@ mod tests {
         assert_eq!(jumps(&[330.0, 350.0, 10.0, 30.0], 360.0), [2]);
         assert_eq!(jumps(&[30.0, 10.0, 350.0], 360.0), [2]);
         assert_eq!(jumps(&[-170.0, f64::NAN, 178.0, -179.0], 360.0), [2, 3]);
+    }
+
+    #[test]
+    fn recordings_of_one_angle_are_no_turn_apart() {
+        let time = [0.0, 1.0, 2.0, 3.0];
+        let together = |a: &[f64], b: &[f64]| {
+            brought_together(Series::new(&time[..a.len()], a), Series::new(&time[..b.len()], b), 360.0)
+        };
+        // They jump at different times, and begin at different ends.
+        let found = together(&[180.0, -178.0, -176.0, -174.0], &[-180.0, 179.0, -177.0, -175.0]).unwrap();
+        assert_eq!(found, (vec![180.0, 182.0, 184.0, 186.0], vec![180.0, 179.0, 183.0, 185.0]));
+        // Neither jumps; rounding has chosen between the ends.
+        assert_eq!(together(&[180.0, 179.0], &[-180.0, -179.5]).unwrap().1, [180.0, 180.5]);
+        // A drive that stays a turn behind, one that goes from end to end, and one that turns on.
+        assert_eq!(together(&[170.0, 170.0], &[-170.0, -170.0]), None);
+        assert_eq!(together(&[180.0, 180.0, 180.0], &[-180.0, 0.0, 180.0]), None);
+        assert_eq!(together(&[0.0, 200.0, 400.0], &[0.0, 10.0, 20.0]), None);
+        assert_eq!(together(&[], &[1.0]), None);
+    }
+
+    #[test]
+    fn an_angle_that_goes_on_stays_near_its_scale() {
+        assert_eq!(
+            continued(&[170.0, -178.0, f64::NAN, -100.0], 360.0).map(|all| (all[0], all[1], all[3])),
+            Some((-190.0, -178.0, -100.0))
+        );
+        assert_eq!(continued(&[0.0, 300.0], 360.0), None);
     }
 
     #[test]
