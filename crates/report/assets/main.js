@@ -24,7 +24,7 @@
     play.addEventListener('click', toggle);
     slider = R.make('input', { type: 'range', min: '0', max: '1000', step: 'any', value: '0', 'aria-label': 'Time' });
     slider.addEventListener('input', () => R.setTime(R.span[0] + Number(slider.value) / 1000 * (R.span[1] - R.span[0])));
-    clock = R.make('output', { class: 'clock' });
+    clock = document.createTextNode('');
     readout = R.make('output', { class: 'readout' });
     const choice = R.make('select', { 'aria-label': 'Speed', title: 'Speed' }, ...[0.1, 0.25, 0.5, 1, 2, 5].map((x) => R.make('option', { value: String(x) }, x + '×')));
     choice.value = '1';
@@ -42,8 +42,8 @@
       mark.style.width = `max(3px, ${(to - from) / full * 100}%)`;
       return mark;
     });
-    foot.append(play, R.make('div', { class: 'rail' }, slider, ...marks), clock, choice, cursor(0), cursor(1), readout);
-    R.onTime.push((t) => { slider.value = String((t - R.span[0]) / full * 1000); clock.textContent = `t = ${R.time(t)} s of ${R.time(R.span[1])} s`; slider.setAttribute('aria-valuetext', R.time(t) + ' s'); });
+    foot.append(play, R.make('div', { class: 'rail' }, slider, ...marks), R.make('output', { class: 'clock' }, clock, R.make('span', { class: 'all' }, ` of ${R.time(R.span[1])} s`)), choice, cursor(0), cursor(1), readout);
+    R.onTime.push((t) => { slider.value = String((t - R.span[0]) / full * 1000); clock.data = `t = ${R.time(t)} s`; slider.setAttribute('aria-valuetext', R.time(t) + ' s'); });
     R.onCursors.push(() => {
       const [a, b] = R.cursors, parts = [];
       if (a !== null) parts.push(`A ${R.time(a)} s`);

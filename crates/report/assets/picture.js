@@ -76,6 +76,8 @@ R.Picture = (() => {
         draw: [(/** @type {any} */ self) => R.Overlay.draw(self, panel, height > 100)],
       },
     }, columns, place);
+    // On paper four rows of pictures share a page.
+    u.heights = { screen: height, paper: Math.round(height * (height > 100 ? 0.56 : 0.68)) };
     u.lines = ['a', 'b', 'now'].map((name) => {
       const line = R.make('div', { class: 'line line-' + name });
       line.style.display = 'none';
@@ -134,7 +136,7 @@ R.Picture = (() => {
   const gaps = (panel, values) => {
     const jumps = R.jumps(values, panel.turn);
     return (/** @type {any} */ u, /** @type {number} */ _, /** @type {number} */ from, /** @type {number} */ to, /** @type {[number, number][]} */ missing) => {
-      const half = Math.max(devicePixelRatio, 1), at = (/** @type {number} */ n) => u.valToPos(panel.time[n], 'x', true);
+      const half = 2 * Math.max(devicePixelRatio, 1), at = (/** @type {number} */ n) => u.valToPos(panel.time[n], 'x', true);
       const seen = jumps.filter((n) => n > from && n <= to).map((n) => /** @type {[number, number]} */ ([at(n - 1) - half, at(n) + half]));
       return [...missing, ...seen].sort((a, b) => a[0] - b[0]);
     };
@@ -186,10 +188,14 @@ R.Picture = (() => {
       card.append(R.make('div', { class: 'strip-name' }, `set − actual [${panel.unit || '1'}]`), strip);
       const actual = panel.series[panel.pair[1]];
       const red = { label: 'error', stroke: () => R.colour('quiet'), width: 1.25, points: { show: false }, fill: () => R.colour('shade') };
-      const errors = [column(actual.error)], wanted = panel.series[panel.pair[0]].other;
+      const errors = [column(actual.error)], wanted = panel.series[panel.pair[0]].other ?? panel.series[panel.pair[0]].values;
       /** @type {any[]} */ const strips = [red];
-      if (wanted && actual.other) {
-        errors.push(column(wanted.map((/** @type {number} */ x, /** @type {number} */ n) => x - actual.other[n])));
+      if (actual.other) {
+        errors.push(column(wanted.map((/** @type {number} */ x, /** @type {number} */ n) => {
+          const off = x - actual.other[n];
+          // Where one has jumped by a turn and the other has not, a turn is no error.
+          return panel.turn ? off - panel.turn * Math.round(off / panel.turn) : off;
+        })));
         strips.push({ ...red, label: `error of ${R.data.compared.name}`, stroke: series(tint(panel, panel.pair[1])), width: 1, fill: undefined });
       }
       draw.push(() => { panel.strip = plot(panel, strips, [panel.time, ...errors], strip, 96, true); });

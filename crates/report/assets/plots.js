@@ -105,7 +105,8 @@ R.Plots = (() => {
   const fit = () => {
     for (const u of drawings()) {
       const width = u.root.parentElement.clientWidth;
-      if (width > 0) u.setSize({ width, height: u.height });
+      const height = document.documentElement.classList.contains('printing') ? u.heights.paper : u.heights.screen;
+      if (width > 0) u.setSize({ width, height });
     }
   };
 

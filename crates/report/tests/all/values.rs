@@ -210,3 +210,70 @@ fn truth_values_have_a_lane_each_and_keep_their_values() {
     let Some(said) = answer_of(&report, "lanes", script) else { return };
     assert_eq!(said, "[0], [1]\n1, 1.7, 1\n0.7, 0, 0.7\n1, 0");
 }
+
+/// A page with a pair and as many other pictures as wanted.
+fn pictures(others: usize) -> Report {
+    let time = vec![0.0, 0.5, 1.0];
+    let of_pair = |name: &str, role, values| Series { role, ..series(name, values) };
+    let pair = Panel {
+        title: "axis1".to_owned(),
+        time: time.clone(),
+        series: vec![
+            of_pair("set", Role::Set, vec![0.0, 1.0, 1.0]),
+            of_pair("actual", Role::Actual, vec![0.0, 0.9, 1.0]),
+        ],
+        ..Panel::default()
+    };
+    let other = |n: usize| Panel {
+        title: format!("other{n}"),
+        time: time.clone(),
+        series: vec![series("x", vec![1.0, 2.0, 3.0])],
+        ..Panel::default()
+    };
+    let panels = std::iter::once(pair).chain((0..others).map(other)).collect();
+    Report { panels, ..Report::default() }
+}
+
+#[test]
+fn bars_have_two_rows_at_most_on_a_phone() {
+    // The window of a browser is never as narrow as a phone, a frame within it may be.
+    let script = "const rows = (place) => new Set([...document.querySelector(place).children].map((c) => c.getBoundingClientRect())
+          .filter((box) => box.width > 0).map((box) => Math.round((box.top + box.bottom) / 2 / 12))).size;
+        if (self !== top) {
+          const before = [innerWidth, rows('.bar') <= 2, rows('#timeline') <= 2];
+          R.setCursor(0, 0.25); R.setCursor(1, 0.75);
+          await new Promise((ok) => setTimeout(ok, 100));
+          const wide = document.documentElement.scrollWidth <= innerWidth;
+          top.postMessage([...before, rows('#timeline') <= 2, wide].join(', '), '*');
+          return 'inside';
+        }
+        const told = new Promise((ok) => addEventListener('message', (event) => ok(event.data)));
+        const frame = document.createElement('iframe');
+        frame.style.width = '360px'; frame.style.height = '700px'; frame.style.border = '0';
+        frame.src = location.href;
+        document.body.append(frame);
+        return await told;";
+    let Some(said) = answer_of(&pictures(1), "phone", script) else { return };
+    assert_eq!(said, "360, true, true, true, true");
+}
+
+#[test]
+fn pictures_leave_no_holes_and_four_rows_of_them_fit_on_paper() {
+    let script = "const right = () => [...document.querySelectorAll('.grid')].map((grid) => {
+          const end = grid.getBoundingClientRect().right;
+          const last = [...grid.children].at(-1).getBoundingClientRect().right;
+          return Math.abs(end - last) < 1;
+        });
+        const before = right(), screen = R.Plots.panels[0].main.height;
+        dispatchEvent(new Event('beforeprint'));
+        await new Promise((ok) => setTimeout(ok, 100));
+        // A page of A4 less its margins, at 96 dots an inch.
+        const card = document.querySelector('.card').offsetHeight;
+        const printed = [right(), 4 * card < 1047, 5 * card > 1047];
+        dispatchEvent(new Event('afterprint'));
+        return [before, ...printed, R.Plots.panels[0].main.height === screen].join(', ');";
+    for others in [0, 1, 2, 3] {
+        let Some(said) = answer_of(&pictures(others), "paper", script) else { return };
+        assert_eq!(said, "true, true, true, true, true", "{others}");
+    }
+}
