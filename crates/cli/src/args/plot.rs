@@ -54,10 +54,14 @@ pub struct PlotArgs {
     /// Pictures side by side; without it two, one where there are few.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
     pub columns: Option<u8>,
+    /// Page of the drawing, where all pictures do not fit on one.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub page: u32,
     /// Dots of the picture for a dot of the drawing.
     #[arg(long, value_name = "X", default_value_t = 2.0, value_parser = positive)]
     pub scale: f64,
-    /// Tells how actual values follow their set values: rise, overshoot, settling, errors.
+    /// Tells how actual values follow their set values: rise, overshoot, settling, errors. Of signals that are named and
+    /// follow no set value, how they come to their last value.
     #[arg(long)]
     pub metrics: bool,
     /// Prints the metrics as JSON, and no plots.
@@ -154,6 +158,9 @@ pub struct CompareArgs {
     /// The same as a picture.
     #[arg(long, value_name = "FILE")]
     pub png: Option<PathBuf>,
+    /// Page of the drawing, where all pictures do not fit on one.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub page: u32,
     /// Write a page with the baseline and, in thinner lines, the other one, as `blocksim report` makes it.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,

@@ -1,6 +1,6 @@
 //! What a run looks like in the terminal.
 
-use blocksim_analysis::{continued, with_gaps};
+use blocksim_analysis::continued;
 use blocksim_results::format::with_unit;
 use blocksim_results::{Align, Kind, PlotOptions, Series, Table, plot, sparkline};
 
@@ -28,7 +28,7 @@ const SPARKS: usize = 40;
 /// for each signal of `more`, which are what other scopes show. An element of a vector comes into question for the plot only
 /// where there is nothing else.
 pub fn following(trackings: &[Tracking], more: &[&Shown], time: &[f64], console: Console) -> String {
-    let motion = |tracking: &Tracking| range(tracking.set.si).map_or(0.0, |(low, high)| high - low);
+    let motion = |tracking: &Tracking| range(&course(tracking.set)).map_or(0.0, |(low, high)| high - low);
     let is_like_first = |tracking: &Tracking| tracking.set.unit.text == trackings[0].set.unit.text;
     let rank =
         |tracking: &Tracking| (is_like_first(tracking), !tracking.set.port().contains('['), motion(tracking));
@@ -43,7 +43,7 @@ pub fn following(trackings: &[Tracking], more: &[&Shown], time: &[f64], console:
     let rest = trackings.iter().enumerate().filter(|&(n, _)| n != largest);
     let mut rest: Vec<(String, &Shown)> =
         rest.map(|(_, tracking)| (tracking.name.clone(), tracking.actual)).collect();
-    rest.extend(scope_names(more).into_iter().zip(more.iter().copied()));
+    rest.extend(named(more));
     text.push_str(&lines(&rest, SCOPE_LINES, time, console));
     text
 }
@@ -60,19 +60,24 @@ fn lines(all: &[(String, &Shown)], most: usize, time: &[f64], console: Console) 
     text
 }
 
-/// Names of signals of scopes: the label of the scope and, where it shows several of these signals, what it calls each; the path
-/// where there is no label.
-fn scope_names(shown: &[&Shown]) -> Vec<String> {
+/// Signals of scopes with their names: the label of the scope and, where it shows several of these signals, what it calls
+/// each; the path where there is no label. Scopes of one subsystem that have labels stand in the order of these.
+fn named<'a, 's>(shown: &[&'a Shown<'s>]) -> Vec<(String, &'a Shown<'s>)> {
     let titles = headings(&shown.iter().map(|s| (s.block(), s.title)).collect::<Vec<_>>());
-    let name = |(s, title): (&&Shown, String)| {
+    let name = |(s, title): (&&'a Shown<'s>, &String)| {
         let is_alone = shown.iter().filter(|other| other.block() == s.block()).count() == 1;
         match s.title.is_empty() {
             true => s.path.to_owned(),
-            false if is_alone => title,
+            false if is_alone => title.clone(),
             false => format!("{title} {}", s.legend.unwrap_or(s.port())),
         }
     };
-    shown.iter().zip(titles).map(name).collect()
+    let parent = |n: usize| shown[n].block().rsplit_once('/').map_or("", |(parent, _)| parent);
+    let family = |n: usize| (0..=n).find(|&first| parent(first) == parent(n)).unwrap_or(n);
+    let label = |n: usize| if shown[n].title.is_empty() { "" } else { titles[n].as_str() };
+    let mut order: Vec<usize> = (0..shown.len()).collect();
+    order.sort_by_key(|&n| (family(n), label(n)));
+    order.into_iter().map(|n| (name((&shown[n], &titles[n])), shown[n])).collect()
 }
 
 /// Plots of all signals that fit one of the patterns, one plot for each unit; `None` if nothing fits.
@@ -90,8 +95,7 @@ pub fn block(path: &str, shown: &[Shown], scopes: &[&Shown], time: &[f64], conso
         true => (rest, LINES),
         false => (scopes.iter().copied().filter(|s| s.block() != path).collect(), SCOPE_LINES),
     };
-    let named: Vec<(String, &Shown)> = scope_names(&rest).into_iter().zip(rest.iter().copied()).collect();
-    text.push_str(&lines(&named, most, time, console));
+    text.push_str(&lines(&named(&rest), most, time, console));
     text
 }
 
@@ -126,18 +130,13 @@ fn by_unit(title: &str, shown: &[&Shown], time: &[f64], console: Console) -> Str
 }
 
 fn drawn(title: &str, shown: &[&Shown], names: &[&str], time: &[f64], console: Console) -> String {
-    let line = |s: &&Shown| {
-        let values = s.values();
-        let broken = turn(&s.unit).and_then(|turn| with_gaps(time, &values, turn));
-        broken.unwrap_or_else(|| (time.to_vec(), values))
-    };
-    let lines: Vec<(Vec<f64>, Vec<f64>)> = shown.iter().map(line).collect();
+    let lines: Vec<Vec<f64>> = shown.iter().map(|s| course(s)).collect();
     let unit = shown.first().map_or("1", |s| s.unit.text.as_str());
     let series: Vec<Series> = shown
         .iter()
         .zip(names)
         .zip(&lines)
-        .map(|((s, name), (x, y))| Series { name, x, y, step: s.kind != Kind::Real })
+        .map(|((s, name), y)| Series { name, x: time, y, step: s.kind != Kind::Real })
         .collect();
     let heading = match (title, unit) {
         (title, "1") => title.to_owned(),
@@ -150,11 +149,7 @@ fn drawn(title: &str, shown: &[&Shown], names: &[&str], time: &[f64], console: C
 
 /// A line for each signal: its course over time and the range of its values. An angle goes on where its scale has an end.
 fn sparks(shown: &[(String, &Shown)], time: &[f64], console: Console) -> String {
-    let values = |s: &Shown| {
-        let values = s.values();
-        turn(&s.unit).and_then(|turn| continued(&values, turn)).unwrap_or(values)
-    };
-    let courses: Vec<Vec<f64>> = shown.iter().map(|(_, s)| values(s)).collect();
+    let courses: Vec<Vec<f64>> = shown.iter().map(|(_, s)| course(s)).collect();
     let size = |course: &Vec<f64>| range(course).map_or(0.0, |(low, high)| low.abs().max(high.abs()));
     // What signals of one unit differ by is rounding, or not, beside the largest of them.
     let floor = |unit: &str| {
@@ -182,6 +177,12 @@ fn sparks(shown: &[(String, &Shown)], time: &[f64], console: Console) -> String 
         table.row([name.clone(), course, low, "to".to_owned(), told(high)]);
     }
     table.render()
+}
+
+/// The values of a signal in the unit to show them in; an angle goes on where its scale has an end.
+fn course(s: &Shown) -> Vec<f64> {
+    let values = s.values();
+    turn(&s.unit).and_then(|turn| continued(&values, turn)).unwrap_or(values)
 }
 
 /// Least and largest finite value.
@@ -261,10 +262,12 @@ mod tests {
             ("scope.set", "rad", "deg", ramp(0.5)),
             ("scope.actual", "rad", "deg", ramp(0.5)),
             ("tool/angle.z", "rad", "deg", wrapped),
-            ("motors/all.one", "N*m", "", ramp(2.0)),
-            ("motors/all.two", "N*m", "", ramp(1.0).iter().map(|x| 1e-15 * x.sin()).collect()),
+            ("motors/b.one", "N*m", "", ramp(2.0)),
+            ("motors/b.two", "N*m", "", ramp(1.0).iter().map(|x| 1e-15 * x.sin()).collect()),
             ("motors/speed.w", "rad/s", "", ramp(-1e-15)),
+            ("motors/a.x", "m", "", ramp(-1.0)),
         ]);
+        recorded[6].title = vec!["Stroke".to_owned()];
         recorded[2].title = vec!["Direction".to_owned()];
         recorded[3..5].iter_mut().for_each(|r| r.title = vec!["Torques".to_owned()]);
         recorded[3].legend = Some("first".to_owned());
@@ -274,9 +277,10 @@ mod tests {
         let lines = text.split_once("\n\n").unwrap().1;
         expect![[r#"
             Direction       ▁▁▁▁▁▂▂▂▂▂▃▃▃▃▃▄▄▄▄▄▅▅▅▅▅▆▆▆▆▆▇▇▇▇▇█████  -180.00  to  -65.41 deg
+            motors/speed.w  ▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁        0  to     0 rad/s
+            Stroke          █████▇▇▇▇▇▆▆▆▆▆▅▅▅▅▅▄▄▄▄▄▃▃▃▃▃▂▂▂▂▂▁▁▁▁▁  -1.0000  to         0 m
             Torques first   ▁▁▁▁▁▂▂▂▂▂▃▃▃▃▃▄▄▄▄▄▅▅▅▅▅▆▆▆▆▆▇▇▇▇▇█████        0  to   2.000 N*m
             Torques two     ▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁        0  to       0 N*m
-            motors/speed.w  ▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁        0  to     0 rad/s
         "#]]
         .assert_eq(lines);
     }

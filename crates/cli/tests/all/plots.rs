@@ -308,7 +308,7 @@ fn what_cannot_be_drawn_is_told_with_a_remedy() {
         exit code 2
 
         $ plot one.csv --metrics
-        note: there are no set and actual values among these signals
+        note: none of these signals has two values or more in this time
         exit code 0
 
     "#]].assert_eq(&said);
@@ -462,4 +462,66 @@ fn foreign_tables_are_compared_and_their_faults_told() {
     .assert_eq(&desk.said(&["compare", "a.csv", "b.csv", "--abs", "-1"]));
     assert_eq!(desk.call(&["compare", "a.csv", "a.csv", "--svg", "d.svg", "--png", "d.png"]).0, 0);
     assert!(desk.read("d.svg").contains(">difference<"));
+}
+
+#[test]
+fn pictures_of_several_runs_tell_what_differs_under_the_title_of_the_model() {
+    let desk = Desk::with(&[("lag.ron", LAG)]);
+    for (run, lag) in [("a", "0.2 s"), ("b", "0.1 s"), ("c", "0.05 s")] {
+        let set = format!("lag={lag}");
+        assert_eq!(desk.call(&["run", "lag.ron", "--out", run, "--quiet", "--set", &set]).0, 0);
+    }
+    let texts = |file: &str| -> Vec<String> {
+        let drawing = desk.read(file);
+        let shown = drawing.lines().filter(|line| line.starts_with("<text"));
+        let text = |line: &str| {
+            line.split_once('>').and_then(|rest| rest.1.strip_suffix("</text>")).map(str::to_owned)
+        };
+        shown.filter_map(text).filter(|text| text.parse::<f64>().is_err()).collect()
+    };
+    assert_eq!(desk.call(&["plot", "a", "--with", "b", "--with", "c", "--svg", "all.svg"]).0, 0);
+    assert_eq!(
+        texts("all.svg"),
+        [
+            "First order lag",
+            "scope [°]",
+            // What all were told to do is one line.
+            "set",
+            "actual lag = 0.2 s",
+            "actual lag = 0.1 s",
+            "actual lag = 0.05 s",
+            "error",
+            "time [s]"
+        ]
+    );
+    assert_eq!(desk.call(&["compare", "a", "b", "--svg", "two.svg"]).0, 1);
+    let said = texts("two.svg");
+    assert_eq!(said[0], "First order lag");
+    assert!(said.contains(&"lag = 0.2 s".to_owned()) && said.contains(&"lag = 0.1 s".to_owned()), "{said:?}");
+    let (code, _, told) = desk.call(&["plot", "a", "--svg", "none.svg", "--page", "2"]);
+    assert_eq!((code, told.contains("there is no page 2: the drawing has one page")), (2, true), "{told}");
+}
+
+#[test]
+fn a_signal_that_follows_nothing_has_the_numbers_of_its_own_way() {
+    // 1 - exp(-t / tau) has a rise of tau ln 9 in any window, and settles tau ln 50 after its beginning.
+    let desk = Desk::with(&[(
+        "lag.ron",
+        &LAG.replace("inputs: [\"set\", \"actual\"]", "inputs: [\"u\", \"y\"]")
+            .replace("scope.set", "scope.u")
+            .replace("scope.actual", "scope.y"),
+    )]);
+    assert_eq!(desk.call(&["run", "lag.ron", "--out", "run", "--quiet"]).0, 0);
+    let (code, out, told) = desk.call(&["plot", "run", "scope.y", "--from", "0.1", "--json"]);
+    assert_eq!(code, 0, "{told}");
+    let data: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let row = &data["following"][0];
+    let near = |name: &str, expected: f64| {
+        let found = row[name].as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-3, "{name}: {found} is not {expected}");
+    };
+    near("rise", 0.2 * 9_f64.ln());
+    near("settling", 0.2 * 50_f64.ln());
+    near("step", 90.0);
+    assert!(row["follows"] == false && row["iae"].is_null() && row["final_error"].is_null(), "{row}");
 }

@@ -123,9 +123,13 @@ fn two_runs_stand_in_one_page_with_a_verdict_on_each_signal() {
     assert_eq!(compared.status.code(), Some(1), "{}", said(&compared));
     assert!(String::from_utf8_lossy(&compared.stdout).ends_with("both.html\n"));
     let page = fs::read_to_string(folder.join("both.html")).unwrap();
-    for part in
-        ["Compared with b", "DIFFERS", "1 of 2 signals", "\"other\":[", "\"marks\":[[0,\"angle.actual\""]
-    {
+    for part in [
+        "Compared with plant.tau = 80 ms",
+        "DIFFERS",
+        "1 of 2 signals",
+        "\"other\":[",
+        "\"marks\":[[0,\"angle.actual\"",
+    ] {
         assert!(page.contains(part), "{part}");
     }
     let again = call(&folder, &["compare", "a", "b", "--html", "both.html"]);

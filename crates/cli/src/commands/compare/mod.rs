@@ -15,7 +15,8 @@ use crate::args::plot::{Align, CompareArgs};
 use crate::args::report::ReportArgs;
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
-use crate::picture_file::write_pictures;
+use crate::picture_file::{page, write_pictures};
+use crate::signals::differences::tell_apart;
 use crate::signals::naming::fits;
 use crate::signals::other::other_values;
 use crate::signals::traces::{Book, check_mappings, mappings};
@@ -36,8 +37,9 @@ pub fn compare(args: &CompareArgs, console: Console) -> Outcome {
 
 fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), Failure> {
     let maps = mappings(&args.map)?;
-    let books = [open(&args.baseline, &maps)?, open(&args.other, &maps)?];
+    let mut books = [open(&args.baseline, &maps)?, open(&args.other, &maps)?];
     check_mappings(&maps, &books)?;
+    let title = tell_apart(&mut books);
     for book in &books {
         book.warnings().iter().for_each(|line| console.say(line));
         if book.span().is_none() {
@@ -51,11 +53,11 @@ fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), Fail
     let found: Result<Vec<_>, Failure> = chosen.iter().map(|&at| judge(args, &books, at, shift)).collect();
     let extra = books[1].traces.iter().map(|trace| &trace.path).filter(|path| books[0].find(path).is_none());
     let extra = if args.signals.is_empty() { extra.cloned().collect() } else { Vec::new() };
-    let outcome = Comparison { args, books: &books, found: found?, shift, extra };
+    let outcome = Comparison { args, books: &books, title, found: found?, shift, extra };
 
     let mut text = if args.json { format!("{}\n", outcome.json()) } else { outcome.text() };
     if args.svg.is_some() || args.png.is_some() {
-        let drawing = svg(&outcome.figure()?, Theme::from(args.theme));
+        let drawing = svg(&page(&outcome.figure()?, args.page, console)?, Theme::from(args.theme));
         let written = write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), 2.0, args.yes);
         for file in written? {
             let line = format!("{}\n", file.display());

@@ -1,13 +1,13 @@
 //! The result of a comparison: to people, to programs, as a drawing.
 
-use blocksim_analysis::Deviation;
+use blocksim_analysis::{Deviation, Interpolation, Series, refined, together};
 use blocksim_plot::{Figure, Line, Panel, Strip, Style, thinned};
 use blocksim_report::{Compared, Rows};
 use blocksim_results::format::{count, significant};
 use blocksim_results::{ALWAYS, Align, Column, Table};
 use serde_json::{Value, json};
 
-use super::verdict::{Found, Verdict, rule};
+use super::verdict::{Found, Verdict, rule, without_turns};
 use crate::args::plot::CompareArgs;
 use crate::failure::Failure;
 use crate::signals::other::other_values;
@@ -38,6 +38,8 @@ pub struct Comparison<'a> {
     pub args: &'a CompareArgs,
     /// Baseline and other recording.
     pub books: &'a [Book; 2],
+    /// What the picture is called.
+    pub title: String,
     /// The signals of the baseline.
     pub found: Vec<Found>,
     /// What was added to the times of the other recording, s.
@@ -117,7 +119,7 @@ impl Comparison<'_> {
         let mut marks: Vec<(usize, String, f64)> = told.iter().enumerate().filter_map(first).collect();
         marks.sort_by(|a, b| a.2.total_cmp(&b.2));
         Compared {
-            name: self.books[1].name.clone(),
+            name: self.books[1].label.clone(),
             summary: self.summary().lines().collect::<Vec<_>>().join("; "),
             rows: Rows {
                 head: COLUMNS.map(str::to_owned).to_vec(),
@@ -227,46 +229,52 @@ impl Comparison<'_> {
             chosen.iter().take(PANELS).map(|found| self.panel(found, time)).collect();
         let panels = panels?;
         let columns = if panels.len() > 2 { 2 } else { 1 };
-        let title = format!("{} and {}", self.books[0].name, self.books[1].name);
+        let title = self.title.clone();
         Ok(Figure { title, panels, columns, time, width: 960.0, ..Figure::default() })
     }
 
     fn panel(&self, found: &Found, time: (f64, f64)) -> Result<Panel, Failure> {
         let trace = &self.books[0].traces[found.at];
         let (unit, range) = (&found.unit, time.0..=time.1);
-        let held = rule(self.args, trace).interpolation == blocksim_analysis::Interpolation::Hold;
+        let held = rule(self.args, trace).interpolation == Interpolation::Hold;
         let mut a = self.books[0].read(found.at, &ALWAYS)?;
         let mut b = match found.there {
             Some(there) => other_values(&self.books[1], there, trace, self.shift)?,
             None => Column::default(),
         };
+        (a, b) = without_turns(a, b, trace);
         for column in [&mut a, &mut b] {
             column.values.iter_mut().for_each(|value| *value = unit.from_si(*value));
         }
         let lines = [(&a, 0, &self.books[0]), (&b, 1, &self.books[1])].map(|(column, colour, book)| Line {
-            name: book.name.clone(),
+            name: book.label.clone(),
             colour,
             style: if book.is_run { Style::Solid } else { Style::Dotted },
             thin: colour > 0 && book.is_run,
             courses: thinned(&column.time, &column.values, &range, SCREEN, held),
         });
         let rule = rule(self.args, trace);
-        let series = blocksim_analysis::Series::new(&a.time, &a.values);
-        let (mut difference, mut limit) = (Vec::new(), Vec::new());
-        for (t, value) in b.time.iter().zip(&b.values) {
-            let covered = series.span().is_some_and(|(from, to)| *t >= from && *t <= to);
-            let base = series.at(*t, rule.interpolation, 0.0).map_or(f64::NAN, |at| at.1);
-            difference.push(if covered { value - base } else { f64::NAN });
-            limit.push((rule.absolute / unit.scale).max(rule.relative * base.abs()));
-        }
+        // Where both have rows of their own, lines between them would make a difference of their own.
+        let (of_a, of_b) = match held || a.time == b.time {
+            true => ((a.time.clone(), a.values.clone()), (b.time.clone(), b.values.clone())),
+            false => (refined(&a.time, &a.values), refined(&b.time, &b.values)),
+        };
+        let (of_a, of_b) = (Series::new(&of_a.0, &of_a.1), Series::new(&of_b.0, &of_b.1));
+        let (time_of, base, there) = match held {
+            false => together(of_a, of_b),
+            true => at_times_of(of_b, of_a),
+        };
+        let difference: Vec<f64> = base.iter().zip(&there).map(|(base, there)| there - base).collect();
+        let limit = |base: &f64| (rule.absolute / unit.scale).max(rule.relative * base.abs());
+        let limit: Vec<f64> = base.iter().map(limit).collect();
         let limits = |sign: f64| {
             let values: Vec<f64> = limit.iter().map(|x| sign * x).collect();
-            let courses = thinned(&b.time, &values, &range, SCREEN, held);
+            let courses = thinned(&time_of, &values, &range, SCREEN, held);
             Line { style: Style::Limit, courses, ..Line::default() }
         };
         let drawn = Line {
             colour: 1,
-            courses: thinned(&b.time, &difference, &range, SCREEN, held),
+            courses: thinned(&time_of, &difference, &range, SCREEN, held),
             ..Line::default()
         };
         let strip = Strip { name: "difference".to_owned(), lines: vec![drawn, limits(1.0), limits(-1.0)] };
@@ -278,6 +286,20 @@ impl Comparison<'_> {
             notes: Vec::new(),
         })
     }
+}
+
+/// Two held signals at the times of the first, as far as the second covers them.
+fn at_times_of(b: Series, a: Series) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    let (from, to) = a.span().unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
+    let mut rows = (Vec::new(), Vec::new(), Vec::new());
+    for (&t, &there) in b.time.iter().zip(b.values).filter(|(t, _)| (from..=to).contains(*t)) {
+        if let Some((_, base)) = a.at(t, Interpolation::Hold, 0.0) {
+            rows.0.push(t);
+            rows.1.push(base);
+            rows.2.push(there);
+        }
+    }
+    rows
 }
 
 fn words(verdict: &Verdict) -> String {

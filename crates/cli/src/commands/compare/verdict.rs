@@ -1,12 +1,13 @@
 //! What is found about each signal.
 
-use blocksim_analysis::{Comparison, Instants, Interpolation, Rule, Series, compare};
-use blocksim_results::ALWAYS;
+use blocksim_analysis::{Comparison, Instants, Interpolation, Rule, Series, brought_together, compare};
+use blocksim_results::{ALWAYS, Column};
 use blocksim_signal::Unit;
 
 use crate::args::plot::{Between, CompareArgs, Sync};
 use crate::failure::Failure;
 use crate::signals::other::other_values;
+use crate::signals::shown::turn;
 use crate::signals::traces::{Book, Trace};
 
 /// What is said of a signal.
@@ -108,6 +109,7 @@ pub fn judge(args: &CompareArgs, books: &[Book; 2], at: usize, shift: f64) -> Re
     }
     let a = books[0].read(at, &ALWAYS)?;
     let b = other_values(&books[1], there, trace, shift)?;
+    let (a, b) = without_turns(a, b, trace);
     let (a, b) = (Series::new(&a.time, &a.values), Series::new(&b.time, &b.values));
     found.comparison = compare(a, b, &rule(args, trace));
     found.verdict = match (&found.comparison, short(a, b, args)) {
@@ -118,6 +120,18 @@ pub fn judge(args: &CompareArgs, books: &[Book; 2], at: usize, shift: f64) -> Re
         _ => Verdict::Within,
     };
     Ok(found)
+}
+
+/// Two recordings of a signal in SI; of an angle that jumps by whole turns both go on, so that a turn is no difference.
+pub fn without_turns(mut a: Column, mut b: Column, trace: &Trace) -> (Column, Column) {
+    let is_angle = trace.has_unit && turn(&trace.unit).is_some();
+    let series = (Series::new(&a.time, &a.values), Series::new(&b.time, &b.values));
+    if let Some((first, second)) =
+        is_angle.then(|| brought_together(series.0, series.1, std::f64::consts::TAU)).flatten()
+    {
+        (a.values, b.values) = (first, second);
+    }
+    (a, b)
 }
 
 /// What is covered, if that is less than the baseline by more than a step and the time tolerance.

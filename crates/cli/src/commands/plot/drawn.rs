@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
 
-use blocksim_analysis::{Interpolation, Series, together, with_gaps, without_jumps};
+use blocksim_analysis::{Interpolation, Series, continued, together, with_gaps, without_jumps};
 use blocksim_results::Column;
 use blocksim_signal::Unit;
 
@@ -84,6 +84,15 @@ pub fn with_breaks<'c>(column: &'c Column, unit: &str) -> Cow<'c, Column> {
     }
 }
 
+/// A signal that goes on where an angle in `unit` jumps by a whole turn, for a picture too coarse to show a gap.
+pub fn going_on<'c>(column: &'c Column, unit: &str) -> Cow<'c, Column> {
+    let turn = Unit::parse(unit).ok().and_then(|unit| turn(&unit));
+    match turn.and_then(|turn| continued(&column.values, turn)) {
+        Some(values) => Cow::Owned(Column { time: column.time.clone(), values }),
+        None => Cow::Borrowed(column),
+    }
+}
+
 /// Set and actual value on common times: times, set values, actual values. Angles in `unit` that jump by whole turns are
 /// made to go on.
 pub fn followed(set: &Column, actual: &Column, unit: &str) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
@@ -101,23 +110,36 @@ pub fn error(set: &Column, actual: &Column, unit: &str) -> Column {
     Column { time, values }
 }
 
-/// The values of a signal at other times.
-fn at_times(column: &Column, time: &[f64]) -> Vec<f64> {
-    if column.time == time {
-        return column.values.clone();
-    }
-    let series = Series::new(&column.time, &column.values);
-    let covers = series.span().unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
-    let at = |&t: &f64| match series.at(t, Interpolation::Linear, 0.0) {
-        Some((_, value)) if t >= covers.0 && t <= covers.1 => value,
-        _ => f64::NAN,
-    };
-    time.iter().map(at).collect()
-}
-
-/// Whether two signals are the same to the eye, over the time that both have.
+/// Whether two signals are the same to the eye, over the time that both have. At a jump either of its values will do: the
+/// other signal may have one row there, or two.
 pub fn agree(a: &Column, b: &Column) -> bool {
     let size = a.values.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
-    let there = at_times(a, &b.time);
-    there.iter().zip(&b.values).all(|(x, y)| x.is_nan() || (x - y).abs() <= 1e-3 * size)
+    let series = Series::new(&a.time, &a.values);
+    let Some((from, to)) = series.span() else { return false };
+    let same = |(&t, &y): (&f64, &f64)| {
+        let Some((before, after)) = series.at(t, Interpolation::Linear, 0.0).filter(|_| from <= t && t <= to)
+        else {
+            return true;
+        };
+        let near = |x: f64| x.is_nan() || (x - y).abs() <= 1e-3 * size;
+        near(before) || near(after)
+    };
+    b.time.iter().zip(&b.values).all(same)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_that_two_runs_have_in_common_is_the_same_whatever_their_rows() {
+        let column = |time: &[f64], values: &[f64]| Column { time: time.to_vec(), values: values.to_vec() };
+        let step = column(&[0.0, 1.0, 1.0, 3.0], &[0.0, 0.0, 90.0, 90.0]);
+        let other = column(&[0.0, 0.5, 1.0, 1.0, 2.0, 2.5], &[0.0, 0.0, 0.0, 90.0, 90.0, 90.0]);
+        assert!(agree(&step, &other) && agree(&other, &step));
+        let later = column(&[0.0, 1.5, 1.5, 3.0], &[0.0, 0.0, 90.0, 90.0]);
+        let higher = column(&[0.0, 1.0, 1.0, 3.0], &[0.0, 0.0, 95.0, 95.0]);
+        assert!(!agree(&step, &later) && !agree(&step, &higher));
+        assert!(!agree(&column(&[], &[]), &step));
+    }
 }

@@ -4,10 +4,10 @@ use std::ops::RangeInclusive;
 
 use blocksim_analysis::{Metrics, metrics};
 use blocksim_results::format::{fixed, seconds, significant};
-use blocksim_results::{Align, Column, Table};
+use blocksim_results::{Align, Column, Kind, Table};
 use serde_json::{Value, json};
 
-use super::drawn::{Drawn, followed};
+use super::drawn::{Drawn, followed, going_on};
 use crate::failure::Failure;
 use crate::signals::traces::{Book, Trace};
 
@@ -19,18 +19,26 @@ pub struct Row {
     pub name: String,
     /// Unit of its errors.
     pub unit: String,
-    /// The run that it is of.
+    /// The run that it is of, and what that is called beside others.
     pub run: String,
+    pub label: String,
     /// The numbers.
     pub metrics: Metrics,
+    /// Whether it follows a set value; else the numbers are those of its way to its own last value, and errors mean nothing.
+    pub follows: bool,
 }
 
 /// The numbers of all pairs, those of the first run before those of the others. Of all values, not of those alone that a
-/// picture needs.
+/// picture needs. With `alone` there are rows of the signals that follow nothing, too.
 ///
 /// # Errors
 /// What to tell the person at the keyboard.
-pub fn rows(all: &[Drawn], books: &[Book], range: &RangeInclusive<f64>) -> Result<Vec<Row>, Failure> {
+pub fn rows(
+    all: &[Drawn],
+    books: &[Book],
+    range: &RangeInclusive<f64>,
+    alone: bool,
+) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
     for book in books {
         for drawn in all {
@@ -66,10 +74,47 @@ pub fn rows(all: &[Drawn], books: &[Book], range: &RangeInclusive<f64>) -> Resul
                     },
                     unit: drawn.group.unit.clone(),
                     run: book.name.clone(),
+                    label: book.label.clone(),
                     metrics,
+                    follows: true,
                 });
             }
+            if alone {
+                rows.extend(lone_rows(drawn, books, book, range)?);
+            }
         }
+    }
+    Ok(rows)
+}
+
+/// The numbers of the signals of a group that are in no pair: of their way to their own last value.
+fn lone_rows(
+    drawn: &Drawn,
+    books: &[Book],
+    book: &Book,
+    range: &RangeInclusive<f64>,
+) -> Result<Vec<Row>, Failure> {
+    let group = &drawn.group;
+    let mut rows = Vec::new();
+    for (n, &at) in group.traces.iter().enumerate() {
+        let trace = &books[0].traces[at];
+        let is_paired = group.pairs.iter().any(|pair| pair.0 == n || pair.1 == n);
+        let Some(there) = book.find(&trace.path).filter(|_| !is_paired && trace.kind == Kind::Real) else {
+            continue;
+        };
+        let column = shown_as(book.read(there, range)?, trace, &book.traces[there]);
+        let column = going_on(&column, &group.unit);
+        let Some(metrics) = metrics(&column.time, None, &column.values) else { continue };
+        let name = format!("{} {}", group.title, group.names[n]);
+        rows.push(Row {
+            path: trace.path.clone(),
+            name: name.trim().to_owned(),
+            unit: group.unit.clone(),
+            run: book.name.clone(),
+            label: book.label.clone(),
+            metrics,
+            follows: false,
+        });
     }
     Ok(rows)
 }
@@ -84,7 +129,8 @@ fn shown_as(mut column: Column, shown: &Trace, own: &Trace) -> Column {
 
 /// A row for each pair.
 pub fn table(rows: &[Row], several: bool) -> String {
-    let headings = [
+    let disturbed = rows.iter().any(|row| row.metrics.disturbed.is_some());
+    let mut headings = vec![
         "following",
         "unit",
         "step",
@@ -97,26 +143,34 @@ pub fn table(rows: &[Row], several: bool) -> String {
         "largest error",
         "at [s]",
     ];
+    if disturbed {
+        headings.push("disturbed [s]");
+    }
     let aligned = |n: usize| if n < 2 { Align::Left } else { Align::Right };
     let columns: Vec<(&str, Align)> =
         headings.iter().enumerate().map(|(n, name)| (*name, aligned(n))).collect();
     let mut table = Table::new(&columns);
     let time = |t: Option<f64>| t.map_or_else(|| "-".to_owned(), |t| seconds(t, 4));
-    for Row { name, unit, run, metrics: m, .. } in rows {
-        let name = if several { format!("{name}, {run}") } else { name.clone() };
-        table.row([
+    for Row { name, unit, label, metrics: m, follows, .. } in rows {
+        let name = if several { format!("{name}, {label}") } else { name.clone() };
+        let error = |x: String| if *follows { x } else { "-".to_owned() };
+        let mut cells = vec![
             name,
             unit.clone(),
             significant(m.step, 4),
             time(m.rise),
             m.overshoot.map_or_else(|| "-".to_owned(), |x| format!("{} %", fixed(100.0 * x, 2))),
             time(m.settling),
-            significant(m.iae, 4),
-            significant(m.ise, 4),
-            significant(m.steady_state_error, 4),
-            significant(m.max_error, 4),
-            seconds(m.max_error_at, 4),
-        ]);
+            error(significant(m.iae, 4)),
+            error(significant(m.ise, 4)),
+            error(significant(m.steady_state_error, 4)),
+            error(significant(m.max_error, 4)),
+            error(seconds(m.max_error_at, 4)),
+        ];
+        if disturbed {
+            cells.push(time(m.disturbed));
+        }
+        table.row(cells);
     }
     table.render()
 }
@@ -125,6 +179,7 @@ pub fn table(rows: &[Row], several: bool) -> String {
 pub fn json(rows: &[Row]) -> Value {
     let row = |row: &Row| {
         let m = &row.metrics;
+        let error = |x: f64| row.follows.then_some(x);
         json!({
             "run": row.run,
             "signal": row.path,
@@ -134,11 +189,13 @@ pub fn json(rows: &[Row]) -> Value {
             "rise": m.rise,
             "overshoot": m.overshoot,
             "settling": m.settling,
-            "iae": m.iae,
-            "ise": m.ise,
-            "final_error": m.steady_state_error,
-            "largest_error": m.max_error,
-            "largest_error_at": m.max_error_at,
+            "disturbed_at": m.disturbed,
+            "follows": row.follows,
+            "iae": error(m.iae),
+            "ise": error(m.ise),
+            "final_error": error(m.steady_state_error),
+            "largest_error": error(m.max_error),
+            "largest_error_at": error(m.max_error_at),
         })
     };
     json!({ "v": 2, "type": "metrics", "following": rows.iter().map(row).collect::<Vec<_>>() })

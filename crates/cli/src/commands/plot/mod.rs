@@ -21,7 +21,8 @@ use crate::args::values::RUNS;
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::mechanism::recorded;
-use crate::picture_file::write_pictures;
+use crate::picture_file::{page, write_pictures};
+use crate::signals::differences::tell_apart;
 use crate::signals::traces::{Book, Mapping, check_mappings, mappings};
 use crate::terminal::console::Console;
 
@@ -47,6 +48,7 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, Failure> {
         books.push(book);
     }
     check_mappings(&maps, &books)?;
+    let title = tell_apart(&mut books);
     if books[0].traces.is_empty() && !args.json {
         let help = "add a Scope, or `record: [\"...\"]`, to its diagram and run it again";
         return Err(Failure::usage(format!("`{}` has no signals to draw", books[0].name)).help(help));
@@ -71,14 +73,16 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, Failure> {
     if left > 0 {
         console.say(&format!("note: {left} more pictures are left out; choose signals to see them"));
     }
-    let rows = if args.metrics || args.json { following::rows(&all, &books, &range)? } else { Vec::new() };
+    // Who names a signal wants its numbers, whether it follows another one or not.
+    let alone = !args.signals.is_empty() || all.iter().all(|drawn| drawn.group.pairs.is_empty());
+    let rows =
+        if args.metrics || args.json { following::rows(&all, &books, &range, alone)? } else { Vec::new() };
     let mut text = String::new();
     if args.svg.is_some() || args.png.is_some() {
         let panels = all.iter().map(|drawn| panel(drawn, &books, &range)).collect();
-        let title = books.iter().map(|book| book.name.as_str()).collect::<Vec<_>>().join(", ");
         let time = (*range.start(), *range.end());
         let figure = figure(panels, title, time, args.columns, args.width);
-        let drawing = svg(&figure, Theme::from(args.theme));
+        let drawing = svg(&page(&figure, args.page, console)?, Theme::from(args.theme));
         let written =
             write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), args.scale, args.yes);
         for file in written? {
@@ -92,7 +96,7 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, Failure> {
     }
     if args.metrics {
         if rows.is_empty() {
-            console.say("note: there are no set and actual values among these signals");
+            console.say("note: none of these signals has two values or more in this time");
         } else {
             text.push_str(&following::table(&rows, books.len() > 1));
         }

@@ -32,8 +32,13 @@ pub fn panel(drawn: &Drawn, books: &[Book], range: &RangeInclusive<f64>) -> Pane
         .collect();
     let several = books.len() > 1;
     if several {
-        for line in lines.iter_mut().filter(|line| !line.name.is_empty() || columns.len() == 1) {
-            line.name = format!("{} {}", line.name, books[0].name).trim().to_owned();
+        // A set value that all have is drawn once, without the name of any.
+        let is_own = |n: usize| {
+            !is_set(n) || others.iter().any(|(_, m, column)| *m == n && !agree(&columns[n], column))
+        };
+        let lines = lines.iter_mut().enumerate().filter(|(n, _)| is_own(*n)).map(|(_, line)| line);
+        for line in lines.filter(|line| !line.name.is_empty() || columns.len() == 1) {
+            line.name = format!("{} {}", line.name, books[0].label).trim().to_owned();
         }
     }
     let lone = columns.len() - group.pairs.len() == 1;
@@ -43,7 +48,7 @@ pub fn panel(drawn: &Drawn, books: &[Book], range: &RangeInclusive<f64>) -> Pane
             continue;
         }
         lines.push(Line {
-            name: format!("{} {}", group.names[*n], books[*book].name).trim().to_owned(),
+            name: format!("{} {}", group.names[*n], books[*book].label).trim().to_owned(),
             // Where there is one line only, a second run may have a colour of its own.
             colour: if lone { colours[*n] + book } else { colours[*n] },
             style: match (is_set(*n), books[*book].is_run) {

@@ -2,7 +2,7 @@
 
 use blocksim_results::{PlotOptions, Series};
 
-use super::drawn::{Drawn, error, with_breaks};
+use super::drawn::{Drawn, error, going_on};
 use crate::signals::traces::Book;
 use crate::terminal::console::Console;
 
@@ -26,9 +26,9 @@ pub fn plots(all: &[Drawn], books: &[Book], console: Console) -> String {
 fn plot(drawn: &Drawn, books: &[Book], console: Console) -> String {
     let Drawn { group, columns, steps, others } = drawn;
     let mut names = group.names.clone();
-    names.extend(others.iter().map(|(book, n, _)| format!("{} {}", group.names[*n], books[*book].name)));
+    names.extend(others.iter().map(|(book, n, _)| format!("{} {}", group.names[*n], books[*book].label)));
     let all = columns.iter().zip(steps).chain(others.iter().map(|(_, n, column)| (column, &steps[*n])));
-    let lines: Vec<_> = all.map(|(column, step)| (with_breaks(column, &group.unit), *step)).collect();
+    let lines: Vec<_> = all.map(|(column, step)| (going_on(column, &group.unit), *step)).collect();
     let series: Vec<Series> = lines
         .iter()
         .zip(&names)

@@ -1,9 +1,10 @@
 //! A second recording beside the first: its values in the pictures of the first.
 
-use blocksim_analysis::{Interpolation, Series};
-use blocksim_report::{Compared, Report};
-use blocksim_results::Kind;
+use blocksim_analysis::{Interpolation, Series, refined};
+use blocksim_report::{Compared, Report, Role};
+use blocksim_results::{Column, Kind};
 
+use crate::commands::plot::drawn::agree;
 use crate::failure::Failure;
 use crate::signals::other::other_values;
 use crate::signals::traces::Book;
@@ -37,7 +38,12 @@ pub fn add(book: &Book, other: Other, report: &mut Report) -> Result<(), Failure
                 continue;
             }
             let column = other_values(other.book, there, trace, other.shift)?;
-            let course = Series::new(&column.time, &column.values);
+            let refine = trace.kind == Kind::Real && column.time != panel.time;
+            let (times, values) = match refine {
+                true => refined(&column.time, &column.values),
+                false => (column.time, column.values),
+            };
+            let course = Series::new(&times, &values);
             let between = if trace.kind == Kind::Real { Interpolation::Linear } else { Interpolation::Hold };
             let (from, to) = course.span().unwrap_or((f64::NAN, f64::NAN));
             let at = |(row, &t): (usize, &f64)| {
@@ -49,7 +55,13 @@ pub fn add(book: &Book, other: Other, report: &mut Report) -> Result<(), Failure
                 let jumps = panel.time.get(row + 1) == Some(&t);
                 trace.unit.from_si(if jumps { before } else { after })
             };
-            series.other = Some(panel.time.iter().enumerate().map(at).collect());
+            let values: Vec<f64> = panel.time.iter().enumerate().map(at).collect();
+            // What both were told to do is drawn once.
+            let wanted = Column { time: panel.time.clone(), values: series.values.clone() };
+            let other = Column { time: panel.time.clone(), values: values.clone() };
+            if series.role != Role::Set || !agree(&wanted, &other) {
+                series.other = Some(values);
+            }
         }
     }
     report.compared = Some(other.compared);

@@ -75,7 +75,7 @@ pub fn add(
         report.panels.extend(panels(drawn, book, titles));
         report.warnings.extend(not_finite(drawn));
     }
-    report.metrics = table(&rows(&all, books, &ALWAYS)?);
+    report.metrics = table(&rows(&all, books, &ALWAYS, false)?);
     Ok(())
 }
 

@@ -52,6 +52,8 @@ impl Trace {
 pub struct Book {
     /// Name of folder or file.
     pub name: String,
+    /// What it is called in pictures: its name, unless [`tell_apart`](super::differences::tell_apart) knows better.
+    pub label: String,
     /// Whether it is a run, not a table.
     pub is_run: bool,
     /// Its signals.
@@ -93,11 +95,29 @@ impl Book {
             });
             let (name, traces, shortfall) = (run.name(), traces.collect(), run.shortfall());
             let source = Source::Run(Box::new(run));
-            return Ok(Book { name, is_run: true, traces, shortfall, remarks: Vec::new(), source });
+            let label = name.clone();
+            return Ok(Book { name, label, is_run: true, traces, shortfall, remarks: Vec::new(), source });
         }
         let (table, traces, remarks) = table::Table::open(path, maps)?;
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        Ok(Book { name, is_run: false, traces, shortfall: None, remarks, source: Source::Table(table) })
+        let label = name.clone();
+        Ok(Book {
+            name,
+            label,
+            is_run: false,
+            traces,
+            shortfall: None,
+            remarks,
+            source: Source::Table(table),
+        })
+    }
+
+    /// The run, if it is one.
+    pub fn run(&self) -> Option<&Run> {
+        match &self.source {
+            Source::Run(run) => Some(run),
+            Source::Table(_) => None,
+        }
     }
 
     /// What to tell of the book before its signals are looked at.
