@@ -40,6 +40,17 @@ impl Block for Sum {
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        // Scalars alone, each with its sign: most sums are such.
+        if let [y] = y
+            && c.inputs.len() == self.signs.len()
+            && c.u.len() == self.signs.len()
+        {
+            *y = 0.0;
+            for (sign, u) in self.signs.bytes().zip(c.u) {
+                *y += if sign == b'-' { -u } else { *u };
+            }
+            return;
+        }
         let single = c.inputs.len() == 1;
         for (i, y) in y.iter_mut().enumerate() {
             let mut signs = self.signs.chars();
