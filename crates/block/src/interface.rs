@@ -14,6 +14,9 @@ pub struct State {
     pub initial: f64,
     /// Dimension, where it is known.
     pub dimension: Option<Dimension>,
+    /// A magnitude that is ordinary for it, where the block knows one: a flux in per unit is about one. An automatic absolute tolerance
+    /// follows it where the state itself has been smaller, as far as the state keeps its digits.
+    pub nominal: Option<f64>,
 }
 
 /// One discrete state: a sampled state, a mode or a cell of a memory.
@@ -199,7 +202,7 @@ impl Interface {
 
     /// Adds a continuous state of a dimension, if it is known.
     pub fn state_in(mut self, name: impl Into<String>, initial: f64, dimension: Option<Dimension>) -> Self {
-        self.states.push(State { name: name.into(), initial, dimension });
+        self.states.push(State { name: name.into(), initial, dimension, nominal: None });
         self
     }
 

@@ -21,6 +21,11 @@ pub(crate) fn stepper(schedule: &Schedule) -> Option<Box<dyn Stepper>> {
                 Some(atol) => Tolerances::uniform(n, rtol, atol),
                 None => Tolerances::automatic(n, rtol),
             };
+            for block in &schedule.blocks {
+                for (i, state) in block.interface.states.iter().enumerate() {
+                    tolerances.nominal[block.x + i] = state.nominal.unwrap_or(0.0);
+                }
+            }
             for given in &schedule.settings.atol {
                 given.states.iter().for_each(|&state| tolerances.fix(state, given.value));
             }

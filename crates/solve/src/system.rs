@@ -62,6 +62,8 @@ pub struct Tolerances {
     pub automatic: bool,
     /// States whose floor stays as it is even so.
     pub fixed: Vec<bool>,
+    /// An ordinary magnitude of each state for automatic floors; 0 where none is known.
+    pub nominal: Vec<f64>,
 }
 
 impl Tolerances {
@@ -72,6 +74,7 @@ impl Tolerances {
             absolute: vec![absolute; dimension],
             automatic: false,
             fixed: vec![false; dimension],
+            nominal: vec![0.0; dimension],
         }
     }
 
@@ -83,6 +86,7 @@ impl Tolerances {
             absolute: vec![relative * NOTHING; dimension],
             automatic: true,
             fixed: vec![false; dimension],
+            nominal: vec![0.0; dimension],
         }
     }
 

@@ -3,7 +3,8 @@
 //! An error e of a state that goes from x0 to x1 counts as e / (relative max(|x0|, |x1|) + absolute). An automatic absolute
 //! tolerance follows the size that a state has had so far, so that neither units nor sizes have to be told: it is
 //! [`SHARE`] of the relative one at the largest magnitude up to now. A state that has just left zero is thus followed
-//! from its first move on. Two things keep that from going on for ever:
+//! from its first move on. Where an ordinary size is known, it counts as one that the state has had; but a state that stays far below
+//! keeps its digits: the tolerance is never above the relative one at its own largest. Two things keep that from going on for ever:
 //!
 //! * A state far smaller than all others ([`DWARF`]) counts as nothing. What diffuses through a thousand cells arrives
 //!   at the last ones as t^1000, of which no method knows a single digit.
@@ -59,6 +60,8 @@ pub struct Weights {
     given: Vec<f64>,
     /// Which of them stay.
     fixed: Vec<bool>,
+    /// Ordinary magnitudes of the states; 0 where none is known.
+    nominal: Vec<f64>,
     /// The absolute tolerances in force.
     absolute: Vec<f64>,
     /// What an automatic tolerance has learnt.
@@ -86,13 +89,14 @@ pub struct Learnt {
 
 impl Weights {
     pub fn new(tolerances: Tolerances) -> Self {
-        let Tolerances { relative, absolute, automatic, fixed } = tolerances;
+        let Tolerances { relative, absolute, automatic, fixed, nominal } = tolerances;
         let n = absolute.len();
         let zeros = || vec![0.0; n];
         Self {
             relative,
             given: absolute.clone(),
             fixed,
+            nominal,
             absolute,
             learnt: automatic.then(|| Learnt {
                 size: zeros(),
@@ -130,9 +134,13 @@ impl Weights {
     fn renew(&mut self) {
         let Some(learnt) = &self.learnt else { return };
         let least = self.relative * DWARF * learnt.largest;
-        let states = self.absolute.iter_mut().zip(&self.given).zip(&learnt.size).zip(&self.fixed);
-        for (((absolute, given), size), fixed) in states {
-            *absolute = if *fixed { *given } else { given.max(self.relative * SHARE * size).max(least) };
+        let relative = self.relative;
+        let known = self.given.iter().zip(&self.fixed).zip(&self.nominal);
+        let states = self.absolute.iter_mut().zip(&learnt.size).zip(known);
+        for ((absolute, size), ((given, fixed), nominal)) in states {
+            // An ordinary size never hides a state that stays far below it.
+            let found = (relative * SHARE * size.max(*nominal)).min(relative * size);
+            *absolute = if *fixed { *given } else { given.max(found).max(least) };
         }
     }
 
@@ -380,6 +388,20 @@ mod tests {
             weights
         };
         assert_eq!(error(&weights, 1, 1e-7), error(&scaled, 1, 1e-7 * 4096.0));
+    }
+
+    #[test]
+    fn an_ordinary_size_loosens_but_never_hides() {
+        let mut tolerances = Tolerances::automatic(4, 1e-6);
+        tolerances.nominal = vec![1.0, 1.0, 1.0, 0.0];
+        let mut weights = Weights::new(tolerances);
+        weights.note(&[5.0, 0.1, 1e-5, 0.1]);
+        // Larger than ordinary: its own size; smaller: the ordinary one; far smaller: its digits; unknown: its own size.
+        let expected = [5e-9, 1e-9, 1e-11, 1e-10];
+        for (i, expected) in expected.into_iter().enumerate() {
+            let found = weights.unit(i, 0.0);
+            assert!((found / expected - 1.0).abs() < 1e-12, "{i}: {found}");
+        }
     }
 
     #[test]

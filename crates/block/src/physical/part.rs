@@ -118,7 +118,7 @@ impl Part {
 
     /// Adds a state.
     pub fn state(mut self, name: &str, initial: f64) -> Self {
-        self.states.push(State { name: name.to_owned(), initial, dimension: None });
+        self.states.push(State { name: name.to_owned(), initial, dimension: None, nominal: None });
         self
     }
 
@@ -127,6 +127,13 @@ impl Part {
         let mut part = self.state(name, initial);
         let dimension = Unit::parse(unit).ok().map(|unit| unit.dimension);
         part.states.iter_mut().last().into_iter().for_each(|state| state.dimension = dimension);
+        part
+    }
+
+    /// Adds a state of which an ordinary magnitude is known: see [`State::nominal`].
+    pub fn state_of_size(self, name: &str, initial: f64, nominal: f64) -> Self {
+        let mut part = self.state(name, initial);
+        part.states.iter_mut().last().into_iter().for_each(|state| state.nominal = Some(nominal));
         part
     }
 

@@ -150,7 +150,8 @@ impl Component for Motor {
             .element(Element::Machine { ac: 0, ends: open.then_some(3) })
             .element(Element::Branch { r: 1, c: 2 });
         for (name, value) in self.machine.names().into_iter().zip(&self.start) {
-            part = part.state(name, *value);
+            // Fluxes are in per unit.
+            part = part.state_of_size(name, *value, 1.0);
         }
         out::measured(part)
     }

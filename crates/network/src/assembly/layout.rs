@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::ops::Range;
 
 use blocksim_block::physical::{Element, LossModel, Needs, ValveKind};
-use blocksim_block::{Crossing, Input, Interface, Output};
+use blocksim_block::{Crossing, Input, Interface, Output, State};
 use blocksim_multibody::Joint;
 
 use crate::accounts::Accounts;
@@ -309,7 +309,7 @@ fn free(
     interface.drifting.extend(part.drifting.iter().map(|state| first + state));
     for state in &part.states {
         let name = format!("{}.{}", member.path, state.name);
-        *interface = std::mem::take(interface).state_in(name, state.initial, state.dimension);
+        interface.states.push(State { name, ..state.clone() });
     }
     for memory in &part.discrete {
         *interface =
