@@ -240,11 +240,12 @@ fn bars_have_two_rows_at_most_on_a_phone() {
     let script = "const rows = (place) => new Set([...document.querySelector(place).children].map((c) => c.getBoundingClientRect())
           .filter((box) => box.width > 0).map((box) => Math.round((box.top + box.bottom) / 2 / 12))).size;
         if (self !== top) {
-          const before = [innerWidth, rows('.bar') <= 2, rows('#timeline') <= 2];
+          const wide = (place) => document.querySelector(place).getBoundingClientRect().width > 60;
+          const before = [innerWidth, rows('.bar') <= 2, rows('#timeline') <= 2 && wide('.clock')];
           R.setCursor(0, 0.25); R.setCursor(1, 0.75);
           await new Promise((ok) => setTimeout(ok, 100));
-          const wide = document.documentElement.scrollWidth <= innerWidth;
-          top.postMessage([...before, rows('#timeline') <= 2, wide].join(', '), '*');
+          const fits = document.documentElement.scrollWidth <= innerWidth;
+          top.postMessage([...before, rows('#timeline') <= 2 && wide('.readout'), fits].join(', '), '*');
           return 'inside';
         }
         const told = new Promise((ok) => addEventListener('message', (event) => ok(event.data)));
