@@ -272,3 +272,116 @@ fn a_contact_that_forces_a_current_into_an_inductor_is_an_error() {
     let error = run(schedule).error.expect("no path");
     expect!["the physical network cannot go on: the open valves (`k`) leave the prescribed current of `j` without a path: connect a resistance in parallel, or give the valves an off-state conductance"].assert_eq(&error.message);
 }
+
+/// All methods of variable step, and one of fixed step whose grid has the edges.
+const METHODS: [&str; 11] = [
+    "Auto(rtol: 1e-8)",
+    "Ode45(rtol: 1e-9)",
+    "Ode23(rtol: 1e-8)",
+    "Dop853(rtol: 1e-9)",
+    "Radau5(rtol: 1e-8)",
+    "Ode15s(rtol: 1e-8)",
+    "Ode23t(rtol: 1e-8)",
+    "Ode23tb(rtol: 1e-8)",
+    "Rodas4(rtol: 1e-8)",
+    "RosW3(rtol: 1e-8)",
+    "Ode4(step: \"1 us\")",
+];
+
+/// A boost converter behind a source of current, all of it ideal. While the switch is open the load gets the whole current, else it
+/// lives on the capacitor: `C v' = j - v / R` and `C v' = - v / R`, from edge to edge.
+#[test]
+fn the_diode_of_a_converter_takes_the_current_of_a_source_over() {
+    let (j, r, c, period) = (3.0, 20.0, 10e-6, 20e-6_f64);
+    let expected = |t: f64| {
+        let decay = |v: f64, end: f64, t: f64| end + (v - end) * (-t / (r * c)).exp();
+        let half = 0.5 * period;
+        let mut v = 0.0;
+        let (mut at, mut on) = (0.0, true);
+        while t > at {
+            v = decay(v, if on { 0.0 } else { j * r }, half.min(t - at));
+            (at, on) = (at + half, !on);
+        }
+        v
+    };
+    for inductor in [true, false] {
+        let (coil, wire) = if inductor {
+            (r#""l": Inductor(l: "100 uH"), "#, r#""j.n <-> l.p", "l.n <-> k.p <-> d.p""#)
+        } else {
+            ("", r#""j.n <-> k.p <-> d.p""#)
+        };
+        for solver in METHODS {
+            let run = run_text(&text(
+                "1 ms",
+                solver,
+                &format!(
+                    r#"{coil}"w": Constant(value: "3 A"), "dw": Constant(value: "0 A/s"), "j": ControlledCurrentSource, "pulse": Pulse(period: "20 us", width: 0.5),
+                    "on": Compare(operator: Greater, constant: 0.5), "k": IdealSwitch(r_on: 0, g_off: 0),
+                    "d": Diode(v_f: 0, r_on: 0, g_off: 0), "c": Capacitor(c: "10 uF"), "r": Resistor(r: "20 Ohm"),
+                    "v": VoltageSensor, "account": EnergyAccount(at: Electrical)"#
+                ),
+                &format!(
+                    r#""w.y -> j.i", "dw.y -> j.di", "pulse.y -> on.u", "on.y -> k.gate", {wire}, "d.n <-> c.p <-> r.p <-> v.p",
+                    "j.p <-> k.n <-> c.n <-> r.n <-> v.n <-> g.p <-> account.node", "v.v -> s.v", "d.i -> s.d", "k.i -> s.k",
+                    "account.relative -> s.error""#
+                ),
+                r#""v", "d", "k", "error""#,
+            ));
+            let off = off(&run, "s.v", &[], expected);
+            assert!(off < 1e-6, "{solver}: {off}");
+            for ((d, k), t) in run.column("s.d").iter().zip(run.column("s.k")).zip(&run.time) {
+                assert!((d + k - j).abs() < 1e-12 && d * k == 0.0, "{solver}: {d} and {k} A at {t}");
+            }
+            let worst = run.column("s.error").iter().fold(0.0_f64, |worst, error| worst.max(error.abs()));
+            assert!(worst < 1e-5, "{solver}: {worst}");
+        }
+    }
+    // Half of the current is left of it in the mean.
+    let settled: f64 = (0..2000).map(|k| expected(1e-2 + f64::from(k) * 1e-8)).sum::<f64>() / 2000.0;
+    assert!((settled - 0.5 * j * r).abs() < 1e-2, "{settled}");
+}
+
+/// Four ideal diodes turn the current of a source round, which finds another pair at each of its zeros; at the first instant there is
+/// nothing to decide by.
+#[test]
+fn a_bridge_of_ideal_diodes_passes_the_current_of_a_source_on() {
+    for phase in ["0 deg", "10 deg", "180 deg", "250 deg"] {
+        let lead: f64 = phase.trim_end_matches(" deg").parse::<f64>().expect("a number").to_radians();
+        for solver in METHODS {
+            let run = run_text(&text(
+                "50 ms",
+                solver,
+                &format!(
+                    r#""w": Sine(amplitude: "2 A", frequency: "50 Hz", phase: "{phase}"), "j": ControlledCurrentSource,
+                    "a": Diode(v_f: 0, r_on: 0), "b": Diode(v_f: 0, r_on: 0), "c": Diode(v_f: 0, r_on: 0),
+                    "d": Diode(v_f: 0, r_on: 0), "r": Resistor(r: "10 Ohm"), "v": VoltageSensor"#
+                ),
+                r#""w.y -> j.i", "j.n <-> a.p <-> b.n", "j.p <-> c.p <-> d.n", "a.n <-> c.n <-> r.p <-> v.p",
+                   "b.p <-> d.p <-> r.n <-> v.n <-> g.p", "v.v -> s.v""#,
+                r#""v""#,
+            ));
+            let off = off(&run, "s.v", &[], |t| 20.0 * (TAU * 50.0 * t + lead).sin().abs());
+            // A step of fixed size ends behind a zero of the current.
+            let tolerance = if solver.starts_with("Ode4") { 1e-3 } else { 1e-6 };
+            assert!(off < tolerance, "{solver}, {phase}: {off}");
+        }
+    }
+}
+
+/// The same source with the diode the other way round.
+#[test]
+fn a_diode_against_a_current_is_no_path() {
+    let model = text(
+        "2 ms",
+        "Ode45",
+        r#""w": Constant(value: "5 A"), "j": ControlledCurrentSource, "d": Diode(v_f: 0, g_off: 0), "k": IdealSwitch(r_on: 0, g_off: 0),
+           "t": Step(time: "1 ms", before: 1, after: 0), "on": Compare(operator: Greater, constant: 0.5)"#,
+        r#""w.y -> j.i", "t.y -> on.u", "on.y -> k.gate", "j.n <-> d.n <-> k.p", "j.p <-> d.p <-> k.n <-> g.p", "d.i -> s.i""#,
+        r#""i""#,
+    );
+    let (compiled, problems) = compile_text(&model);
+    let schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+    let error = run(schedule).error.expect("no path");
+    assert_eq!(error.t, 1e-3);
+    expect!["the physical network cannot go on: the open valves (`d`, `k`) leave the prescribed current of `j` without a path: connect a resistance in parallel, or give the valves an off-state conductance"].assert_eq(&error.message);
+}

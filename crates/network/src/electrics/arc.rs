@@ -1,15 +1,114 @@
-//! Currents of inductances that have lost their path when a contact opened: the volt-seconds of the arc that this would
-//! mean tell which valves take the current over.
+//! Currents that have lost their path when a contact opened. Of those of inductances, the volt-seconds of the arc that this would
+//! mean tell which valves take them over. That of a source, with the windings in series to it, cannot end: let every open valve
+//! leak by a conductance `g`, and voltages grow as `1 / g` where such a current must pass. The limit `g -> 0` of the
+//! complementarity problem decides, in which nothing but these voltages counts.
 
 use blocksim_block::Context;
 use blocksim_block::physical::ValveKind;
 
-use crate::electrics::Conducting;
 use crate::electrics::commutation::Wrong;
+use crate::electrics::{Branch, Conducting, GivenBy, Unsolvable, solve};
 use crate::network::Network;
 use crate::work::Work;
 
+/// Leakage that stands for ever so little, S.
+const LEAK: f64 = 1e-9;
+/// Marks the solution for a set of valves in which the others leak; a circuit with a valve for this bit has none.
+const LEAKY: Conducting = 1 << (Conducting::BITS - 1);
+/// Voltages of a cut current below this, relative to the current over the leakage, are rounding.
+const LEAST_DRIVE: f64 = 1e-6;
+
 impl Network {
+    /// The valve that a source without a path drives hardest to conduct.
+    pub(crate) fn takes_source(
+        &self,
+        island: usize,
+        c: &Context,
+        w: &mut Work,
+        conducting: Conducting,
+    ) -> Option<usize> {
+        let circuit = &self.electrics.islands[island];
+        if conducting & LEAKY != 0 || circuit.valves.len() >= Conducting::BITS as usize {
+            return None;
+        }
+        if self.natural_of(island) & !conducting == 0 {
+            return None;
+        }
+        if !w.circuits[island].choose(conducting | LEAKY) {
+            let mut leaky = circuit.clone();
+            for pin in &mut leaky.two_pins {
+                match &mut pin.branch {
+                    Branch::Valve { index, off_conductance, .. } if conducting >> *index & 1 == 0 => {
+                        *off_conductance = (*off_conductance).max(LEAK);
+                    }
+                    _ => {}
+                }
+            }
+            let solved = solve(&self.electrics, &leaky, conducting).ok()?;
+            w.circuits[island].add(conducting | LEAKY, solved);
+        }
+        self.prescribed_voltages(island, c, w);
+        let mut given = std::mem::take(&mut w.given);
+        self.given_currents(c, w, &mut given, &circuit.members, |by| by != GivenBy::Voltage);
+        w.given = given;
+        if !circuit.in_cuts.is_empty() {
+            self.follow_sources(island, c, w);
+        }
+        let first = self.electrics.sources;
+        let is_cut = |given: usize| {
+            given.checked_sub(first).and_then(|i| self.electrics.windings.get(i)).is_some_and(|by| match by {
+                GivenBy::Input => true,
+                GivenBy::State => self.electrics.follows(given - first),
+                GivenBy::Voltage | GivenBy::Ratio => false,
+            })
+        };
+        let solved = w.circuits[island].now();
+        // Where nothing flows, a path is held ready for what the sources count as positive.
+        let all = first..first + self.electrics.windings.len();
+        let rests = all.filter(|i| is_cut(*i)).all(|i| w.given[i] == 0.0);
+        let is_source = |i: usize| self.electrics.windings[i - first] == GivenBy::Input;
+        let value = |i: usize| if rests && is_source(i) { 1.0 } else { w.given[i] };
+        let mut best = (0.0, None);
+        for (pin, voltage) in circuit.two_pins.iter().zip(&solved.voltages) {
+            let Branch::Valve { index: bit, .. } = pin.branch else { continue };
+            let valve = circuit.valves[bit];
+            let gated =
+                matches!(self.electrics.valves[valve].kind, ValveKind::GatedDiode | ValveKind::Thyristor);
+            let may = self.is_natural(valve) && (!gated || w.gates[valve]);
+            if !may || conducting >> bit & 1 == 1 {
+                continue;
+            }
+            let terms = voltage.terms().iter().map(|(i, factor)| (*i as usize, *factor));
+            let driven: Vec<f64> =
+                terms.filter(|(i, _)| is_cut(*i)).map(|(i, factor)| factor * value(i)).collect();
+            let (drive, most) =
+                (driven.iter().sum::<f64>(), driven.iter().fold(0.0_f64, |most, v| most.max(v.abs())));
+            if drive > best.0 && drive > LEAST_DRIVE * most {
+                best = (drive, Some(bit));
+            }
+        }
+        best.1
+    }
+
+    /// Chooses the valves that conduct with those that take over what they cut off; returns whether there is a solution.
+    pub(crate) fn takes_all(
+        &self,
+        island: usize,
+        c: &Context,
+        w: &mut Work,
+        mut conducting: Conducting,
+    ) -> bool {
+        while let Some(bit) = self.takes_source(island, c, w, conducting) {
+            conducting |= 1 << bit;
+            match self.choose(island, conducting, w) {
+                Ok(()) => return true,
+                Err(Unsolvable::Cut(_)) => {}
+                Err(_) => return false,
+            }
+        }
+        false
+    }
+
     /// Largest current that enters a floating part and does not leave it, A. Where current sources lead into it, none is lost.
     pub(crate) fn lost(&self, island: usize, w: &Work) -> f64 {
         let Some(floating) = &w.circuits[island].now().floating else { return 0.0 };

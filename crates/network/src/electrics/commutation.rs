@@ -7,7 +7,8 @@
 //! Opsearch 11 (1974).) Where a pair is zero to rounding, its derivative decides; see `drift.rs`.
 //!
 //! A contact that opens may leave the current of an inductance without a path: then the volt-seconds of the arc that this
-//! would mean tell which valves take the current over; where none can, the simulation ends with an error.
+//! would mean tell which valves take the current over; where none can, the simulation ends with an error. A current source
+//! that is cut off has its current taken over by the valve that it drives hardest through what ever so little leaks (`arc.rs`).
 
 use blocksim_block::Context;
 use blocksim_block::physical::ValveKind;
@@ -127,7 +128,13 @@ impl Network {
         first: bool,
     ) -> Result<Wrong, crate::electrics::currents::Faulty> {
         let conducting = self.conducting(island, c, w);
-        if let Err(Unsolvable::Loop(two_pins)) = self.choose(island, conducting, w) {
+        let chosen = self.choose(island, conducting, w);
+        if let Err(Unsolvable::Cut(_)) = &chosen
+            && let Some(bit) = self.takes_source(island, c, w, conducting)
+        {
+            return Ok(Wrong::Valve(bit, 0.0));
+        }
+        if let Err(Unsolvable::Loop(two_pins)) = chosen {
             // A loop of ideal voltages: the first of those that conduct by themselves lets go.
             let two_pins: Vec<usize> =
                 two_pins.iter().map(|i| self.electrics.islands[island].two_pins[*i].index).collect();

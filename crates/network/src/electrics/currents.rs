@@ -44,7 +44,7 @@ impl Network {
     }
 
     /// Currents of these members that depend on what is asked for.
-    fn given_currents(
+    pub(crate) fn given_currents(
         &self,
         c: &Context,
         w: &Work,
@@ -146,10 +146,15 @@ impl Network {
         w.given = given;
         let conducting = self.conducting(island, c, w);
         if let Err(why) = self.choose(island, conducting, w) {
-            // What conducts by itself lets go when a gate closes a loop; which of it does is settled in the jump that follows.
+            // What conducts by itself lets go when a gate closes a loop, and takes over when one cuts a source off; which of it does
+            // is settled in the jump that follows.
             let natural = self.natural_of(island);
             let loose = matches!(why, Unsolvable::Loop(_)) && conducting & natural != 0;
-            if !loose || self.choose(island, conducting & !natural, w).is_err() {
+            let solved = match why {
+                Unsolvable::Cut(_) => self.takes_all(island, c, w, conducting),
+                _ => loose && self.choose(island, conducting & !natural, w).is_ok(),
+            };
+            if !solved {
                 c.fail(self.unsolvable(island, conducting, &why));
                 return Err(Faulty);
             }
