@@ -87,6 +87,17 @@ pub trait Block: Any + Debug + Send + Sync {
         f64::INFINITY
     }
 
+    /// The next time after `c.t`, before its next sample hit, at which the block wants `update` once more, because its sample time is
+    /// too coarse for the moment. It is hit exactly, but is no event: nothing is recorded for its sake. At that very time it is still
+    /// the answer. Only when the interface says `subdivides`.
+    fn next_update(&self, _c: &Context) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Notes the relative tolerance `rtol` of the run among the discrete states, once before it; a method of fixed step has none. Only
+    /// when the interface says `subdivides`.
+    fn tolerate(&self, _rtol: f64, _d: &mut [f64]) {}
+
     /// Where an approximation of the block has missed the relative tolerance `rtol` of the run, by how much and what to do
     /// about it; asked at the end of a run.
     fn warnings(&self, _d: &[f64], _rtol: f64) -> Vec<Problem> {

@@ -130,6 +130,8 @@ pub struct Interface {
     pub remembers: Option<f64>,
     /// Has `next_event`.
     pub time_events: bool,
+    /// Has `next_update` and `tolerate`.
+    pub subdivides: bool,
     /// Has `prepare` and `solve`.
     pub implicit: bool,
     /// Largest step that the block allows, s.
@@ -288,6 +290,12 @@ impl Interface {
     /// Has `next_event`.
     pub fn time_events(mut self) -> Self {
         self.time_events = true;
+        self
+    }
+
+    /// Has `next_update` and `tolerate`.
+    pub fn subdivides(mut self) -> Self {
+        self.subdivides = true;
         self
     }
 

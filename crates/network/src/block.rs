@@ -134,6 +134,14 @@ impl Block for Network {
         }
     }
 
+    fn next_update(&self, c: &Context) -> f64 {
+        self.next_part(c.d)
+    }
+
+    fn tolerate(&self, rtol: f64, d: &mut [f64]) {
+        self.separate.iter().for_each(|separate| d[separate.cells().rtol] = rtol);
+    }
+
     fn warnings(&self, d: &[f64], rtol: f64) -> Vec<Problem> {
         self.coupling_warnings(d, rtol)
     }

@@ -78,6 +78,8 @@ pub(crate) struct Held {
     pub course: Range<usize>,
     /// Means over the step: states, voltages and currents of the two-pins, space vector and zero sequence of the supply.
     pub mean: Range<usize>,
+    /// Integrals of the same since the last hit, where the coupling step is taken in parts.
+    pub sum: Range<usize>,
     /// Speed of each pin that is expected at the end of the step, and how much more than by torques and accelerations at its
     /// beginning the speeds have changed in the last step and in the one before.
     pub expected: Range<usize>,

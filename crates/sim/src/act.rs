@@ -3,6 +3,7 @@
 use blocksim_block::{Block, Context, NODES, Piece, Scratch};
 use blocksim_solve::Failed;
 
+use crate::clock::same;
 use crate::evaluate::Diagram;
 
 impl Diagram {
@@ -16,6 +17,14 @@ impl Diagram {
             self.checked(block)?;
         }
         Ok(())
+    }
+
+    /// Tells the blocks that subdivide their sample times the tolerance of the run.
+    pub fn tolerate(&mut self, rtol: f64) {
+        let Self { plan, d, .. } = self;
+        for unit in plan.subdividing.iter().map(|block| &plan.units[*block]) {
+            unit.block.tolerate(rtol, &mut d[unit.d.range()]);
+        }
     }
 
     /// Derivatives of all states. The outputs must be known.
@@ -68,6 +77,35 @@ impl Diagram {
             let unit = &plan.units[block];
             *time = unit.block.next_event(&now.context(unit, signals, &d[unit.d.range()]));
             self.checked(block)?;
+        }
+        Ok(())
+    }
+
+    /// The first time at which a block updates between its hits.
+    pub fn next_update(&mut self) -> Result<f64, Failed> {
+        let mut first = f64::INFINITY;
+        for i in 0..self.plan.subdividing.len() {
+            first = first.min(self.next_update_of(self.plan.subdividing[i])?);
+        }
+        Ok(first)
+    }
+
+    fn next_update_of(&mut self, block: usize) -> Result<f64, Failed> {
+        let Self { plan, now, signals, d, .. } = self;
+        let unit = &plan.units[block];
+        let next = unit.block.next_update(&now.context(unit, signals, &d[unit.d.range()]));
+        self.checked(block)?;
+        Ok(next)
+    }
+
+    /// Advances the discrete states of the blocks that update at `t` between their hits.
+    pub fn update_between(&mut self, t: f64) -> Result<(), Failed> {
+        for i in 0..self.plan.subdividing.len() {
+            let block = self.plan.subdividing[i];
+            if self.next_update_of(block)? <= t + same(t) {
+                self.change(block, |block, c, w, d| block.update(c, w, d))?;
+                self.forget();
+            }
         }
         Ok(())
     }

@@ -16,7 +16,7 @@ pub(crate) struct Stop {
     pub t: f64,
     /// Whether a block changes by itself then.
     event: bool,
-    /// Whether a block has a kink then.
+    /// Whether a block has a kink or updates between its hits then.
     kink: bool,
     /// Whether the run ends then.
     end: bool,
@@ -27,12 +27,12 @@ impl Stop {
     pub fn first(sim: &Simulation, end: f64) -> Self {
         let step = sim.grid.as_ref().map_or(f64::INFINITY, Grid::time);
         let times = sim.hits.times().iter().chain(&sim.event_times).copied();
-        let t = earliest(times.chain([end, step, sim.past.kink])).min(end);
+        let t = earliest(times.chain([end, step, sim.past.kink, sim.next_update])).min(end);
         let is_due = |time: f64| time <= t + same(t);
         Self {
             t,
             event: sim.event_times.iter().any(|&time| is_due(time)),
-            kink: is_due(sim.past.kink),
+            kink: is_due(sim.past.kink) || is_due(sim.next_update),
             end: t == end,
         }
     }

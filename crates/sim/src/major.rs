@@ -131,8 +131,11 @@ impl Simulation {
         Ok(true)
     }
 
-    /// Advances the blocks whose rates are hit, with the signals of this instant.
+    /// Advances the blocks whose rates are hit, and those that update between their hits, with the signals of this instant.
     pub(crate) fn update(&mut self) -> Result<(), SimError> {
+        // At a hit a block is through with what lay before it.
+        let between = self.diagram.update_between(self.t);
+        self.held(between)?;
         let updated = self.diagram.update(&self.hits.due);
         self.held(updated)
     }

@@ -115,6 +115,8 @@ pub(crate) struct Plan {
     pub remembering: Vec<usize>,
     pub timed: Vec<usize>,
     pub updated: Vec<Updated>,
+    /// Blocks that may update between their hits.
+    pub subdividing: Vec<usize>,
     /// Whether anything happens at the hits of each rate.
     pub busy: Vec<bool>,
     /// Whether outputs change only, and then by jumps, at major steps.
@@ -167,6 +169,7 @@ impl Plan {
             early: Early::new(schedule),
             accepting: chosen(&|b| b.interface.accepts),
             remembering: chosen(&|b| b.interface.remembers.is_some()),
+            subdividing: chosen(&|b| b.interface.subdivides),
             timed: chosen(&|b| b.interface.time_events),
             busy: busy(schedule, &updated),
             updated,

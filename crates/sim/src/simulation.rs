@@ -57,6 +57,8 @@ pub struct Simulation {
     pub(crate) grid: Option<Grid>,
     /// Next time event of each block that has some.
     pub(crate) event_times: Vec<f64>,
+    /// When a block updates next between its hits.
+    pub(crate) next_update: f64,
     /// Whether the first major step is done.
     pub(crate) started: bool,
     /// Steps since the observer was asked last.
@@ -127,6 +129,9 @@ impl Simulation {
                 .for_each(|(d, state)| *d = state.initial);
         }
         diagram.initialize(&mut x).map_err(|_| diagnose::failed(&schedule, &mut diagram))?;
+        if let Solver::Variable { rtol, .. } = schedule.settings.solver {
+            diagram.tolerate(rtol);
+        }
         let is_fixed = matches!(schedule.settings.solver, Solver::Fixed { .. });
         let plan = &diagram.plan;
         let guards = if is_fixed || plan.guarded.is_empty() {
@@ -160,6 +165,7 @@ impl Simulation {
             past: Past::new(&schedule),
             grid,
             event_times: vec![f64::INFINITY; diagram.plan.timed.len()],
+            next_update: f64::INFINITY,
             started: false,
             unasked: 0,
             interrupted: false,
@@ -236,6 +242,10 @@ impl Simulation {
         }
         self.past.kink = {
             let next = self.diagram.next_kink();
+            self.held(next)?
+        };
+        self.next_update = {
+            let next = self.diagram.next_update();
             self.held(next)?
         };
         Ok(Stop::first(self, end))

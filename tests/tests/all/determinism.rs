@@ -122,6 +122,14 @@ fn a_run_that_is_saved_and_restored_in_the_middle_gives_the_same_bits() {
             assert!(restored == straight, "{path}");
         }
     }
+    // A circuit that is integrated apart, in the middle of a coupling step that is divided.
+    let servo = crate::inverters::light_servo("Ode45(rtol: 1e-5)");
+    let divided = Arc::new(blocksim_tests::compile_text(&servo).0.schedule.expect("a sound diagram"));
+    assert!(bits(&divided) == bits(&divided));
+    for at in [5.1e-3, 7.25e-3, 8e-3] {
+        let [straight, restored] = resumed(&divided, at);
+        assert!(restored == straight, "{at} s");
+    }
     // An algebraic loop begins with its solution of the last step, which is kept.
     let text = r#"Diagram(simulation: (stop_time: "2 s"), blocks: { "t": Ramp(slope: "1 1/s"), "cos": Function(function: Cos),
         "p": Product(inputs: 2), "sum": Integrator, "show": Scope(inputs: ["y", "sum"]) },

@@ -21,10 +21,11 @@ use crate::machines::space_vector::turned;
 /// integrates the circuit by itself, from edge to edge, and couples it to the mechanics every so many periods of the
 /// carrier: the shaft gets the mean torque of these periods, the machine the speed that is expected for them. That is
 /// many times faster, and exact to third order in the length of a coupling step, but for what the ripple of the torque does to loads,
-/// which falls with the square of the switching frequency; a warning at the end of a run says by about how
-/// much the speeds are off where that misses the relative tolerance, and where a shaft does not move at all as its circuit has
-/// expected, the run ends with an error. What needs voltages (powers, RMS voltages, slip, `v_legs`) is measured on the means over
-/// the coupling step; currents and states are those at its beginning.
+/// which falls with the square of the switching frequency. Where that misses the relative tolerance of the run, as with a light
+/// rotor and a slow carrier, a coupling step is divided into up to 64 parts, whose torques follow the ripple. What remains beyond the
+/// tolerance is estimated in a warning at the end of the run, and where a shaft does not move at all as its circuit has
+/// expected, the run ends with an error. Methods of fixed step do not divide. What needs voltages (powers, RMS voltages, slip,
+/// `v_legs`) is measured on the means over whole coupling steps; currents and states are those at the beginning of a step or a part.
 ///
 /// Amplitudes beyond what the link and the modulation give are limited, as `limited` tells; a negative one turns the voltages
 /// by half a turn.

@@ -65,7 +65,8 @@ impl Network {
         }
         let mut separate = Separate::of(&electrics);
         for island in &mut separate {
-            for name in ["begin", "end"] {
+            for name in ["begin", "end", "parts", "left", "until", "rtol", "need", "least", "lasting", "most"]
+            {
                 let start = interface.discrete.len();
                 interface = interface.discrete(format!("{}.{name}", members[island.members[0]].path), 0.0);
                 if name == "begin" {
@@ -223,7 +224,7 @@ impl Network {
         interface.uses_time = seats.iter().any(|seat| seat.member.part.uses_time);
         interface.jumps |= !with_valves(&electrics).is_empty();
         if let Some(step) = separate.iter().map(|s| s.step).reduce(f64::min) {
-            interface = interface.sampled(step);
+            interface = interface.sampled(step).subdivides();
         }
         let accounts = Accounts::new(&seats, frames.payloads.len(), &mut interface);
         let mut network = Self {
@@ -358,13 +359,14 @@ fn hold(
     let torque = cells("torque", branches);
     let course = cells("course", branches);
     let mean = cells("mean", part.states.len() + 2 * two_pins + 3);
+    let sum = cells("sum", mean.len());
     let expected = cells("expected", pins);
     let bent = cells("bent", pins);
     let bent_before = cells("bent_before", pins);
     let missed = cells("missed", 2).start;
     let errors = cells("error", 5 * pins);
     let held =
-        Held { times, x_end, d_end, torque, course, mean, expected, bent, bent_before, missed, errors };
+        Held { times, x_end, d_end, torque, course, mean, sum, expected, bent, bent_before, missed, errors };
     (x, d, Some(held))
 }
 

@@ -19,6 +19,29 @@ const LOOSE: f64 = 0.1;
 /// Speeds below this, rad/s, are standstill: what hardly moves may do so as it likes.
 const STANDSTILL: f64 = 1.0;
 
+/// Parts of a coupling step, at most.
+pub(crate) const MOST_PARTS: f64 = 64.0;
+/// What a coupling step may add to the error of a speed or a state, over what the relative tolerance allows of it.
+pub(crate) const ALLOWED: f64 = 0.02;
+/// Share of the last trial in what is remembered of the errors of divided steps.
+pub(crate) const LASTS: f64 = 1.0 / 8.0;
+/// Below this share of what is allowed, half as many parts will do: errors of a step fall with the third power of their number.
+const SPARE: f64 = 1.0 / 32.0;
+/// With such a tolerance coupling steps are divided from the first on, of which nothing is known before.
+pub(crate) const STRICT: f64 = 1e-5;
+/// Errors of about so many divided steps add up before circuits forget them.
+const ADD_UP: f64 = 8.0;
+
+/// How many parts bring an error down from `need` times what is allowed.
+pub(crate) fn more_parts(parts: f64, need: f64) -> f64 {
+    let wanted = parts * need.cbrt();
+    let mut more = 2.0 * parts;
+    while more < wanted && more < MOST_PARTS {
+        more *= 2.0;
+    }
+    more.min(MOST_PARTS)
+}
+
 /// The smaller of two numbers of one sign, else nothing.
 fn smaller(a: f64, b: f64) -> f64 {
     if a * b <= 0.0 {
@@ -114,10 +137,102 @@ impl Network {
         component.measure(&Law { x, voltage, current, supply: &supply, ..law }, needs, y);
     }
 
-    /// Whether the speeds have come as they were expected in the last step; else the run ends with an error. Notes how they have bent,
-    /// and in the working space how they are expected to do so in the step that comes: as in the last one, unless the one before
-    /// says less or the contrary, since an impact is not to come again.
-    pub(crate) fn meets(&self, separate: &Separate, c: &Context, d: &mut [f64], room: &mut Room) -> bool {
+    /// In how many parts a circuit is to take the coupling step that begins now, by what the last ones have shown.
+    pub(crate) fn wanted_parts(&self, separate: &Separate, tries: bool, d: &mut [f64]) -> f64 {
+        let cells = separate.cells();
+        let (before, rtol) = (d[cells.parts].max(1.0), d[cells.rtol]);
+        if rtol == 0.0 {
+            return 1.0;
+        }
+        if self.threatens(separate, 0.0, d) {
+            d[cells.least] = d[cells.least].max(2.0);
+        }
+        let mut parts = before.max(d[cells.least]);
+        if tries {
+            if d[cells.need] < SPARE {
+                parts = (0.5 * parts).max(d[cells.least]).max(1.0);
+            }
+            d[cells.need] = 0.0;
+        }
+        parts
+    }
+
+    /// Whether the errors of speeds so far, with one more of a step, pass the tolerance; until then coupling steps stay whole.
+    pub(crate) fn threatens(&self, separate: &Separate, more: f64, d: &[f64]) -> bool {
+        let rtol = d[separate.cells().rtol];
+        let so_far = self.coupling_error(separate, d).map_or(0.0, |(error, _)| error);
+        rtol > 0.0 && so_far.max(more) > rtol
+    }
+
+    /// Doubts half of what the speeds have changed in the step at hand.
+    pub(crate) fn doubt_all(&self, separate: &Separate, w: &Work, room: &mut Room) {
+        for pin in separate.members.iter().flat_map(|i| self.seats[*i].pins.clone()) {
+            room.doubt[pin] = 0.5 * (w.pin_speed[pin] - room.speed[pin]);
+        }
+    }
+
+    /// Takes down how the bends of the last two steps look in one that is shorter by this ratio of numbers of parts.
+    pub(crate) fn rescale(&self, separate: &Separate, ratio: f64, d: &mut [f64]) {
+        if ratio != 1.0 {
+            for held in separate.members.iter().filter_map(|i| self.seats[*i].held.as_ref()) {
+                for cell in held.bent.clone().chain(held.bent_before.clone()) {
+                    d[cell] *= ratio * ratio;
+                }
+            }
+        }
+    }
+
+    /// Notes in the working space how the speeds are expected to bend in a step that is shorter than the last one by this ratio:
+    /// as in the last one, unless the one before says less or the contrary, since an impact is not to come again.
+    pub(crate) fn foresee(&self, separate: &Separate, ratio: f64, d: &[f64], room: &mut Room) {
+        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+            let Some(held) = &seat.held else { continue };
+            for (k, pin) in seat.pins.clone().enumerate() {
+                let (last, before) = (d[held.bent.start + k], d[held.bent_before.start + k]);
+                let bend = smaller(last, before);
+                room.bend[pin] = ratio * ratio * bend;
+                room.doubt[pin] = ratio * ratio * (2.0 * last - before - bend);
+            }
+        }
+    }
+
+    /// The greatest difference between a step and its trial, of a speed and of a state of a member, relative to their size.
+    pub(crate) fn missed_by_step(&self, separate: &Separate, w: &Work, room: &Room, d: &[f64]) -> [f64; 2] {
+        let branches = room.mean.len();
+        let [mut speed, mut state] = [0.0_f64; 2];
+        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+            let Some(held) = &seat.held else { continue };
+            let expected = seat.pins.clone().map(|pin| w.pin_speed[pin].abs());
+            let size = expected.fold(d[held.missed + 1].max(STANDSTILL), f64::max);
+            for pin in seat.pins.clone() {
+                let of = |b: usize| room.yields[pin * branches + b] * (room.trial[b] - room.mean[b]);
+                speed = speed.max(self.own_branches(separate).map(of).sum::<f64>().abs() / size);
+            }
+            let part = &seat.member.part;
+            let states = || {
+                seat.x.clone().enumerate().filter(|(k, _)| !part.drifting.contains(k)).map(|(_, cell)| cell)
+            };
+            let size = states().fold(0.0, |most: f64, cell| most.max(room.d[cell].abs()));
+            let off =
+                states().fold(0.0, |most: f64, cell| most.max((room.trial_d[cell] - room.d[cell]).abs()));
+            if size > 0.0 {
+                state = state.max(off / size);
+            }
+        }
+        [speed, state]
+    }
+
+    /// Whether the speeds have come as they were expected in the last step, of which a coupling step has had so many; else there are
+    /// to be more of them, and where there may be no more the run ends with an error. Notes how the speeds have bent.
+    pub(crate) fn meets(
+        &self,
+        separate: &Separate,
+        c: &Context,
+        parts: f64,
+        d: &mut [f64],
+        room: &mut Room,
+    ) -> bool {
+        let cells = separate.cells();
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             let Some(held) = &seat.held else { continue };
             if d[held.times + 1] <= 0.0 || held.expected.is_empty() {
@@ -130,17 +245,21 @@ impl Network {
                 .fold(so_far, |most: f64, (found, expected)| most.max(found.abs()).max(expected.abs()));
             let off = speeds().fold(0.0, |most: f64, (found, expected)| most.max((found - expected).abs()));
             let share = off / size.max(STANDSTILL);
-            let step = self.coupling_step();
             for (k, pin) in seat.pins.clone().enumerate() {
                 let (last, before) = (held.bent.start + k, held.bent_before.start + k);
                 let bent = room.speed[pin] - d[held.expected.start + k] + smaller(d[last], d[before]);
                 (d[before], d[last]) = (d[last], bent);
-                room.bend[pin] = smaller(d[last], d[before]);
-                room.doubt[pin] = 2.0 * d[last] - d[before] - room.bend[pin];
             }
             d[held.missed + 1] = size;
             d[held.missed] += FRESH * (share - d[held.missed]);
             if d[held.missed] > LOOSE {
+                let least = parts.max(d[cells.least]);
+                if d[cells.rtol] > 0.0 && least < MOST_PARTS {
+                    d[cells.least] = 2.0 * least;
+                    d[held.missed] = 0.0;
+                    continue;
+                }
+                let step = self.coupling_step() / parts;
                 c.fail(format!(
                     "at {} s the speed of `{}` is off by {off:.2e} rad/s from what its circuit expected, and has been by \
                      {:.1} % of late: the coupling step of {step:.1e} s is too long for so little inertia; write \
@@ -160,7 +279,9 @@ impl Network {
     /// moment of the torque, above all of its ripple: that is an error of the mean speed in the step, of which a load takes as much
     /// into the speed itself as it bends it, and by the same share forgets errors. A mere inertia does neither.
     pub(crate) fn note_error(&self, separate: &Separate, tried: bool, w: &Work, room: &Room, d: &mut [f64]) {
-        let (branches, step) = (room.mean.len(), self.coupling_step());
+        let (branches, step, cells) = (room.mean.len(), room.step, separate.cells());
+        // Parts at different places of a period have different errors: the mean of them stands for each.
+        let place = d[cells.parts] - d[cells.left];
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             let Some(held) = &seat.held else { continue };
             for (k, pin) in seat.pins.clone().enumerate() {
@@ -177,32 +298,41 @@ impl Network {
                 }
                 let [of_step, error, most, bent, turned] = Held::errors(held, k);
                 if tried {
-                    d[of_step] = own;
+                    d[of_step] = if place == 1.0 { own } else { d[of_step] + (own - d[of_step]) / place };
                 }
                 d[bent] += FRESH * (d[held.bent.start + k].abs() - d[bent]);
                 d[turned] += FRESH * (0.5 * (w.pin_speed[pin] - room.speed[pin]).abs() - d[turned]);
                 let share = if d[bent] < d[turned] { d[bent] / d[turned] } else { 1.0 };
-                d[error] += d[of_step] + share * (lag - d[error]);
+                d[error] += if tried { own } else { d[of_step] } + share * (lag - d[error]);
                 d[most] = d[most].max(d[error].abs());
             }
         }
     }
 
-    /// Where the coupling of a circuit and the mechanics has missed the tolerance.
-    pub(crate) fn coupling_warnings(&self, d: &[f64], rtol: f64) -> Vec<Problem> {
+    /// The greatest error of a speed of a circuit so far by its coupling, relative to the greatest speed, and whose it is.
+    fn coupling_error<'a>(&'a self, separate: &'a Separate, d: &[f64]) -> Option<(f64, &'a Seat)> {
         let error_of = |seat: &Seat| {
             let held = seat.held.as_ref()?;
             let most = (0..seat.pins.len()).map(|pin| d[Held::errors(held, pin)[2]]).fold(0.0, f64::max);
             Some(most / d[held.missed + 1].max(STANDSTILL))
         };
+        let seats = separate.members.iter().map(|i| &self.seats[*i]);
+        seats.filter_map(|seat| Some((error_of(seat)?, seat))).max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Where the coupling of a circuit and the mechanics has missed the tolerance.
+    pub(crate) fn coupling_warnings(&self, d: &[f64], rtol: f64) -> Vec<Problem> {
         let warning = |separate: &Separate| {
             let seats = || separate.members.iter().map(|i| &self.seats[*i]);
-            let (error, worst) = seats()
-                .filter_map(|seat| Some((error_of(seat)?, seat)))
-                .max_by(|a, b| a.0.total_cmp(&b.0))
-                .filter(|(error, _)| *error > rtol)?;
+            let cells = separate.cells();
+            let (error, worst) = self.coupling_error(separate, d)?;
+            // Parts are so short that what they do to the states of the circuit outlasts them.
+            let error = error.max(ADD_UP * ALLOWED * d[cells.most] * d[cells.rtol]);
+            if error <= rtol {
+                return None;
+            }
             let asks = seats().find(|seat| seat.member.part.separate.is_some()).unwrap_or(worst);
-            let step = self.coupling_step();
+            let step = self.coupling_step() / d[cells.parts].max(1.0);
             let message = format!(
                 "the coupling of `{}` with the mechanics misses the tolerance: with coupling steps of {step:.2e} s the speed \
                  of `{}` is off by about {error:.0e} of its maximum, {:.0} times rtol ({rtol:.0e})",

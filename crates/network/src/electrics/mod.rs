@@ -255,11 +255,41 @@ pub(crate) struct Separate {
     pub members: Vec<usize>,
     /// Length of a coupling step, s.
     pub step: f64,
-    /// Discrete states with the times of the beginning and the end of the current step.
+    /// Discrete states with the times of the beginning and the end of the current step; behind them what [`cells`](Self::cells)
+    /// names.
     pub times: usize,
 }
 
+/// Where it lies how a circuit takes its coupling step in parts.
+pub(crate) struct Cells {
+    /// How many parts the present coupling step has, 0 before the first.
+    pub parts: usize,
+    /// How many of them are still to come, and when the next one does.
+    pub left: usize,
+    pub until: usize,
+    /// Relative tolerance of the run; 0 with a method of fixed step.
+    pub rtol: usize,
+    /// The greatest error in a coupling step since one was last tried, over what the tolerance allows.
+    pub need: usize,
+    /// Parts below which it does not go any more; 0 or 1 while its coupling steps are whole.
+    pub least: usize,
+    /// The same as `need`, remembered over the last trials of divided steps, and the greatest of that.
+    pub lasting: usize,
+    pub most: usize,
+}
+
 impl Separate {
+    /// Whether its last step, or the last part of one, ends at `t`.
+    pub(crate) fn is_due(&self, t: f64, d: &[f64]) -> bool {
+        t >= d[self.times + 1]
+    }
+
+    pub(crate) fn cells(&self) -> Cells {
+        let [parts, left, until, rtol, need, least, lasting, most] =
+            [2, 3, 4, 5, 6, 7, 8, 9].map(|k| self.times + k);
+        Cells { parts, left, until, rtol, need, least, lasting, most }
+    }
+
     /// The circuits that ask for it; where they lie is not known yet.
     pub(crate) fn of(electrics: &Electrics) -> Vec<Self> {
         let islands = electrics.islands.iter().enumerate();

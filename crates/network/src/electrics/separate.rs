@@ -16,18 +16,24 @@
 //!
 //! Where the speeds turn out to be others than were expected, coupling steps are too long; see `coupling.rs`. What that does to
 //! the torques is found by trial: a coupling step is integrated once more, with the speeds bent as the last two steps together say.
+//! Where the trial misses what the tolerance of the run allows, the coupling step is divided, by a power of two: it begins anew in
+//! parts, each with the speeds as the mechanics has made them by then. Torques and the slopes of loads have no jumps at edges, so
+//! that the parts need not know of these. The line of a part has the moment of the torque besides its impulse, because the ripple is
+//! then what is wanted. Means for those who look are of whole coupling steps as ever, known when the last part is.
 
 use blocksim_block::Context;
 use blocksim_block::physical::Torque;
 
+use crate::electrics::coupling::{ALLOWED, LASTS, MOST_PARTS, STRICT, more_parts};
 use crate::electrics::currents::Faulty;
 use crate::electrics::{Separate, Shift};
 use crate::network::Network;
 use crate::work::Work;
 use crate::work::circuits::Room;
 
-/// Steps of the integrator in a coupling step, at least.
+/// Steps of the integrator in a coupling step, at least, and in a part of one.
 const LEAST: f64 = 4.0;
+const LEAST_OF_PART: f64 = 2.0;
 
 /// Every so many coupling steps the error is estimated, and in the first ones always, where a drive starts.
 const EVERY: f64 = 16.0;
@@ -56,8 +62,6 @@ impl Network {
         self.yields(w, &mut room.yields);
         room.average.clear();
         room.average.resize(d.len(), 0.0);
-        let step = self.coupling_step();
-        let tries = is_tried((c.t / step).round());
         room.base.clear();
         room.base.extend(w.torque.iter().map(|torque| torque.value));
         room.bend.clear();
@@ -65,15 +69,9 @@ impl Network {
         room.doubt.clear();
         room.doubt.resize(self.rotation.pins.len(), 0.0);
         for separate in &self.separate {
-            if !self.meets(separate, c, d, &mut room) {
+            if separate.is_due(c.t, d) && self.couple_one(separate, c, w, &mut room, d).is_err() {
                 break;
             }
-            let tried = !tries || self.trial(separate, c, step, w, &mut room, d).is_ok();
-            if !tried || self.over(separate, c, step, w, &mut room, d).is_err() {
-                break;
-            }
-            self.end(separate, w, &room, d);
-            self.note_error(separate, tries, w, &room, d);
         }
         w.room = room;
         // Speeds and circuits in the working space are those of another time now.
@@ -81,18 +79,91 @@ impl Network {
         w.held_evaluation = u64::MAX;
     }
 
-    /// Integrates a circuit over the coupling step of the length `step` that begins now, on a copy of the discrete states.
+    /// Integrates a circuit over the coupling step that begins now, or over the next part of the present one.
+    fn couple_one(
+        &self,
+        separate: &Separate,
+        c: &Context,
+        w: &mut Work,
+        room: &mut Room,
+        d: &mut [f64],
+    ) -> Result<(), Faulty> {
+        let (cells, whole) = (separate.cells(), self.coupling_step());
+        let (begins, before) = (d[cells.left] == 0.0, d[cells.parts].max(1.0));
+        if !self.meets(separate, c, before, d, room) {
+            return Err(Faulty);
+        }
+        let number = if begins { (c.t / whole).round() } else { (c.t / whole + 1e-6).floor() };
+        let tries = is_tried(number);
+        let is_first = d[separate.times + 1] <= 0.0;
+        if is_first && d[cells.rtol] > 0.0 && d[cells.rtol] <= STRICT {
+            d[cells.least] = 2.0;
+        }
+        let mut parts = if begins { self.wanted_parts(separate, tries, d) } else { before };
+        loop {
+            room.step = if parts > 1.0 { whole / parts } else { whole };
+            room.is_part = parts > 1.0;
+            self.foresee(separate, before / parts, d, room);
+            if !tries {
+                self.over(separate, c, w, room, d)?;
+                break;
+            }
+            if is_first && d[cells.least] > 1.0 {
+                // No step before tells how loads bend the speeds: they may take a good part of what the torques give.
+                self.over(separate, c, w, room, d)?;
+                self.doubt_all(separate, w, room);
+                self.forget_means(separate, room);
+            }
+            self.trial(separate, c, w, room, d)?;
+            self.over(separate, c, w, room, d)?;
+            let [speed, state] = self.missed_by_step(separate, w, room, d).map(|error| parts * error);
+            if begins && self.threatens(separate, speed, d) {
+                d[cells.least] = d[cells.least].max(2.0);
+            }
+            let need = if d[cells.rtol] > 0.0 { speed.max(state) / (ALLOWED * d[cells.rtol]) } else { 0.0 };
+            if begins && need > 1.0 && d[cells.least] > 1.0 && parts < MOST_PARTS {
+                parts = more_parts(parts, need);
+                self.forget_means(separate, room);
+                continue;
+            }
+            d[cells.need] = d[cells.need].max(need);
+            break;
+        }
+        if begins {
+            self.rescale(separate, before / parts, d);
+            d[cells.parts] = parts;
+            d[cells.left] = parts;
+        }
+        d[cells.left] -= 1.0;
+        d[cells.until] = c.t + room.step;
+        // A line through the means of parts would follow the ripple.
+        let own_moment = room.is_part || before > 1.0;
+        if tries && d[cells.left] == 0.0 && parts > 1.0 {
+            d[cells.lasting] += LASTS * (d[cells.need] - d[cells.lasting]);
+            d[cells.most] = d[cells.most].max(d[cells.lasting]);
+        }
+        self.end(separate, own_moment, w, room, d);
+        self.note_error(separate, tries, w, room, d);
+        Ok(())
+    }
+
+    /// When a circuit takes the next part of its coupling step.
+    pub(crate) fn next_part(&self, d: &[f64]) -> f64 {
+        let cells = self.separate.iter().map(Separate::cells);
+        cells.filter(|cells| d[cells.left] > 0.0).map(|cells| d[cells.until]).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Integrates a circuit over the step at hand, which begins now, on a copy of the discrete states.
     fn over(
         &self,
         separate: &Separate,
         c: &Context,
-        step: f64,
         w: &mut Work,
         room: &mut Room,
         d: &[f64],
     ) -> Result<(), Faulty> {
         copy(&mut room.d, d);
-        self.begin(separate, c.t, step, &mut room.d);
+        self.begin(separate, c.t, &mut room.d);
         self.advance(separate, c, w, room)
     }
 
@@ -102,23 +173,28 @@ impl Network {
         &self,
         separate: &Separate,
         c: &Context,
-        step: f64,
         w: &mut Work,
         room: &mut Room,
         d: &[f64],
     ) -> Result<(), Faulty> {
         room.tries = true;
-        let done = self.over(separate, c, step, w, room, d);
+        self.forget_means(separate, room);
+        let done = self.over(separate, c, w, room, d);
         room.tries = false;
-        let Room { trial, mean, average, .. } = room;
+        let Room { trial, trial_d, mean, .. } = room;
         copy(trial, mean);
-        let helds = separate.members.iter().filter_map(|i| self.seats[*i].held.as_ref());
-        helds.for_each(|held| average[held.mean.clone()].fill(0.0));
+        copy(trial_d, &room.d);
+        self.forget_means(separate, room);
         done
     }
 
+    fn forget_means(&self, separate: &Separate, room: &mut Room) {
+        let helds = separate.members.iter().filter_map(|i| self.seats[*i].held.as_ref());
+        helds.for_each(|held| room.average[held.mean.clone()].fill(0.0));
+    }
+
     /// What was the end of the last step is the beginning of this one.
-    fn begin(&self, separate: &Separate, t: f64, step: f64, d: &mut [f64]) {
+    fn begin(&self, separate: &Separate, t: f64, d: &mut [f64]) {
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             if let Some(held) = &seat.held {
                 d.copy_within(held.x_end.clone(), seat.x.start);
@@ -128,13 +204,14 @@ impl Network {
         d[separate.times] = t;
         // While the step is worked out, everything looks at its beginning.
         d[separate.times + 1] = f64::INFINITY;
-        debug_assert!(step > 0.0);
     }
 
     /// Keeps what the integration has found: the beginning stays what it was, the end is new.
-    fn end(&self, separate: &Separate, w: &Work, room: &Room, d: &mut [f64]) {
+    fn end(&self, separate: &Separate, own_moment: bool, w: &Work, room: &Room, d: &mut [f64]) {
         let t = room.d[separate.times];
-        let step = self.coupling_step();
+        let (step, cells) = (room.step, separate.cells());
+        let is_first = d[separate.times + 1] <= 0.0;
+        let (starts, ends) = (d[cells.left] == d[cells.parts] - 1.0, d[cells.left] == 0.0);
         d[separate.times] = t;
         // Half an instant early: at the next hit the end is what holds.
         d[separate.times + 1] = t + step * (1.0 - 1e-9);
@@ -147,10 +224,19 @@ impl Network {
             let cells = held.torque.clone().zip(held.course.clone());
             for ((mean, rise), branch) in cells.zip(seat.branches.clone()) {
                 let last = std::mem::replace(&mut d[mean], room.mean[branch] / step);
-                d[rise] = 0.5 * (d[mean] - last);
+                d[rise] = if own_moment {
+                    6.0 * room.moment[branch] / (step * step)
+                } else {
+                    0.5 * (d[mean] - last)
+                };
             }
-            for cell in held.mean.clone() {
-                d[cell] = room.average[cell] / step;
+            for (mean, sum) in held.mean.clone().zip(held.sum.clone()) {
+                d[sum] = room.average[mean] + if starts { 0.0 } else { d[sum] };
+                if ends {
+                    d[mean] = d[sum] / self.coupling_step();
+                } else if is_first {
+                    d[mean] = room.average[mean] / step;
+                }
             }
             d[held.expected.clone()].copy_from_slice(&w.pin_speed[seat.pins.clone()]);
         }
@@ -158,8 +244,9 @@ impl Network {
 
     /// From edge to edge.
     fn advance(&self, separate: &Separate, c: &Context, w: &mut Work, room: &mut Room) -> Result<(), Faulty> {
-        let step = self.coupling_step();
+        let step = room.step;
         let end = c.t + step;
+        let least = if room.is_part { LEAST_OF_PART } else { LEAST };
         room.mean.clear();
         room.mean.resize(self.rotation.branches.len(), 0.0);
         room.torque.resize(self.rotation.branches.len(), Torque::default());
@@ -172,7 +259,7 @@ impl Network {
             let next = self.switch(separate, t, c, w, room)?;
             let until = next.min(end);
             let fine = if room.tries { 2.0 } else { 1.0 };
-            let steps = fine * ((until - t) / step * LEAST).ceil().max(1.0);
+            let steps = fine * ((until - t) / step * least).ceil().max(1.0);
             let h = (until - t) / steps;
             self.average(separate, 0.5 * h, w, room);
             for i in 0..steps as usize {
@@ -233,7 +320,7 @@ impl Network {
 
     /// Expected speeds, `s` after the hit.
     fn expect(&self, separate: &Separate, s: f64, w: &mut Work, room: &Room) {
-        let step = self.coupling_step();
+        let step = room.step;
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             for pin in seat.pins.clone() {
                 let own = self
@@ -279,7 +366,7 @@ impl Network {
             self.slopes(separate, t + part * h, c, w, room)?;
             room.sum.iter_mut().zip(&room.slope).for_each(|(sum, slope)| *sum += weight * slope);
             for seat in separate.members.iter().map(|i| &self.seats[*i]) {
-                let middle = t + part * h - c.t - 0.5 * self.coupling_step();
+                let middle = t + part * h - c.t - 0.5 * room.step;
                 for branch in seat.branches.clone() {
                     let gained = weight * h / 6.0 * room.torque[branch].value;
                     room.gained[branch] += gained;

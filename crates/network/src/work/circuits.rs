@@ -85,6 +85,12 @@ pub(crate) struct Room {
     /// by how much this may be wrong.
     pub bend: Vec<f64>,
     pub doubt: Vec<f64>,
+    /// Length of the step at hand: the coupling step or a part of it, s.
+    pub step: f64,
+    /// It is a part.
+    pub is_part: bool,
+    /// States at the end of a trial.
+    pub trial_d: Vec<f64>,
     /// The step is a trial: the doubt is added.
     pub tries: bool,
     /// Integrals of the torques over a trial, N*m*s.
@@ -113,6 +119,9 @@ impl Room {
             kick: room(branches),
             bend: room(pins),
             doubt: room(pins),
+            step: 0.0,
+            is_part: false,
+            trial_d: room(d),
             tries: false,
             trial: room(branches),
             yields: room(if network.separate.is_empty() { 0 } else { pins * branches }),
