@@ -27,7 +27,7 @@ pub(super) struct Walk<'a> {
 impl<'a> Walk<'a> {
     pub fn new(shafts: &'a Shafts, changes: &'a [f64]) -> Self {
         let w: Vec<f64> = shafts.discs.iter().map(|(_, w)| *w).collect();
-        Walk {
+        let mut walk = Walk {
             changes,
             t: 0.0,
             phi: vec![0.0; w.len()],
@@ -37,7 +37,10 @@ impl<'a> Walk<'a> {
             held: vec![0.0; shafts.torques.len()],
             largest: 0.0,
             shafts,
-        }
+        };
+        // What freewheels do not let be is gone before anybody looks.
+        walk.step(0.0);
+        walk
     }
 
     /// Goes on to a time, in steps no longer than `h` that end wherever a torque jumps.
