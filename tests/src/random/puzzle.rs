@@ -83,11 +83,12 @@ pub trait Puzzle: Sized + Clone + Debug + PartialEq {
     /// Its diagram, put as the variant says.
     fn text(&self, variant: &Variant) -> String;
 
-    /// What comes out, or why nobody knows. The greater the effort, the shorter the steps.
+    /// What comes out, or why nobody knows. The greater the effort, the shorter the steps. What is changed to see what depends on
+    /// it is changed by the part `change` of what a run at default settings may be off by.
     ///
     /// # Errors
     /// Says why nobody knows.
-    fn refer(&self, effort: u32) -> Result<Self::Outcome, Undecided>;
+    fn refer(&self, effort: u32, change: f64) -> Result<Self::Outcome, Undecided>;
 
     /// The first difference between a run and what is known, if there is one.
     fn compare(&self, outcome: &Self::Outcome, run: &Run) -> Option<Fault>;
@@ -95,15 +96,31 @@ pub trait Puzzle: Sized + Clone + Debug + PartialEq {
     /// Models that are a little simpler, the much simpler ones first.
     fn simpler(&self) -> Vec<Self>;
 
+    /// The same with an earlier end, where signals may grow beyond all bounds.
+    fn shorter(&self) -> Option<Self> {
+        None
+    }
+
     /// Runs it by the engine and by the reference. Where these differ, and where the reference is too coarse, it is made finer
-    /// before it is believed.
+    /// before it is believed. What grows is looked at as long as it is small.
     fn judge(&self, variant: &Variant) -> Finding {
         let run = OnceCell::new();
         let mut finding = Finding::Undecided(Undecided::Coarse);
         for effort in 0..=Self::EFFORT {
-            let outcome = match self.refer(effort) {
+            let outcome = match self.refer(effort, 1.0) {
                 Ok(outcome) => outcome,
-                Err(Undecided::Coarse) => continue,
+                Err(why @ (Undecided::Coarse | Undecided::Grazes)) => {
+                    if !matches!(finding, Finding::Wrong(_)) {
+                        finding = Finding::Undecided(why);
+                    }
+                    continue;
+                }
+                Err(Undecided::Sensitive) => return self.judge_closely(effort, variant),
+                Err(Undecided::Grows) => {
+                    let shorter = self.shorter();
+                    return shorter
+                        .map_or(Finding::Undecided(Undecided::Grows), |shorter| shorter.judge(variant));
+                }
                 Err(why) => return Finding::Undecided(why),
             };
             let fault = match run.get_or_init(|| by_engine(&self.text(variant))) {
@@ -117,6 +134,44 @@ pub trait Puzzle: Sized + Clone + Debug + PartialEq {
         }
         finding
     }
+
+    /// Of a model that turns out otherwise if something changes by some millionths: a run that is as the reference says is
+    /// right. Of another one nobody can tell, as long as tight tolerances bring what the reference says.
+    fn judge_closely(&self, effort: u32, variant: &Variant) -> Finding {
+        let mut finding = Finding::Undecided(Undecided::Sensitive);
+        let Some(tight) = variant.tight() else { return finding };
+        let runs = [variant, &tight].map(|variant| (variant, OnceCell::new()));
+        for effort in effort..=Self::EFFORT {
+            let Ok(outcome) = self.refer(effort, CLOSE) else { continue };
+            for (variant, run) in &runs {
+                let fault = match run.get_or_init(|| by_engine(&self.text(variant))) {
+                    Ok(run) => self.compare(&outcome, run),
+                    // So many steps may be too many for a memory.
+                    Err(_) if variant.settings == tight.settings => {
+                        return Finding::Undecided(Undecided::Sensitive);
+                    }
+                    Err(fault) => return Finding::Wrong(fault.clone()),
+                };
+                match fault {
+                    None if variant.settings == tight.settings => {
+                        return Finding::Undecided(Undecided::Sensitive);
+                    }
+                    None => return Finding::Right,
+                    Some(fault) => finding = Finding::Wrong(fault),
+                }
+            }
+        }
+        finding
+    }
+}
+
+/// By which part of that what depends on changes at tight tolerances is changed.
+const CLOSE: f64 = 1e-3;
+
+/// By how much the errors of single steps may add up in a run with a relative tolerance of 1e-6 where nothing damps them, as part of
+/// the size: by two tolerances a step.
+pub(super) fn added_up(run: &Run) -> f64 {
+    2e-6 * run.counts.accepted as f64
 }
 
 /// Runs a diagram; a fault where it is refused or fails.

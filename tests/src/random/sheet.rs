@@ -32,6 +32,13 @@ impl Sheet {
         format!("{name}.y")
     }
 
+    /// A sum of two signals; returns its output.
+    pub fn sum(&mut self, name: &str, signs: &str, from: [&str; 2]) -> String {
+        self.block(name, &format!("Sum(signs: \"{signs}\")"));
+        from.iter().zip(["u1", "u2"]).for_each(|(from, port)| self.signal(from, &format!("{name}.{port}")));
+        format!("{name}.y")
+    }
+
     /// A scope over outputs, each with the name of its input.
     pub fn scope(&mut self, name: &str, outputs: &[(String, String)]) {
         let inputs: Vec<String> = outputs.iter().map(|(input, _)| format!("\"{input}\"")).collect();

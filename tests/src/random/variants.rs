@@ -36,6 +36,12 @@ impl Variant {
         Variant { name: "default", ..Variant::default() }
     }
 
+    /// With tolerances a ten-thousandth of the usual ones, unless it names a method.
+    pub(super) fn tight(&self) -> Option<Variant> {
+        let settings = format!("{}, solver: Auto(rtol: 1e-10)", self.settings);
+        (!self.settings.contains("solver")).then(|| Variant { name: "close", settings, ..self.clone() })
+    }
+
     /// With settings behind the stop time.
     pub fn with(settings: &str) -> Variant {
         Variant { name: "given settings", settings: settings.to_owned(), ..Variant::default() }

@@ -45,8 +45,8 @@ impl Puzzle for Circuit {
         text::diagram(self, variant)
     }
 
-    fn refer(&self, effort: u32) -> Result<Outcome, Undecided> {
-        reference::refer(self, effort)
+    fn refer(&self, effort: u32, change: f64) -> Result<Outcome, Undecided> {
+        reference::refer(self, effort, change)
     }
 
     fn compare(&self, outcome: &Outcome, run: &Run) -> Option<Fault> {

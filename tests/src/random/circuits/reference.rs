@@ -12,6 +12,8 @@ const FINER: f64 = 8.0;
 const CHANGE: f64 = 1e-5;
 /// By how much a run at default settings may be off, as part of the size of what is alike.
 const SLACK: f64 = 5e-4;
+/// The same where the errors of many steps add up: of what is hardly damped.
+pub(super) const MOST: f64 = 5.0 * SLACK;
 
 /// Values at the times that are compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,11 +26,12 @@ pub struct Outcome {
     pub rows: Vec<Vec<f64>>,
     /// By how much each may be off, at any time.
     pub slack: Vec<f64>,
-    sizes: Vec<f64>,
+    /// How large what is alike is.
+    pub sizes: Vec<f64>,
 }
 
 /// What comes out, or why nobody knows.
-pub(super) fn refer(circuit: &Circuit, effort: u32) -> Result<Outcome, Undecided> {
+pub(super) fn refer(circuit: &Circuit, effort: u32, change: f64) -> Result<Outcome, Undecided> {
     let step = STEP / FINER.powi(effort as i32);
     let exact = vec![0.0; circuit.branches.len()];
     let coarse = walk(circuit, step, &exact)?;
@@ -40,15 +43,14 @@ pub(super) fn refer(circuit: &Circuit, effort: u32) -> Result<Outcome, Undecided
             slack.iter_mut().zip(off).for_each(|(slack, off)| *slack = slack.max(off));
         }
     };
-    let known =
-        |slack: &[f64]| slack.iter().zip(&fine.sizes).all(|(slack, size)| *slack <= 5.0 * SLACK * size);
+    let known = |slack: &[f64]| slack.iter().zip(&fine.sizes).all(|(slack, size)| *slack <= MOST * size);
     widen(&mut slack, &fine, &coarse, 2.0);
     if !known(&slack) {
         return Err(Undecided::Coarse);
     }
     for seed in [1, 2] {
         let mut dice = Dice::new(seed);
-        let changes: Vec<f64> = exact.iter().map(|_| CHANGE * (2.0 * dice.unit() - 1.0)).collect();
+        let changes: Vec<f64> = exact.iter().map(|_| change * CHANGE * (2.0 * dice.unit() - 1.0)).collect();
         let other = walk(circuit, step, &changes)?;
         widen(&mut slack, &coarse, &other, 5.0);
     }

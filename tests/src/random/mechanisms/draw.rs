@@ -7,7 +7,25 @@ pub(super) fn draw(seed: u64) -> Mechanisms {
     let mut dice = Dice::new(seed ^ 0xBA12);
     let stop = dice.one_of(&[0.5, 1.0, 2.0]);
     let many = dice.one_of(&[1, 1, 1, 2, 3]);
-    Mechanisms { all: (0..many).map(|_| one(&mut dice, stop)).collect(), stop }
+    let mut all: Vec<Mechanism> = (0..many).map(|_| one(&mut dice, stop)).collect();
+    let mut dice = Dice::new(seed ^ 0xC027);
+    for one in &mut all {
+        let size = if matches!(one, Mechanism::Chain { .. }) { 2.0 } else { 1.0 };
+        if let Some(drive) = one.drive().filter(|_| dice.chance(0.3)) {
+            *drive = controller(&mut dice, size);
+        }
+    }
+    Mechanisms { all, stop }
+}
+
+fn controller(dice: &mut Dice, size: f64) -> Drive {
+    Drive::Sampled {
+        ts: dice.one_of(&[1e-3, 2e-3, 5e-3, 0.01, 0.02]),
+        target: dice.number(-2.0, 2.0),
+        kp: rounded(size * dice.decades(0.3, 10.0)),
+        kd: rounded(size * dice.decades(0.01, 0.1)),
+        limit: rounded(size * dice.decades(0.3, 5.0)),
+    }
 }
 
 fn one(dice: &mut Dice, stop: f64) -> Mechanism {

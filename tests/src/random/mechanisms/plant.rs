@@ -3,19 +3,27 @@
 use super::jet::Jet;
 use super::{Bar, Drive, GRAVITY, Joint, Limit, Mechanism};
 
+/// A value for each coordinate, or each joint: the first of them count.
+pub(super) type Values = [f64; MOST];
+/// Coordinates and joints of a mechanism, at most.
+pub(super) const MOST: usize = 4;
+
 /// What holds at a point of the motion: M q'' = f - G' r, where the joints j move with G_j q' and accelerate with
 /// G_j q'' + g_j, and r are the dry frictions.
+#[derive(Default)]
 pub(super) struct Point {
-    pub mass: Vec<Vec<f64>>,
-    pub force: Vec<f64>,
-    pub rows: Vec<Vec<f64>>,
-    pub drift: Vec<f64>,
+    pub mass: [Values; MOST],
+    pub force: Values,
+    pub rows: [Values; MOST],
+    pub drift: Values,
 }
 
 impl Drive {
-    fn at(self, t: f64) -> f64 {
+    /// The torque, of which a controller holds the last one.
+    fn at(self, t: f64, held: f64) -> f64 {
         match self {
             Drive::None => 0.0,
+            Drive::Sampled { .. } => held,
             Drive::Constant(torque) => torque,
             Drive::Step { time, after } => after * f64::from(t >= time),
             Drive::Sine { amplitude, frequency } => amplitude * (std::f64::consts::TAU * frequency * t).sin(),
@@ -74,13 +82,13 @@ impl Mechanism {
         }
     }
 
-    /// When the drive jumps.
-    pub(super) fn jump(&self) -> Option<f64> {
+    /// The drive of the first joint.
+    pub(super) fn driven(&self) -> Drive {
         match self {
-            Mechanism::Chain { drive: Drive::Step { time, .. }, .. }
-            | Mechanism::Slider { drive: Drive::Step { time, .. }, .. }
-            | Mechanism::FourBar { drive: Drive::Step { time, .. }, .. } => Some(*time),
-            _ => None,
+            Mechanism::Chain { drive, .. }
+            | Mechanism::Slider { drive, .. }
+            | Mechanism::FourBar { drive, .. } => *drive,
+            Mechanism::Ball { .. } => Drive::None,
         }
     }
 
@@ -108,10 +116,12 @@ impl Mechanism {
         }
     }
 
-    pub(super) fn point(&self, t: f64, q: &[f64], w: &[f64]) -> Point {
+    /// The equations at a time and a place, with what a controller holds.
+    pub(super) fn point(&self, t: f64, held: f64, q: &[f64], w: &[f64]) -> Point {
+        let torque = self.driven().at(t, held);
         match self {
-            Mechanism::Chain { bars, joints, drive, .. } => chain(bars, joints, drive.at(t), q, w),
-            Mechanism::Slider { crank, rod, piston, joints, drive, .. } => {
+            Mechanism::Chain { bars, joints, .. } => chain(bars, joints, torque, q, w),
+            Mechanism::Slider { crank, rod, piston, joints, .. } => {
                 let at = Jet(q[0], 1.0, 0.0);
                 let x = place(crank, rod, q[0]);
                 let r = Jet::constant(crank.length);
@@ -125,9 +135,9 @@ impl Mechanism {
                     (rod.mass, rod.inertia, centre.0, centre.1, turn),
                     (*piston, 0.0, x, Jet::constant(0.0), Jet::constant(0.0)),
                 ];
-                turned(&parts, joints, [at, x], drive.at(t), w[0])
+                turned(&parts, joints, [at, x], torque, w[0])
             }
-            Mechanism::FourBar { bars, ground, joints, drive, .. } => {
+            Mechanism::FourBar { bars, ground, joints, .. } => {
                 let [crank, coupler, rocker] = bars;
                 let at = Jet(q[0], 1.0, 0.0);
                 let (coupled, swung) = linkage(bars, *ground, q[0]);
@@ -142,19 +152,17 @@ impl Mechanism {
                     (coupler.mass, coupler.inertia, r * at.cos() + far.0, r * at.sin() + far.1, coupled),
                     (rocker.mass, rocker.inertia, Jet::constant(*ground) + side.0, side.1, swung),
                 ];
-                turned(&parts, joints, [at, swung], drive.at(t), w[0])
+                turned(&parts, joints, [at, swung], torque, w[0])
             }
             Mechanism::Ball { mass, tilt, stiffness, damping, width, friction, slow, .. } => {
                 let contact = Limit { at: 0.0, stiffness: *stiffness, damping: *damping, width: *width };
                 let push = contact.push(-q[1], -w[1]);
                 let (s, c) = tilt.sin_cos();
                 let rub = friction * push * (w[0] / slow).tanh();
-                Point {
-                    mass: vec![vec![*mass, 0.0], vec![0.0, *mass]],
-                    force: vec![mass * GRAVITY * s - rub, push - mass * GRAVITY * c],
-                    rows: Vec::new(),
-                    drift: Vec::new(),
-                }
+                let mut point = Point::default();
+                (point.mass[0][0], point.mass[1][1]) = (*mass, *mass);
+                (point.force[0], point.force[1]) = (mass * GRAVITY * s - rub, push - mass * GRAVITY * c);
+                point
             }
         }
     }
@@ -198,30 +206,31 @@ fn turned(
     for (joint, place) in joints.iter().zip(places) {
         force += place.1 * joint.force(place.0, place.1 * w);
     }
-    Point {
-        mass: vec![vec![inertia]],
-        force: vec![force - slope * w * w],
-        rows: places.iter().map(|place| vec![place.1]).collect(),
-        drift: places.iter().map(|place| place.2 * w * w).collect(),
+    let mut point = Point::default();
+    point.mass[0][0] = inertia;
+    point.force[0] = force - slope * w * w;
+    for (k, place) in places.iter().enumerate() {
+        (point.rows[k][0], point.drift[k]) = (place.1, place.2 * w * w);
     }
+    point
 }
 
 /// Bars on each other, with absolute angles from straight down.
 fn chain(bars: &[Bar], joints: &[Joint], torque: f64, q: &[f64], w: &[f64]) -> Point {
     let n = bars.len();
     let arm = |k: usize, i: usize| if i < k { bars[i].length } else { bars[i].centre };
-    let mut mass = vec![vec![0.0; n]; n];
-    let mut force = vec![0.0; n];
+    let turns: Vec<(f64, f64)> = q.iter().map(|q| q.sin_cos()).collect();
+    let Point { mut mass, mut force, mut rows, drift } = Point::default();
     for i in 0..n {
-        for j in 0..n {
+        let (si, ci) = turns[i];
+        for (j, (sj, cj)) in turns.iter().enumerate() {
             let moved: f64 = (i.max(j)..n).map(|k| bars[k].mass * arm(k, i) * arm(k, j)).sum();
-            mass[i][j] = moved * (q[i] - q[j]).cos();
-            force[i] -= moved * (q[i] - q[j]).sin() * w[j] * w[j];
+            mass[i][j] = moved * (ci * cj + si * sj);
+            force[i] -= moved * (si * cj - ci * sj) * w[j] * w[j];
         }
         mass[i][i] += bars[i].inertia;
-        force[i] -= GRAVITY * q[i].sin() * (i..n).map(|k| bars[k].mass * arm(k, i)).sum::<f64>();
+        force[i] -= GRAVITY * si * (i..n).map(|k| bars[k].mass * arm(k, i)).sum::<f64>();
     }
-    let mut rows = vec![vec![0.0; n]; n];
     for i in 0..n {
         rows[i][i] = 1.0;
         let (mut angle, mut speed) = (q[i], w[i]);
@@ -236,5 +245,5 @@ fn chain(bars: &[Bar], joints: &[Joint], torque: f64, q: &[f64], w: &[f64]) -> P
             force[i - 1] -= acts;
         }
     }
-    Point { mass, force, rows, drift: vec![0.0; n] }
+    Point { mass, force, rows, drift }
 }

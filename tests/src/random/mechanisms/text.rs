@@ -63,6 +63,20 @@ impl Sheet {
             Drive::Sine { amplitude, frequency } => {
                 format!("Sine(amplitude: \"{amplitude:?} N*m\", frequency: \"{frequency:?} Hz\")")
             }
+            Drive::Sampled { ts, target, kp, kd, limit } => {
+                let hold = format!("ZeroOrderHold(ts: \"{ts:?} s\")");
+                let angle = self.behind(&format!("{joint}.q"), &format!("angle{i}"), &hold);
+                let speed = self.behind(&format!("{joint}.w"), &format!("speed{i}"), &hold);
+                self.block(&format!("target{i}"), &format!("Constant(value: \"{target:?} rad\")"));
+                let missing = self.sum(&format!("missing{i}"), "+-", [&format!("target{i}.y"), &angle]);
+                let push = format!("Gain(k: \"{kp:?} N*m/rad\")");
+                let push = self.behind(&missing, &format!("push{i}"), &push);
+                let brake = format!("Gain(k: \"{kd:?} N*m*s/rad\")");
+                let brake = self.behind(&speed, &format!("brake{i}"), &brake);
+                let wanted = self.sum(&format!("wanted{i}"), "+-", [&push, &brake]);
+                self.signal(&wanted, &format!("drive{i}.u"));
+                format!("Saturation(lower: \"{:?} N*m\", upper: \"{limit:?} N*m\")", -limit)
+            }
         };
         self.block(&format!("drive{i}"), &text);
         self.wire(&format!("drive{i}.y -> {joint}.torque"));

@@ -3,12 +3,14 @@
 
 use super::super::dice::Dice;
 use super::super::puzzle::Undecided;
-use super::Mechanism;
-use super::plant::Point;
+use super::plant::{MOST, Point, Values};
+use super::{Drive, Mechanism};
 
 /// Steps of the coarse run at the least effort, and by how much there are more at the next.
-const STEPS: usize = 10_000;
+const STEPS: usize = 2_500;
 const FINER: usize = 4;
+/// Long steps are believed where both runs differ by no more than this part of the slack. Shorter ones may widen it.
+const AGREES: f64 = 0.05;
 /// Forces and speeds at the start are changed by this part to see what depends on them.
 const CHANGE: f64 = 1e-5;
 
@@ -21,15 +23,28 @@ pub struct Ends {
 }
 
 impl Ends {
+    /// A part of the size of the motion.
+    pub fn part(&self, k: usize, part: f64) -> f64 {
+        part * (self.sizes[k] + 1e-3)
+    }
+
     /// The same with more slack, as part of the size of the motion.
     pub fn at_least(mut self, slack: f64) -> Ends {
-        self.slack.iter_mut().zip(&self.sizes).for_each(|(own, size)| *own = own.max(slack * (size + 1e-3)));
+        for k in 0..self.slack.len() {
+            self.slack[k] = self.slack[k].max(self.part(k, slack));
+        }
         self
     }
 }
 
 /// What comes out, or why nobody knows.
-pub(super) fn refer(one: &Mechanism, stop: f64, slack: f64, effort: u32) -> Result<Ends, Undecided> {
+pub(super) fn refer(
+    one: &Mechanism,
+    stop: f64,
+    slack: f64,
+    effort: u32,
+    change: f64,
+) -> Result<Ends, Undecided> {
     let steps = STEPS * FINER.pow(effort);
     let exact = [1.0; 3];
     let coarse = Walk::new(one, exact).finish(stop, steps)?;
@@ -45,12 +60,14 @@ pub(super) fn refer(one: &Mechanism, stop: f64, slack: f64, effort: u32) -> Resu
     let mut sharp =
         Ends { values: fine.values.clone(), slack: fine.slack.clone(), sizes: fine.sizes.clone() };
     widen(&mut sharp, &fine, &coarse, 2.0);
-    if !known(&sharp) {
+    let mut differences = fine.values.iter().zip(&coarse.values).map(|(a, b)| (a - b).abs());
+    let agrees = differences.by_ref().zip(&fine.slack).all(|(off, slack)| off <= AGREES * slack);
+    if !known(&sharp) || effort == 0 && !agrees {
         return Err(Undecided::Coarse);
     }
     for seed in [1, 2] {
         let mut dice = Dice::new(seed);
-        let changes = std::array::from_fn(|_| 1.0 + CHANGE * (2.0 * dice.unit() - 1.0));
+        let changes = std::array::from_fn(|_| 1.0 + change * CHANGE * (2.0 * dice.unit() - 1.0));
         let other = Walk::new(one, changes).finish(stop, steps).map_err(|_| Undecided::Sensitive)?;
         widen(&mut sharp, &coarse, &other, 5.0);
     }
@@ -59,40 +76,81 @@ pub(super) fn refer(one: &Mechanism, stop: f64, slack: f64, effort: u32) -> Resu
 
 struct Walk<'a> {
     one: &'a Mechanism,
-    frictions: Vec<f64>,
+    /// Numbers of coordinates and of joints.
+    n: usize,
+    joints: usize,
+    frictions: Values,
     /// Changes of forces other than friction, of frictions, of speeds at the start.
     changes: [f64; 3],
     /// Sign of the sliding of each joint; zero sticks.
-    signs: Vec<f64>,
+    signs: Values,
+    /// What a controller holds, and the number of its next sample.
+    held: f64,
+    samples: u32,
     t: f64,
-    q: Vec<f64>,
-    w: Vec<f64>,
+    q: Values,
+    w: Values,
+}
+
+fn padded(values: &[f64]) -> Values {
+    std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0))
+}
+
+fn dot(a: &Values, b: &Values) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl<'a> Walk<'a> {
     fn new(one: &'a Mechanism, changes: [f64; 3]) -> Self {
-        let (q, mut w) = one.start();
-        w.iter_mut().for_each(|w| *w *= changes[2]);
-        let frictions: Vec<f64> = one.frictions().iter().map(|force| changes[1] * force).collect();
-        let mut walk = Walk { one, signs: vec![0.0; frictions.len()], frictions, changes, t: 0.0, q, w };
-        let speeds = walk.speeds();
-        walk.signs = speeds.iter().map(|w| if *w == 0.0 { 0.0 } else { w.signum() }).collect();
+        let (q, w) = one.start();
+        let frictions = one.frictions();
+        let mut walk = Walk {
+            one,
+            n: q.len(),
+            joints: frictions.len(),
+            signs: [0.0; MOST],
+            frictions: padded(&frictions).map(|force| changes[1] * force),
+            changes,
+            held: 0.0,
+            samples: 0,
+            t: 0.0,
+            q: padded(&q),
+            w: padded(&w).map(|w| changes[2] * w),
+        };
+        walk.signs = walk.speeds(&walk.here(), &walk.w).map(|w| if w == 0.0 { 0.0 } else { w.signum() });
+        walk.plan();
         walk.choose();
         walk
     }
 
+    /// Takes a sample where one is due; returns when the torque jumps next.
+    fn plan(&mut self) -> f64 {
+        match self.one.driven() {
+            Drive::Step { time, .. } if time > self.t + 1e-12 => time,
+            Drive::Sampled { ts, target, kp, kd, limit } => {
+                if f64::from(self.samples) * ts <= self.t + 1e-12 {
+                    self.held = (kp * (target - self.q[0]) - kd * self.w[0]).clamp(-limit, limit);
+                    self.samples += 1;
+                }
+                f64::from(self.samples) * ts
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
     fn finish(mut self, stop: f64, steps: usize) -> Result<Ends, Undecided> {
         let h = stop / steps as f64;
-        let mut sizes = vec![0.0_f64; self.one.shown(&self.q, &self.w).len()];
+        let mut sizes = vec![0.0_f64; self.shown().len()];
         let mut changes = 0;
-        let jump = self.one.jump().unwrap_or(f64::INFINITY);
+        let mut jump = self.plan();
         while self.t < stop - 1e-9 * h {
             let grid = ((self.t / h + 1e-6).floor() + 1.0) * h;
-            let end = if jump > self.t + 1e-12 { grid.min(jump) } else { grid };
+            let end = grid.min(jump);
             let (q, w) = self.moved(end - self.t);
             if !self.contradicts(end, &q, &w) {
                 (self.t, self.q, self.w) = (end, q, w);
                 if end == jump {
+                    jump = self.plan();
                     self.choose();
                 }
             } else {
@@ -107,18 +165,21 @@ impl<'a> Walk<'a> {
                     if self.contradicts(self.t + middle, &q, &w) { far = middle } else { near = middle }
                 }
                 let (q, w) = self.moved(far);
-                let before = self.speeds();
+                let before = self.speeds(&self.here(), &self.w);
                 (self.t, self.q, self.w) = (self.t + far, q, w);
-                let now = self.speeds();
+                let now = self.speeds(&self.here(), &self.w);
                 for (k, sign) in self.signs.iter_mut().enumerate() {
                     // What has turned round may stick.
                     if *sign != 0.0 && *sign * now[k] <= 0.0 && (*sign * before[k] > 0.0 || now[k] == 0.0) {
                         *sign = 0.0;
                     }
                 }
+                if self.t >= jump {
+                    jump = self.plan();
+                }
                 self.choose();
             }
-            let shown = self.one.shown(&self.q, &self.w);
+            let shown = self.shown();
             for (size, value) in sizes.iter_mut().zip(&shown) {
                 *size = size.max(value.abs());
             }
@@ -127,42 +188,58 @@ impl<'a> Walk<'a> {
             }
         }
         // A place is known no better than what a speed does to it.
-        Ok(Ends { values: self.one.shown(&self.q, &self.w), slack: vec![0.0; sizes.len()], sizes })
+        Ok(Ends { values: self.shown(), slack: vec![0.0; sizes.len()], sizes })
+    }
+
+    fn shown(&self) -> Vec<f64> {
+        self.one.shown(&self.q[..self.n], &self.w[..self.n])
     }
 
     /// Speeds of the joints with friction.
-    fn speeds(&self) -> Vec<f64> {
-        let rows = self.one.point(self.t, &self.q, &self.w).rows;
-        let speed = |row: &Vec<f64>| row.iter().zip(&self.w).map(|(a, w)| a * w).sum::<f64>();
-        rows.iter().take(self.frictions.len()).map(speed).collect()
+    fn speeds(&self, point: &Point, w: &Values) -> Values {
+        std::array::from_fn(|k| if k < self.joints { dot(&point.rows[k], w) } else { 0.0 })
     }
 
-    fn point(&self, t: f64, q: &[f64], w: &[f64]) -> Point {
-        let mut point = self.one.point(t, q, w);
+    fn here(&self) -> Point {
+        self.point(self.t, &self.q, &self.w)
+    }
+
+    fn point(&self, t: f64, q: &Values, w: &Values) -> Point {
+        let mut point = self.one.point(t, self.held, &q[..self.n], &w[..self.n]);
         point.force.iter_mut().for_each(|force| *force *= self.changes[0]);
         point
     }
 
     /// Accelerations, and what friction each joint bears. What sticks stays as it is, within `bounds` if those are asked for.
-    fn solve(&self, point: &Point, bounded: bool) -> (Vec<f64>, Vec<f64>) {
-        let mut borne: Vec<f64> = self.signs.iter().zip(&self.frictions).map(|(sign, f)| sign * f).collect();
-        let columns: Vec<Vec<f64>> = point.rows.iter().map(|row| linear(&point.mass, row)).collect();
-        let mut a = linear(&point.mass, &point.force);
-        let push = |a: &mut Vec<f64>, k: usize, force: f64| {
+    fn solve(&self, point: &Point, bounded: bool) -> (Values, Values) {
+        let factor = Factor::of(&point.mass, self.n);
+        let columns = point.rows.map(|row| factor.solve(&row));
+        let mut borne: Values = std::array::from_fn(|k| self.signs[k] * self.frictions[k]);
+        let mut a = factor.solve(&point.force);
+        let push = |a: &mut Values, k: usize, force: f64| {
             a.iter_mut().zip(&columns[k]).for_each(|(a, c)| *a -= force * c);
         };
-        borne.iter().enumerate().for_each(|(k, force)| push(&mut a, k, *force));
+        (0..self.joints).for_each(|k| push(&mut a, k, borne[k]));
+        let sticks = |k: usize| k < self.joints && self.signs[k] == 0.0 && self.frictions[k] != 0.0;
+        if !(0..self.joints).any(sticks) {
+            return (a, borne);
+        }
+        // Where each can hold what it has to, that is all; where some cannot, they share what there is within their bounds.
+        let moves = |a: &Values, k: usize| dot(&point.rows[k], a) + point.drift[k];
+        let held = hold(point, &columns, std::array::from_fn(|k| sticks(k).then(|| moves(&a, k))));
+        if !bounded || (0..self.joints).all(|k| !sticks(k) || held[k].abs() < self.frictions[k]) {
+            for k in (0..self.joints).filter(|k| sticks(*k)) {
+                borne[k] = held[k];
+                push(&mut a, k, held[k]);
+            }
+            return (a, borne);
+        }
         for _ in 0..5000 {
             let mut most = 0.0_f64;
-            for k in 0..borne.len() {
-                if self.signs[k] != 0.0 || self.frictions[k] == 0.0 {
-                    continue;
-                }
-                let row = &point.rows[k];
-                let dot = |b: &[f64]| row.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-                let (moves, ease) = (dot(&a) + point.drift[k], dot(&columns[k]));
-                let limit = if bounded { self.frictions[k] } else { 1e3 * self.frictions[k] };
-                let next = (borne[k] + moves / ease.max(1e-12)).clamp(-limit, limit);
+            for k in (0..self.joints).filter(|k| sticks(*k)) {
+                let ease = dot(&point.rows[k], &columns[k]);
+                let limit = self.frictions[k];
+                let next = (borne[k] + moves(&a, k) / ease.max(1e-12)).clamp(-limit, limit);
                 let change = next - borne[k];
                 borne[k] = next;
                 push(&mut a, k, change);
@@ -177,47 +254,47 @@ impl<'a> Walk<'a> {
 
     /// Which of the joints that stand begin to slide.
     fn choose(&mut self) {
-        let point = self.point(self.t, &self.q, &self.w);
+        let point = self.here();
         let (a, borne) = self.solve(&point, true);
-        for (k, sign) in self.signs.iter_mut().enumerate() {
-            if *sign == 0.0 && (self.frictions[k] == 0.0 || borne[k].abs() >= self.frictions[k]) {
-                let moves = point.rows[k].iter().zip(&a).map(|(a, b)| a * b).sum::<f64>() + point.drift[k];
-                *sign = if moves == 0.0 { borne[k].signum() } else { moves.signum() };
+        for k in 0..self.joints {
+            let moves = dot(&point.rows[k], &a) + point.drift[k];
+            // Of several that hold the same, one may bear all that it can and not move.
+            if self.signs[k] == 0.0 && (self.frictions[k] == 0.0 || self.yields(k, borne[k], moves)) {
+                self.signs[k] = if moves == 0.0 { borne[k].signum() } else { moves.signum() };
             }
         }
     }
 
     /// Whether at a point a joint slides against its sign, or one that sticks bears too much.
-    fn contradicts(&self, t: f64, q: &[f64], w: &[f64]) -> bool {
+    fn contradicts(&self, t: f64, q: &Values, w: &Values) -> bool {
         if self.frictions.iter().all(|force| *force == 0.0) {
             return false;
         }
         let point = self.point(t, q, w);
-        let turned = (0..self.signs.len()).any(|k| {
-            let speed: f64 = point.rows[k].iter().zip(w).map(|(a, w)| a * w).sum();
-            self.frictions[k] != 0.0 && self.signs[k] * speed < 0.0
-        });
-        if turned || !self.sticks() {
+        let speeds = self.speeds(&point, w);
+        let turned = (0..self.joints).any(|k| self.frictions[k] != 0.0 && self.signs[k] * speeds[k] < 0.0);
+        let sticks = (0..self.joints).any(|k| self.signs[k] == 0.0 && self.frictions[k] > 0.0);
+        if turned || !sticks {
             return turned;
         }
         // Where several hold the same, they share within their bounds; too much is what then still moves.
         let (a, borne) = self.solve(&point, true);
-        (0..self.signs.len()).any(|k| {
-            let moves = point.rows[k].iter().zip(&a).map(|(a, b)| a * b).sum::<f64>() + point.drift[k];
-            self.signs[k] == 0.0 && borne[k].abs() >= self.frictions[k] && borne[k] * moves > 1e-9
+        (0..self.joints).any(|k| {
+            let moves = dot(&point.rows[k], &a) + point.drift[k];
+            self.signs[k] == 0.0 && self.yields(k, borne[k], moves)
         })
     }
 
-    fn sticks(&self) -> bool {
-        self.signs.iter().zip(&self.frictions).any(|(sign, force)| *sign == 0.0 && *force > 0.0)
+    /// Whether a joint moves though it bears all that it can.
+    fn yields(&self, k: usize, borne: f64, moves: f64) -> bool {
+        borne.abs() >= self.frictions[k] && borne * moves > 1e-9
     }
 
     /// Places and speeds a little later, by the classical Runge-Kutta method.
-    fn moved(&self, h: f64) -> (Vec<f64>, Vec<f64>) {
-        let n = self.q.len();
-        let slope = |share: f64, before: Option<&(Vec<f64>, Vec<f64>)>| {
-            let at = |from: &[f64], k: Option<&Vec<f64>>| -> Vec<f64> {
-                (0..n).map(|i| from[i] + k.map_or(0.0, |k| share * h * k[i])).collect()
+    fn moved(&self, h: f64) -> (Values, Values) {
+        let slope = |share: f64, before: Option<&(Values, Values)>| -> (Values, Values) {
+            let at = |from: &Values, k: Option<&Values>| -> Values {
+                std::array::from_fn(|i| from[i] + k.map_or(0.0, |k| share * h * k[i]))
             };
             let q = at(&self.q, before.map(|k| &k.0));
             let w = at(&self.w, before.map(|k| &k.1));
@@ -230,30 +307,75 @@ impl<'a> Walk<'a> {
         let k2 = slope(0.5, Some(&k1));
         let k3 = slope(0.5, Some(&k2));
         let k4 = slope(1.0, Some(&k3));
-        let sum = |from: &[f64], k: [&Vec<f64>; 4]| -> Vec<f64> {
-            (0..n).map(|i| from[i] + h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i])).collect()
+        let sum = |from: &Values, k: [&Values; 4]| -> Values {
+            std::array::from_fn(|i| from[i] + h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]))
         };
         (sum(&self.q, [&k1.0, &k2.0, &k3.0, &k4.0]), sum(&self.w, [&k1.1, &k2.1, &k3.1, &k4.1]))
     }
 }
 
-/// Solves a few linear equations by elimination; the matrix is positive definite.
-fn linear(matrix: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
-    let n = right.len();
-    let (mut a, mut x) = (matrix.to_vec(), right.to_vec());
-    for i in 0..n {
-        for j in i + 1..n {
-            let factor = a[j][i] / a[i][i];
-            let upper = a[i].clone();
-            a[j].iter_mut().zip(&upper).skip(i).for_each(|(below, above)| *below -= factor * above);
-            x[j] -= factor * x[i];
+/// The frictions that keep joints from moving, from what they would accelerate with without; nothing of the others. Where one holds
+/// what others hold already, it bears nothing.
+fn hold(point: &Point, columns: &[Values; MOST], moves: [Option<f64>; MOST]) -> Values {
+    let sticks: Vec<usize> = (0..MOST).filter(|k| moves[*k].is_some()).collect();
+    let mut rows: Vec<(usize, Values, f64)> = Vec::new();
+    for &k in &sticks {
+        // Row k of the effect of all on all, less what the rows before it say.
+        let mut row: Values = std::array::from_fn(|j| dot(&point.rows[k], &columns[j]));
+        let (mut right, whole) = (moves[k].unwrap_or(0.0), row[k]);
+        for (pivot, above, value) in &rows {
+            let factor = row[*pivot] / above[*pivot];
+            row.iter_mut().zip(above).for_each(|(row, above)| *row -= factor * above);
+            right -= factor * value;
+        }
+        if row[k] > 1e-10 * whole {
+            rows.push((k, row, right));
         }
     }
-    for i in (0..n).rev() {
-        for k in i + 1..n {
-            x[i] -= a[i][k] * x[k];
-        }
-        x[i] /= a[i][i];
+    let mut borne = [0.0; MOST];
+    for (pivot, row, right) in rows.iter().rev() {
+        let later: f64 = rows.iter().filter(|(k, ..)| k > pivot).map(|(k, ..)| row[*k] * borne[*k]).sum();
+        borne[*pivot] = (right - later) / row[*pivot];
     }
-    x
+    borne
+}
+
+/// A positive definite matrix as L D L'.
+struct Factor {
+    n: usize,
+    lower: [Values; MOST],
+}
+
+impl Factor {
+    fn of(matrix: &[Values; MOST], n: usize) -> Factor {
+        let mut lower = *matrix;
+        for j in 0..n {
+            for k in 0..j {
+                lower[j][j] -= lower[j][k] * lower[j][k] * lower[k][k];
+            }
+            for i in j + 1..n {
+                for k in 0..j {
+                    lower[i][j] -= lower[i][k] * lower[j][k] * lower[k][k];
+                }
+                lower[i][j] /= lower[j][j];
+            }
+        }
+        Factor { n, lower }
+    }
+
+    fn solve(&self, right: &Values) -> Values {
+        let mut x = *right;
+        for i in 0..self.n {
+            for k in 0..i {
+                x[i] -= self.lower[i][k] * x[k];
+            }
+        }
+        for i in (0..self.n).rev() {
+            x[i] /= self.lower[i][i];
+            for k in i + 1..self.n {
+                x[i] -= self.lower[k][i] * x[k];
+            }
+        }
+        x
+    }
 }

@@ -143,8 +143,8 @@ impl Puzzle for Sampled {
     }
 
     /// Its plants are exact whatever the effort.
-    fn refer(&self, _effort: u32) -> Result<Vec<Outcome>, Undecided> {
-        self.loops.iter().map(|one| refer(one, self.stop, SLACK)).collect()
+    fn refer(&self, _effort: u32, change: f64) -> Result<Vec<Outcome>, Undecided> {
+        self.loops.iter().map(|one| refer(one, self.stop, SLACK, change)).collect()
     }
 
     fn compare(&self, outcomes: &Vec<Outcome>, run: &Run) -> Option<Fault> {

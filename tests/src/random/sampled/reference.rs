@@ -51,10 +51,11 @@ impl Outcome {
 }
 
 /// What comes out, or why nobody knows.
-pub(super) fn refer(one: &Loop, stop: f64, slack: f64) -> Result<Outcome, Undecided> {
+pub(super) fn refer(one: &Loop, stop: f64, slack: f64, change: f64) -> Result<Outcome, Undecided> {
+    let change = change * CHANGE;
     let outcome = walk(one, stop, slack, None)?;
     for seed in [1, 2] {
-        let other = walk(one, stop, slack, Some((&outcome, seed)))?;
+        let other = walk(one, stop, slack, Some((&outcome, change, seed)))?;
         if outcome.differs(&other) {
             return Err(Undecided::Sensitive);
         }
@@ -91,10 +92,15 @@ impl Static {
     }
 }
 
-fn walk(one: &Loop, stop: f64, slack: f64, change: Option<(&Outcome, u64)>) -> Result<Outcome, Undecided> {
-    let mut dice = Dice::new(change.map_or(0, |(_, seed)| seed));
+fn walk(
+    one: &Loop,
+    stop: f64,
+    slack: f64,
+    change: Option<(&Outcome, f64, u64)>,
+) -> Result<Outcome, Undecided> {
+    let mut dice = Dice::new(change.map_or(0, |(.., seed)| seed));
     let mut changed = |value: f64, output: usize| {
-        let size = change.map_or(0.0, |(outcome, _)| CHANGE * (outcome.sizes[output] + 1e-3));
+        let size = change.map_or(0.0, |(outcome, part, _)| part * (outcome.sizes[output] + 1e-3));
         value + size * (2.0 * dice.unit() - 1.0)
     };
     let mut plant = Plant::new(one);

@@ -25,7 +25,7 @@ pub struct Outcome {
 }
 
 /// What comes out, or why nobody knows.
-pub(super) fn refer(shafts: &Shafts, effort: u32) -> Result<Outcome, Undecided> {
+pub(super) fn refer(shafts: &Shafts, effort: u32, change: f64) -> Result<Outcome, Undecided> {
     let step = STEP / FINER.powi(effort as i32);
     let exact = vec![0.0; shafts.torques.len() + shafts.joints.len()];
     let coarse = walk(shafts, step, &exact);
@@ -37,7 +37,7 @@ pub(super) fn refer(shafts: &Shafts, effort: u32) -> Result<Outcome, Undecided> 
     }
     for seed in [1, 2] {
         let mut dice = Dice::new(seed);
-        let changes: Vec<f64> = exact.iter().map(|_| CHANGE * (2.0 * dice.unit() - 1.0)).collect();
+        let changes: Vec<f64> = exact.iter().map(|_| change * CHANGE * (2.0 * dice.unit() - 1.0)).collect();
         fine.widen(&coarse, &walk(shafts, step, &changes).values, 5.0);
     }
     if fine.is_known() { Ok(fine) } else { Err(Undecided::Sensitive) }

@@ -34,8 +34,12 @@ use crate::Run;
 pub use model::Model as Signals;
 use reference::Outcome;
 
+/// Runs are not made shorter than this, s.
+const SHORTEST: f64 = 0.1;
+
 impl Puzzle for Signals {
     type Outcome = Outcome;
+    const EFFORT: u32 = 2;
 
     fn of(seed: u64) -> Self {
         generate::generate(seed)
@@ -45,8 +49,12 @@ impl Puzzle for Signals {
         text::diagram(self, variant)
     }
 
-    fn refer(&self, effort: u32) -> Result<Outcome, Undecided> {
-        reference::refer(self, effort)
+    fn refer(&self, effort: u32, change: f64) -> Result<Outcome, Undecided> {
+        reference::refer(self, effort, change)
+    }
+
+    fn shorter(&self) -> Option<Self> {
+        (self.stop > SHORTEST).then(|| Self { stop: 0.5 * self.stop, ..self.clone() })
     }
 
     fn compare(&self, outcome: &Outcome, run: &Run) -> Option<Fault> {

@@ -302,6 +302,13 @@ impl Model {
         }
     }
 
+    /// The signal that decides what a node does.
+    pub(super) fn watched(&self, node: usize) -> Option<usize> {
+        let Node { law, inputs, .. } = &self.nodes[node];
+        let port = usize::from(matches!(law, Law::Switch { .. } | Law::Integrator { reset: Some(_), .. }));
+        inputs.get(port).copied()
+    }
+
     /// Whether what sets an integrator back depends on its output at the same instant.
     fn resets_itself(&self, integrator: usize) -> bool {
         let mut seen = vec![false; self.nodes.len()];

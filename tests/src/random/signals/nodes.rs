@@ -39,7 +39,7 @@ impl Run<'_> {
                 }
                 continue;
             }
-            if instant && let Some(branch) = branch(law, t, &u, self.held[n], self.shifts[n]) {
+            if instant && let Some(branch) = branch(law, t, &u, self.held[n], self.shift(n)) {
                 self.held[n] = branch;
             }
             let place = self.place[n];
@@ -50,7 +50,8 @@ impl Run<'_> {
                 }
                 Law::Backlash { width, .. } => self.last[n].clamp(u[0] - 0.5 * width, u[0] + 0.5 * width),
                 Law::HitCrossing { at, edge } => {
-                    if instant && self.triggers[n].look(u[0] + self.shifts[n] - at, *edge) {
+                    let value = u[0] + self.shift(n) - at;
+                    if instant && self.triggers[n].look(value, *edge) {
                         self.counts[n] += 1.0;
                     }
                     self.counts[n]
@@ -78,7 +79,7 @@ impl Run<'_> {
                 Law::Pid(gains) => {
                     let (v, _) = gains.sum(u[0], self.x[place], self.x[place + 1]);
                     if instant {
-                        self.held[n] = gains.clamped(v + self.shifts[n], u[0], self.held[n], true);
+                        self.held[n] = gains.clamped(v + self.shift(n), u[0], self.held[n], true);
                     }
                     gains.limited(v)
                 }
@@ -101,7 +102,7 @@ impl Run<'_> {
     /// Sets an integrator back if its trigger says so; returns whether its state has changed.
     pub(super) fn set_back(&mut self, n: usize) -> bool {
         let Law::Integrator { x0, reset: Some(edge), .. } = self.model.nodes[n].law else { return false };
-        let value = self.y[self.model.nodes[n].inputs[1]] + self.shifts[n];
+        let value = self.y[self.model.nodes[n].inputs[1]] + self.shift(n);
         let place = self.place[n];
         let before = self.x[place];
         if self.triggers[n].look(value, edge) {

@@ -42,7 +42,16 @@ pub(super) struct Run<'a> {
     pub(super) events: usize,
     pub(super) last_event: f64,
     pub(super) last_instant: f64,
+    /// Whether two things have happened at nearly the same time.
+    pub(super) crowded: bool,
+    /// How many instants have been planned to come out of dead times.
+    pub(super) echoes: usize,
+    /// Nodes that watch a signal that stands at zero exactly, or has hardly left it.
+    pub(super) rests: Vec<bool>,
 }
+
+/// Instants that come out of dead times because slopes are limited, at most.
+const MOST_ECHOES: usize = 2000;
 
 fn has_steps(law: &Law) -> bool {
     matches!(law, Law::Compare { .. } | Law::Logic(_) | Law::Sign | Law::Relay { .. } | Law::Quantizer { .. })
@@ -103,6 +112,9 @@ impl<'a> Run<'a> {
             events: 0,
             last_event: -1.0,
             last_instant: -1.0,
+            crowded: false,
+            echoes: 0,
+            rests: vec![true; n],
         }
     }
 
@@ -126,6 +138,8 @@ impl<'a> Run<'a> {
             integral_sizes: self.model.probes.iter().map(|&p| self.sizes[p]).collect(),
             integrals: self.x[probes..].to_vec(),
             toggles: toggles.collect(),
+            others: Vec::new(),
+            crowded: self.crowded,
             ends: self.y,
             sizes: self.sizes,
         })
@@ -167,9 +181,7 @@ impl<'a> Run<'a> {
             self.accept(end);
             if planned {
                 // What changes exactly in the end may or may not be seen.
-                if (self.is_sampling(end) || end >= self.model.stop) && self.near_zero() {
-                    return Err(Undecided::Coincides);
-                }
+                self.crowded |= (self.is_sampling(end) || end >= self.model.stop) && self.near_zero();
                 return self.instant(false);
             }
             return self.look();
@@ -184,9 +196,7 @@ impl<'a> Run<'a> {
         self.events += 1;
         let first = self.last_event < 0.0 && right < SAME;
         let crowded = right - self.last_event < SAME || right - self.last_instant < SAME && !first;
-        if crowded || planned && end - right < SAME {
-            return Err(Undecided::Coincides);
-        }
+        self.crowded |= crowded || planned && end - right < SAME;
         if self.events > MOST_EVENTS {
             return Err(Undecided::Chatters);
         }
@@ -211,12 +221,25 @@ impl<'a> Run<'a> {
         })
     }
 
+    /// By how much what decides node `n` is off. No method is off where nothing has happened yet, or within a dead zone.
+    pub(super) fn shift(&self, n: usize) -> f64 {
+        if self.rests[n] { 0.0 } else { self.shifts[n] }
+    }
+
+    /// Notes which watched signals stand at zero.
+    fn note_rest(&mut self) {
+        for n in 0..self.model.nodes.len() {
+            let value = self.model.watched(n).map_or(0.0, |u| self.y[u]);
+            self.rests[n] = value == 0.0 || self.rests[n] && value.abs() < 10.0 * self.shifts[n].abs();
+        }
+    }
+
     fn scale(&self, n: usize) -> f64 {
         self.model.nodes[n].inputs.iter().map(|&u| self.sizes[u]).fold(1e-3, f64::max)
     }
 
     fn distances(&self, n: usize) -> [Option<f64>; 2] {
-        distances(&self.model.nodes[n].law, &self.inputs(n), self.held[n], self.shifts[n])
+        distances(&self.model.nodes[n].law, &self.inputs(n), self.held[n], self.shift(n))
     }
 
     pub(super) fn inputs(&self, n: usize) -> Vec<f64> {
@@ -231,8 +254,12 @@ impl<'a> Run<'a> {
         for n in 0..a.len() {
             for k in 0..2 {
                 let (Some(a), Some(b), Some(c)) = (a[n][k], b[n][k], c[n][k]) else { continue };
-                let turned = b.abs() <= a.abs() && b.abs() <= c.abs() && (a, b, c) != (0.0, 0.0, 0.0);
-                if turned && b.abs() < 1e-6 * self.scale(n) + 4.0 * (a - 2.0 * b + c).abs() {
+                let turned = b.abs() <= a.abs() && b.abs() <= c.abs() && a * b > 0.0 && b * c > 0.0;
+                // Between the steps it comes nearer to zero than at them: by what a parabola through them does.
+                let bend = a - 2.0 * b + c;
+                let nearest = b - (a - c) * (a - c) / (8.0 * bend);
+                let beyond = nearest * b.signum() < 1e-9 * self.scale(n) + 0.1 * bend.abs();
+                if turned && bend != 0.0 && beyond {
                     return Err(Undecided::Grazes);
                 }
             }
@@ -281,6 +308,7 @@ impl<'a> Run<'a> {
     /// Keeps the step.
     fn accept(&mut self, end: f64) {
         self.t = end;
+        self.note_rest();
         for n in 0..self.model.nodes.len() {
             self.sizes[n] = self.sizes[n].max(self.y[n].abs());
             match self.model.nodes[n].law {
@@ -311,9 +339,9 @@ impl<'a> Run<'a> {
     fn trigger(&self, n: usize) -> Option<(f64, Edge)> {
         let node = &self.model.nodes[n];
         match node.law {
-            Law::HitCrossing { at, edge } => Some((self.y[node.inputs[0]] + self.shifts[n] - at, edge)),
+            Law::HitCrossing { at, edge } => Some((self.y[node.inputs[0]] + self.shift(n) - at, edge)),
             Law::Integrator { reset: Some(edge), .. } if !self.model.nodes[node.inputs[1]].boolean => {
-                Some((self.y[node.inputs[1]] + self.shifts[n], edge))
+                Some((self.y[node.inputs[1]] + self.shift(n), edge))
             }
             _ => None,
         }
@@ -322,7 +350,7 @@ impl<'a> Run<'a> {
     /// Whether some branch contradicts what decides it.
     fn turns(&self) -> bool {
         (0..self.model.nodes.len()).any(|n| {
-            let (u, shift) = (self.inputs(n), self.shifts[n]);
+            let (u, shift) = (self.inputs(n), self.shift(n));
             match &self.model.nodes[n].law {
                 Law::Step { .. } | Law::Pulse { .. } => false,
                 Law::HitCrossing { .. } | Law::Integrator { .. } => {
@@ -384,8 +412,10 @@ impl<'a> Run<'a> {
             match self.model.nodes[node].law {
                 Law::TransportDelay { delay, .. } => {
                     let u = self.y[self.model.nodes[node].inputs[0]];
-                    // What is there at the start comes out as a jump, too.
-                    if self.past[node].note(self.t, u) || first {
+                    // What is there at the start comes out as a jump, too. Where slopes are limited, no kink may lie within a step.
+                    let echoes = self.limits_slopes && self.echoes < MOST_ECHOES;
+                    if self.past[node].note(self.t, u) || first || echoes {
+                        self.echoes += usize::from(echoes);
                         self.jumps.push(self.t + delay);
                     }
                 }
@@ -397,6 +427,7 @@ impl<'a> Run<'a> {
         due.iter().for_each(|&node| self.remember(node));
         due.iter().for_each(|&node| self.hits[node] += 1);
         self.jumps.retain(|&time| time > self.t);
+        self.note_rest();
         self.watched.clear();
         self.last_instant = self.t;
         Ok(())
