@@ -256,11 +256,11 @@ impl<'a> Walk<'a> {
     fn choose(&mut self) {
         let point = self.here();
         let (a, borne) = self.solve(&point, true);
-        for k in 0..self.joints {
+        for (k, borne) in borne.iter().enumerate().take(self.joints) {
             let moves = dot(&point.rows[k], &a) + point.drift[k];
             // Of several that hold the same, one may bear all that it can and not move.
-            if self.signs[k] == 0.0 && (self.frictions[k] == 0.0 || self.yields(k, borne[k], moves)) {
-                self.signs[k] = if moves == 0.0 { borne[k].signum() } else { moves.signum() };
+            if self.signs[k] == 0.0 && (self.frictions[k] == 0.0 || self.yields(k, *borne, moves)) {
+                self.signs[k] = if moves == 0.0 { borne.signum() } else { moves.signum() };
             }
         }
     }
