@@ -153,7 +153,7 @@ impl Tracking<'_> {
             None => {
                 let errors =
                     time.iter().zip(set.iter().zip(&actual)).map(|(t, (set, actual))| (t, set - actual));
-                let (t, error) = errors.filter(|(_, error)| error.is_finite()).last()?;
+                let (t, error) = errors.rev().find(|(_, error)| error.is_finite())?;
                 (error.abs(), *t, error)
             }
         };
