@@ -168,12 +168,6 @@ pub trait Puzzle: Sized + Clone + Debug + PartialEq {
 /// By which part of that what depends on changes at tight tolerances is changed.
 const CLOSE: f64 = 1e-3;
 
-/// By how much the errors of single steps may add up in a run with a relative tolerance of 1e-6 where nothing damps them, as part of
-/// the size: by two tolerances a step.
-pub(super) fn added_up(run: &Run) -> f64 {
-    2e-6 * run.counts.accepted as f64
-}
-
 /// Runs a diagram; a fault where it is refused or fails.
 pub(super) fn by_engine(text: &str) -> Result<Run, Fault> {
     let (compiled, problems) = compile_text(text);

@@ -228,8 +228,8 @@ fn run_up_text(inertia: &str, carrier: &str, integration: &str) -> String {
 
 const TIGHT: &str = "Ode45(rtol: 1e-9, atol: 1e-9)";
 
-/// With a method of fixed step, which leaves coupling steps as they are: largest error of the speed at instants that belong to all of them (1 ms, 0.5 ms, 0.25 ms) in parts of the speed, of a
-/// rotor with this load.
+/// Largest error of the speed at instants that belong to all coupling steps (1 ms, 0.5 ms, 0.25 ms) in parts of the speed, of a
+/// rotor with this load, with a method of fixed step, which leaves coupling steps as they are.
 fn coupling_errors(load: &str, carrier: &str, periods: [u32; 3]) -> [f64; 3] {
     let wired = if load.contains("load") { "\"rotor.r <-> load.r\", \"load.c <-> far.r\", " } else { "" };
     let run = |integration: &str, solver: Option<&str>| {
@@ -358,14 +358,20 @@ fn a_coupling_that_cannot_keep_the_tolerance_is_told() {
 /// Errors are those of whole coupling steps, with a method of fixed step.
 #[test]
 fn a_coupling_that_misses_the_tolerance_is_told_with_its_error() {
-    for (inertia, carrier, damping, periods) in
-        [("1e-4 kg*m^2", "8 kHz", "0.05 N*m*s/rad", 8), ("1e-4 kg*m^2", "2 kHz", "0.05 N*m*s/rad", 1)]
-    {
+    let heavy = [8, 2, 1].map(|periods| ("0.01 kg*m^2", "8 kHz", "1 N*m*s/rad", periods));
+    let light =
+        [("1e-4 kg*m^2", "8 kHz", "0.05 N*m*s/rad", 8), ("1e-4 kg*m^2", "2 kHz", "0.05 N*m*s/rad", 1)];
+    for (inertia, carrier, damping, periods) in heavy.into_iter().chain(light) {
         let exact = run_text(&damped_text(inertia, carrier, damping, "Together"));
         assert_eq!(warned(&exact), None);
         let separate = damped_text(inertia, carrier, damping, &format!("Separate(periods: {periods})"));
         let run = run_text(&separate.replace(TIGHT, "Ode4(step: \"25 us\")"));
         let error = speeds_apart(&run, &exact);
+        if inertia == heavy[0].0 {
+            // A tolerance that is kept is not talked about.
+            assert!(error < 1e-3 && warned(&run).is_none(), "{error}, {periods} periods");
+            continue;
+        }
         let told = warned(&run).expect("a tolerance of 1e-3 is missed");
         assert!((0.2 * error..5.0 * error).contains(&told), "{told} is told of {error}, {periods} periods");
     }

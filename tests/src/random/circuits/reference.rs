@@ -12,8 +12,6 @@ const FINER: f64 = 8.0;
 const CHANGE: f64 = 1e-5;
 /// By how much a run at default settings may be off, as part of the size of what is alike.
 const SLACK: f64 = 5e-4;
-/// The same where the errors of many steps add up: of what is hardly damped.
-pub(super) const MOST: f64 = 5.0 * SLACK;
 
 /// Values at the times that are compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,8 +24,7 @@ pub struct Outcome {
     pub rows: Vec<Vec<f64>>,
     /// By how much each may be off, at any time.
     pub slack: Vec<f64>,
-    /// How large what is alike is.
-    pub sizes: Vec<f64>,
+    sizes: Vec<f64>,
 }
 
 /// What comes out, or why nobody knows.
@@ -43,7 +40,8 @@ pub(super) fn refer(circuit: &Circuit, effort: u32, change: f64) -> Result<Outco
             slack.iter_mut().zip(off).for_each(|(slack, off)| *slack = slack.max(off));
         }
     };
-    let known = |slack: &[f64]| slack.iter().zip(&fine.sizes).all(|(slack, size)| *slack <= MOST * size);
+    let known =
+        |slack: &[f64]| slack.iter().zip(&fine.sizes).all(|(slack, size)| *slack <= 5.0 * SLACK * size);
     widen(&mut slack, &fine, &coarse, 2.0);
     if !known(&slack) {
         return Err(Undecided::Coarse);

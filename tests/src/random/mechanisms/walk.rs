@@ -23,16 +23,9 @@ pub struct Ends {
 }
 
 impl Ends {
-    /// A part of the size of the motion.
-    pub fn part(&self, k: usize, part: f64) -> f64 {
-        part * (self.sizes[k] + 1e-3)
-    }
-
     /// The same with more slack, as part of the size of the motion.
     pub fn at_least(mut self, slack: f64) -> Ends {
-        for k in 0..self.slack.len() {
-            self.slack[k] = self.slack[k].max(self.part(k, slack));
-        }
+        self.slack.iter_mut().zip(&self.sizes).for_each(|(own, size)| *own = own.max(slack * (size + 1e-3)));
         self
     }
 }
