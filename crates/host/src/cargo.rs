@@ -1,22 +1,22 @@
-//! Builds the crate of a plug-in. Cargo knows best whether anything changed, so it is always asked; without cargo
-//! a library that was built before is used.
+//! Builds the crate of a plug-in. Cargo is asked unless every file that it read at the last build is as it was then
+//! (`fresh.rs`); without cargo a library that was built before is used.
 
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-use std::sync::{Arc, Mutex, PoisonError, RwLock, mpsc};
-use std::time::{Duration, Instant};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::time::{Duration, Instant, SystemTime};
 
 use blocksim_block::LoadError;
 
 use crate::fault::{self, BUILD, MISSING};
+use crate::fresh;
 
 /// Blocks of one diagram that name one crate share an answer of cargo; a diagram that is read again later, say
 /// after an edit, asks again.
 const ANSWER_HOLDS: Duration = Duration::from_secs(2);
-/// When a build takes longer than this, people want to know what they wait for.
-const PATIENCE: Duration = Duration::from_millis(500);
 /// Lines of cargo's errors that are shown.
 const SHOWN_LINES: usize = 20;
 
@@ -27,8 +27,8 @@ type Slot = Arc<Mutex<Option<(Instant, Answer)>>>;
 static SLOTS: Mutex<BTreeMap<PathBuf, Slot>> = Mutex::new(BTreeMap::new());
 static NOTICE: RwLock<Option<fn(&str)>> = RwLock::new(None);
 
-/// Sets who is told that a plug-in is being built, in one line, when it takes more than half a second (cargo also
-/// waits while another cargo uses the same target folder). Nobody is told otherwise.
+/// Sets who is told in one line that cargo compiles something for a plug-in, or waits for another cargo that uses the
+/// same target folder. Nobody is told where everything is built already.
 pub fn set_build_notice(notice: fn(&str)) {
     *NOTICE.write().unwrap_or_else(PoisonError::into_inner) = Some(notice);
 }
@@ -60,9 +60,12 @@ pub fn built(folder: &Path, named: &str) -> Answer {
 }
 
 fn ask(cargo: &OsStr, folder: &Path, named: &str) -> Answer {
-    let manifest = folder.join("Cargo.toml");
+    if let Some(library) = built_before(folder).filter(|library| fresh::is_fresh(library)) {
+        return Ok(library);
+    }
+    let (asked, manifest) = (SystemTime::now(), folder.join("Cargo.toml"));
     let child = Command::new(cargo)
-        .args(["build", "--release", "--quiet", "--color=never", "--message-format=json-render-diagnostics"])
+        .args(["build", "--release", "--color=never", "--message-format=json-render-diagnostics"])
         .arg("--manifest-path")
         .arg(&manifest)
         // Where cargo looks for its settings and for the toolchain of the crate.
@@ -71,36 +74,87 @@ fn ask(cargo: &OsStr, folder: &Path, named: &str) -> Answer {
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn();
-    let child = match child {
-        Ok(child) => child,
+    let answer = match child {
+        Ok(child) => match finished(child, named) {
+            Ok(built) => library_of(&built, &manifest, named),
+            Err(e) => Err(fault::library(BUILD, format!("cargo could not build `{named}`: {e}"))),
+        },
         Err(e) => return without_cargo(folder, named, &e),
     };
-    let (send, receive) = mpsc::channel();
-    std::thread::spawn(move || send.send(child.wait_with_output()));
-    let output = receive.recv_timeout(PATIENCE).or_else(|_| {
-        let notice = *NOTICE.read().unwrap_or_else(PoisonError::into_inner);
-        if let Some(notice) = notice {
-            notice(&format!("building the plug-in `{named}` with cargo"));
-        }
-        receive.recv()
-    });
-    match output {
-        Ok(Ok(output)) => library_of(&output, &manifest, named),
-        Ok(Err(e)) => Err(fault::library(BUILD, format!("cargo could not build `{named}`: {e}"))),
-        Err(e) => Err(fault::library(BUILD, format!("cargo could not build `{named}`: {e}"))),
+    if let Ok(library) = &answer {
+        fresh::remember(folder, library, asked);
     }
+    answer
+}
+
+/// What cargo did and said.
+struct Built {
+    status: ExitStatus,
+    /// Messages for programs.
+    messages: String,
+    /// Warnings and errors for people, without what cargo did and when.
+    said: Vec<String>,
+}
+
+/// Waits for cargo, and passes on what people wait for.
+fn finished(mut child: Child, named: &str) -> std::io::Result<Built> {
+    // Both are read at once: cargo would wait for whoever reads the other one.
+    let stdout = child.stdout.take();
+    let messages = std::thread::spawn(move || {
+        let mut text = String::new();
+        stdout.map_or(Ok(0), |mut stdout| stdout.read_to_string(&mut text)).map(|_| text)
+    });
+    let mut said = Vec::new();
+    let mut noticed = Vec::new();
+    for line in child.stderr.take().into_iter().flat_map(|stderr| BufReader::new(stderr).split(b'\n')) {
+        let line = String::from_utf8_lossy(&line?).trim_end().to_owned();
+        let notice = match progress(&line) {
+            None => {
+                said.push(line);
+                continue;
+            }
+            Some("Compiling") => format!("building the plug-in `{named}` with cargo"),
+            Some("Blocking") => format!("waiting for another cargo before the plug-in `{named}` is built"),
+            Some(_) => continue,
+        };
+        if let Some(tell) = *NOTICE.read().unwrap_or_else(PoisonError::into_inner)
+            && !noticed.contains(&notice)
+        {
+            tell(&notice);
+            noticed.push(notice);
+        }
+    }
+    let messages = messages.join().unwrap_or_else(|_| Ok(String::new()))?;
+    Ok(Built { status: child.wait()?, messages, said })
+}
+
+/// The verb of a line in which cargo reports its progress: right-aligned in twelve columns.
+fn progress(line: &str) -> Option<&'static str> {
+    const VERBS: [&str; 9] = [
+        "Compiling",
+        "Finished",
+        "Blocking",
+        "Updating",
+        "Locking",
+        "Adding",
+        "Downloading",
+        "Downloaded",
+        "Building",
+    ];
+    VERBS
+        .into_iter()
+        .find(|verb| line.strip_prefix(&format!("{verb:>12}")).is_some_and(|rest| rest.starts_with(' ')))
 }
 
 /// Finds the library in what cargo reported.
-fn library_of(output: &Output, manifest: &Path, named: &str) -> Answer {
-    if !output.status.success() {
-        let said = last_lines(&String::from_utf8_lossy(&output.stderr));
+fn library_of(built: &Built, manifest: &Path, named: &str) -> Answer {
+    if !built.status.success() {
+        let said = last_lines(&built.said.join("\n"));
         let error = fault::library(BUILD, format!("the plug-in `{named}` does not build:\n{said}"));
         let shown = fault::shown(manifest);
         return Err(fault::help(error, format!("see `cargo build --release --manifest-path {shown}`")));
     }
-    let text = String::from_utf8_lossy(&output.stdout);
-    text.lines().find_map(|line| cdylib(line, manifest)).ok_or_else(|| {
+    built.messages.lines().find_map(|line| cdylib(line, manifest)).ok_or_else(|| {
         let error =
             fault::library(BUILD, format!("the crate `{named}` builds no library that can be loaded"));
         fault::help(error, "write `[lib]` and `crate-type = [\"cdylib\", \"rlib\"]` into its `Cargo.toml`")
@@ -129,19 +183,9 @@ fn last_lines(text: &str) -> String {
     if cut > 0 { format!("...\n{shown}") } else { shown }
 }
 
-/// What was built before, where cargo would have put it.
+/// What was built before.
 fn without_cargo(folder: &Path, named: &str, e: &std::io::Error) -> Answer {
-    let name = library_name(&std::fs::read_to_string(folder.join("Cargo.toml")).unwrap_or_default());
-    let (prefix, suffix) = (std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    let file = name.map(|name| format!("{prefix}{name}{suffix}"));
-    let targets = std::env::var_os("CARGO_TARGET_DIR")
-        .map(|target| folder.join(target))
-        .into_iter()
-        .chain(folder.ancestors().map(|folder| folder.join("target")));
-    let built = file.and_then(|file| {
-        targets.map(|target| target.join("release").join(&file)).find(|library| library.is_file())
-    });
-    built.ok_or_else(|| {
+    built_before(folder).ok_or_else(|| {
         let error = fault::library(
             MISSING,
             format!("the plug-in `{named}` is not built, and cargo cannot be run: {e}"),
@@ -151,6 +195,15 @@ fn without_cargo(folder: &Path, named: &str, e: &std::io::Error) -> Answer {
             "install Rust from https://rustup.rs, or name a built library instead of the crate",
         )
     })
+}
+
+/// The library of a crate where cargo would have put it, if it is there.
+fn built_before(folder: &Path) -> Option<PathBuf> {
+    let name = library_name(&std::fs::read_to_string(folder.join("Cargo.toml")).ok()?)?;
+    let file = format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let named = std::env::var_os("CARGO_TARGET_DIR").map(|target| folder.join(target));
+    let targets = named.into_iter().chain(folder.ancestors().map(|folder| folder.join("target")));
+    targets.map(|target| target.join("release").join(&file)).find(|library| library.is_file())
 }
 
 /// The name of a crate's library: that of `[lib]`, else that of `[package]` with underscores.
@@ -226,7 +279,11 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("blocksim-slow-cargo-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let slow = folder.join("cargo");
-        std::fs::write(&slow, "#!/bin/sh\nsleep 1\necho 'error: no space left' >&2\nexit 101\n").unwrap();
+        std::fs::write(
+            &slow,
+            "#!/bin/sh\necho '   Compiling slow v0.1.0' >&2\necho 'error: no space left' >&2\nexit 101\n",
+        )
+        .unwrap();
         std::fs::set_permissions(&slow, std::fs::Permissions::from_mode(0o755)).unwrap();
 
         // Other tests build plug-ins at the same time.
@@ -237,6 +294,15 @@ mod tests {
         assert_eq!(error.message, "the plug-in `slow` does not build:\nerror: no space left");
         assert_eq!(*TOLD.lock().unwrap(), ["building the plug-in `slow` with cargo"]);
         std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn only_lines_of_progress_are_left_out_of_errors() {
+        assert_eq!(progress("   Compiling low-pass v0.1.0 (/a)"), Some("Compiling"));
+        assert_eq!(progress("    Blocking waiting for file lock on build directory"), Some("Blocking"));
+        for line in ["error: could not compile `a`", "  --> src/lib.rs:1:1", "   Compilingx", "Compiling a"] {
+            assert_eq!(progress(line), None, "{line}");
+        }
     }
 
     #[test]

@@ -25,6 +25,7 @@ mod call;
 mod cargo;
 mod fault;
 mod finite;
+mod fresh;
 mod kind;
 mod locate;
 mod open;

@@ -68,6 +68,56 @@ fn a_new_controller_is_built_run_tested_and_shown() {
     assert!(said(&again).contains("is there already"), "{}", said(&again));
 }
 
+/// Names that the code of a controller uses itself: those of the prelude, of its constants, of Rust.
+#[test]
+fn a_controller_may_have_any_name() {
+    let folder = Folder::new("names");
+    for name in
+        ["controller", "context", "parameter", "outcome", "outputs", "e", "err", "loop", "core", "self"]
+    {
+        let made = blocksim(&folder.0, &["plugin", "new", name]);
+        assert_eq!(made.status.code(), Some(0), "{}", said(&made));
+        // All of them in one folder, so that what they depend on is built once.
+        let run = Command::new(env!("CARGO_BIN_EXE_blocksim"))
+            .args(["check", &format!("{name}/demo.ron")])
+            .current_dir(&folder.0)
+            .env("CARGO_TARGET_DIR", folder.0.join("target"))
+            .output()
+            .expect("the program runs");
+        assert_eq!(run.status.code(), Some(0), "{name}: {}", said(&run));
+    }
+    let taken = blocksim(&folder.0, &["plugin", "new", "blocksim_controller"]);
+    assert_eq!(taken.status.code(), Some(2), "{}", said(&taken));
+}
+
+/// Cargo is asked for what changed, and nothing is said where nothing is built.
+#[test]
+fn building_is_said_where_something_is_built() {
+    let folder = Folder::new("notice");
+    assert_eq!(blocksim(&folder.0, &["plugin", "new", "law"]).status.code(), Some(0));
+    let check = || said(&blocksim(&folder.0, &["check", "law/demo.ron"]));
+    let notice = "building the plug-in `.` with cargo";
+    assert!(check().contains(notice));
+    // The lock file was written while cargo ran: it is asked once more, and has nothing to build.
+    assert!(!check().contains(notice));
+    let built = std::fs::read_dir(folder.0.join("law/target/release")).expect("what cargo built");
+    let mut names = built.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned());
+    assert!(names.any(|name| name.ends_with("law.blocksim")), "no stamp, so cargo is asked each time");
+    let without_cargo = Command::new(env!("CARGO_BIN_EXE_blocksim"))
+        .args(["check", "law/demo.ron"])
+        .current_dir(&folder.0)
+        .env("CARGO", "/nowhere/cargo")
+        .output()
+        .expect("the program runs");
+    assert_eq!(without_cargo.status.code(), Some(0), "{}", said(&without_cargo));
+    let source = folder.0.join("law/src/lib.rs");
+    let text = std::fs::read_to_string(&source).expect("the source");
+    std::fs::write(&source, text.replace("clamp(-c[LIMIT], c[LIMIT])", "clamp(0.0, c[LIMIT])"))
+        .expect("written");
+    assert!(check().contains(notice));
+    assert!(!check().contains(notice));
+}
+
 #[test]
 fn what_a_plug_in_offers_is_data_too() {
     let plugins = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../plugins");
