@@ -11,6 +11,7 @@ use crate::args::start::DoctorArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
 use crate::failure::Outcome;
+use crate::left_out;
 use crate::terminal::console::Console;
 
 /// Oldest Rust that builds plug-ins.
@@ -53,7 +54,7 @@ impl Finding {
 /// # Errors
 /// If the standard output cannot be written.
 pub fn doctor(args: &DoctorArgs, console: Console) -> Outcome {
-    let mut findings = vec![program(), cargo(), compiler(), sources(), runs(), disk(), browser()];
+    let mut findings = vec![program(), parts(), cargo(), compiler(), sources(), runs(), disk(), browser()];
     findings.extend(plugins(Path::new(".")));
     for finding in &findings {
         console.data(&if args.json { data(finding) } else { text(finding) })?;
@@ -90,6 +91,30 @@ fn data(finding: &Finding) -> String {
 fn program() -> Finding {
     let place = std::env::current_exe().map(|path| format!(", {}", path.display())).unwrap_or_default();
     Finding::well("blocksim", format!("{}{place}", env!("CARGO_PKG_VERSION")))
+}
+
+/// The optional parts of this program.
+fn parts() -> Finding {
+    let what = "parts";
+    let all = [
+        ("png", cfg!(feature = "png")),
+        ("xlsx", cfg!(feature = "xlsx")),
+        ("parquet", cfg!(feature = "parquet")),
+        ("lsp", cfg!(feature = "lsp")),
+    ];
+    let names = |is_there: bool| {
+        let names: Vec<&str> =
+            all.iter().filter(|(_, there)| *there == is_there).map(|(name, _)| *name).collect();
+        names.join(", ")
+    };
+    match (names(true), names(false)) {
+        (there, absent) if absent.is_empty() => Finding::well(what, format!("all: {there}")),
+        (there, absent) => {
+            let there = if there.is_empty() { "none".to_owned() } else { there };
+            let said = format!("{there}; built without {absent}");
+            Finding::not(what, State::Note, said, left_out::help("full"))
+        }
+    }
 }
 
 /// The first line of what a program says of its version.

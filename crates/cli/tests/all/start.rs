@@ -18,16 +18,61 @@ fn every_template_is_a_project_that_is_right_and_laid_out() {
         assert_eq!(readme.matches("\nblocksim ").count(), 3, "{readme}");
         assert!(readme.starts_with(&format!("# {name}\n")), "{readme}");
         assert_eq!(desk.call(&["fmt", name, "--check"]).code, Some(0), "{name}");
-        // The plug-in is that of `plugin new`, which has its own test.
-        if name != "plugin" {
-            let outcome = desk.call(&[&words[..], &["--no-plot", "--until", "0.5 s"]].concat());
-            assert_eq!(outcome.code, Some(0), "{words:?}: {}", outcome.text());
-        }
+        let outcome = desk.call(&[&words[..], &["--no-plot", "--until", "0.5 s"]].concat());
+        assert_eq!(outcome.code, Some(0), "{words:?}: {}", outcome.text());
     }
     let lib = desk.read("plugin/controller/src/lib.rs");
     assert!(lib.contains("Controller") && !lib.contains("MyController"), "{lib}");
     let model = desk.read("plugin/loop.ron");
     assert!(model.contains("library: \"controller\"") && !model.contains("my_controller"), "{model}");
+}
+
+/// Commands that a file recommends: lines of their own in comments and scripts, and what stands between backticks.
+fn advice(text: &str) -> Vec<String> {
+    let lines = text.lines().map(|line| line.trim_start_matches("//").trim());
+    let own = lines.filter(|line| line.starts_with("blocksim ")).map(str::to_owned);
+    let quoted = text.split('`').skip(1).step_by(2).filter(|words| words.starts_with("blocksim "));
+    own.chain(quoted.map(str::to_owned)).collect()
+}
+
+#[test]
+fn every_advice_in_the_files_of_a_project_works() {
+    let desk = Desk::with(&[]);
+    let mut count = 0;
+    for name in ["servo", "robot", "plugin", "empty"] {
+        assert_eq!(desk.call(&["new", name, "--template", name]).code, Some(0));
+        let mut folders = vec![desk.0.join(name)];
+        while let Some(folder) = folders.pop() {
+            for entry in
+                std::fs::read_dir(&folder).expect("a folder").map(|entry| entry.expect("an entry").path())
+            {
+                if entry.is_dir() {
+                    if !["target", "runs"].iter().any(|made| entry.ends_with(made)) {
+                        folders.push(entry);
+                    }
+                    continue;
+                }
+                for command in advice(&std::fs::read_to_string(&entry).expect("a text")) {
+                    // What follows a file never ends by itself; it has its own tests.
+                    let line = command
+                        .split('#')
+                        .next()
+                        .unwrap_or_default()
+                        .replace(" --watch", "")
+                        .replace("KIND", "Gain");
+                    let words = arguments(&line);
+                    let words: Vec<&str> = words[1..].iter().map(String::as_str).collect();
+                    // As the README of a controller's folder is written for that folder, so is every other text.
+                    let output =
+                        desk.command(&words).current_dir(&folder).output().expect("the program runs");
+                    let said = String::from_utf8_lossy(&output.stderr);
+                    assert_eq!(output.status.code(), Some(0), "{}: {command}: {said}", entry.display());
+                    count += 1;
+                }
+            }
+        }
+    }
+    assert!(count > 20, "only {count} commands were found");
 }
 
 #[test]
@@ -76,7 +121,10 @@ fn the_doctor_tells_each_thing_with_a_remedy() {
     let lines: Vec<serde_json::Value> =
         well.out.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
     let whats: Vec<&str> = lines.iter().filter_map(|line| line["what"].as_str()).collect();
-    assert_eq!(whats, ["blocksim", "cargo", "C compiler", "sources", "runs folder", "disk", "browser"]);
+    assert_eq!(
+        whats,
+        ["blocksim", "parts", "cargo", "C compiler", "sources", "runs folder", "disk", "browser"]
+    );
     for line in &lines {
         assert_eq!(line["state"] == "ok", line["help"].is_null(), "{line}");
     }

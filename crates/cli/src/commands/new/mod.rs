@@ -31,7 +31,8 @@ pub fn new(args: &NewArgs, console: Console) -> Outcome {
     let template = template(args.template);
     made(folder, &template, args)?;
     let mut said = format!("{}\n", folder.display());
-    let width = template.files.iter().map(|file| file.name.len()).chain([9]).max().unwrap_or_default();
+    let names = template.files.iter().map(|file| file.name.len());
+    let width = names.chain([if template.has_plugin { 10 } else { 9 }]).max().unwrap_or_default();
     for file in template.files {
         said += &format!("  {:width$}  {}\n", file.name, file.about);
     }

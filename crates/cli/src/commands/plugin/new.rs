@@ -41,9 +41,13 @@ pub fn new(args: &PluginNewArgs, console: Console) -> Outcome {
 fn names(args: &PluginNewArgs) -> Result<(String, String), Failure> {
     let name = args.folder.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let is_name = name.starts_with(|c: char| c.is_ascii_lowercase())
-        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "_-".contains(c));
+        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "_-".contains(c))
+        // Crates of the project, on which the new one depends.
+        && !name.replace('_', "-").starts_with("blocksim-");
     if !is_name {
-        let help = format!("name a folder with small letters, digits and `_`, such as plugins/{NAME}");
+        let help = format!(
+            "name a folder with small letters, digits and `_` that does not begin with `blocksim`, such as plugins/{NAME}"
+        );
         return Err(Failure::usage(format!("`{name}` is no name for a crate")).help(help));
     }
     let kind = args.kind.clone().unwrap_or_else(|| capitals(&name));
@@ -141,9 +145,14 @@ mod tests {
         let of = |folder, kind| names(&args(folder, kind)).unwrap();
         assert_eq!(of("a/low_pass2", None), ("low_pass2".into(), "LowPass2".into()));
         assert_eq!(of("pi-speed", Some("Speed")), ("pi-speed".into(), "Speed".into()));
-        for (folder, kind) in
-            [("a/..", None), ("2nd", None), ("a b", None), ("ok", Some("low")), ("ok", Some("A-b"))]
-        {
+        for (folder, kind) in [
+            ("a/..", None),
+            ("2nd", None),
+            ("a b", None),
+            ("blocksim-controller", None),
+            ("ok", Some("low")),
+            ("ok", Some("A-b")),
+        ] {
             assert!(names(&args(folder, kind)).is_err(), "{folder} {kind:?}");
         }
     }

@@ -3,7 +3,7 @@
 use blocksim_controller::prelude::*;
 
 /// Proportional and integral, sampled, limited: `u = kp e + x`, `x(k+1) = x(k) + ki ts e`.
-pub struct MyController;
+pub struct Law;
 
 const KP: Parameter = Parameter::new(0, "kp", "", "Proportional gain.").or(&[1.0]);
 const KI: Parameter = Parameter::new(1, "ki", "", "Integral gain, that of kp per second.").or(&[1.0]);
@@ -16,12 +16,12 @@ const U: Output = Output::new(0, "u", "", "What the plant gets.").reads(&[E]);
 const X: Discrete = Discrete::new(0, "x", "", "Integral part.");
 
 /// What the law wants, and what the limits leave of it.
-fn law(c: &Context) -> (f64, f64) {
+fn limited(c: &Context) -> (f64, f64) {
     let wanted = c[KP] * c[E] + c[X];
     (wanted, wanted.clamp(-c[LIMIT], c[LIMIT]))
 }
 
-impl Controller for MyController {
+impl Controller for Law {
     const KIND: &'static str = "MyController";
     const DOC: &'static str = "Proportional and integral, sampled, limited.";
     const PARAMETERS: &'static [Parameter] = &[KP, KI, LIMIT, TS];
@@ -44,12 +44,12 @@ impl Controller for MyController {
     }
 
     fn outputs(c: &Context, y: &mut Outputs) -> Outcome {
-        y[U] = law(c).1;
+        y[U] = limited(c).1;
         Ok(())
     }
 
     fn update(c: &Context, next: &mut DiscreteStates) -> Outcome {
-        let (wanted, u) = law(c);
+        let (wanted, u) = limited(c);
         // At a limit the integral part must not grow further, or it takes long to come back.
         if (wanted - u) * c[E] <= 0.0 {
             next[X] = c[X] + c[KI] * c[TS] * c[E];
@@ -58,7 +58,7 @@ impl Controller for MyController {
     }
 }
 
-export_plugin!("my_controller", [MyController]);
+export_plugin!("my_controller", [Law]);
 
 #[cfg(test)]
 mod tests {
