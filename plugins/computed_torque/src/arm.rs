@@ -40,15 +40,15 @@ fn link(p: &Parameters, i: usize) -> Solid {
     Solid { mass: p[l.mass], com: three(p, l.com), inertia: tensor(three(p, l.moi), three(p, l.poi)) }
 }
 
-/// The tool in the frame of the last link.
-fn tool(p: &Parameters, r: &Rest) -> Solid {
+/// A solid given in the frame of the tool, in that of the last link.
+fn on_tool(p: &Parameters, r: &Rest, [mass, com, moi, poi]: [Parameter; 4]) -> Solid {
     let turn = rpy(three(p, r.tool_rpy));
-    let own = tensor(three(p, r.tool_moi), three(p, r.tool_poi));
+    let own = tensor(three(p, moi), three(p, poi));
     // R I Rᵀ; the tensor is symmetric, so its rows are its columns.
     let half = own.map(|column| turned(&turn, column));
     let columns = [0, 1, 2].map(|k| turned(&turn, [half[0][k], half[1][k], half[2][k]]));
-    let com = add(three(p, r.tool_at), turned(&turn, three(p, r.tool_com)));
-    Solid { mass: p[r.tool_mass], com, inertia: columns }
+    let com = add(three(p, r.tool_at), turned(&turn, three(p, com)));
+    Solid { mass: p[mass], com, inertia: columns }
 }
 
 /// Direction of the joint before a link; length one.
@@ -77,8 +77,11 @@ pub fn torques<const N: usize>(p: &Parameters, r: &Rest, q: &[f64], qd: &[f64], 
         a = turned_back(&turns[i], a);
         wrenches[i] = link(p, i).wrench(w, dw, a);
     }
-    let last = tool(p, r).wrench(w, dw, a);
-    wrenches[N - 1] = sum(wrenches[N - 1], last);
+    let tool = [r.tool_mass, r.tool_com, r.tool_moi, r.tool_poi];
+    let load = [r.load_mass, r.load_com, r.load_moi, r.load_poi];
+    for solid in [tool, load] {
+        wrenches[N - 1] = sum(wrenches[N - 1], on_tool(p, r, solid).wrench(w, dw, a));
+    }
     let mut tau = [0.0; N];
     for i in (0..N).rev() {
         let (force, moment) = wrenches[i];

@@ -55,11 +55,15 @@ impl<const N: usize> Controller for ComputedTorque<N> {
             ("tool_com", r.tool_com),
             ("tool_moi", r.tool_moi),
             ("tool_poi", r.tool_poi),
+            ("load_com", r.load_com),
+            ("load_moi", r.load_moi),
+            ("load_poi", r.load_poi),
             ("gravity", r.gravity),
         ];
         numbers.iter().try_for_each(|(name, parameter)| finite(name, p.vector(*parameter)))?;
         let amounts = [
             ("tool_mass", r.tool_mass),
+            ("load_mass", r.load_mass),
             ("inertia", r.inertia),
             ("damping", r.damping),
             ("breakaway", r.breakaway),

@@ -8,6 +8,8 @@ const MOST: usize = 6;
 const LINK: usize = 16;
 /// Parameters of a link.
 const OF_LINK: usize = 6;
+/// Parameters behind those of the links.
+const BEHIND: usize = 22;
 
 /// The parameters of a link and of the joint before it.
 #[derive(Debug, Clone, Copy)]
@@ -67,7 +69,7 @@ macro_rules! link {
 /// Links from the base on.
 pub const LINKS: [Link; MOST] = [link!(1), link!(2), link!(3), link!(4), link!(5), link!(6)];
 
-/// Numbers behind those of `n` links: the tool and what all joints share.
+/// Numbers behind those of `n` links: the tool, what all joints share, what the tool carries.
 #[derive(Debug, Clone, Copy)]
 pub struct Rest {
     pub tool_at: Parameter,
@@ -88,6 +90,10 @@ pub struct Rest {
     pub breakaway_velocity: Parameter,
     pub coulomb: Parameter,
     pub viscous: Parameter,
+    pub load_mass: Parameter,
+    pub load_com: Parameter,
+    pub load_moi: Parameter,
+    pub load_poi: Parameter,
 }
 
 /// One number of each joint.
@@ -100,6 +106,7 @@ const ZEROS_OF: &[f64; MOST] = &ZEROS;
 pub const fn rest(n: usize) -> Rest {
     let at = LINK * n;
     let joints = at + 21;
+    let load = joints + 9 * n;
     let (ones, zeros) = (ONES_OF.split_at(n).0, ZEROS_OF.split_at(n).0);
     Rest {
         tool_at: Parameter::vector(at, 3, "tool_at", "m", "Frame of the tool on the last link.")
@@ -142,18 +149,25 @@ pub const fn rest(n: usize) -> Rest {
         .or(ones),
         coulomb: Parameter::vector(joints + 7 * n, n, "coulomb", "N*m", "Dry friction in motion.").or(zeros),
         viscous: Parameter::vector(joints + 8 * n, n, "viscous", "N*m*s/rad", "Viscous friction.").or(zeros),
+        load_mass: Parameter::new(load, "load_mass", "kg", "Mass of what the tool carries.").or(&[0.0]),
+        load_com: Parameter::vector(load + 1, 3, "load_com", "m", "Its centre, in the frame of the tool.")
+            .or(&[0.0; 3]),
+        load_moi: Parameter::vector(load + 4, 3, "load_moi", "kg*m^2", "Ixx, Iyy, Izz about it.")
+            .or(&[0.0; 3]),
+        load_poi: Parameter::vector(load + 7, 3, "load_poi", "kg*m^2", "Iyz, Izx, Ixy about it.")
+            .or(&[0.0; 3]),
     }
 }
 
 /// How many parameters an arm with `n` joints has.
 pub const fn count(n: usize) -> usize {
-    OF_LINK * n + 18
+    OF_LINK * n + BEHIND
 }
 
 /// All parameters of an arm with `n` joints in their order; only the first [`count`] count.
-pub const fn all(n: usize) -> [Parameter; OF_LINK * MOST + 18] {
+pub const fn all(n: usize) -> [Parameter; OF_LINK * MOST + BEHIND] {
     let r = rest(n);
-    let mut list = [r.ts; OF_LINK * MOST + 18];
+    let mut list = [r.ts; OF_LINK * MOST + BEHIND];
     let mut i = 0;
     while i < n {
         let l = LINKS[i];
@@ -184,6 +198,10 @@ pub const fn all(n: usize) -> [Parameter; OF_LINK * MOST + 18] {
         r.breakaway_velocity,
         r.coulomb,
         r.viscous,
+        r.load_mass,
+        r.load_com,
+        r.load_moi,
+        r.load_poi,
     ];
     let mut k = 0;
     while k < behind.len() {

@@ -59,6 +59,62 @@ fn a_torch_that_is_heavier_than_described_still_leaves_a_quarter_of_the_error() 
     assert!(largest(&without) > 4.0 * largest(&with), "{without:?} and {with:?} degrees");
 }
 
+/// Mass, centre, moments and products of two bodies as one, by the theorem of parallel axes.
+fn joined(bodies: [(f64, [f64; 3], [f64; 3], [f64; 3]); 2]) -> (f64, [f64; 3], [f64; 3], [f64; 3]) {
+    let mass = bodies[0].0 + bodies[1].0;
+    let com = [0, 1, 2].map(|k| (bodies[0].0 * bodies[0].1[k] + bodies[1].0 * bodies[1].1[k]) / mass);
+    let (mut moi, mut poi) = ([0.0; 3], [0.0; 3]);
+    for (m, at, own, products) in bodies {
+        let [x, y, z] = [0, 1, 2].map(|k| at[k] - com[k]);
+        let shift = [y * y + z * z, z * z + x * x, x * x + y * y];
+        let crossed = [-y * z, -z * x, -x * y];
+        (0..3).for_each(|k| {
+            moi[k] += own[k] + m * shift[k];
+            poi[k] += products[k] + m * crossed[k];
+        });
+    }
+    (mass, com, moi, poi)
+}
+
+/// A payload acts on the arm, on the torques that are computed for it and on the description, as a heavier torch would.
+#[test]
+fn a_payload_acts_as_if_it_were_a_part_of_the_torch() {
+    let torch = (
+        5.25,
+        [0.0892, 0.0066, 0.11276],
+        [0.001_989_3, 0.011_592, 0.012_38],
+        [-9.379e-5, 0.000_434_9, 0.002_703],
+    );
+    let payload = (5.0, [0.02, -0.01, 0.25], [0.02, 0.03, 0.02], [0.001, -0.002, 0.0005]);
+    let set = |body: &str, (mass, com, moi, poi): (f64, [f64; 3], [f64; 3], [f64; 3])| {
+        let list =
+            |name: &str, v: [f64; 3]| format!("robot.{body}.{name}=[{:e}, {:e}, {:e}]", v[0], v[1], v[2]);
+        [format!("robot.{body}.mass={mass}"), list("com", com), list("moi", moi), list("poi", poi)]
+    };
+    let run = |body: &[String]| {
+        let words = ["drive=torque", "control=central"].into_iter().chain(body.iter().map(String::as_str));
+        let run = run_file(ROBOT, &words.collect::<Vec<_>>());
+        assert!(run.error.is_none(), "{:?}", run.error);
+        run
+    };
+    let (empty, carrying, heavier) =
+        (run(&[]), run(&set("payload", payload)), run(&set("torch", joined([torch, payload]))));
+    for axis in 1..=6 {
+        let group = if axis <= 3 { "principal" } else { "minor" };
+        let name = format!("measurements/torques/{group}.axis{axis}");
+        let column = |run: &Run| (0..200).map(|n| run.at(&name, 0.01 * f64::from(n))).collect::<Vec<f64>>();
+        let (none, own, other) = (column(&empty), column(&carrying), column(&heavier));
+        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let size = own.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        // Both runs take their own steps at a tolerance of 5e-4.
+        assert!(apart(&own, &other) < 2e-3 * size, "axis {axis}: {} of {size}", apart(&own, &other));
+        assert!(axis == 6 || apart(&own, &none) > 2e-2 * size, "axis {axis} does not feel it");
+    }
+    let knows = largest(&errors(&["drive=torque", "control=central", "robot.payload.mass=5"]));
+    let guesses = largest(&errors(&["drive=torque", "control=central", "arm/end_effector/payload.mass=5"]));
+    assert!(guesses > 5.0 * knows, "{guesses} and {knows} degrees");
+}
+
 #[test]
 fn motors_with_currents_follow_better_with_the_torque_that_they_will_need() {
     let [without, with] = compared("drive=dc", true, &[]);

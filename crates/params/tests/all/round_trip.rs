@@ -115,14 +115,14 @@ fn changes_of_the_set_since_the_export_are_kept_and_told() {
     let found = compared(&bytes, &newer);
     assert_eq!(found.known, Known::Stale);
     assert_eq!(found.edits.iter().map(|c| c.path.as_str()).collect::<Vec<_>>(), ["axis1.motor.inertia"]);
-    assert_eq!(found.since.iter().map(|c| c.path.as_str()).collect::<Vec<_>>(), ["general.payload"]);
+    assert_eq!(found.since.iter().map(|c| c.path.as_str()).collect::<Vec<_>>(), ["general.rated_payload"]);
     let out = edited(&newer, &found.edits).expect("a set");
     assert!(out.contains("\"10 kg\"") && out.contains("\"0.002 kg*m^2\""));
 }
 
 #[test]
 fn a_number_changed_on_both_sides_is_a_conflict_unless_both_agree() {
-    let (text, bytes, _) = with("general.payload", |cell| number(cell, "14"));
+    let (text, bytes, _) = with("general.rated_payload", |cell| number(cell, "14"));
     let other = compared(&bytes, &text.replacen("\"12 kg\"", "\"10 kg\"", 1));
     assert_eq!(other.conflicts.len(), 1);
     let conflict = &other.conflicts[0];
@@ -224,7 +224,7 @@ fn missing_sheets_rows_headings_and_merged_cells_are_told() {
 
 #[test]
 fn without_the_hidden_sheet_cells_are_compared_with_the_set_as_it_is() {
-    let (text, bytes, _) = with("general.payload", |cell| number(cell, "14"));
+    let (text, bytes, _) = with("general.rated_payload", |cell| number(cell, "14"));
     let bytes =
         rewritten(&bytes, "xl/workbook.xml", |book| book.replace("name=\"blocksim\"", "name=\"mine\""));
     let found = compared(&bytes, &text);
