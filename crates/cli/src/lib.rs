@@ -24,6 +24,7 @@ mod picture_file;
 mod running;
 mod scene;
 mod seal;
+mod search;
 mod signals;
 mod terminal;
 mod usage;
@@ -86,6 +87,8 @@ fn done(args: &Args, console: Console) -> Outcome {
         Some(Command::Doctor(args)) => commands::doctor(args, console),
         Some(Command::Completions(args)) => commands::completions(args, console),
         Some(Command::Explain(args)) => commands::explain(args, console),
+        Some(Command::Help(args)) => commands::help(args, console),
+        Some(Command::Manual(args)) => commands::manual(args, console),
         Some(Command::Identify(command)) => commands::identify(command, console),
         Some(Command::Plan(command)) => commands::plan(command, console),
         Some(Command::Plugin(command)) => commands::plugin(command, console),

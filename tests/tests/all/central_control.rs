@@ -59,8 +59,11 @@ fn a_torch_that_is_heavier_than_described_still_leaves_a_quarter_of_the_error() 
     assert!(largest(&without) > 4.0 * largest(&with), "{without:?} and {with:?} degrees");
 }
 
-/// Mass, centre, moments and products of two bodies as one, by the theorem of parallel axes.
-fn joined(bodies: [(f64, [f64; 3], [f64; 3], [f64; 3]); 2]) -> (f64, [f64; 3], [f64; 3], [f64; 3]) {
+/// Mass, centre, moments and products of a body.
+type Solid = (f64, [f64; 3], [f64; 3], [f64; 3]);
+
+/// Two bodies as one, by the theorem of parallel axes.
+fn joined(bodies: [Solid; 2]) -> Solid {
     let mass = bodies[0].0 + bodies[1].0;
     let com = [0, 1, 2].map(|k| (bodies[0].0 * bodies[0].1[k] + bodies[1].0 * bodies[1].1[k]) / mass);
     let (mut moi, mut poi) = ([0.0; 3], [0.0; 3]);
@@ -86,7 +89,7 @@ fn a_payload_acts_as_if_it_were_a_part_of_the_torch() {
         [-9.379e-5, 0.000_434_9, 0.002_703],
     );
     let payload = (5.0, [0.02, -0.01, 0.25], [0.02, 0.03, 0.02], [0.001, -0.002, 0.0005]);
-    let set = |body: &str, (mass, com, moi, poi): (f64, [f64; 3], [f64; 3], [f64; 3])| {
+    let set = |body: &str, (mass, com, moi, poi): Solid| {
         let list =
             |name: &str, v: [f64; 3]| format!("robot.{body}.{name}=[{:e}, {:e}, {:e}]", v[0], v[1], v[2]);
         [format!("robot.{body}.mass={mass}"), list("com", com), list("moi", moi), list("poi", poi)]

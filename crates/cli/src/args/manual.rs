@@ -1,13 +1,36 @@
-//! The command lines of `blocksim blocks` and `explain`.
+//! The command lines of `blocksim blocks`, `manual`, `help` and `explain`.
 
 /// `blocksim blocks`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  blocksim blocks LowPass\n  blocksim blocks spring\n  blocksim blocks \"dead time\""
+)]
 pub struct BlocksArgs {
-    /// A kind of block; all kinds if none is given.
-    pub kind: Option<String>,
+    /// A kind of block, which is described, or words, which kinds are found by; without it all kinds are listed.
+    #[arg(value_name = "KIND OR WORDS")]
+    pub words: Vec<String>,
     /// As JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+/// `blocksim manual`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  blocksim manual start\n  blocksim manual language units")]
+pub struct ManualArgs {
+    /// Name of a page; all names if none is given.
+    pub page: Option<String>,
+    /// Words: only the sections that are about them.
+    #[arg(value_name = "WORDS")]
+    pub section: Vec<String>,
+}
+
+/// `blocksim help`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  blocksim help drive\n  blocksim help params set")]
+pub struct HelpArgs {
+    /// A command, or words to look for; the commands if nothing is given.
+    pub words: Vec<String>,
 }
 
 /// `blocksim explain`.

@@ -27,7 +27,7 @@ use self::graph::GraphArgs;
 use self::identify::IdentifyCommand;
 use self::import::ImportArgs;
 use self::linearise::LineariseArgs;
-use self::manual::{BlocksArgs, ExplainArgs};
+use self::manual::{BlocksArgs, ExplainArgs, HelpArgs, ManualArgs};
 use self::model::{CheckArgs, EmitArgs, Format, RunArgs};
 use self::params::ParamsCommand;
 use self::plan::PlanCommand;
@@ -41,7 +41,8 @@ use crate::terminal::console::Colour;
 /// Simulate block diagrams written as text.
 #[derive(Debug, Parser)]
 #[command(name = "blocksim", version, disable_help_subcommand = true, max_term_width = 100)]
-#[command(after_help = "Exit codes: 0 done, 1 the simulation failed, 2 usage, 3 the model has errors, \
+#[command(after_help = "`blocksim help WORDS` finds what is about something: `blocksim help friction`.\n\n\
+                        Exit codes: 0 done, 1 the simulation failed, 2 usage, 3 the model has errors, \
                         4 files, 101 a bug, 130 interrupted.")]
 pub struct Args {
     /// What to do.
@@ -89,7 +90,7 @@ pub enum Command {
     Graph(GraphArgs),
     /// Make a diagram of a robot description or a CAD assembly, or bring its numbers up to date.
     Import(ImportArgs),
-    /// Tell which kinds of block there are, or all about one kind.
+    /// List the kinds of block, find some by words, or describe one.
     Blocks(BlocksArgs),
     /// Serve an editor: problems while you write, completion, pages of blocks (Language Server Protocol).
     Lsp,
@@ -97,6 +98,10 @@ pub enum Command {
     Doctor(DoctorArgs),
     /// Print what makes a shell complete commands and options.
     Completions(CompletionsArgs),
+    /// Print a page of the manual, or list the pages.
+    Manual(ManualArgs),
+    /// Find commands, options, pages, blocks and problems by words; or the help of one command.
+    Help(HelpArgs),
     /// Explain a problem by the word that stands in its brackets: `error[unknown_port]`.
     Explain(ExplainArgs),
     /// Measure a robot of a diagram by experiments, and compare with its parameters.
@@ -141,7 +146,9 @@ impl Args {
                 | Command::Import(_)
                 | Command::Lsp
                 | Command::Completions(_)
-                | Command::Explain(_),
+                | Command::Explain(_)
+                | Command::Help(_)
+                | Command::Manual(_),
             )
             | None => false,
         };

@@ -8,6 +8,11 @@ use crate::terminal::prose::prose;
 
 include!(concat!(env!("OUT_DIR"), "/error_pages.rs"));
 
+/// Pages about problems, by their codes.
+pub fn error_pages() -> impl Iterator<Item = (&'static str, &'static str)> {
+    ERROR_PAGES.iter().copied()
+}
+
 /// Prints the page of the manual about a problem, or which pages there are.
 ///
 /// # Errors

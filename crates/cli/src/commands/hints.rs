@@ -29,6 +29,8 @@ pub fn hints(console: Console) -> Outcome {
         (of("graph", ""), "draw the block diagram"),
         (of("params list", ""), "its parameters; `params set` changes one"),
         (plain("blocks Gain"), "all about a kind of block; `blocks` lists them"),
+        (plain("help friction"), "commands, options, pages and blocks about something"),
+        (plain("manual"), "the pages of the manual"),
         (plain("doctor"), "whether everything is there that runs need"),
     ];
     let lines: Vec<_> = start.into_iter().chain(lines).collect();

@@ -10,6 +10,7 @@ mod faults;
 mod fix;
 mod fmt;
 mod held;
+mod help;
 mod identify;
 mod import;
 mod linearise;

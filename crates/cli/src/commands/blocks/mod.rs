@@ -9,25 +9,72 @@ use serde_json::{Value, json};
 use crate::args::manual::BlocksArgs;
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
+use crate::search::{Query, kinds_elsewhere};
 use crate::terminal::console::Console;
 use crate::terminal::prose::{first_sentence, one_line, prose, shortened, wrapped};
 
-/// Lists all kinds of block, or describes one.
+/// Lists all kinds of block or those that some words are about, or describes one.
 ///
 /// # Errors
-/// If there is no such kind.
+/// If there is no such kind and nothing is about the words.
 pub fn blocks(args: &BlocksArgs, console: Console) -> Outcome {
     let all = all();
-    let Some(name) = &args.kind else {
+    if args.words.is_empty() {
         console.data(&if args.json { lines(&all) } else { list(&all, console.width) })?;
         return Ok(Exit::Done);
-    };
-    match all.iter().find(|info| info.kind == name) {
+    }
+    let words = args.words.join(" ");
+    let found = found(&words);
+    match named(&words, &all) {
         Some(info) if args.json => console.data(&lines(&[info]))?,
-        Some(info) => console.data(&page(info, console.width))?,
-        None => return Err(unknown(name, &all)),
+        Some(info) if info.kind == words => console.data(&page(info, console.width))?,
+        // Written in another way it may be a word that is looked for.
+        Some(info) => console.data(&(page(info, console.width) + &related(info, &found)))?,
+        None if found.is_empty() => return Err(unknown(&words, &all)),
+        None if args.json => console.data(&lines(&found))?,
+        None => console.data(&results(&found, console.width))?,
     }
     Ok(Exit::Done)
+}
+
+/// The kind that is written so, whatever its capitals and spaces.
+fn named<'a>(words: &str, all: &[&'a BlockInfo]) -> Option<&'a BlockInfo> {
+    let plain = |text: &str| text.to_lowercase().replace([' ', '-', '_'], "");
+    all.iter().find(|info| plain(info.kind) == plain(words)).copied()
+}
+
+/// Kinds that some words are about, best first.
+pub fn found(words: &str) -> Vec<&'static BlockInfo> {
+    let query = Query::new(words);
+    let score = |info: &&BlockInfo| {
+        let first = first_sentence(info.doc);
+        query.score(&[(info.kind, 8), (&first, 4), (info.category, 2), (info.doc, 1)])
+    };
+    let ours = kinds_elsewhere(words);
+    let all = all();
+    let first = ours.iter().filter_map(|kind| all.iter().find(|info| info.kind == *kind)).copied();
+    let rest = query.ranked(all.iter().copied(), score).into_iter().filter(|info| !ours.contains(&info.kind));
+    first.chain(rest).collect()
+}
+
+/// Most kinds that are listed as the result of a search.
+const MOST: usize = 20;
+
+fn results(found: &[&BlockInfo], width: usize) -> String {
+    let shown = &found[..found.len().min(MOST)];
+    let longest = shown.iter().map(|info| info.kind.len()).max().unwrap_or_default();
+    let more = match found.len() - shown.len() {
+        0 => String::new(),
+        left => format!("and {left} more: add a word to see fewer. "),
+    };
+    let lines: String = shown.iter().map(|info| line(info, longest, width)).collect();
+    format!("{lines}\n{more}`blocksim blocks KIND` describes one of them.\n")
+}
+
+fn related(info: &BlockInfo, found: &[&BlockInfo]) -> String {
+    let others: Vec<&str> =
+        found.iter().map(|other| other.kind).filter(|kind| *kind != info.kind).take(6).collect();
+    if others.is_empty() { String::new() } else { format!("\nSee also {}.\n", others.join(", ")) }
 }
 
 /// All kinds by category and name, those of the hierarchy first.
@@ -55,12 +102,18 @@ fn list(all: &[&BlockInfo], width: usize) -> String {
             text.push_str(&format!("{}{}\n", if category.is_empty() { "" } else { "\n" }, info.category));
             category = info.category;
         }
-        let sentence = first_sentence(info.doc);
-        let room = width.saturating_sub(longest + 4).max(20);
-        text.push_str(&format!("  {:<longest$}  {}\n", info.kind, shortened(&sentence, room)));
+        text.push_str(&line(info, longest, width));
     }
-    text.push_str("\n`blocksim blocks KIND` tells all about one of them.\n");
+    text.push_str(
+        "\n`blocksim blocks KIND` describes one of them, `blocksim blocks spring` finds some by words.\n",
+    );
     text
+}
+
+/// A kind with its first sentence.
+fn line(info: &BlockInfo, longest: usize, width: usize) -> String {
+    let room = width.saturating_sub(longest + 4).max(20);
+    format!("  {:<longest$}  {}\n", info.kind, shortened(&first_sentence(info.doc), room))
 }
 
 /// All about one kind.
@@ -165,6 +218,42 @@ mod tests {
     fn an_unknown_kind_gets_the_likely_one() {
         assert!(unknown("Intergrator", &all()).text().ends_with("did you mean `Integrator`?"));
         assert!(unknown("Zzzz", &all()).text().ends_with("`blocksim blocks` lists all"));
+    }
+
+    #[test]
+    fn kinds_are_found_by_what_they_do() {
+        for (words, kind) in [
+            ("spring", "RotationalSpring"),
+            ("torsion spring", "RotationalSpring"),
+            ("low pass", "LowPass"),
+            ("PT1", "LowPass"),
+            ("dead time", "TransportDelay"),
+            ("coil", "Inductor"),
+            ("add", "Sum"),
+            ("multiply", "Gain"),
+            ("gearbox", "SimpleGear"),
+            ("induction motor", "AsynchronousMachine"),
+            ("brushless", "PermanentMagnetMachine"),
+            ("flywheel", "Inertia"),
+            ("Transfer Fcn", "TransferFunction"),
+            ("rigid transform", "Transform"),
+            ("stiction", "RotationalFriction"),
+            ("limit", "Saturation"),
+            ("robot", "Robot"),
+        ] {
+            let kinds: Vec<&str> = found(words).iter().map(|info| info.kind).collect();
+            let place = kinds.iter().position(|found| *found == kind);
+            assert!(place.is_some_and(|place| place < 6), "{words}: {kinds:?}");
+        }
+        assert!(found("Gian").is_empty() && found("zzz").is_empty());
+    }
+
+    #[test]
+    fn a_kind_is_known_however_it_is_written() {
+        for words in ["LowPass", "lowpass", "low pass", "low_pass"] {
+            assert_eq!(named(words, &all()).map(|info| info.kind), Some("LowPass"), "{words}");
+        }
+        assert!(named("low", &all()).is_none());
     }
 
     #[test]

@@ -10,11 +10,13 @@ pub fn root() -> PathBuf {
 /// Commands of a page of the manual with the answers that stand right below them.
 pub fn commands_of(page: &str) -> Vec<(String, String)> {
     let page = std::fs::read_to_string(root().join("docs").join(page)).expect("the page");
-    let mut fences = page.split("```").skip(1).step_by(2).peekable();
+    // Prose and fences in turn.
+    let parts: Vec<&str> = page.split("```").collect();
     let mut shown = Vec::new();
-    while let Some(fence) = fences.next() {
-        let answer = fences.peek().and_then(|next| next.strip_prefix("text\n"));
-        if let (Some(command), Some(answer)) = (fence.strip_prefix("sh\n"), answer) {
+    for at in (1..parts.len()).step_by(2) {
+        let below = parts.get(at + 1).filter(|prose| prose.trim().is_empty()).and_then(|_| parts.get(at + 2));
+        let answer = below.and_then(|next| next.strip_prefix("text\n"));
+        if let (Some(command), Some(answer)) = (parts[at].strip_prefix("sh\n"), answer) {
             shown.push((command.trim().to_owned(), answer.to_owned()));
         }
     }

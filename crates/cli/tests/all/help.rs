@@ -1,0 +1,160 @@
+//! Finding: `blocksim help`, `manual` and `blocks` with words.
+
+use crate::desk::Desk;
+use crate::support::root;
+use expect_test::expect;
+
+fn out(words: &[&str]) -> String {
+    let desk = Desk::with(&[]);
+    let answer = desk.call(words);
+    assert_eq!(answer.code, Some(0), "{words:?}: {}", answer.text());
+    answer.out
+}
+
+#[test]
+fn words_find_commands_options_pages_blocks_and_problems() {
+    expect![[r#"
+        Commands and options
+          blocksim identify friction --drive NAME     Drive of the axes; without ...
+          blocksim run --set TARGET=VALUE             Sets a parameter for this ...
+          blocksim identify friction --motor PATTERN  Signals with the torques ...
+
+        Pages of the manual
+          blocksim manual irb2600  Drives
+
+        Blocks
+          blocksim blocks CycloidalDrive                  Cycloidal gear: a disc ...
+          blocksim blocks HarmonicDrive                   Harmonic drive: a wave ...
+          blocksim blocks StepperDriver                   Commands for the two ...
+          blocksim blocks DirectionReverser               Splits a signed command ...
+          blocksim blocks Differential                    Differential: the drive ...
+          blocksim blocks AsynchronousMachine             Three-phase induction ...
+          blocksim blocks AsynchronousMachineByNamePlate  Three-phase induction ...
+          blocksim blocks DcMotor                         Brushed motor with ...
+          and 27 more: add a word to see fewer
+
+        Problems
+          blocksim explain second_driver      An input is driven twice.
+          blocksim explain identify           A robot cannot be measured ...
+          blocksim explain unconnected_input  An input has no driver and ...
+          blocksim explain domain_mismatch    Two conserving ports of ...
+          blocksim explain missing_supply     A three-phase machine is ...
+          blocksim explain unconnected_port   A conserving port hangs in ...
+    "#]]
+    .assert_eq(&out(&["help", "drive"]));
+    expect![[r#"
+        Commands and options
+          blocksim params                      Parameters of a model ...
+          blocksim params export               Write a set of parameters ...
+          blocksim params import               Take changed numbers from a ...
+          blocksim params diff                 Tell which numbers differ ...
+          blocksim params check                Tell what is wrong in a ...
+          blocksim params export --out FILE    The workbook; without it ...
+          blocksim params export --yes         Replace a workbook that is ...
+          blocksim params check --model MODEL  Check this model with the ...
+
+        Pages of the manual
+          blocksim manual params  Parameters in a workbook
+
+        Problems
+          blocksim explain workbook  A cell of a workbook holds no number ...
+          blocksim explain left_out  The program was built without a part ...
+    "#]]
+    .assert_eq(&out(&["help", "excel"]));
+}
+
+#[test]
+fn the_words_of_a_command_give_its_help() {
+    assert_eq!(out(&["help"]), out(&["--help"]));
+    for command in [&["run"][..], &["params", "set"], &["plugin", "new"]] {
+        let help = out(&[&["help"][..], command].concat());
+        assert_eq!(help, out(&[command, &["--help"]].concat()), "{command:?}");
+    }
+}
+
+#[test]
+fn blocks_are_found_by_what_they_are() {
+    expect![[r#"
+          FrameSpringDamper          A spring and a damper between the ...
+          RotationalSpring           Torsion spring between two turning parts.
+          RotationalSpringDamper     Elastic shaft: a torsion spring and a ...
+          TranslationalSpring        Spring between two sliding parts.
+          TranslationalSpringDamper  Elastic link: a spring and a damper ...
+          ElasticGear                Gear whose teeth and shafts give way ...
+          RotationalHardStop         End of travel between two turning ...
+          TranslationalHardStop      End of travel between two sliding ...
+
+        `blocksim blocks KIND` describes one of them.
+    "#]]
+    .assert_eq(&out(&["blocks", "spring"]));
+    let page = out(&["blocks", "delay"]);
+    assert!(
+        page.starts_with("Delay (Discrete)")
+            && page.contains("\nSee also ")
+            && page.contains("TransportDelay"),
+        "{page}"
+    );
+    let found = out(&["blocks", "coil", "--json"]);
+    let first: serde_json::Value = serde_json::from_str(found.lines().next().expect("a line")).expect("JSON");
+    assert_eq!(first["type"], "block");
+    assert!(found.contains("\"kind\":\"Inductor\""), "{found}");
+}
+
+#[test]
+fn every_page_of_the_manual_is_printed_whole_or_by_sections() {
+    let list = out(&["manual"]);
+    let docs =
+        std::fs::read_dir(root().join("docs")).expect("the manual").map(|page| page.expect("a page").path());
+    let pages: Vec<_> = docs.filter(|path| path.extension().is_some_and(|ending| ending == "md")).collect();
+    assert!(pages.len() > 20);
+    for path in pages {
+        let name = path.file_stem().and_then(|name| name.to_str()).expect("a name");
+        let page = out(&["manual", name]);
+        let text = std::fs::read_to_string(&path).expect("a page");
+        // Code is indented on the page, so that its comments are no headings.
+        let plain: String = text.split("```").step_by(2).collect();
+        let headings = |text: &str| text.lines().filter(|line| line.starts_with('#')).count();
+        assert_eq!(page.lines().next(), text.lines().next(), "{name}");
+        assert_eq!(headings(&page), headings(&plain), "{name}: {page}");
+        assert!(!page.contains("]("), "{name} shows an address: {page}");
+        assert!(name == "README" || list.contains(&format!("{name} ")), "{list}");
+    }
+    let units = out(&["manual", "docs/language.md", "units"]);
+    assert!(units.starts_with("### Units\n") && !units.contains("# The diagram language"), "{units}");
+}
+
+#[test]
+fn what_is_not_found_gets_a_remedy() {
+    let desk = Desk::with(&[]);
+    let said = |words: &[&str]| desk.said(words);
+    expect![[r#"
+        error[usage]: nothing is about `zzzz`
+          = help: `blocksim help` lists the commands, `blocksim manual` the pages, `blocksim blocks` the blocks
+        exit code 2
+        error[usage]: nothing is about `pramas`
+          = help: did you mean `blocksim help params`?
+        exit code 2
+        error[usage]: the manual has no page `langauge`
+          = help: did you mean `language`?
+        exit code 2
+        error[usage]: the manual has no page `zzzz`
+          = help: `blocksim manual` lists all pages, `blocksim help zzzz` finds what is about it
+        exit code 2
+        error[usage]: no section of `editors` is about `zzzz`
+          = help: `blocksim manual editors` prints all of it
+        exit code 2
+        error[usage]: there is no block `Intergrator`
+          = help: did you mean `Integrator`?
+        exit code 2
+    "#]].assert_eq(
+        &[
+            said(&["help", "zzzz"]),
+            said(&["help", "pramas"]),
+            said(&["manual", "langauge"]),
+            said(&["manual", "zzzz"]),
+            said(&["manual", "editors", "zzzz"]),
+            said(&["blocks", "Intergrator"]),
+        ]
+        .concat(),
+    );
+}
