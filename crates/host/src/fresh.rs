@@ -164,7 +164,8 @@ mod tests {
 
     #[test]
     fn a_library_is_fresh_until_something_that_it_was_built_of_changes() {
-        let changes: [(&str, fn(&Path)); 5] = [
+        type Change = fn(&Path);
+        let changes: [(&str, Change); 5] = [
             ("source", |folder| fs::write(folder.join("src/lib.rs"), "fn law() { }").unwrap()),
             ("same size", |folder| fs::write(folder.join("src/lib.rs"), "fn wal() {}").unwrap()),
             ("manifest", |folder| fs::write(folder.join("Cargo.toml"), "[package] ").unwrap()),
