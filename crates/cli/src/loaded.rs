@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use blocksim_block::schedule::Schedule;
-use blocksim_diagram::{Compiled, SourceFile, Sources, compile, compile_to_watch, fingerprint};
+use blocksim_diagram::{Compiled, Options, SourceFile, Sources, compile, compile_with, fingerprint};
 use blocksim_results::FileUsed;
 use blocksim_scene::Scene;
 
@@ -73,7 +73,7 @@ pub fn tell_builds() {
 /// # Errors
 /// If there is nothing to read. Problems of the model are no failure here.
 pub fn load(args: &ModelArgs) -> Result<Loaded, Failure> {
-    load_to_watch(args, &[])
+    load_with(args, &Options::default())
 }
 
 /// The same for a command that looks at outputs by their names, read and recorded ones or others.
@@ -81,11 +81,19 @@ pub fn load(args: &ModelArgs) -> Result<Loaded, Failure> {
 /// # Errors
 /// If there is nothing to read.
 pub fn load_to_watch(args: &ModelArgs, watched: &[String]) -> Result<Loaded, Failure> {
+    load_with(args, &Options { watched, ..Options::default() })
+}
+
+/// The same, compiled as options say but for the values of `--set`, which are those of the command line.
+///
+/// # Errors
+/// If there is nothing to read.
+pub fn load_with(args: &ModelArgs, options: &Options) -> Result<Loaded, Failure> {
     readable(&args.model)?;
     tell_builds();
     let disk = Disk::default();
     let sources = Sources::new(&disk);
-    let compiled = compile_to_watch(&sources, &args.model, &args.set, watched);
+    let compiled = compile_with(&sources, &args.model, &Options { overrides: &args.set, ..*options });
     let files = sources.all();
     let on_disk = files.iter().filter(|file| disk.has_read(&file.path)).cloned().collect();
     // Hashed now, before anybody builds them anew.

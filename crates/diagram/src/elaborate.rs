@@ -90,6 +90,7 @@ pub(crate) fn elaborate<'a>(
             output_names: interface.outputs.iter().map(|output| output.name.clone()).collect(),
             block: Arc::new(network),
             units: ParamUnits::default(),
+            plain: false,
             interface,
             inputs: members.iter().flat_map(|m| &m.inputs).map(|source| source.as_ref().map(moved)).collect(),
         });

@@ -52,7 +52,10 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
                 .collect();
             let mut changed = !std::mem::replace(&mut known[index], true);
             match block.block.interface(&Given::new(given, block.units.clone())) {
-                Ok(interface) => {
+                Ok(mut interface) => {
+                    if block.plain {
+                        settle(&mut interface);
+                    }
                     errors[index] = None;
                     changed |= interface != typed.interfaces[index];
                     typed.interfaces[index] = interface;
@@ -82,17 +85,15 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
     for declared in &flat.declared {
         declared_unit(flat, declared, typed.of(&declared.source), problems);
     }
-    settle(&mut typed);
+    typed.interfaces.iter_mut().for_each(settle);
     typed
 }
 
 /// What is left open has the dimension that it was given last; or none, where that may be anything.
-fn settle(typed: &mut Typed) {
-    for interface in &mut typed.interfaces {
-        let inputs = interface.inputs.iter_mut().map(|input| &mut input.dimension);
-        let outputs = interface.outputs.iter_mut().map(|output| &mut output.port_type.dimension);
-        inputs.chain(outputs).for_each(|dimension| *dimension = dimension.and_then(Dimension::settled));
-    }
+fn settle(interface: &mut Interface) {
+    let inputs = interface.inputs.iter_mut().map(|input| &mut input.dimension);
+    let outputs = interface.outputs.iter_mut().map(|output| &mut output.port_type.dimension);
+    inputs.chain(outputs).for_each(|dimension| *dimension = dimension.and_then(Dimension::settled));
 }
 
 /// Blocks in the order in which signals travel, those of a loop by their index; and the blocks that read each block.

@@ -79,7 +79,7 @@ pub struct Compiled {
 /// blocks may be [`Content::Unknown`]; connections are checked by name alone.
 pub fn model(sources: &Sources, root: &Path, overrides: &[String]) -> (Option<Model>, Vec<Problem>) {
     let mut problems = problems::Problems::default();
-    let model = top(sources, root, overrides, &mut problems).map(|top| top.model);
+    let model = top(sources, root, overrides, false, &mut problems).map(|top| top.model);
     if let Some(model) = &model {
         connect::check(model, &mut problems);
     }
@@ -91,6 +91,7 @@ fn top<'a>(
     sources: &'a Sources<'a>,
     root: &Path,
     overrides: &[String],
+    strict: bool,
     problems: &mut problems::Problems,
 ) -> Option<Top<'a>> {
     let file = match sources.open(root) {
@@ -110,11 +111,12 @@ fn top<'a>(
             Err(problem) => problems.push(problem),
         }
     }
-    let resolver = resolve::Resolver::new(sources, parsed);
+    let mut resolver = resolve::Resolver::new(sources, parsed);
+    resolver.strict = strict;
     let top = resolver.top(file);
     problems.extend(resolver.problems.take().sorted());
     let replaced = resolver.overrides.iter().map(overrides::Override::replaced).collect();
-    top.map(|(model, scope)| Top { model, scope, replaced })
+    top.map(|(model, scope)| Top { model, scope, replaced, resolver })
 }
 
 /// A diagram and all below it, resolved.
@@ -122,11 +124,33 @@ struct Top<'a> {
     model: Model,
     scope: Rc<scope::Scope<'a>>,
     replaced: Vec<Replaced>,
+    resolver: resolve::Resolver<'a>,
+}
+
+/// What a number without a unit means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Units {
+    /// It is in SI where the place has a unit, and its unit is open elsewhere.
+    #[default]
+    Open,
+    /// It is an error where the place has a unit, and has no unit elsewhere. Zero fits any unit.
+    Strict,
+}
+
+/// How a diagram is compiled.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Options<'o> {
+    /// `target=value` as of `--set`.
+    pub overrides: &'o [String],
+    /// Outputs that somebody looks at, as of [`compile_to_watch`].
+    pub watched: &'o [String],
+    /// What a number without a unit means.
+    pub units: Units,
 }
 
 /// Turns the text of a diagram into something that can run. `overrides` are `target=value` as of `--set`.
 pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled {
-    compile_to_watch(sources, root, overrides, &[])
+    compile_with(sources, root, &Options { overrides, ..Options::default() })
 }
 
 /// The same for somebody who will look at outputs that nothing in the diagram reads or records, by their names
@@ -139,16 +163,23 @@ pub fn compile_to_watch(
     overrides: &[String],
     watched: &[String],
 ) -> Compiled {
+    compile_with(sources, root, &Options { overrides, watched, ..Options::default() })
+}
+
+/// Turns the text of a diagram into something that can run, as [`Options`] say.
+pub fn compile_with(sources: &Sources, root: &Path, options: &Options) -> Compiled {
     let mut problems = problems::Problems::default();
     let mut compiled = Compiled::default();
-    if let Some(Top { model, scope, replaced }) = top(sources, root, overrides, &mut problems) {
+    let strict = options.units == Units::Strict;
+    if let Some(top) = top(sources, root, options.overrides, strict, &mut problems) {
+        let Top { model, scope, replaced, resolver } = top;
         compiled.replaced = replaced;
         compiled.stages.ast = Some(emit::ast(&model.ast));
         compiled.stages.model = Some(emit::model(&model));
         collect_variants(&model, &mut compiled.variants);
         connect::check(&model, &mut problems);
         let flat = flatten::flatten(&model, &mut problems);
-        let settings = settings::settings(&model.ast, &scope, sort::end_time(&flat), &mut problems);
+        let settings = settings::settings(&model.ast, &scope, sort::end_time(&flat), strict, &mut problems);
         let rates = rates::rates(&model.ast, &scope, &settings, &mut problems);
         let title = model.ast.title.clone().unwrap_or_else(|| {
             root.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
@@ -159,7 +190,7 @@ pub fn compile_to_watch(
                 Start::Steady(steady) => steady.hold.as_slice(),
                 _ => &[],
             };
-            let watched = watched.iter().chain(held.iter().map(|held| &held.name));
+            let watched = options.watched.iter().chain(held.iter().map(|held| &held.name));
             let (flat, scene) = elaborate::elaborate(flat, watched, &mut problems);
             if !problems.any_error() {
                 compiled.scene = Some(scene);
@@ -179,6 +210,10 @@ pub fn compile_to_watch(
         } else {
             // Units and shapes can be wrong as well; blocks of networks are left as they are.
             infer::infer(&flat, &mut problems);
+        }
+        // What is wrong may hide who reads a parameter.
+        if !problems.any_error() {
+            problems.extend(resolver.unused());
         }
     }
     compiled.problems = problems.sorted();

@@ -63,6 +63,8 @@ pub enum Content {
         numbers: Vec<(String, Vec<f64>)>,
         /// Ports, as far as they do not depend on the inputs.
         interface: Box<Interface>,
+        /// Whether bare numbers of it have no unit, rather than an open one.
+        plain: bool,
     },
     /// A subsystem.
     Diagram(Box<Model>),

@@ -138,7 +138,7 @@ mod tests {
         let ast = parse(FileId(0), &root, &mut problems).expect("a diagram");
         let sources = Sources::new(&NoFiles);
         let scope = Rc::new(Scope::new(&sources, None));
-        let settings = settings(&ast, &scope, None, &mut problems);
+        let settings = settings(&ast, &scope, None, false, &mut problems);
         let rates = rates(&ast, &scope, &settings, &mut problems);
         (rates, messages(&problems).join("; "))
     }

@@ -78,6 +78,7 @@ fn toy(ast: &Ast, block: &BlockAst) -> ModelBlock {
             units: ParamUnits::default(),
             numbers: Vec::new(),
             interface: Box::new(interface),
+            plain: false,
         },
     }
 }

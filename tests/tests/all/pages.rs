@@ -10,7 +10,8 @@ use blocksim_sim::Simulation;
 use blocksim_tests::{Desk, root, run};
 
 /// Pages without a diagram that could fail here, and why.
-const WITHOUT_DIAGRAM: [(&str, &str); 20] = [
+const WITHOUT_DIAGRAM: [(&str, &str); 21] = [
+    ("bare_number", "is an error by an option; the tests of the program run it"),
     ("coupling_error", "is told at the end of a run, and tested with inverters"),
     ("exists", "comes from a command; the tests of the program run it"),
     ("identify", "comes from a command; the tests of the program run it"),

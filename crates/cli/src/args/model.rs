@@ -100,9 +100,31 @@ pub struct CheckArgs {
     /// model; shows each change.
     #[arg(long, conflicts_with = "watch")]
     pub fix: bool,
+    /// What a number without a unit means: in SI, with an open unit where the place has none (open), or an error where the place
+    /// has a unit and a number of no unit elsewhere (strict).
+    #[arg(long, value_enum, default_value_t = UnitsName::Open, value_name = "HOW")]
+    pub units: UnitsName,
     /// Check again whenever a file of the model or a source of a plug-in changes.
     #[arg(long)]
     pub watch: bool,
+}
+
+/// What a number without a unit means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum UnitsName {
+    /// It is in SI where the place has a unit, and fits any unit elsewhere.
+    Open,
+    /// It is an error where the place has a unit, and has no unit elsewhere.
+    Strict,
+}
+
+impl From<UnitsName> for blocksim_diagram::Units {
+    fn from(name: UnitsName) -> Self {
+        match name {
+            UnitsName::Open => Self::Open,
+            UnitsName::Strict => Self::Strict,
+        }
+    }
 }
 
 /// How problems are told.

@@ -13,6 +13,7 @@ Diagram(
         "lag_": LowPass(tau: "50 mss"),
         "limit": Saturation(lower: -1.0, upper: 1,05)
         "scope": Scope(inputs: ["set", "actual"]), // shows both
+        "other": Constant(value: "part.mass * part.length / lag"),
     },
     connections: [
         "demnd.y -> amplifier.u, scope.set",

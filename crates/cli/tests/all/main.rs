@@ -29,4 +29,5 @@ mod sweep;
 mod tables;
 #[cfg(unix)]
 mod trim;
+mod units;
 mod watch;

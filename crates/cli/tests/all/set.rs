@@ -20,6 +20,8 @@ Diagram(
         "pid": Pid(kp: "gain", upper: 5.0), /* behind */
         "clock": Clock,
         "scope": Scope(inputs: ["set", "actual"], label: "both"),
+        "level": Constant(value: "half * set.mass * set.ratios[0]"),
+        "choice": Variant(choice: "drive", of: { "asm": Clock, "dc": Clock }),
     },
     connections: [
         "demand.y -> one.u, scope.set",

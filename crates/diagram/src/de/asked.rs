@@ -5,12 +5,12 @@ use blocksim_block::problem::{Place, Problem};
 use blocksim_signal::Value;
 use serde::de::{Deserializer, Visitor};
 
-use super::Noted;
 use super::computed::Computed;
 use super::members::{Items, Members, Variant};
 use super::wire::Wire;
 use super::word_or::WORD_OR;
 use super::written::Written;
+use super::{Noted, Reading};
 use crate::scope::{Evaluation, noted};
 use crate::tree::{Node, Shape};
 
@@ -46,6 +46,16 @@ impl<'n, 'a> Written<'n, 'a> {
                 is_share: false,
             }),
         }
+    }
+}
+
+/// Notes the bare numbers of a value of any type.
+fn note_open(reading: &Reading, value: &Value) {
+    match value {
+        Value::Number(quantity) => reading.note_open(quantity.value),
+        Value::List(items) => items.iter().for_each(|item| note_open(reading, item)),
+        Value::Set(members) => members.iter().for_each(|(_, value)| note_open(reading, value)),
+        Value::Bool(_) | Value::Text(_) => {}
     }
 }
 
@@ -218,6 +228,9 @@ impl<'de> Deserializer<'de> for Written<'_, '_> {
     ) -> Result<V::Value, Noted> {
         if name == VALUE_ENUM {
             let computed = self.computed()?;
+            if computed.is_bare && self.expected.dimension.is_none() {
+                note_open(self.reading, &computed.value);
+            }
             return self.placed(visitor.visit_enum(Wire(&computed.value)));
         }
         let Some(word) = self.node.word() else {

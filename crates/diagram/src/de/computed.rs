@@ -47,11 +47,17 @@ impl Computed<'_, '_> {
                         dimension,
                     )));
                 }
+                if bare {
+                    self.written.reading.note_bare(field, quantity.value, dimension, self.written.node);
+                }
             }
             (Some(field), None) => {
                 let mut units = self.written.reading.units.borrow_mut();
                 // A bare number says nothing of its unit.
                 let bare = quantity.dimension == Dimension::NONE && self.is_bare;
+                if bare {
+                    self.written.reading.note_open(quantity.value);
+                }
                 if bare && units.written(field).is_none() {
                     units.insert(field, Dimension::OPEN);
                 } else if !bare && (units.find(field).is_none() || quantity.dimension != Dimension::NONE) {

@@ -11,7 +11,7 @@ mod wire;
 mod word_or;
 mod written;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::fmt::Display;
 use std::rc::Rc;
 
@@ -20,7 +20,7 @@ use blocksim_block::{BlockInfo, ParamUnits};
 use blocksim_signal::Dimension;
 
 use crate::scope::Scope;
-use crate::tree::Node;
+use crate::tree::{Node, Shape};
 
 pub(crate) use tagged::Tagged;
 pub(crate) use word_or::{Either, word_or};
@@ -33,8 +33,20 @@ pub(crate) struct Reading<'a> {
     pub info: Option<&'static BlockInfo>,
     pub problem: RefCell<Option<Problem>>,
     pub units: RefCell<ParamUnits>,
+    /// Whether a bare number has no unit, rather than an open one.
+    pub strict: bool,
+    /// Bare numbers in places that have a unit, where that is not allowed.
+    pub bare: RefCell<Vec<Problem>>,
+    /// Whether there are bare numbers in places that have no unit of their own.
+    pub has_open: Cell<bool>,
     /// Numbers of the parameters in SI, as far as they are few.
     pub numbers: RefCell<Numbers>,
+}
+
+/// A number without unit where one belongs.
+pub(crate) fn bare_number(field: &str, value: f64, unit: &str) -> Problem {
+    Problem::error("bare_number", format!("`{field}` is in {unit}, but `{value}` has no unit"))
+        .help(format!("write \"{value} {unit}\", or the number in a unit of the same kind"))
 }
 
 /// Numbers by parameter, in the order in which they were read.
@@ -49,7 +61,41 @@ impl<'a> Reading<'a> {
             problem: RefCell::default(),
             units: RefCell::default(),
             numbers: RefCell::default(),
+            strict: false,
+            bare: RefCell::default(),
+            has_open: Cell::default(),
         }
+    }
+
+    /// The same where a bare number has no unit.
+    pub(crate) fn strict(self, strict: bool) -> Self {
+        Self { strict, ..self }
+    }
+
+    /// Notes a bare number in a place without a unit of its own. Zero is the same in every unit.
+    fn note_open(&self, value: f64) {
+        self.has_open.set(self.has_open.get() || value != 0.0);
+    }
+
+    /// Notes a bare number in a place with a unit. Zero and infinity are the same in every unit.
+    fn note_bare(&self, field: Option<&str>, value: f64, dimension: Dimension, node: &Node) {
+        if !self.strict || dimension.is_none() || value == 0.0 || !value.is_finite() {
+            return;
+        }
+        let unit = field.and_then(|field| {
+            let parameter = self.info?.parameters.iter().find(|parameter| parameter.name == field)?;
+            (!parameter.unit.is_empty()).then(|| parameter.unit.to_owned())
+        });
+        let unit = unit.unwrap_or_else(|| dimension.to_string());
+        let field = field.unwrap_or("the value");
+        let place = self.place(node);
+        let mut problem = bare_number(field, value, &unit).at(&place, "has no unit");
+        if let Shape::Number(_) = &node.value
+            && let Some(old) = self.scope.sources.file(place.file).text.get(place.span.clone())
+        {
+            problem = problem.edit(place, old, format!("\"{old} {unit}\""));
+        }
+        self.bare.borrow_mut().push(problem);
     }
 
     fn note(&self, problem: Problem) -> Noted {

@@ -63,6 +63,8 @@ pub struct FlatBlock {
     pub block: Arc<dyn Block>,
     /// Units of the parameters as written.
     pub units: ParamUnits,
+    /// Whether bare numbers of it have no unit, rather than an open one.
+    pub plain: bool,
     /// Ports, as far as they are known.
     pub interface: Interface,
     /// Where each input comes from; `None` when it is not connected.
@@ -96,7 +98,7 @@ pub(crate) fn flatten(model: &Model, problems: &mut Problems) -> Flat {
         view.index.insert((*level, block.name.clone()), index);
     }
     for (level, block) in executed {
-        let Content::Block { block: built, units, interface, .. } = &block.content else { continue };
+        let Content::Block { block: built, units, interface, plain, .. } = &block.content else { continue };
         let mut inputs = Vec::new();
         for input in &interface.inputs {
             inputs.push(view.input(*level, &block.name, &input.name, problems));
@@ -109,6 +111,7 @@ pub(crate) fn flatten(model: &Model, problems: &mut Problems) -> Flat {
             parts: Vec::new(),
             block: built.clone(),
             units: units.clone(),
+            plain: *plain,
             interface: (**interface).clone(),
             inputs,
             output_names: interface

@@ -5,6 +5,7 @@ mod names;
 mod overridden;
 mod primitive;
 mod subsystem;
+mod unused;
 mod variant;
 
 use std::cell::{Cell, RefCell};
@@ -55,6 +56,10 @@ pub(crate) struct Resolver<'a> {
     pub problems: RefCell<Problems>,
     /// The diagrams that were built, each before those inside it.
     pub instances: RefCell<Vec<Instance<'a>>>,
+    /// Parameters of diagrams that the command line has replaced: which of the overrides, in which diagram, and the path there.
+    replaced: RefCell<Vec<(usize, Rc<Scope<'a>>, String)>>,
+    /// Whether a bare number has no unit, rather than an open one.
+    pub strict: bool,
     asts: RefCell<HashMap<FileId, Option<Rc<Ast>>>>,
     /// Names that nothing has, so far.
     unknown: Cell<usize>,
@@ -68,6 +73,8 @@ impl<'a> Resolver<'a> {
             problems: RefCell::default(),
             unknown: Cell::default(),
             instances: RefCell::default(),
+            replaced: RefCell::default(),
+            strict: false,
             asts: RefCell::default(),
         }
     }

@@ -113,7 +113,7 @@ impl<'a> Resolver<'a> {
 
     /// Parameters of a diagram that the command line replaces.
     pub(super) fn override_parameters(&self, ast: &Ast, scope: &Rc<Scope<'a>>, path: &str) {
-        for over in &self.overrides {
+        for (index, over) in self.overrides.iter().enumerate() {
             // At the top a subsystem and a parameter look alike: `arm.gain`.
             let is_here = over.path == path;
             let is_alike = !is_here && over.path.is_empty() && over.names.len() > 1 && over.names[0] == path;
@@ -133,7 +133,11 @@ impl<'a> Resolver<'a> {
             let declared =
                 ast.parameters.iter().find(|(name, _)| name.text == names[0]).map(|(_, node)| node);
             match self.overridden(over, names, declared, scope) {
-                Ok(value) => scope.set(&names[0], value),
+                Ok(value) => {
+                    scope.set(&names[0], value);
+                    let path = names.join(".").replace(".[", "[");
+                    self.replaced.borrow_mut().push((index, scope.clone(), path));
+                }
                 Err(problem) => self.report(problem),
             }
         }

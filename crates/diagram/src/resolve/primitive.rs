@@ -33,7 +33,7 @@ impl<'a> Resolver<'a> {
         }
         let node =
             Node { span: block.span.clone(), value: Shape::Struct(Some(block.kind.clone()), parameters) };
-        let reading = Reading::new(scope.clone(), ast.file, Some(info));
+        let reading = Reading::new(scope.clone(), ast.file, Some(info)).strict(self.strict);
         let body = Written::new(&reading, &node);
         let kind = match Box::<dyn BlockKind>::deserialize(Tagged { kind: &block.kind.text, body }) {
             Ok(kind) => kind,
@@ -46,6 +46,9 @@ impl<'a> Resolver<'a> {
                 return Content::Unknown;
             }
         };
+        for problem in reading.bare.take() {
+            self.report(problem.note(format!("in block `{path}` ({})", block.kind.text)));
+        }
         let mut built = kind.into_block();
         let (units, numbers) = (reading.units.take(), reading.numbers.take());
         let place_of = |param: &str| {
@@ -66,7 +69,8 @@ impl<'a> Resolver<'a> {
             self.report(with_help(problem, error.help));
             return Content::Unknown;
         }
-        self.interface(ast, block, Arc::from(built), units, numbers)
+        let plain = self.strict && reading.has_open.get();
+        self.interface(ast, block, Arc::from(built), (units, numbers, plain))
     }
 
     fn interface(
@@ -74,11 +78,12 @@ impl<'a> Resolver<'a> {
         ast: &Ast,
         block: &BlockAst,
         built: Arc<dyn Block>,
-        units: ParamUnits,
-        numbers: Numbers,
+        (units, numbers, plain): (ParamUnits, Numbers, bool),
     ) -> Content {
         match built.interface(&Given::new(Vec::new(), units.clone())) {
-            Ok(interface) => Content::Block { block: built, units, numbers, interface: Box::new(interface) },
+            Ok(interface) => {
+                Content::Block { block: built, units, numbers, interface: Box::new(interface), plain }
+            }
             Err(error) => {
                 let problem = Problem::error(error.code, error.message).at(&ast.place(&block.span), "");
                 self.report(with_help(problem, error.help));

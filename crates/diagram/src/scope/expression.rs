@@ -65,7 +65,9 @@ pub(crate) fn noted(
     let place = || Place { file, span: whole.clone() };
     let evaluated =
         || evaluate_noted(text, &visible).map_err(|error| located(error, text, &visible, file, start, whole));
-    scope.deeper(levels, place, evaluated)
+    let noted = scope.deeper(levels, place, evaluated)?;
+    noted.names.iter().for_each(|name| scope.note_read(name));
+    Ok(noted)
 }
 
 /// The problem of a parameter that could not be computed, or what is wrong with the text itself.

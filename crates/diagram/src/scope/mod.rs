@@ -5,6 +5,7 @@ mod expression;
 mod files;
 
 use std::cell::{Cell, RefCell};
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
@@ -26,6 +27,8 @@ pub(crate) struct Scope<'a> {
     pub sources: &'a Sources<'a>,
     pub parent: Option<Rc<Scope<'a>>>,
     entries: RefCell<IndexMap<String, Entry<'a>>>,
+    /// What expressions name of these parameters, with members and items as written: `axis.mass`, `start[0]`.
+    reads: RefCell<BTreeSet<String>>,
     /// How deep the present value lies within others that wait for it, over all scopes of the model.
     depth: Rc<Cell<usize>>,
 }
@@ -55,7 +58,7 @@ enum State<'a> {
 impl<'a> Scope<'a> {
     pub(crate) fn new(sources: &'a Sources<'a>, parent: Option<Rc<Scope<'a>>>) -> Self {
         let depth = parent.as_ref().map(|parent| parent.depth.clone()).unwrap_or_default();
-        Self { sources, parent, entries: RefCell::default(), depth }
+        Self { sources, parent, entries: RefCell::default(), reads: RefCell::default(), depth }
     }
 
     /// Adds a parameter that a file declares.
@@ -90,6 +93,25 @@ impl<'a> Scope<'a> {
             return Some((within.as_ref().unwrap_or(self).clone(), *file, node.clone()));
         }
         self.parent.as_ref()?.written(name)
+    }
+
+    /// Keeps that an expression names a parameter, in the diagram that declares it.
+    fn note_read(&self, path: &str) {
+        if self.has(segments(path).next().unwrap_or_default()) {
+            self.reads.borrow_mut().insert(path.to_owned());
+        } else if let Some(parent) = &self.parent {
+            parent.note_read(path);
+        }
+    }
+
+    /// Whether an expression has named a parameter of this diagram, a member of it or a set around it.
+    pub(crate) fn is_read(&self, path: &str) -> bool {
+        self.reads.borrow().iter().any(|read| segments(read).zip(segments(path)).all(|(a, b)| a == b))
+    }
+
+    /// What expressions have named of this diagram's own parameters.
+    pub(crate) fn reads(&self) -> Vec<String> {
+        self.reads.borrow().iter().cloned().collect()
     }
 
     /// Names of this diagram's own parameters.
@@ -151,6 +173,11 @@ impl<'a> Scope<'a> {
     }
 }
 
+/// The parts of `axis.start[0]`: `axis`, `start`, `0`.
+fn segments(path: &str) -> impl Iterator<Item = &str> {
+    path.split(['.', '[', ']']).map(str::trim).filter(|part| !part.is_empty())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -196,6 +223,27 @@ mod tests {
         declare(&scope, "width", "2");
         declare(&scope, "height", "\"3 * width\"");
         assert_eq!(number(&scope, "area"), 12.0);
+    }
+
+    #[test]
+    fn what_is_read_is_kept_where_it_is_declared() {
+        let sources = Sources::new(&NoFiles);
+        let outer = Rc::new(Scope::new(&sources, None));
+        declare(&outer, "axis", "(mass: 1, start: [2, 3])");
+        let inner = Rc::new(Scope::new(&sources, Some(outer.clone())));
+        declare(&inner, "twice", "\"2 * axis.start[1]\"");
+        assert_eq!(number(&inner, "twice"), 6.0);
+        for (path, is_read) in [
+            ("axis", true),
+            ("axis.start", true),
+            ("axis.start[1]", true),
+            ("axis.start[0]", false),
+            ("axis.mass", false),
+            ("axe", false),
+        ] {
+            assert_eq!(outer.is_read(path), is_read, "{path}");
+        }
+        assert!(!inner.is_read("twice") && inner.reads().is_empty());
     }
 
     #[test]

@@ -15,9 +15,10 @@ use blocksim_signal::Value;
 use serde::Deserialize;
 
 use crate::ast::Ast;
-use crate::de::{Reading, Written};
+use crate::de::{Reading, Written, bare_number};
 use crate::problems::Problems;
 use crate::scope::Scope;
+use crate::tree::{Node, Shape};
 use written::{Begin, Method, Output, Plain, Seconds, Simulation, Stop};
 
 /// Units of the numbers in `simulation`, for the checks that parameters of blocks have.
@@ -45,11 +46,44 @@ const RTOL: f64 = 1e-6;
 /// Stop time where the diagram says none, s.
 const STOP_TIME: f64 = 10.0;
 
+/// Members of `simulation` that are times.
+const TIMES: [&str; 5] = ["stop_time", "margin", "max_step", "step", "every"];
+
+/// The problem of a time without a unit.
+fn bare_time(ast: &Ast, scope: &Scope, field: &str, node: &Node) -> Option<Problem> {
+    let Shape::Number(value) = node.value else { return None };
+    let place = ast.place(&node.span);
+    let old = scope.sources.file(ast.file).text.get(node.span.clone())?.to_owned();
+    let problem = bare_number(field, value, "s").at(&place, "has no unit");
+    let new = format!("\"{old} s\"");
+    (value != 0.0).then(|| problem.edit(place, old, new))
+}
+
+/// Times without a unit, anywhere below a node.
+fn bare_times(ast: &Ast, scope: &Scope, node: &Node, problems: &mut Problems) {
+    match &node.value {
+        Shape::Tuple(Some(name), items) if name.text == "Every" => {
+            items.iter().for_each(|item| problems.extend(bare_time(ast, scope, "output", item)))
+        }
+        Shape::Struct(_, members) | Shape::Map(members) => {
+            for (name, value) in members {
+                if TIMES.contains(&name.text.as_str()) {
+                    problems.extend(bare_time(ast, scope, &name.text, value));
+                }
+                bare_times(ast, scope, value, problems);
+            }
+        }
+        Shape::Tuple(Some(_), items) => items.iter().for_each(|item| bare_times(ast, scope, item, problems)),
+        _ => {}
+    }
+}
+
 /// Reads how to run a diagram. `end` is when the last move ends, for `stop_time: Auto`.
 pub(crate) fn settings<'a>(
     ast: &Ast,
     scope: &Rc<Scope<'a>>,
     end: Option<f64>,
+    strict: bool,
     problems: &mut Problems,
 ) -> Settings {
     let default = Settings {
@@ -62,6 +96,9 @@ pub(crate) fn settings<'a>(
     };
     let Some(node) = &ast.simulation else { return default };
     let place = ast.place(&node.span);
+    if strict {
+        bare_times(ast, scope, node, problems);
+    }
     let reading = Reading::new(scope.clone(), ast.file, Some(&INFO));
     let read = match Simulation::deserialize(Written::new(&reading, node)) {
         Ok(read) => read,
@@ -268,7 +305,7 @@ mod tests {
         let ast = parse(FileId(0), &root, &mut problems).expect("a diagram");
         let sources = Sources::new(&NoFiles);
         let scope = Rc::new(Scope::new(&sources, None));
-        let settings = settings(&ast, &scope, end, &mut problems);
+        let settings = settings(&ast, &scope, end, false, &mut problems);
         (settings, messages(&problems))
     }
 

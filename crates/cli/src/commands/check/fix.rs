@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use blocksim_block::problem::Problem;
-use blocksim_diagram::{Reader, SourceFile, Sources, compile, read_tree};
+use blocksim_diagram::{Options, Reader, SourceFile, Sources, Units, compile_with, read_tree};
 
 use crate::args::model::{CheckArgs, Format};
 use crate::disk::{Disk, Overlaid, readable, write_file};
@@ -32,7 +32,7 @@ struct Outcome {
 pub fn fix(args: &CheckArgs, console: Console) -> Result<(), Failure> {
     readable(&args.model.model)?;
     tell_builds();
-    let outcome = outcome(&args.model.model, &args.model.set);
+    let outcome = outcome(&args.model.model, &args.model.set, args.units.into());
     for path in &outcome.contradictory {
         console.say(&format!(
             "`{}` is left as it is: two changes meet at one place\n  = help: mend one of them by hand, then ask again",
@@ -55,11 +55,12 @@ pub fn fix(args: &CheckArgs, console: Console) -> Result<(), Failure> {
 }
 
 /// Mends texts in memory until no problem carries a change any more.
-fn outcome(model: &Path, set: &[String]) -> Outcome {
+fn outcome(model: &Path, set: &[String], units: Units) -> Outcome {
     let mut outcome = Outcome::default();
     for _ in 0..ROUNDS {
         let sources = Sources::new(&outcome.mended);
-        let problems = compile(&sources, model, set).problems;
+        let options = Options { overrides: set, units, ..Options::default() };
+        let problems = compile_with(&sources, model, &options).problems;
         let files = sources.all();
         let mut changed = Vec::new();
         for file in &files {

@@ -1,6 +1,7 @@
 mod fix;
 
 use blocksim_block::schedule::Schedule;
+use blocksim_diagram::Options;
 use blocksim_results::format::count;
 use serde_json::json;
 
@@ -8,7 +9,7 @@ use super::tell_with;
 use crate::args::model::{CheckArgs, Format};
 use crate::exit::Exit;
 use crate::failure::Outcome;
-use crate::loaded::load;
+use crate::loaded::load_with;
 use crate::terminal::console::Console;
 use crate::terminal::render;
 
@@ -20,7 +21,8 @@ pub fn check(args: &CheckArgs, console: Console) -> Outcome {
     if args.fix {
         fix::fix(args, console)?;
     }
-    let loaded = load(&args.model)?;
+    let units = args.units.into();
+    let loaded = load_with(&args.model, &Options { units, ..Options::default() })?;
     let problems = &loaded.compiled.problems;
     let exit = if loaded.compiled.schedule.is_some() { Exit::Done } else { Exit::Model };
     tell_with(problems, &loaded.files, (exit != Exit::Done).then_some(exit), console)?;

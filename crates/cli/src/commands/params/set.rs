@@ -1,3 +1,4 @@
+use blocksim_block::problem::Problem;
 use blocksim_diagram::{Found, Sources, Target, compile, find, read_tree, spelled, targets};
 
 use super::told::unknown;
@@ -68,6 +69,11 @@ pub fn set(args: &SetArgs, console: Console) -> Outcome {
         );
         return Err(Failure::of(Exit::Model, problems, sources.all()).last(last));
     }
+    // That nothing reads another parameter has nothing to do with this one.
+    let about = |problem: &Problem| {
+        problem.code != "unused_parameter" || problem.message.contains(&format!("`{}`", target.name))
+    };
+    let problems: Vec<Problem> = problems.into_iter().filter(about).collect();
     tell(&problems, &sources.all(), console)?;
     console.data(&difference(&path, &old_text, &text))?;
     if args.dry_run {
