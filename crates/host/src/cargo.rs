@@ -278,13 +278,15 @@ mod tests {
         static TOLD: Mutex<Vec<String>> = Mutex::new(Vec::new());
         let folder = std::env::temp_dir().join(format!("blocksim-slow-cargo-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let slow = folder.join("cargo");
+        let (text, slow) = (folder.join("text"), folder.join("cargo"));
         std::fs::write(
-            &slow,
+            &text,
             "#!/bin/sh\necho '   Compiling slow v0.1.0' >&2\necho 'error: no space left' >&2\nexit 101\n",
         )
         .unwrap();
-        std::fs::set_permissions(&slow, std::fs::Permissions::from_mode(0o755)).unwrap();
+        std::fs::set_permissions(&text, std::fs::Permissions::from_mode(0o755)).unwrap();
+        // A file that this process has written is busy while another test starts a program.
+        assert!(Command::new("cp").arg(&text).arg(&slow).status().unwrap().success());
 
         // Other tests build plug-ins at the same time.
         set_build_notice(|text| {
