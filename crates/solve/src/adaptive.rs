@@ -307,7 +307,7 @@ impl<M: Method> Stepper for Adaptive<M> {
             return Ok(());
         }
         self.x0.copy_from_slice(x);
-        self.weights.note(x);
+        self.weights.note(*t, x);
         let known = std::mem::take(&mut self.known);
         self.last = self.advance(system, *t, known, limit)?;
         self.known = true;

@@ -424,7 +424,7 @@ mod tests {
     fn evaluate(jacobian: &mut Jacobian, system: &mut dyn System, x: &[f64]) -> u64 {
         let (mut counts, n) = (Counts::default(), x.len());
         let mut weights = Weights::new(Tolerances::automatic(n, 1e-6));
-        weights.note(x);
+        weights.note(0.0, x);
         let mut work = Work { system, counts: &mut counts, weights: &weights };
         let mut f0 = vec![0.0; n];
         assert!(work.derivatives(0.0, x, &mut f0).is_ok());
@@ -484,7 +484,7 @@ mod tests {
         // The product is found to be missing, and the domain ends amid the look for it.
         left.set(20);
         let (mut counts, mut weights) = (Counts::default(), Weights::new(Tolerances::automatic(100, 1e-6)));
-        weights.note(&[0.5; 100]);
+        weights.note(0.0, &[0.5; 100]);
         let mut work = Work { system: &mut system, counts: &mut counts, weights: &weights };
         let mut f0 = vec![0.0; 100];
         assert!(work.derivatives(0.0, &[0.5; 100], &mut f0).is_ok());

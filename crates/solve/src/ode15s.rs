@@ -436,7 +436,7 @@ impl Stepper for Ode15s {
             return Ok(());
         }
         self.x0.copy_from_slice(x);
-        self.weights.note(x);
+        self.weights.note(*t, x);
         if !self.begun || self.last.t1 != *t || self.differences[..x.len()] != *x {
             self.begun = false;
             self.begin(system, *t, limit)?;

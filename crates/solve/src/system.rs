@@ -57,12 +57,12 @@ pub struct Tolerances {
     pub relative: f64,
     /// Floor per state, in its unit: what counts as nothing. Its length is the dimension of the system.
     pub absolute: Vec<f64>,
-    /// Whether the floor rises with the size that a state has had, to a thousandth of the relative tolerance there;
+    /// Whether the floor follows the size that a state has had of late, a thousandth of the relative tolerance there;
     /// `absolute` is then the least. States that are nothing but rounding are found out.
     pub automatic: bool,
     /// States whose floor stays as it is even so.
     pub fixed: Vec<bool>,
-    /// An ordinary magnitude of each state for automatic floors; 0 where none is known.
+    /// Nominal value of each state for automatic floors; 0 where none is known.
     pub nominal: Vec<f64>,
 }
 

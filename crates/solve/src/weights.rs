@@ -2,9 +2,15 @@
 //!
 //! An error e of a state that goes from x0 to x1 counts as e / (relative max(|x0|, |x1|) + absolute). An automatic absolute
 //! tolerance follows the size that a state has had so far, so that neither units nor sizes have to be told: it is
-//! [`SHARE`] of the relative one at the largest magnitude up to now. A state that has just left zero is thus followed
-//! from its first move on. Where an ordinary size is known, it counts as one that the state has had; but a state that stays far below
-//! keeps its digits: the tolerance is never above the relative one at its own largest. Two things keep that from going on for ever:
+//! [`SHARE`] of the relative one at the largest magnitude of late. A state that has just left zero is thus followed
+//! from its first move on. Where a nominal value is known, it counts as one that the state has had; but a state that stays far below
+//! keeps its digits: the tolerance is never above the relative one at its own largest.
+//!
+//! Of late means in about the last half of the run ([`Learnt::note`]). What reacts or settles over many decades of time, such as
+//! Robertson's reaction, has states that fall a millionfold and take wrong ways when a tolerance of their beginnings lets them pass
+//! zero. A size fades to [`FADED`] of the largest ever, no further: what has come to rest is not to be followed for ever.
+//!
+//! Two things keep small states from costing steps without end:
 //!
 //! * A state far smaller than all others ([`DWARF`]) counts as nothing. What diffuses through a thousand cells arrives
 //!   at the last ones as t^1000, of which no method knows a single digit.
@@ -12,13 +18,19 @@
 //!   f is evaluated at five points within a 200th of the step, where states differ by their last bits. Of what is smooth
 //!   the fourth difference vanishes there; what it is not is noise, unless it is a kink, of which a second look at closer points sees
 //!   less. What noise does to a state over a step is no error.
-//!   It never hides more than a share of the largest state.
+//!   It never hides more than a share of the largest state, and it fades with its state.
 
 use crate::system::NOTHING;
 use crate::{System, Tolerances};
 
-/// Part of the largest magnitude of a state, so far, below which it counts as nothing.
+/// Part of the largest magnitude of a state, of late, below which it counts as nothing.
 const SHARE: f64 = 1e-3;
+/// Part of the largest magnitude that a state ever had to which its size fades.
+const FADED: f64 = 1e-4;
+/// Factor of the time since the beginning from one forgetting to the next.
+const LATE: f64 = 2.0;
+/// Part of its size that a state must stay below to be smaller: what fluctuates keeps its size.
+const FALLEN: f64 = 0.1;
 /// The same part of the largest magnitude of any state.
 const DWARF: f64 = 1e-12;
 /// Part of the largest magnitude of any state that one of unknown size is taken for.
@@ -60,7 +72,7 @@ pub struct Weights {
     given: Vec<f64>,
     /// Which of them stay.
     fixed: Vec<bool>,
-    /// Ordinary magnitudes of the states; 0 where none is known.
+    /// Nominal magnitudes of the states; 0 where none is known.
     nominal: Vec<f64>,
     /// The absolute tolerances in force.
     absolute: Vec<f64>,
@@ -73,10 +85,18 @@ pub struct Weights {
 /// What automatic tolerances carry from one step to the next.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Learnt {
-    /// Largest magnitude of each state so far.
+    /// Largest magnitude of each state of late.
     pub size: Vec<f64>,
+    /// Largest magnitude of each state so far.
+    pub ever: Vec<f64>,
     /// Largest of these.
     pub largest: f64,
+    /// Time of the first state.
+    pub start: Option<f64>,
+    /// Time after `start` of the last forgetting.
+    pub forgot: f64,
+    /// Largest magnitudes since then.
+    pub recent: Vec<f64>,
     /// What a first guess of a step moves where all begins at rest and zero: a size until there is a larger one.
     pub seed: f64,
     /// Variation of each derivative by rounding.
@@ -85,6 +105,43 @@ pub struct Learnt {
     pub noisy: bool,
     /// Rejections that have not been explained.
     pub suspicion: f64,
+}
+
+impl Learnt {
+    /// Takes the sizes of a state that is a solution at the time `t`, and forgets those that are long ago. Returns whether sizes
+    /// have changed.
+    fn note(&mut self, t: f64, x: &[f64]) -> bool {
+        let elapsed = t - *self.start.get_or_insert(t);
+        let forget = elapsed > LATE * self.forgot;
+        if forget {
+            self.forget(elapsed);
+        }
+        let mut grown = false;
+        for (i, x) in x.iter().enumerate() {
+            let x = x.abs();
+            self.recent[i] = self.recent[i].max(x);
+            if x > self.size[i] {
+                self.size[i] = x;
+                self.ever[i] = self.ever[i].max(x);
+                self.largest = self.largest.max(x);
+                grown = true;
+            }
+        }
+        grown || forget
+    }
+
+    /// Keeps what was seen since it forgot before. Every time is twice the one before, so that late means at least the last half
+    /// of the time and at most all but a quarter.
+    fn forget(&mut self, elapsed: f64) {
+        self.forgot = elapsed;
+        for (i, recent) in self.recent.iter_mut().enumerate() {
+            if *recent < FALLEN * self.size[i] {
+                self.noise[i] *= *recent / self.size[i];
+                self.size[i] = *recent;
+            }
+            *recent = 0.0;
+        }
+    }
 }
 
 impl Weights {
@@ -100,7 +157,11 @@ impl Weights {
             absolute,
             learnt: automatic.then(|| Learnt {
                 size: zeros(),
+                ever: zeros(),
                 largest: 0.0,
+                start: None,
+                forgot: 0.0,
+                recent: zeros(),
                 seed: 0.0,
                 noise: zeros(),
                 noisy: false,
@@ -114,18 +175,9 @@ impl Weights {
         self.relative
     }
 
-    /// Takes the sizes of a state that is a solution.
-    pub fn note(&mut self, x: &[f64]) {
-        let Some(learnt) = &mut self.learnt else { return };
-        let mut grown = false;
-        for (size, x) in learnt.size.iter_mut().zip(x) {
-            if x.abs() > *size {
-                *size = x.abs();
-                grown = true;
-                learnt.largest = learnt.largest.max(*size);
-            }
-        }
-        if grown {
+    /// Takes the sizes of a state that is a solution at the time `t`.
+    pub fn note(&mut self, t: f64, x: &[f64]) {
+        if self.learnt.as_mut().is_some_and(|learnt| learnt.note(t, x)) {
             self.renew();
         }
     }
@@ -136,9 +188,10 @@ impl Weights {
         let least = self.relative * DWARF * learnt.largest;
         let relative = self.relative;
         let known = self.given.iter().zip(&self.fixed).zip(&self.nominal);
-        let states = self.absolute.iter_mut().zip(&learnt.size).zip(known);
-        for ((absolute, size), ((given, fixed), nominal)) in states {
-            // An ordinary size never hides a state that stays far below it.
+        let states = self.absolute.iter_mut().zip(learnt.size.iter().zip(&learnt.ever)).zip(known);
+        for ((absolute, (size, ever)), ((given, fixed), nominal)) in states {
+            let size = size.max(FADED * ever);
+            // A nominal value never hides a state that stays far below it.
             let found = (relative * SHARE * size.max(*nominal)).min(relative * size);
             *absolute = if *fixed { *given } else { given.max(found).max(least) };
         }
@@ -277,9 +330,11 @@ impl Weights {
         let small = self.absolute[i] / self.relative.max(f64::EPSILON);
         let small = match &self.learnt {
             // Of what has hardly ever moved the size is unknown; beside the others its slopes must not drown in rounding.
-            Some(learnt) if learnt.size[i] <= DWARF * learnt.largest => {
+            Some(learnt) if learnt.ever[i] <= DWARF * learnt.largest => {
                 small.max(moved.abs()).max(UNKNOWN * learnt.largest)
             }
+            // Slopes of what has faded drown in rounding where they cancel.
+            Some(learnt) if !self.fixed[i] => small.max(SHARE * learnt.ever[i]),
             Some(_) => small,
             None => small.max(LEAST),
         };
@@ -370,8 +425,8 @@ mod tests {
     #[test]
     fn an_automatic_tolerance_follows_the_size_that_a_state_has_had() {
         let mut weights = Weights::new(Tolerances::automatic(3, 1e-6));
-        weights.note(&[1e-6, -2e3, 0.0]);
-        weights.note(&[0.0, 1.0, 0.0]);
+        weights.note(0.0, &[1e-6, -2e3, 0.0]);
+        weights.note(0.0, &[0.0, 1.0, 0.0]);
         let error = |weights: &Weights, i: usize, e: f64| {
             let mut error = [0.0; 3];
             error[i] = e;
@@ -384,19 +439,19 @@ mod tests {
         }
         let scaled = {
             let mut weights = Weights::new(Tolerances::automatic(3, 1e-6));
-            weights.note(&[1e-6 * 4096.0, 2e3 * 4096.0, 0.0]);
+            weights.note(0.0, &[1e-6 * 4096.0, 2e3 * 4096.0, 0.0]);
             weights
         };
         assert_eq!(error(&weights, 1, 1e-7), error(&scaled, 1, 1e-7 * 4096.0));
     }
 
     #[test]
-    fn an_ordinary_size_loosens_but_never_hides() {
+    fn a_nominal_value_loosens_but_never_hides() {
         let mut tolerances = Tolerances::automatic(4, 1e-6);
         tolerances.nominal = vec![1.0, 1.0, 1.0, 0.0];
         let mut weights = Weights::new(tolerances);
-        weights.note(&[5.0, 0.1, 1e-5, 0.1]);
-        // Larger than ordinary: its own size; smaller: the ordinary one; far smaller: its digits; unknown: its own size.
+        weights.note(0.0, &[5.0, 0.1, 1e-5, 0.1]);
+        // Larger than nominal: its own size; smaller: the nominal one; far smaller: its digits; unknown: its own size.
         let expected = [5e-9, 1e-9, 1e-11, 1e-10];
         for (i, expected) in expected.into_iter().enumerate() {
             let found = weights.unit(i, 0.0);
@@ -413,7 +468,7 @@ mod tests {
         });
         let mut weights = Weights::new(Tolerances::automatic(2, 1e-6));
         let x = [0.0, 0.7];
-        weights.note(&x);
+        weights.note(0.0, &x);
         let spent: u64 = (0..3).map(|_| weights.rejected(&mut system, 0.1, &x, 1e-3)).sum();
         // A second look, at closer points, tells it from a kink.
         assert_eq!(spent, 10);
