@@ -79,8 +79,8 @@ fn the_source_of_a_move_tells_where_the_tool_should_be_and_how_fast_it_goes() {
         let point = |kind: &str, row: usize| {
             Vector3::from(["x", "y", "z"].map(|axis| tool(&format!("{axis}.{kind}"))[row]))
         };
-        for (kind, angle) in [("set", "_set"), ("actual", "")] {
-            let turns = ["z", "y", "x"].map(|axis| tool(&format!("orientation.{axis}{angle}")));
+        for kind in ["set", "actual"] {
+            let turns = ["z", "y", "x"].map(|axis| tool(&format!("angle_{axis}.{kind}")));
             let q = joints(kind);
             for row in 0..run.time.len() {
                 let q: Vec<f64> = q.iter().map(|axis| axis[row]).collect();
