@@ -14,8 +14,8 @@ pub struct State {
     pub initial: f64,
     /// Dimension, where it is known.
     pub dimension: Option<Dimension>,
-    /// A magnitude that is ordinary for it, where the block knows one: a flux in per unit is about one. An automatic absolute tolerance
-    /// follows it where the state itself has been smaller, as far as the state keeps its digits.
+    /// Its nominal value, where the block knows one: a flux in per unit is about one. An automatic absolute tolerance follows it
+    /// where the state itself has been smaller, as far as the state keeps its digits.
     pub nominal: Option<f64>,
 }
 

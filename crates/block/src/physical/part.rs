@@ -130,8 +130,8 @@ impl Part {
         part
     }
 
-    /// Adds a state of which an ordinary magnitude is known: see [`State::nominal`].
-    pub fn state_of_size(self, name: &str, initial: f64, nominal: f64) -> Self {
+    /// Adds a state with a nominal value: see [`State::nominal`].
+    pub fn nominal_state(self, name: &str, initial: f64, nominal: f64) -> Self {
         let mut part = self.state(name, initial);
         part.states.iter_mut().last().into_iter().for_each(|state| state.nominal = Some(nominal));
         part

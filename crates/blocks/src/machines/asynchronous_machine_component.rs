@@ -151,7 +151,7 @@ impl Component for Motor {
             .element(Element::Branch { r: 1, c: 2 });
         for (name, value) in self.machine.names().into_iter().zip(&self.start) {
             // Fluxes are in per unit.
-            part = part.state_of_size(name, *value, 1.0);
+            part = part.nominal_state(name, *value, 1.0);
         }
         out::measured(part)
     }

@@ -40,28 +40,14 @@ impl Block for Sum {
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        // Scalars alone, each with its sign: most sums are such.
-        if let [y] = y
-            && c.inputs.len() == self.signs.len()
-            && c.u.len() == self.signs.len()
-        {
-            *y = 0.0;
-            for (sign, u) in self.signs.bytes().zip(c.u) {
-                *y += if sign == b'-' { -u } else { *u };
-            }
-            return;
-        }
+        let signs = self.signs.as_bytes();
         let single = c.inputs.len() == 1;
         for (i, y) in y.iter_mut().enumerate() {
-            let mut signs = self.signs.chars();
-            let mut sign = '+';
-            *y = 0.0;
-            for (k, u) in operands(c, i).enumerate() {
-                if k == 0 || !single {
-                    sign = signs.next().unwrap_or(sign);
-                }
-                *y += if sign == '-' { -u } else { u };
-            }
+            *y =
+                operands(c, i).enumerate().fold(0.0, |sum, (k, u)| match signs[if single { 0 } else { k }] {
+                    b'-' => sum - u,
+                    _ => sum + u,
+                });
         }
     }
 }

@@ -5,8 +5,8 @@ use super::valve::Valve;
 
 /// Contact that a signal closes: $v = r_{on} i$ while `gate` is true, $i = g_{off} v$ while it is not.
 ///
-/// It conducts in both directions, and changes at once. Without off-state conductance the branch is cut: a current of an
-/// inductance must then have another path, a freewheeling diode or a resistance in parallel.
+/// It conducts in both directions, and changes at once. Without off-state conductance the branch is cut: the current
+/// of an inductance or of a current source must then have another path, a freewheeling diode or a resistance in parallel.
 ///
 /// ```ron
 /// IdealSwitch(r_on: "5 mOhm")

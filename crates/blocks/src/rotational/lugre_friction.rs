@@ -125,7 +125,7 @@ impl Component for LuGreFriction {
             .rod_and_case()
             .measures("z", "rad", Needs::State, "deflection of the bristles")
             .measures("tau", "N*m", Needs::Motion, "torque from r to c")
-            .state_of_size("z", 0.0, self.breakaway / self.sigma0)
+            .nominal_state("z", 0.0, self.breakaway / self.sigma0)
             .element(Element::Branch { r: 0, c: 1 })
     }
 

@@ -87,7 +87,7 @@ pub fn chosen(patterns: &[String], shown: &[Shown], time: &[f64], console: Conso
     if found.is_empty() { None } else { Some(by_unit("", &found, time, console)) }
 }
 
-/// Plots of all inputs of one block, and a line for each other signal of `scopes`; where there is none, for each other signal.
+/// Plots of all inputs of one block, and a line for each other signal of `scopes`, or for each other signal if `scopes` is empty.
 pub fn block(path: &str, shown: &[Shown], scopes: &[&Shown], time: &[f64], console: Console) -> String {
     let (found, rest): (Vec<&Shown>, Vec<&Shown>) = shown.iter().partition(|s| s.block() == path);
     let mut text = by_unit(path, &found, time, console);
