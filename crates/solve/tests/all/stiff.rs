@@ -311,10 +311,11 @@ fn radau_gains_digits_where_tolerances_are_tight() {
 /// there is no way back: all ended at -1e7 or so, at tolerances up to 1e-3 here and at any on the longer run.
 #[test]
 fn states_that_fall_a_millionfold_keep_their_digits() {
+    type Make = fn(Tolerances, StepLimits) -> Box<dyn Stepper>;
     for (relative, within) in [(1e-2, 3e-2), (1e-3, 1e-2), (1e-4, 3e-3), (1e-6, 2e-4), (1e-8, 1e-4)] {
         let tolerances = || Tolerances::automatic(3, relative);
         let limits = StepLimits::default;
-        let methods: [fn(Tolerances, StepLimits) -> Box<dyn Stepper>; 5] = [
+        let methods: [Make; 5] = [
             |tolerances, limits| Box::new(Auto::new(tolerances, limits)),
             |tolerances, limits| Box::new(Ode15s::new(tolerances, limits)),
             |tolerances, limits| Box::new(Radau5::new(tolerances, limits)),
