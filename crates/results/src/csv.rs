@@ -1,12 +1,12 @@
 //! Reading signals and events back, for comparison, plots and tests.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use crate::csv_record::Records;
 use crate::error::{CsvError, ResultsError};
 use crate::recording::{EventRow, Kind, Recording, Signal};
+use crate::regular::open_regular;
 
 /// How much a file may ask of memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,7 +30,7 @@ impl Default for ReadLimits {
 ///
 /// [`ResultsError`] with the file, and for its content with line and column.
 pub fn read_csv_file(path: &Path) -> Result<Recording, ResultsError> {
-    let file = File::open(path).map_err(|error| ResultsError::io("read", path, error))?;
+    let file = open_regular(path).map_err(|error| ResultsError::io("read", path, error))?;
     read_csv(BufReader::new(file), ReadLimits::default())
         .map_err(|source| ResultsError::Csv { path: path.to_owned(), source })
 }

@@ -1,13 +1,13 @@
 //! Tables of other programs: measured values, exports of spreadsheets.
 
 use std::collections::HashSet;
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use crate::csv::ReadLimits;
 use crate::csv_record::Records;
 use crate::error::{CsvError, ResultsError};
+use crate::regular::open_regular;
 
 /// Names of columns that hold the time, in lower case.
 const TIMES: [&str; 7] = ["time", "t", "timestamp", "zeit", "temps", "tiempo", "aika"];
@@ -45,10 +45,7 @@ pub struct ForeignColumn {
 /// # Errors
 /// [`ResultsError`] with the file, and for its content with line and column.
 pub fn read_foreign_file(path: &Path, time: &[&str]) -> Result<Foreign, ResultsError> {
-    let file = File::open(path).map_err(|error| ResultsError::io("read", path, error))?;
-    if file.metadata().is_ok_and(|about| about.is_dir()) {
-        return Err(ResultsError::io("read", path, std::io::ErrorKind::IsADirectory.into()));
-    }
+    let file = open_regular(path).map_err(|error| ResultsError::io("read", path, error))?;
     read_foreign(BufReader::new(file), time, ReadLimits::default())
         .map_err(|source| ResultsError::Csv { path: path.to_owned(), source })
 }

@@ -7,6 +7,7 @@ use std::time::SystemTime;
 use crate::clock;
 use crate::error::ResultsError;
 use crate::manifest::{Ended, Manifest};
+use crate::regular::{MOST_TEXT, limited_text};
 use crate::run::STORE;
 
 /// A run in the history.
@@ -72,7 +73,7 @@ fn look(path: &Path) -> Option<Kept> {
     if !files.iter().any(|file| path.join(file).is_file()) {
         return None;
     }
-    let text = fs::read_to_string(path.join("manifest.json"));
+    let text = limited_text(&path.join("manifest.json"), MOST_TEXT);
     let manifest = text.ok().and_then(|text| Manifest::from_json(&text).ok());
     let changed = || clock::iso(about.modified().unwrap_or(SystemTime::UNIX_EPOCH));
     let sizes = fs::read_dir(path).ok()?.filter_map(|file| Some(file.ok()?.metadata().ok()?.len()));

@@ -19,6 +19,7 @@ mod history;
 mod manifest;
 mod place;
 mod recording;
+mod regular;
 mod run;
 mod run_folder;
 mod sparkline;
@@ -43,6 +44,7 @@ pub use manifest::{
 };
 pub use place::{probe, write_whole};
 pub use recording::{Column, EventRow, Kind, Recording, Signal};
+pub use regular::{MOST_TEXT, limited_bytes, limited_text, open_regular};
 pub use run::{ALWAYS, Run, STORE};
 pub use run_folder::RunFolder;
 pub use sparkline::sparkline;

@@ -2,7 +2,7 @@
 
 mod read;
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::BufReader;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -11,6 +11,7 @@ use crate::csv::{ReadLimits, read_csv_file, read_events};
 use crate::error::ResultsError;
 use crate::manifest::{Ended, Manifest};
 use crate::recording::{EventRow, Recording};
+use crate::regular::{MOST_TEXT, limited_text, open_regular};
 use crate::store::{Layout, Rate, SignalInfo, Store};
 
 /// All times.
@@ -183,7 +184,7 @@ impl Run {
     /// [`ResultsError`] where `events.csv` cannot be read.
     pub fn events(&self) -> Result<Vec<EventRow>, ResultsError> {
         let Some(path) = &self.events else { return Ok(Vec::new()) };
-        let file = File::open(path).map_err(|error| ResultsError::io("read", path, error))?;
+        let file = open_regular(path).map_err(|error| ResultsError::io("read", path, error))?;
         read_events(BufReader::new(file), ReadLimits::default())
             .map_err(|source| ResultsError::Csv { path: path.clone(), source })
     }
@@ -204,7 +205,7 @@ fn table(path: &Path) -> Result<Source, ResultsError> {
 
 /// The manifest of a run, if there is one, or why it cannot be read. Signals do not need it.
 fn manifest(folder: &Path) -> (Option<Manifest>, Option<String>) {
-    let text = match fs::read_to_string(folder.join("manifest.json")) {
+    let text = match limited_text(&folder.join("manifest.json"), MOST_TEXT) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return (None, None),
         Err(error) => return (None, Some(error.to_string())),
         Ok(text) => text,

@@ -12,6 +12,7 @@ use super::marks::{MAGIC, VERSION};
 use super::pick::{Failed, bytes_at, read_columns};
 use super::places::{closing_index, scan};
 use crate::error::ResultsError;
+use crate::regular::open_regular;
 
 /// Bytes before the header.
 const PREFIX: usize = 20;
@@ -43,7 +44,7 @@ impl Store {
     /// # Errors
     /// [`ResultsError`] where the file cannot be read, is no recording, has another version or is damaged.
     pub fn open(path: &Path) -> Result<Store, ResultsError> {
-        let file = File::open(path).map_err(|error| ResultsError::io("read", path, error))?;
+        let file = open_regular(path).map_err(|error| ResultsError::io("read", path, error))?;
         Store::of_file(file, path)
     }
 
