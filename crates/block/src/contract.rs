@@ -6,7 +6,7 @@ use std::fmt::Debug;
 use std::path::Path;
 
 use crate::physical::Component;
-use crate::{Context, Given, Interface, InterfaceError, ParamError, Piece};
+use crate::{CodePolicy, Context, Given, Interface, InterfaceError, NoCode, ParamError, Piece};
 
 /// A block: parameters and pure functions.
 ///
@@ -198,6 +198,14 @@ pub trait Files {
 
     /// The folder of the diagram that names the file, to resolve paths that are not text.
     fn folder(&self) -> &Path;
+
+    /// Who decides whether code that the diagram names is built and loaded; without a decision none is.
+    fn code(&self) -> &dyn CodePolicy {
+        &NoCode
+    }
+
+    /// Reports something about a file that does not stop the diagram.
+    fn warn(&self, _warning: LoadError) {}
 }
 
 /// Something named by a parameter could not be loaded.

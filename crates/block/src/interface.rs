@@ -362,7 +362,26 @@ pub struct InterfaceError {
     pub help: Option<String>,
 }
 
+/// Most numbers that all blocks of a model together may remember: 1 GB with their names.
+pub const MOST_MEMORY: usize = 1 << 24;
+
 impl InterfaceError {
+    /// Whether a block may remember `cells` numbers, which `why` explains: `1000 samples of 3 elements`.
+    ///
+    /// # Errors
+    /// They are more than [`MOST_MEMORY`].
+    pub fn memory_fits(cells: Option<usize>, why: &str) -> Result<(), Self> {
+        if cells.is_some_and(|cells| cells <= MOST_MEMORY) {
+            return Ok(());
+        }
+        Err(Self {
+            code: "too_large",
+            ports: Vec::new(),
+            message: format!("{why} are more than {MOST_MEMORY} numbers"),
+            help: Some("remember fewer of them, or delay fewer elements".to_owned()),
+        })
+    }
+
     /// Shapes or kinds that do not fit.
     pub fn types(ports: &[&str], message: impl Into<String>) -> Self {
         Self::new("type_mismatch", ports, message)

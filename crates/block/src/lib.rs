@@ -5,6 +5,7 @@
 //! buffers of the engine. Blocks of physical networks state a law instead of outputs ([`physical::Component`]).
 //! A compiled diagram is a [`schedule::Schedule`].
 
+mod code;
 mod context;
 mod contract;
 mod defaults;
@@ -26,12 +27,17 @@ mod symbol;
 pub mod testing;
 
 pub use blocksim_block_macros::{BlockMeta, Parameters};
+pub use code::{AnyCode, CodePolicy, Decision, NoCode, UNTRUSTED, untrusted};
 pub use context::{Context, Fault};
 pub use contract::{Block, Bus, Files, LoadError, Scratch};
 pub use defaults::in_diagram;
 pub use given::{Given, ParamUnits};
-pub use interface::{Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, Recorded, State};
-pub use parameter::{ParamError, ParamValue, VALUE_ENUM, at_least, finite, not_negative, ordered, positive};
+pub use interface::{
+    Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, MOST_MEMORY, Recorded, State,
+};
+pub use parameter::{
+    MOST_PORTS, ParamError, ParamValue, VALUE_ENUM, at_least, count, finite, not_negative, ordered, positive,
+};
 pub use parameters::{ParameterInfo, Parameters};
 pub use piece::{NODES, Piece, derivatives, roughness, through};
 pub use ports::{Input, Output, PortType};
@@ -54,8 +60,8 @@ pub mod prelude {
     pub use crate::physical::{Component, Energy, Law, Needs, Part, Torque};
     pub use crate::{
         Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Crossing, Discrete, Files, Given, Input,
-        Interface, InterfaceError, LoadError, Output, ParamError, ParamValue, Parameters, Piece, PortType,
-        Scratch, Shapes, State, at_least, finite, not_negative, ordered, positive,
+        Interface, InterfaceError, LoadError, MOST_PORTS, Output, ParamError, ParamValue, Parameters, Piece,
+        PortType, Scratch, Shapes, State, at_least, count, finite, not_negative, ordered, positive,
     };
     pub use blocksim_signal::{Dimension, Kind, SampleTime, Shape};
     pub use serde::Deserialize;

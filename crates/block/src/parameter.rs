@@ -73,6 +73,20 @@ pub fn at_least(param: &str, value: f64, least: f64) -> Result<(), ParamError> {
     Err(ParamError::new(param, format!("`{param}` is {value}, but must be at least {least}")))
 }
 
+/// Most ports that a number of a block may ask for. Whoever has more signals passes vectors.
+pub const MOST_PORTS: usize = 10_000;
+
+/// A number of things must be from `least` to `most`, so that no slip of the pen fills the memory.
+///
+/// # Errors
+/// It is not.
+pub fn count(param: &str, value: usize, least: usize, most: usize) -> Result<(), ParamError> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(ParamError::new(param, format!("`{param}` is {value}, but must be from {least} to {most}")))
+}
+
 /// `lower` must be less than `upper`.
 ///
 /// # Errors

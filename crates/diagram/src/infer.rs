@@ -1,7 +1,7 @@
 //! Shapes, kinds and units of all signals.
 
 use blocksim_block::problem::{Place, Problem};
-use blocksim_block::{Given, Interface, InterfaceError, PortType};
+use blocksim_block::{Given, Interface, InterfaceError, MOST_MEMORY, PortType};
 use blocksim_signal::{Dimension, Kind};
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
@@ -35,6 +35,7 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
     let mut errors: Vec<Option<InterfaceError>> = vec![None; flat.blocks.len()];
     let (order, readers) = downstream(flat);
     let mut waiting = vec![true; flat.blocks.len()];
+    let mut room = Room { used: typed.interfaces.iter().map(memory).sum() };
     for _ in 0..flat.blocks.len() + 2 {
         for index in order.iter().copied() {
             if !std::mem::replace(&mut waiting[index], false) {
@@ -51,7 +52,8 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
                 .map(|(input, source)| (input.name.clone(), typed.of(source)))
                 .collect();
             let mut changed = !std::mem::replace(&mut known[index], true);
-            match block.block.interface(&Given::new(given, block.units.clone())) {
+            let asked = block.block.interface(&Given::new(given, block.units.clone()));
+            match asked.and_then(|interface| room.take(&typed.interfaces[index], interface)) {
                 Ok(mut interface) => {
                     if block.plain {
                         settle(&mut interface);
@@ -87,6 +89,41 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
     }
     typed.interfaces.iter_mut().for_each(settle);
     typed
+}
+
+/// Most elements of a signal.
+const MOST_ELEMENTS: usize = 1 << 20;
+
+/// Numbers that all blocks remember together.
+struct Room {
+    used: usize,
+}
+
+impl Room {
+    /// The interface `new` in the place of `old`, if its signals and memories are not too large: lengths multiply from block to
+    /// block, so a short text may ask for any number.
+    fn take(&mut self, old: &Interface, new: Interface) -> Result<Interface, InterfaceError> {
+        let too_large = |message: String| {
+            let help = Some("make signals of fewer elements, or delay fewer samples".to_owned());
+            Err(InterfaceError { code: "too_large", ports: Vec::new(), message, help })
+        };
+        if let Some(long) = new.outputs.iter().find(|output| output.port_type.shape.len() > MOST_ELEMENTS) {
+            let n = long.port_type.shape.len();
+            let message = format!("`{}` has {n} elements, more than {MOST_ELEMENTS}", long.name);
+            return too_large(message);
+        }
+        let used = (self.used + memory(&new)).saturating_sub(memory(old));
+        if used > MOST_MEMORY {
+            return too_large(format!("this model remembers more than {MOST_MEMORY} numbers"));
+        }
+        self.used = used;
+        Ok(new)
+    }
+}
+
+/// States of a block, sampled and remembered ones included.
+fn memory(interface: &Interface) -> usize {
+    interface.states.len() + interface.discrete.len()
 }
 
 /// What is left open has the dimension that it was given last; or none, where that may be anything.

@@ -4,8 +4,8 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use blocksim_block::Files;
 use blocksim_block::problem::FileId;
+use blocksim_block::{CodePolicy, Files, LoadError, NoCode};
 
 /// Reads files for the compiler, which itself opens none.
 pub trait Reader {
@@ -14,6 +14,11 @@ pub trait Reader {
     /// # Errors
     /// A sentence why it cannot be read.
     fn read(&self, path: &Path) -> Result<String, String>;
+
+    /// Who decides whether code that a diagram names is built and loaded; without a decision none is.
+    fn code(&self) -> &dyn CodePolicy {
+        &NoCode
+    }
 }
 
 /// A file of the model.
@@ -94,8 +99,21 @@ fn normal(path: &Path) -> PathBuf {
 
 /// Lets a block read files beside the diagram that names it.
 pub(crate) struct BlockFiles<'a> {
-    pub sources: &'a Sources<'a>,
-    pub folder: PathBuf,
+    sources: &'a Sources<'a>,
+    folder: PathBuf,
+    warnings: RefCell<Vec<LoadError>>,
+}
+
+impl<'a> BlockFiles<'a> {
+    /// Files beside this one.
+    pub fn beside(sources: &'a Sources<'a>, file: FileId) -> Self {
+        Self { sources, folder: sources.folder(file), warnings: RefCell::default() }
+    }
+
+    /// What blocks have reported about files.
+    pub fn warnings(self) -> Vec<LoadError> {
+        self.warnings.into_inner()
+    }
 }
 
 impl Files for BlockFiles<'_> {
@@ -106,5 +124,13 @@ impl Files for BlockFiles<'_> {
 
     fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    fn code(&self) -> &dyn CodePolicy {
+        self.sources.reader.code()
+    }
+
+    fn warn(&self, warning: LoadError) {
+        self.warnings.borrow_mut().push(warning);
     }
 }

@@ -36,14 +36,18 @@ const NO_BREAK: f64 = -1.0;
 const NEVER: f64 = f64::MIN;
 
 /// Names and initial values of the discrete states of a history of `n` elements with room for so many pieces.
-pub(crate) fn states(interface: Interface, n: usize, pieces: usize) -> Interface {
-    interface
+pub(crate) fn states(interface: Interface, n: usize, pieces: usize) -> Result<Interface, InterfaceError> {
+    InterfaceError::memory_fits(pieces.checked_mul(cells(n)), &format!("{pieces} steps of {n} elements"))?;
+    Ok(interface
         .discrete("head", 0.0)
         .discrete("count", 0.0)
         .discrete("passed", NEVER)
         .discrete("last", NEVER)
-        .memory("past", pieces * cells(n), 0.0)
+        .memory("past", pieces * cells(n), 0.0))
 }
+
+/// Most pieces that a block may ask for.
+pub(crate) const MOST_PIECES: usize = 1_000_000;
 
 /// Cells that a piece takes.
 fn cells(n: usize) -> usize {

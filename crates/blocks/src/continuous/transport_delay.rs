@@ -33,7 +33,7 @@ pub struct TransportDelay {
 impl Block for TransportDelay {
     fn check(&self) -> Result<(), ParamError> {
         positive("delay", self.delay)?;
-        at_least("buffer", self.buffer as f64, 16.0)?;
+        count("buffer", self.buffer, 16, history::MOST_PIECES)?;
         finite("y0", self.y0)
     }
 
@@ -41,7 +41,7 @@ impl Block for TransportDelay {
         let u = given.input_or_unknown("u");
         agrees(given, "y0", "u", u.dimension)?;
         let ports = Interface::new().input(Input::real("u")).output_from_state(Output::like("y", u));
-        let states = history::states(ports, u.shape.len(), self.buffer);
+        let states = history::states(ports, u.shape.len(), self.buffer)?;
         Ok(states.uses_time().time_events().remembers(self.delay))
     }
 

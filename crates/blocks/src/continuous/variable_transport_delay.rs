@@ -43,7 +43,7 @@ impl Block for VariableTransportDelay {
     fn check(&self) -> Result<(), ParamError> {
         positive("min_delay", self.min_delay)?;
         ordered("min_delay", self.min_delay, "max_delay", self.max_delay)?;
-        at_least("buffer", self.buffer as f64, 16.0)?;
+        count("buffer", self.buffer, 16, history::MOST_PIECES)?;
         finite("y0", self.y0)
     }
 
@@ -53,7 +53,7 @@ impl Block for VariableTransportDelay {
         let delay = Input::real("delay").scalar().unit("s");
         let ports =
             Interface::new().input(Input::real("u")).input(delay).output_reading(&[1], Output::like("y", u));
-        let states = history::states(ports, u.shape.len(), self.buffer);
+        let states = history::states(ports, u.shape.len(), self.buffer)?;
         let guarded = states.guard_when(Crossing::Holds, "next").guard_when(Crossing::Holds, "last");
         Ok(guarded.uses_time().remembers(self.min_delay))
     }

@@ -54,11 +54,13 @@ impl Block for Delay {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         agrees(given, "x0", "u", u.dimension)?;
+        let (steps, n) = (self.steps.min(MOST_STEPS), u.shape.len());
+        InterfaceError::memory_fits(steps.checked_mul(n), &format!("{steps} samples of {n} elements"))?;
         Ok(Interface::new()
             .input(Input::any("u"))
             .output_from_state(Output::like("y", u))
             .discrete("next", 0.0)
-            .memory("past", self.steps.min(MOST_STEPS) * u.shape.len(), self.x0)
+            .memory("past", steps * n, self.x0)
             .sampled(self.ts))
     }
 

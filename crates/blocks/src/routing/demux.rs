@@ -47,7 +47,7 @@ impl Demux {
 
 impl Block for Demux {
     fn check(&self) -> Result<(), ParamError> {
-        at_least("outputs", self.outputs as f64, 1.0)?;
+        count("outputs", self.outputs, 1, MOST_PORTS)?;
         if self.sizes.contains(&0) {
             return Err(ParamError::new("sizes", "a part of `sizes` is 0, but must be at least 1"));
         }

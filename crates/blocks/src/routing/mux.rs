@@ -18,7 +18,7 @@ pub struct Mux {
 
 impl Block for Mux {
     fn check(&self) -> Result<(), ParamError> {
-        at_least("inputs", self.inputs as f64, 1.0)
+        count("inputs", self.inputs, 1, MOST_PORTS)
     }
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {

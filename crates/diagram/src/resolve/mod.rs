@@ -13,6 +13,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Problem};
+use blocksim_block::{Interface, MOST_MEMORY};
 
 use crate::ast::{Ast, BlockAst, parse};
 use crate::model::{Model, ModelBlock};
@@ -63,7 +64,16 @@ pub(crate) struct Resolver<'a> {
     asts: RefCell<HashMap<FileId, Option<Rc<Ast>>>>,
     /// Names that nothing has, so far.
     unknown: Cell<usize>,
+    /// Blocks and what they remember, so far.
+    blocks: Cell<usize>,
+    memory: Cell<usize>,
 }
+
+/// Most blocks of a model, those of subsystems counted each time.
+const MOST_BLOCKS: usize = 100_000;
+
+/// Most diagrams inside each other.
+const DEEPEST: usize = 64;
 
 impl<'a> Resolver<'a> {
     pub(crate) fn new(sources: &'a Sources<'a>, overrides: Vec<Override>) -> Self {
@@ -72,11 +82,46 @@ impl<'a> Resolver<'a> {
             overrides,
             problems: RefCell::default(),
             unknown: Cell::default(),
+            blocks: Cell::default(),
+            memory: Cell::default(),
             instances: RefCell::default(),
             replaced: RefCell::default(),
             strict: false,
             asts: RefCell::default(),
         }
+    }
+
+    /// Counts what a block remembers; whether there is room for it.
+    fn has_room_for(&self, interface: &Interface) -> bool {
+        let memory = self.memory.get() + interface.discrete.len() + interface.states.len();
+        self.memory.set(memory);
+        memory <= MOST_MEMORY
+    }
+
+    /// Whether one more diagram fits: a few files that contain each other many times over make any number of blocks.
+    fn has_room_inside(
+        &self,
+        ast: &Ast,
+        block: &BlockAst,
+        name: &str,
+        inside: &Ast,
+        stack: &[FileId],
+    ) -> bool {
+        let blocks = self.blocks.get() + inside.blocks.len();
+        self.blocks.set(blocks);
+        let reason = match (stack.len() >= DEEPEST, blocks > MOST_BLOCKS) {
+            (true, _) => format!("more than {DEEPEST} diagrams are inside each other here"),
+            // One problem is enough for the thousands of places that are left out.
+            (_, true) if blocks - inside.blocks.len() > MOST_BLOCKS => return false,
+            (_, true) => format!("this model has more than {MOST_BLOCKS} blocks"),
+            (false, false) => return true,
+        };
+        self.report(
+            Problem::error("too_large", reason)
+                .at(&ast.place(&block.span), format!("`{name}` is left out"))
+                .help("make the model of fewer subsystems"),
+        );
+        false
     }
 
     fn report(&self, problem: Problem) {

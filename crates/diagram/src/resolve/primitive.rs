@@ -4,7 +4,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use blocksim_block::problem::Problem;
-use blocksim_block::{Block, BlockInfo, BlockKind, Given, ParamUnits};
+use blocksim_block::{Block, BlockInfo, BlockKind, Given, MOST_MEMORY, ParamUnits};
 use serde::Deserialize;
 
 use super::Resolver;
@@ -56,8 +56,13 @@ impl<'a> Resolver<'a> {
             let parameter = block.parameters.iter().find(|(known, _)| known.text == name);
             ast.place(parameter.map_or(&block.span, |(_, node)| &node.span))
         };
-        let files = BlockFiles { sources: self.sources, folder: self.sources.folder(ast.file) };
-        if let Err(error) = built.load(&files) {
+        let files = BlockFiles::beside(self.sources, ast.file);
+        let loaded = built.load(&files);
+        for warning in files.warnings() {
+            let problem = Problem::warning(warning.code, warning.message).at(&place_of(warning.param), "");
+            self.report(with_help(problem, warning.help));
+        }
+        if let Err(error) = loaded {
             let problem = Problem::error(error.code, error.message).at(&place_of(error.param), "");
             self.report(with_help(problem, error.help));
             return Content::Unknown;
@@ -81,6 +86,17 @@ impl<'a> Resolver<'a> {
         (units, numbers, plain): (ParamUnits, Numbers, bool),
     ) -> Content {
         match built.interface(&Given::new(Vec::new(), units.clone())) {
+            Ok(interface) if !self.has_room_for(&interface) => {
+                self.report(
+                    Problem::error(
+                        "too_large",
+                        format!("this model remembers more than {MOST_MEMORY} numbers"),
+                    )
+                    .at(&ast.place(&block.span), "there is no room for this block")
+                    .help("delay fewer samples, or make the model of fewer blocks"),
+                );
+                Content::Unknown
+            }
             Ok(interface) => {
                 Content::Block { block: built, units, numbers, interface: Box::new(interface), plain }
             }

@@ -49,6 +49,9 @@ impl<'a> Resolver<'a> {
             return Content::Unknown;
         }
         let Some(inside) = self.ast(file) else { return Content::Unknown };
+        if !self.has_room_inside(ast, block, name, &inside, stack) {
+            return Content::Unknown;
+        }
         let inner = Rc::new(Scope::new(self.sources, Some(scope.clone())));
         inside.parameters.iter().for_each(|(name, node)| inner.declare(name, file, node));
         let mut fits = true;

@@ -88,6 +88,9 @@ pub fn read(text: &str) -> Result<Node, SyntaxError> {
     })
 }
 
+/// Most elements of a list.
+const MOST_ITEMS: usize = 1_000_000;
+
 fn read_once(text: &str) -> Result<Node, SyntaxError> {
     let reader = Reader { text };
     if skip(text) == text.len() {
@@ -148,6 +151,12 @@ impl<'a> Reader<'a> {
             Some(b'\'') => self.parse::<char>(raw).map(|c| Shape::Text(c.to_string())),
             Some(b'[') => {
                 let items: Vec<&'a RawValue> = self.parse(raw)?;
+                if items.len() > MOST_ITEMS {
+                    let start = self.offset(raw);
+                    let message = format!("this list has {} elements, more than {MOST_ITEMS}", items.len());
+                    let help = "keep long tables in a file of their own, which `FromFile` reads";
+                    return Err(SyntaxError::new(start..start + 1, message).help(help));
+                }
                 Ok(Shape::List(items.iter().map(|item| self.node(item.get_ron())).collect::<Result<_, _>>()?))
             }
             Some(b'{') => {
@@ -216,6 +225,7 @@ impl<'a> Reader<'a> {
         let mut message = match &error.code {
             ron::Error::ExpectedComma => "a `,` or a closing bracket is missing here".to_owned(),
             ron::Error::ExpectedMapColon => "a `:` is missing here".to_owned(),
+            ron::Error::ExceededRecursionLimit => "there are too many brackets inside each other".to_owned(),
             other => other.to_string(),
         };
         let mut help = None;
