@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use blocksim_block::problem::{Label, Problem};
 use blocksim_block::schedule::{Recorded, Schedule};
+use blocksim_block::{AnyCode, CodePolicy};
 // Blocks register themselves when they are linked, and linked is only what is named.
 use blocksim_blocks as _;
 use blocksim_diagram::{Compiled, Reader, Sources, compile};
@@ -55,6 +56,11 @@ impl Reader for Desk {
             Some(text) => Ok(text.clone()),
             None => std::fs::read_to_string(path).map_err(|_| "there is no such file".to_owned()),
         }
+    }
+
+    // Tests run their models.
+    fn code(&self) -> &dyn CodePolicy {
+        &AnyCode
     }
 }
 

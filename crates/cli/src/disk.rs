@@ -6,23 +6,33 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use blocksim_block::{CodePolicy, NoCode};
 use blocksim_diagram::Reader;
-use blocksim_results::{ResultsError, write_whole};
+use blocksim_results::{MOST_TEXT, ResultsError, limited_text, write_whole};
 use blocksim_signal::closest;
 
 use crate::exit::Exit;
 use crate::failure::Failure;
+use crate::trust::Plugins;
 
-/// Largest file that is read as text.
-pub const LARGEST: u64 = 256 << 20;
-
-/// Reads files and remembers which.
+/// Reads files and remembers which. Plug-ins that they name are not loaded, unless somebody decides otherwise.
 #[derive(Debug, Default)]
 pub struct Disk {
     read: RefCell<Vec<PathBuf>>,
+    plugins: Option<Plugins>,
 }
 
 impl Disk {
+    /// Files of a model whose plug-ins may be loaded as `plugins` decides.
+    pub fn with(plugins: Plugins) -> Disk {
+        Disk { read: RefCell::default(), plugins: Some(plugins) }
+    }
+
+    /// What the plug-ins offer that were loaded.
+    pub fn offers(&self) -> BTreeMap<String, String> {
+        self.plugins.as_ref().map(Plugins::offers).unwrap_or_default()
+    }
+
     /// Files that were read.
     pub fn files(&self) -> Vec<PathBuf> {
         self.read.borrow().clone()
@@ -39,6 +49,10 @@ impl Reader for Disk {
         let text = text(path).map_err(|error| reason(&error))?;
         self.read.borrow_mut().push(path.to_owned());
         Ok(text)
+    }
+
+    fn code(&self) -> &dyn CodePolicy {
+        self.plugins.as_ref().map_or(&NoCode, |plugins| plugins as &dyn CodePolicy)
     }
 }
 
@@ -58,17 +72,14 @@ impl Reader for Overlaid {
             None => self.disk.read(path),
         }
     }
+
+    fn code(&self) -> &dyn CodePolicy {
+        self.disk.code()
+    }
 }
 
 fn text(path: &Path) -> io::Result<String> {
-    let about = fs::metadata(path)?;
-    if about.is_dir() {
-        return Err(io::ErrorKind::IsADirectory.into());
-    }
-    if about.len() > LARGEST {
-        return Err(io::Error::other(format!("it has more than {} MiB", LARGEST >> 20)));
-    }
-    fs::read_to_string(path)
+    limited_text(path, MOST_TEXT)
 }
 
 /// Whether a model can be read.

@@ -27,6 +27,7 @@ mod seal;
 mod search;
 mod signals;
 mod terminal;
+mod trust;
 mod usage;
 mod watch;
 
@@ -39,6 +40,7 @@ use crate::args::{Args, Command};
 use crate::failure::Outcome;
 use crate::running::interrupt;
 use crate::terminal::console::{Colour, Console};
+use crate::trust::Purpose;
 
 /// Does what the command line asks for.
 pub fn main() -> ExitCode {
@@ -63,7 +65,7 @@ fn done(args: &Args, console: Console) -> Outcome {
         None => commands::hints(console),
         Some(Command::New(args)) => commands::new(args, console),
         Some(Command::Run(args)) if args.watch => {
-            Ok(watch::watch(&args.model, console, || commands::run(args, console)))
+            Ok(watch::watch(&args.model, Purpose::Run, console, || commands::run(args, console)))
         }
         Some(Command::Run(args)) => commands::run(args, console),
         Some(Command::Report(args)) => commands::report(args, console),
@@ -71,7 +73,7 @@ fn done(args: &Args, console: Console) -> Outcome {
         Some(Command::Compare(args)) => commands::compare(args, console),
         Some(Command::Collisions(args)) => commands::collisions(args, console),
         Some(Command::Check(args)) if args.watch => {
-            Ok(watch::watch(&args.model, console, || commands::check(args, console)))
+            Ok(watch::watch(&args.model, Purpose::Look, console, || commands::check(args, console)))
         }
         Some(Command::Check(args)) => commands::check(args, console),
         Some(Command::Fmt(args)) => commands::fmt(args, console),
@@ -84,6 +86,7 @@ fn done(args: &Args, console: Console) -> Outcome {
         Some(Command::Import(args)) => commands::import(args, console),
         Some(Command::Lsp) => commands::lsp(),
         Some(Command::Blocks(args)) => commands::blocks(args, console),
+        Some(Command::Trust(args)) => commands::trust(args, console),
         Some(Command::Doctor(args)) => commands::doctor(args, console),
         Some(Command::Completions(args)) => commands::completions(args, console),
         Some(Command::Explain(args)) => commands::explain(args, console),

@@ -1,10 +1,11 @@
 //! A model, read and compiled.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use blocksim_block::schedule::Schedule;
 use blocksim_diagram::{Compiled, Options, SourceFile, Sources, compile, compile_with, fingerprint};
-use blocksim_results::FileUsed;
+use blocksim_results::{FileUsed, limited_bytes};
 use blocksim_scene::Scene;
 
 use crate::args::model::ModelArgs;
@@ -12,8 +13,9 @@ use crate::commands::tell;
 use crate::disk::{Disk, readable};
 use crate::exit::Exit;
 use crate::failure::Failure;
-use crate::terminal::console::Console;
+use crate::terminal::console::{Console, notice};
 use crate::terminal::render;
+use crate::trust::{Plugins, Purpose};
 
 /// A model and the files that it was read from.
 pub struct Loaded {
@@ -25,6 +27,8 @@ pub struct Loaded {
     pub on_disk: Vec<SourceFile>,
     /// Libraries of plug-ins.
     pub plugins: Vec<FileUsed>,
+    /// What they offer, by their names in the texts that a run keeps.
+    pub offers: BTreeMap<String, String>,
 }
 
 impl Loaded {
@@ -62,49 +66,46 @@ impl Loaded {
 
 /// Lets whoever waits for the build of a plug-in know what for.
 pub fn tell_builds() {
-    blocksim_host::set_build_notice(|notice| {
-        use std::io::Write;
-        let _ = writeln!(std::io::stderr(), "  {notice}");
-    });
+    blocksim_host::set_build_notice(|text| notice(&format!("  {text}")));
 }
 
 /// Reads and compiles a model.
 ///
 /// # Errors
 /// If there is nothing to read. Problems of the model are no failure here.
-pub fn load(args: &ModelArgs) -> Result<Loaded, Failure> {
-    load_with(args, &Options::default())
+pub fn load(args: &ModelArgs, purpose: Purpose) -> Result<Loaded, Failure> {
+    load_with(args, purpose, &Options::default())
 }
 
 /// The same for a command that looks at outputs by their names, read and recorded ones or others.
 ///
 /// # Errors
 /// If there is nothing to read.
-pub fn load_to_watch(args: &ModelArgs, watched: &[String]) -> Result<Loaded, Failure> {
-    load_with(args, &Options { watched, ..Options::default() })
+pub fn load_to_watch(args: &ModelArgs, purpose: Purpose, watched: &[String]) -> Result<Loaded, Failure> {
+    load_with(args, purpose, &Options { watched, ..Options::default() })
 }
 
 /// The same, compiled as options say but for the values of `--set`, which are those of the command line.
 ///
 /// # Errors
 /// If there is nothing to read.
-pub fn load_with(args: &ModelArgs, options: &Options) -> Result<Loaded, Failure> {
+pub fn load_with(args: &ModelArgs, purpose: Purpose, options: &Options) -> Result<Loaded, Failure> {
     readable(&args.model)?;
     tell_builds();
-    let disk = Disk::default();
+    let disk = Disk::with(Plugins::of(args.plugins, purpose));
     let sources = Sources::new(&disk);
     let compiled = compile_with(&sources, &args.model, &Options { overrides: &args.set, ..*options });
     let files = sources.all();
     let on_disk = files.iter().filter(|file| disk.has_read(&file.path)).cloned().collect();
     // Hashed now, before anybody builds them anew.
     let plugins = blocksim_host::opened().into_iter().map(|library| library_used(&library.path));
-    Ok(Loaded { compiled, files, on_disk, plugins: plugins.collect() })
+    Ok(Loaded { compiled, files, on_disk, plugins: plugins.collect(), offers: disk.offers() })
 }
 
 /// Files that a model is read from, and folders of crates whose plug-ins it has loaded; the file of the model itself in
 /// any case.
-pub fn files_of(args: &ModelArgs) -> Vec<PathBuf> {
-    let disk = Disk::default();
+pub fn files_of(args: &ModelArgs, purpose: Purpose) -> Vec<PathBuf> {
+    let disk = Disk::with(Plugins::of(args.plugins, purpose));
     compile(&Sources::new(&disk), &args.model, &args.set);
     let mut files = disk.files();
     if !files.contains(&args.model) {
@@ -118,7 +119,7 @@ pub fn files_of(args: &ModelArgs) -> Vec<PathBuf> {
 
 /// The library of a plug-in. One that cannot be read any more has an empty hash.
 fn library_used(path: &Path) -> FileUsed {
-    let hash = std::fs::read(path).map(|bytes| fingerprint(&bytes)).unwrap_or_default();
+    let hash = limited_bytes(path, u64::MAX).map(|bytes| fingerprint(&bytes)).unwrap_or_default();
     FileUsed { path: with_slashes(path), hash }
 }
 

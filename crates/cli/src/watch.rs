@@ -10,6 +10,7 @@ use crate::loaded::files_of;
 use crate::running::interrupt;
 use crate::terminal::console::Console;
 use crate::terminal::render::plural;
+use crate::trust::Purpose;
 
 /// How often files are looked at. A few hundred of them cost a millisecond.
 const EVERY: Duration = Duration::from_millis(100);
@@ -22,11 +23,16 @@ type State = Vec<(PathBuf, Option<(SystemTime, u64)>)>;
 /// Does something, and again after every change of a file that the model was read from, until Ctrl-C. Ends as what was
 /// done last.
 ///
-pub fn watch(model: &ModelArgs, console: Console, mut again: impl FnMut() -> Outcome) -> Exit {
+pub fn watch(
+    model: &ModelArgs,
+    purpose: Purpose,
+    console: Console,
+    mut again: impl FnMut() -> Outcome,
+) -> Exit {
     interrupt::take_over();
     loop {
         // What is written while it runs has not been seen by it.
-        let places = files_of(model);
+        let places = files_of(model, purpose);
         let before = state(&places);
         let exit = again().unwrap_or_else(|failure| failure.tell(console));
         if interrupt::is_requested() {

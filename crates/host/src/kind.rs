@@ -41,7 +41,8 @@ pub struct Kind {
     pub continuous: Vec<Quantity>,
     /// Discrete states.
     pub discrete: Vec<Quantity>,
-    pub(crate) table: Functions,
+    /// None where the plug-in was not loaded.
+    pub(crate) functions: Option<Functions>,
     pub(crate) sizes: Sizes,
 }
 
@@ -82,10 +83,15 @@ pub(crate) struct At<'a> {
 
 /// The functions of the table. Buffers of wrong length are refused, so none of these can go astray.
 impl Kind {
+    fn table(&self) -> Result<&BlockTable, Failure> {
+        let never = || Failure { status: OK, text: "the plug-in was never loaded".to_owned() };
+        self.functions.as_ref().map(|functions| &functions.0).ok_or_else(never)
+    }
+
     /// Whether the plug-in takes these parameters.
     pub(crate) fn check(&self, params: &[f64]) -> Result<(), Failure> {
         fits(params.len(), self.sizes.params)?;
-        let Some(check) = self.table.0.check else { return Ok(()) };
+        let Some(check) = self.table()?.check else { return Ok(()) };
         // SAFETY: a buffer of the length that the table states; the message is valid during the call.
         call(|m| unsafe { check(params.as_ptr(), m) })
     }
@@ -94,7 +100,7 @@ impl Kind {
     pub(crate) fn sample_time(&self, params: &[f64]) -> Result<f64, Failure> {
         fits(params.len(), self.sizes.params)?;
         let mut period = 0.0;
-        let Some(sample_time) = self.table.0.sample_time else { return Ok(period) };
+        let Some(sample_time) = self.table()?.sample_time else { return Ok(period) };
         // SAFETY: as above, and `period` is a number to write.
         call(|m| unsafe { sample_time(params.as_ptr(), &mut period, m) })?;
         Ok(period)
@@ -105,7 +111,7 @@ impl Kind {
         fits(params.len(), self.sizes.params)?;
         fits(x.len(), self.sizes.x)?;
         fits(xd.len(), self.sizes.xd)?;
-        let Some(reset) = self.table.0.reset else { return Ok(()) };
+        let Some(reset) = self.table()?.reset else { return Ok(()) };
         // SAFETY: buffers of the lengths that the table states; two `&mut` never overlap.
         call(|m| unsafe { reset(params.as_ptr(), x.as_mut_ptr(), xd.as_mut_ptr(), m) })
     }
@@ -114,7 +120,7 @@ impl Kind {
     pub(crate) fn outputs(&self, at: &At, y: &mut [f64]) -> Result<(), Failure> {
         self.fits(at)?;
         fits(y.len(), self.sizes.y)?;
-        let Some(outputs) = self.table.0.outputs else { return Ok(()) };
+        let Some(outputs) = self.table()?.outputs else { return Ok(()) };
         let At { params, t, x, xd, u } = *at;
         // SAFETY: buffers of the lengths that the table states; a `&mut` overlaps nothing.
         call(|m| unsafe {
@@ -126,7 +132,7 @@ impl Kind {
     pub(crate) fn update(&self, at: &At, next: &mut [f64]) -> Result<(), Failure> {
         self.fits(at)?;
         fits(next.len(), self.sizes.xd)?;
-        let Some(update) = self.table.0.update else { return Ok(()) };
+        let Some(update) = self.table()?.update else { return Ok(()) };
         let At { params, t, x, xd, u } = *at;
         // SAFETY: as above.
         call(|m| unsafe {
@@ -138,7 +144,7 @@ impl Kind {
     pub(crate) fn derivatives(&self, at: &At, dx: &mut [f64]) -> Result<(), Failure> {
         self.fits(at)?;
         fits(dx.len(), self.sizes.x)?;
-        let Some(derivatives) = self.table.0.derivatives else { return Ok(()) };
+        let Some(derivatives) = self.table()?.derivatives else { return Ok(()) };
         let At { params, t, x, xd, u } = *at;
         // SAFETY: as above.
         call(|m| unsafe {

@@ -15,6 +15,9 @@
 //! numbers, `call` is the border itself, and `plugin` is the block. What goes wrong on the way becomes a
 //! [`LoadError`](blocksim_block::LoadError) with one of the codes in `fault`.
 //!
+//! Whether it goes that way is not decided here: `Files::code` says whether a library may be built and loaded. Where it may not,
+//! a block is made of what the plug-in offered when it was loaded last (`offer`), which can be looked at but not run.
+//!
 //! A library is loaded from a copy in the temporary folder: overwriting a loaded library would crash the process,
 //! and opening the same path twice would give the old code. Therefore a plug-in must not look for other libraries
 //! relative to its own place.
@@ -28,6 +31,7 @@ mod finite;
 mod fresh;
 mod kind;
 mod locate;
+mod offer;
 mod open;
 mod parameters;
 mod plugin;
@@ -35,5 +39,7 @@ mod table;
 
 pub use cargo::{crates, set_build_notice};
 pub use kind::{Kind, Quantity};
+pub use locate::{Source, locate};
+pub use offer::{merged, offer, recalled};
 pub use open::{Library, open, opened};
 pub use plugin::Plugin;

@@ -16,6 +16,15 @@ pub enum Source {
     Crate(PathBuf),
 }
 
+impl Source {
+    /// The library or the folder, without links.
+    pub fn path(&self) -> &Path {
+        match self {
+            Source::Library(path) | Source::Crate(path) => path,
+        }
+    }
+}
+
 /// Finds `library`, relative to the folder of the diagram.
 ///
 /// # Errors

@@ -13,6 +13,7 @@ use crate::cargo;
 use crate::fault::{self, MISSING};
 use crate::kind::Kind;
 use crate::locate::{Source, locate};
+use crate::offer::Period;
 use crate::table::{contents, other_major};
 
 /// A loaded plug-in.
@@ -26,6 +27,8 @@ pub struct Library {
     pub version: &'static str,
     /// Its blocks.
     pub blocks: Vec<Kind>,
+    /// Sample times that were worked out.
+    pub(crate) periods: Mutex<Vec<Period>>,
 }
 
 /// A file at one point of its history: a rebuilt library is another one.
@@ -74,7 +77,14 @@ fn load(path: &Path) -> Result<&'static Library, LoadError> {
     // SAFETY: a function of the contract, of a library that stays loaded.
     let contents = unsafe { contents(entry(), &shown) }?;
     let (name, version) = (contents.name, contents.version);
-    Ok(Box::leak(Box::new(Library { path: path.to_owned(), name, version, blocks: contents.blocks })))
+    let periods = Mutex::default();
+    Ok(Box::leak(Box::new(Library {
+        path: path.to_owned(),
+        name,
+        version,
+        blocks: contents.blocks,
+        periods,
+    })))
 }
 
 /// A library without the symbol of this version: perhaps it has that of another one.

@@ -2,12 +2,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use blocksim_abi::PANICKED;
+use blocksim_block::Decision;
 use blocksim_block::prelude::*;
 
 use crate::call::{Failure, with_numbers};
 use crate::fault;
 use crate::finite::{all_finite, culprit, element, values};
 use crate::kind::{At, Kind as PluginKind, Quantity};
+use crate::offer::{Period, note_period, offer, period, recalled};
 use crate::open::{Library, open};
 use crate::parameters::numbers;
 
@@ -19,7 +21,8 @@ use crate::parameters::numbers;
 /// list.
 ///
 /// A failure of the plug-in, a panic included, ends the run with its message, and so does a result that is not a
-/// finite number. Plug-ins are code: they may do whatever the user who runs them may do.
+/// finite number. Plug-ins are code: they may do whatever the user who runs them may do. `blocksim run` builds and loads them;
+/// commands that only look at a diagram do so where `blocksim trust` lists the plug-in.
 ///
 /// ```ron
 /// Plugin(library: "../../plugins/cascade", block: "Cascade", parameters: { "w1": 4.0, "kv": "20 1/s" })
@@ -58,21 +61,8 @@ impl Plugin {
         self.loaded.as_ref().map(|loaded| loaded.kind)
     }
 
-    /// Runs `body` on what is loaded, and stops the run with the reason if it fails.
-    fn run(&self, c: &Context, body: impl FnOnce(&Loaded) -> Result<(), String>) {
-        let result = match &self.loaded {
-            Some(loaded) => body(loaded),
-            None => Err("the plug-in was never loaded".to_owned()),
-        };
-        if let Err(reason) = result {
-            c.fail(reason);
-        }
-    }
-}
-
-impl Block for Plugin {
-    fn load(&mut self, files: &dyn Files) -> Result<(), LoadError> {
-        let library = open(files.folder(), &self.library)?;
+    /// Takes the block out of a loaded library.
+    fn take(&mut self, library: &'static Library) -> Result<(), LoadError> {
         let kind = find(library, &self.block)?;
         let params = numbers(kind, &self.parameters)?;
         kind.check(&params).map_err(refused)?;
@@ -90,8 +80,54 @@ impl Block for Plugin {
             );
             return Err(LoadError { param: "block", ..fault::library(fault::ABI, message) });
         }
+        note_period(library, Period::new(kind.name, &params, period));
         self.loaded = Some(Arc::new(Loaded { kind, params, interface: interface(kind, period) }));
         Ok(())
+    }
+
+    /// Takes the block from what a plug-in offered when it was loaded last; `refusal` says why it is not loaded now.
+    fn recall(&mut self, offer: &str, refusal: LoadError) -> Result<(), LoadError> {
+        // A memory that makes no sense counts as none.
+        let Ok(library) = recalled(&self.library, offer) else { return Err(refusal) };
+        let kind = find(library, &self.block)?;
+        let params = numbers(kind, &self.parameters)?;
+        let Some(period) = period(library, kind.name, &params) else {
+            let message = format!("{}; its sample time with these parameters is not known", refusal.message);
+            return Err(LoadError { message, ..refusal });
+        };
+        self.loaded = Some(Arc::new(Loaded { kind, params, interface: interface(kind, period) }));
+        Ok(())
+    }
+
+    /// Runs `body` on what is loaded, and stops the run with the reason if it fails.
+    fn run(&self, c: &Context, body: impl FnOnce(&Loaded) -> Result<(), String>) {
+        let result = match &self.loaded {
+            Some(loaded) => body(loaded),
+            None => Err("the plug-in was never loaded".to_owned()),
+        };
+        if let Err(reason) = result {
+            c.fail(reason);
+        }
+    }
+}
+
+impl Block for Plugin {
+    fn load(&mut self, files: &dyn Files) -> Result<(), LoadError> {
+        let (folder, code) = (files.folder(), files.code());
+        match code.decide(folder, &self.library) {
+            Decision::Load => {
+                let library = open(folder, &self.library)?;
+                let taken = self.take(library);
+                code.remember(folder, &self.library, &offer(library));
+                taken
+            }
+            Decision::Recall { offer, warning, refusal } => {
+                self.recall(&offer, refusal)?;
+                warning.into_iter().for_each(|warning| files.warn(warning));
+                Ok(())
+            }
+            Decision::Refuse(error) => Err(error),
+        }
     }
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {

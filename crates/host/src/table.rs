@@ -9,9 +9,9 @@ use crate::fault::{self, ABI, SYMBOL};
 use crate::kind::{Functions, Kind, Quantity, Sizes, numbers};
 
 /// More blocks, or more quantities in a list, are taken for a count that was never set.
-const MOST_ELEMENTS: u32 = 4096;
+pub(crate) const MOST_ELEMENTS: u32 = 4096;
 /// So are more numbers in one buffer.
-const MOST_NUMBERS: usize = 1 << 20;
+pub(crate) const MOST_NUMBERS: usize = 1 << 20;
 
 /// Name, version and blocks of a plug-in.
 #[derive(Debug)]
@@ -115,23 +115,29 @@ unsafe fn kind(table: BlockTable, i: usize) -> Result<Kind, String> {
         xd: numbers(&discrete),
     };
     let doc = text(&table.doc, &format!("the page of `{name}`"))?;
-    let kind =
-        Kind { name, doc, parameters, inputs, outputs, continuous, discrete, table: Functions(table), sizes };
+    let functions = Some(Functions(table));
+    let kind = Kind { name, doc, parameters, inputs, outputs, continuous, discrete, functions, sizes };
+    complete(&kind).map_err(|reason| format!("`{name}` {reason}"))?;
     whole(&kind).map_err(|reason| format!("`{name}` {reason}"))?;
     Ok(kind)
 }
 
-/// Whether lists and functions fit together.
-fn whole(kind: &Kind) -> Result<(), String> {
-    let functions = &kind.table.0;
-    if kind.inputs.len() > MAX_INPUTS as usize {
-        return Err(format!("has {} inputs, more than {MAX_INPUTS}", kind.inputs.len()));
-    }
+/// Whether there are the functions that the lists need.
+fn complete(kind: &Kind) -> Result<(), String> {
+    let Some(Functions(functions)) = &kind.functions else { return Ok(()) };
     if functions.outputs.is_none() && !kind.outputs.is_empty() {
         return Err("has outputs, but no function `outputs`".into());
     }
     if functions.derivatives.is_none() && !kind.continuous.is_empty() {
         return Err("has continuous states, but no function `derivatives`".into());
+    }
+    Ok(())
+}
+
+/// Whether the lists fit together.
+pub(crate) fn whole(kind: &Kind) -> Result<(), String> {
+    if kind.inputs.len() > MAX_INPUTS as usize {
+        return Err(format!("has {} inputs, more than {MAX_INPUTS}", kind.inputs.len()));
     }
     let ports = || kind.inputs.iter().chain(&kind.outputs);
     for (i, port) in ports().enumerate() {
@@ -209,7 +215,7 @@ unsafe fn quantity(row: &Row, i: usize) -> Result<Quantity, String> {
 }
 
 /// The dimension of an SI unit; `None` where any is taken.
-fn dimension(name: &str, unit: &str) -> Result<Option<Dimension>, String> {
+pub(crate) fn dimension(name: &str, unit: &str) -> Result<Option<Dimension>, String> {
     if unit.is_empty() {
         return Ok(None);
     }
@@ -226,7 +232,7 @@ fn text(text: &Text, what: &str) -> Result<&'static str, String> {
     unsafe { text.as_str() }.ok_or_else(|| format!("{what} is no UTF-8 text"))
 }
 
-fn is_name(name: &str) -> bool {
+pub(crate) fn is_name(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }

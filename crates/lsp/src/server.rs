@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use blocksim_block::CodePolicy;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
 use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, DidSaveTextDocument, Notification as _,
@@ -37,13 +38,14 @@ use crate::uri::{path_of, uri_of};
 /// What has gone wrong between the editor and the server.
 type Broken = Box<dyn std::error::Error + Send + Sync>;
 
-/// Serves an editor on the standard input and output until it says that it ends.
+/// Serves an editor on the standard input and output until it says that it ends. To open a file is not to run it: `code` decides
+/// whether plug-ins are built and loaded.
 ///
 /// # Errors
 /// If the editor breaks the protocol, or goes away without a word.
-pub fn serve(prose: Prose) -> Result<(), Broken> {
+pub fn serve(prose: Prose, code: Box<dyn CodePolicy>) -> Result<(), Broken> {
     let (connection, threads) = Connection::stdio();
-    Server::new(prose).run(&connection)?;
+    Server::new(prose, code).run(&connection)?;
     drop(connection);
     threads.join()?;
     Ok(())
@@ -61,10 +63,11 @@ pub struct Server {
 }
 
 impl Server {
-    /// A server that knows nothing yet; `prose` makes text for people of the Markdown of the manual.
-    pub fn new(prose: Prose) -> Server {
+    /// A server that knows nothing yet; `prose` makes text for people of the Markdown of the manual, `code` decides
+    /// what becomes of plug-ins.
+    pub fn new(prose: Prose, code: Box<dyn CodePolicy>) -> Server {
         Server {
-            texts: Texts::default(),
+            texts: Texts::new(code),
             models: Models::default(),
             told: BTreeSet::new(),
             prose,

@@ -3,18 +3,25 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use blocksim_block::CodePolicy;
 use blocksim_diagram::Reader;
 
 /// Largest file that is read.
 const LARGEST: u64 = 64 << 20;
 
 /// Open files with their texts.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Texts {
     open: BTreeMap<PathBuf, String>,
+    code: Box<dyn CodePolicy>,
 }
 
 impl Texts {
+    /// No open files; `code` decides whether plug-ins that they name are built and loaded.
+    pub fn new(code: Box<dyn CodePolicy>) -> Texts {
+        Texts { open: BTreeMap::new(), code }
+    }
+
     /// Takes the text of a file over.
     pub fn put(&mut self, path: PathBuf, text: String) {
         self.open.insert(path, text);
@@ -46,5 +53,9 @@ impl Reader for Texts {
             return Err("it is no file of text".to_owned());
         }
         std::fs::read_to_string(path).map_err(|error| error.to_string())
+    }
+
+    fn code(&self) -> &dyn CodePolicy {
+        &*self.code
     }
 }

@@ -50,7 +50,9 @@ impl Editor {
         std::fs::write(folder.join("servo.ron"), SERVO).unwrap();
         std::fs::write(folder.join("part.ron"), PART).unwrap();
         let (connection, other) = Connection::memory();
-        let server = std::thread::spawn(move || Server::new(str::to_owned).run(&other).unwrap());
+        let server = std::thread::spawn(move || {
+            Server::new(str::to_owned, Box::new(blocksim_block::NoCode)).run(&other).unwrap()
+        });
         let mut editor = Editor { folder, connection, server: Some(server), asked: 0 };
         let snippets =
             json!({ "textDocument": { "completion": { "completionItem": { "snippetSupport": true } } } });

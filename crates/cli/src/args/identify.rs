@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use blocksim_signal::{Unit, evaluate};
 use clap::{Args, Subcommand};
 
+use super::model::PluginArgs;
 use super::values::{NoNames, assignment};
 
 /// The verbs of `blocksim identify`.
@@ -35,6 +36,8 @@ pub struct Common {
     /// Sets a parameter for this call, as in `blocksim run`; may be repeated.
     #[arg(long = "set", value_name = "TARGET=VALUE", value_parser = assignment)]
     pub set: Vec<String>,
+    #[command(flatten)]
+    pub plugins: PluginArgs,
     /// Drive of the axes; without it `torque`, where the model has this choice.
     #[arg(long, value_name = "NAME")]
     pub drive: Option<String>,

@@ -16,6 +16,7 @@ pub mod plugin;
 pub mod report;
 pub mod start;
 pub mod sweep;
+pub mod trust;
 pub mod values;
 
 use clap::{Parser, Subcommand};
@@ -36,6 +37,7 @@ use self::plugin::PluginCommand;
 use self::report::ReportArgs;
 use self::start::{CompletionsArgs, DoctorArgs, NewArgs};
 use self::sweep::SweepArgs;
+use self::trust::TrustArgs;
 use crate::terminal::console::Colour;
 
 /// Simulate block diagrams written as text.
@@ -94,6 +96,8 @@ pub enum Command {
     Blocks(BlocksArgs),
     /// Serve an editor: problems while you write, completion, pages of blocks (Language Server Protocol).
     Lsp,
+    /// List, add or remove folders whose plug-ins are loaded to look at a model.
+    Trust(TrustArgs),
     /// Tell whether everything is there that runs, plug-ins and pages need.
     Doctor(DoctorArgs),
     /// Print what makes a shell complete commands and options.
@@ -133,6 +137,7 @@ impl Args {
             Some(Command::Graph(args)) => args.json,
             Some(Command::Blocks(args)) => args.json,
             Some(Command::Doctor(args)) => args.json,
+            Some(Command::Trust(args)) => args.json,
             Some(Command::Identify(command)) => command.common().json,
             Some(Command::Plan(command)) => command.common().json,
             Some(Command::Plugin(command)) => command.json(),

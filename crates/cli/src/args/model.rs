@@ -15,6 +15,19 @@ pub struct ModelArgs {
     /// Sets a parameter for this call: `drive=dc`, `robot.axis1.gear.ring_teeth=51`, `pid.kp=40`; may be repeated.
     #[arg(long = "set", value_name = "TARGET=VALUE", value_parser = assignment)]
     pub set: Vec<String>,
+    #[command(flatten)]
+    pub plugins: PluginArgs,
+}
+
+/// What may become of the plug-ins that a model names.
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
+pub struct PluginArgs {
+    /// Trust the plug-ins that the model names from now on, so that they are built and loaded; to run a model does this anyway.
+    #[arg(long, conflicts_with = "no_plugins")]
+    pub trust: bool,
+    /// Build and load no plug-ins; blocks of plug-ins are shown as they were when they were loaded last.
+    #[arg(long)]
+    pub no_plugins: bool,
 }
 
 /// How long a model is simulated, and by which method.

@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
+use super::model::PluginArgs;
+
 /// `blocksim plugin`.
 #[derive(Debug, Subcommand)]
 pub enum PluginCommand {
     /// Make the crate of a controller, with a diagram that runs it.
     New(PluginNewArgs),
-    /// Build and load a plug-in, and tell which controllers it has.
+    /// Show which controllers a plug-in has; one that is trusted is built and loaded first.
     Show(PluginShowArgs),
 }
 
@@ -42,6 +44,8 @@ pub struct PluginNewArgs {
 pub struct PluginShowArgs {
     /// A built library, or the folder of its crate, which is built first.
     pub library: String,
+    #[command(flatten)]
+    pub plugins: PluginArgs,
     /// As JSON, an object for each controller.
     #[arg(long)]
     pub json: bool,

@@ -10,13 +10,14 @@ use crate::loaded::load;
 use crate::scene;
 use crate::terminal::console::Console;
 use crate::terminal::render;
+use crate::trust::Purpose;
 
 /// Prints what a step of the compiler makes of a model, also of one with errors if the step was reached.
 ///
 /// # Errors
 /// If the model cannot be read.
 pub fn emit(args: &EmitArgs, console: Console) -> Outcome {
-    let loaded = load(&args.model)?;
+    let loaded = load(&args.model, Purpose::Look)?;
     let problems = &loaded.compiled.problems;
     tell(problems, &loaded.files, console)?;
     let stages = &loaded.compiled.stages;
@@ -29,6 +30,8 @@ pub fn emit(args: &EmitArgs, console: Console) -> Outcome {
         StageName::Scene => loaded.compiled.scene.as_ref().map(|scene| scene::json(scene, &HashMap::new())),
     };
     match text {
+        // What is JSON stays exactly as it is.
+        Some(text) if args.stage == StageName::Scene => console.bytes_of(&text)?,
         Some(text) => console.data(&text)?,
         None => console.say(&format!("{}; this step was not reached", render::tally(problems))),
     }

@@ -10,9 +10,11 @@ use crate::args::graph::GraphArgs;
 use crate::disk::{Disk, readable};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
+use crate::loaded::tell_builds;
 use crate::picture_file::write_pictures;
 use crate::terminal::console::Console;
 use crate::terminal::render;
+use crate::trust::{Plugins, Purpose};
 
 /// Draws a level of a model, or all of them.
 ///
@@ -20,7 +22,8 @@ use crate::terminal::render;
 /// If the model cannot be read, there is no such level, or a drawing cannot be written.
 pub fn graph(args: &GraphArgs, console: Console) -> Outcome {
     readable(&args.model.model)?;
-    let disk = Disk::default();
+    let disk = Disk::with(Plugins::of(args.model.plugins, Purpose::Look));
+    tell_builds();
     let sources = Sources::new(&disk);
     let (model, problems) = blocksim_diagram::model(&sources, &args.model.model, &args.model.set);
     tell(&problems, &sources.all(), console)?;

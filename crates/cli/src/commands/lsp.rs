@@ -5,6 +5,8 @@ use crate::failure::Failure;
 use crate::failure::Outcome;
 #[cfg(feature = "lsp")]
 use crate::terminal::prose::prose;
+#[cfg(feature = "lsp")]
+use crate::trust::Plugins;
 
 /// Tells that there is no server for editors.
 ///
@@ -21,7 +23,7 @@ pub fn lsp() -> Outcome {
 /// What the editor does wrong.
 #[cfg(feature = "lsp")]
 pub fn lsp() -> Outcome {
-    blocksim_lsp::serve(prose).map(|()| Exit::Done).map_err(|error| {
+    blocksim_lsp::serve(prose, Box::new(Plugins::looking())).map(|()| Exit::Done).map_err(|error| {
         Failure::usage(format!("the editor broke the Language Server Protocol: {error}"))
             .help("editors start `blocksim lsp`; see docs/editors.md")
     })

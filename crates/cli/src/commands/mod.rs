@@ -27,6 +27,7 @@ mod report;
 mod run;
 mod runs;
 mod sweep;
+mod trust;
 
 pub use blocks::blocks;
 pub use check::check;
@@ -55,6 +56,7 @@ pub use report::report;
 pub use run::run;
 pub use runs::runs;
 pub use sweep::sweep;
+pub use trust::trust;
 
 use std::io;
 

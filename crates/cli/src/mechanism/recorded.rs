@@ -1,9 +1,8 @@
 //! The mechanism of a run and where its joints were.
 
-use std::fs;
 use std::path::Path;
 
-use blocksim_results::{ALWAYS, Run};
+use blocksim_results::{ALWAYS, MOST_TEXT, Run, limited_text};
 use blocksim_scene::Scene;
 use serde_json::Value;
 
@@ -21,7 +20,7 @@ pub struct Movement {
 /// # Errors
 /// Why it cannot be used, in words.
 pub fn scene(folder: &Path) -> Result<Option<Value>, String> {
-    let Ok(text) = fs::read_to_string(folder.join("scene.json")) else { return Ok(None) };
+    let Ok(text) = limited_text(&folder.join("scene.json"), MOST_TEXT) else { return Ok(None) };
     let scene: Value = serde_json::from_str(&text).map_err(|error| format!("scene.json: {error}"))?;
     let list = |name: &str| scene[name].as_array().is_some();
     if !["bodies", "shapes", "masses", "frames"].iter().all(|name| list(name)) {

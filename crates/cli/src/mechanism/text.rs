@@ -1,17 +1,16 @@
 //! The text of the model of a run: what was kept with the run, else the files as they are now.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use blocksim_diagram::Reader;
-use blocksim_results::Manifest;
+use blocksim_results::{MOST_TEXT, Manifest, limited_text};
 
 use crate::disk::Disk;
 use crate::running::model_text::{Kept, MODEL};
 
 /// The text of a model and what was set.
 pub struct Text {
-    /// Where the files come from.
+    /// Where the files come from. It loads no plug-ins, because a run may be somebody else's.
     pub reader: Box<dyn Reader>,
     /// The diagram itself.
     pub root: PathBuf,
@@ -41,6 +40,6 @@ fn kept(folder: &Path) -> Result<Option<Kept>, String> {
     if !file.is_file() {
         return Ok(None);
     }
-    let text = fs::read_to_string(&file).map_err(|error| error.to_string())?;
+    let text = limited_text(&file, MOST_TEXT).map_err(|error| error.to_string())?;
     Kept::read(&text).map(Some)
 }

@@ -5,6 +5,7 @@ use std::io::{self, IsTerminal, Write};
 use clap::ValueEnum;
 
 use crate::args::model::Format;
+use crate::terminal::clean::clean_but_colours;
 
 /// When messages are coloured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -51,11 +52,22 @@ impl Console {
         }
     }
 
-    /// Data, as it is.
+    /// Data. Text for people is cleaned of signs that act on a terminal; JSON is written as it is.
     ///
     /// # Errors
     /// What the system says, for example that nobody reads on.
     pub fn data(&self, text: &str) -> io::Result<()> {
+        match self.format {
+            Format::Json => self.bytes_of(text),
+            Format::Full | Format::Short => self.bytes_of(&clean_but_colours(text)),
+        }
+    }
+
+    /// The text of a file, as it is.
+    ///
+    /// # Errors
+    /// As of [`Console::data`].
+    pub fn bytes_of(&self, text: &str) -> io::Result<()> {
         let mut out = io::stdout().lock();
         out.write_all(text.as_bytes())?;
         out.flush()
@@ -63,14 +75,19 @@ impl Console {
 
     /// A line to the person at the keyboard. Where even this cannot be written, nobody is left to tell.
     pub fn say(&self, line: &str) {
-        let _ = writeln!(io::stderr().lock(), "{line}");
+        notice(line);
     }
 
     /// Rewrites the present line of the terminal.
     pub fn rewrite(&self, line: &str) {
         let mut err = io::stderr().lock();
-        let _ = write!(err, "\r\x1b[2K{line}").and_then(|()| err.flush());
+        let _ = write!(err, "\r\x1b[2K{}", clean_but_colours(line)).and_then(|()| err.flush());
     }
+}
+
+/// A line to the person at the keyboard, from where no console is at hand.
+pub fn notice(line: &str) {
+    let _ = writeln!(io::stderr().lock(), "{}", clean_but_colours(line));
 }
 
 fn coloured(asked: Colour, terminal: bool, no_color: bool, forced: bool) -> bool {

@@ -5,6 +5,7 @@ use blocksim_block::problem::{FileId, Label, Problem, Severity};
 use serde_json::{Value, json};
 
 use crate::exit::Exit;
+use crate::terminal::clean::clean;
 use crate::terminal::places::{Texts, within};
 use crate::terminal::prose::wrapped;
 
@@ -14,25 +15,25 @@ pub fn full(problem: &Problem, texts: &Texts, colour: bool) -> String {
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,
     };
-    let title = level.primary_title(problem.message.as_str()).id(problem.code);
+    let title = level.primary_title(clean(&problem.message)).id(problem.code);
     let mut group = Group::with_title(title);
     for file in files_in_order(&problem.labels) {
         let Some(source) = texts.file(file.0) else { continue };
-        let path = source.path.display().to_string();
+        let path = clean(&source.path.display().to_string()).into_owned();
         let mut snippet = Snippet::source(&*source.text).path(path);
         for (n, label) in problem.labels.iter().enumerate().filter(|(_, label)| label.place.file == file) {
             let kind = if n == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
             let span = within(&source.text, &label.place.span);
-            let text = (!label.text.is_empty()).then_some(label.text.as_str());
+            let text = (!label.text.is_empty()).then(|| clean(&label.text));
             snippet = snippet.annotation(kind.span(span).label(text));
         }
         group = group.element(snippet);
     }
     for note in &problem.notes {
-        group = group.element(Level::NOTE.message(wrapped(note, LINE)));
+        group = group.element(Level::NOTE.message(wrapped(&clean(note), LINE)));
     }
     if let Some(help) = &problem.help {
-        group = group.element(Level::HELP.message(wrapped(help, LINE)));
+        group = group.element(Level::HELP.message(wrapped(&clean(help), LINE)));
     }
     let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
     let text = renderer.render(&[group]);
@@ -56,9 +57,11 @@ fn uncoloured(line: &str) -> String {
 
 /// `file:line:column: error[code]: message`, for editors and `grep`.
 pub fn short(problem: &Problem, texts: &Texts) -> String {
-    let said = format!("{}[{}]: {}", word(problem.severity), problem.code, problem.message);
+    let said = format!("{}[{}]: {}", word(problem.severity), problem.code, clean(&problem.message));
     match problem.labels.first().and_then(|label| texts.located(&label.place)) {
-        Some((file, line, column)) => format!("{}:{line}:{column}: {said}", file.path.display()),
+        Some((file, line, column)) => {
+            format!("{}:{line}:{column}: {said}", clean(&file.path.display().to_string()))
+        }
         None => said,
     }
 }

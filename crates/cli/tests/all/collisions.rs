@@ -1,9 +1,9 @@
 //! `blocksim collisions` as users call it.
 
-use std::process::Command;
-
 use crate::desk::{Answer, Desk};
 use expect_test::expect;
+
+use crate::support::program;
 
 /// A ball on a slide that swings by 0.5 m, 1 m above the ground.
 const SLIDE: &str = r#"Diagram(
@@ -47,7 +47,7 @@ fn the_page_shows_what_the_program_says() {
             .skip(1)
             .map(|word| if word == "picked" { &place } else { word })
             .collect();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        let mut command = program();
         let output = command.current_dir(&root).args(words).output().expect("the program runs");
         said += &String::from_utf8(output.stdout).expect("text").replace(&format!("{place}\n"), "");
     }

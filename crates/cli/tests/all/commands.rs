@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use crate::support::program;
+
 const LAG: &str = r#"Diagram(
     title: "First order lag",
     parameters: { "lag": "0.2 s" },
@@ -57,7 +59,7 @@ impl Desk {
     }
 
     fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        let mut command = program();
         command.current_dir(&self.0).args(arguments).env_remove("CLICOLOR_FORCE").env_remove("COLUMNS");
         command
     }

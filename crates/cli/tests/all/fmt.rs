@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 
-use crate::support::{arguments, commands_of};
+use crate::support::{arguments, commands_of, program};
 
 const LOOSE: &str =
     "// a lag\nDiagram(\n  title:\"Lag\", // its name\n  blocks:{ \"lag\":LowPass( tau:0.1 ) },\n)\n";
@@ -42,7 +42,7 @@ impl Drop for Desk {
 }
 
 fn command(words: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+    let mut command = program();
     command.env("NO_COLOR", "1").arg("fmt").args(words);
     command
 }

@@ -1,9 +1,11 @@
 //! `blocksim identify` as users call it, with the robot that ships.
 
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
+
+use crate::support::program;
 
 /// A robot arm has none of this.
 const LAG: &str = r#"Diagram(
@@ -18,7 +20,7 @@ fn root() -> PathBuf {
 }
 
 fn identify(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+    let mut command = program();
     command.current_dir(root()).env("NO_COLOR", "1").arg("identify").args(arguments);
     command.output().expect("the program runs")
 }
@@ -145,7 +147,7 @@ fn requests_that_make_no_sense_are_refused_with_a_remedy() {
 /// Records a run of the flagship with a move and overrides; the folder of its recording.
 fn recorded(folder: &Folder, name: &str, arguments: &[&str]) -> String {
     let run = folder.file(name);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+    let mut command = program();
     command.current_dir(root()).env("NO_COLOR", "1").args([
         "run",
         "diagrams/irb2600/irb2600.ron",
@@ -291,7 +293,7 @@ fn the_page_shows_what_the_program_says() {
     let shown = shown();
     assert_eq!(shown.len(), 4, "{shown:?}");
     for (call, text) in shown {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        let mut command = program();
         command.current_dir(&folder.0).env("NO_COLOR", "1").arg("identify");
         // The page calls from the folder of the model, or from that of the project.
         let model = root().join("diagrams/irb2600/irb2600.ron").to_string_lossy().into_owned();

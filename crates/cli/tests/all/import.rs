@@ -2,7 +2,8 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+
+use crate::support::program;
 
 /// A folder that goes away, with files of the tests.
 struct Desk(PathBuf);
@@ -26,7 +27,7 @@ impl Desk {
 
     /// Exit code, standard output and standard error.
     fn call(&self, arguments: &[&str]) -> (i32, String, String) {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        let mut command = program();
         let output =
             command.current_dir(&self.0).args(arguments).env_remove("CLICOLOR_FORCE").output().unwrap();
         let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());

@@ -1,9 +1,9 @@
 //! `blocksim linearise` as users call it.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
-use crate::support::{arguments, commands_of, root};
+use crate::support::{arguments, commands_of, program, root};
 use serde_json::Value;
 
 /// A loop of a gain and three equal lags with a time constant of 1 s, L = gain / (s + 1)^3, behind a limit of 10; a sampled
@@ -68,7 +68,7 @@ impl Drop for Desk {
 }
 
 fn linearise(folder: &Path, words: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+    let mut command = program();
     command.current_dir(folder).env("NO_COLOR", "1").env_remove("COLUMNS").arg("linearise").args(words);
     command.output().expect("the program runs")
 }
@@ -131,7 +131,7 @@ fn a_closed_loop_has_the_poles_of_its_polynomial_and_a_cut_one_those_of_its_part
     // A change at a signal that is measured there: the sensitivity.
     let sensitivity = desk.json(&["lags.ron", "--from", "gain.y", "--to", "gain.y"]);
     near(&sensitivity["ways"][0]["static_gain"], 1.0 / 3.0);
-    let alias = Command::new(env!("CARGO_BIN_EXE_blocksim"))
+    let alias = program()
         .current_dir(&desk.0)
         .args(["linearize", "lags.ron", "--open", "gain.y", "--no-plot"])
         .output()

@@ -13,6 +13,8 @@ mod held;
 mod help;
 mod identify;
 mod import;
+#[cfg(unix)]
+mod limits;
 mod linearise;
 mod pages_of_errors;
 mod params;
@@ -29,5 +31,7 @@ mod sweep;
 mod tables;
 #[cfg(unix)]
 mod trim;
+#[cfg(unix)]
+mod trust;
 mod units;
 mod watch;

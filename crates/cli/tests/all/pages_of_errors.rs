@@ -45,7 +45,12 @@ fn said(line: &str, desk: &Path) -> (String, Option<i32>) {
     let program = Path::new(env!("CARGO_BIN_EXE_blocksim"));
     let found = program.parent().expect("a folder").display().to_string();
     let path = format!("{found}:{}", std::env::var("PATH").unwrap_or_default());
-    let output =
-        Command::new("sh").args(["-c", line]).current_dir(desk).env("PATH", path).output().expect("a shell");
+    let output = Command::new("sh")
+        .args(["-c", line])
+        .current_dir(desk)
+        .env("PATH", path)
+        .env("BLOCKSIM_HOME", desk.join(".blocksim"))
+        .output()
+        .expect("a shell");
     (String::from_utf8_lossy(&output.stderr).into_owned(), output.status.code())
 }

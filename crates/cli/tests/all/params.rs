@@ -2,8 +2,9 @@
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::support::program;
 
 const SET: &str =
     "// a set\n(\n    gain: (value: 2, note: \"estimated\"), // first\n    lag: \"250 ms\",\n)\n";
@@ -30,7 +31,7 @@ impl Desk {
 
     /// Exit code and everything that was said.
     fn call(&self, arguments: &str) -> (i32, String) {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        let mut command = program();
         command.current_dir(&self.0).arg("params").args(arguments.split(' ')).env_remove("CLICOLOR_FORCE");
         let output = command.output().unwrap();
         let said = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());

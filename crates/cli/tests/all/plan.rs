@@ -1,13 +1,12 @@
 //! `blocksim plan` as users call it.
 
 use std::path::PathBuf;
-use std::process::Command;
 
-use crate::support::{arguments, commands_of, root};
+use crate::support::{arguments, commands_of, program, root};
 
 /// Exit code, standard output and standard error.
 fn plan(arguments: &[&str]) -> (i32, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+    let mut command = program();
     command.current_dir(root()).arg("plan").args(arguments).env_remove("CLICOLOR_FORCE");
     let output = command.output().unwrap();
     let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());

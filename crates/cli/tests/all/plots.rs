@@ -2,10 +2,11 @@
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use expect_test::expect;
+
+use crate::support::program;
 
 const LAG: &str = r#"Diagram(
     title: "First order lag",
@@ -38,7 +39,7 @@ impl Desk {
 
     /// Exit code, standard output and standard error.
     fn call(&self, arguments: &[&str]) -> (i32, String, String) {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        let mut command = program();
         command.current_dir(&self.0).args(arguments).env_remove("CLICOLOR_FORCE").env("COLUMNS", "70");
         let output = command.output().unwrap();
         let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());

@@ -5,6 +5,8 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
+use crate::support::program;
+
 /// A folder that is removed at the end.
 struct Folder(PathBuf);
 
@@ -23,7 +25,7 @@ impl Drop for Folder {
 }
 
 fn blocksim(folder: &Path, words: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+    let mut command = program();
     // What the crate needs must be on the disk: students build in rooms without a network.
     command.current_dir(folder).env("NO_COLOR", "1").env("CARGO_NET_OFFLINE", "true").args(words);
     command.output().expect("the program runs")
@@ -142,7 +144,7 @@ fn mistakes_are_answered_with_the_remedy_and_nothing_is_written() {
         (&["plugin", "new", "ok", "--blocksim", "full"], 2, "no clone of blocksim"),
         (&["plugin", "show", "ful"], 4, "did you mean `full`"),
         (&["plugin", "show", "full"], 4, "holds no `Cargo.toml`"),
-        (&["plugin", "show", "full/notes.txt"], 4, "no library that can be loaded"),
+        (&["plugin", "show", "full/notes.txt", "--trust"], 4, "no library that can be loaded"),
     ] {
         let output = blocksim(&folder.0, words);
         assert_eq!(output.status.code(), Some(code), "{words:?}: {}", said(&output));

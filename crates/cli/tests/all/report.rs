@@ -2,7 +2,9 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
+
+use crate::support::program;
 
 const MODEL: &str = r#"Diagram(
     title: "servo",
@@ -25,7 +27,7 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn call(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_blocksim")).current_dir(folder).args(arguments).output().unwrap()
+    program().current_dir(folder).args(arguments).output().unwrap()
 }
 
 fn said(output: &Output) -> String {

@@ -2,7 +2,9 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
+
+use crate::support::program;
 
 const MODEL: &str = r#"Diagram(
     title: "servo",
@@ -27,7 +29,7 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn call(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_blocksim")).args(arguments).current_dir(folder).output().unwrap()
+    program().args(arguments).current_dir(folder).output().unwrap()
 }
 
 fn said(output: &Output) -> String {

@@ -1,8 +1,8 @@
 //! `blocksim sweep` as users call it.
 
-use std::process::{Command, Output};
+use std::process::Output;
 
-use crate::support::{arguments, commands_of, root};
+use crate::support::{arguments, commands_of, program, root};
 use serde_json::Value;
 
 /// x' = (u - x) / tau: the answer to a step is 1 - exp(-t / tau).
@@ -41,7 +41,7 @@ impl Drop for Desk {
 }
 
 fn sweep(folder: &std::path::Path, words: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+    let mut command = program();
     command.current_dir(folder).env("NO_COLOR", "1").env_remove("COLUMNS").arg("sweep").args(words);
     command.output().expect("the program runs")
 }
@@ -190,7 +190,7 @@ fn runs_that_are_kept_are_ordinary_runs_with_the_same_numbers() {
     assert_eq!(names, ["1", "3"], "the model refuses the second value");
     // What is kept is bit for bit what `blocksim run` records.
     let call = |words: &[&str]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        let mut command = program();
         command.current_dir(&desk.0).env("NO_COLOR", "1").args(words).output().expect("the program runs")
     };
     assert!(call(&["run", "lag.ron", "--set", "tau=0.2 s", "--out", "again", "--quiet"]).status.success());

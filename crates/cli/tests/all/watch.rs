@@ -6,6 +6,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
+use crate::support::program;
+
 const TOP: &str = r#"Diagram(
     parameters: { "numbers": File("numbers.ron") },
     simulation: (stop_time: "1 s"),
@@ -27,7 +29,7 @@ impl Watching {
         std::fs::create_dir_all(&folder).expect("a folder");
         std::fs::write(folder.join("top.ron"), TOP).expect("a model");
         std::fs::write(folder.join("numbers.ron"), "(after: 1.0)").expect("parameters");
-        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        let mut command = program();
         command.args(words).current_dir(&folder).env("NO_COLOR", "1");
         let mut child =
             command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program runs");

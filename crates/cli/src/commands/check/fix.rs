@@ -1,17 +1,18 @@
 //! `blocksim check --fix`: the changes that problems carry, written into the texts.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use blocksim_block::problem::Problem;
 use blocksim_diagram::{Options, Reader, SourceFile, Sources, Units, compile_with, read_tree};
 
-use crate::args::model::{CheckArgs, Format};
+use crate::args::model::{CheckArgs, Format, ModelArgs};
 use crate::disk::{Disk, Overlaid, readable, write_file};
 use crate::failure::Failure;
 use crate::loaded::tell_builds;
 use crate::terminal::console::Console;
 use crate::terminal::diff::difference;
 use crate::terminal::render::plural;
+use crate::trust::{Plugins, Purpose};
 
 /// What is mended may show what was hidden behind it; so often is looked anew.
 const ROUNDS: usize = 20;
@@ -32,7 +33,7 @@ struct Outcome {
 pub fn fix(args: &CheckArgs, console: Console) -> Result<(), Failure> {
     readable(&args.model.model)?;
     tell_builds();
-    let outcome = outcome(&args.model.model, &args.model.set, args.units.into());
+    let outcome = outcome(&args.model, args.units.into());
     for path in &outcome.contradictory {
         console.say(&format!(
             "`{}` is left as it is: two changes meet at one place\n  = help: mend one of them by hand, then ask again",
@@ -55,12 +56,13 @@ pub fn fix(args: &CheckArgs, console: Console) -> Result<(), Failure> {
 }
 
 /// Mends texts in memory until no problem carries a change any more.
-fn outcome(model: &Path, set: &[String], units: Units) -> Outcome {
+fn outcome(model: &ModelArgs, units: Units) -> Outcome {
     let mut outcome = Outcome::default();
+    outcome.mended.disk = Disk::with(Plugins::of(model.plugins, Purpose::Look));
     for _ in 0..ROUNDS {
         let sources = Sources::new(&outcome.mended);
-        let options = Options { overrides: set, units, ..Options::default() };
-        let problems = compile_with(&sources, model, &options).problems;
+        let options = Options { overrides: &model.set, units, ..Options::default() };
+        let problems = compile_with(&sources, &model.model, &options).problems;
         let files = sources.all();
         let mut changed = Vec::new();
         for file in &files {

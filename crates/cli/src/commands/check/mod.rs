@@ -12,6 +12,7 @@ use crate::failure::Outcome;
 use crate::loaded::load_with;
 use crate::terminal::console::Console;
 use crate::terminal::render;
+use crate::trust::Purpose;
 
 /// Tells all problems of a model; without errors, what it consists of in one line.
 ///
@@ -22,7 +23,7 @@ pub fn check(args: &CheckArgs, console: Console) -> Outcome {
         fix::fix(args, console)?;
     }
     let units = args.units.into();
-    let loaded = load_with(&args.model, &Options { units, ..Options::default() })?;
+    let loaded = load_with(&args.model, Purpose::Look, &Options { units, ..Options::default() })?;
     let problems = &loaded.compiled.problems;
     let exit = if loaded.compiled.schedule.is_some() { Exit::Done } else { Exit::Model };
     tell_with(problems, &loaded.files, (exit != Exit::Done).then_some(exit), console)?;

@@ -24,6 +24,7 @@ use crate::args::model::ModelArgs;
 use crate::failure::{Failure, Outcome};
 use crate::loaded::load;
 use crate::terminal::console::Console;
+use crate::trust::Purpose;
 
 /// Runs experiments with the robot of a diagram.
 ///
@@ -44,7 +45,7 @@ pub fn identify(command: &IdentifyCommand, console: Console) -> Outcome {
 
 /// Compiles the diagram and puts its robot on the bench.
 fn load_bench(common: &Common, console: Console) -> Result<Bench, Failure> {
-    let with = |set: Vec<String>| ModelArgs { model: common.model.clone(), set };
+    let with = |set: Vec<String>| ModelArgs { model: common.model.clone(), set, plugins: common.plugins };
     let asked = common.set.iter().any(|set| set.split('=').next().is_some_and(|name| name.trim() == "drive"));
     let mut set = common.set.clone();
     if let Some(drive) = &common.drive {
@@ -52,11 +53,11 @@ fn load_bench(common: &Common, console: Console) -> Result<Bench, Failure> {
     } else if !asked {
         set.push("drive=torque".to_owned());
     }
-    let mut loaded = load(&with(set))?;
+    let mut loaded = load(&with(set), Purpose::Run)?;
     let has_no_drive = |problem: &blocksim_block::problem::Problem| problem.code == "unknown_override";
     if common.drive.is_none() && !asked && loaded.compiled.problems.iter().any(has_no_drive) {
         // A diagram without this choice is taken as it is.
-        loaded = load(&with(common.set.clone()))?;
+        loaded = load(&with(common.set.clone()), Purpose::Run)?;
     }
     let schedule = loaded.take_schedule("nothing was run", console)?;
     if let Some(understood) = loaded.understood() {

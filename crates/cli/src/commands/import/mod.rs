@@ -2,13 +2,13 @@
 
 mod files;
 
-use std::fs;
 use std::io;
 use std::path::Path;
 
 use blocksim_block::problem::Problem;
 use blocksim_import::simscape::DataFile;
 use blocksim_import::{Fault, chain, meshes, simscape, smidata, urdf};
+use blocksim_results::{MOST_TEXT, limited_bytes};
 
 use crate::args::import::{ImportArgs, Kind};
 use crate::exit::Exit;
@@ -82,7 +82,7 @@ fn problem(fault: &Fault) -> Problem {
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, Failure> {
-    fs::read(file).map_err(|error| {
+    limited_bytes(file, MOST_TEXT).map_err(|error| {
         Failure::unreadable(format!("cannot read `{}`: {error}", file.display()))
             .help("check the name of the file")
     })
@@ -98,11 +98,7 @@ fn beside(file: &Path) -> Option<String> {
 
 /// Reads a mesh, within bounds.
 fn mesh(path: &Path) -> io::Result<Vec<u8>> {
-    const LARGEST: u64 = 256 << 20;
-    match fs::metadata(path)?.len() {
-        size if size > LARGEST => Err(io::Error::other(format!("it has more than {} MiB", LARGEST >> 20))),
-        _ => fs::read(path),
-    }
+    limited_bytes(path, MOST_TEXT)
 }
 
 /// What a file is by its ending and its first element.

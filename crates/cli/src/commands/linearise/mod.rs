@@ -26,6 +26,7 @@ use crate::running::blame::failure;
 use crate::running::interrupt;
 use crate::terminal::console::Console;
 use crate::terminal::format::short_time;
+use crate::trust::Purpose;
 
 /// All that was found.
 pub struct Found {
@@ -56,7 +57,7 @@ pub fn linearise(args: &LineariseArgs, console: Console) -> Outcome {
         free(file, args.yes)?;
     }
     let watched: Vec<String> = args.to.iter().chain(&args.open).chain(&args.from).cloned().collect();
-    let mut loaded = load_to_watch(&args.model, &watched)?;
+    let mut loaded = load_to_watch(&args.model, Purpose::Run, &watched)?;
     let schedule = loaded.take_schedule("nothing was linearised", console)?;
     if let Some(understood) = loaded.understood() {
         console.say(&understood);

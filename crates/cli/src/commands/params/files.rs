@@ -1,7 +1,5 @@
 //! Sets and workbooks on the disk.
 
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::Path;
 
 use blocksim_block::problem::{FileId, Place, Problem};
@@ -9,6 +7,7 @@ use blocksim_diagram::{Reader, SourceFile};
 #[cfg(feature = "xlsx")]
 use blocksim_params::open_workbook;
 use blocksim_params::{Quantity, SetError, Tables, quantities};
+use blocksim_results::limited_bytes;
 
 use crate::disk::{Disk, readable, reason};
 use crate::exit::Exit;
@@ -54,7 +53,7 @@ pub fn set_error(error: &SetError, path: &Path, text: &str) -> Failure {
 /// Why the file cannot be read.
 pub fn read_workbook(path: &Path) -> Result<Tables, Failure> {
     let refuse = |said: &str| Failure::unreadable(format!("cannot read `{}`: {said}", path.display()));
-    let bytes = bytes(path).map_err(|error| refuse(&reason(&error)))?;
+    let bytes = limited_bytes(path, LARGEST).map_err(|error| refuse(&reason(&error)))?;
     open_workbook(&bytes).map_err(|error| refuse(&error.message).help(error.help))
 }
 
@@ -62,18 +61,6 @@ pub fn read_workbook(path: &Path) -> Result<Tables, Failure> {
 fn open_workbook(_bytes: &[u8]) -> Result<Tables, blocksim_params::BookError> {
     use crate::left_out::{help, reason};
     Err(blocksim_params::BookError { message: reason("workbooks"), help: help("xlsx") })
-}
-
-fn bytes(path: &Path) -> io::Result<Vec<u8>> {
-    if std::fs::metadata(path)?.is_dir() {
-        return Err(io::ErrorKind::IsADirectory.into());
-    }
-    let mut bytes = Vec::new();
-    File::open(path)?.take(LARGEST + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > LARGEST {
-        return Err(io::Error::other(format!("it has more than {} MiB", LARGEST >> 20)));
-    }
-    Ok(bytes)
 }
 
 /// Whether a file is a workbook, by its name; anything else is a set.

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
+use blocksim_block::CodePolicy;
 use blocksim_block::problem::Problem;
 use blocksim_diagram::{Reader, SourceFile, Sources, compile};
 use blocksim_params::{Change, SHEETS, quantities};
@@ -13,6 +14,7 @@ use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::terminal::console::Console;
 use crate::terminal::render;
+use crate::trust::{Plugins, is_about_trust};
 
 /// The disk, with another text for one of its files.
 struct Instead<'a> {
@@ -29,6 +31,10 @@ impl Reader for Instead<'_> {
             return Ok(self.text.to_owned());
         }
         self.disk.read(path)
+    }
+
+    fn code(&self) -> &dyn CodePolicy {
+        self.disk.code()
     }
 }
 
@@ -50,12 +56,14 @@ pub fn sound(
 ) -> Result<(), Failure> {
     readable(model)?;
     let path = set.canonicalize()?;
-    let reader = Instead { disk: Disk::default(), path: path.clone(), text, read: Cell::new(false) };
+    let reader =
+        Instead { disk: Disk::with(Plugins::looking()), path: path.clone(), text, read: Cell::new(false) };
     let sources = Sources::new(&reader);
     let compiled = compile(&sources, model, &[]);
     let files = sources.all();
-    let problems: Vec<Problem> =
-        compiled.problems.into_iter().map(|problem| with_cells(problem, &files, &path, edits)).collect();
+    // That a plug-in is not trusted says nothing about the numbers.
+    let problems = compiled.problems.into_iter().filter(|problem| !is_about_trust(problem));
+    let problems: Vec<Problem> = problems.map(|problem| with_cells(problem, &files, &path, edits)).collect();
     if !reader.read.get() {
         let said = format!("`{}` does not read `{}`", model.display(), set.display());
         return Err(Failure::new(Exit::Model, "usage", said)

@@ -9,6 +9,7 @@ use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::loaded::with_slashes;
 use crate::terminal::console::Console;
+use crate::trust::note_trust;
 
 /// Names in the template, which are replaced.
 const NAME: &str = "my_controller";
@@ -29,6 +30,10 @@ const FILES: [(&str, &str); 3] = [
 pub fn new(args: &PluginNewArgs, console: Console) -> Outcome {
     let (name, kind) = names(args)?;
     made(args, &name, &kind)?;
+    // What this program has written is the user's own.
+    if let Ok(path) = args.folder.canonicalize() {
+        note_trust(&path);
+    }
     let folder = args.folder.display();
     console.data(&format!(
         "{folder}\n  src/lib.rs   the controller `{kind}`: write your law here\n  demo.ron     a loop with it: \

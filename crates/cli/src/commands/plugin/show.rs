@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use blocksim_host::{Kind, Library, Quantity, open};
+use blocksim_block::{CodePolicy, Decision, LoadError};
+use blocksim_host::{Kind, Library, Quantity, offer, open, recalled};
 use blocksim_results::format::significant;
 use blocksim_results::{Align, Table};
 use serde_json::{Value, json};
@@ -13,20 +14,41 @@ use crate::failure::{Failure, Outcome};
 use crate::loaded::tell_builds;
 use crate::terminal::console::Console;
 use crate::terminal::prose::prose;
+use crate::trust::{Plugins, Purpose};
 
-/// Builds and loads a plug-in, and tells which controllers it has.
+/// Tells which controllers a plug-in has: it is built and loaded if it is trusted, else shown as it was loaded last.
 ///
 /// # Errors
 /// Why it cannot be built or loaded.
 pub fn show(args: &PluginShowArgs, console: Console) -> Outcome {
     tell_builds();
-    let library = open(Path::new("."), &args.library)
+    let library = library(args, console)
         .map_err(|error| Failure::new(Exit::Files, error.code, error.message).perhaps_help(error.help))?;
     console.data(&match args.json {
         true => library.blocks.iter().map(|kind| format!("{}\n", data(library, kind))).collect(),
         false => text(library, &args.library),
     })?;
     Ok(Exit::Done)
+}
+
+fn library(args: &PluginShowArgs, console: Console) -> Result<&'static Library, LoadError> {
+    let (plugins, here) = (Plugins::of(args.plugins, Purpose::Look), Path::new("."));
+    match plugins.decide(here, &args.library) {
+        Decision::Load => {
+            let library = open(here, &args.library)?;
+            plugins.remember(here, &args.library, &offer(library));
+            Ok(library)
+        }
+        Decision::Recall { offer, warning, refusal } => {
+            let library = recalled(&args.library, &offer).map_err(|_| refusal)?;
+            if let Some(warning) = warning {
+                let help = warning.help.map_or(String::new(), |help| format!("\n  = help: {help}"));
+                console.say(&format!("warning: {}{help}", warning.message));
+            }
+            Ok(library)
+        }
+        Decision::Refuse(error) => Err(error),
+    }
 }
 
 fn text(library: &Library, named: &str) -> String {

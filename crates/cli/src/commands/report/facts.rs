@@ -1,12 +1,11 @@
 //! What a run was, for the head of the page and the table of parameters.
 
-use std::fs;
 use std::path::Path;
 
 use blocksim_diagram::fingerprint;
 use blocksim_report::{Report, Rows};
 use blocksim_results::format::{count, duration, fixed, significant, simulated};
-use blocksim_results::{Ended, Manifest, Run};
+use blocksim_results::{Ended, MOST_TEXT, Manifest, Run, limited_bytes, limited_text};
 
 use crate::running::solver;
 
@@ -88,7 +87,8 @@ fn lists(manifest: &Manifest) -> Vec<(String, Rows)> {
 fn changed(manifest: &Manifest) -> Option<String> {
     let files = std::iter::once(&manifest.model).chain(&manifest.files);
     let differs = |path: &str, known: &str| {
-        fs::read(path).is_ok_and(|bytes| fingerprint(&bytes) != known && !known.is_empty())
+        limited_bytes(Path::new(path), MOST_TEXT)
+            .is_ok_and(|bytes| fingerprint(&bytes) != known && !known.is_empty())
     };
     let changed: Vec<&str> =
         files.filter(|file| differs(&file.path, &file.hash)).map(|file| file.path.as_str()).collect();
@@ -102,7 +102,7 @@ fn changed(manifest: &Manifest) -> Option<String> {
 
 /// First lines of the warnings in `log.txt`.
 fn told_in_log(run: &Path) -> Vec<String> {
-    let Ok(log) = fs::read_to_string(run.join("log.txt")) else { return Vec::new() };
+    let Ok(log) = limited_text(&run.join("log.txt"), MOST_TEXT) else { return Vec::new() };
     let warnings = log.lines().filter(|line| line.starts_with("warning"));
     warnings.take(20).map(|line| line.split_once(": ").map_or(line, |(_, said)| said).to_owned()).collect()
 }

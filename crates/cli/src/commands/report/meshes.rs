@@ -1,12 +1,14 @@
 //! Meshes of a mechanism, made fit for a page.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use blocksim_report::Surface;
+use blocksim_results::limited_bytes;
 use blocksim_scene::mesh::{self, Packed, simplified};
 use serde_json::{Value, json};
+
+use crate::disk::reason;
 
 /// Triangles of all meshes of a page together.
 const MOST: usize = 16_000;
@@ -74,19 +76,19 @@ pub fn surfaces(scene: &mut Value, folder: &Path, full: bool, warnings: &mut Vec
 fn open(file: &Path, scale: &Value, bytes: &mut u64) -> Result<mesh::Surface, String> {
     let scale: Vec<f64> = scale.as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
     let [x, y, z] = scale[..] else { return Err("it has no scale".to_owned()) };
-    let size = fs::metadata(file).map_err(|error| error.to_string())?.len();
-    *bytes += size;
-    if size > LARGEST || *bytes > LARGEST_TOGETHER {
-        return Err(format!("it is too large, {} MiB", size >> 20));
+    let read = limited_bytes(file, LARGEST).map_err(|error| reason(&error))?;
+    *bytes += read.len() as u64;
+    if *bytes > LARGEST_TOGETHER {
+        return Err(format!("all meshes together have more than {} MiB", LARGEST_TOGETHER >> 20));
     }
-    let bytes = fs::read(file).map_err(|error| error.to_string())?;
-    mesh::read(&file.to_string_lossy(), &bytes, [x, y, z])
+    mesh::read(&file.to_string_lossy(), &read, [x, y, z])
         .map_err(|fault| format!("{fault}; {}", fault.remedy))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn what_cannot_be_read_is_told_once_and_all_else_is_drawn() {

@@ -19,6 +19,7 @@ use crate::running::blame::failure;
 use crate::running::selection::{Selection, select};
 use crate::running::{interrupt, solver};
 use crate::terminal::console::Console;
+use crate::trust::Purpose;
 
 /// Why a run cannot be audited, and what helps.
 const FIXED: [&str; 2] = [
@@ -47,7 +48,7 @@ pub struct Prepared {
 /// # Errors
 /// What is wrong with it, with the command line, or with the place of the results.
 pub fn prepare(args: &RunArgs, console: Console) -> Result<Prepared, Failure> {
-    let mut loaded = load(&args.model)?;
+    let mut loaded = load(&args.model, Purpose::Run)?;
     let mut schedule = loaded.take_schedule("nothing was run", console)?;
     solver::apply(&args.solver, &mut schedule.settings)?;
     let poses = loaded.scene().map(Scene::signals).unwrap_or_default();

@@ -50,7 +50,11 @@ pub fn simulate(args: &RunArgs, prepared: &mut Prepared, console: Console) -> Re
     let Prepared { loaded, schedule, simulation, selection, folder, .. } = prepared;
     let stream = folder
         .write_manifest(&begun)
-        .and_then(|()| folder.write(MODEL, |out| out.write_all(model_text::json(&loaded.on_disk).as_bytes())))
+        .and_then(|()| {
+            folder.write(MODEL, |out| {
+                out.write_all(model_text::json(&loaded.on_disk, &loaded.offers).as_bytes())
+            })
+        })
         .and_then(|()| folder.record(&selection.layout, &selection.sources, schedule.recorded.len()))
         .map_err(|error| unwritten(&error))?;
     let progress = Progress::new(console, telling, schedule.settings.stop_time);

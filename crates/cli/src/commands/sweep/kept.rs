@@ -79,7 +79,7 @@ impl<'a> Keeping<'a> {
         let told = |error: ResultsError| format!("it cannot be kept: {}", error.reason());
         let mut folder = RunFolder::create_exactly(&place).map_err(told)?;
         folder
-            .write(MODEL, |out| out.write_all(model_text::json(&loaded.on_disk).as_bytes()))
+            .write(MODEL, |out| out.write_all(model_text::json(&loaded.on_disk, &loaded.offers).as_bytes()))
             .map_err(told)?;
         let stream =
             folder.record(&selection.layout, &selection.sources, schedule.recorded.len()).map_err(told)?;

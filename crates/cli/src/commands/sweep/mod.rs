@@ -22,6 +22,7 @@ use crate::loaded::{Loaded, load};
 use crate::running::{interrupt, parallel};
 use crate::terminal::console::Console;
 use crate::terminal::render::plural;
+use crate::trust::Purpose;
 
 /// One run: a value for each parameter, and what became of it.
 pub struct Row<'a> {
@@ -43,7 +44,7 @@ pub fn sweep(args: &SweepArgs, console: Console) -> Outcome {
         free(file, args.yes)?;
     }
     // What is wrong with the model, and not with a value, is told once and before anything is run.
-    let mut first = load(&model(args, &plan.values(0)))?;
+    let mut first = load(&model(args, &plan.values(0)), Purpose::Run)?;
     first.take_schedule("nothing was run", console)?;
     if let Some(understood) = first.understood() {
         console.say(&format!("first run: {understood}"));
@@ -132,7 +133,7 @@ fn one<'a>(
     let model = model(args, &values);
     let place = args.keep.as_ref().map(|folder| folder.join(kept::name(number, plan.runs())));
     let mut warnings = Vec::new();
-    let outcome = match load(&model) {
+    let outcome = match load(&model, Purpose::Run) {
         Ok(mut loaded) => match loaded.compiled.schedule.take() {
             Some(schedule) => measure(&loaded, schedule, args, &model, place, &mut warnings, console),
             None => Err(Lost::Simulation(refused(&loaded))),
@@ -152,5 +153,9 @@ fn refused(loaded: &Loaded) -> String {
 /// The model with these values.
 fn model(args: &SweepArgs, values: &[&str]) -> ModelArgs {
     let varied = args.over.iter().zip(values).map(|(over, value)| format!("{}={value}", over.target));
-    ModelArgs { model: args.model.model.clone(), set: args.model.set.iter().cloned().chain(varied).collect() }
+    ModelArgs {
+        model: args.model.model.clone(),
+        set: args.model.set.iter().cloned().chain(varied).collect(),
+        plugins: args.model.plugins,
+    }
 }

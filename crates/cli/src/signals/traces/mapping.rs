@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use blocksim_results::{MOST_TEXT, limited_text};
+
 use crate::failure::Failure;
 
 /// One column: `q1 = axis1.angle [deg]`.
@@ -23,7 +25,7 @@ pub fn mappings(texts: &[String]) -> Result<Vec<Mapping>, Failure> {
             all.push(mapping(text)?);
             continue;
         }
-        let file = std::fs::read_to_string(Path::new(text)).map_err(|error| {
+        let file = limited_text(Path::new(text), MOST_TEXT).map_err(|error| {
             let reason = crate::disk::reason(&error);
             Failure::usage(format!("cannot read the mappings in `{text}`: {reason}"))
                 .help("write a mapping as 'COLUMN=PATH[unit]'")

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use crate::support::{home, program};
+
 /// A folder of its own for each test, removed at the end.
 pub struct Desk(pub PathBuf);
 
@@ -42,7 +44,7 @@ impl Desk {
     }
 
     pub fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+        let mut command = program();
         command.args(arguments);
         self.at_home(command)
     }
@@ -55,7 +57,11 @@ impl Desk {
     }
 
     fn at_home(&self, mut command: Command) -> Command {
-        command.current_dir(&self.0).env_remove("CLICOLOR_FORCE").env("COLUMNS", "70");
+        command
+            .current_dir(&self.0)
+            .env("BLOCKSIM_HOME", home())
+            .env_remove("CLICOLOR_FORCE")
+            .env("COLUMNS", "70");
         command
     }
 

@@ -1,6 +1,28 @@
 //! What tests of the program share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// The program, with settings of its own: nothing is read from or written to the home of whoever runs the tests.
+pub fn program() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_blocksim"));
+    command.env("BLOCKSIM_HOME", home());
+    command
+}
+
+/// The folder of settings that all tests share; the project is trusted there.
+pub fn home() -> &'static Path {
+    static HOME: OnceLock<PathBuf> = OnceLock::new();
+    HOME.get_or_init(|| {
+        let home = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("home-{}", std::process::id()));
+        let project = root().canonicalize().expect("the project");
+        let list = serde_json::json!({ "v": 1, "trusted": [project] });
+        std::fs::create_dir_all(&home).expect("a folder");
+        std::fs::write(home.join("trusted.json"), list.to_string()).expect("a list");
+        home
+    })
+}
 
 /// The folder of the project.
 pub fn root() -> PathBuf {

@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use blocksim_block::{Block, Context, Fault, Files, Given, LoadError, ParamValue, Scratch};
+use blocksim_block::{
+    AnyCode, Block, CodePolicy, Context, Fault, Files, Given, LoadError, ParamValue, Scratch,
+};
 use blocksim_host::Plugin;
 use blocksim_signal::{Quantity, Unit, Value};
 use expect_test::Expect;
@@ -24,6 +26,10 @@ impl Files for Folder {
 
     fn folder(&self) -> &Path {
         &self.0
+    }
+
+    fn code(&self) -> &dyn CodePolicy {
+        &AnyCode
     }
 }
 
