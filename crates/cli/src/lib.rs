@@ -86,6 +86,7 @@ fn done(args: &Args, console: Console) -> Outcome {
         Some(Command::Import(args)) => commands::import(args, console),
         Some(Command::Lsp) => commands::lsp(),
         Some(Command::Blocks(args)) => commands::blocks(args, console),
+        Some(Command::Licences) => commands::licences(console),
         Some(Command::Trust(args)) => commands::trust(args, console),
         Some(Command::Doctor(args)) => commands::doctor(args, console),
         Some(Command::Completions(args)) => commands::completions(args, console),

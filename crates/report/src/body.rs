@@ -1,5 +1,6 @@
 //! What stands in the page: sections, texts and tables; scripts fill in the rest.
 
+use crate::assets::VENDORED;
 use crate::data::{Report, Rows};
 use crate::escape::escape;
 
@@ -99,8 +100,24 @@ pub fn body(report: &Report, thinned: bool) -> String {
             report.events.len() - EVENTS
         ));
     }
+    out.push_str(&licences());
     out.push_str("</main>\n<footer id=\"timeline\"></footer>\n<dialog id=\"keys\" aria-label=\"Keys\"></dialog>\n<div id=\"said\" class=\"unseen\" aria-live=\"polite\"></div>\n");
     out
+}
+
+/// The terms of what the page contains of other projects, which must go with every copy.
+fn licences() -> String {
+    let texts = VENDORED.iter().filter(|vendored| vendored.file.ends_with(".LICENSE"));
+    let texts: String = texts
+        .map(|vendored| {
+            let name = vendored.file.trim_end_matches(".LICENSE");
+            format!("<h3>{}</h3><pre>{}</pre>\n", escape(name), escape(vendored.text.trim()))
+        })
+        .collect();
+    format!(
+        "<details id=\"licences\"><summary>Licences</summary>\n<p class=\"note\">Made by blocksim, which may be used under MIT or \
+         Apache-2.0. The page contains scripts of others:</p>\n{texts}</details>\n"
+    )
 }
 
 fn table(rows: &Rows) -> String {

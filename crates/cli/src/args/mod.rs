@@ -100,6 +100,9 @@ pub enum Command {
     Trust(TrustArgs),
     /// Tell whether everything is there that runs, plug-ins and pages need.
     Doctor(DoctorArgs),
+    /// Print the licences of the program and of all of its parts.
+    #[command(visible_alias = "licenses")]
+    Licences,
     /// Print what makes a shell complete commands and options.
     Completions(CompletionsArgs),
     /// Print a page of the manual, or list the pages.
@@ -149,6 +152,7 @@ impl Args {
                 | Command::Export(_)
                 | Command::Emit(_)
                 | Command::Import(_)
+                | Command::Licences
                 | Command::Lsp
                 | Command::Completions(_)
                 | Command::Explain(_)

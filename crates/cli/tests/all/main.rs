@@ -13,6 +13,7 @@ mod held;
 mod help;
 mod identify;
 mod import;
+mod licences;
 #[cfg(unix)]
 mod limits;
 mod linearise;
