@@ -10,7 +10,7 @@ use blocksim_sim::Simulation;
 use blocksim_tests::{Desk, root, run};
 
 /// Pages without a diagram that could fail here, and why.
-const WITHOUT_DIAGRAM: [(&str, &str); 21] = [
+const WITHOUT_DIAGRAM: [(&str, &str); 22] = [
     ("bare_number", "is an error by an option; the tests of the program run it"),
     ("coupling_error", "is told at the end of a run, and tested with inverters"),
     ("exists", "comes from a command; the tests of the program run it"),
@@ -25,6 +25,7 @@ const WITHOUT_DIAGRAM: [(&str, &str); 21] = [
     ("plugin_panic", "needs a plug-in that panics"),
     ("plugin_parameter", "needs a built plug-in"),
     ("plugin_symbol", "needs a library of something else"),
+    ("plugin_untrusted", "needs a plug-in"),
     ("settings", "comes from the command line; the compiler refuses such numbers before"),
     ("unreadable", "comes from a command; the tests of the program run it"),
     ("unwritable", "comes from a command; the tests of the program run it"),
@@ -166,7 +167,7 @@ fn codes() -> BTreeMap<String, PathBuf> {
             .skip(1)
             .filter_map(second)
             .for_each(|rest| word(&rest).into_iter().for_each(&mut add));
-        if path.ends_with("host/src/fault.rs") {
+        if path.ends_with("host/src/fault.rs") || path.ends_with("block/src/code.rs") {
             code.split(": &str =").skip(1).filter_map(word).for_each(&mut add);
         }
     }

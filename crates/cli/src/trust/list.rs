@@ -3,6 +3,7 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use blocksim_results::{limited_text, write_whole};
 use serde_json::{Value, json};
@@ -12,6 +13,9 @@ use crate::disk;
 
 /// Name of the file.
 const FILE: &str = "trusted.json";
+/// File that is there while somebody changes the list, and how long others wait for that; to write it takes milliseconds.
+const LOCK: &str = "trusted.lock";
+const PATIENCE: Duration = Duration::from_secs(3);
 /// Most bytes of it.
 const LARGEST: u64 = 4 << 20;
 
@@ -44,6 +48,11 @@ impl TrustList {
     /// # Errors
     /// Why the list cannot be read or written.
     pub fn add(path: &Path) -> Result<bool, String> {
+        // What is on the list already needs no place for it.
+        if TrustList::read()?.covers(path) {
+            return Ok(false);
+        }
+        let _alone = Alone::wait()?;
         let mut list = TrustList::read()?;
         if list.covers(path) {
             return Ok(false);
@@ -61,6 +70,7 @@ impl TrustList {
     /// # Errors
     /// Why the list cannot be read or written.
     pub fn remove(path: &Path) -> Result<bool, String> {
+        let _alone = Alone::wait()?;
         let mut list = TrustList::read()?;
         let before = list.entries.len();
         list.entries.retain(|entry| entry != path);
@@ -70,17 +80,52 @@ impl TrustList {
         list.write().map(|()| true)
     }
 
-    /// Two programs that write at the same moment may lose the entry of one of them; it is then not trusted, which is safe.
     fn write(&self) -> Result<(), String> {
-        let file = file().ok_or("this system has no folder for settings; name one in BLOCKSIM_HOME")?;
-        let folder = file.parent().ok_or("it has no folder")?;
-        fs::create_dir_all(folder)
-            .map_err(|error| format!("`{}` cannot be created: {error}", folder.display()))?;
+        let folder = folder()?;
+        let file = folder.join(FILE);
         let entries: Vec<&str> = self.entries.iter().filter_map(|entry| entry.to_str()).collect();
         let text = format!("{:#}\n", json!({ "v": 1, "trusted": entries }));
-        write_whole(folder, FILE, |out| out.write_all(text.as_bytes()))
+        write_whole(&folder, FILE, |out| out.write_all(text.as_bytes()))
             .map(|_| ())
             .map_err(|error| format!("`{}` cannot be written: {}", file.display(), error.reason()))
+    }
+}
+
+/// The folder of the list, made where it is missing.
+fn folder() -> Result<PathBuf, String> {
+    let folder =
+        places::config().ok_or("this system has no folder for settings; name one in BLOCKSIM_HOME")?;
+    fs::create_dir_all(&folder)
+        .map_err(|error| format!("`{}` cannot be created: {error}", folder.display()))?;
+    Ok(folder)
+}
+
+/// Nobody else changes the list as long as this is held: two programs that read, add and write at once would lose an entry.
+struct Alone(PathBuf);
+
+impl Alone {
+    fn wait() -> Result<Alone, String> {
+        let lock = folder()?.join(LOCK);
+        let begin = Instant::now();
+        loop {
+            match fs::File::create_new(&lock) {
+                Ok(_) => return Ok(Alone(lock)),
+                Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
+                    return Err(format!("`{}` cannot be written: {error}", lock.display()));
+                }
+                // A program that was ended in the middle has left it.
+                Err(_) if begin.elapsed() > PATIENCE => {
+                    let _ = fs::remove_file(&lock);
+                }
+                Err(_) => std::thread::sleep(Duration::from_millis(5)),
+            }
+        }
+    }
+}
+
+impl Drop for Alone {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.0);
     }
 }
 

@@ -80,7 +80,7 @@ fn a_controller_may_have_any_name() {
         let made = blocksim(&folder.0, &["plugin", "new", name]);
         assert_eq!(made.status.code(), Some(0), "{}", said(&made));
         // All of them in one folder, so that what they depend on is built once.
-        let run = Command::new(env!("CARGO_BIN_EXE_blocksim"))
+        let run = program()
             .args(["check", &format!("{name}/demo.ron")])
             .current_dir(&folder.0)
             .env("CARGO_TARGET_DIR", folder.0.join("target"))
@@ -105,7 +105,7 @@ fn building_is_said_where_something_is_built() {
     let built = std::fs::read_dir(folder.0.join("law/target/release")).expect("what cargo built");
     let mut names = built.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned());
     assert!(names.any(|name| name.ends_with("law.blocksim")), "no stamp, so cargo is asked each time");
-    let without_cargo = Command::new(env!("CARGO_BIN_EXE_blocksim"))
+    let without_cargo = program()
         .args(["check", "law/demo.ron"])
         .current_dir(&folder.0)
         .env("CARGO", "/nowhere/cargo")

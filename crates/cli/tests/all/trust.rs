@@ -350,3 +350,15 @@ fn a_new_plug_in_is_its_makers_own() {
     assert!(made.contains("trusting `mine` from now on"), "{made}");
     assert!(stranger.says(&["trust"], 0).trim_end().ends_with("/files/mine"));
 }
+
+#[test]
+fn programs_that_trust_at_the_same_time_lose_nothing() {
+    let stranger = Stranger::new("together");
+    let names: Vec<String> = (0..8).map(|n| format!("part{n}")).collect();
+    names.iter().for_each(|name| fs::create_dir(stranger.files.join(name)).unwrap());
+    let running: Vec<_> =
+        names.iter().map(|name| stranger.command(&["trust", name]).spawn().unwrap()).collect();
+    running.into_iter().for_each(|mut child| assert!(child.wait().unwrap().success()));
+    let listed = stranger.says(&["trust"], 0);
+    assert_eq!(listed.lines().count(), names.len(), "{listed}");
+}
