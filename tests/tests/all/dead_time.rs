@@ -366,3 +366,52 @@ fn a_kink_that_is_not_integrated_comes_round_as_one() {
         }
     }
 }
+
+/// Four dead times of which no two have a common measure, each with a signal of its own. What comes out of one, and where it has a
+/// kink, says nothing of the others: steps end at the samples and once more for each sample that comes out, and not at all
+/// sums of the times.
+#[test]
+fn what_comes_out_of_one_memory_is_no_break_in_another() {
+    let times = [0.0218, 0.0531, 0.425, 0.461];
+    let (mut blocks, mut wires) = (String::new(), String::new());
+    for (k, time) in times.iter().enumerate() {
+        blocks += &format!(
+            r#""sine{k}": Sine(frequency: "{k}.3 Hz"), "late{k}": TransportDelay(delay: "{time} s"),
+               "rate{k}": Gain(k: "1 1/s"), "sum{k}": Integrator, "#
+        );
+        // The first one delays what is sampled and smoothed.
+        let from = if k == 0 { "smooth.y" } else { &format!("sine{k}.y") };
+        wires += &format!(
+            r#""{from} -> late{k}.u", "late{k}.y -> rate{k}.u, show.late{k}", "rate{k}.y -> sum{k}.u", "sum{k}.y -> show.sum{k}", "#
+        );
+    }
+    let run = run_text(&format!(
+        r#"Diagram(
+            simulation: (stop_time: "2 s"),
+            blocks: {{
+                {blocks} "hold": ZeroOrderHold(ts: "20 ms"), "smooth": LowPass(tau: "50 ms"),
+                "show": Scope(inputs: ["late0", "late1", "late2", "late3", "sum0", "sum1", "sum2", "sum3"]),
+            }},
+            connections: [{wires} "sine0.y -> hold.u", "hold.y -> smooth.u"],
+        )"#
+    ));
+    assert_eq!(run.error, None);
+    // A hundred samples, and each of them once more.
+    assert!(run.counts.accepted < 600, "{:?}", run.counts);
+    for (k, time) in times.iter().enumerate().skip(1) {
+        let w = std::f64::consts::TAU * (k as f64 + 0.3);
+        let (late, sum) = (f64::sin(w * (2.0 - time)), (1.0 - f64::cos(w * (2.0 - time))) / w);
+        for (name, expected) in [(format!("show.late{k}"), late), (format!("show.sum{k}"), sum)] {
+            let found = run.last(&name);
+            assert!((found - expected).abs() < 1e-5, "{name}: {found}, not {expected}");
+        }
+    }
+    // The sampled sine through the low-pass, sample by sample, until the time that comes out last.
+    let (w, ts, tau, end) = (std::f64::consts::TAU * 0.3, 0.02, 0.05, 2.0 - times[0]);
+    let mut y = 0.0;
+    for k in 0..100 {
+        let length = (end - ts * f64::from(k)).clamp(0.0, ts);
+        y += (1.0 - f64::exp(-length / tau)) * (f64::sin(w * ts * f64::from(k)) - y);
+    }
+    assert!((run.last("show.late0") - y).abs() < 1e-5, "{}, not {y}", run.last("show.late0"));
+}

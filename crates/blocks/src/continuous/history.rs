@@ -164,9 +164,11 @@ impl<'a> History<'a> {
         true
     }
 
-    /// Which derivative jumps at the begin of a fresh piece. Why it is fresh is not known, so the first derivative may jump;
-    /// but where a break came out of this history at that time, that is the reason, and what came out has been integrated
-    /// once on its way, unless both pieces show that it has not: it may come back without (equations of neutral type).
+    /// Which derivative jumps at the begin of a fresh piece. Why it is fresh is not known, so both pieces have to show it: it may
+    /// be for something that this signal does not depend on. Were that taken for a break, each break of one history that
+    /// comes out would be one of every other history, and so on for ever. But where a break came out of this history at that
+    /// time, that is the reason, and what came out has been integrated once on its way, unless both pieces show that it has
+    /// not: it may come back without (equations of neutral type).
     fn level_of(&self, piece: &Piece, first: &[f64], initial: f64, delay: f64) -> f64 {
         let jumps = |(new, old): (&f64, f64)| (new - old).abs() > ROUNDING * new.abs().max(old.abs());
         let Some(newest) = self.count().checked_sub(1) else {
@@ -181,8 +183,8 @@ impl<'a> History<'a> {
             |&age: &usize| self.is_break(age) && (self.begin(age) - came).abs() <= 2.0 * same(piece.begin);
         let begun = self.begun(came);
         match (begun.saturating_sub(2)..self.count().min(begun + 2)).find(near) {
-            None => 1.0,
-            Some(age) => match self.jumping(piece, newest, self.level(age)) {
+            None => self.jumping(piece, newest, 2.0, 0.0).unwrap_or(NO_BREAK),
+            Some(age) => match self.jumping(piece, newest, self.level(age), NOISE) {
                 Some(level) => level,
                 None if self.level(age) < HIGHEST => self.level(age) + 1.0,
                 None => NO_BREAK,
@@ -191,8 +193,9 @@ impl<'a> History<'a> {
     }
 
     /// The lowest derivative, up to `highest` and the second, that differs between the end of the newest piece and the begin of
-    /// a fresh one.
-    fn jumping(&self, piece: &Piece, newest: usize, highest: f64) -> Option<f64> {
+    /// a fresh one. Values are taken to be good to the part `noise` where the first derivative is concerned: pieces may be too
+    /// short to show it.
+    fn jumping(&self, piece: &Piece, newest: usize, highest: f64, noise: f64) -> Option<f64> {
         let place = self.place(newest);
         let lengths = [self.d[place + END] - self.d[place + BEGIN], piece.end - piece.begin];
         let jumps = |element: usize, order: usize| {
@@ -206,7 +209,8 @@ impl<'a> History<'a> {
             let [a, b] = [derivatives(old, true), derivatives(new, false)];
             let [a, b] = [a[order - 1] / lengths[0].powi(power), b[order - 1] / lengths[1].powi(power)];
             let usual = (0..2).map(|k| sizes[k].0 / lengths[k].powi(power)).fold(0.0, f64::max);
-            let noise = NOISE * sizes[0].1.max(sizes[1].1) / lengths[0].min(lengths[1]).powi(power);
+            let noise = if order == 1 { noise } else { NOISE };
+            let noise = noise * sizes[0].1.max(sizes[1].1) / lengths[0].min(lengths[1]).powi(power);
             (a - b).abs() > CLEAR * a.abs().max(b.abs()).max(usual) + noise
         };
         let orders = (1..=2).filter(|order| f64::from(*order) <= highest);
