@@ -185,6 +185,12 @@ fn a_rocker_turns_round_and_the_crank_does_not_notice() {
     comes_out::<Mechanisms>(&[308, 724, 1585], &[Variant::plain()]);
 }
 
+/// A clutch that is let go while it is locked, one side of which a soft end of travel then pushes from rest.
+#[test]
+fn a_clutch_that_nothing_presses_does_not_chatter() {
+    comes_out::<Shafts>(&[20538], &[Variant::plain()]);
+}
+
 #[test]
 fn a_seed_makes_one_model_and_its_diagram() {
     let text = |seed| Signals::of(seed).text(&Variant::plain());

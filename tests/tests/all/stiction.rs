@@ -260,3 +260,44 @@ fn an_arm_with_stiction_everywhere_runs_alike_with_all_methods() {
         }
     }
 }
+
+/// A brake that locks a disc, is let go at 0.5 s and pressed again from 2 s on, ever harder. In between nothing holds the disc,
+/// and its speed passes through zero without an event; whichever way it turns at 2 s, the brake works against it.
+#[test]
+fn a_brake_that_nothing_presses_has_no_modes_and_finds_the_right_one() {
+    let (j, amplitude, w) = (0.1, 1.5, 2.0 * PI * 1.3);
+    let turned = |t: f64| amplitude / (j * w) * (f64::cos(0.5 * w) - f64::cos(w * t));
+    for solver in ["Auto", "Ode45(rtol: 1e-9)", "RosW3(rtol: 1e-9)", "Radau5(rtol: 1e-8)", "Ode4(step: 1e-4)"]
+    {
+        for sign in [1.0, -1.0] {
+            let run = simulate(
+                "2.02 s",
+                solver,
+                &format!(
+                    r#""off": Step(time: "0.5 s", before: 1.0, after: 0.0), "on": Ramp(slope: "0.5 1/s", start: "2 s"),
+                       "normal": Sum(signs: "++"), "source": Sine(amplitude: "{} N*m", frequency: "1.3 Hz"),
+                       "push": IdealTorqueSource, "disc": Inertia(j: {j}), "brake": Brake(torque: 4.0), "sensor": MotionSensor,
+                       "frame": RotationalReference, "scope": Scope(inputs: ["w", "tau"])"#,
+                    sign * amplitude
+                ),
+                r#""off.y -> normal.u1", "on.y -> normal.u2", "normal.y -> brake.engaged", "source.y -> push.tau",
+                   "push.r <-> disc.r <-> brake.r <-> sensor.r", "push.c <-> brake.c <-> sensor.c <-> frame.r",
+                   "sensor.w -> scope.w", "brake.tau -> scope.tau""#,
+            );
+            let passes = (50..200).filter(|k| {
+                let t = 0.01 * f64::from(*k);
+                turned(t) * turned(t + 0.01) < 0.0
+            });
+            assert!(passes.count() >= 3, "the speed passes through zero");
+            // All that happens is that it is let go and pressed again.
+            let between = run.events.iter().filter(|(t, ..)| *t > 0.5 + 1e-6 && *t < 2.0 - 1e-6);
+            assert_eq!(between.count(), 0, "{solver}: {:?}", run.events);
+            // The brake takes away the integral of 4 N*m * 0.5 (t - 2 s).
+            let against = sign * turned(2.0).signum();
+            let expected = sign * turned(2.02) - against * 0.02_f64.powi(2) / j;
+            assert!(expected * against > 0.0, "it has not come to rest");
+            close(run.last("scope.w"), expected, 1e-5);
+            close(run.last("scope.tau"), against * 0.04, 1e-9);
+        }
+    }
+}

@@ -7,9 +7,10 @@
 //! solutions and pivoting may go round in circles; then what is held counts as what slides, which has one solution.
 
 use blocksim_block::Context;
+use blocksim_block::physical::{Grip, Torque};
 
-use super::ROUNDING;
 use super::parts::{Place, Rest};
+use super::{OPEN, ROUNDING};
 use crate::mechanics::loops::AT_REST;
 use crate::mechanics::schur::DEPENDENT;
 use crate::network::Network;
@@ -34,12 +35,18 @@ impl Network {
         let mut wrong = false;
         w.struck = false;
         for (i, mode) in self.stiction.of(c.d).iter().copied().enumerate() {
+            if self.is_open(i, w) {
+                wrong |= mode != OPEN;
+                w.rests[i] = Rest::Open;
+                continue;
+            }
+            wrong |= mode == OPEN;
             let (speed, zero, drifted) = self.slip(i, c.x, &w.s);
             // A freewheel that is struck, a mesh that jams: they stop at once.
             let never = speed != 0.0 && w.grip[i].hold[usize::from(speed < 0.0)] == f64::INFINITY
                 || self.jam(i, mode, w) < 0.0;
             let threshold = if mode == 0.0 { drifted } else { zero } + self.jitter(i, c, w);
-            let moves = speed.abs() > threshold && (mode == 0.0 || mode * speed > 0.0);
+            let moves = speed.abs() > threshold && (mode == 0.0 || mode == OPEN || mode * speed > 0.0);
             w.struck |= never && speed.abs() > threshold;
             w.rests[i] = if moves && !never {
                 wrong |= mode == 0.0;
@@ -65,7 +72,8 @@ impl Network {
             *mode = match w.rests[i] {
                 Rest::Moves(sign) => sign,
                 Rest::Stands => 0.0,
-                Rest::Free if *mode == 0.0 => 1.0,
+                Rest::Open => OPEN,
+                Rest::Free if *mode == 0.0 || *mode == OPEN => 1.0,
                 Rest::Free => *mode,
             };
         }
@@ -159,7 +167,7 @@ impl Network {
                 self.again(&now, w);
                 let next = (0..count).find_map(|i| {
                     let mode = self.stiction.of(modes)[i];
-                    let rests = !matches!(w.rests[i], Rest::Moves(_));
+                    let rests = !matches!(w.rests[i], Rest::Moves(_) | Rest::Open);
                     Some((i, self.verdict(i, mode, w, soft).filter(|_| rests)?))
                 });
                 match next {
@@ -255,6 +263,13 @@ impl Network {
     /// What is to be decided about a part at rest.
     pub(super) fn stands(&self, i: usize, w: &Work) -> Rest {
         if self.is_free(i, w) { Rest::Free } else { Rest::Stands }
+    }
+
+    /// Whether nothing presses a friction: it neither holds anything nor brakes what slides, however fast.
+    pub(super) fn is_open(&self, i: usize, w: &Work) -> bool {
+        let Place::Pin(_) = self.stiction.parts[i] else { return false };
+        let Grip { hold, slide, stop } = w.grip[i];
+        stop.is_none() && hold == [0.0; 2] && slide == [Torque::default(); 2]
     }
 
     /// Nothing holds it, or nothing would move if it were held.

@@ -2,7 +2,7 @@
 
 use blocksim_block::Context;
 
-use super::{FAR, ROUNDING};
+use super::{FAR, OPEN, ROUNDING};
 use crate::network::Network;
 use crate::work::Work;
 
@@ -19,7 +19,10 @@ impl Network {
         for (i, (g, mode)) in g.iter_mut().zip(self.stiction.of(c.d)).enumerate() {
             // Before the end of a travel the way it moves makes no difference.
             let before_end = w.grip[i].stop.is_some() && w.grip[i].hold == [0.0; 2];
-            *g = if before_end && *mode != 0.0 {
+            *g = if *mode == OPEN {
+                // Pressed again, it needs another mode at once.
+                if self.is_open(i, w) { FAR } else { -FAR }
+            } else if before_end && *mode != 0.0 {
                 FAR
             } else if *mode == 0.0 {
                 let [forward, backward] = self.reserve(i, w.grip[i].hold, w);

@@ -62,6 +62,10 @@ impl Network {
             };
         }
         for i in 0..count {
+            if self.is_open(i, w) {
+                w.rests[i] = Rest::Open;
+                continue;
+            }
             let (speed, zero, drifted) = self.slip(i, at, &w.s);
             let locked = modes[first + i] == 0.0 && w.bounce[i] == 0.0;
             let still = if self.stiction.of(c.d)[i] == 0.0 { drifted } else { zero } + self.jitter(i, c, w);

@@ -3,7 +3,8 @@
 //! The modes are discrete states of the network. While it slides, friction is a torque like others. While it is stuck,
 //! its speed is constrained to zero and its torque follows from the constraint. Guards end both: a speed that comes to
 //! zero, a torque that reaches what is held (`guards.rs`); `choice.rs` decides which modes follow. Where something rigid is struck,
-//! speeds jump first (`impact.rs`).
+//! speeds jump first (`impact.rs`). A clutch that nothing presses is open: it has no torque, and its slip may pass through zero
+//! as often as it likes.
 
 mod choice;
 mod guards;
@@ -34,6 +35,9 @@ const ROUNDING: f64 = 1e-12;
 
 /// Part of the time up to which crossings are located, ten times over.
 const RESOLUTION: f64 = 1e-14;
+
+/// The mode of a friction that nothing presses, beside forward (1), backward (-1) and stuck (0).
+const OPEN: f64 = 2.0;
 
 /// A distance from breakaway that is as good as infinite, N*m.
 const FAR: f64 = 1e9;

@@ -87,4 +87,6 @@ pub(crate) enum Rest {
     Stands,
     /// Which way it slides; nothing holds it.
     Free,
+    /// Nothing: nothing presses it.
+    Open,
 }

@@ -3,6 +3,7 @@
 use blocksim_block::Context;
 use blocksim_block::physical::Torque;
 
+use super::OPEN;
 use super::parts::Place;
 use crate::network::Network;
 use crate::work::Work;
@@ -22,6 +23,7 @@ impl Network {
         let torques = w.torque[self.stiction.first..].iter_mut();
         for ((torque, grip), mode) in torques.zip(&grip).zip(self.stiction.of(c.d)) {
             *torque = match *mode {
+                OPEN => Torque::default(),
                 m if m > 0.0 => grip.slide[0],
                 m if m < 0.0 => Torque { value: -grip.slide[1].value, slope: grip.slide[1].slope },
                 _ => Torque::default(),
