@@ -73,13 +73,21 @@ impl History {
         }
     }
 
-    /// The value at `t`, on the straight piece that holds at `within`; none before the start. A piece never spans a jump.
+    /// The value at `t`, on the side of jumps on which `within` is; none before the start. It lies between two noted ones where
+    /// nothing jumps: what goes round in a loop without loss would grow if straight pieces were prolonged.
     pub fn at(&self, t: f64, within: f64) -> Option<f64> {
         let (first, _) = *self.0.first()?;
         if within < first {
             return None;
         }
-        let next = self.0.partition_point(|(time, _)| *time <= within);
+        let mut next = self.0.partition_point(|(time, _)| *time <= within);
+        let time = |k: usize| self.0.get(k).map(|(time, _)| *time);
+        while time(next).is_some_and(|end| end < t) && time(next + 1) > time(next) {
+            next += 1;
+        }
+        while next > 1 && self.0[next - 1].0 > t && time(next - 2) < time(next - 1) {
+            next -= 1;
+        }
         let Some(&(t1, v1)) = self.0.get(next) else { return self.0.last().map(|(_, value)| *value) };
         let (t0, v0) = self.0[next - 1];
         Some(v0 + (v1 - v0) * (t - t0) / (t1 - t0))
