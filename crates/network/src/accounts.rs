@@ -60,7 +60,8 @@ impl Accounts {
                     Element::Branch { .. }
                     | Element::Friction { .. }
                     | Element::Rigid { .. }
-                    | Element::SpeedProbe { .. } => pin += 1,
+                    | Element::SpeedProbe { .. }
+                    | Element::AbsoluteSpeedProbe { .. } => pin += 1,
                     _ => {}
                 }
             }

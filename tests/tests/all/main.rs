@@ -43,6 +43,7 @@ mod motors;
 mod moves;
 mod open_units;
 mod oracles;
+mod own_outputs;
 mod pages;
 mod parameters;
 #[cfg(unix)]

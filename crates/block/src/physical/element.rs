@@ -63,6 +63,11 @@ pub enum Element {
         /// Case.
         c: usize,
     },
+    /// Only looks at the speed of a mechanical port, against an implied ground.
+    AbsoluteSpeedProbe {
+        /// Mechanical port.
+        port: usize,
+    },
     /// `w_follower = ratio * w_base`, both against an implied ground; may lead from one domain to the other.
     Gear {
         /// Input side.

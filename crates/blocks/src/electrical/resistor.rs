@@ -29,11 +29,15 @@ impl Block for Resistor {
 
 impl Component for Resistor {
     fn part(&self, _given: &Given) -> Part {
-        Part::new().pins().element(Element::Resistance {
-            p: Pin::Port(0),
-            n: Pin::Port(1),
-            resistance: self.r,
-        })
+        Part::new()
+            .pins()
+            .element(Element::Resistance { p: Pin::Port(0), n: Pin::Port(1), resistance: self.r })
+            .measures("v", "V", Needs::Electrics, "voltage from p to n")
+            .measures("i", "A", Needs::Electrics, "current from p to n")
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y.copy_from_slice(&[c.voltage[0], c.current[0]]);
     }
 }
 

@@ -60,14 +60,15 @@ impl Quantities {
         self.between(Element::Branch { r: 0, c: 1 })
     }
 
-    /// The same with the deflection as a state, without outputs.
-    pub(crate) fn spring(&self, start: f64) -> Part {
-        self.branch().state(self.position.0, start)
+    /// The same with outputs: speed and load, as [`show_speed`] fills them.
+    pub(crate) fn damped(&self) -> Part {
+        self.branch().output(output(self.speed), Needs::State).output(output(self.load), Needs::Motion)
     }
 
-    /// The same with outputs: deflection and load, as [`show_deflection`] fills them.
+    /// The same with the deflection as a state, and outputs: deflection and load, as [`show_deflection`] fills them.
     pub(crate) fn elastic(&self, start: f64) -> Part {
-        self.spring(start)
+        self.branch()
+            .state(self.position.0, start)
             .output(output(self.position), Needs::State)
             .output(output(self.load), Needs::Motion)
     }
@@ -107,9 +108,14 @@ impl Quantities {
             .drifting_state(self.position.0, start)
     }
 
-    /// A part with inertia or mass.
+    /// A part with inertia or mass, and outputs: speed and acceleration, as [`show_inertia`] fills them.
     pub(crate) fn inertia(&self, doc: &'static str, inertia: f64, speed: Option<f64>) -> Part {
-        Part::new().port("r", self.domain, doc).element(Element::Inertia { port: 0, inertia, speed })
+        Part::new()
+            .port("r", self.domain, doc)
+            .element(Element::Inertia { port: 0, inertia, speed })
+            .element(Element::AbsoluteSpeedProbe { port: 0 })
+            .measures(self.speed.0, self.speed.1, Needs::State, "speed")
+            .measures(self.acceleration.0, self.acceleration.1, Needs::Motion, "acceleration")
     }
 
     /// A part that stands still.
@@ -131,6 +137,24 @@ pub(crate) fn show_deflection(c: &Law, needs: Needs, y: &mut [f64]) {
         Needs::State => y[0] = c.x[0],
         Needs::Electrics => {}
         Needs::Motion => y[1] = c.torque[0],
+    }
+}
+
+/// Outputs of [`Quantities::damped`].
+pub(crate) fn show_speed(c: &Law, needs: Needs, y: &mut [f64]) {
+    match needs {
+        Needs::State => y[0] = c.speed[0],
+        Needs::Electrics => {}
+        Needs::Motion => y[1] = c.torque[0],
+    }
+}
+
+/// Outputs of [`Quantities::inertia`].
+pub(crate) fn show_inertia(c: &Law, needs: Needs, y: &mut [f64]) {
+    match needs {
+        Needs::State => y[0] = c.speed[0],
+        Needs::Electrics => {}
+        Needs::Motion => y[1] = c.acceleration[0],
     }
 }
 

@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::ROTATION;
+use crate::mechanics::quantities::{ROTATION, show_speed};
 
 /// Viscous friction between two turning parts: $\tau = d\,(w_r - w_c)$.
 ///
@@ -27,7 +27,7 @@ impl Block for RotationalDamper {
 
 impl Component for RotationalDamper {
     fn part(&self, _given: &Given) -> Part {
-        ROTATION.branch()
+        ROTATION.damped()
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
@@ -36,6 +36,10 @@ impl Component for RotationalDamper {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::dissipated(self.d * c.speed[0] * c.speed[0])
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        show_speed(c, needs, y);
     }
 }
 

@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::{ROTATION, undamped};
+use crate::mechanics::quantities::{ROTATION, show_deflection, undamped};
 
 /// Torsion spring between two turning parts.
 ///
@@ -36,7 +36,7 @@ impl Block for RotationalSpring {
 
 impl Component for RotationalSpring {
     fn part(&self, _given: &Given) -> Part {
-        ROTATION.spring(self.phi0)
+        ROTATION.elastic(self.phi0)
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
@@ -49,6 +49,10 @@ impl Component for RotationalSpring {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::stored(0.5 * self.k * c.x[0] * c.x[0])
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        show_deflection(c, needs, y);
     }
 }
 

@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::TRANSLATION;
+use crate::mechanics::quantities::{TRANSLATION, show_speed};
 
 /// Viscous friction between two sliding parts: $F = d\,(v_r - v_c)$.
 ///
@@ -27,7 +27,7 @@ impl Block for TranslationalDamper {
 
 impl Component for TranslationalDamper {
     fn part(&self, _given: &Given) -> Part {
-        TRANSLATION.branch()
+        TRANSLATION.damped()
     }
 
     fn torques(&self, c: &Law, f: &mut [Torque]) {
@@ -36,6 +36,10 @@ impl Component for TranslationalDamper {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::dissipated(self.d * c.speed[0] * c.speed[0])
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        show_speed(c, needs, y);
     }
 }
 

@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::{TRANSLATION, undamped};
+use crate::mechanics::quantities::{TRANSLATION, show_deflection, undamped};
 
 /// Spring between two sliding parts.
 ///
@@ -36,7 +36,7 @@ impl Block for TranslationalSpring {
 
 impl Component for TranslationalSpring {
     fn part(&self, _given: &Given) -> Part {
-        TRANSLATION.spring(self.x0)
+        TRANSLATION.elastic(self.x0)
     }
 
     fn torques(&self, c: &Law, f: &mut [Torque]) {
@@ -49,6 +49,10 @@ impl Component for TranslationalSpring {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::stored(0.5 * self.k * c.x[0] * c.x[0])
+    }
+
+    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+        show_deflection(c, needs, y);
     }
 }
 

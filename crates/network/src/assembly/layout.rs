@@ -91,7 +91,12 @@ impl Network {
                 &|e| matches!(e, Element::Gear { loss: Some(loss), .. } if loss.model == LossModel::Stiction),
             );
             let speed_sources = count(&|e| matches!(e, Element::SpeedSource { .. }));
-            let looks = count(&|e| matches!(e, Element::Rigid { .. } | Element::SpeedProbe { .. }));
+            let looks = count(&|e| {
+                matches!(
+                    e,
+                    Element::Rigid { .. } | Element::SpeedProbe { .. } | Element::AbsoluteSpeedProbe { .. }
+                )
+            });
             let gears = count(&|e| matches!(e, Element::Gear { .. }));
             let has = |which: &dyn Fn(&Element) -> bool| part.elements.iter().any(which);
 

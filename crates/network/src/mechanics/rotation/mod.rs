@@ -183,7 +183,8 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
         Form::from_dense(&dense)
     };
 
-    let difference = |forms: &dyn Fn(usize) -> Vec<f64>, r: usize, c: usize| -> Form {
+    let difference = |forms: &dyn Fn(usize) -> Vec<f64>, r: usize, c: Option<usize>| -> Form {
+        let Some(c) = c else { return Form::from_dense(&forms(r)) };
         let (r, c) = (forms(r), forms(c));
         Form::from_dense(&r.iter().zip(&c).map(|(r, c)| r - c).collect::<Vec<_>>())
     };

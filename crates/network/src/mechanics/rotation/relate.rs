@@ -31,7 +31,8 @@ pub(super) struct Related {
 /// A place where a speed is seen.
 pub(super) struct Seen {
     pub r: usize,
-    pub c: usize,
+    /// Nothing stands for the implied ground.
+    pub c: Option<usize>,
     /// The relation whose multiplier is the torque there.
     pub row: Option<usize>,
 }
@@ -74,22 +75,27 @@ pub(super) fn relate(m: &Members, frames: &Frames, sources: usize) -> Related {
             Element::Branch { r, c } => {
                 related.branches.push(related.pins.len());
                 related.branch_nodes.push((node(r), node(c)));
-                related.pins.push(Seen { r: node(r), c: node(c), row: None });
+                related.pins.push(Seen { r: node(r), c: Some(node(c)), row: None });
             }
             Element::Friction { r, c } => {
                 frictions.push((related.pins.len(), (node(r), node(c))));
-                related.pins.push(Seen { r: node(r), c: node(c), row: None });
+                related.pins.push(Seen { r: node(r), c: Some(node(c)), row: None });
             }
-            Element::SpeedProbe { r, c } => related.pins.push(Seen { r: node(r), c: node(c), row: None }),
+            Element::SpeedProbe { r, c } => {
+                related.pins.push(Seen { r: node(r), c: Some(node(c)), row: None });
+            }
+            Element::AbsoluteSpeedProbe { port } => {
+                related.pins.push(Seen { r: node(port), c: None, row: None });
+            }
             Element::Rigid { r, c } => {
                 let row = related.relations.add(&[(node(r), 1.0), (node(c), -1.0)], &[]);
                 related.reasons.push(Reason::Rigid { member });
-                related.pins.push(Seen { r: node(r), c: node(c), row: Some(row) });
+                related.pins.push(Seen { r: node(r), c: Some(node(c)), row: Some(row) });
             }
             Element::SpeedSource { r, c } => {
                 let row = related.relations.add(&[(node(r), 1.0), (node(c), -1.0)], &[(source, 1.0)]);
                 related.reasons.push(Reason::Source { member });
-                related.pins.push(Seen { r: node(r), c: node(c), row: Some(row) });
+                related.pins.push(Seen { r: node(r), c: Some(node(c)), row: Some(row) });
                 source += 1;
             }
             Element::Gear { base, follower, ratio, loss } => {
