@@ -53,10 +53,8 @@ impl Simulation {
                 audit.begin(&self.guards.start);
             }
             self.kinks.begin(&self.x);
-            let longest = self.longest_way_out(stop.t);
-            self.step_by_angles(longest)?;
+            self.step_by_angles(stop.t)?;
             let mut arrival = self.cut(start, stop.t, observer)?;
-            self.note_way_out(longest, arrival.cut);
             if self.t >= stop.t {
                 arrival.event |= stop.event;
                 arrival.cut |= stop.kink;
@@ -108,8 +106,7 @@ impl Simulation {
     fn cut(&mut self, t0: f64, limit: f64, observer: &mut dyn Observer) -> Result<Arrival, SimError> {
         let mut arrival = Arrival::default();
         self.note_hops();
-        let cut = self.crossing(t0)?;
-        let mut cut = self.leave_flatly(t0, cut)?;
+        let mut cut = self.crossing(t0)?;
         self.find_hops(t0, cut)?;
         if let Some(before) = cut
             && self.stops_at_kink(t0, before)

@@ -16,7 +16,6 @@ mod converters;
 mod dae;
 mod damaged_files;
 mod dead_time;
-mod departures;
 mod determinism;
 mod drawings;
 mod drives;
