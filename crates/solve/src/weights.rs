@@ -135,9 +135,9 @@ impl Learnt {
     fn forget(&mut self, elapsed: f64) {
         self.forgot = elapsed;
         for (i, recent) in self.recent.iter_mut().enumerate() {
-            // What may be nothing but rounding, or counts as nothing, is not worth following when there is less of it.
-            let rest = (PILE * elapsed * self.noise[i]).max(DWARF * self.largest);
-            if *recent < FALLEN * self.size[i] && self.size[i] > rest {
+            // What may be nothing but rounding is not worth following when there is less of it.
+            let rounding = PILE * elapsed * self.noise[i];
+            if *recent < FALLEN * self.size[i] && self.size[i] > rounding {
                 self.noise[i] *= *recent / self.size[i];
                 self.size[i] = *recent;
             }
