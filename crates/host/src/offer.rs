@@ -45,7 +45,7 @@ struct Described {
     unit: String,
     length: usize,
     doc: String,
-    /// As texts: infinity is no number of JSON.
+    /// As text, since JSON has no infinite numbers.
     default: Option<Vec<String>>,
     reads: Vec<usize>,
 }

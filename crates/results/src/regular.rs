@@ -11,7 +11,7 @@ pub const MOST_TEXT: u64 = 256 << 20;
 /// Opens a regular file.
 ///
 /// # Errors
-/// There is none, or the system refuses.
+/// The file does not exist, is a folder, device or pipe, or cannot be opened.
 pub fn open_regular(path: &Path) -> io::Result<File> {
     let about = fs::metadata(path)?;
     if about.is_dir() {
@@ -26,7 +26,7 @@ pub fn open_regular(path: &Path) -> io::Result<File> {
 /// The bytes of a regular file of at most `most`.
 ///
 /// # Errors
-/// Why there are none.
+/// As of [`open_regular`], or the file is longer or cannot be read.
 pub fn limited_bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     // Some files have more in them than the system says.
@@ -40,7 +40,7 @@ pub fn limited_bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// The text of a regular file of at most `most` bytes.
 ///
 /// # Errors
-/// Why there is none.
+/// As of [`limited_bytes`], or the bytes are not UTF-8.
 pub fn limited_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(limited_bytes(path, most)?).map_err(|_| io::ErrorKind::InvalidData.into())
 }

@@ -25,7 +25,7 @@ pub fn hints(console: Console) -> Outcome {
         (of("run", " --set TARGET=VALUE"), "with another value of a parameter"),
         (plain("plot latest"), "draw its signals, also as SVG or PNG"),
         (plain("report latest"), "one HTML page of a run: scopes, mechanism, numbers"),
-        (of("check", ""), "tell all problems without running; --fix mends some"),
+        (of("check", ""), "list all problems without running; --fix corrects some"),
         (of("graph", ""), "draw the block diagram"),
         (of("params list", ""), "its parameters; `params set` changes one"),
         (plain("blocks Gain"), "all about a kind of block; `blocks` lists them"),

@@ -85,6 +85,20 @@ fn mechanism() -> Animation {
 }
 
 #[test]
+fn the_licences_of_its_scripts_go_with_the_page() {
+    let page = html(&example(1, 10));
+    let texts: Vec<_> = VENDORED.iter().filter(|vendored| vendored.file.ends_with(".LICENSE")).collect();
+    assert!(!texts.is_empty());
+    for licence in texts {
+        // Quotes are written otherwise in HTML; the lines between them are not.
+        let plain = |line: &&str| !line.contains(['"', '\'', '<', '>', '&']);
+        for line in licence.text.lines().filter(plain) {
+            assert!(page.contains(line.trim()), "{}: {line}", licence.file);
+        }
+    }
+}
+
+#[test]
 fn a_page_with_six_times_a_hundred_thousand_values_and_a_robot_stays_within_its_budget() {
     let report = Report { animation: Some(mechanism()), ..example(6, 100_000) };
     let page = html(&report);
