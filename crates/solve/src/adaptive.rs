@@ -275,8 +275,9 @@ impl<M: Method> Adaptive<M> {
                 return Ok(trial.into());
             }
             self.counts.rejected += 1;
-            if attempt.is_ok() {
-                self.counts.evaluations += self.weights.rejected(system, t, &self.x0, trial.h);
+            match attempt {
+                Ok(()) => self.counts.evaluations += self.weights.rejected(system, t, &self.x0, trial.h),
+                Err(_) => self.weights.stalled(),
             }
             if !self.control.reject(trial, err) {
                 let state = match attempt {

@@ -9,6 +9,7 @@
 
 use crate::adaptive::{Fault, Work};
 use crate::jacobian::{Age, Jacobian, Slopes};
+use crate::weights::shake;
 
 /// Iterations of one equation, at most.
 const ITERATIONS: usize = 4;
@@ -18,7 +19,14 @@ const CONVERGED: f64 = 0.03;
 const SLOW: f64 = 0.9;
 
 /// Correction of one state, in units of its tolerance, that must not stay as it is.
-const STANDING: f64 = 1e-3;
+pub(crate) const STANDING: f64 = 1e-3;
+
+/// Times that the last bits of the states are changed, to see what that does to a correction.
+pub(crate) const SHAKEN: usize = 2;
+/// Multiple of what it does above which a correction is more than rounding.
+pub(crate) const ROUNDING: f64 = 4.0;
+/// Multiple of what one such change does above which no other one is tried.
+pub(crate) const MORE: f64 = 64.0;
 
 /// Iteration, Jacobian and factors of one method.
 pub(crate) struct Newton {
@@ -36,6 +44,9 @@ pub(crate) struct Newton {
     pub correction: Vec<f64>,
     /// The correction before.
     before: Vec<f64>,
+    /// A state with other last bits, and what that changes in a correction.
+    shaken: Vec<f64>,
+    noise: Vec<f64>,
 }
 
 /// The equation g f(t, predicted + d) = known + d.
@@ -76,6 +87,8 @@ impl Newton {
             step: zeros(),
             correction: zeros(),
             before: zeros(),
+            shaken: zeros(),
+            noise: zeros(),
         }
     }
 
@@ -125,8 +138,55 @@ impl Newton {
         Ok(())
     }
 
-    /// Finds `x1` = predicted + `step`.
+    /// Finds `x1` = predicted + `step`. Where that fails again and again with the Jacobian of now it is as near as it gets if all that is
+    /// left is rounding.
     pub fn iterate(&mut self, work: &mut Work, equation: &Equation, x1: &mut [f64]) -> Iteration {
+        let iteration = self.search(work, equation, x1);
+        if matches!(iteration, Iteration::Slow)
+            && self.slopes == Age::Current
+            && work.weights.may_be_rounding()
+            && self.is_rounding(work, equation, x1)
+        {
+            return Iteration::Converged;
+        }
+        iteration
+    }
+
+    /// Whether changes of the last bits of `x1` make as much difference to its next correction as there is left of it.
+    fn is_rounding(&mut self, work: &mut Work, equation: &Equation, x1: &[f64]) -> bool {
+        let &Equation { t, g, known, x0, h, .. } = equation;
+        let Self { jacobian, f, step, correction, before, shaken, noise, .. } = self;
+        noise.fill(0.0);
+        for number in 0..=SHAKEN {
+            shake(x1, number, shaken);
+            let at = if number == 0 { x1 } else { &shaken[..] };
+            if work.derivatives(t, at, f).is_err() {
+                return false;
+            }
+            for (i, correction) in correction.iter_mut().enumerate() {
+                *correction = g * f[i] - known[i] - step[i];
+            }
+            jacobian.solve(correction);
+            if number == 0 {
+                before.copy_from_slice(correction);
+                continue;
+            }
+            for ((noise, a), b) in noise.iter_mut().zip(&*correction).zip(&*before) {
+                *noise = noise.max((a - b).abs());
+            }
+            let multiple = if number == SHAKEN { ROUNDING } else { MORE };
+            let is_more = |i: usize| {
+                let unit = work.weights.scale(i, x0[i].abs().max(x1[i].abs()), h);
+                before[i].abs() > (multiple * noise[i]).max(STANDING * unit)
+            };
+            if (0..x1.len()).any(is_more) {
+                return false;
+            }
+        }
+        true
+    }
+
+    fn search(&mut self, work: &mut Work, equation: &Equation, x1: &mut [f64]) -> Iteration {
         let &Equation { t, g, predicted, known, x0, h } = equation;
         self.step.fill(0.0);
         x1.copy_from_slice(predicted);

@@ -307,6 +307,7 @@ impl Ode15s {
                 }
                 // Noise may be what keeps an iteration from converging.
                 if fault.is_some_and(|fault| fault.is_none()) {
+                    self.weights.stalled();
                     self.counts.evaluations += self.weights.rejected(system, t, &self.x0, span.h);
                 }
                 wanted = 0.3 * span.h;

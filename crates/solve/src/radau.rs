@@ -12,8 +12,9 @@
 
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::jacobian::{Age, Jacobian, Twice};
-use crate::newton::Convergence;
+use crate::newton::{Convergence, MORE, ROUNDING, SHAKEN, STANDING};
 use crate::stepper::Stages;
+use crate::weights::shake;
 
 /// Order 5 for stiff systems at tight tolerances.
 pub type Radau5 = Adaptive<RadauIIA>;
@@ -72,6 +73,9 @@ pub struct RadauIIA {
     /// Corrections of the pair.
     both: Vec<f64>,
     one: Vec<f64>,
+    /// Corrections that are left, and what the last bits of the states change in them.
+    left: Vec<[f64; 3]>,
+    noise: Vec<f64>,
     /// Size of the step before, if `z` are its stages and may be continued; and of a trial from the same start.
     before: Option<f64>,
     tried: Option<f64>,
@@ -107,29 +111,97 @@ impl RadauIIA {
         }
     }
 
+    /// What the stages are still off by, in `one` and `both`; of the number zero, or with other last bits of the states.
+    fn correct(
+        &mut self,
+        work: &mut Work,
+        span: Span,
+        x0: &[f64],
+        x1: &mut [f64],
+        number: usize,
+    ) -> Result<(), Fault> {
+        let (h, n) = (span.h, x0.len());
+        for (j, c) in C.into_iter().enumerate() {
+            x1.iter_mut().zip(x0).zip(&self.z[j]).for_each(|((x, x0), z)| *x = x0 + z);
+            if number > 0 {
+                self.one.copy_from_slice(x1);
+                shake(&self.one, number + j * SHAKEN, x1);
+            }
+            let t = if j == 2 { span.t1 } else { span.t0 + c * h };
+            work.derivatives(t, x1, &mut self.f[j])?;
+        }
+        // In units of the step: h / gamma (I F) - W for the real one, h / a for the pair.
+        for i in 0..n {
+            let f = [self.f[0][i], self.f[1][i], self.f[2][i]];
+            let of = |row: &[f64; 3]| h * (row[0] * f[0] + row[1] * f[1] + row[2] * f[2]);
+            let (a, b) = PAIR;
+            self.one[i] = of(&I[0]) / REAL - self.w[0][i];
+            self.both[i] = of(&I[1]) / a - self.w[1][i] - b / a * self.w[2][i];
+            self.both[n + i] = of(&I[2]) / a - self.w[2][i] + b / a * self.w[1][i];
+        }
+        self.jacobian.solve(&mut self.one);
+        self.pair.solve(&mut self.both);
+        Ok(())
+    }
+
+    /// The corrections of a state, in the other coordinates.
+    fn corrections(&self, i: usize) -> [f64; 3] {
+        let n = self.one.len();
+        [self.one[i], self.both[i], self.both[n + i]]
+    }
+
+    /// Whether changes of the last bits of the states make as much difference to the next correction as there is left of it.
+    fn is_rounding(&mut self, work: &mut Work, span: Span, x0: &[f64], x1: &mut [f64]) -> bool {
+        self.noise.fill(0.0);
+        for number in 0..=SHAKEN {
+            if self.correct(work, span, x0, x1, number).is_err() {
+                return false;
+            }
+            let mut is_more = false;
+            for i in 0..x0.len() {
+                let now = self.corrections(i);
+                if number == 0 {
+                    self.left[i] = now;
+                    continue;
+                }
+                let changed = now.iter().zip(self.left[i]).map(|(a, b)| (a - b).abs());
+                self.noise[i] = changed.fold(self.noise[i], f64::max);
+                x1[i] = x0[i] + self.z[2][i];
+                let unit = work.weights.scale(i, x0[i].abs().max(x1[i].abs()), span.h);
+                let left = self.left[i].iter().fold(0.0, |most: f64, left| most.max(left.abs()));
+                let multiple = if number == SHAKEN { ROUNDING } else { MORE };
+                is_more |= left > (multiple * self.noise[i]).max(STANDING * unit);
+            }
+            if is_more {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Finds the stages. Where that fails again and again with the Jacobian of now they are as near as they get if all that is left is
+    /// rounding.
     fn iterate(&mut self, work: &mut Work, span: Span, x0: &[f64], x1: &mut [f64]) -> Iteration {
+        let iteration = self.search(work, span, x0, x1);
+        if matches!(iteration, Iteration::Slow)
+            && self.slopes == Age::Current
+            && work.weights.may_be_rounding()
+            && self.is_rounding(work, span, x0, x1)
+        {
+            self.quick = false;
+            return Iteration::Converged;
+        }
+        iteration
+    }
+
+    fn search(&mut self, work: &mut Work, span: Span, x0: &[f64], x1: &mut [f64]) -> Iteration {
         let (h, n) = (span.h, x0.len());
         let mut size_before = f64::NAN;
         let mut slowest: f64 = 0.0;
         for iteration in 0..ITERATIONS {
-            for (j, c) in C.into_iter().enumerate() {
-                x1.iter_mut().zip(x0).zip(&self.z[j]).for_each(|((x, x0), z)| *x = x0 + z);
-                let t = if j == 2 { span.t1 } else { span.t0 + c * h };
-                if let Err(fault) = work.derivatives(t, x1, &mut self.f[j]) {
-                    return Iteration::Failed(fault);
-                }
+            if let Err(fault) = self.correct(work, span, x0, x1, 0) {
+                return Iteration::Failed(fault);
             }
-            // In units of the step: h / gamma (I F) - W for the real one, h / a for the pair.
-            for i in 0..n {
-                let f = [self.f[0][i], self.f[1][i], self.f[2][i]];
-                let of = |row: &[f64; 3]| h * (row[0] * f[0] + row[1] * f[1] + row[2] * f[2]);
-                let (a, b) = PAIR;
-                self.one[i] = of(&I[0]) / REAL - self.w[0][i];
-                self.both[i] = of(&I[1]) / a - self.w[1][i] - b / a * self.w[2][i];
-                self.both[n + i] = of(&I[2]) / a - self.w[2][i] + b / a * self.w[1][i];
-            }
-            self.jacobian.solve(&mut self.one);
-            self.pair.solve(&mut self.both);
             let corrections = [&self.one[..], &self.both[..n], &self.both[n..]];
             for (w, correction) in self.w.iter_mut().zip(corrections) {
                 w.iter_mut().zip(correction).for_each(|(w, c)| *w += c);
@@ -218,6 +290,8 @@ impl Method for RadauIIA {
             w: std::array::from_fn(|_| zeros()),
             both: vec![0.0; 2 * n],
             one: zeros(),
+            left: vec![[0.0; 3]; n],
+            noise: zeros(),
             before: None,
             tried: None,
         }

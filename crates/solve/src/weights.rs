@@ -105,6 +105,8 @@ pub struct Learnt {
     pub noisy: bool,
     /// Rejections that have not been explained.
     pub suspicion: f64,
+    /// Iterations that did not converge, less a part of the steps that were kept since.
+    pub stalled: f64,
 }
 
 impl Learnt {
@@ -168,6 +170,7 @@ impl Weights {
                 noise: zeros(),
                 noisy: false,
                 suspicion: 0.0,
+                stalled: 0.0,
             }),
             look: automatic.then(|| Box::new([zeros(), zeros(), zeros(), zeros()])),
         }
@@ -349,9 +352,22 @@ impl Weights {
         if noise > 0.0 && (a - b).abs() <= PILE * noise { 0.0 } else { a - b }
     }
 
+    /// Notes that an iteration did not converge with the Jacobian of now.
+    pub fn stalled(&mut self) {
+        if let Some(learnt) = &mut self.learnt {
+            learnt.stalled += 1.0;
+        }
+    }
+
+    /// Whether iterations have failed so often of late that it may be rounding that keeps them from converging.
+    pub fn may_be_rounding(&self) -> bool {
+        self.learnt.as_ref().is_some_and(|learnt| learnt.stalled + 1.0 >= SUSPICION)
+    }
+
     /// Notes that a step was kept.
     pub fn accepted(&mut self) {
         if let Some(learnt) = &mut self.learnt {
+            learnt.stalled = (learnt.stalled - SUSPICION / PATIENCE).max(0.0);
             learnt.suspicion = if learnt.suspicion < 0.0 {
                 learnt.suspicion + SUSPICION / PATIENCE
             } else {
@@ -375,12 +391,7 @@ impl Weights {
             let difference = if apart == APART { &mut *wide } else { &mut *close };
             difference.fill(0.0);
             for (p, weight) in FOURTH.into_iter().enumerate() {
-                for (j, (at, x)) in at.iter_mut().zip(x).enumerate() {
-                    // Signs without a pattern: the top bit of multiples of an odd number.
-                    let bits = (5 * j as u64 + p as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-                    let sign = if bits >> 63 == 0 { 1.0 } else { -1.0 };
-                    *at = x + sign * 2.0 * f64::EPSILON * x;
-                }
+                shake(x, p, at);
                 evaluations += 1;
                 let evaluated = system.derivatives(t + (p + 1) as f64 * apart * h, at, f);
                 if evaluated.is_err() || f.iter().any(|f| !f.is_finite()) {
@@ -407,6 +418,16 @@ impl Weights {
             }
         }
         evaluations
+    }
+}
+
+/// Changes the last bits of a state, in another way for each number.
+pub(crate) fn shake(x: &[f64], number: usize, shaken: &mut [f64]) {
+    for (j, (shaken, x)) in shaken.iter_mut().zip(x).enumerate() {
+        // Signs without a pattern: the top bit of multiples of an odd number.
+        let bits = (5 * j as u64 + number as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let sign = if bits >> 63 == 0 { 1.0 } else { -1.0 };
+        *shaken = x + sign * 2.0 * f64::EPSILON * x;
     }
 }
 
