@@ -53,8 +53,10 @@ impl Simulation {
                 audit.begin(&self.guards.start);
             }
             self.kinks.begin(&self.x);
-            self.step_by_angles(stop.t)?;
+            let longest = self.longest_way_out(stop.t);
+            self.step_by_angles(longest)?;
             let mut arrival = self.cut(start, stop.t, observer)?;
+            self.note_way_out(longest, arrival.cut);
             if self.t >= stop.t {
                 arrival.event |= stop.event;
                 arrival.cut |= stop.kink;
@@ -106,7 +108,8 @@ impl Simulation {
     fn cut(&mut self, t0: f64, limit: f64, observer: &mut dyn Observer) -> Result<Arrival, SimError> {
         let mut arrival = Arrival::default();
         self.note_hops();
-        let mut cut = self.crossing(t0)?;
+        let cut = self.crossing(t0)?;
+        let mut cut = self.leave_flatly(t0, cut)?;
         self.find_hops(t0, cut)?;
         if let Some(before) = cut
             && self.stops_at_kink(t0, before)

@@ -151,7 +151,7 @@ impl Guards {
     }
 
     /// Whether guard `i` has anything to leave: a mode that holds at zero holds beyond it.
-    fn leaves(&self, i: usize, value: f64) -> bool {
+    pub(crate) fn leaves(&self, i: usize, value: f64) -> bool {
         let ignored =
             self.deaf && self.kinks[i] || matches!(self.events[i], Crossing::Holds | Crossing::Peak);
         !ignored && self.start[i] == 0.0 && value != 0.0
@@ -179,6 +179,17 @@ impl Guards {
             self.fired[i] = self.leaves(i, self.trial[i]);
         }
         true
+    }
+
+    /// Ends the step, at whose end the values and the states `x` are known, as a cut where guards have left zero; returns
+    /// `false` if none has.
+    pub(crate) fn depart_at_end(&mut self, x: &[f64]) -> bool {
+        std::mem::swap(&mut self.trial, &mut self.end);
+        let left = self.leave_zero();
+        if left {
+            self.x.copy_from_slice(x);
+        }
+        left
     }
 
     /// Narrows the first crossing of one guard before `right`, where `self.end` holds.

@@ -53,6 +53,8 @@ pub(crate) struct Guards {
     pub hops: Vec<bool>,
     /// When each fired lately.
     pub rhythm: Rhythm,
+    /// Where guards have left zero flatly, s, while steps are kept short for it.
+    pub set_out: Option<f64>,
     /// Whether `start` holds for the step to come.
     pub known: bool,
     /// Since when, and how often, guards have crossed without time getting on.
@@ -87,6 +89,7 @@ impl Guards {
             fired: vec![false; guards],
             hops: vec![false; guards],
             rhythm: Rhythm::new(guards),
+            set_out: None,
             known: false,
             chatter: (f64::NEG_INFINITY, 0),
             kinks: vec![false; guards],

@@ -18,6 +18,7 @@
 //! | `clock`, `events`, `modes` | sample hits and time events; zero crossings; modes where nobody looks for these |
 //! | `record`, `sides`, `refine` | rows; which sample hits need them on both sides; rows within steps |
 //! | `angles` | steps no longer than an eighth of a turn of what turns |
+//! | `departure` | guards that leave zero flatly |
 //! | `hops` | hops of guards that are lower than the tolerance |
 //! | `stepwise` | whether outputs that change at major steps alone have changed |
 //! | `spread` | what depends at once on some signals |
@@ -32,6 +33,7 @@ mod advance;
 mod angles;
 mod audit;
 mod clock;
+mod departure;
 mod diagnose;
 mod early;
 mod error;

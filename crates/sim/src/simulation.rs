@@ -10,6 +10,7 @@ use crate::advance::Stop;
 use crate::angles::Angles;
 use crate::audit::{Audit, Findings};
 use crate::clock::{Grid, Hits};
+use crate::departure::Departure;
 use crate::evaluate::Diagram;
 use crate::guards::Guards;
 use crate::ignored_states::Sizes;
@@ -42,6 +43,8 @@ pub struct Simulation {
     pub(crate) kinks: Kinks,
     /// Angles of which only the remainder of a turn counts.
     pub(crate) angles: Angles,
+    /// What sets out from the zero of a guard.
+    pub(crate) departure: Departure,
     pub(crate) modes: Modes,
     /// How large states have become.
     pub(crate) sizes: Sizes,
@@ -158,6 +161,7 @@ impl Simulation {
             guards,
             kinks: Kinks::new(&schedule),
             angles: Angles::new(&schedule),
+            departure: Departure::new(schedule.states),
             modes: Modes::new(&schedule),
             pace: Pace::default(),
             rows: Rows::new(&schedule),

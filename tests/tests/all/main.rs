@@ -16,6 +16,7 @@ mod converters;
 mod dae;
 mod damaged_files;
 mod dead_time;
+mod departures;
 mod determinism;
 mod drawings;
 mod drives;

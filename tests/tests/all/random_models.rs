@@ -191,6 +191,13 @@ fn a_clutch_that_nothing_presses_does_not_chatter() {
     comes_out::<Shafts>(&[20538], &[Variant::plain()]);
 }
 
+/// An integral of a low-passed sine, which grows as the fourth power of time, sets another one back where it falls through zero; a
+/// dead time whose output goes round in its own input without loss.
+#[test]
+fn what_begins_flatly_and_what_goes_round_for_ever_come_out() {
+    comes_out::<Signals>(&[21802, 20813], &[Variant::plain()]);
+}
+
 #[test]
 fn a_seed_makes_one_model_and_its_diagram() {
     let text = |seed| Signals::of(seed).text(&Variant::plain());

@@ -1,0 +1,110 @@
+//! Guards that leave zero flatly: with a slope of zero, as what has been integrated several times does from rest.
+//!
+//! The dense output of a step has the values and slopes of both its ends and is off by a little in between. Where a guard leaves
+//! zero with a slope, that does not change its sign just behind the start. Where it leaves as a higher power of time, the little is
+//! more than the guard itself, and its sign is noise. Such a guard is known by its value at a short step of Euler's along
+//! the slopes at the start, which has not the sign that the dense output has there.
+//!
+//! A step that is so short that the first power of time outweighs the others ends with the right sign, if the method has that
+//! power. So two short steps of order 5 set out from there, together a millionth of the step long or, if the guard is zero still
+//! there, longer. The next steps double the time since the start, until one is shorter anyway: then what the dense output is off by
+//! stays small as compared with the guard at both ends.
+
+use blocksim_solve::{FixedStep, StepError, Stepper, System};
+
+use crate::evaluate::Diagram;
+use crate::events::Cut;
+use crate::{SimError, Simulation, diagnose};
+
+/// Parts of a step that are tried, the shortest first.
+const SHORT: [f64; 4] =
+    [1.0 / (1_u64 << 20) as f64, 1.0 / (1_u64 << 10) as f64, 1.0 / (1_u64 << 5) as f64, 0.25];
+
+/// Part of the way to the end of a step below which a slope at its start does not lead there.
+const STRAIGHT: f64 = 0.25;
+/// Longest step on the way out, as a part of the time since the start.
+const GROWTH: f64 = 1.0;
+
+/// What sets out from the zero of a guard.
+pub(crate) struct Departure {
+    steps: FixedStep,
+    x: Vec<f64>,
+}
+
+impl Departure {
+    pub fn new(states: usize) -> Self {
+        Self { steps: FixedStep::ode5(states, f64::INFINITY), x: vec![0.0; states] }
+    }
+
+    /// Goes from the states `x0` at `t0` to `end`.
+    fn go(&mut self, diagram: &mut Diagram, t0: f64, x0: &[f64], end: f64) -> Result<(), StepError> {
+        self.x.copy_from_slice(x0);
+        let mut t = t0;
+        self.steps.step(diagram, &mut t, &mut self.x, t0 + 0.5 * (end - t0))?;
+        self.steps.step(diagram, &mut t, &mut self.x, end)
+    }
+}
+
+impl Simulation {
+    /// The longest step that may be made now, if the last ones have set out from the zero of a guard.
+    pub(crate) fn longest_way_out(&self, limit: f64) -> f64 {
+        self.guards.set_out.map_or(limit, |since| limit.min(self.t + GROWTH * (self.t - since)))
+    }
+
+    /// Notes that a step has been made which might have gone to `longest`: it was short enough by itself.
+    pub(crate) fn note_way_out(&mut self, longest: f64, was_cut: bool) {
+        if self.t < longest && !was_cut {
+            self.guards.set_out = None;
+        }
+    }
+
+    /// Where the step from `t0` is to be cut instead, if `cut` is where guards leave zero on a side that only the dense
+    /// output says.
+    pub(crate) fn leave_flatly(&mut self, t0: f64, cut: Option<Cut>) -> Result<Option<Cut>, SimError> {
+        let Some(Cut { t, crossed: false }) = cut else { return Ok(cut) };
+        if self.stepper.is_none() || !self.is_flat(t0, t)? {
+            return Ok(cut);
+        }
+        for end in SHORT.map(|part| t0 + part * (self.t - t0)) {
+            let Self { guards, diagram, kinks, departure, .. } = self;
+            if end <= t0 {
+                continue;
+            }
+            let gone = departure.go(diagram, t0, &kinks.x, end);
+            gone.map_err(|error| diagnose::step(&self.schedule, diagram, &departure.x, error))?;
+            let arrived = guards.arrive(diagram, end, &departure.x);
+            if self.held(arrived)? {
+                // Another one crosses zero before.
+                break;
+            }
+            if self.guards.depart_at_end(&self.departure.x) {
+                self.guards.set_out = Some(t0);
+                return Ok(Some(Cut { t: end, crossed: false }));
+            }
+        }
+        self.crossing(t0)
+    }
+
+    /// Whether a guard that leaves zero in the step from `t0` has not the side at `t` that the slopes at the start lead to, or
+    /// gets to its value at the end of the step by curvature rather than by this slope.
+    fn is_flat(&mut self, t0: f64, t: f64) -> Result<bool, SimError> {
+        let Self { guards, diagram, kinks, departure, .. } = self;
+        // Values at the cut are in `trial`; those within the step are not asked for any longer.
+        let (values, x) = (&mut guards.low, &mut departure.x);
+        let mut follow_slopes = || {
+            diagram.derivatives(t0, &kinks.x, x)?;
+            x.iter_mut().zip(&kinks.x).for_each(|(x, x0)| *x = x0 + (t - t0) * *x);
+            diagram.minor(t, x)?;
+            diagram.guards(values)
+        };
+        let followed = follow_slopes();
+        self.held(followed)?;
+        let guards = &self.guards;
+        let parts = (self.t - t0) / (t - t0);
+        Ok((0..guards.start.len()).any(|i| {
+            let (seen, led, end) = (guards.trial[i], guards.low[i], guards.end[i]);
+            let is_straight = led * seen > 0.0 && (led * parts).abs() >= STRAIGHT * end.abs();
+            guards.leaves(i, seen) && !is_straight
+        }))
+    }
+}

@@ -1,0 +1,113 @@
+//! Guards that leave zero flatly: what is integrated several times from rest begins as a high power of time, far below any
+//! tolerance, and must leave zero on the right side all the same.
+
+use std::f64::consts::TAU;
+
+use blocksim_tests::{Run, run_text};
+
+const FREQUENCY: f64 = 0.2;
+
+/// A sine of an amplitude through `n` integrators, the last one from `x0`, and the block `hit` behind them.
+fn behind_integrators(method: &str, n: usize, amplitude: f64, x0: f64, hit: &str) -> Run {
+    let (mut blocks, mut wires, mut last) = (String::new(), String::new(), "source.y".to_owned());
+    for k in 1..=n {
+        let start = if k == n { x0 } else { 0.0 };
+        blocks += &format!(r#""rate{k}": Gain(k: "1 1/s"), "x{k}": Integrator(x0: {start:?}), "#);
+        wires += &format!(r#""{last} -> rate{k}.u", "rate{k}.y -> x{k}.u", "#);
+        last = format!("x{k}.y");
+    }
+    run_text(&format!(
+        r#"Diagram(
+            simulation: (stop_time: "2 s", solver: {method}),
+            blocks: {{
+                "source": Sine(amplitude: {amplitude:?}, frequency: "{FREQUENCY} Hz"), {blocks}
+                "hit": {hit}, "show": Scope(inputs: ["x", "count"]),
+            }},
+            connections: [{wires} "{last} -> hit.u, show.x", "hit.count -> show.count"],
+        )"#
+    ))
+}
+
+/// The sine of the angular frequency `w` integrated `n` times from rest, by its power series.
+fn integrated(n: i32, t: f64) -> f64 {
+    let w = TAU * FREQUENCY;
+    let term = |k: i32| {
+        let power = 2 * k + 1 + n;
+        let factorial: f64 = (1..=power).map(f64::from).product();
+        (-1.0_f64).powi(k) * w.powi(2 * k + 1) * t.powi(power) / factorial
+    };
+    (0..12).map(term).sum()
+}
+
+/// Up to the eighth power of time by methods that err by less than that in a short step, up to the fourth by one that does not.
+#[test]
+fn what_leaves_zero_as_a_power_of_time_does_not_cross_it() {
+    let methods =
+        [("Auto", 7), ("Ode45", 7), ("Ode23", 7), ("Dop853", 7), ("Radau5", 7), ("Rodas4", 7), ("RosW3", 3)];
+    for (method, most) in methods {
+        for n in 1..=most {
+            // To leave zero counts as the edge to that side.
+            for (amplitude, direction, count) in
+                [(1.0, "Falling", 0.0), (-1.0, "Rising", 0.0), (1.0, "Either", 1.0), (-1.0, "Either", 1.0)]
+            {
+                let hit = format!("HitCrossing(direction: {direction})");
+                let run = behind_integrators(method, n, amplitude, 0.0, &hit);
+                let what = format!("{method}, {amplitude} t^{}, {direction}", n + 1);
+                assert_eq!(
+                    (run.last("show.count"), run.events.len()),
+                    (count, 0),
+                    "{what}: {:?}",
+                    run.events
+                );
+                let expected = amplitude * integrated(n as i32, 2.0);
+                let found = run.last("show.x");
+                assert!((found - expected).abs() < 2e-5 * expected.abs(), "{what}: {found}, not {expected}");
+            }
+        }
+    }
+}
+
+/// The same at a value that is not zero, where what is left of the first moves is rounding.
+#[test]
+fn what_leaves_another_value_as_a_power_of_time_does_not_cross_it() {
+    for method in ["Auto", "Ode45", "Ode23", "Dop853", "Radau5", "Rodas4"] {
+        for n in 1..=5 {
+            for amplitude in [1.0, -1.0] {
+                let run = behind_integrators(method, n, amplitude, 1.0, "HitCrossing(at: 1.0)");
+                assert_eq!(
+                    run.last("show.count"),
+                    1.0,
+                    "{method}, {amplitude} t^{}: {:?}",
+                    n + 1,
+                    run.events
+                );
+            }
+        }
+    }
+}
+
+/// A crossing that follows soon is not missed for it: `x = t^3 (a - t)` is zero again at `a`, within the first steps.
+#[test]
+fn a_crossing_soon_after_a_flat_start_is_found_once() {
+    for a in [1e-1, 1e-2, 1e-3] {
+        // The fourth derivative is -24, the third one 6 a at the start.
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "1 s"),
+                blocks: {{
+                    "x4": Constant(value: "-24 1/s^4"), "x3": Integrator(x0: "{} 1/s^3"), "x2": Integrator(x0: "0 1/s^2"),
+                    "x1": Integrator(x0: "0 1/s"), "x": Integrator,
+                    "hit": HitCrossing(direction: Falling), "show": Scope(inputs: ["time", "count"]),
+                }},
+                connections: [
+                    "x4.y -> x3.u", "x3.y -> x2.u", "x2.y -> x1.u", "x1.y -> x.u", "x.y -> hit.u",
+                    "hit.time -> show.time", "hit.count -> show.count",
+                ],
+            )"#,
+            6.0 * a
+        ));
+        assert_eq!(run.last("show.count"), 1.0, "{a}: {:?}", run.events);
+        let time = run.last("show.time");
+        assert!((time - a).abs() < 1e-6 * a, "{time}, not {a}");
+    }
+}
