@@ -9,7 +9,7 @@ use calamine::{DataRef, Reader, Xlsx, XlsxError, XlsxFormulaMetadata};
 
 use crate::BookError;
 use crate::archive::inspect;
-use crate::book::{Book, same_name};
+use crate::book::Book;
 use crate::cell::{Address, Cell, Sheet};
 
 /// Most cells with content in a workbook.
@@ -21,13 +21,13 @@ type Open<'a> = Xlsx<Cursor<&'a [u8]>>;
 ///
 /// # Errors
 /// The file is no `.xlsx`, is cut off, has a password, is damaged, or is larger than any set of parameters.
-pub fn read_book(bytes: &[u8], wanted: &[&str]) -> Result<Book, BookError> {
+pub fn read_book(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Book, BookError> {
     inspect(bytes)?;
     let mut open: Open = Xlsx::new(Cursor::new(bytes)).map_err(|error| damaged("the workbook", &error))?;
     let mut book = Book { names: open.sheet_names(), sheets: Vec::new() };
     let mut left = MOST_CELLS;
     for name in book.names.clone() {
-        if wanted.iter().any(|wanted| same_name(wanted, &name)) && book.sheet(&name).is_none() {
+        if wanted(&name) && book.sheet(&name).is_none() {
             book.sheets.push(sheet(&mut open, name, &mut left)?);
         }
     }

@@ -43,6 +43,26 @@ impl fmt::Display for Address {
     }
 }
 
+/// A cell of a sheet; printed `(7) D4` where the name of the sheet begins with a number, else `pid!D4`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Spot {
+    /// Name of the sheet.
+    pub sheet: String,
+    /// The cell.
+    pub cell: Address,
+}
+
+impl fmt::Display for Spot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let number = self.sheet.split_once(')').map(|(number, _)| number);
+        let number = number.and_then(|number| number.strip_prefix('(')?.parse::<usize>().ok());
+        match number {
+            Some(number) => write!(f, "({number}) {}", self.cell),
+            None => write!(f, "{}!{}", self.sheet, self.cell),
+        }
+    }
+}
+
 /// What stands in a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {

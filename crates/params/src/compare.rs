@@ -6,8 +6,7 @@ use blocksim_diagram::fingerprint;
 use blocksim_signal::{Unit, closest};
 
 use crate::Fault;
-use crate::cell::Address;
-use crate::layout::{SHEETS, sheet_of};
+use crate::cell::{Address, Spot};
 use crate::numeral::{rounded, same};
 use crate::quantity::{Content, Quantity};
 use crate::table::{Reading, Tables, Value};
@@ -17,8 +16,8 @@ use crate::table::{Reading, Tables, Value};
 pub struct Change {
     /// Path in the set.
     pub path: String,
-    /// Number of the sheet and the cell.
-    pub cell: Option<(usize, Address)>,
+    /// Where it stands in the workbook.
+    pub cell: Option<Spot>,
     /// Before.
     pub old: Option<f64>,
     /// Now.
@@ -32,8 +31,8 @@ pub struct Change {
 pub struct Conflict {
     /// Path in the set.
     pub path: String,
-    /// Number of the sheet and the cell.
-    pub cell: (usize, Address),
+    /// Where it stands in the workbook.
+    pub cell: Spot,
     /// When it was exported.
     pub exported: f64,
     /// In the set.
@@ -71,12 +70,12 @@ pub struct Comparison {
     pub known: Known,
 }
 
-/// Compares a workbook with the set of this text and these quantities.
-pub fn compare(tables: &Tables, text: &str, quantities: &[Quantity]) -> Comparison {
+/// Compares a workbook with the set or model of these texts and quantities.
+pub fn compare(tables: &Tables, texts: &[&str], quantities: &[Quantity]) -> Comparison {
     let mut found = Comparison { faults: tables.faults.clone(), ..Comparison::default() };
     found.known = match &tables.fingerprint {
         _ if tables.remembered.is_none() => Known::Nothing,
-        Some(known) if *known == fingerprint(text.as_bytes()) => Known::Current,
+        Some(known) if *known == fingerprint(texts.concat().as_bytes()) => Known::Current,
         _ => Known::Stale,
     };
     for quantity in quantities {
@@ -90,7 +89,7 @@ pub fn compare(tables: &Tables, text: &str, quantities: &[Quantity]) -> Comparis
 }
 
 fn fault(reading: &Reading, cell: Address, message: String, help: impl Into<String>) -> Fault {
-    Fault { sheet: SHEETS[reading.sheet].to_owned(), cell: Some(cell), message, help: help.into() }
+    Fault { sheet: reading.spot.sheet.clone(), cell: Some(cell), message, help: help.into() }
 }
 
 fn number(tables: &Tables, quantity: &Quantity, set: f64, unit: &str, found: &mut Comparison) {
@@ -99,15 +98,16 @@ fn number(tables: &Tables, quantity: &Quantity, set: f64, unit: &str, found: &mu
     let added =
         || Change { path: path.clone(), cell: None, old: None, new: Some(set), unit: unit.to_owned() };
     let Some(reading) = tables.readings.get(path) else {
-        let sheet = sheet_of(path);
-        let faulty =
-            tables.missing.contains(&sheet) || tables.faults.iter().any(|fault| fault.sheet == SHEETS[sheet]);
+        let home = tables.homes.get(path);
+        let faulty = home.map_or(!tables.faults.is_empty(), |home| {
+            tables.missing.contains(home) || tables.faults.iter().any(|fault| fault.sheet == *home)
+        });
         match remembered {
             Some(None) => found.since.push(added()),
             // A faulty cell, row or sheet is told already.
             _ if faulty => {}
             _ => found.faults.push(Fault {
-                sheet: SHEETS[sheet].to_owned(),
+                sheet: home.cloned().unwrap_or_else(|| "the workbook".to_owned()),
                 cell: None,
                 message: format!("the row or the column of `{path}` is missing"),
                 help: "put it back with its key and its heading, or export the set anew".to_owned(),
@@ -122,7 +122,7 @@ fn number(tables: &Tables, quantity: &Quantity, set: f64, unit: &str, found: &mu
         None => {
             let message = format!("the cell of `{path}` is empty");
             let help = format!("write the number; the set has {set}{}", after(unit));
-            return found.faults.push(fault(reading, reading.cell, message, help));
+            return found.faults.push(fault(reading, reading.spot.cell, message, help));
         }
     };
     let sheet = match converted(sheet, &reading.unit, unit) {
@@ -140,10 +140,10 @@ fn number(tables: &Tables, quantity: &Quantity, set: f64, unit: &str, found: &mu
         Some((Some(base), base_unit)) => converted(*base, base_unit, unit).unwrap_or(set),
         _ => set,
     };
-    let cell = (reading.sheet, reading.cell);
+    let cell = reading.spot.clone();
     let change = |old, new| Change {
         path: path.clone(),
-        cell: Some(cell),
+        cell: Some(cell.clone()),
         old: Some(old),
         new: Some(new),
         unit: unit.to_owned(),
@@ -203,7 +203,7 @@ fn expression(tables: &Tables, quantity: &Quantity, written: &str, found: &mut C
         let message = format!("`{}` is computed in the set: `{written}`", quantity.path);
         found.faults.push(fault(
             reading,
-            reading.cell,
+            reading.spot.cell,
             message,
             format!("write {written} here, and change it in the set"),
         ));
@@ -219,7 +219,7 @@ fn unknown(tables: &Tables, quantities: &[Quantity], found: &mut Comparison) {
         if let (Some((Some(base), unit)), Value::Number(number)) = (remembered, value)
             && converted(*number, &reading.unit, unit).is_ok_and(|number| same(number, *base))
         {
-            let cell = Some((reading.sheet, reading.cell));
+            let cell = Some(reading.spot.clone());
             found.since.push(Change {
                 path: path.clone(),
                 cell,
@@ -235,6 +235,6 @@ fn unknown(tables: &Tables, quantities: &[Quantity], found: &mut Comparison) {
             }
             None => "add it to the set first, or delete the cell".to_owned(),
         };
-        found.faults.push(fault(reading, reading.cell, format!("the set has no `{path}`"), help));
+        found.faults.push(fault(reading, reading.spot.cell, format!("the set has no `{path}`"), help));
     }
 }

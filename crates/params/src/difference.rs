@@ -29,7 +29,13 @@ impl Tables {
         };
         let readings = self.readings.iter().filter_map(|(path, reading)| {
             let content = content(reading.value.as_ref()?, &reading.unit);
-            Some(Quantity { path: path.clone(), content, provenance: Default::default(), place: 0..0 })
+            Some(Quantity {
+                path: path.clone(),
+                content,
+                provenance: Default::default(),
+                place: 0..0,
+                text: 0,
+            })
         });
         readings.collect()
     }

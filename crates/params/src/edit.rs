@@ -1,32 +1,34 @@
-//! New numbers in the text of a set.
+//! New numbers in the texts of a set or a model.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use crate::compare::Change;
 use crate::numeral::written;
-use crate::quantity::{Content, SetError, quantities};
+use crate::quantity::{Content, Quantity, SetError};
 
-/// The text with the numerals of these changes replaced; everything else stays, byte for byte.
+/// The texts that hold these quantities with the numerals of the changes replaced; everything else stays, byte for byte.
 ///
 /// # Errors
-/// The text is no set, or it lacks one of the numbers.
-pub fn edited(text: &str, changes: &[Change]) -> Result<String, SetError> {
-    let found = quantities(text)?;
+/// The texts lack one of the numbers.
+pub fn edited(texts: &[&str], quantities: &[Quantity], changes: &[Change]) -> Result<Vec<String>, SetError> {
     let by_path: BTreeMap<&str, _> =
-        found.iter().map(|quantity| (quantity.path.as_str(), quantity)).collect();
-    let mut places = Vec::new();
+        quantities.iter().map(|quantity| (quantity.path.as_str(), quantity)).collect();
+    let mut places: Vec<Vec<(Range<usize>, f64)>> = vec![Vec::new(); texts.len()];
     for change in changes {
-        match (by_path.get(change.path.as_str()).map(|quantity| &quantity.content), change.new) {
-            (Some(Content::Number { numeral, .. }), Some(new)) => places.push((numeral.clone(), new)),
-            _ => {
-                return Err(SetError {
-                    message: format!("there is no number `{}` to replace", change.path),
-                    help: None,
-                    place: 0..0,
-                });
-            }
+        let missing =
+            || SetError::new(format!("there is no number `{}` to replace", change.path), None, 0..0);
+        let quantity = by_path.get(change.path.as_str()).ok_or_else(missing)?;
+        let places = places.get_mut(quantity.text).ok_or_else(missing)?;
+        match (&quantity.content, change.new) {
+            (Content::Number { numeral, .. }, Some(new)) => places.push((numeral.clone(), new)),
+            _ => return Err(missing()),
         }
     }
+    Ok(texts.iter().zip(places).map(|(text, places)| replaced(text, places)).collect())
+}
+
+fn replaced(text: &str, mut places: Vec<(Range<usize>, f64)>) -> String {
     places.sort_by_key(|(numeral, _)| numeral.start);
     let (mut out, mut at) = (String::with_capacity(text.len()), 0);
     for (numeral, new) in places {
@@ -35,12 +37,13 @@ pub fn edited(text: &str, changes: &[Change]) -> Result<String, SetError> {
         at = numeral.end;
     }
     out.push_str(&text[at..]);
-    Ok(out)
+    out
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantity::quantities;
 
     #[test]
     fn only_numerals_change() {
@@ -52,12 +55,12 @@ mod tests {
             new: Some(new),
             unit: String::new(),
         };
-        let out =
-            edited(text, &[change("tcp[1]", 1e-9), change("mass", 13.5), change("n", 3.0)]).expect("a set");
+        let found = quantities(text).expect("a set");
+        let changes = [change("tcp[1]", 1e-9), change("mass", 13.5), change("n", 3.0)];
         assert_eq!(
-            out,
-            text.replace("\"12 kg\"", "\"13.5 kg\"").replace("n: 2,", "n: 3,").replace("2.50", "1e-9")
+            edited(&[text], &found, &changes).expect("a set"),
+            [text.replace("\"12 kg\"", "\"13.5 kg\"").replace("n: 2,", "n: 3,").replace("2.50", "1e-9")]
         );
-        assert!(edited(text, &[change("m", 1.0)]).is_err());
+        assert!(edited(&[text], &found, &[change("m", 1.0)]).is_err());
     }
 }

@@ -1,11 +1,12 @@
-//! A set as a workbook for people.
+//! A set or a model as a workbook for people.
 
 use blocksim_diagram::fingerprint;
 
+use crate::arrangement::{Arrangement, MEMORY};
 use crate::book_write::{Look, Out, OutSheet, write};
+use crate::key::Column;
 use crate::label::label;
-use crate::layout::{MEMORY, SHEETS};
-use crate::quantity::{Content, Quantity, SetError, quantities};
+use crate::quantity::{Content, Quantity, SetError};
 use crate::rows::{Layout, Row, layout};
 
 /// The row of the headings, counted from 0, in an exported sheet.
@@ -14,22 +15,25 @@ const HEADINGS: u32 = 2;
 const HINT: &str = "Change the yellow cells only. The unit of a row may be changed to another one of the same kind; \
                     numbers are then converted. Rows are found by the column Key, columns by their heading.";
 
-/// The bytes of the workbook of a set; `name` is shown in its titles. The same text gives the same bytes.
+/// The bytes of the workbook of a set or a model of these texts and quantities; `name` is shown in its titles. The same
+/// texts give the same bytes.
 ///
 /// # Errors
-/// The text is no set, or a text in it is longer than a cell can hold.
-pub fn export(text: &str, name: &str) -> Result<Vec<u8>, SetError> {
-    let quantities = quantities(text)?;
-    let mut sheets: Vec<OutSheet> = SHEETS
-        .iter()
-        .enumerate()
-        .map(|(n, title)| sheet(title, name, &layout(n, &quantities), &quantities))
-        .collect();
-    sheets.push(memory(&fingerprint(text.as_bytes()), name, &quantities));
-    write(&sheets).map_err(|error| SetError {
-        message: format!("the set does not fit into a workbook: {error}"),
-        help: Some("shorten its longest texts".to_owned()),
-        place: 0..0,
+/// A text is longer than a cell can hold.
+pub fn export(
+    texts: &[&str],
+    name: &str,
+    quantities: &[Quantity],
+    arrangement: &Arrangement,
+) -> Result<Vec<u8>, SetError> {
+    let named = |(n, title): (usize, &String)| {
+        sheet(title, name, &layout(n, quantities, arrangement), quantities, arrangement)
+    };
+    let mut sheets: Vec<OutSheet> = arrangement.sheets.iter().enumerate().map(named).collect();
+    sheets.push(memory(&fingerprint(texts.concat().as_bytes()), name, quantities, arrangement));
+    write(&sheets).map_err(|error| {
+        let message = format!("the parameters do not fit into a workbook: {error}");
+        SetError::new(message, Some("shorten the longest texts"), 0..0)
     })
 }
 
@@ -37,28 +41,40 @@ fn text(text: impl Into<String>, look: Look) -> Option<Out> {
     Some(Out::Text(text.into(), look))
 }
 
-fn sheet(title: &str, name: &str, layout: &Layout, quantities: &[Quantity]) -> OutSheet {
+fn sheet(
+    title: &str,
+    name: &str,
+    layout: &Layout,
+    quantities: &[Quantity],
+    arrangement: &Arrangement,
+) -> OutSheet {
     let mut headings = vec!["Quantity".to_owned(), "Key".to_owned(), "Unit".to_owned()];
-    headings.extend(layout.headings.iter().cloned());
+    headings.extend(layout.headings());
     headings.extend(["Note", "Tolerance", "Source"].map(str::to_owned));
     let mut rows = vec![
         vec![text(format!("{name} – {title}"), Look::Title)],
         vec![text(HINT, Look::Remark)],
         headings.iter().map(|heading| text(heading.as_str(), Look::Heading)).collect(),
     ];
-    rows.extend(layout.rows.iter().map(|row| cells(row, layout.headings.len(), quantities)));
-    let values = layout.headings.len();
+    rows.extend(layout.rows.iter().map(|row| cells(row, &layout.columns, quantities, arrangement)));
+    let values = layout.columns.len();
     let mut widths = vec![44, 34, 14];
     widths.extend(std::iter::repeat_n(13, values));
     widths.extend([26, 14, 60]);
     OutSheet { name: title.to_owned(), hidden: false, rows, widths, frozen: (HEADINGS + 1, 3) }
 }
 
-fn cells(row: &Row, columns: usize, quantities: &[Quantity]) -> Vec<Option<Out>> {
-    let mut cells = vec![text(label(&row.key), Look::Plain), text(row.key.as_str(), Look::Remark)];
+fn cells(
+    row: &Row,
+    columns: &[Column],
+    quantities: &[Quantity],
+    arrangement: &Arrangement,
+) -> Vec<Option<Out>> {
+    let mut cells =
+        vec![text(label(&row.key, &arrangement.labels), Look::Plain), text(row.key.as_str(), Look::Remark)];
     cells.push((!row.unit.is_empty()).then(|| Out::Text(row.unit.clone(), Look::Plain)));
-    for column in 0..columns {
-        cells.push(row.quantities.get(&column).map(|&n| match &quantities[n].content {
+    for column in columns {
+        cells.push(row.quantities.get(column).map(|&n| match &quantities[n].content {
             Content::Number { value, .. } => Out::Value(*value),
             Content::Expression(text) => Out::Text(text.clone(), Look::Plain),
         }));
@@ -70,12 +86,12 @@ fn cells(row: &Row, columns: usize, quantities: &[Quantity]) -> Vec<Option<Out>>
     cells
 }
 
-/// The source, note or tolerance of a row: once if all agree, else with the axes.
+/// The source, note or tolerance of a row: once if all agree, else with the numbers of the columns.
 fn provenance(row: &Row, quantities: &[Quantity], which: usize) -> String {
     let mut kinds: Vec<(&str, Vec<String>)> = Vec::new();
-    for (&column, &n) in &row.quantities {
+    for (column, &n) in &row.quantities {
         let said = quantities[n].provenance[which].as_str();
-        let column = (column + 1).to_string();
+        let column = column.number().to_string();
         match kinds.iter_mut().find(|(known, _)| *known == said) {
             Some((_, columns)) => columns.push(column),
             None => kinds.push((said, vec![column])),
@@ -94,11 +110,12 @@ fn provenance(row: &Row, quantities: &[Quantity], which: usize) -> String {
 }
 
 /// What the set held when it was exported.
-fn memory(fingerprint: &str, name: &str, quantities: &[Quantity]) -> OutSheet {
+fn memory(fingerprint: &str, name: &str, quantities: &[Quantity], arrangement: &Arrangement) -> OutSheet {
     let pair = |key: &str, value: &str| vec![text(key, Look::Plain), text(value, Look::Plain)];
     let mut rows = vec![pair("fingerprint", fingerprint), pair("set", name)];
-    for quantity in quantities {
-        rows.push(match &quantity.content {
+    rows.extend(arrangement.sheets.iter().map(|sheet| pair("sheet", sheet)));
+    for (quantity, &sheet) in quantities.iter().zip(&arrangement.of) {
+        let mut row = match &quantity.content {
             // As text, because a program that saves the workbook may round numbers.
             Content::Number { value, unit, .. } => {
                 vec![
@@ -114,7 +131,9 @@ fn memory(fingerprint: &str, name: &str, quantities: &[Quantity]) -> OutSheet {
                     text(written.as_str(), Look::Plain),
                 ]
             }
-        });
+        };
+        row.push(arrangement.sheets.get(sheet).and_then(|sheet| text(sheet.as_str(), Look::Plain)));
+        rows.push(row);
     }
     OutSheet { name: MEMORY.to_owned(), hidden: true, rows, ..OutSheet::default() }
 }

@@ -1,68 +1,22 @@
 //! What quantities are called in a sheet.
 
-/// Names that words of paths stand for; the terms are those of the sheets' source.
-const WORDS: &[(&str, &str)] = &[
-    ("payload", "handling capacity"),
-    ("reach", "reach"),
-    ("tcp", "tool centre point"),
-    ("tcp_limits", "TCP limits"),
-    ("turn_about_y", "turn about y"),
-    ("com", "centre of mass"),
-    ("moi", "moments of inertia Ixx, Iyy, Izz"),
-    ("poi", "products of inertia Iyz, Izx, Ixy"),
-    ("centre", "centre of the drawn shape"),
-    ("size", "size of the drawn shape"),
-    ("lower", "lower limit"),
-    ("upper", "upper limit"),
-    ("start", "state target"),
-    ("equilibrium", "equilibrium position"),
-    ("stiffness", "spring stiffness"),
-    ("damping", "damping coefficient"),
-    ("breakaway", "breakaway friction torque"),
-    ("breakaway_velocity", "breakaway friction velocity"),
-    ("coulomb", "Coulomb friction torque"),
-    ("viscous", "viscous friction coefficient"),
-    ("asm", "asynchronous machine"),
-    ("dc", "DC drive"),
-    ("torque", "ideal torque drive"),
-    ("rated_power", "rated apparent power"),
-    ("rated_frequency", "rated electrical frequency"),
-    ("pole_pairs", "number of pole pairs"),
-    ("r_s", "stator resistance"),
-    ("x_ls", "stator leakage reactance"),
-    ("r_r", "rotor resistance"),
-    ("x_lr", "rotor leakage reactance"),
-    ("x_m", "magnetising reactance"),
-    ("x_0", "zero-sequence reactance"),
-    ("vdc", "DC link voltage"),
-    ("r", "resistance"),
-    ("l", "inductance"),
-    ("k", "torque constant"),
-    ("j", "rotor inertia"),
-    ("largest", "largest torque"),
-    ("disc_teeth", "number of disc teeth"),
-    ("ring_teeth", "number of ring teeth"),
-    ("efficiency_forward", "efficiency, motor drives"),
-    ("efficiency_backward", "efficiency, load drives"),
-];
+use std::collections::BTreeMap;
+
+use crate::key::capital;
 
 /// `axis*.bearing.coulomb` is `Bearing: Coulomb friction torque`; words without another name keep their own.
-pub(crate) fn label(key: &str) -> String {
-    let path = key.strip_prefix("axis*.").unwrap_or(key);
+pub(crate) fn label(key: &str, labels: &BTreeMap<String, String>) -> String {
+    let path = key.split_once("*.").map_or(key, |(_, path)| path);
     let path = path.strip_suffix("[*]").unwrap_or(path);
     let words: Vec<String> = path
         .split('.')
-        .map(|word| match WORDS.iter().find(|(known, _)| *known == word) {
-            Some((_, name)) => (*name).to_owned(),
+        .map(|word| match labels.get(word) {
+            Some(name) => name.clone(),
             None => word.replace('_', " "),
         })
         .collect();
-    let mut text = words.join(": ");
-    if let Some(first) = text.get(..1) {
-        let capital = first.to_uppercase();
-        text.replace_range(..1, &capital);
-    }
-    text
+    let text = words.join(": ");
+    capital(&text)
 }
 
 #[cfg(test)]
@@ -71,6 +25,11 @@ mod tests {
 
     #[test]
     fn paths_become_words() {
+        let labels = BTreeMap::from(
+            [("coulomb", "Coulomb friction torque"), ("com", "centre of mass")]
+                .map(|(word, name)| (word.to_owned(), name.to_owned())),
+        );
+        let label = |key| label(key, &labels);
         assert_eq!(label("axis*.bearing.coulomb"), "Bearing: Coulomb friction torque");
         assert_eq!(label("link2.com[*]"), "Link2: centre of mass");
         assert_eq!(label("new_thing"), "New thing");

@@ -1,7 +1,7 @@
 //! Sets of parameters (`params/*.ron`) as workbooks (`.xlsx`) and back.
 //!
 //! ```text
-//! RON text ─quantities─▶ Quantity ─export─▶ bytes of a workbook ─(a person)─▶ bytes
+//! RON texts ─quantities─▶ Quantity ─export─▶ bytes of a workbook ─(a person)─▶ bytes
 //!    ▲                                                                          │
 //!    └─edited─ Comparison ◀─compare─ Reading ◀─read_tables─ Book ◀─read_book────┘
 //! ```
@@ -14,6 +14,7 @@
 
 #[cfg(feature = "xlsx")]
 mod archive;
+mod arrangement;
 mod book;
 #[cfg(feature = "xlsx")]
 mod book_read;
@@ -25,9 +26,9 @@ mod difference;
 mod edit;
 #[cfg(feature = "xlsx")]
 mod export;
+mod key;
 #[cfg(feature = "xlsx")]
 mod label;
-mod layout;
 mod numeral;
 mod quantity;
 #[cfg(feature = "xlsx")]
@@ -36,19 +37,21 @@ mod table;
 
 #[cfg(feature = "xlsx")]
 pub use archive::{pack, unpack};
+pub use arrangement::{Arrangement, MEMORY};
 pub use book::Book;
 #[cfg(feature = "xlsx")]
 pub use book_read::read_book;
-pub use cell::{Address, Cell, Sheet};
+pub use cell::{Address, Cell, Sheet, Spot};
 pub use compare::{Change, Comparison, Conflict, Known, compare};
 pub use difference::{Difference, difference};
 pub use edit::edited;
 #[cfg(feature = "xlsx")]
 pub use export::export;
-pub use layout::{MEMORY, SHEETS, sheet_of};
 pub use numeral::written;
-pub use quantity::{Content, Quantity, SetError, quantities};
+pub use quantity::{Content, Quantity, SetError, quantities, quantities_at};
 pub use table::{Reading, Tables, Value, read_tables};
+#[cfg(feature = "xlsx")]
+use {book::same_name, table::remembered_sheets};
 
 /// Reads the sheets of a workbook that hold parameters.
 ///
@@ -56,9 +59,14 @@ pub use table::{Reading, Tables, Value, read_tables};
 /// As [`read_book`].
 #[cfg(feature = "xlsx")]
 pub fn open_workbook(bytes: &[u8]) -> Result<Tables, BookError> {
-    let mut wanted = SHEETS.to_vec();
-    wanted.push(MEMORY);
-    Ok(read_tables(&read_book(bytes, &wanted)?))
+    let memory = read_book(bytes, |name| name == MEMORY)?;
+    Ok(match remembered_sheets(&memory) {
+        Some(sheets) => {
+            let wanted = |name: &str| name == MEMORY || sheets.iter().any(|sheet| same_name(sheet, name));
+            read_tables(&read_book(bytes, wanted)?)
+        }
+        None => read_tables(&read_book(bytes, |_| true)?),
+    })
 }
 
 /// Why a file is no workbook that can be read.

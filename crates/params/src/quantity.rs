@@ -16,6 +16,8 @@ pub struct Quantity {
     pub provenance: [String; 3],
     /// Start and end of the value in the text, in bytes.
     pub place: Range<usize>,
+    /// Number of the text that it stands in, from 0; a set is one text, a model may be several.
+    pub text: usize,
 }
 
 /// What is written for a quantity.
@@ -43,6 +45,31 @@ pub struct SetError {
     pub help: Option<String>,
     /// Where, in bytes.
     pub place: Range<usize>,
+}
+
+impl SetError {
+    pub(crate) fn new(message: impl Into<String>, help: Option<&str>, place: Range<usize>) -> SetError {
+        SetError { message: message.into(), help: help.map(str::to_owned), place }
+    }
+}
+
+/// The quantities of one value of a model, such as `8.0` or `["1 mm", "2 mm"]`, which stands at this place of a text.
+pub fn quantities_at(path: &str, text: &str, number: usize, place: &Range<usize>) -> Vec<Quantity> {
+    let Some(Ok(root)) = text.get(place.clone()).map(read_tree) else { return Vec::new() };
+    let mut walk = Walk { text: &text[place.clone()], found: Vec::new() };
+    // A name that stands twice is reported where the model is read.
+    if walk.node(&root, path.to_owned(), &Default::default()).is_err() {
+        return Vec::new();
+    }
+    for quantity in &mut walk.found {
+        let moved = |range: &Range<usize>| range.start + place.start..range.end + place.start;
+        quantity.place = moved(&quantity.place);
+        quantity.text = number;
+        if let Content::Number { numeral, .. } = &mut quantity.content {
+            *numeral = moved(numeral);
+        }
+    }
+    walk.found
 }
 
 /// All quantities of a set in their order; words, texts and truth values are none.
@@ -139,7 +166,7 @@ impl Walk<'_> {
 
     fn push(&mut self, node: &Node, path: String, provenance: &[String; 3], content: Content) {
         let place = node.span.clone();
-        self.found.push(Quantity { path, content, provenance: provenance.clone(), place });
+        self.found.push(Quantity { path, content, provenance: provenance.clone(), place, text: 0 });
     }
 
     /// A text that is a number and a unit, and nothing more.
@@ -215,6 +242,22 @@ mod tests {
             ]
         );
         assert_eq!(found[0].provenance, ["scale", "published", ""]);
+    }
+
+    #[test]
+    fn values_of_a_model_are_found_where_they_stand() {
+        let text = "Gain(k: [\"2 mm\", 3, \"2 * k\"], n: Word)";
+        let found = quantities_at("gain.k", text, 4, &(8..28));
+        let seen: Vec<_> = found.iter().map(|q| (q.path.as_str(), q.text, &text[q.place.clone()])).collect();
+        assert_eq!(
+            seen,
+            [("gain.k[0]", 4, "\"2 mm\""), ("gain.k[1]", 4, "3"), ("gain.k[2]", 4, "\"2 * k\"")]
+        );
+        assert!(
+            matches!(&found[0].content, Content::Number { numeral, .. } if text[numeral.clone()] == *"2")
+        );
+        assert_eq!(quantities_at("gain.n", text, 0, &(33..37)), []);
+        assert_eq!(quantities_at("gain.n", text, 0, &(99..100)), []);
     }
 
     #[test]

@@ -3,18 +3,17 @@
 use std::collections::BTreeMap;
 
 use crate::Fault;
-use crate::book::Book;
-use crate::cell::{Address, Cell, Sheet};
-use crate::layout::{MEMORY, SHEETS, is_value_heading, path_of};
+use crate::arrangement::{MEMORY, key_words};
+use crate::book::{Book, same_name};
+use crate::cell::{Address, Cell, Sheet, Spot};
+use crate::key::{is_value_heading, path_of};
 use crate::numeral;
 
 /// A quantity as a workbook has it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reading {
-    /// Number of the sheet, from 0.
-    pub sheet: usize,
     /// Cell of the value.
-    pub cell: Address,
+    pub spot: Spot,
     /// The value; `None` for a faulty cell, which is among the faults, or an empty one.
     pub value: Option<Value>,
     /// Unit of the row.
@@ -39,28 +38,56 @@ pub struct Tables {
     pub readings: BTreeMap<String, Reading>,
     /// Numbers and units at the time of the export; `None` without the hidden sheet.
     pub remembered: Option<BTreeMap<String, (Option<f64>, String)>>,
+    /// Sheets in which quantities stood when they were exported, by path.
+    pub homes: BTreeMap<String, String>,
     /// Fingerprint of the set that was exported.
     pub fingerprint: Option<String>,
-    /// Sheets of the nine that are missing, by number.
-    pub missing: Vec<usize>,
+    /// Exported sheets that are missing.
+    pub missing: Vec<String>,
     /// Everything wrong.
     pub faults: Vec<Fault>,
 }
 
-/// Reads the nine sheets and the hidden one.
+/// The sheets that the hidden sheet names; `None` without it, or if it is older than such names.
+pub(crate) fn remembered_sheets(book: &Book) -> Option<Vec<String>> {
+    let memory = book.sheet(MEMORY)?;
+    // A quantity of this name has a sheet in the fourth column.
+    let text = |row, column| memory.text(Address { row, column });
+    let is_name = |row| text(row, 0) == Some("sheet") && text(row, 3).is_none();
+    let rows = memory.cells.keys().filter(|at| at.column == 0 && is_name(at.row));
+    let names: Vec<String> = rows.filter_map(|at| text(at.row, 1)).map(str::to_owned).collect();
+    (!names.is_empty()).then_some(names)
+}
+
+/// Reads the exported sheets and the hidden one. Without that, all sheets with a column of keys are read.
 pub fn read_tables(book: &Book) -> Tables {
     let mut tables = Tables::default();
-    for (number, name) in SHEETS.iter().enumerate() {
+    let Some(exported) = remembered_sheets(book) else {
+        for sheet in book.sheets.iter().filter(|sheet| !same_name(&sheet.name, MEMORY)) {
+            if headings(sheet).is_some() {
+                read_sheet(sheet, &mut tables);
+            }
+        }
+        if tables.readings.is_empty() && tables.faults.is_empty() {
+            let help = "put the heading `Key` back over the columns of keys, or export the set anew";
+            tables.faults.push(fault("the workbook", None, "no sheet has a column of keys", help));
+        }
+        if let Some(sheet) = book.sheet(MEMORY) {
+            read_memory(sheet, &mut tables);
+        }
+        return tables;
+    };
+    for name in &exported {
         match book.sheet(name) {
-            Some(sheet) => read_sheet(sheet, number, &mut tables),
+            Some(sheet) => read_sheet(sheet, &mut tables),
             None => {
-                let known = book.names.iter().map(String::as_str);
-                let near = blocksim_signal::closest(name, known.filter(|known| !SHEETS.contains(known)));
+                let known = book.names.iter().filter(|known| !exported.contains(known) && *known != MEMORY);
+                let near = blocksim_signal::closest(name, known.map(String::as_str));
                 let help = match near {
                     Some(near) => format!("name the sheet `{near}` so again, or export the set anew"),
                     None => "put the sheet back or export the set anew".to_owned(),
                 };
-                tables.missing.push(number);
+                tables.missing.push(name.clone());
                 tables.faults.push(fault(name, None, "the sheet is missing", &help));
             }
         }
@@ -78,9 +105,14 @@ fn fault(sheet: &str, cell: Option<Address>, message: impl Into<String>, help: &
 /// Rows above the headings that are searched for them.
 const SEARCHED: u32 = 50;
 
-fn read_sheet(sheet: &Sheet, number: usize, tables: &mut Tables) {
-    let headings = sheet.cells.iter().find(|(at, _)| at.row < SEARCHED && sheet.text(**at) == Some("Key"));
-    let Some((&Address { row: top, column: keys }, _)) = headings else {
+/// The cell with the heading of the keys.
+fn headings(sheet: &Sheet) -> Option<Address> {
+    let mut cells = sheet.cells.keys().filter(|at| at.row < SEARCHED);
+    cells.find(|at| sheet.text(**at) == Some("Key")).copied()
+}
+
+fn read_sheet(sheet: &Sheet, tables: &mut Tables) {
+    let Some(Address { row: top, column: keys }) = headings(sheet) else {
         let help = "put the heading `Key` back over the column of keys, or export the set anew";
         tables.faults.push(fault(&sheet.name, None, "the row of headings is missing", help));
         return;
@@ -104,6 +136,7 @@ fn read_sheet(sheet: &Sheet, number: usize, tables: &mut Tables) {
         .filter(|at| at.column == keys && at.row > top)
         .filter_map(|at| Some((at.row, sheet.text(*at)?)))
         .collect();
+    let words = key_words(&rows);
     for (row, key) in rows {
         let unit_cell = Address { row, column: units };
         let unit = match sheet.cells.get(&unit_cell) {
@@ -117,7 +150,7 @@ fn read_sheet(sheet: &Sheet, number: usize, tables: &mut Tables) {
                 continue;
             }
         };
-        for &(column, heading) in columns.iter().filter(|(_, heading)| is_value_heading(heading)) {
+        for &(column, heading) in columns.iter().filter(|(_, heading)| is_value_heading(heading, &words)) {
             let cell = Address { row, column };
             let Some(path) = path_of(key, heading) else {
                 if sheet.cells.contains_key(&cell) {
@@ -140,11 +173,12 @@ fn read_sheet(sheet: &Sheet, number: usize, tables: &mut Tables) {
                     }
                 }
             };
-            let reading = Reading { sheet: number, cell, value, unit: unit.clone(), unit_cell };
+            let spot = Spot { sheet: sheet.name.trim().to_owned(), cell };
+            let reading = Reading { spot, value, unit: unit.clone(), unit_cell };
             if let Some(first) = tables.readings.get(&path).filter(|first| first.value.is_some()) {
                 if reading.value.is_some() {
                     let message =
-                        format!("`{path}` stands here and in {}, cell {}", SHEETS[first.sheet], first.cell);
+                        format!("`{path}` stands here and in {}, cell {}", first.spot.sheet, first.spot.cell);
                     tables.faults.push(fault(&sheet.name, Some(cell), message, "delete one of the rows"));
                 }
                 continue;
@@ -188,9 +222,13 @@ fn read_memory(sheet: &Sheet, tables: &mut Tables) {
     let mut broken = false;
     for row in rows {
         let text = |column| sheet.text(Address { row, column });
+        if let (Some(path), Some(home)) = (text(0), text(3)) {
+            tables.homes.insert(path.to_owned(), home.to_owned());
+        }
+        let is_quantity = text(3).is_some();
         match (text(0), text(1)) {
-            (Some("fingerprint"), found) => tables.fingerprint = found.map(str::to_owned),
-            (Some("set"), _) => {}
+            (Some("fingerprint"), found) if !is_quantity => tables.fingerprint = found.map(str::to_owned),
+            (Some("set" | "sheet"), _) if !is_quantity => {}
             (Some(path), Some("expression")) => {
                 remembered.insert(path.to_owned(), (None, text(2).unwrap_or_default().to_owned()));
             }

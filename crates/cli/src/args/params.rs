@@ -13,9 +13,9 @@ pub enum ParamsCommand {
     Get(GetArgs),
     /// Write another value of a parameter into the text that holds it, if the model has no errors with it.
     Set(SetArgs),
-    /// Write a set of parameters as a workbook of nine sheets.
+    /// Write the parameters of a model, or a set of parameters, as a workbook.
     Export(ExportArgs),
-    /// Take changed numbers from a workbook into a set of parameters; shows them, and writes only if told so.
+    /// Take changed numbers from a workbook into a model or a set; shows them, and writes with --yes.
     Import(ImportArgs),
     /// Tell which numbers differ between two sets, two workbooks, or a set and a workbook.
     Diff(DiffArgs),
@@ -90,11 +90,14 @@ pub struct SetArgs {
 
 /// `blocksim params export`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  blocksim params export params/irb2600.ron --out irb2600.xlsx")]
+#[command(after_help = "Examples:\n  blocksim params export servo.ron\n  \
+                  blocksim params export params/irb2600.ron --out irb2600.xlsx\n\n\
+                  A model has a sheet for its top level, one for each subsystem and one for each set that it reads; a set has one \
+                  for each of its groups, or those that a file `NAME.sheets.ron` beside it names.")]
 pub struct ExportArgs {
-    /// The set, such as params/irb2600.ron.
+    /// The model, or the set, such as params/irb2600.ron.
     pub set: PathBuf,
-    /// The workbook; without it, the name of the set with .xlsx in the present folder.
+    /// The workbook; without it, the name of the model or set with .xlsx in the present folder.
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Replace a workbook that is there.
@@ -114,7 +117,7 @@ pub struct ExportArgs {
 pub struct ImportArgs {
     /// The workbook.
     pub book: PathBuf,
-    /// The set.
+    /// The model or the set.
     pub set: PathBuf,
     /// Write the changed set into this file and leave the set as it is.
     #[arg(short, long, value_name = "FILE")]
@@ -131,7 +134,7 @@ pub struct ImportArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Exit codes: 0 the same, 1 different, 3 a workbook has errors, 4 files.")]
 pub struct DiffArgs {
-    /// A set (.ron) or a workbook (.xlsx).
+    /// A model or a set (.ron), or a workbook (.xlsx).
     pub old: PathBuf,
     /// Another one.
     pub new: PathBuf,
@@ -145,7 +148,7 @@ pub struct DiffArgs {
 pub struct CheckArgs {
     /// The workbook.
     pub book: PathBuf,
-    /// The set.
+    /// The model or the set.
     pub set: PathBuf,
     /// Check this model with the numbers of the workbook.
     #[arg(long, value_name = "MODEL")]

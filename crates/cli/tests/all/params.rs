@@ -66,7 +66,7 @@ fn an_import_shows_first_and_writes_when_told() {
     desk.book_with("<v>250</v>", "<v>300</v>");
     let (code, said) = desk.call("import set.xlsx set.ron");
     assert_eq!(code, 1, "{said}");
-    assert!(said.contains("(1) D5  lag        250  300  ms") && said.contains("add --yes"), "{said}");
+    assert!(said.contains("Parameters!D5  lag        250  300  ms") && said.contains("add --yes"), "{said}");
     assert_eq!(desk.set(), SET);
     assert_eq!(desk.call("import set.xlsx set.ron --out new.ron").0, 0);
     assert_eq!(desk.set(), SET);
@@ -86,18 +86,12 @@ fn nothing_is_written_from_a_workbook_with_errors_or_against_the_model() {
     let desk = Desk::new();
     desk.book_with("<v>250</v>", "<v>#N/A</v>");
     let (code, said) = desk.call("import set.xlsx set.ron --yes");
-    assert!(
-        code == 3 && said.contains("error[workbook]: set.xlsx: (1) General Robot Information, cell D5: "),
-        "{said}"
-    );
+    assert!(code == 3 && said.contains("error[workbook]: set.xlsx: Parameters, cell D5: "), "{said}");
     desk.book_with("<v>250</v>", "<v>-1</v>");
     for verb in ["check", "import --yes"] {
         let (code, said) = desk.call(&format!("{verb} set.xlsx set.ron --model model.ron"));
         assert_eq!(code, 3, "{said}");
-        assert!(
-            said.contains("changed in the workbook: (1) General Robot Information, cell D5 (`lag`)"),
-            "{said}"
-        );
+        assert!(said.contains("changed in the workbook: Parameters, cell D5 (`lag`)"), "{said}");
     }
     assert_eq!(desk.set(), SET);
 }
@@ -111,7 +105,7 @@ fn what_was_changed_on_both_sides_is_told_and_left() {
     assert!(code == 0 && said.contains("warning: the set has changed") && said.contains("gain"), "{said}");
     fs::write(desk.0.join("set.ron"), SET.replace("250", "100")).unwrap();
     let (code, said) = desk.call("import set.xlsx set.ron --yes");
-    assert!(code == 3 && said.contains("(1) D5  lag             250  100       300  ms"), "{said}");
+    assert!(code == 3 && said.contains("Parameters!D5  lag             250  100       300  ms"), "{said}");
     assert!(desk.set().contains("100 ms"));
 }
 
@@ -128,4 +122,60 @@ fn files_that_cannot_be_read_are_told() {
     assert!(code != 0, "{said}");
     assert_eq!(desk.call("export set.ron").0, 0);
     assert_eq!(desk.call("export set.ron").0, 4, "a workbook that is there is kept");
+}
+
+#[test]
+fn a_model_has_a_sheet_for_its_top_level_its_subsystems_and_its_sets() {
+    let desk = Desk::new();
+    let inner = r#"Diagram(parameters: { "k": 3 }, inputs: { "u": () }, outputs: { "y": "gain.y" },
+    blocks: { "gain": Gain(k: "k"), "add": Gain(k: 0.5) }, connections: ["in.u -> add.u", "add.y -> gain.u"])"#;
+    fs::write(desk.0.join("inner.ron"), inner).unwrap();
+    let model = MODEL
+        .replace("\"scope\": ", "\"arm\": Subsystem(file: \"inner.ron\"), \"scope\": ")
+        .replace("\"lag.y -> ", "\"lag.y -> arm.u\", \"arm.y -> ");
+    fs::write(desk.0.join("model.ron"), &model).unwrap();
+    assert_eq!(desk.call("export model.ron"), (0, "model.xlsx: 7 numbers in 3 sheets\n".to_owned()));
+    assert_eq!(
+        desk.call("check model.xlsx model.ron"),
+        (0, "model.xlsx: no errors; 7 numbers, 0 changed\n".to_owned())
+    );
+
+    let path = desk.0.join("model.xlsx");
+    let mut parts = blocksim_params::unpack(&fs::read(&path).unwrap()).unwrap();
+    for (_, page) in &mut parts {
+        *page = page.replace("<v>0.5</v>", "<v>0.75</v>").replace("<v>250</v>", "<v>300</v>");
+    }
+    fs::write(&path, blocksim_params::pack(&parts).unwrap()).unwrap();
+    let (code, said) = desk.call("import model.xlsx model.ron");
+    assert!(code == 1 && said.contains("arm!D6  arm/add.k") && said.contains("set!D5  set.lag"), "{said}");
+    assert!(said.contains("add --yes to change `set.ron`, `inner.ron`"), "{said}");
+    let (code, said) = desk.call("import model.xlsx model.ron --out new.ron");
+    assert!(code == 2 && said.contains("numbers change in `set.ron` too"), "{said}");
+    assert_eq!(
+        (desk.set().as_str(), fs::read_to_string(desk.0.join("inner.ron")).unwrap().as_str()),
+        (SET, inner)
+    );
+    assert_eq!(desk.call("import model.xlsx model.ron --yes").0, 0);
+    assert_eq!(desk.set(), SET.replace("250", "300"));
+    assert_eq!(fs::read_to_string(desk.0.join("inner.ron")).unwrap(), inner.replace("0.5", "0.75"));
+    assert_eq!(fs::read_to_string(desk.0.join("model.ron")).unwrap(), model);
+}
+
+#[test]
+fn a_file_beside_a_set_names_its_sheets() {
+    let desk = Desk::new();
+    let sheets = desk.0.join("set.sheets.ron");
+    fs::write(
+        &sheets,
+        "(sheets: [(name: \"Times\", holds: [\"lag\"]), (name: \"Gains\", holds: [\"gain\"])])",
+    )
+    .unwrap();
+    assert_eq!(desk.call("export set.ron"), (0, "set.xlsx: 2 numbers in 2 sheets\n".to_owned()));
+    fs::write(&sheets, "(sheets: [(name: \"Times\", holds: [\"lags\", \"*\"])])").unwrap();
+    let (code, said) = desk.call("export set.ron --out other.xlsx");
+    assert!(
+        code == 3 && said.contains("set.sheets.ron:1:35") && said.contains("did you mean `lag`?"),
+        "{said}"
+    );
+    assert!(!desk.0.join("other.xlsx").exists());
 }

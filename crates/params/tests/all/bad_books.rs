@@ -1,12 +1,13 @@
 //! Files that are no workbooks, or hostile ones: an error or a result, never a panic, a hang or a flood of memory.
 
-use blocksim_params::{compare, export, open_workbook, pack, quantities, unpack};
+use blocksim_params::{Arrangement, compare, open_workbook, pack, quantities, unpack};
 
 const SET: &str = "(general: (mass: (value: \"12 kg\", source: \"scale\"), com: [\"1 mm\", \"2 mm\", \"3 mm\"]),
     axis1: (limits: (lower: \"-10 deg\", speed: \"1 deg/s\"), gear: (ring_teeth: 51)), axis2: (limits: (lower: \"-20 deg\")))";
 
 fn book() -> Vec<u8> {
-    export(SET, "set.ron").expect("a set")
+    let found = quantities(SET).expect("a set");
+    blocksim_params::export(&[SET], "set.ron", &found, &Arrangement::by_group(&found)).expect("a workbook")
 }
 
 fn refused(bytes: &[u8]) -> String {
@@ -70,7 +71,7 @@ fn entities_that_a_document_declares_are_not_expanded() {
     let (_, text) = parts.iter_mut().find(|(name, _)| name == "xl/workbook.xml").expect("a part");
     *text = "<!DOCTYPE x [<!ENTITY a \"aaaa\"><!ENTITY b \"&a;&a;&a;\">]><workbook>&b;</workbook>".to_owned();
     let tables = open_workbook(&pack(&parts).expect("an archive")).expect("a workbook without sheets");
-    assert_eq!((tables.readings.len(), tables.missing.len()), (0, 9));
+    assert_eq!((tables.readings.len(), tables.faults.len()), (0, 1), "no sheet has keys");
 }
 
 /// Marsaglia's xorshift: the same numbers in every run.
@@ -88,9 +89,11 @@ impl Random {
 /// Reads and compares as far as it goes; whether it is a workbook.
 fn survives(bytes: &[u8]) -> bool {
     let Ok(tables) = open_workbook(bytes) else { return false };
-    let found = compare(&tables, SET, &quantities(SET).expect("a set"));
+    let set = quantities(SET).expect("a set");
+    let found = compare(&tables, &[SET], &set);
     // Text that was changed is a text of a set again.
-    let _ = blocksim_params::edited(SET, &found.edits).map(|text| quantities(&text).expect("still a set"));
+    let _ = blocksim_params::edited(&[SET], &set, &found.edits)
+        .map(|texts| quantities(&texts.concat()).expect("still a set"));
     true
 }
 

@@ -1,14 +1,26 @@
 //! Sets of the project to workbooks and back, with a person's changes in between.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use blocksim_params::{
-    Change, Comparison, Known, Tables, compare, edited, export, open_workbook, pack, quantities, unpack,
+    Arrangement, Change, Comparison, Known, Tables, compare, edited, open_workbook, pack, quantities, unpack,
 };
 
-fn flagship() -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../params/irb2600.ron");
+fn beside(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../params").join(name);
     std::fs::read_to_string(path).expect("the robot's parameters")
+}
+
+fn flagship() -> String {
+    beside("irb2600.ron")
+}
+
+/// The workbook of the robot, in the sheets of its own file.
+fn exported(text: &str) -> Vec<u8> {
+    let found = quantities(text).expect("a set");
+    let sheets = Arrangement::read(&beside("irb2600.sheets.ron"), &found).expect("sheets");
+    blocksim_params::export(&[text], "irb2600.ron", &found, &sheets).expect("a workbook")
 }
 
 fn tables(bytes: &[u8]) -> Tables {
@@ -16,7 +28,12 @@ fn tables(bytes: &[u8]) -> Tables {
 }
 
 fn compared(bytes: &[u8], text: &str) -> Comparison {
-    compare(&tables(bytes), text, &quantities(text).expect("a set"))
+    compare(&tables(bytes), &[text], &quantities(text).expect("a set"))
+}
+
+fn changed_text(text: &str, found: &Comparison) -> String {
+    let texts = edited(&[text], &quantities(text).expect("a set"), &found.edits).expect("a set");
+    texts.concat()
 }
 
 /// The workbook with the content of some cells replaced, as if by a person: sheet number from 1, cell, new XML.
@@ -36,7 +53,9 @@ fn changed(bytes: &[u8], cells: &[(usize, &str, &str)]) -> Vec<u8> {
 fn place(bytes: &[u8], path: &str) -> (usize, String) {
     let tables = tables(bytes);
     let reading = tables.readings.get(path).unwrap_or_else(|| panic!("{path} is in the workbook"));
-    (reading.sheet + 1, reading.cell.to_string())
+    let sheets = blocksim_params::read_book(bytes, |_| false).expect("a workbook").names;
+    let number = sheets.iter().position(|name| *name == reading.spot.sheet).expect("the sheet");
+    (number + 1, reading.spot.cell.to_string())
 }
 
 fn number(cell: &str, number: &str) -> String {
@@ -50,7 +69,7 @@ fn words(cell: &str, text: &str) -> String {
 /// The workbook of the robot with one cell replaced by what `xml` makes of its address.
 fn with(path: &str, xml: impl Fn(&str) -> String) -> (String, Vec<u8>, String) {
     let text = flagship();
-    let bytes = export(&text, "irb2600.ron").expect("a set");
+    let bytes = exported(&text);
     let (sheet, cell) = place(&bytes, path);
     let bytes = changed(&bytes, &[(sheet, &cell, &xml(&cell))]);
     (text, bytes, cell)
@@ -59,16 +78,16 @@ fn with(path: &str, xml: impl Fn(&str) -> String) -> (String, Vec<u8>, String) {
 #[test]
 fn an_exported_set_comes_back_unchanged_with_every_number_in_one_of_nine_sheets() {
     let text = flagship();
-    let bytes = export(&text, "irb2600.ron").expect("a set");
+    let bytes = exported(&text);
     let found = compared(&bytes, &text);
     assert_eq!(found, Comparison { known: Known::Current, ..Comparison::default() });
     let all = quantities(&text).expect("a set");
     assert!(all.len() > 400, "{}", all.len());
     assert_eq!(tables(&bytes).readings.values().filter(|reading| reading.value.is_some()).count(), all.len());
-    let sheets: Vec<usize> =
-        (0..9).map(|n| tables(&bytes).readings.values().filter(|r| r.sheet == n).count()).collect();
-    assert!(sheets.iter().all(|&count| count > 0), "{sheets:?}");
-    assert_eq!(export(&text, "irb2600.ron").expect("a set"), bytes, "the same text gives the same bytes");
+    let sheets: BTreeSet<String> = tables(&bytes).readings.values().map(|r| r.spot.sheet.clone()).collect();
+    let numbers: Vec<&str> = sheets.iter().map(|name| &name[..3]).collect();
+    assert_eq!(numbers, ["(1)", "(2)", "(3)", "(4)", "(5)", "(6)", "(7)", "(8)", "(9)"]);
+    assert_eq!(exported(&text), bytes, "the same text gives the same bytes");
 }
 
 #[test]
@@ -81,7 +100,7 @@ fn one_changed_cell_changes_one_numeral() {
             panic!("{found:?}");
         };
         assert_eq!((path.as_str(), *old, *new), ("axis3.gear.efficiency_backward", 0.75, 0.25));
-        let out = edited(&text, &found.edits).expect("a set");
+        let out = changed_text(&text, &found);
         let lines: Vec<_> = text.lines().zip(out.lines()).filter(|(a, b)| a != b).collect();
         assert_eq!(lines.len(), 1);
         assert_eq!(lines[0].1, lines[0].0.replace("0.75", "0.25"));
@@ -92,7 +111,7 @@ fn one_changed_cell_changes_one_numeral() {
 #[test]
 fn another_unit_of_the_same_kind_is_converted_to_the_one_of_the_set() {
     let text = flagship();
-    let bytes = export(&text, "irb2600.ron").expect("a set");
+    let bytes = exported(&text);
     let (sheet, cell) = place(&bytes, "axis1.limits.speed");
     let unit = format!("C{}", &cell[1..]);
     // All six speeds are now meant in rad/s; that of axis 1 is given anew.
@@ -116,7 +135,7 @@ fn changes_of_the_set_since_the_export_are_kept_and_told() {
     assert_eq!(found.known, Known::Stale);
     assert_eq!(found.edits.iter().map(|c| c.path.as_str()).collect::<Vec<_>>(), ["axis1.motor.inertia"]);
     assert_eq!(found.since.iter().map(|c| c.path.as_str()).collect::<Vec<_>>(), ["general.rated_payload"]);
-    let out = edited(&newer, &found.edits).expect("a set");
+    let out = changed_text(&newer, &found);
     assert!(out.contains("\"10 kg\"") && out.contains("\"0.002 kg*m^2\""));
 }
 
@@ -166,7 +185,7 @@ fn a_result_of_a_formula_is_a_number() {
 #[test]
 fn a_unit_of_another_kind_is_a_fault_of_its_cell_and_told_once() {
     let text = flagship();
-    let bytes = export(&text, "irb2600.ron").expect("a set");
+    let bytes = exported(&text);
     let (sheet, cell) = place(&bytes, "axis1.limits.speed");
     let unit = format!("C{}", &cell[1..]);
     for wrong in ["m/s", "furlong", "deg"] {
@@ -187,7 +206,7 @@ fn rewritten(bytes: &[u8], part: &str, change: impl Fn(&str) -> String) -> Vec<u
 #[test]
 fn missing_sheets_rows_headings_and_merged_cells_are_told() {
     let text = flagship();
-    let bytes = export(&text, "irb2600.ron").expect("a set");
+    let bytes = exported(&text);
     let faults = |bytes: &[u8]| compared(bytes, &text).faults;
 
     let renamed = faults(&rewritten(&bytes, "xl/workbook.xml", |book| {
@@ -234,7 +253,7 @@ fn without_the_hidden_sheet_cells_are_compared_with_the_set_as_it_is() {
 #[test]
 fn own_rows_do_no_harm() {
     let text = flagship();
-    let bytes = export(&text, "irb2600.ron").expect("a set");
+    let bytes = exported(&text);
     let own =
         "<row r=\"900\"><c r=\"A900\" t=\"inlineStr\"><is><t>my own remark</t></is></c></row></sheetData>";
     let bytes = rewritten(&bytes, "xl/worksheets/sheet2.xml", |page| page.replace("</sheetData>", own));
@@ -246,7 +265,9 @@ fn expressions_and_mixed_units_survive_the_way() {
     let text =
         "(axis1: (limits: (lower: \"-1 deg\")), axis2: (limits: (lower: \"-1 rad\")), m: 2, twice: \"2 * m\",
         long: [1, 2, 3, 4], tcp_limits: (speed: \"1 m/s\"))";
-    let bytes = export(text, "set.ron").expect("a set");
+    let found = quantities(text).expect("a set");
+    let sheets = Arrangement::by_group(&found);
+    let bytes = blocksim_params::export(&[text], "set.ron", &found, &sheets).expect("a workbook");
     assert_eq!(compared(&bytes, text), Comparison { known: Known::Current, ..Comparison::default() });
     let (sheet, cell) = place(&bytes, "twice");
     let bytes = changed(&bytes, &[(sheet, &cell, &number(&cell, "4"))]);

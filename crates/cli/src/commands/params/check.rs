@@ -1,6 +1,6 @@
-use blocksim_params::{compare, edited};
+use blocksim_params::compare;
 
-use super::files::{read_set, read_workbook, set_error};
+use super::files::{read_set, read_workbook};
 use super::model::sound;
 use super::said::{age, changes, unhindered};
 use crate::args::params::CheckArgs;
@@ -12,7 +12,7 @@ use crate::terminal::render::plural;
 /// Tells what is wrong in a workbook and what changed since its export.
 pub fn check(args: &CheckArgs, console: Console) -> Outcome {
     let (set, tables) = (read_set(&args.set)?, read_workbook(&args.book)?);
-    let found = compare(&tables, &set.text, &set.quantities);
+    let found = compare(&tables, &set.texts(), &set.quantities);
     if let Some(said) = age(&found) {
         console.say(&said);
     }
@@ -20,10 +20,8 @@ pub fn check(args: &CheckArgs, console: Console) -> Outcome {
         console.data(&format!("changed in the workbook:\n{}", changes(&found.edits)))?;
     }
     unhindered(&found, &args.book)?;
-    if let Some(model) = &args.model {
-        let text =
-            edited(&set.text, &found.edits).map_err(|error| set_error(&error, &args.set, &set.text))?;
-        sound(model, &args.set, &text, &found.edits, console)?;
+    if let Some(model) = set.model(args.model.as_deref()) {
+        sound(model, &args.set, &set.edited(&found.edits)?, &found.edits, console)?;
     }
     let counted = plural(set.quantities.len(), "number");
     console.data(&format!(

@@ -1,6 +1,6 @@
-use blocksim_params::{compare, edited};
+use blocksim_params::compare;
 
-use super::files::{read_set, read_workbook, set_error};
+use super::files::{read_set, read_workbook};
 use super::model::sound;
 use super::said::{age, changes, unhindered};
 use crate::args::params::ImportArgs;
@@ -13,31 +13,40 @@ use crate::terminal::render::plural;
 /// Takes what was changed in a workbook into a set, or shows what would change.
 pub fn import(args: &ImportArgs, console: Console) -> Outcome {
     let (set, tables) = (read_set(&args.set)?, read_workbook(&args.book)?);
-    let found = compare(&tables, &set.text, &set.quantities);
+    let found = compare(&tables, &set.texts(), &set.quantities);
     if let Some(said) = age(&found) {
         console.say(&said);
     }
     unhindered(&found, &args.book).map_err(|failure| failure.last("nothing was written"))?;
-    let text = edited(&set.text, &found.edits).map_err(|error| set_error(&error, &args.set, &set.text))?;
+    let texts = set.edited(&found.edits)?;
     console.data(&changes(&found.edits))?;
-    if let Some(model) = &args.model {
-        sound(model, &args.set, &text, &found.edits, console)
+    if let Some(model) = set.model(args.model.as_deref()) {
+        sound(model, &args.set, &texts, &found.edits, console)
             .map_err(|failure| failure.last("nothing was written"))?;
     }
     let said = format!("{} changed", plural(found.edits.len(), "number"));
-    let (target, replace) = match &args.out {
-        Some(out) => (out, args.yes),
+    match &args.out {
+        Some(out) => write_file(out, set.alone(&texts)?.as_bytes(), args.yes)?,
         None if found.edits.is_empty() => {
             console.data(&format!("{}: no number changes\n", args.set.display()))?;
             return Ok(Exit::Done);
         }
-        None if args.yes => (&args.set, true),
+        None if args.yes => {
+            for (path, text) in &texts {
+                write_file(path, text.as_bytes(), true)?;
+            }
+        }
         None => {
-            console.say(&format!("{said} in the workbook; nothing was written\n  = help: add --yes to change `{}`, or --out FILE to keep it", args.set.display()));
+            let files: Vec<String> = texts.iter().map(|(path, _)| format!("`{}`", path.display())).collect();
+            console.say(&format!(
+                "{said} in the workbook; nothing was written\n  = help: add --yes to change {}{}",
+                files.join(", "),
+                if set.alone(&texts).is_ok() { ", or --out FILE to keep it" } else { "" }
+            ));
             return Ok(Exit::Failed);
         }
-    };
-    write_file(target, text.as_bytes(), replace)?;
+    }
+    let target = args.out.as_ref().unwrap_or(&args.set);
     console.data(&format!("{}: {said}\n", target.display()))?;
     Ok(Exit::Done)
 }

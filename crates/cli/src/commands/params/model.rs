@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use blocksim_block::CodePolicy;
 use blocksim_block::problem::Problem;
 use blocksim_diagram::{Reader, SourceFile, Sources, compile};
-use blocksim_params::{Change, SHEETS, quantities};
+use blocksim_params::{Change, quantities};
 
 use crate::commands::tell;
 use crate::disk::{Disk, readable};
@@ -16,19 +16,19 @@ use crate::terminal::console::Console;
 use crate::terminal::render;
 use crate::trust::{Plugins, is_about_trust};
 
-/// The disk, with another text for one of its files.
+/// The disk, with other texts for some of its files.
 struct Instead<'a> {
     disk: Disk,
-    path: PathBuf,
-    text: &'a str,
+    /// By canonical paths.
+    texts: Vec<(PathBuf, &'a str)>,
     read: Cell<bool>,
 }
 
 impl Reader for Instead<'_> {
     fn read(&self, path: &Path) -> Result<String, String> {
-        if is_file(path, &self.path) {
+        if let Some((_, text)) = self.texts.iter().find(|(known, _)| is_file(path, known)) {
             self.read.set(true);
-            return Ok(self.text.to_owned());
+            return Ok((*text).to_owned());
         }
         self.disk.read(path)
     }
@@ -42,7 +42,7 @@ fn is_file(path: &Path, canonical: &Path) -> bool {
     path.canonicalize().is_ok_and(|path| path == canonical)
 }
 
-/// Compiles a model with this text in the place of the set. Problems are told with the changed cells that they may
+/// Compiles a model with these texts in the place of those of the set. Problems are told with the changed cells that they may
 /// be about.
 ///
 /// # Errors
@@ -50,21 +50,23 @@ fn is_file(path: &Path, canonical: &Path) -> bool {
 pub fn sound(
     model: &Path,
     set: &Path,
-    text: &str,
+    texts: &[(PathBuf, String)],
     edits: &[Change],
     console: Console,
 ) -> Result<(), Failure> {
     readable(model)?;
     let path = set.canonicalize()?;
-    let reader =
-        Instead { disk: Disk::with(Plugins::looking()), path: path.clone(), text, read: Cell::new(false) };
+    let canonical = texts.iter().map(|(path, text)| Ok((path.canonicalize()?, text.as_str())));
+    let texts = canonical.collect::<Result<Vec<_>, std::io::Error>>()?;
+    let (disk, is_changed) = (Disk::with(Plugins::looking()), !texts.is_empty());
+    let reader = Instead { disk, texts, read: Cell::new(false) };
     let sources = Sources::new(&reader);
     let compiled = compile(&sources, model, &[]);
     let files = sources.all();
     // That a plug-in is not trusted says nothing about the numbers.
     let problems = compiled.problems.into_iter().filter(|problem| !is_about_trust(problem));
     let problems: Vec<Problem> = problems.map(|problem| with_cells(problem, &files, &path, edits)).collect();
-    if !reader.read.get() {
+    if is_changed && !reader.read.get() {
         let said = format!("`{}` does not read `{}`", model.display(), set.display());
         return Err(Failure::new(Exit::Model, "usage", said)
             .help("name the model that reads the set, or leave --model out"));
@@ -90,8 +92,9 @@ fn with_cells(mut problem: Problem, files: &[SourceFile], set: &Path, edits: &[C
         let expression = file.text.get(label.place.span.clone()).unwrap_or_default();
         for edit in edits.iter().filter(|edit| here == Some(&edit.path) || speaks_of(expression, &edit.path))
         {
-            let Some((sheet, cell)) = edit.cell else { continue };
-            let note = format!("changed in the workbook: {}, cell {cell} (`{}`)", SHEETS[sheet], edit.path);
+            let Some(spot) = &edit.cell else { continue };
+            let note =
+                format!("changed in the workbook: {}, cell {} (`{}`)", spot.sheet, spot.cell, edit.path);
             if !notes.contains(&note) {
                 notes.push(note);
             }

@@ -3,24 +3,22 @@
 use std::path::Path;
 
 use blocksim_block::problem::Problem;
-use blocksim_params::{Address, Change, Comparison, Conflict, Fault, Known, SHEETS};
+use blocksim_params::{Change, Comparison, Conflict, Fault, Known, Spot};
 use blocksim_results::{Align, Table};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::terminal::render::plural;
 
-fn place(cell: Option<(usize, Address)>) -> String {
-    cell.map_or(String::new(), |(sheet, cell)| {
-        format!("({}) {cell}", SHEETS.get(sheet).map_or(0, |_| sheet + 1))
-    })
+fn place(cell: Option<&Spot>) -> String {
+    cell.map_or(String::new(), Spot::to_string)
 }
 
 fn number(number: Option<f64>) -> String {
     number.map_or("-".to_owned(), blocksim_params::written)
 }
 
-/// A table of changes, or nothing; cells are `(7) D9` for cell D9 of the seventh sheet.
+/// A table of changes, or nothing.
 pub fn changes(changes: &[Change]) -> String {
     if changes.is_empty() {
         return String::new();
@@ -35,7 +33,7 @@ pub fn changes(changes: &[Change]) -> String {
     let mut table = Table::new(&columns);
     for change in changes {
         table.row([
-            place(change.cell),
+            place(change.cell.as_ref()),
             change.path.clone(),
             number(change.old),
             number(change.new),
@@ -60,7 +58,7 @@ fn conflicts(conflicts: &[Conflict]) -> String {
         let [exported, set, sheet] =
             [conflict.exported, conflict.set, conflict.sheet].map(|n| number(Some(n)));
         table.row([
-            place(Some(conflict.cell)),
+            place(Some(&conflict.cell)),
             conflict.path.clone(),
             exported,
             set,
