@@ -48,6 +48,12 @@ impl Network {
             && self.rotation.joints_are_free
     }
 
+    /// The place of a member's input, the first of its elements, among the inputs of the network.
+    pub fn input(&self, member: usize, port: usize) -> Option<usize> {
+        let seat = self.seats.get(member)?;
+        seat.inputs.get(port).map(|(first, _)| seat.u.start + *first as usize)
+    }
+
     /// The axes of the joints, in the order of the tree. Members that move with several axes belong to none.
     pub fn axes(&self) -> Vec<AxisView> {
         let speeds = self.frames.speeds.iter().enumerate();

@@ -30,9 +30,8 @@ impl IdentifyCommand {
 /// What all experiments need.
 #[derive(Debug, Args)]
 pub struct Common {
-    /// File of the model.
-    #[arg(default_value = "diagrams/irb2600/irb2600.ron")]
-    pub model: PathBuf,
+    /// File of the model; without it diagrams/irb2600/irb2600.ron, the robot that comes with blocksim.
+    pub model: Option<PathBuf>,
     /// Sets a parameter for this call, as in `blocksim run`; may be repeated.
     #[arg(long = "set", value_name = "TARGET=VALUE", value_parser = assignment)]
     pub set: Vec<String>,
@@ -84,7 +83,7 @@ pub struct RecordedArgs {
 /// `blocksim identify friction`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  blocksim identify friction\n  blocksim identify friction --axis 1,4 --out friction.ron\n  \
+    after_help = "Examples:\n  blocksim identify friction my_robot.ron\n  blocksim identify friction --axis 1,4 --out friction.ron\n  \
                   blocksim identify friction --axis 1 --speeds \"10 deg/s,20 deg/s,40 deg/s,80 deg/s\"\n\n\
                   --out takes .csv (speed and torque of each move) or .ron (what was identified).\n\n\
                   From a recording:\n  blocksim identify friction --from latest\n  \
@@ -109,7 +108,7 @@ pub struct FrictionArgs {
 /// `blocksim identify dynamics`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  blocksim identify dynamics\n  blocksim identify dynamics --noise 0.05 --seed 7 --out base.csv\n\n\
+    after_help = "Examples:\n  blocksim identify dynamics my_robot.ron\n  blocksim identify dynamics --noise 0.05 --seed 7 --out base.csv\n\n\
                   From a recording:\n  blocksim identify dynamics --from latest --predict runs/other\n  \
                   blocksim identify dynamics --from log.csv --q 'q{}' --tau 'torque{}' --cutoff \"8 Hz\""
 )]

@@ -131,7 +131,7 @@ fn requests_that_make_no_sense_are_refused_with_a_remedy() {
         (&["friction", "--axis", "5", "--speeds", "350 deg/s"][..], 2, "choose speeds up to"),
         (&["friction", "--axis", "2", "--speeds", "170 deg/s"][..], 2, "where gravity is balanced"),
         (&["friction", "--speeds", "3 m"][..], 2, "a unit such as deg/s"),
-        (&["friction", &lag][..], 3, "the diagram has no arm of bodies and joints"),
+        (&["friction", &lag][..], 3, "the model has no arm of bodies and joints"),
         (&["dynamics", "--out", &there][..], 4, "is there already"),
         (&["dynamics", "--out", "result.txt"][..], 2, "endings: .csv"),
         (&["dynamics", "--harmonics", "1"][..], 2, "2 to 50"),
@@ -307,4 +307,45 @@ fn the_page_shows_what_the_program_says() {
         let printed = String::from_utf8_lossy(&output.stdout).into_owned();
         same(&text, &printed).unwrap_or_else(|error| panic!("{call:?}: {error}\n{printed}"));
     }
+}
+
+/// The smallest model that its page shows, in a folder that holds nothing else.
+#[test]
+fn a_model_in_any_folder_is_identified() {
+    let folder = Folder::new("elsewhere");
+    let page = std::fs::read_to_string(root().join("docs/errors/identify.md")).expect("the page");
+    let model = page.split("```ron\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a model");
+    std::fs::write(folder.file("axis.ron"), model).unwrap();
+    let call = |arguments: &[&str]| {
+        let mut command = program();
+        command.current_dir(&folder.0).env("NO_COLOR", "1").arg("identify").args(arguments);
+        command.output().expect("the program runs")
+    };
+    let output = call(&["friction", "axis.ron", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let results = lines(&output);
+    assert_eq!(results.len(), 1);
+    for (group, name) in [
+        ("at_the_motor", "viscous"),
+        ("at_the_motor", "coulomb"),
+        ("bearing", "viscous"),
+        ("bearing", "breakaway"),
+    ] {
+        let off = deviation(&results[0], group, name);
+        assert!(off < 0.02, "{group}.{name} is off by {off}: {}", results[0]);
+    }
+    let output = call(&["dynamics", "axis.ron", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert_eq!(lines(&output)[0]["base_parameter"], "Izz1");
+
+    // Without a controller of the joint, and without a model.
+    let part = model.replace("\"joint.q -> error.u2, ", "\"move.q -> error.u2\", \"joint.q -> ");
+    std::fs::write(folder.file("part.ron"), part).unwrap();
+    let output = call(&["friction", "part.ron"]);
+    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    assert!(said(&output).contains("no controller compares `joint.q`"), "{}", said(&output));
+    let output = call(&["friction"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output).starts_with("error[identify]: no model is named"), "{}", said(&output));
+    assert!(said(&output).contains("`blocksim explain identify`"), "{}", said(&output));
 }

@@ -20,9 +20,8 @@ fn refused(message: impl Into<String>, help: impl Into<String>) -> Failure {
     Failure::new(Exit::Model, "identify", message).help(help)
 }
 
-/// What a diagram must have to stand on the bench.
-const NEEDS: &str = "the diagram needs a `JointMove` for each axis, a controller that gets its `q` and the `q` of a \
-                     `RevoluteJoint`, and bodies in one open chain, as diagrams/irb2600/irb2600.ron has";
+/// Where users read what a model must have to stand on the bench.
+const PAGE: &str = "`blocksim explain identify` lists what a model needs, with an example";
 
 /// A robot on the bench.
 pub struct Bench {
@@ -93,7 +92,10 @@ impl Bench {
     /// # Errors
     /// A diagram without such a robot.
     pub fn new(schedule: Schedule) -> Result<Bench, Failure> {
-        let no_arm = || refused("the diagram has no arm of bodies and joints", NEEDS);
+        let no_arm = || {
+            let help = format!("connect `World`, a `RevoluteJoint` for each axis and its `Body`; {PAGE}");
+            refused("the model has no arm of bodies and joints", help)
+        };
         let networks = schedule.blocks.iter().enumerate();
         let (network, view) = networks
             .filter_map(|(index, instance)| Some((index, look_into::<Network>(&instance.block)?)))
@@ -103,7 +105,7 @@ impl Bench {
         if !view.is_plain_tree() {
             return Err(refused(
                 "the arm has closed loops, spherical joints, payloads or prescribed speeds",
-                "only open chains of axes with drives can be identified",
+                format!("only open chains of revolute joints with drives can be identified; {PAGE}"),
             ));
         }
         let mut axes = Vec::new();
@@ -115,7 +117,7 @@ impl Bench {
                 axes.iter().map(|axis| format!("{} moves `{}`", axis.number, axis.joint)).collect();
             return Err(refused(
                 format!("the axes are not numbered from the base to the tip: {}", found.join(", ")),
-                NEEDS,
+                "number them by `axis` of their `JointMove`: 1 at the base, one for each joint",
             ));
         }
         Ok(Bench { schedule, network, tree, axes })
@@ -198,6 +200,16 @@ fn gets(instance: &Instance, cell: usize) -> bool {
     instance.gather.iter().any(|(from, length)| (*from as usize..(*from + *length) as usize).contains(&cell))
 }
 
+/// The cell that an element of the inputs of a block is gathered from.
+fn source_of(instance: &Instance, element: usize) -> Option<usize> {
+    let mut first = 0;
+    instance.gather.iter().find_map(|(from, length)| {
+        let within = element.checked_sub(first).filter(|within| *within < *length as usize);
+        first += *length as usize;
+        within.map(|within| *from as usize + within)
+    })
+}
+
 fn axis(schedule: &Schedule, network: &Network, at: usize, view: AxisView) -> Result<Axis, Failure> {
     let cell = |port: &str| {
         let path = format!("{}.{port}", view.path);
@@ -205,38 +217,50 @@ fn axis(schedule: &Schedule, network: &Network, at: usize, view: AxisView) -> Re
     };
     let measured = [cell("q"), cell("w"), cell("a"), cell("tau")];
     let [Some(q), Some(w), Some(a), Some(tau)] = measured else {
-        return Err(refused(format!("`{}` is no revolute joint", view.path), NEEDS));
+        return Err(refused(
+            format!("`{}` is not a revolute joint", view.path),
+            format!("all axes of the arm turn; {PAGE}"),
+        ));
     };
     // The controller is what compares a set value with the position.
     let moves = schedule.blocks.iter().enumerate();
     let moves = moves.filter_map(|(index, block)| Some((index, look_into::<JointMove>(&block.block)?)));
-    let found: Vec<(usize, &JointMove)> =
-        moves
-            .filter(|(index, _)| {
-                let wanted = schedule.blocks[*index].y;
-                schedule.blocks.iter().enumerate().any(|(other, block)| {
-                    other != at && other != *index && gets(block, wanted) && gets(block, q)
-                })
+    let found: Vec<(usize, &JointMove)> = moves
+        .filter(|(index, _)| {
+            let wanted = schedule.blocks[*index].y;
+            schedule.blocks.iter().enumerate().any(|(other, block)| {
+                let is_shown_only = block.interface.outputs.is_empty();
+                other != at && other != *index && !is_shown_only && gets(block, wanted) && gets(block, q)
             })
-            .collect();
+        })
+        .collect();
     let [(reference, course)] = found[..] else {
-        return Err(refused(
-            format!("{} moves lead to the joint `{}`, not one", found.len(), view.path),
-            NEEDS,
-        ));
+        let joint = &view.path;
+        return Err(match found.len() {
+            0 => refused(
+                format!("no controller compares `{joint}.q` with the `q` of a `JointMove`"),
+                format!(
+                    "add a `JointMove` for this axis and a block that gets its `q` and `{joint}.q`, as a `Sum` in \
+                     front of a `Pid` does; {PAGE}"
+                ),
+            ),
+            several => refused(
+                format!("{several} blocks `JointMove` command the joint `{joint}`"),
+                "connect the `q` of one of them to the controller of the joint",
+            ),
+        });
     };
     let (Some(limits), number) = (course.limits.get(course.axis - 1), course.axis) else {
-        return Err(refused(format!("the move of `{}` has no limits", view.path), NEEDS));
+        return Err(refused(
+            format!("the `JointMove` of `{}` has no limits for axis {}", view.path, course.axis),
+            "give `limits` an entry for each axis",
+        ));
     };
     let drive = Drive::of(network, &view);
-    let motor = drive.torque_signal.as_ref().and_then(|path| {
+    let measured = drive.torque_signals.iter().find_map(|path| {
         schedule.signals.iter().find(|signal| signal.path == *path).map(|signal| signal.offset)
     });
-    let motor = motor.or_else(|| {
-        let folder = drive.motor_folder.as_ref()?;
-        let path = format!("{folder}/torque.y");
-        schedule.signals.iter().find(|signal| signal.path == path).map(|signal| signal.offset)
-    });
+    let motor = measured.or_else(|| source_of(&schedule.blocks[at], drive.torque_input?));
     Ok(Axis {
         number,
         limits: *limits,

@@ -4,7 +4,7 @@ use blocksim_block::physical::LossModel;
 use blocksim_blocks::machines::DcMotor;
 use blocksim_blocks::mechanics::FrictionModel;
 use blocksim_blocks::multibody::RevoluteJoint;
-use blocksim_blocks::rotational::{RotationalDamper, RotationalFriction};
+use blocksim_blocks::rotational::{IdealTorqueSource, RotationalDamper, RotationalFriction};
 use blocksim_identify::{Curve, Train};
 use blocksim_network::{AxisView, Network};
 
@@ -24,10 +24,10 @@ pub struct Drive {
     pub train: Train,
     /// Friction of the bearing, if it is one smooth curve.
     pub bearing: Option<Curve>,
-    /// Signal of the torque of the motor, where the machine has one.
-    pub torque_signal: Option<String>,
-    /// Path of the diagram of the motor.
-    pub motor_folder: Option<String>,
+    /// Signals that are the torque of the motor if its kind has this output.
+    pub torque_signals: Vec<String>,
+    /// The input of the network that is the torque of an ideal source in its place.
+    pub torque_input: Option<usize>,
 }
 
 impl Drive {
@@ -42,8 +42,8 @@ impl Drive {
             reflected: view.reflected,
             train: Train::NONE,
             bearing: None,
-            torque_signal: None,
-            motor_folder: None,
+            torque_signals: Vec::new(),
+            torque_input: None,
         };
         let joint = members.iter().find(|member| member.path == view.path);
         if let Some(joint) = joint.and_then(|joint| look_into::<RevoluteJoint>(&joint.block)) {
@@ -77,8 +77,10 @@ impl Drive {
                 if let Some(motor) = look_into::<DcMotor>(&member.block) {
                     damp(motor.damping);
                 }
-                drive.torque_signal = Some(format!("{}.torque", member.path));
-                drive.motor_folder = member.path.rsplit_once('/').map(|(folder, _)| folder.to_owned());
+                if look_into::<IdealTorqueSource>(&member.block).is_some() {
+                    drive.torque_input = network.input(part.member, 0);
+                }
+                drive.torque_signals.push(format!("{}.torque", member.path));
             }
         }
         drive

@@ -8,6 +8,8 @@ use blocksim_results::format::significant;
 use blocksim_results::{Align, Table};
 use serde_json::{Value, json};
 
+use crate::terminal::render::plural;
+
 /// Signs of a combination in a table.
 const WIDE: usize = 44;
 
@@ -32,7 +34,7 @@ pub fn counted(base: &BaseParameters) -> String {
     let grouped: BTreeSet<usize> =
         base.parameters.iter().flat_map(|parameter| &parameter.others).map(|(index, _)| *index).collect();
     let all = base.without_effect.len() + base.len() + grouped.len();
-    format!("{} base parameters of {all} inertial ones", base.len())
+    format!("{} of {all} inertial ones", plural(base.len(), "base parameter"))
 }
 
 /// For people.

@@ -119,8 +119,8 @@ fn setup(bench: &Bench, axis: usize, args: &FrictionArgs) -> Result<Setup, Failu
     let refuse = |message: String, help: &str| Failure::usage(message).help(help);
     if !it.has_motor() {
         return Err(refuse(
-            format!("axis {number}: no signal tells the torque of the motor of `{}`", it.joint),
-            "the diagram of the motor needs a machine with the output `torque`, or a block `torque` with the output `y`",
+            format!("axis {number}: there is no signal of the torque of the motor of `{}`", it.joint),
+            "drive the joint by a machine with an output `torque`, or by an `IdealTorqueSource`",
         ));
     }
     let limits: Vec<_> = bench.axes.iter().map(|axis| axis.limits).collect();

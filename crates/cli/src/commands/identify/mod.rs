@@ -17,10 +17,13 @@ mod pose;
 mod recorded;
 mod said;
 
+use std::path::{Path, PathBuf};
+
 use bench::Bench;
 
 use crate::args::identify::{Common, IdentifyCommand};
 use crate::args::model::ModelArgs;
+use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::loaded::load;
 use crate::terminal::console::Console;
@@ -43,9 +46,27 @@ pub fn identify(command: &IdentifyCommand, console: Console) -> Outcome {
     }
 }
 
+/// The robot that is measured in a clone of blocksim where no other model is named.
+const OWN_ROBOT: &str = "diagrams/irb2600/irb2600.ron";
+
+/// The file of the model.
+///
+/// # Errors
+/// None is named, and the robot of blocksim is not here.
+fn model(common: &Common) -> Result<PathBuf, Failure> {
+    match &common.model {
+        Some(model) => Ok(model.clone()),
+        None if Path::new(OWN_ROBOT).exists() => Ok(PathBuf::from(OWN_ROBOT)),
+        None => Err(Failure::new(Exit::Usage, "identify", "no model is named").help(
+            "name the model of a robot; `blocksim explain identify` lists what it needs, with an example",
+        )),
+    }
+}
+
 /// Compiles the diagram and puts its robot on the bench.
 fn load_bench(common: &Common, console: Console) -> Result<Bench, Failure> {
-    let with = |set: Vec<String>| ModelArgs { model: common.model.clone(), set, plugins: common.plugins };
+    let file = model(common)?;
+    let with = |set: Vec<String>| ModelArgs { model: file.clone(), set, plugins: common.plugins };
     let asked = common.set.iter().any(|set| set.split('=').next().is_some_and(|name| name.trim() == "drive"));
     let mut set = common.set.clone();
     if let Some(drive) = &common.drive {

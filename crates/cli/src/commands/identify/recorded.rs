@@ -40,7 +40,8 @@ pub struct Arm {
 pub fn arm(common: &Common) -> Result<Arm, Failure> {
     let disk = Disk::default();
     let sources = Sources::new(&disk);
-    let read: Result<RobotDescription, _> = parameter(&sources, &common.model, &common.set, "manipulator");
+    let read: Result<RobotDescription, _> =
+        parameter(&sources, &super::model(common)?, &common.set, "manipulator");
     let description = read.map_err(|problems| Failure::of(Exit::Model, problems, sources.all()))?;
     let robot = description.robot("manipulator").map_err(|error| Failure::parameter(&error))?;
     Ok(Arm { description, robot })
