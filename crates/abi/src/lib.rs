@@ -14,3 +14,6 @@ pub mod read;
 pub mod table;
 
 pub use table::*;
+
+/// The contract in C, for compilers that this program calls.
+pub const HEADER: &str = include_str!("../include/blocksim_plugin.h");

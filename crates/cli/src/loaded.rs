@@ -102,7 +102,7 @@ pub fn load_with(args: &ModelArgs, purpose: Purpose, options: &Options) -> Resul
     Ok(Loaded { compiled, files, on_disk, plugins: plugins.collect(), offers: disk.offers() })
 }
 
-/// Files that a model is read from, and folders of crates whose plug-ins it has loaded; the file of the model itself in
+/// Files that a model is read from, and folders of sources whose plug-ins it has loaded; the file of the model itself in
 /// any case.
 pub fn files_of(args: &ModelArgs, purpose: Purpose) -> Vec<PathBuf> {
     let disk = Disk::with(Plugins::of(args.plugins, purpose));
@@ -111,7 +111,7 @@ pub fn files_of(args: &ModelArgs, purpose: Purpose) -> Vec<PathBuf> {
     if !files.contains(&args.model) {
         files.push(args.model.clone());
     }
-    files.extend(blocksim_host::crates());
+    files.extend(blocksim_host::folders());
     files.sort();
     files.dedup();
     files

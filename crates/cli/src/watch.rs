@@ -14,8 +14,12 @@ use crate::trust::Purpose;
 
 /// How often files are looked at. A few hundred of them cost a millisecond.
 const EVERY: Duration = Duration::from_millis(100);
-/// Folders below the crate of a plug-in that are looked into.
+/// Folders below that of a plug-in that are looked into.
 const DEEP: usize = 8;
+/// Endings of the sources of a plug-in.
+const SOURCES: [&str; 9] = ["rs", "c", "cc", "cpp", "cxx", "h", "hh", "hpp", "hxx"];
+/// Folders below that of a plug-in which hold what was made of it.
+const MADE: [&str; 2] = ["target", "runs"];
 
 /// When a file was written last, and how long it is; none where there is none.
 type State = Vec<(PathBuf, Option<(SystemTime, u64)>)>;
@@ -54,7 +58,8 @@ fn change(places: &[PathBuf], before: State) -> Option<PathBuf> {
         }
         let now = state(places);
         // An editor may write several files, or take one away before it writes it again.
-        let is_quiet = now == last && now.iter().all(|(_, file)| file.is_some());
+        let is_quiet =
+            now == last && now.iter().all(|(path, file)| file.is_some() || path.ends_with("plugin.toml"));
         match first_changed(&before, &now) {
             Some(changed) if is_quiet => return Some(changed),
             _ => last = now,
@@ -68,13 +73,14 @@ fn first_changed(before: &State, now: &State) -> Option<PathBuf> {
     changed.or_else(gone).map(|(path, _)| path.clone())
 }
 
-/// Files, and of folders, which hold crates of plug-ins, their sources.
+/// Files, and of folders, which hold plug-ins, their sources.
 fn state(places: &[PathBuf]) -> State {
     let mut state = State::new();
     for place in places {
         if place.is_dir() {
-            push_file(&place.join("Cargo.toml"), &mut state);
-            push_folder(&place.join("src"), DEEP, &mut state);
+            let is_crate = place.join("Cargo.toml").is_file();
+            push_file(&place.join(if is_crate { "Cargo.toml" } else { "plugin.toml" }), &mut state);
+            push_folder(&if is_crate { place.join("src") } else { place.clone() }, DEEP, &mut state);
         } else {
             push_file(place, &mut state);
         }
@@ -92,9 +98,11 @@ fn push_folder(folder: &Path, deep: usize, state: &mut State) {
     let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     paths.sort();
     for path in paths {
-        if path.is_dir() && deep > 0 {
-            push_folder(&path, deep - 1, state);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
+        if path.is_dir() {
+            if deep > 0 && !MADE.iter().any(|made| path.ends_with(made)) {
+                push_folder(&path, deep - 1, state);
+            }
+        } else if path.extension().is_some_and(|ending| SOURCES.iter().any(|source| ending == *source)) {
             push_file(&path, state);
         }
     }

@@ -10,7 +10,7 @@
 //!
 //! # The way of a plug-in
 //!
-//! `locate` finds what `library` names, `cargo` builds it if that is the folder of a crate, `open` loads a copy of
+//! `locate` finds what `library` names, `build` makes it if that is a folder with sources, `open` loads a copy of
 //! the library, `table` checks what the library says of itself, `parameters` turns the diagram's values into
 //! numbers, `call` is the border itself, and `plugin` is the block. What goes wrong on the way becomes a
 //! [`LoadError`](blocksim_block::LoadError) with one of the codes in `fault`.
@@ -24,11 +24,10 @@
 //!
 //! Blocks register themselves; a program that links this crate must name it in code (`use blocksim_host as _;`).
 
+mod build;
 mod call;
-mod cargo;
 mod fault;
 mod finite;
-mod fresh;
 mod kind;
 mod locate;
 mod offer;
@@ -37,7 +36,7 @@ mod parameters;
 mod plugin;
 mod table;
 
-pub use cargo::{crates, set_build_notice};
+pub use build::{folders, set_build_notice};
 pub use kind::{Kind, Quantity};
 pub use locate::{Source, locate};
 pub use offer::{merged, offer, recalled};

@@ -1,10 +1,11 @@
-//! What the parameter `library` names: a built library, or the folder of a crate.
+//! What the parameter `library` names: a built library, or a folder with the sources of one.
 
 use std::path::{Path, PathBuf};
 
 use blocksim_block::LoadError;
 use blocksim_signal::closest;
 
+use crate::build::{SETTINGS, is_source};
 use crate::fault::{self, MISSING};
 
 /// Where a plug-in comes from; both paths are absolute.
@@ -14,13 +15,15 @@ pub enum Source {
     Library(PathBuf),
     /// The folder of a crate.
     Crate(PathBuf),
+    /// A folder with sources in C or C++.
+    C(PathBuf),
 }
 
 impl Source {
     /// The library or the folder, without links.
     pub fn path(&self) -> &Path {
         match self {
-            Source::Library(path) | Source::Crate(path) => path,
+            Source::Library(path) | Source::Crate(path) | Source::C(path) => path,
         }
     }
 }
@@ -28,7 +31,7 @@ impl Source {
 /// Finds `library`, relative to the folder of the diagram.
 ///
 /// # Errors
-/// Nothing is there, or a folder without `Cargo.toml`.
+/// Nothing is there, or a folder without sources.
 pub fn locate(folder: &Path, library: &str) -> Result<Source, LoadError> {
     let path = folder.join(library);
     let Ok(found) = path.canonicalize() else {
@@ -40,8 +43,17 @@ pub fn locate(folder: &Path, library: &str) -> Result<Source, LoadError> {
     if found.join("Cargo.toml").is_file() {
         return Ok(Source::Crate(found));
     }
-    let error = fault::library(MISSING, format!("the folder `{library}` holds no `Cargo.toml`"));
-    Err(fault::help(error, "name a built library, or the folder of a crate that builds one"))
+    if found.join(SETTINGS).is_file() || has_sources(&found) {
+        return Ok(Source::C(found));
+    }
+    let message = format!("the folder `{library}` holds no `Cargo.toml`, `{SETTINGS}`, C or C++ sources");
+    let error = fault::library(MISSING, message);
+    Err(fault::help(error, "name a built library, or a folder with the sources of one"))
+}
+
+fn has_sources(folder: &Path) -> bool {
+    let mut entries = folder.read_dir().into_iter().flatten().flatten();
+    entries.any(|entry| is_source(&entry.path()))
 }
 
 fn absent(path: &Path, library: &str) -> LoadError {
@@ -71,12 +83,14 @@ mod tests {
         let here = Path::new(env!("CARGO_MANIFEST_DIR")).canonicalize().unwrap();
         assert_eq!(locate(&here, "../host").unwrap(), Source::Crate(here.clone()));
         assert_eq!(locate(&here, "Cargo.toml").unwrap(), Source::Library(here.join("Cargo.toml")));
+        assert_eq!(locate(&here, "tests/c").unwrap(), Source::C(here.join("tests/c")));
     }
 
     #[test]
     fn a_folder_without_a_crate_is_refused() {
         let error = locate(Path::new(env!("CARGO_MANIFEST_DIR")), "src").unwrap_err();
-        assert_eq!((error.code, error.message.as_str()), (MISSING, "the folder `src` holds no `Cargo.toml`"));
+        let message = "the folder `src` holds no `Cargo.toml`, `plugin.toml`, C or C++ sources";
+        assert_eq!((error.code, error.message.as_str()), (MISSING, message));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use std::time::SystemTime;
 use blocksim_abi::{ABI_MAJOR, EntryFn, SYMBOL};
 use blocksim_block::LoadError;
 
-use crate::cargo;
+use crate::build;
 use crate::fault::{self, MISSING};
 use crate::kind::Kind;
 use crate::locate::{Source, locate};
@@ -36,15 +36,16 @@ type Key = (PathBuf, Option<SystemTime>, u64);
 
 static OPENED: Mutex<BTreeMap<Key, &'static Library>> = Mutex::new(BTreeMap::new());
 
-/// The plug-in that `library` names, relative to `folder`: a built library, or the folder of a crate, which is
-/// built first. A library that was loaded before and did not change is not loaded again.
+/// The plug-in that `library` names, relative to `folder`: a built library, or the folder of a crate or of C or C++ sources,
+/// which is built first. A library that was loaded before and did not change is not loaded again.
 ///
 /// # Errors
 /// `plugin_missing`, `plugin_build`, `plugin_symbol` or `plugin_abi`, for the parameter `library`.
 pub fn open(folder: &Path, library: &str) -> Result<&'static Library, LoadError> {
     let path = match locate(folder, library)? {
         Source::Library(path) => path,
-        Source::Crate(folder) => cargo::built(&folder, library)?,
+        Source::Crate(folder) => build::of_crate(&folder, library)?,
+        Source::C(folder) => build::of_sources(&folder, library)?,
     };
     let unreadable =
         |e: std::io::Error| fault::library(MISSING, format!("`{}` cannot be read: {e}", fault::shown(&path)));
@@ -100,7 +101,10 @@ fn no_entry(opened: &libloading::Library, shown: &str) -> LoadError {
         fault::SYMBOL,
         format!("`{shown}` is no blocksim plug-in: it does not export `{SYMBOL}`"),
     );
-    fault::help(error, "in Rust, write `export_plugin!(\"name\", [Controller]);` and build a `cdylib`")
+    fault::help(
+        error,
+        "in Rust, write `export_plugin!(\"name\", [Controller]);` and build a `cdylib`; in C, define `blocksim_plugin_v1`",
+    )
 }
 
 /// Opens a copy under a name that was never used, and removes it where the system allows.

@@ -15,8 +15,8 @@ use crate::parameters::numbers;
 
 /// A controller from a plug-in: a block that somebody else wrote, in Rust, C, or anything that speaks C.
 ///
-/// `library` is the folder of a crate, which is built first when its sources are newer, or a built library
-/// (`.so`, `.dylib`, `.dll`). The plug-in says which ports, parameters and states its blocks have. A parameter
+/// `library` is the folder of a crate or of C or C++ sources, which is built first when these are newer, or a built
+/// library (`.so`, `.dylib`, `.dll`). The plug-in says which ports, parameters and states its blocks have. A parameter
 /// without a unit is SI; a number with a unit is checked against the unit that the plug-in states; a vector is a
 /// list.
 ///
@@ -30,7 +30,7 @@ use crate::parameters::numbers;
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Plug-ins", symbol = Plugin)]
 pub struct Plugin {
-    /// Folder of a crate, or built library, relative to the diagram.
+    /// Folder of a crate or of C or C++ sources, or built library, relative to the diagram.
     pub library: String,
     /// Which block of the plug-in.
     pub block: String,

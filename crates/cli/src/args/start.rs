@@ -33,6 +33,10 @@ pub enum TemplateName {
     Robot,
     /// A controller that you write in Rust, in a loop with a plant.
     Plugin,
+    /// A controller that you write in C, in the same loop.
+    C,
+    /// A controller that you write in C++, in the same loop.
+    Cpp,
     /// A step and a scope.
     Empty,
 }

@@ -152,7 +152,8 @@ fn compiler() -> Finding {
             what,
             State::Missing,
             "there is no cc, gcc or clang",
-            "cargo links plug-ins with it: install gcc or clang, such as with `apt-get install gcc`",
+            "plug-ins in C are compiled and those in Rust are linked with it: install gcc or clang, such as with \
+             `apt-get install gcc`",
         ),
     }
 }

@@ -123,6 +123,125 @@ fn building_is_said_where_something_is_built() {
     assert!(!check().contains(notice));
 }
 
+/// One law in three languages gives one run, bit for bit.
+#[test]
+fn controllers_in_c_and_cpp_run_as_the_one_in_rust() {
+    let folder = Folder::new("languages");
+    let mut runs = Vec::new();
+    for language in ["rust", "c", "cpp"] {
+        let made =
+            blocksim(&folder.0, &["plugin", "new", &format!("{language}/law"), "--language", language]);
+        assert_eq!(made.status.code(), Some(0), "{}", said(&made));
+        let out = format!("{language}/out");
+        let run =
+            blocksim(&folder.0, &["run", &format!("{language}/law/demo.ron"), "--quiet", "--out", &out]);
+        assert_eq!(run.status.code(), Some(0), "{language}: {}", said(&run));
+        assert!(!said(&run).contains("warning"), "{language}: {}", said(&run));
+        runs.push(std::fs::read_to_string(folder.0.join(out).join("signals.csv")).expect("a table"));
+    }
+    assert!(runs[0].lines().count() > 1000 && runs[0] == runs[1] && runs[1] == runs[2]);
+    for (words, expected) in [
+        (&["plugin", "show", "c/law"][..], "Integral part."),
+        (&["check", "cpp/law/demo.ron", "--set", "controller.ts=-1"], "`ts` must be above zero"),
+        (&["check", "c/law/demo.ron", "--set", "controller.limit=-1"], "must not be below zero"),
+    ] {
+        let output = blocksim(&folder.0, words);
+        let text = format!("{}{}", String::from_utf8_lossy(&output.stdout), said(&output));
+        assert!(text.contains(expected), "{words:?}: {text}");
+    }
+}
+
+/// What was compiled is used until a source, a header, a file of the folder or the compiler changes.
+#[test]
+fn sources_in_c_are_compiled_when_anything_has_changed() {
+    let folder = Folder::new("stale");
+    assert_eq!(blocksim(&folder.0, &["plugin", "new", "law", "--language", "c"]).status.code(), Some(0));
+    let write =
+        |name: &str, text: &str| std::fs::write(folder.0.join("law").join(name), text).expect("written");
+    let source = std::fs::read_to_string(folder.0.join("law/controller.c")).expect("the source");
+    write(
+        "controller.c",
+        &source
+            .replace("#include \"blocksim", "#include \"gain.h\"\n#include \"blocksim")
+            .replace("static const double one = 1.0", "static const double one = GAIN"),
+    );
+    write("gain.h", "#define GAIN 1.0\n");
+    let shown = |with: Option<&str>| {
+        let mut command = program();
+        command.current_dir(&folder.0).args(["plugin", "show", "law"]);
+        with.map(|compiler| command.env("CC", compiler));
+        let output = command.output().expect("the program runs");
+        (String::from_utf8_lossy(&output.stdout).into_owned(), said(&output))
+    };
+    let compiled = |said: &str| said.contains("building the plug-in `law` with");
+    let gain = |text: &str| {
+        let row = text.lines().find(|line| line.trim_start().starts_with("kp")).expect("a row").to_owned();
+        row.split_whitespace().nth(2).expect("a default").to_owned()
+    };
+    // What was written while the compiler was started has no stamp yet.
+    std::thread::sleep(std::time::Duration::from_millis(50));
+    let (first, notice) = shown(None);
+    assert!(compiled(&notice) && gain(&first) == "1", "{first}{notice}");
+    let (again, notice) = shown(None);
+    assert!(!compiled(&notice) && again == first, "{notice}");
+    for (name, text, expected) in [
+        ("gain.h", "#define GAIN 2.0\n", "2"),
+        ("plugin.toml", "flags = [\"-DUNUSED\"]\n", "2"),
+        ("more.c", "int blocksim_test_more = 1;\n", "2"),
+        ("gain.h", "#define GAIN 3.0\n", "3"),
+    ] {
+        write(name, text);
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        let (text, notice) = shown(None);
+        assert!(compiled(&notice) && gain(&text) == expected, "{name}: {text}{notice}");
+        assert!(!compiled(&shown(None).1), "{name}");
+    }
+    // Another compiler gives another library; one that is missing is a reason, as sources are never ignored.
+    let (text, notice) = shown(Some("cc -DOTHER"));
+    assert!(compiled(&notice) && gain(&text) == "3", "{text}{notice}");
+    let (text, notice) = shown(Some("/nowhere/cc"));
+    assert!(
+        text.is_empty()
+            && notice.contains(
+                "error[plugin_missing]: the plug-in `law` needs a C compiler, and `/nowhere/cc` cannot"
+            )
+            && notice.contains("in the variable CC"),
+        "{text}{notice}"
+    );
+}
+
+#[test]
+fn what_is_wrong_in_c_is_shown_with_its_place() {
+    let folder = Folder::new("wrong");
+    assert_eq!(blocksim(&folder.0, &["plugin", "new", "law", "--language", "c"]).status.code(), Some(0));
+    let good = std::fs::read_to_string(folder.0.join("law/controller.c")).expect("the source");
+    let line =
+        |text: &str, part: &str| text.lines().position(|line| line.contains(part)).expect("a line") + 1;
+    let semicolon =
+        good.replace("y[U] = limited(p, wanted(p, xd, u));", "y[U] = limited(p, wanted(p, xd, u))");
+    let unknown = good.replace("return fmin(", "return fmni(");
+    let unlinked = good
+        .replace("static double wanted(", "double elsewhere(double);\nstatic double wanted(")
+        .replace("y[U] = limited(", "y[U] = elsewhere(")
+        .replace("elsewhere(p, wanted(p, xd, u))", "elsewhere(limited(p, wanted(p, xd, u)))");
+    let entry = good.replace("blocksim_plugin_v1(void)\n{", "another(void)\n{");
+    for (source, expected) in [
+        (&semicolon, format!("controller.c:{}:", line(&semicolon, "y[U] ="))),
+        (&unknown, format!("controller.c:{}:", line(&unknown, "fmni"))),
+        (&unlinked, "elsewhere".to_owned()),
+        (&unlinked, "it cannot be linked".to_owned()),
+        (&entry, "in C, define".to_owned()),
+    ] {
+        std::fs::write(folder.0.join("law/controller.c"), source).expect("written");
+        let output = blocksim(&folder.0, &["plugin", "show", "law"]);
+        assert_eq!(output.status.code(), Some(4), "{}", said(&output));
+        assert!(said(&output).contains(&expected), "{expected}: {}", said(&output));
+    }
+    std::fs::write(folder.0.join("law/plugin.toml"), "\nsource = [\"a.c\"]\n").expect("written");
+    let output = blocksim(&folder.0, &["plugin", "show", "law"]);
+    assert!(said(&output).contains("plugin.toml:2: `source` is not a setting"), "{}", said(&output));
+}
+
 #[test]
 fn what_a_plug_in_offers_is_data_too() {
     let plugins = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../plugins");
@@ -141,8 +260,8 @@ fn mistakes_are_answered_with_the_remedy_and_nothing_is_written() {
     std::fs::create_dir(folder.0.join("full")).expect("a folder");
     std::fs::write(folder.0.join("full/notes.txt"), "mine").expect("a file");
     for (words, code, expected) in [
-        (&["plugin", "new", "My-Controller"][..], 2, "no name for a crate"),
-        (&["plugin", "new", "ok", "--kind", "pid"], 2, "no name for a controller"),
+        (&["plugin", "new", "My-Controller"][..], 2, "is not a valid name for a plug-in"),
+        (&["plugin", "new", "ok", "--kind", "pid"], 2, "is not a valid name for a controller"),
         (&["plugin", "new", "full"], 4, "is there already"),
         (&["plugin", "new", "ok", "--blocksim", "full"], 2, "no clone of blocksim"),
         (&["plugin", "show", "ful"], 4, "did you mean `full`"),

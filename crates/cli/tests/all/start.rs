@@ -8,7 +8,7 @@ fn every_template_is_a_project_that_is_right_and_laid_out() {
     let desk = Desk::with(&[]);
     let listed = desk.call(&["new", "--list"]).out;
     let names: Vec<&str> = listed.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(names, ["servo", "robot", "plugin", "empty"]);
+    assert_eq!(names, ["servo", "robot", "plugin", "c", "cpp", "empty"]);
     for name in names {
         let answer = desk.call(&["new", name, "--template", name]);
         assert_eq!(answer.code, Some(0), "{}", answer.text());
@@ -25,6 +25,8 @@ fn every_template_is_a_project_that_is_right_and_laid_out() {
     assert!(lib.contains("Controller") && !lib.contains("MyController"), "{lib}");
     let model = desk.read("plugin/loop.ron");
     assert!(model.contains("library: \"controller\"") && !model.contains("my_controller"), "{model}");
+    assert!(desk.read("c/loop.ron").contains("controller/controller.c`"));
+    assert!(desk.read("cpp/loop.ron").contains("controller/controller.cpp`"));
 }
 
 /// Commands that a file recommends: lines of their own in comments and scripts, and what stands between backticks.
@@ -39,7 +41,7 @@ fn advice(text: &str) -> Vec<String> {
 fn every_advice_in_the_files_of_a_project_works() {
     let desk = Desk::with(&[]);
     let mut count = 0;
-    for name in ["servo", "robot", "plugin", "empty"] {
+    for name in ["servo", "robot", "plugin", "c", "cpp", "empty"] {
         assert_eq!(desk.call(&["new", name, "--template", name]).code, Some(0));
         let mut folders = vec![desk.0.join(name)];
         while let Some(folder) = folders.pop() {

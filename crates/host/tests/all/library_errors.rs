@@ -34,8 +34,8 @@ fn what_is_not_there() {
         "B",
         set([]),
         expect![[r#"
-        [plugin_missing] library: the folder `empty` holds no `Cargo.toml`
-        help: name a built library, or the folder of a crate that builds one
+        [plugin_missing] library: the folder `empty` holds no `Cargo.toml`, `plugin.toml`, C or C++ sources
+        help: name a built library, or a folder with the sources of one
     "#]],
     );
 }
@@ -71,7 +71,7 @@ fn libraries_that_are_no_plugin_or_of_another_version() {
         "ENTRY=another_symbol",
         expect![[r#"
         [plugin_symbol] library: `[folder]/lib.so` is no blocksim plug-in: it does not export `blocksim_plugin_v1`
-        help: in Rust, write `export_plugin!("name", [Controller]);` and build a `cdylib`
+        help: in Rust, write `export_plugin!("name", [Controller]);` and build a `cdylib`; in C, define `blocksim_plugin_v1`
     "#]],
     );
     check(

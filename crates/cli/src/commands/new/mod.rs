@@ -32,12 +32,13 @@ pub fn new(args: &NewArgs, console: Console) -> Outcome {
     made(folder, &template, args)?;
     let mut said = format!("{}\n", folder.display());
     let names = template.files.iter().map(|file| file.name.len());
-    let width = names.chain([if template.has_plugin { 10 } else { 9 }]).max().unwrap_or_default();
+    let width = names.chain([if template.plugin.is_some() { 10 } else { 9 }]).max().unwrap_or_default();
     for file in template.files {
         said += &format!("  {:width$}  {}\n", file.name, file.about);
     }
-    if template.has_plugin {
-        said += &format!("  {:width$}  your controller: write its law in src/lib.rs\n", "controller");
+    if let Some(language) = template.plugin {
+        let source = plugin::source(language);
+        said += &format!("  {:width$}  your controller: write its law in {source}\n", "controller");
     }
     said += &format!("  {:width$}  what to try\n\n", "README.md");
     said += &commands(&format!("{}/", folder.display()), &template);
@@ -91,17 +92,18 @@ fn made(folder: &Path, template: &Template, args: &NewArgs) -> Result<(), Failur
         fs::write(partial.join("README.md"), readme(&name, template))?;
         fs::write(partial.join(".gitignore"), IGNORED)
     };
-    let with_plugin = || match template.has_plugin {
-        true => plugin::made(
+    let with_plugin = || match template.plugin {
+        Some(language) => plugin::made(
             &PluginNewArgs {
                 folder: partial.join("controller"),
                 kind: Some("Controller".to_owned()),
+                language,
                 blocksim: args.blocksim.clone(),
             },
             "controller",
             "Controller",
         ),
-        false => Ok(()),
+        None => Ok(()),
     };
     let finish = || {
         // An empty folder may stand there.

@@ -1,5 +1,6 @@
 //! What projects begin with: models that ship with blocksim, so that they stay right.
 
+use crate::args::plugin::Language;
 use crate::args::start::TemplateName;
 
 /// A file of a template.
@@ -19,9 +20,9 @@ pub struct Template {
     /// Options of the first command.
     pub change: &'static str,
     /// Texts of the shipped models that are other here.
-    replaced: &'static [(&'static str, &'static str)],
-    /// The crate of a controller stands beside the model.
-    pub has_plugin: bool,
+    replaced: Vec<(&'static str, &'static str)>,
+    /// The sources of a controller stand beside the model, in this language.
+    pub plugin: Option<Language>,
 }
 
 impl Template {
@@ -64,8 +65,8 @@ pub fn template(name: TemplateName) -> Template {
             ],
             model: "servo.ron",
             change: "",
-            replaced: &[],
-            has_plugin: false,
+            replaced: Vec::new(),
+            plugin: None,
         },
         TemplateName::Robot => Template {
             about: "A SCARA robot carries a part along a move of its tool, led by computed torque.",
@@ -88,34 +89,55 @@ pub fn template(name: TemplateName) -> Template {
             ],
             model: "scara.ron",
             change: " --report",
-            replaced: &[("diagrams/scara/", "")],
-            has_plugin: false,
+            replaced: vec![("diagrams/scara/", "")],
+            plugin: None,
         },
-        TemplateName::Plugin => Template {
-            about: "A controller in Rust, `controller/src/lib.rs`, in a loop with two lags. A run builds it first.",
-            files: &[File {
-                name: "loop.ron",
-                text: include_str!("../plugin/template/demo.ron"),
-                about: "the model: the controller and a plant",
-            }],
-            model: "loop.ron",
-            change: "",
-            replaced: &[
-                ("library: \".\"", "library: \"controller\""),
-                ("MyController", "Controller"),
-                ("my_controller", "controller"),
-                ("src/lib.rs", "controller/src/lib.rs"),
-                ("demo.ron", "loop.ron"),
-            ],
-            has_plugin: true,
-        },
+        TemplateName::Plugin => with_plugin(Language::Rust),
+        TemplateName::C => with_plugin(Language::C),
+        TemplateName::Cpp => with_plugin(Language::Cpp),
         TemplateName::Empty => Template {
             about: "A step and a scope, to begin with.",
             files: &[File { name: "model.ron", text: EMPTY, about: "the model" }],
             model: "model.ron",
             change: "",
-            replaced: &[],
-            has_plugin: false,
+            replaced: Vec::new(),
+            plugin: None,
         },
+    }
+}
+
+/// A loop with a controller of one's own.
+fn with_plugin(language: Language) -> Template {
+    let (about, source) = match language {
+        Language::Rust => (
+            "A controller in Rust, `controller/src/lib.rs`, in a loop with two lags. A run builds it first.",
+            "controller/src/lib.rs",
+        ),
+        Language::C => (
+            "A controller in C, `controller/controller.c`, in a loop with two lags. A run compiles it first.",
+            "controller/controller.c",
+        ),
+        Language::Cpp => (
+            "A controller in C++, `controller/controller.cpp`, in a loop with two lags. A run compiles it first.",
+            "controller/controller.cpp",
+        ),
+    };
+    Template {
+        about,
+        files: &[File {
+            name: "loop.ron",
+            text: include_str!("../plugin/template/demo.ron"),
+            about: "the model: the controller and a plant",
+        }],
+        model: "loop.ron",
+        change: "",
+        replaced: vec![
+            ("library: \".\"", "library: \"controller\""),
+            ("MyController", "Controller"),
+            ("my_controller", "controller"),
+            ("src/lib.rs", source),
+            ("demo.ron", "loop.ron"),
+        ],
+        plugin: Some(language),
     }
 }

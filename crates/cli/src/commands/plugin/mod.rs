@@ -3,7 +3,7 @@
 mod new;
 mod show;
 
-pub(super) use self::new::made;
+pub(super) use self::new::{made, source};
 
 use crate::args::plugin::PluginCommand;
 use crate::failure::Outcome;

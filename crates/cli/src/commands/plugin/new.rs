@@ -1,10 +1,10 @@
-//! `blocksim plugin new`: the crate of a controller.
+//! `blocksim plugin new`: the sources of a controller.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::args::plugin::PluginNewArgs;
+use crate::args::plugin::{Language, PluginNewArgs};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::loaded::with_slashes;
@@ -16,14 +16,35 @@ const NAME: &str = "my_controller";
 const KIND: &str = "MyController";
 const PATH: &str = "PATH_OF_CONTROLLER";
 
-/// The files of a crate.
-const FILES: [(&str, &str); 3] = [
-    ("Cargo.toml", include_str!("template/manifest.toml")),
-    ("src/lib.rs", include_str!("template/controller.rs")),
-    ("demo.ron", include_str!("template/demo.ron")),
-];
+/// A diagram that runs the controller, which names the source of a crate.
+const DEMO: (&str, &str) = ("demo.ron", include_str!("template/demo.ron"));
+const CRATE_SOURCE: &str = "src/lib.rs";
 
-/// Makes the crate of a controller, with a diagram that runs it.
+/// The file that holds the law.
+pub fn source(language: Language) -> &'static str {
+    match language {
+        Language::Rust => CRATE_SOURCE,
+        Language::C => "controller.c",
+        Language::Cpp => "controller.cpp",
+    }
+}
+
+/// The files of a plug-in.
+fn files(language: Language) -> Vec<(&'static str, &'static str)> {
+    let text = match language {
+        Language::Rust => include_str!("template/controller.rs"),
+        Language::C => include_str!("template/controller.c"),
+        Language::Cpp => include_str!("template/controller.cpp"),
+    };
+    let mut files = vec![(source(language), text), DEMO];
+    match language {
+        Language::Rust => files.push(("Cargo.toml", include_str!("template/manifest.toml"))),
+        Language::C | Language::Cpp => files.push((".gitignore", "target/\n")),
+    }
+    files
+}
+
+/// Makes the sources of a controller, with a diagram that runs it.
 ///
 /// # Errors
 /// If it cannot be made.
@@ -36,13 +57,15 @@ pub fn new(args: &PluginNewArgs, console: Console) -> Outcome {
     }
     let folder = args.folder.display();
     console.data(&format!(
-        "{folder}\n  src/lib.rs   the controller `{kind}`: write your law here\n  demo.ron     a loop with it: \
-         blocksim run {folder}/demo.ron\n"
+        "{folder}\n  {:14} the controller `{kind}`: write your law here\n  {:14} a loop with it: \
+         blocksim run {folder}/demo.ron\n",
+        source(args.language),
+        DEMO.0
     ))?;
     Ok(Exit::Done)
 }
 
-/// Name of the crate and of the controller.
+/// Name of the plug-in and of the controller.
 fn names(args: &PluginNewArgs) -> Result<(String, String), Failure> {
     let name = args.folder.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let is_name = name.starts_with(|c: char| c.is_ascii_lowercase())
@@ -53,13 +76,13 @@ fn names(args: &PluginNewArgs) -> Result<(String, String), Failure> {
         let help = format!(
             "name a folder with small letters, digits and `_` that does not begin with `blocksim`, such as plugins/{NAME}"
         );
-        return Err(Failure::usage(format!("`{name}` is no name for a crate")).help(help));
+        return Err(Failure::usage(format!("`{name}` is not a valid name for a plug-in")).help(help));
     }
     let kind = args.kind.clone().unwrap_or_else(|| capitals(&name));
     let is_kind =
         kind.starts_with(|c: char| c.is_ascii_uppercase()) && kind.chars().all(|c| c.is_ascii_alphanumeric());
     if !is_kind {
-        let said = format!("`{kind}` is no name for a controller");
+        let said = format!("`{kind}` is not a valid name for a controller");
         return Err(Failure::usage(said).help(format!("write capitals, such as --kind {KIND}")));
     }
     Ok((name, kind))
@@ -75,7 +98,7 @@ fn capitals(name: &str) -> String {
         .collect()
 }
 
-/// Writes the crate, whole or not at all.
+/// Writes the sources, whole or not at all.
 pub fn made(args: &PluginNewArgs, name: &str, kind: &str) -> Result<(), Failure> {
     let folder = &args.folder;
     let failed = |what: &str, error: &io::Error| {
@@ -89,20 +112,27 @@ pub fn made(args: &PluginNewArgs, name: &str, kind: &str) -> Result<(), Failure>
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(parent).map_err(|error| failed("make", &error))?;
     let parent = parent.canonicalize().map_err(|error| failed("make", &error))?;
-    let clone = clone(args, &parent)?;
-    let is_member = parent == clone.join("plugins");
-    let controller = if is_member { PathBuf::from("../..") } else { clone.clone() }.join("crates/controller");
+    let clone = if args.language == Language::Rust { Some(clone(args, &parent)?) } else { None };
+    let is_member = clone.as_ref().is_some_and(|clone| parent == clone.join("plugins"));
+    let above = if is_member { Some(PathBuf::from("../..")) } else { clone.clone() };
+    let controller = above.map_or_else(String::new, |above| with_slashes(&above.join("crates/controller")));
 
     let partial = parent.join(format!(".{name}.{}", std::process::id()));
     let write = || -> io::Result<()> {
-        fs::create_dir_all(partial.join("src"))?;
-        for (file, text) in FILES {
-            let text = text.replace(NAME, name).replace(KIND, kind).replace(PATH, &with_slashes(&controller));
+        fs::create_dir_all(&partial)?;
+        if args.language == Language::Rust {
+            fs::create_dir(partial.join("src"))?;
+        }
+        for (file, text) in files(args.language) {
+            let text = text.replace(NAME, name).replace(KIND, kind).replace(PATH, &controller);
+            let text = if file == DEMO.0 { text.replace(CRATE_SOURCE, source(args.language)) } else { text };
             // Elsewhere than among the plug-ins of the clone the crate stands alone.
             let alone = if file == "Cargo.toml" && !is_member { "\n[workspace]\n" } else { "" };
             fs::write(partial.join(file), format!("{text}{alone}"))?;
         }
-        if !is_member {
+        if let Some(clone) = &clone
+            && !is_member
+        {
             // The versions that this blocksim was built with, which are on the disk already.
             fs::copy(clone.join("Cargo.lock"), partial.join("Cargo.lock"))?;
         }
@@ -142,7 +172,12 @@ mod tests {
     use super::*;
 
     fn args(folder: &str, kind: Option<&str>) -> PluginNewArgs {
-        PluginNewArgs { folder: folder.into(), kind: kind.map(str::to_owned), blocksim: None }
+        PluginNewArgs {
+            folder: folder.into(),
+            kind: kind.map(str::to_owned),
+            language: Language::Rust,
+            blocksim: None,
+        }
     }
 
     #[test]

@@ -1,66 +1,24 @@
 //! Builds the crate of a plug-in. Cargo is asked unless every file that it read at the last build is as it was then
 //! (`fresh.rs`); without cargo a library that was built before is used.
 
-use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::{Arc, Mutex, PoisonError, RwLock};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::SystemTime;
 
-use blocksim_block::LoadError;
-
+use super::{Answer, SHOWN_LINES, crate_files, fresh, notify};
 use crate::fault::{self, BUILD, MISSING};
-use crate::fresh;
 
-/// Blocks of one diagram that name one crate share an answer of cargo; a diagram that is read again later, say
-/// after an edit, asks again.
-const ANSWER_HOLDS: Duration = Duration::from_secs(2);
-/// Lines of cargo's errors that are shown.
-const SHOWN_LINES: usize = 20;
-
-type Answer = Result<PathBuf, LoadError>;
-/// The last answer for one crate; locked while cargo runs.
-type Slot = Arc<Mutex<Option<(Instant, Answer)>>>;
-
-static SLOTS: Mutex<BTreeMap<PathBuf, Slot>> = Mutex::new(BTreeMap::new());
-static NOTICE: RwLock<Option<fn(&str)>> = RwLock::new(None);
-
-/// Sets who is told in one line that cargo compiles something for a plug-in, or waits for another cargo that uses the
-/// same target folder. Nobody is told where everything is built already.
-pub fn set_build_notice(notice: fn(&str)) {
-    *NOTICE.write().unwrap_or_else(PoisonError::into_inner) = Some(notice);
+/// The cargo that is asked.
+pub fn program() -> OsString {
+    std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"))
 }
 
-/// Folders of all crates that this process has built, whether they could be built or not.
-pub fn crates() -> Vec<PathBuf> {
-    SLOTS.lock().unwrap_or_else(PoisonError::into_inner).keys().cloned().collect()
-}
-
-/// The library of the crate in `folder`, up to date. `named` is how the diagram calls it.
-///
-/// # Errors
-/// The crate does not build, or builds no library; there is no cargo and no built library.
-pub fn built(folder: &Path, named: &str) -> Answer {
-    let slot = {
-        let mut slots = SLOTS.lock().unwrap_or_else(PoisonError::into_inner);
-        Arc::clone(slots.entry(folder.to_owned()).or_default())
-    };
-    let mut last = slot.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((asked, answer)) = last.as_ref()
-        && asked.elapsed() < ANSWER_HOLDS
-    {
-        return answer.clone();
-    }
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
-    let answer = ask(&cargo, folder, named);
-    *last = Some((Instant::now(), answer.clone()));
-    answer
-}
-
-fn ask(cargo: &OsStr, folder: &Path, named: &str) -> Answer {
-    if let Some(library) = built_before(folder).filter(|library| fresh::is_fresh(library)) {
+/// The library of the crate in `folder`, as this cargo builds it.
+pub fn built(cargo: &OsStr, folder: &Path, named: &str) -> Answer {
+    let recipe = crate_files::variables(std::env::vars_os());
+    if let Some(library) = built_before(folder).filter(|library| fresh::is_fresh(library, &recipe)) {
         return Ok(library);
     }
     let (asked, manifest) = (SystemTime::now(), folder.join("Cargo.toml"));
@@ -81,8 +39,10 @@ fn ask(cargo: &OsStr, folder: &Path, named: &str) -> Answer {
         },
         Err(e) => return without_cargo(folder, named, &e),
     };
-    if let Ok(library) = &answer {
-        fresh::remember(folder, library, asked);
+    if let Ok(library) = &answer
+        && let Some(files) = crate_files::read(folder, library)
+    {
+        fresh::remember(library, &recipe, &files, asked);
     }
     answer
 }
@@ -117,10 +77,8 @@ fn finished(mut child: Child, named: &str) -> std::io::Result<Built> {
             Some("Blocking") => format!("waiting for another cargo before the plug-in `{named}` is built"),
             Some(_) => continue,
         };
-        if let Some(tell) = *NOTICE.read().unwrap_or_else(PoisonError::into_inner)
-            && !noticed.contains(&notice)
-        {
-            tell(&notice);
+        if !noticed.contains(&notice) {
+            notify(&notice);
             noticed.push(notice);
         }
     }
@@ -244,13 +202,13 @@ mod tests {
         std::fs::write(folder.join("Cargo.toml"), "[package]\nname = \"no-cargo-here\"\n").unwrap();
         let nowhere = OsStr::new("/no/such/cargo");
 
-        let error = ask(nowhere, &folder, "here").unwrap_err();
+        let error = built(nowhere, &folder, "here").unwrap_err();
         assert_eq!(error.code, MISSING);
         assert!(error.message.starts_with("the plug-in `here` is not built, and cargo cannot be run"));
 
         let name = format!("{}no_cargo_here{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
         std::fs::write(release.join(&name), "").unwrap();
-        assert_eq!(ask(nowhere, &folder, "here"), Ok(release.join(&name)));
+        assert_eq!(built(nowhere, &folder, "here"), Ok(release.join(&name)));
         std::fs::remove_dir_all(folder).unwrap();
     }
 
@@ -264,8 +222,7 @@ mod tests {
         let library = |answer: u32| {
             let code = format!("#[unsafe(no_mangle)]\npub extern \"C\" fn answer() -> u32 {{ {answer} }}\n");
             std::fs::write(folder.join("src/lib.rs"), code).unwrap();
-            let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
-            std::fs::read(ask(&cargo, &folder, "edited").unwrap()).unwrap()
+            std::fs::read(built(&program(), &folder, "edited").unwrap()).unwrap()
         };
         assert!(library(41) != library(42));
         std::fs::remove_dir_all(&folder).unwrap();
@@ -275,7 +232,7 @@ mod tests {
     #[test]
     fn who_waits_is_told_and_what_cargo_says_is_shown() {
         use std::os::unix::fs::PermissionsExt;
-        static TOLD: Mutex<Vec<String>> = Mutex::new(Vec::new());
+        static TOLD: std::sync::Mutex<Vec<String>> = std::sync::Mutex::new(Vec::new());
         let folder = std::env::temp_dir().join(format!("blocksim-slow-cargo-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let (text, slow) = (folder.join("text"), folder.join("cargo"));
@@ -289,10 +246,10 @@ mod tests {
         assert!(Command::new("cp").arg(&text).arg(&slow).status().unwrap().success());
 
         // Other tests build plug-ins at the same time.
-        set_build_notice(|text| {
+        crate::set_build_notice(|text| {
             TOLD.lock().unwrap().extend(text.contains("`slow`").then(|| text.to_owned()));
         });
-        let error = ask(slow.as_os_str(), &folder, "slow").unwrap_err();
+        let error = built(slow.as_os_str(), &folder, "slow").unwrap_err();
         assert_eq!(error.message, "the plug-in `slow` does not build:\nerror: no space left");
         assert_eq!(*TOLD.lock().unwrap(), ["building the plug-in `slow` with cargo"]);
         std::fs::remove_dir_all(folder).unwrap();

@@ -1,0 +1,81 @@
+//! Builds plug-ins from their sources: crates with cargo, C and C++ with the compiler of the system.
+//!
+//! What was built before is used as long as everything that it was built from is as it was then (`fresh`).
+
+mod c;
+mod cargo;
+mod crate_files;
+mod fresh;
+mod settings;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::time::{Duration, Instant};
+
+use blocksim_block::LoadError;
+
+pub use c::is_source;
+pub use settings::SETTINGS;
+
+/// Blocks of one diagram that name one folder share an answer; a diagram that is read again later, say after an edit, asks
+/// again.
+const ANSWER_HOLDS: Duration = Duration::from_secs(2);
+/// Lines of a compiler's errors that are shown.
+const SHOWN_LINES: usize = 20;
+
+type Answer = Result<PathBuf, LoadError>;
+/// The last answer for one folder; locked while it is built.
+type Slot = Arc<Mutex<Option<(Instant, Answer)>>>;
+
+static SLOTS: Mutex<BTreeMap<PathBuf, Slot>> = Mutex::new(BTreeMap::new());
+static NOTICE: RwLock<Option<fn(&str)>> = RwLock::new(None);
+
+/// Sets who is told that a plug-in is compiled, what its compiler warns of, or that cargo waits for another cargo. Nobody is
+/// told where everything is built already.
+pub fn set_build_notice(notice: fn(&str)) {
+    *NOTICE.write().unwrap_or_else(PoisonError::into_inner) = Some(notice);
+}
+
+fn notify(text: &str) {
+    if let Some(notice) = *NOTICE.read().unwrap_or_else(PoisonError::into_inner) {
+        notice(text);
+    }
+}
+
+/// Folders of all plug-ins that this process has built, whether they could be built or not.
+pub fn folders() -> Vec<PathBuf> {
+    SLOTS.lock().unwrap_or_else(PoisonError::into_inner).keys().cloned().collect()
+}
+
+/// The library of the crate in `folder`, up to date. `named` is how the diagram calls it.
+///
+/// # Errors
+/// The crate does not build, or builds no library; there is no cargo and no built library.
+pub fn of_crate(folder: &Path, named: &str) -> Answer {
+    once(folder, || cargo::built(&cargo::program(), folder, named))
+}
+
+/// The library of the C or C++ sources in `folder`, up to date. `named` is how the diagram calls it.
+///
+/// # Errors
+/// The sources do not compile, the settings are wrong, or there is no compiler.
+pub fn of_sources(folder: &Path, named: &str) -> Answer {
+    once(folder, || c::built(&c::Compilers::of_environment(), folder, named))
+}
+
+fn once(folder: &Path, build: impl FnOnce() -> Answer) -> Answer {
+    let slot = {
+        let mut slots = SLOTS.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(slots.entry(folder.to_owned()).or_default())
+    };
+    let mut last = slot.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((asked, answer)) = last.as_ref()
+        && asked.elapsed() < ANSWER_HOLDS
+    {
+        return answer.clone();
+    }
+    let answer = build();
+    *last = Some((Instant::now(), answer.clone()));
+    answer
+}
