@@ -352,10 +352,12 @@ impl Weights {
         if noise > 0.0 && (a - b).abs() <= PILE * noise { 0.0 } else { a - b }
     }
 
-    /// Notes that an iteration did not converge with the Jacobian of now.
+    /// Notes that an iteration did not converge with the Jacobian of now. Where it was looked whether that is rounding, and is not,
+    /// nobody looks again for a while.
     pub fn stalled(&mut self) {
+        let looked = self.may_be_rounding();
         if let Some(learnt) = &mut self.learnt {
-            learnt.stalled += 1.0;
+            learnt.stalled = if looked { -SUSPICION } else { learnt.stalled + 1.0 };
         }
     }
 
@@ -367,7 +369,9 @@ impl Weights {
     /// Notes that a step was kept.
     pub fn accepted(&mut self) {
         if let Some(learnt) = &mut self.learnt {
-            learnt.stalled = (learnt.stalled - SUSPICION / PATIENCE).max(0.0);
+            if learnt.stalled > 0.0 {
+                learnt.stalled = (learnt.stalled - SUSPICION / PATIENCE).max(0.0);
+            }
             learnt.suspicion = if learnt.suspicion < 0.0 {
                 learnt.suspicion + SUSPICION / PATIENCE
             } else {

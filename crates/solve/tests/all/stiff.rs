@@ -77,7 +77,7 @@ fn stiff_problems_end_where_the_literature_says_with_little_work() {
 }
 
 /// Evaluations of the problems above.
-const PINNED: [[u64; 3]; 4] = [[1888, 3101, 4584], [1229, 1814, 3094], [762, 1042, 1715], [2463, 3899, 6528]];
+const PINNED: [[u64; 3]; 4] = [[1880, 3101, 4584], [1229, 1814, 3094], [762, 1042, 1715], [2463, 3899, 6528]];
 
 #[test]
 fn a_jacobian_of_before_hides_no_state_behind_the_others() {
