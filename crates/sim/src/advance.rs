@@ -56,7 +56,6 @@ impl Simulation {
             let longest = self.longest_way_out(stop.t);
             self.step_by_angles(longest)?;
             let mut arrival = self.cut(start, stop.t, observer)?;
-            self.note_way_out(longest, arrival.cut);
             if self.t >= stop.t {
                 arrival.event |= stop.event;
                 arrival.cut |= stop.kink;

@@ -6,9 +6,9 @@
 //! the slopes at the start, which has not the sign that the dense output has there.
 //!
 //! A step that is so short that the first power of time outweighs the others ends with the right sign, if the method has that
-//! power. So two short steps of order 5 set out from there, together a millionth of the step long or, if the guard is zero still
-//! there, longer. The next steps double the time since the start, until one is shorter anyway: then what the dense output is off by
-//! stays small as compared with the guard at both ends.
+//! power. So two short steps of order 5 set out from there, together a billionth of the step long or, if the guard is zero still
+//! there, longer: where it rests for a while, bisection finds the end of that. The next steps double the time since the start, until
+//! tolerances keep them shorter: then what the dense output is off by stays small as compared with the guard at both ends.
 
 use blocksim_solve::{FixedStep, StepError, Stepper, System};
 
@@ -17,13 +17,32 @@ use crate::events::Cut;
 use crate::{SimError, Simulation, diagnose};
 
 /// Parts of a step that are tried, the shortest first.
-const SHORT: [f64; 4] =
-    [1.0 / (1_u64 << 20) as f64, 1.0 / (1_u64 << 10) as f64, 1.0 / (1_u64 << 5) as f64, 0.25];
+const SHORT: [f64; 5] = [
+    1.0 / (1_u64 << 30) as f64,
+    1.0 / (1_u64 << 20) as f64,
+    1.0 / (1_u64 << 10) as f64,
+    1.0 / (1_u64 << 5) as f64,
+    0.25,
+];
 
+/// By how much a guard may differ, as a part, from where the slopes at its start lead it.
+const AGREES: f64 = 0.1;
 /// Part of the way to the end of a step below which a slope at its start does not lead there.
 const STRAIGHT: f64 = 0.25;
+/// What moves so little leaves zero by one digit, and is hardly further away after this part of its way.
+const SLOWLY: f64 = 1e-3;
 /// Longest step on the way out, as a part of the time since the start.
 const GROWTH: f64 = 1.0;
+
+/// What guards do on the way from their zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Way {
+    /// They are zero still.
+    Rests,
+    Leaves,
+    /// Another one crosses zero.
+    Crosses,
+}
 
 /// What sets out from the zero of a guard.
 pub(crate) struct Departure {
@@ -46,16 +65,9 @@ impl Departure {
 }
 
 impl Simulation {
-    /// The longest step that may be made now, if the last ones have set out from the zero of a guard.
+    /// The longest step that may be made now, if one before has set out from the zero of a guard.
     pub(crate) fn longest_way_out(&self, limit: f64) -> f64 {
         self.guards.set_out.map_or(limit, |since| limit.min(self.t + GROWTH * (self.t - since)))
-    }
-
-    /// Notes that a step has been made which might have gone to `longest`: it was short enough by itself.
-    pub(crate) fn note_way_out(&mut self, longest: f64, was_cut: bool) {
-        if self.t < longest && !was_cut {
-            self.guards.set_out = None;
-        }
     }
 
     /// Where the step from `t0` is to be cut instead, if `cut` is where guards leave zero on a side that only the dense
@@ -65,28 +77,66 @@ impl Simulation {
         if self.stepper.is_none() || !self.is_flat(t0, t)? {
             return Ok(cut);
         }
-        for end in SHORT.map(|part| t0 + part * (self.t - t0)) {
-            let Self { guards, diagram, kinks, departure, .. } = self;
-            if end <= t0 {
-                continue;
-            }
-            let gone = departure.go(diagram, t0, &kinks.x, end);
-            gone.map_err(|error| diagnose::step(&self.schedule, diagram, &departure.x, error))?;
-            let arrived = guards.arrive(diagram, end, &departure.x);
-            if self.held(arrived)? {
-                // Another one crosses zero before.
-                break;
-            }
-            if self.guards.depart_at_end(&self.departure.x) {
-                self.guards.set_out = Some(t0);
-                return Ok(Some(Cut { t: end, crossed: false }));
+        let step = self.t - t0;
+        let mut rests = t0;
+        for end in SHORT.map(|part| t0 + part * step).into_iter().filter(|end| *end > t0) {
+            match self.set_out(t0, end)? {
+                Way::Rests => rests = end,
+                Way::Crosses => break,
+                Way::Leaves => {
+                    let t = if rests > t0 { self.end_of_rest(t0, rests, end, step)? } else { end };
+                    // What another crossing on the way has changed is found as without this.
+                    if self.set_out(t0, t)? != Way::Leaves {
+                        break;
+                    }
+                    self.guards.set_out = Some(t0);
+                    return Ok(Some(Cut { t, crossed: false }));
+                }
             }
         }
         self.crossing(t0)
     }
 
-    /// Whether a guard that leaves zero in the step from `t0` has not the side at `t` that the slopes at the start lead to, or
-    /// gets to its value at the end of the step by curvature rather than by this slope.
+    /// Goes from the start of a step at `t0` to `end` and looks what guards do there.
+    fn set_out(&mut self, t0: f64, end: f64) -> Result<Way, SimError> {
+        let Self { guards, diagram, kinks, departure, .. } = self;
+        let gone = departure.go(diagram, t0, &kinks.x, end);
+        gone.map_err(|error| diagnose::step(&self.schedule, diagram, &departure.x, error))?;
+        let arrived = guards.arrive(diagram, end, &departure.x);
+        if self.held(arrived)? {
+            return Ok(Way::Crosses);
+        }
+        let leaves = self.guards.depart_at_end(&self.departure.x);
+        Ok(if leaves { Way::Leaves } else { Way::Rests })
+    }
+
+    /// Where guards no longer rest on zero, to the last digits: after `rests`, not after `left`. Where they rest by rounding alone, since what
+    /// moves them is too little still, it is `left`.
+    fn end_of_rest(&mut self, t0: f64, mut rests: f64, left: f64, step: f64) -> Result<f64, SimError> {
+        let mut end = left;
+        let bracket = 1e-15 * left.abs().max(step);
+        while end - rests > bracket {
+            let middle = 0.5 * (rests + end);
+            if middle <= rests || middle >= end {
+                break;
+            }
+            match self.set_out(t0, middle)? {
+                Way::Rests => rests = middle,
+                Way::Leaves | Way::Crosses => end = middle,
+            }
+        }
+        let at_end = self.set_out(t0, end)?;
+        let Some(guard) = self.guards.fired.iter().position(|left| *left && at_end == Way::Leaves) else {
+            return Ok(end);
+        };
+        let first = self.guards.trial[guard].abs();
+        let behind = self.set_out(t0, end + SLOWLY * (end - t0))?;
+        let is_rounding = behind == Way::Leaves && self.guards.trial[guard].abs() <= 2.0 * first;
+        Ok(if is_rounding { left } else { end })
+    }
+
+    /// Whether a guard that leaves zero in the step from `t0` has not the value at `t` that the slopes at the start lead to, or hardly
+    /// any of that which it has at the end.
     fn is_flat(&mut self, t0: f64, t: f64) -> Result<bool, SimError> {
         let Self { guards, diagram, kinks, departure, .. } = self;
         // Values at the cut are in `trial`; those within the step are not asked for any longer.
@@ -103,8 +153,8 @@ impl Simulation {
         let parts = (self.t - t0) / (t - t0);
         Ok((0..guards.start.len()).any(|i| {
             let (seen, led, end) = (guards.trial[i], guards.low[i], guards.end[i]);
-            let is_straight = led * seen > 0.0 && (led * parts).abs() >= STRAIGHT * end.abs();
-            guards.leaves(i, seen) && !is_straight
+            let is_led = (seen - led).abs() <= AGREES * led.abs();
+            guards.leaves(i, seen) && !(is_led && (led * parts).abs() >= STRAIGHT * end.abs())
         }))
     }
 }

@@ -36,6 +36,13 @@ const HASTE: u32 = 16;
 /// Where to look just behind the start of a step, in parts of the step: twice, as a step may be very long.
 const NEAR: [f64; 2] = [1.0 / (1_u64 << 40) as f64, 1.0 / (1_u64 << 20) as f64];
 
+/// How far behind the start, as a part of the time, the first of these looks tells of a crossing by itself: nearer, time and states have
+/// too few digits.
+const TELLS: f64 = 1e3 * f64::EPSILON;
+
+/// What counts as the last digits of time and states, as a part of them.
+const LAST: f64 = 8.0 * f64::EPSILON;
+
 /// Where a step must be cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Cut {
@@ -92,14 +99,19 @@ impl Guards {
     ) -> Result<Option<Cut>, Failed> {
         let mut right = stride.t1;
         if self.must_look_near() {
-            for near in NEAR.map(|part| stride.t0 + (stride.t1 - stride.t0) * part) {
+            let [first, second] = NEAR.map(|part| stride.t0 + (stride.t1 - stride.t0) * part);
+            for near in [first, second] {
                 if near <= stride.t0 || near >= stride.t1 {
                     continue;
                 }
                 self.at(near, diagram, stride)?;
                 if self.crossing(&self.trial, false).is_some() {
-                    right = near;
-                    break;
+                    let tells = near == second || near - stride.t0 > TELLS * near.abs();
+                    if tells || !self.is_rounding(near, diagram)? {
+                        right = near;
+                        break;
+                    }
+                    self.at(near, diagram, stride)?;
                 }
                 if self.leave_zero() {
                     return Ok(Some(Cut { t: near, crossed: false }));
@@ -143,6 +155,21 @@ impl Guards {
             }
             return Ok(Some(Cut { t: end, crossed }));
         }
+    }
+
+    /// Whether the crossing that is seen at `t` is none once time and states have other last digits.
+    fn is_rounding(&mut self, t: f64, diagram: &mut Diagram) -> Result<bool, Failed> {
+        for (sign, stride) in [(1.0, 1), (-1.0, 1), (1.0, 2), (-1.0, 2)] {
+            let change = |i: usize| sign * LAST * if i / stride % 2 == 0 { 1.0 } else { -1.0 };
+            self.x.iter_mut().enumerate().for_each(|(i, x)| *x += change(i) * *x);
+            diagram.minor(t + sign * LAST * t, &self.x)?;
+            diagram.guards(&mut self.trial)?;
+            self.x.iter_mut().enumerate().for_each(|(i, x)| *x -= change(i) * *x);
+            if self.crossing(&self.trial, false).is_none() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// The first guard, by number, that was zero at the start and is not any longer.

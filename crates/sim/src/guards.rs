@@ -53,7 +53,7 @@ pub(crate) struct Guards {
     pub hops: Vec<bool>,
     /// When each fired lately.
     pub rhythm: Rhythm,
-    /// Where guards have left zero flatly, s, while steps are kept short for it.
+    /// Where guards have last left zero flatly, s: steps are no longer than the time since.
     pub set_out: Option<f64>,
     /// Whether `start` holds for the step to come.
     pub known: bool,
