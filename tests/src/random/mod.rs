@@ -6,6 +6,7 @@
 //!
 //! | file | idea |
 //! |---|---|
+//! | `changes` | how often a value changes its sign |
 //! | `dice` | numbers at random, from a seed |
 //! | `puzzle` | what classes have in common: model, diagram, reference, judge, smaller models |
 //! | `sheet` | the text of a diagram while it is written |
@@ -20,6 +21,7 @@
 //! | `circuits` | sources, coils, capacitors, transformers, and valves of all kinds |
 //! | `shafts` | discs with springs, bearings, clutches, freewheels and ends of travel |
 
+mod changes;
 mod circuits;
 mod dice;
 mod mechanisms;

@@ -1,5 +1,6 @@
 //! What the engine makes of a circuit, compared with the reference.
 
+use super::super::changes::changes;
 use super::super::puzzle::Fault;
 use super::{Circuit, Kind, Outcome};
 use crate::Run;
@@ -27,7 +28,13 @@ pub(super) fn compare(circuit: &Circuit, outcome: &Outcome, run: &Run) -> Option
             }
         }
     }
-    None
+    outcome.changes.iter().enumerate().find_map(|(k, known)| {
+        let (Some(known), Kind::Diode(valve)) = (known, circuit.branches[k].kind) else { return None };
+        let over: Vec<f64> = run.column(&format!("s.v{k}")).iter().map(|v| v - valve.v_f).collect();
+        let found = changes(&run.time, &over, outcome.counts);
+        let what = || format!("diode {k} has begun or ended to conduct {found} times instead of {known}");
+        (found != *known).then(|| Fault::new("switches", what()))
+    })
 }
 
 /// By how much diodes block with more than their forward voltage or conduct backwards, relative to the largest voltages and

@@ -1,9 +1,10 @@
 //! What comes out of a circuit, and by how much it may be off.
 
+use super::super::changes::{certain, doubt};
 use super::super::dice::Dice;
 use super::super::puzzle::Undecided;
 use super::walk::Walk;
-use super::{Circuit, Kind};
+use super::{Branch, Circuit, Kind};
 
 /// Longest step of the coarse run at the least effort, s, and by how much it is shorter at the next.
 const STEP: f64 = 4e-6;
@@ -12,6 +13,11 @@ const FINER: f64 = 8.0;
 const CHANGE: f64 = 1e-5;
 /// By how much a run at default settings may be off, as part of the size of what is alike.
 const SLACK: f64 = 5e-4;
+
+/// A diode that begins or ends to conduct crosses its forward voltage by this part of the largest potential, and stays there for this
+/// part of the run.
+const BAND: f64 = 3e-6;
+const MOMENT: f64 = 1e-3;
 
 /// Values at the times that are compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +30,11 @@ pub struct Outcome {
     pub rows: Vec<Vec<f64>>,
     /// By how much each may be off, at any time.
     pub slack: Vec<f64>,
+    /// How often each diode begins or ends to conduct; `None` for other branches, where that is not known, and where a run has too few rows
+    /// to tell.
+    pub changes: Vec<Option<u32>>,
+    /// By how much, V, and how long, s, a voltage must be beyond the forward voltage to count.
+    pub counts: (f64, f64),
     sizes: Vec<f64>,
 }
 
@@ -40,17 +51,19 @@ pub(super) fn refer(circuit: &Circuit, effort: u32, change: f64) -> Result<Outco
             slack.iter_mut().zip(off).for_each(|(slack, off)| *slack = slack.max(off));
         }
     };
-    let known =
-        |slack: &[f64]| slack.iter().zip(&fine.sizes).all(|(slack, size)| *slack <= 5.0 * SLACK * size);
+    let sizes = fine.sizes.clone();
+    let known = |slack: &[f64]| slack.iter().zip(&sizes).all(|(slack, size)| *slack <= 5.0 * SLACK * size);
     widen(&mut slack, &fine, &coarse, 2.0);
     if !known(&slack) {
         return Err(Undecided::Coarse);
     }
+    doubt(&mut fine.changes, &coarse.changes);
     for seed in [1, 2] {
         let mut dice = Dice::new(seed);
         let changes: Vec<f64> = exact.iter().map(|_| change * CHANGE * (2.0 * dice.unit() - 1.0)).collect();
         let other = walk(circuit, step, &changes)?;
         widen(&mut slack, &coarse, &other, 5.0);
+        doubt(&mut fine.changes, &other.changes);
     }
     if !known(&slack) {
         return Err(Undecided::Sensitive);
@@ -87,5 +100,12 @@ fn walk(circuit: &Circuit, step: f64, changes: &[f64]) -> Result<Outcome, Undeci
     let (current, voltage) = (most(&is_coil) + 1e-2, largest);
     let sizes = storages.iter().map(|k| if is_coil(*k) { current } else { voltage });
     let sizes = sizes.chain((storages.len()..names.len()).map(|_| circuit.stop * largest)).collect();
-    Ok(Outcome { names, times, rows, slack: Vec::new(), sizes })
+    let counts = (BAND * largest, MOMENT * circuit.stop);
+    let number = |(over, branch): (&Vec<f64>, &Branch)| {
+        // Voltages of diodes that do not leak are open where several of them block.
+        let leaks = matches!(branch.kind, Kind::Diode(valve) if valve.g_off > 0.0);
+        if leaks && circuit.every.is_some() { certain(&walk.times, over, counts) } else { None }
+    };
+    let changes = walk.over.iter().zip(&circuit.branches).map(number).collect();
+    Ok(Outcome { names, times, rows, slack: Vec::new(), changes, counts, sizes })
 }

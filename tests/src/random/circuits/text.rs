@@ -5,6 +5,9 @@ use super::super::sheet::Sheet;
 use super::super::variants::Variant;
 use super::{Circuit, Gate, Kind, Source, Valve};
 
+/// Rows between two that are compared, so that spans in which a diode conducts have rows within.
+const ROWS: f64 = 20.0;
+
 pub(super) fn diagram(circuit: &Circuit, variant: &Variant) -> String {
     let mut writer = Writer {
         sheet: Sheet::default(),
@@ -23,7 +26,7 @@ pub(super) fn diagram(circuit: &Circuit, variant: &Variant) -> String {
     sheet.scope("s", &shown);
     let mut variant = variant.clone();
     if let Some(every) = circuit.every {
-        variant.settings.push_str(&format!(", output: Every({every:?})"));
+        variant.settings.push_str(&format!(", output: Every({:?})", every / ROWS));
     }
     sheet.finish(circuit.stop, &variant)
 }

@@ -63,6 +63,10 @@ pub(super) struct Walk<'a> {
     pub fluxes: Vec<f64>,
     /// Largest potential so far.
     pub largest: f64,
+    /// Times of all steps, s.
+    pub times: Vec<f64>,
+    /// By how much the voltage of each diode is above its forward voltage then, V; nothing for other branches.
+    pub over: Vec<Vec<f64>>,
 }
 
 impl<'a> Walk<'a> {
@@ -110,6 +114,8 @@ impl<'a> Walk<'a> {
             x: circuit.branches.iter().map(|branch| start(branch.kind)).collect(),
             fluxes: vec![0.0; circuit.nodes],
             largest: 0.0,
+            times: Vec::new(),
+            over: vec![Vec::new(); circuit.branches.len()],
         }
     }
 
@@ -199,6 +205,12 @@ impl<'a> Walk<'a> {
         self.fluxes.iter_mut().zip(&v[1..]).for_each(|(flux, v)| *flux += gh * v);
         self.latched = self.on;
         self.largest = v.iter().fold(self.largest, |most, v| most.max(v.abs()));
+        self.times.push(self.t + h);
+        for leg in self.legs.iter().filter(|leg| leg.waits == Waits::Nothing) {
+            if let Kind::Diode(valve) = self.circuit.branches[leg.branch].kind {
+                self.over[leg.branch].push(v[leg.p] - v[leg.n] - valve.v_f);
+            }
+        }
         Ok(())
     }
 

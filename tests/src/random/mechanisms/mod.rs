@@ -18,6 +18,7 @@ mod plant;
 mod text;
 mod walk;
 
+use super::changes::changes;
 use super::puzzle::{Fault, Puzzle, Undecided};
 use super::variants::Variant;
 use crate::Run;
@@ -204,8 +205,18 @@ impl Mechanism {
 
 /// The first difference, if there is one.
 fn compare(i: usize, ends: &Ends, run: &Run) -> Option<Fault> {
-    ends.values.iter().zip(&ends.slack).enumerate().find_map(|(k, (expected, slack))| {
-        let found = run.last(&format!("show{i}.v{k}"));
-        Fault::value("end", &format!("v{k} of mechanism {i}"), found, *expected, *slack)
+    let name = |k: usize| format!("show{i}.v{k}");
+    let mut values = ends.values.iter().zip(&ends.slack).enumerate().map(|(k, (expected, slack))| {
+        Fault::value("end", &format!("v{k} of mechanism {i}"), run.last(&name(k)), *expected, *slack)
+    });
+    let fault = values.find_map(|fault| fault);
+    fault.or_else(|| {
+        ends.changes.iter().enumerate().find_map(|(k, known)| {
+            let known = (*known)?;
+            let found = changes(&run.time, run.column(&name(k)), ends.least(k));
+            let what =
+                || format!("v{k} of mechanism {i} has changed its sign {found} times instead of {known}");
+            (found != known).then(|| Fault::new("changes", what()))
+        })
     })
 }

@@ -1,6 +1,7 @@
 //! Motion in short equal steps. Friction that slides has a sign that stands still during a step; friction that sticks is what
 //! keeps its joint from moving, and both change where bisection says.
 
+use super::super::changes::{certain, doubt};
 use super::super::dice::Dice;
 use super::super::puzzle::Undecided;
 use super::plant::{MOST, Point, Values};
@@ -14,15 +15,29 @@ const AGREES: f64 = 0.05;
 /// Forces and speeds at the start are changed by this part to see what depends on them.
 const CHANGE: f64 = 1e-5;
 
+/// A joint is on the other side of zero, or has turned round, from this part of the largest value on, and where it stays there for this
+/// part of the run.
+const BAND: f64 = 0.02;
+const MOMENT: f64 = 1e-3;
+
 /// Places and speeds of the joints in the end.
+#[derive(Clone)]
 pub struct Ends {
     pub values: Vec<f64>,
     /// By how much they may be off.
     pub slack: Vec<f64>,
+    /// How often the sign of each changes; `None` where that is not known.
+    pub changes: Vec<Option<u32>>,
     sizes: Vec<f64>,
+    stop: f64,
 }
 
 impl Ends {
+    /// How far beyond zero value `k` must be to count, and for how long, s.
+    pub fn least(&self, k: usize) -> (f64, f64) {
+        (BAND * self.sizes[k], MOMENT * self.stop)
+    }
+
     /// The same with more slack, as part of the size of the motion.
     pub fn at_least(mut self, slack: f64) -> Ends {
         self.slack.iter_mut().zip(&self.sizes).for_each(|(own, size)| *own = own.max(slack * (size + 1e-3)));
@@ -50,9 +65,9 @@ pub(super) fn refer(
     fine.slack = fine.sizes.iter().map(|size| slack * (size + 1e-3)).collect();
     let allowed: Vec<f64> = fine.slack.iter().map(|slack| 5.0 * slack).collect();
     let known = |ends: &Ends| ends.slack.iter().zip(&allowed).all(|(slack, allowed)| slack <= allowed);
-    let mut sharp =
-        Ends { values: fine.values.clone(), slack: fine.slack.clone(), sizes: fine.sizes.clone() };
+    let mut sharp = fine.clone();
     widen(&mut sharp, &fine, &coarse, 2.0);
+    doubt(&mut sharp.changes, &coarse.changes);
     let mut differences = fine.values.iter().zip(&coarse.values).map(|(a, b)| (a - b).abs());
     let agrees = differences.by_ref().zip(&fine.slack).all(|(off, slack)| off <= AGREES * slack);
     if !known(&sharp) || effort == 0 && !agrees {
@@ -63,6 +78,7 @@ pub(super) fn refer(
         let changes = std::array::from_fn(|_| 1.0 + change * CHANGE * (2.0 * dice.unit() - 1.0));
         let other = Walk::new(one, changes).finish(stop, steps).map_err(|_| Undecided::Sensitive)?;
         widen(&mut sharp, &coarse, &other, 5.0);
+        doubt(&mut sharp.changes, &other.changes);
     }
     if known(&sharp) { Ok(sharp) } else { Err(Undecided::Sensitive) }
 }
@@ -134,6 +150,7 @@ impl<'a> Walk<'a> {
     fn finish(mut self, stop: f64, steps: usize) -> Result<Ends, Undecided> {
         let h = stop / steps as f64;
         let mut sizes = vec![0.0_f64; self.shown().len()];
+        let (mut times, mut way) = (Vec::new(), vec![Vec::new(); sizes.len()]);
         let mut changes = 0;
         let mut jump = self.plan();
         while self.t < stop - 1e-9 * h {
@@ -173,15 +190,22 @@ impl<'a> Walk<'a> {
                 self.choose();
             }
             let shown = self.shown();
-            for (size, value) in sizes.iter_mut().zip(&shown) {
+            times.push(self.t);
+            for ((size, way), value) in sizes.iter_mut().zip(&mut way).zip(&shown) {
                 *size = size.max(value.abs());
+                way.push(*value);
             }
             if !shown.iter().all(|value| value.abs() < 1e4) {
                 return Err(Undecided::Grows);
             }
         }
         // A place is known no better than what a speed does to it.
-        Ok(Ends { values: self.shown(), slack: vec![0.0; sizes.len()], sizes })
+        let mut ends =
+            Ends { values: self.shown(), slack: vec![0.0; sizes.len()], changes: Vec::new(), sizes, stop };
+        for (k, way) in way.iter().enumerate() {
+            ends.changes.push(certain(&times, way, ends.least(k)));
+        }
+        Ok(ends)
     }
 
     fn shown(&self) -> Vec<f64> {

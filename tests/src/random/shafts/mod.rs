@@ -17,6 +17,7 @@ mod reference;
 mod text;
 mod walk;
 
+use super::changes::changes;
 use super::dice::rounded;
 use super::puzzle::{Fault, Puzzle, Undecided};
 use super::variants::Variant;
@@ -78,10 +79,11 @@ impl Puzzle for Shafts {
     }
 
     fn compare(&self, outcome: &Outcome, run: &Run) -> Option<Fault> {
-        outcome.names.iter().enumerate().find_map(|(k, name)| {
+        let mut ends = outcome.names.iter().enumerate().map(|(k, name)| {
             let found = run.last(&format!("scope.{name}"));
             Fault::value("end", name, found, outcome.values[k], outcome.slack[k])
-        })
+        });
+        ends.find_map(|fault| fault).or_else(|| self.compare_slides(outcome, run))
     }
 
     fn simpler(&self) -> Vec<Self> {
@@ -119,6 +121,20 @@ impl Puzzle for Shafts {
 }
 
 impl Shafts {
+    /// How often joints begin and end to slide.
+    fn compare_slides(&self, outcome: &Outcome, run: &Run) -> Option<Fault> {
+        let speeds = |disc: usize| run.column(&format!("scope.w{disc}"));
+        self.joints.iter().zip(&outcome.slides).enumerate().find_map(|(k, ((a, b, _), known))| {
+            let known = (*known)?;
+            let mut slip = speeds(*a).to_vec();
+            b.iter().for_each(|b| slip.iter_mut().zip(speeds(*b)).for_each(|(slip, w)| *slip -= w));
+            slip.iter_mut().for_each(|slip| *slip = slip.abs() - outcome.slip);
+            let found = changes(&run.time, &slip, outcome.least);
+            let what = || format!("joint {k} has begun or ended to slide {found} times instead of {known}");
+            (found != known).then(|| Fault::new("slides", what()))
+        })
+    }
+
     /// Without a disc and all that acts on it.
     fn without(&self, disc: usize) -> Shafts {
         let mut fewer = self.clone();

@@ -22,6 +22,10 @@ pub(super) struct Walk<'a> {
     held: Vec<f64>,
     /// Largest speed so far.
     pub largest: f64,
+    /// Times of all steps, s.
+    pub times: Vec<f64>,
+    /// Slip of each joint then, rad/s.
+    pub slips: Vec<Vec<f64>>,
 }
 
 impl<'a> Walk<'a> {
@@ -36,6 +40,8 @@ impl<'a> Walk<'a> {
             impulse: vec![0.0; shafts.joints.len()],
             held: vec![0.0; shafts.torques.len()],
             largest: 0.0,
+            times: Vec::new(),
+            slips: vec![Vec::new(); shafts.joints.len()],
             shafts,
         };
         // What freewheels do not let be is gone before anybody looks.
@@ -150,8 +156,11 @@ impl<'a> Walk<'a> {
                 break;
             }
         }
+        self.times.push(self.t + h);
         for (k, (a, b, _)) in shafts.joints.iter().enumerate() {
-            self.twist[k] += 0.5 * h * (slip(&w, *a, *b) + slip(&before, *a, *b));
+            let now = slip(&w, *a, *b);
+            self.twist[k] += 0.5 * h * (now + slip(&before, *a, *b));
+            self.slips[k].push(now);
         }
         for ((phi, w), before) in self.phi.iter_mut().zip(&w).zip(&before) {
             *phi += 0.5 * h * (w + before);

@@ -1,0 +1,59 @@
+//! How often a value changes its sign, as a number of events that a reference without events knows as well.
+
+/// Of a number that is certain it does not matter by which of these both bounds are multiplied.
+const DOUBTS: [f64; 3] = [1.0 / 3.0, 1.0, 3.0];
+
+/// How often `values` at `times` change their sign, when what is within `band` of zero has the sign of before and what lasts no
+/// longer than `moment` does not count; `least` is both.
+pub fn changes(times: &[f64], values: &[f64], least: (f64, f64)) -> u32 {
+    let (band, moment) = least;
+    let (mut sign, mut number) = (0.0, 0);
+    // Since when there is a sign that is not the one that counts.
+    let mut other: Option<f64> = None;
+    for (t, value) in times.iter().zip(values) {
+        let now = if value.abs() > band { value.signum() } else { other.map_or(sign, |_| -sign) };
+        if sign == 0.0 {
+            sign = now;
+            continue;
+        }
+        let has_lasted = other.is_some_and(|since| t - since > moment);
+        if now == sign {
+            // It was the other one until now.
+            number += 2 * u32::from(has_lasted);
+            other = None;
+        } else if has_lasted {
+            (sign, other, number) = (now, None, number + 1);
+        } else {
+            other.get_or_insert(*t);
+        }
+    }
+    number
+}
+
+/// The same number where it does not depend on the bounds.
+pub fn certain(times: &[f64], values: &[f64], least: (f64, f64)) -> Option<u32> {
+    let [number, others @ ..] = DOUBTS.map(|part| changes(times, values, (part * least.0, part * least.1)));
+    others.iter().all(|other| *other == number).then_some(number)
+}
+
+/// Forgets the numbers that are not those of another run.
+pub fn doubt(known: &mut [Option<u32>], others: &[Option<u32>]) {
+    known.iter_mut().zip(others).for_each(|(known, other)| *known = known.filter(|_| known == other));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::changes;
+
+    #[test]
+    fn little_and_short_changes_do_not_count() {
+        let times = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
+        let values = [0.0, 1.0, -0.1, 1.0, -1.0, -0.1, -1.0, 2.0, 1.0];
+        assert_eq!(changes(&times, &values, (0.2, 0.5)), 2);
+        assert_eq!(changes(&times, &values, (0.2, 4.0)), 0);
+        assert_eq!(changes(&times, &values, (0.0, 0.5)), 4);
+        assert_eq!(changes(&times, &values, (0.0, 1.5)), 1);
+        assert_eq!(changes(&times, &values, (2.5, 0.5)), 0);
+        assert_eq!(changes(&times, &values[..2], (0.2, 0.0)), 0);
+    }
+}
