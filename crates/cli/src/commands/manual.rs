@@ -54,7 +54,7 @@ pub fn manual(args: &ManualArgs, console: Console) -> Outcome {
 }
 
 fn list() -> String {
-    let pages = || MANUAL_PAGES.iter().filter(|(page, _)| *page != "README");
+    let pages = || MANUAL_PAGES.iter().filter(|(page, _)| !page.ends_with("README"));
     let width = pages().map(|(page, _)| page.len()).max().unwrap_or_default();
     let line = |(page, text): &(&'static str, &'static str)| {
         let title = sections(page, text).first().map_or("", |section| section.heading);
@@ -80,7 +80,7 @@ fn unknown(name: &str) -> Failure {
 pub fn all_sections() -> Vec<Section> {
     MANUAL_PAGES
         .iter()
-        .filter(|(page, _)| *page != "README")
+        .filter(|(page, _)| !page.ends_with("README"))
         .flat_map(|(page, text)| sections(page, text))
         .collect()
 }
@@ -215,6 +215,9 @@ mod tests {
             assert!(names.contains(&name), "{names:?}");
         }
         let listed = list();
-        assert!(MANUAL_PAGES.iter().all(|(page, _)| *page == "README" || listed.contains(page)), "{listed}");
+        assert!(
+            MANUAL_PAGES.iter().all(|(page, _)| page.ends_with("README") || listed.contains(page)),
+            "{listed}"
+        );
     }
 }

@@ -20,7 +20,9 @@ fn words_find_commands_options_pages_blocks_and_problems() {
           blocksim identify friction --motor PATTERN  Signals with the torques ...
 
         Pages of the manual
-          blocksim manual irb2600  Drives
+          blocksim manual irb2600           Drives
+          blocksim manual operation         3. Choose drives and control
+          blocksim manual tutorials/drives  Asynchronous machines against ...
 
         Blocks
           blocksim blocks CycloidalDrive                  Cycloidal gear: a disc ...
@@ -53,7 +55,8 @@ fn words_find_commands_options_pages_blocks_and_problems() {
           blocksim params check --model MODEL  Check this model with the ...
 
         Pages of the manual
-          blocksim manual params  Parameters in a workbook
+          blocksim manual params     Parameters in a workbook
+          blocksim manual operation  Prerequisites
 
         Problems
           blocksim explain workbook  A cell of a workbook holds no number ...

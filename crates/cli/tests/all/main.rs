@@ -34,5 +34,6 @@ mod tables;
 mod trim;
 #[cfg(unix)]
 mod trust;
+mod tutorials;
 mod units;
 mod watch;

@@ -1,9 +1,6 @@
 //! The pages of the manual about errors of the program itself: their commands fail in the words that the pages show.
 
-use std::path::Path;
-use std::process::Command;
-
-use crate::support::{commands_of, root};
+use crate::support::{commands_of, in_shell, root};
 
 #[test]
 fn the_commands_of_error_pages_fail_in_the_words_shown() {
@@ -23,7 +20,8 @@ fn the_commands_of_error_pages_fail_in_the_words_shown() {
             let mut last = (String::new(), Some(0));
             for line in commands.lines() {
                 assert_eq!(last.1, Some(0), "{name}: {}", last.0);
-                last = said(line, &desk);
+                let output = in_shell(line, &desk);
+                last = (String::from_utf8_lossy(&output.stderr).into_owned(), output.status.code());
             }
             assert_eq!(last.0.trim(), answer.trim(), "{name}");
             let codes = last.0.split("error[").nth(1).and_then(|rest| rest.split(']').next());
@@ -38,19 +36,4 @@ fn the_commands_of_error_pages_fail_in_the_words_shown() {
         }
     }
     assert!(tried >= 6, "only {tried} pages have commands");
-}
-
-/// What a shell says that finds our program first, and its exit code.
-fn said(line: &str, desk: &Path) -> (String, Option<i32>) {
-    let program = Path::new(env!("CARGO_BIN_EXE_blocksim"));
-    let found = program.parent().expect("a folder").display().to_string();
-    let path = format!("{found}:{}", std::env::var("PATH").unwrap_or_default());
-    let output = Command::new("sh")
-        .args(["-c", line])
-        .current_dir(desk)
-        .env("PATH", path)
-        .env("BLOCKSIM_HOME", desk.join(".blocksim"))
-        .output()
-        .expect("a shell");
-    (String::from_utf8_lossy(&output.stderr).into_owned(), output.status.code())
 }

@@ -1,7 +1,7 @@
 //! What tests of the program share.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 /// The program, with settings of its own: nothing is read from or written to the home of whoever runs the tests.
@@ -57,4 +57,18 @@ pub fn arguments(command: &str) -> Vec<String> {
     }
     words.retain(|word| !word.is_empty());
     words
+}
+
+/// What a shell that finds our program first answers to a line in a folder, with settings of its own there.
+pub fn in_shell(line: &str, folder: &Path) -> Output {
+    let program = Path::new(env!("CARGO_BIN_EXE_blocksim"));
+    let found = program.parent().expect("a folder").display().to_string();
+    let path = format!("{found}:{}", std::env::var("PATH").unwrap_or_default());
+    Command::new("sh")
+        .args(["-c", line])
+        .current_dir(folder)
+        .env("PATH", path)
+        .env("BLOCKSIM_HOME", folder.join(".blocksim"))
+        .output()
+        .expect("a shell")
 }
