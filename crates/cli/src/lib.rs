@@ -38,7 +38,7 @@ use clap::Parser;
 use crate::args::model::Format;
 use crate::args::{Args, Command};
 use crate::failure::Outcome;
-use crate::running::interrupt;
+use crate::running::{interrupt, rescue};
 use crate::terminal::console::{Colour, Console};
 use crate::trust::Purpose;
 
@@ -56,6 +56,7 @@ pub fn main() -> ExitCode {
         }
     };
     let console = Console::of_process(args.color, args.ascii, args.format());
+    rescue::prepare(console);
     done(&args, console).unwrap_or_else(|failure| failure.tell(console)).into()
 }
 

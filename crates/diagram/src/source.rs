@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::Arc;
 
 use blocksim_block::problem::FileId;
 use blocksim_block::{CodePolicy, Files, LoadError, NoCode};
@@ -27,7 +27,7 @@ pub struct SourceFile {
     /// Path as it was asked for, relative to where the program runs.
     pub path: PathBuf,
     /// Its text.
-    pub text: Rc<str>,
+    pub text: Arc<str>,
 }
 
 /// The files of a model in the order in which they were first read.

@@ -1,17 +1,11 @@
-//! One call over the border: a message buffer goes in, a status comes out.
+//! A call that did not succeed, in words, and numbers of a thread for in between.
 
 use std::cell::RefCell;
 use std::fmt;
 
-use blocksim_abi::{ERROR, Message, OK, PANICKED, Status, message};
+use blocksim_abi::{ERROR, OK, PANICKED, Status};
 
-/// Longer messages of plug-ins are cut.
-const MESSAGE_BYTES: usize = 1024;
-
-thread_local! {
-    static TEXT: RefCell<[u8; MESSAGE_BYTES]> = const { RefCell::new([0; MESSAGE_BYTES]) };
-    static NUMBERS: RefCell<Vec<f64>> = const { RefCell::new(Vec::new()) };
-}
+thread_local!(static NUMBERS: RefCell<Vec<f64>> = const { RefCell::new(Vec::new()) });
 
 /// A call that did not report success.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,17 +31,6 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Calls with a message buffer. Allocates only to report a failure.
-pub fn call(function: impl FnOnce(*const Message) -> Status) -> Result<(), Failure> {
-    TEXT.with_borrow_mut(|buffer| {
-        let message = Message::new(buffer);
-        match function(&message) {
-            OK => Ok(()),
-            status => Err(Failure { status, text: message::written(buffer).to_owned() }),
-        }
-    })
-}
-
 /// A buffer of this thread with `length` numbers of arbitrary value; it allocates when it must grow.
 pub fn with_numbers<R>(length: usize, body: impl FnOnce(&mut [f64]) -> R) -> R {
     NUMBERS.with_borrow_mut(|numbers| {
@@ -60,10 +43,13 @@ pub fn with_numbers<R>(length: usize, body: impl FnOnce(&mut [f64]) -> R) -> R {
 
 #[cfg(test)]
 mod tests {
+    use blocksim_abi::Message;
+
     use super::*;
+    use crate::guard;
 
     fn report(status: Status, text: &str) -> String {
-        call(|m| {
+        guard::call(&[], &mut [], |_, m| {
             // SAFETY: the message of `call`.
             unsafe { Message::write(m, text) };
             status
@@ -78,7 +64,7 @@ mod tests {
         assert_eq!(report(ERROR, ""), "the plug-in failed and gave no reason");
         assert_eq!(report(PANICKED, "index 3"), "the plug-in panicked: index 3");
         assert_eq!(report(-7, ""), "the plug-in reported the unknown status -7");
-        assert_eq!(call(|_| OK), Ok(()));
+        assert_eq!(guard::call(&[], &mut [], |_, _| OK), Ok(()));
     }
 
     #[test]

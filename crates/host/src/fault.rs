@@ -15,8 +15,15 @@ pub const SYMBOL: &str = "plugin_symbol";
 pub const ABI: &str = "plugin_abi";
 /// A panic was caught in the plug-in.
 pub const PANIC: &str = "plugin_panic";
+/// The plug-in died or broke a rule while a model was compiled.
+pub const CRASH: &str = "plugin_crash";
 /// The block or its parameters are not what the plug-in has.
 pub const PARAMETER: &str = "plugin_parameter";
+
+/// The constant of a code that another process reports.
+pub fn known(code: &str) -> &'static str {
+    [MISSING, BUILD, SYMBOL, PANIC, CRASH, PARAMETER].into_iter().find(|known| *known == code).unwrap_or(ABI)
+}
 
 /// A fault of what `library` names.
 pub fn library(code: &'static str, message: impl Into<String>) -> LoadError {

@@ -1,9 +1,15 @@
 //! A block kind of a plug-in as checked, owned data, with its functions behind safe calls.
 
-use blocksim_abi::{BlockTable, OK};
+use blocksim_abi::{BlockTable, Message, OK, Status};
 use blocksim_signal::Dimension;
 
-use crate::call::{Failure, call};
+use crate::call::Failure;
+use crate::guard::{self, Given, Places, Wanted};
+use crate::isolate::{Op, Remote};
+
+/// What states are in messages.
+const CONTINUOUS: &str = "continuous state";
+const DISCRETE: &str = "discrete state";
 
 /// A parameter, a port or a state of a plug-in.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,18 +47,28 @@ pub struct Kind {
     pub continuous: Vec<Quantity>,
     /// Discrete states.
     pub discrete: Vec<Quantity>,
-    /// None where the plug-in was not loaded.
-    pub(crate) functions: Option<Functions>,
+    pub(crate) calls: Calls,
     pub(crate) sizes: Sizes,
 }
 
-/// The table of the plug-in; only its functions are used after it was checked.
+/// Where the functions of a block are.
 #[derive(Clone, Copy)]
-pub(crate) struct Functions(pub BlockTable);
+pub(crate) enum Calls {
+    /// The plug-in was not loaded.
+    Nowhere,
+    /// In this process. Only the functions of the table are used after it was checked.
+    Table(BlockTable),
+    /// In another one.
+    Remote(Remote),
+}
 
-impl std::fmt::Debug for Functions {
+impl std::fmt::Debug for Calls {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        f.write_str("Functions")
+        f.write_str(match self {
+            Calls::Nowhere => "Nowhere",
+            Calls::Table(_) => "Table",
+            Calls::Remote(_) => "Remote",
+        })
     }
 }
 
@@ -64,6 +80,14 @@ pub(crate) struct Sizes {
     pub y: usize,
     pub x: usize,
     pub xd: usize,
+}
+
+impl Sizes {
+    /// The most that one call may need, given and wanted.
+    pub fn in_all(self) -> usize {
+        let Sizes { params, u, y, x, xd } = self;
+        params + u + x + xd + y.max(x).max(xd)
+    }
 }
 
 /// How many numbers a list describes.
@@ -83,27 +107,19 @@ pub(crate) struct At<'a> {
 
 /// The functions of the table. Buffers of wrong length are refused, so none of these can go astray.
 impl Kind {
-    fn table(&self) -> Result<&BlockTable, Failure> {
-        let never = || Failure { status: OK, text: "the plug-in was never loaded".to_owned() };
-        self.functions.as_ref().map(|functions| &functions.0).ok_or_else(never)
-    }
-
     /// Whether the plug-in takes these parameters.
     pub(crate) fn check(&self, params: &[f64]) -> Result<(), Failure> {
         fits(params.len(), self.sizes.params)?;
-        let Some(check) = self.table()?.check else { return Ok(()) };
-        // SAFETY: a buffer of the length that the table states; the message is valid during the call.
-        call(|m| unsafe { check(params.as_ptr(), m) })
+        self.call(Op::Check, 0.0, &[self.params(params)], &mut [])
     }
 
     /// Sample time, s; 0: continuous.
     pub(crate) fn sample_time(&self, params: &[f64]) -> Result<f64, Failure> {
         fits(params.len(), self.sizes.params)?;
-        let mut period = 0.0;
-        let Some(sample_time) = self.table()?.sample_time else { return Ok(period) };
-        // SAFETY: as above, and `period` is a number to write.
-        call(|m| unsafe { sample_time(params.as_ptr(), &mut period, m) })?;
-        Ok(period)
+        let mut period = [0.0];
+        let wanted = Wanted { what: "sample time", list: &[], numbers: &mut period, is_kept: true };
+        self.call(Op::SampleTime, 0.0, &[self.params(params)], &mut [wanted])?;
+        Ok(period[0])
     }
 
     /// States at the start; both buffers hold the defaults.
@@ -111,53 +127,87 @@ impl Kind {
         fits(params.len(), self.sizes.params)?;
         fits(x.len(), self.sizes.x)?;
         fits(xd.len(), self.sizes.xd)?;
-        let Some(reset) = self.table()?.reset else { return Ok(()) };
-        // SAFETY: buffers of the lengths that the table states; two `&mut` never overlap.
-        call(|m| unsafe { reset(params.as_ptr(), x.as_mut_ptr(), xd.as_mut_ptr(), m) })
+        let mut wanted = [
+            Wanted { what: CONTINUOUS, list: &self.continuous, numbers: x, is_kept: true },
+            Wanted { what: DISCRETE, list: &self.discrete, numbers: xd, is_kept: true },
+        ];
+        self.call(Op::Reset, 0.0, &[self.params(params)], &mut wanted)
     }
 
     /// All outputs.
     pub(crate) fn outputs(&self, at: &At, y: &mut [f64]) -> Result<(), Failure> {
-        self.fits(at)?;
         fits(y.len(), self.sizes.y)?;
-        let Some(outputs) = self.table()?.outputs else { return Ok(()) };
-        let At { params, t, x, xd, u } = *at;
-        // SAFETY: buffers of the lengths that the table states; a `&mut` overlaps nothing.
-        call(|m| unsafe {
-            outputs(params.as_ptr(), t, x.as_ptr(), xd.as_ptr(), u.as_ptr(), y.as_mut_ptr(), m)
-        })
+        let wanted = Wanted { what: "output", list: &self.outputs, numbers: y, is_kept: false };
+        self.call(Op::Outputs, at.t, &self.given(at)?, &mut [wanted])
     }
 
     /// Discrete states of the next sample; `next` holds a copy of the present ones.
     pub(crate) fn update(&self, at: &At, next: &mut [f64]) -> Result<(), Failure> {
-        self.fits(at)?;
         fits(next.len(), self.sizes.xd)?;
-        let Some(update) = self.table()?.update else { return Ok(()) };
-        let At { params, t, x, xd, u } = *at;
-        // SAFETY: as above.
-        call(|m| unsafe {
-            update(params.as_ptr(), t, x.as_ptr(), xd.as_ptr(), u.as_ptr(), next.as_mut_ptr(), m)
-        })
+        let wanted =
+            Wanted { what: "next discrete state", list: &self.discrete, numbers: next, is_kept: true };
+        self.call(Op::Update, at.t, &self.given(at)?, &mut [wanted])
     }
 
     /// Time derivatives of the continuous states.
     pub(crate) fn derivatives(&self, at: &At, dx: &mut [f64]) -> Result<(), Failure> {
-        self.fits(at)?;
         fits(dx.len(), self.sizes.x)?;
-        let Some(derivatives) = self.table()?.derivatives else { return Ok(()) };
-        let At { params, t, x, xd, u } = *at;
-        // SAFETY: as above.
-        call(|m| unsafe {
-            derivatives(params.as_ptr(), t, x.as_ptr(), xd.as_ptr(), u.as_ptr(), dx.as_mut_ptr(), m)
-        })
+        let wanted = Wanted { what: "derivative", list: &self.continuous, numbers: dx, is_kept: false };
+        self.call(Op::Derivatives, at.t, &self.given(at)?, &mut [wanted])
     }
 
-    fn fits(&self, at: &At) -> Result<(), Failure> {
+    fn params<'a>(&'a self, numbers: &'a [f64]) -> Given<'a> {
+        Given { what: "parameter", list: &self.parameters, numbers }
+    }
+
+    /// What every evaluation may read.
+    fn given<'a>(&'a self, at: &At<'a>) -> Result<[Given<'a>; 4], Failure> {
         fits(at.params.len(), self.sizes.params)?;
         fits(at.x.len(), self.sizes.x)?;
         fits(at.xd.len(), self.sizes.xd)?;
-        fits(at.u.len(), self.sizes.u)
+        fits(at.u.len(), self.sizes.u)?;
+        Ok([
+            self.params(at.params),
+            Given { what: CONTINUOUS, list: &self.continuous, numbers: at.x },
+            Given { what: DISCRETE, list: &self.discrete, numbers: at.xd },
+            Given { what: "input", list: &self.inputs, numbers: at.u },
+        ])
     }
+
+    /// Calls a function wherever it is, with buffers of the lengths that the table states.
+    fn call(&self, op: Op, t: f64, given: &[Given], wanted: &mut [Wanted]) -> Result<(), Failure> {
+        match &self.calls {
+            Calls::Nowhere => Err(Failure { status: OK, text: "the plug-in was never loaded".to_owned() }),
+            Calls::Remote(remote) => remote.call(op, t, given, wanted),
+            Calls::Table(table) => {
+                // SAFETY: `guard` gives places for as many numbers as each buffer has, the callers of this function have
+                // checked these, and the message is valid during the call.
+                guard::call(given, wanted, |places, m| unsafe { perform(table, op, t, places, m) })
+            }
+        }
+    }
+}
+
+/// Calls a function of a table; one that is absent does nothing.
+///
+/// # Safety
+/// The table is that of a loaded plug-in; the places hold buffers of the lengths that it states for this function.
+unsafe fn perform(table: &BlockTable, op: Op, t: f64, places: &Places, m: *const Message) -> Status {
+    let Places { given: [params, x, xd, u], wanted: [first, second] } = *places;
+    // SAFETY: the caller vouches for all of it.
+    unsafe {
+        match op {
+            Op::Check => table.check.map(|check| check(params, m)),
+            Op::SampleTime => table.sample_time.map(|sample_time| sample_time(params, first, m)),
+            Op::Reset => table.reset.map(|reset| reset(params, first, second, m)),
+            Op::Outputs => table.outputs.map(|outputs| outputs(params, t, x, xd, u, first, m)),
+            Op::Update => table.update.map(|update| update(params, t, x, xd, u, first, m)),
+            Op::Derivatives => {
+                table.derivatives.map(|derivatives| derivatives(params, t, x, xd, u, first, m))
+            }
+        }
+    }
+    .unwrap_or(OK)
 }
 
 #[inline]

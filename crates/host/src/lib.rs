@@ -6,14 +6,18 @@
 //!   [`Library`] is a checked copy of them that is leaked for the same reason.
 //! - The **engine** owns states and signals, as for every block. They are handed to the plug-in for a call.
 //! - The **block** owns its parameters, as numbers in SI, shared by all its copies and never changed.
-//! - **Each thread** owns a buffer for messages and one for numbers, so that a call allocates nothing.
+//! - **Each thread** owns the buffers that a plug-in sees: copies of what the engine has, with guards around them (`guard`), so
+//!   that a call allocates nothing and what a plug-in writes beside its buffers is found.
 //!
 //! # The way of a plug-in
 //!
 //! `locate` finds what `library` names, `build` makes it if that is a folder with sources, `open` loads a copy of
 //! the library, `table` checks what the library says of itself, `parameters` turns the diagram's values into
-//! numbers, `call` is the border itself, and `plugin` is the block. What goes wrong on the way becomes a
+//! numbers, `guard` is the border itself, and `plugin` is the block. What goes wrong on the way becomes a
 //! [`LoadError`](blocksim_block::LoadError) with one of the codes in `fault`.
+//!
+//! What no call returns from, such as a crash or an endless loop, is seen by `watch`; `isolate` keeps plug-ins in processes of
+//! their own.
 //!
 //! Whether it goes that way is not decided here: `Files::code` says whether a library may be built and loaded. Where it may not,
 //! a block is made of what the plug-in offered when it was loaded last (`offer`), which can be looked at but not run.
@@ -26,8 +30,12 @@
 
 mod build;
 mod call;
+mod environment;
+mod examine;
 mod fault;
 mod finite;
+mod guard;
+mod isolate;
 mod kind;
 mod locate;
 mod offer;
@@ -35,10 +43,14 @@ mod open;
 mod parameters;
 mod plugin;
 mod table;
+mod watch;
 
 pub use build::{folders, set_build_notice};
+pub use examine::{Examined, Finding, Verdict, examine};
+pub use isolate::{serve, set_isolation, was_interrupted};
 pub use kind::{Kind, Quantity};
 pub use locate::{Source, locate};
 pub use offer::{merged, offer, recalled};
 pub use open::{Library, open, opened};
 pub use plugin::Plugin;
+pub use watch::{Cause, Death, leave, set_call_limit, set_death_notice, set_interrupt};

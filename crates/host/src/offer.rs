@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use crate::kind::{Kind, Quantity, Sizes, numbers};
+use crate::kind::{Calls, Kind, Quantity, Sizes, numbers};
 use crate::open::Library;
 use crate::table::{MOST_ELEMENTS, MOST_NUMBERS, dimension, is_name, whole};
 
@@ -105,6 +105,14 @@ pub fn recalled(shown: &str, offer: &str) -> Result<&'static Library, String> {
     Ok(library)
 }
 
+/// The plug-in that another process has loaded, without its functions.
+///
+/// # Errors
+/// As for one that is recalled.
+pub(crate) fn served(shown: &str, offer: &str) -> Result<Library, String> {
+    library(shown, read(offer)?)
+}
+
 /// The sample time of a block with these parameters, s, where it was ever worked out.
 pub(crate) fn period(library: &Library, block: &str, parameters: &[f64]) -> Option<f64> {
     let asked = Period::new(block, parameters, 0.0);
@@ -198,7 +206,8 @@ fn kind(offered: OfferedKind) -> Result<Kind, String> {
         return Err(format!("`{}` is not a valid name", offered.name));
     }
     let (name, doc) = (leaked(offered.name), leaked(offered.doc));
-    let kind = Kind { name, doc, parameters, inputs, outputs, continuous, discrete, functions: None, sizes };
+    let kind =
+        Kind { name, doc, parameters, inputs, outputs, continuous, discrete, calls: Calls::Nowhere, sizes };
     whole(&kind).map_err(|reason| format!("`{name}` {reason}"))?;
     Ok(kind)
 }

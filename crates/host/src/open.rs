@@ -10,11 +10,13 @@ use blocksim_abi::{ABI_MAJOR, EntryFn, SYMBOL};
 use blocksim_block::LoadError;
 
 use crate::build;
+use crate::environment::Environment;
 use crate::fault::{self, MISSING};
 use crate::kind::Kind;
 use crate::locate::{Source, locate};
 use crate::offer::Period;
-use crate::table::{contents, other_major};
+use crate::table::{Contents, contents, other_major};
+use crate::{isolate, watch};
 
 /// A loaded plug-in.
 #[derive(Debug)]
@@ -31,8 +33,8 @@ pub struct Library {
     pub(crate) periods: Mutex<Vec<Period>>,
 }
 
-/// A file at one point of its history: a rebuilt library is another one.
-type Key = (PathBuf, Option<SystemTime>, u64);
+/// A file at one point of its history: a rebuilt library is another one. And whether it is served by another process.
+type Key = (PathBuf, Option<SystemTime>, u64, bool);
 
 static OPENED: Mutex<BTreeMap<Key, &'static Library>> = Mutex::new(BTreeMap::new());
 
@@ -42,22 +44,36 @@ static OPENED: Mutex<BTreeMap<Key, &'static Library>> = Mutex::new(BTreeMap::new
 /// # Errors
 /// `plugin_missing`, `plugin_build`, `plugin_symbol` or `plugin_abi`, for the parameter `library`.
 pub fn open(folder: &Path, library: &str) -> Result<&'static Library, LoadError> {
-    let path = match locate(folder, library)? {
-        Source::Library(path) => path,
-        Source::Crate(folder) => build::of_crate(&folder, library)?,
-        Source::C(folder) => build::of_sources(&folder, library)?,
-    };
+    let path = library_file(folder, library)?;
     let unreadable =
         |e: std::io::Error| fault::library(MISSING, format!("`{}` cannot be read: {e}", fault::shown(&path)));
     let data = std::fs::metadata(&path).map_err(unreadable)?;
-    let key = (path.clone(), data.modified().ok(), data.len());
+    let is_isolated = isolate::is_isolated();
+    let key = (path.clone(), data.modified().ok(), data.len(), is_isolated);
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(known) = opened.get(&key) {
         return Ok(known);
     }
-    let loaded = load(&path)?;
+    let loaded = if is_isolated {
+        Box::leak(Box::new(isolate::open(&path, library, false)?))
+    } else {
+        watch::start();
+        load(&path, library)?
+    };
     opened.insert(key, loaded);
     Ok(loaded)
+}
+
+/// The file of a library, built first if `library` names its sources.
+///
+/// # Errors
+/// `plugin_missing` or `plugin_build`.
+pub(crate) fn library_file(folder: &Path, library: &str) -> Result<PathBuf, LoadError> {
+    match locate(folder, library)? {
+        Source::Library(path) => Ok(path),
+        Source::Crate(folder) => build::of_crate(&folder, library),
+        Source::C(folder) => build::of_sources(&folder, library),
+    }
 }
 
 /// All plug-ins that this process has loaded, by path.
@@ -65,18 +81,25 @@ pub fn opened() -> Vec<&'static Library> {
     OPENED.lock().unwrap_or_else(PoisonError::into_inner).values().copied().collect()
 }
 
-fn load(path: &Path) -> Result<&'static Library, LoadError> {
+/// Loads a library into this process; `named` is what the diagram calls it.
+///
+/// # Errors
+/// As for [`open`].
+pub(crate) fn load(path: &Path, named: &str) -> Result<&'static Library, LoadError> {
     let shown = fault::shown(path);
-    let opened = open_copy(path)?;
-    // SAFETY: the type is that of the contract for this symbol.
-    let entry = match unsafe { opened.get::<EntryFn>(SYMBOL) } {
-        Ok(entry) => *entry,
-        Err(_) => return Err(no_entry(&opened, &shown)),
-    };
-    // Unloading is never safe: the table, and whatever the library registered, point into it.
-    Box::leak(Box::new(opened));
-    // SAFETY: a function of the contract, of a library that stays loaded.
-    let contents = unsafe { contents(entry(), &shown) }?;
+    let before = Environment::now();
+    let calling = watch::calling(watch::tag(named, ""), 0, f64::NAN);
+    let contents = read(path, &shown);
+    drop(calling);
+    if let Some(changed) = before.restore() {
+        let error =
+            fault::library(fault::ABI, format!("`{shown}` broke a rule when it was loaded: {changed}"));
+        return Err(fault::help(
+            error,
+            "build it without `-ffast-math`, and set nothing of the process in initialisers",
+        ));
+    }
+    let contents = contents?;
     let (name, version) = (contents.name, contents.version);
     let periods = Mutex::default();
     Ok(Box::leak(Box::new(Library {
@@ -86,6 +109,20 @@ fn load(path: &Path) -> Result<&'static Library, LoadError> {
         blocks: contents.blocks,
         periods,
     })))
+}
+
+/// Opens a library and reads its table.
+fn read(path: &Path, shown: &str) -> Result<Contents, LoadError> {
+    let opened = open_copy(path)?;
+    // SAFETY: the type is that of the contract for this symbol.
+    let entry = match unsafe { opened.get::<EntryFn>(SYMBOL) } {
+        Ok(entry) => *entry,
+        Err(_) => return Err(no_entry(&opened, shown)),
+    };
+    // Unloading is never safe: the table, and whatever the library registered, point into it.
+    Box::leak(Box::new(opened));
+    // SAFETY: a function of the contract, of a library that stays loaded.
+    unsafe { contents(entry(), shown) }
 }
 
 /// A library without the symbol of this version: perhaps it has that of another one.

@@ -1,17 +1,19 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use blocksim_abi::PANICKED;
+use blocksim_abi::{OK, PANICKED};
 use blocksim_block::Decision;
 use blocksim_block::prelude::*;
 
 use crate::call::{Failure, with_numbers};
 use crate::fault;
 use crate::finite::{all_finite, culprit, element, values};
+use crate::guard;
 use crate::kind::{At, Kind as PluginKind, Quantity};
 use crate::offer::{Period, note_period, offer, period, recalled};
 use crate::open::{Library, open};
 use crate::parameters::numbers;
+use crate::watch::{Tag, calling, tag};
 
 /// A controller from a plug-in: a block that somebody else wrote, in Rust, C, or anything that speaks C.
 ///
@@ -48,6 +50,7 @@ struct Loaded {
     /// Parameters in SI, as the plug-in sees them.
     params: Vec<f64>,
     interface: Interface,
+    tag: &'static Tag,
 }
 
 impl Plugin {
@@ -65,8 +68,10 @@ impl Plugin {
     fn take(&mut self, library: &'static Library) -> Result<(), LoadError> {
         let kind = find(library, &self.block)?;
         let params = numbers(kind, &self.parameters)?;
+        let calling = calling(tag(&self.library, kind.name), 0, f64::NAN);
         kind.check(&params).map_err(refused)?;
         let period = kind.sample_time(&params).map_err(refused)?;
+        drop(calling);
         if !(period.is_finite() && period >= 0.0) {
             return Err(fault::parameter(format!(
                 "`{}` asks for a sample time of {period} s, but it must be positive, or 0 for continuous",
@@ -81,7 +86,12 @@ impl Plugin {
             return Err(LoadError { param: "block", ..fault::library(fault::ABI, message) });
         }
         note_period(library, Period::new(kind.name, &params, period));
-        self.loaded = Some(Arc::new(Loaded { kind, params, interface: interface(kind, period) }));
+        self.loaded = Some(Arc::new(Loaded {
+            kind,
+            params,
+            interface: interface(kind, period),
+            tag: tag(&self.library, kind.name),
+        }));
         Ok(())
     }
 
@@ -95,18 +105,36 @@ impl Plugin {
             let message = format!("{}; its sample time with these parameters is not known", refusal.message);
             return Err(LoadError { message, ..refusal });
         };
-        self.loaded = Some(Arc::new(Loaded { kind, params, interface: interface(kind, period) }));
+        self.loaded = Some(Arc::new(Loaded {
+            kind,
+            params,
+            interface: interface(kind, period),
+            tag: tag(&self.library, kind.name),
+        }));
         Ok(())
+    }
+
+    /// A reason with the name of the library, where it has none yet.
+    fn named(&self, reason: &str) -> String {
+        let who = format!("the plug-in `{}`", self.library);
+        match reason.strip_prefix("the plug-in ") {
+            _ if reason.starts_with(&who) => reason.to_owned(),
+            Some(deed) => format!("{who} {deed}"),
+            None => format!("{who}: {reason}"),
+        }
     }
 
     /// Runs `body` on what is loaded, and stops the run with the reason if it fails.
     fn run(&self, c: &Context, body: impl FnOnce(&Loaded) -> Result<(), String>) {
         let result = match &self.loaded {
-            Some(loaded) => body(loaded),
+            Some(loaded) => {
+                let _calling = calling(loaded.tag, std::ptr::from_ref(self) as usize, c.t);
+                body(loaded)
+            }
             None => Err("the plug-in was never loaded".to_owned()),
         };
         if let Err(reason) = result {
-            c.fail(reason);
+            c.fail(self.named(&reason));
         }
     }
 }
@@ -144,8 +172,9 @@ impl Block for Plugin {
 
     fn initialize(&self, c: &Context, x: &mut [f64], d: &mut [f64]) {
         self.run(c, |Loaded { kind, params, .. }| {
-            // Grows the buffer of this thread now, so that the run itself allocates nothing.
+            // Grows the buffers of this thread now, so that the run itself allocates nothing.
             with_numbers(kind.sizes.y.max(kind.sizes.xd), |_| ());
+            guard::reserve(kind.sizes.in_all());
             kind.reset(params, x, d).map_err(|failure| failure.to_string())?;
             match culprit("state", &kind.continuous, x).or_else(|| culprit("state", &kind.discrete, d)) {
                 Some(culprit) => Err(format!("at the start {culprit}")),
@@ -155,7 +184,7 @@ impl Block for Plugin {
     }
 
     fn outputs(&self, group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        self.run(c, |Loaded { kind, params, interface }| {
+        self.run(c, |Loaded { kind, params, interface, .. }| {
             let at = At { params, t: c.t, x: c.x, xd: c.d, u: c.u };
             if interface.groups.len() == 1 {
                 kind.outputs(&at, y).map_err(|failure| failure.to_string())?;
@@ -216,12 +245,17 @@ fn find(library: &'static Library, block: &str) -> Result<&'static PluginKind, L
     if let Some(kind) = library.blocks.iter().find(|kind| kind.name == block) {
         return Ok(kind);
     }
-    Err(LoadError {
+    Err(unknown_block(library, block))
+}
+
+/// A name that no block has.
+pub(crate) fn unknown_block(library: &Library, block: &str) -> LoadError {
+    LoadError {
         param: "block",
         code: fault::PARAMETER,
         message: format!("the plug-in `{}` has no block `{block}`", library.name),
         help: Some(fault::meant(block, "blocks", library.blocks.iter().map(|kind| kind.name))),
-    })
+    }
 }
 
 /// Parameters that the plug-in itself did not take.
@@ -232,6 +266,8 @@ fn refused(failure: Failure) -> LoadError {
             LoadError { code: fault::PANIC, ..error },
             "this is a mistake in the plug-in; parameters that make no sense are to be refused by its `check`",
         ),
+        // It reported nothing: it broke a rule, or died.
+        OK => LoadError { code: fault::CRASH, ..error },
         _ => error,
     }
 }

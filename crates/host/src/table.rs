@@ -6,7 +6,7 @@ use blocksim_block::LoadError;
 use blocksim_signal::{Dimension, Unit};
 
 use crate::fault::{self, ABI, SYMBOL};
-use crate::kind::{Functions, Kind, Quantity, Sizes, numbers};
+use crate::kind::{Calls, Kind, Quantity, Sizes, numbers};
 
 /// More blocks, or more quantities in a list, are taken for a count that was never set.
 pub(crate) const MOST_ELEMENTS: u32 = 4096;
@@ -115,8 +115,8 @@ unsafe fn kind(table: BlockTable, i: usize) -> Result<Kind, String> {
         xd: numbers(&discrete),
     };
     let doc = text(&table.doc, &format!("the page of `{name}`"))?;
-    let functions = Some(Functions(table));
-    let kind = Kind { name, doc, parameters, inputs, outputs, continuous, discrete, functions, sizes };
+    let calls = Calls::Table(table);
+    let kind = Kind { name, doc, parameters, inputs, outputs, continuous, discrete, calls, sizes };
     complete(&kind).map_err(|reason| format!("`{name}` {reason}"))?;
     whole(&kind).map_err(|reason| format!("`{name}` {reason}"))?;
     Ok(kind)
@@ -124,7 +124,7 @@ unsafe fn kind(table: BlockTable, i: usize) -> Result<Kind, String> {
 
 /// Whether there are the functions that the lists need.
 fn complete(kind: &Kind) -> Result<(), String> {
-    let Some(Functions(functions)) = &kind.functions else { return Ok(()) };
+    let Calls::Table(functions) = &kind.calls else { return Ok(()) };
     if functions.outputs.is_none() && !kind.outputs.is_empty() {
         return Err("has outputs, but no function `outputs`".into());
     }

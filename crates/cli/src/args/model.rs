@@ -28,6 +28,13 @@ pub struct PluginArgs {
     /// Build and load no plug-ins; blocks of plug-ins are shown as they were when they were loaded last.
     #[arg(long)]
     pub no_plugins: bool,
+    /// Run plug-ins in processes of their own, so that none of them can end or damage this one. The numbers are the same, each
+    /// call takes some 20 us more.
+    #[arg(long)]
+    pub isolate: bool,
+    /// Longest time that a call of a plug-in may take; without it 10 s.
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub call_limit: Option<f64>,
 }
 
 /// How long a model is simulated, and by which method.

@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
+use blocksim_block::ParamValue;
+use blocksim_signal::Value;
 use clap::{Subcommand, ValueEnum};
 
 use super::model::PluginArgs;
+use super::values::{quantity, time};
 
 /// `blocksim plugin`.
 #[derive(Debug, Subcommand)]
@@ -13,12 +16,21 @@ pub enum PluginCommand {
     New(PluginNewArgs),
     /// Show which controllers a plug-in has; one that is trusted is built and loaded first.
     Show(PluginShowArgs),
+    /// Examine whether the controllers of a plug-in keep the contract, in processes of their own.
+    Check(PluginCheckArgs),
+    /// Serve a plug-in to a process that runs it isolated.
+    #[command(hide = true)]
+    Serve,
 }
 
 impl PluginCommand {
     /// Whether the answer is to be data.
     pub fn json(&self) -> bool {
-        matches!(self, PluginCommand::Show(args) if args.json)
+        match self {
+            PluginCommand::Show(args) => args.json,
+            PluginCommand::Check(args) => args.json,
+            _ => false,
+        }
     }
 }
 
@@ -64,4 +76,39 @@ pub struct PluginShowArgs {
     /// As JSON, an object for each controller.
     #[arg(long)]
     pub json: bool,
+}
+
+/// `blocksim plugin check`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  blocksim plugin check plugins/pid --set kp=2\n  blocksim plugin check students/ada --json\n\n\
+                  Exit codes: 0 all rules are kept, 1 a rule is broken, 4 it does not build or load."
+)]
+pub struct PluginCheckArgs {
+    /// A built library, or the folder of its sources, which is built first.
+    pub library: String,
+    /// Controller to examine; without it all that the plug-in has.
+    #[arg(long, value_name = "NAME")]
+    pub block: Option<String>,
+    /// Value of a parameter, in SI or with a unit; of a vector with commas. May be repeated; without it the default holds.
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parameter)]
+    pub set: Vec<(String, ParamValue)>,
+    /// Longest time that a call may take; without it 10 s.
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub call_limit: Option<f64>,
+    /// As JSON, an object for each controller.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A parameter and its value.
+fn parameter(text: &str) -> Result<(String, ParamValue), String> {
+    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, such as kp=2")?;
+    let number =
+        |text: &str| quantity(text.trim(), "a value is a number, such as 2 or \"20 ms\"").map(Value::from);
+    let value = match value.contains(',') {
+        true => Value::List(value.split(',').map(number).collect::<Result<_, _>>()?),
+        false => number(value)?,
+    };
+    Ok((name.trim().to_owned(), ParamValue(value)))
 }

@@ -3,7 +3,6 @@
 use blocksim_block::schedule::Schedule;
 use blocksim_diagram::{Replaced, SourceFile, fingerprint};
 use blocksim_results::{Choice, Counts, Ended, FileUsed, Layout, Manifest, Override, Program, RecordedUsed};
-use blocksim_sim::Simulation;
 
 use crate::args::model::ModelArgs;
 use crate::loaded::{Loaded, with_slashes};
@@ -21,8 +20,10 @@ pub struct Facts<'a> {
     pub schedule: &'a Schedule,
     /// What is recorded.
     pub layout: &'a Layout,
-    /// The run.
-    pub simulation: &'a Simulation,
+    /// Work done.
+    pub counts: blocksim_sim::Counts,
+    /// How far it came, s.
+    pub simulated: f64,
     /// Start in UTC.
     pub started: String,
     /// Duration on the clock on the wall, s.
@@ -34,7 +35,7 @@ pub struct Facts<'a> {
 /// The manifest of a run.
 pub fn of(facts: &Facts) -> Manifest {
     let mut files = facts.loaded.on_disk.iter().map(file_used);
-    let counts = facts.simulation.counts();
+    let counts = &facts.counts;
     let choice =
         |variant: &str, choice: &str| Choice { variant: variant.to_owned(), choice: choice.to_owned() };
     Manifest {
@@ -52,7 +53,7 @@ pub fn of(facts: &Facts) -> Manifest {
         recorded: Some(RecordedUsed::of(facts.layout, facts.signals.clone())),
         started: facts.started.clone(),
         wall_time: facts.wall_time,
-        simulated_time: facts.simulation.time(),
+        simulated_time: facts.simulated,
         counts: Counts {
             steps: counts.accepted,
             rejected: counts.rejected,

@@ -9,6 +9,7 @@ pub mod model_text;
 pub mod parallel;
 pub mod recorder;
 pub mod report;
+pub mod rescue;
 pub mod selection;
 pub mod solver;
 pub mod start;

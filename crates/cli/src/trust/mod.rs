@@ -15,4 +15,4 @@ mod places;
 mod policy;
 
 pub use list::TrustList;
-pub use policy::{Plugins, Purpose, is_about_trust, key, note_trust};
+pub use policy::{Plugins, Purpose, is_about_trust, isolate, key, limit_calls, note_trust};

@@ -3,10 +3,11 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use blocksim_block::problem::Problem;
 use blocksim_block::{CodePolicy, Decision, LoadError, UNTRUSTED, untrusted};
-use blocksim_host::locate;
+use blocksim_host::{locate, set_call_limit, set_isolation};
 
 use super::{TrustList, memory};
 use crate::args::model::PluginArgs;
@@ -33,6 +34,10 @@ pub struct Plugins {
 impl Plugins {
     /// As the command line says.
     pub fn of(args: PluginArgs, purpose: Purpose) -> Plugins {
+        limit_calls(args.call_limit);
+        if args.isolate {
+            isolate();
+        }
         Plugins { args, purpose, offers: RefCell::default() }
     }
 
@@ -44,6 +49,20 @@ impl Plugins {
     /// What each plug-in offers that was loaded, by [`key`].
     pub fn offers(&self) -> BTreeMap<String, String> {
         self.offers.borrow().clone()
+    }
+}
+
+/// Sets how long a call of a plug-in may take, s.
+pub fn limit_calls(limit: Option<f64>) {
+    if let Some(limit) = limit.and_then(|limit| Duration::try_from_secs_f64(limit).ok()) {
+        set_call_limit(limit);
+    }
+}
+
+/// Keeps plug-ins in processes of their own from now on: of this program, called to serve them.
+pub fn isolate() {
+    if let Ok(program) = std::env::current_exe() {
+        set_isolation(program, &["plugin", "serve"]);
     }
 }
 

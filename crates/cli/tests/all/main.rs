@@ -1,5 +1,6 @@
 //! The program as users call it.
 
+mod bad_plugins;
 mod bad_runs;
 mod collisions;
 mod commands;
@@ -22,6 +23,7 @@ mod params;
 mod plan;
 mod plots;
 mod plugin;
+mod plugin_check;
 mod recording;
 mod report;
 mod report_faults;

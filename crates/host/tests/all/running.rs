@@ -64,7 +64,8 @@ fn a_group_writes_its_own_outputs_and_ignores_inputs_that_it_does_not_read() {
     assert_eq!(group(&block, 1, [stale, 5.0, 6.0]), (vec![-1.0, 5.0, 6.0, -1.0], None));
     assert_eq!(group(&block, 2, [stale; 3]), (vec![-1.0, -1.0, -1.0, 4.0], None));
     let (_, reason) = group(&block, 1, [1.0, 5.0, stale]);
-    expect!["output `same[1]` is NaN; inputs: a = 1 V, b = [5, NaN]"].assert_eq(&reason.unwrap());
+    expect!["the plug-in `libprobe.so`: output `same[1]` is NaN; inputs: a = 1 V, b = [5, NaN]"]
+        .assert_eq(&reason.unwrap());
 }
 
 #[test]
@@ -78,24 +79,30 @@ fn every_failure_of_a_run_is_a_sentence() {
         d
     };
     say(0.0, What::Outputs, expect!["-"]);
-    say(1.0, What::Outputs, expect!["the winding is too hot"]);
-    say(2.0, What::Outputs, expect!["the plug-in failed and gave no reason"]);
-    say(3.0, What::Outputs, expect!["the plug-in panicked: attempt to divide by zero"]);
-    say(4.0, What::Outputs, expect!["the plug-in reported the unknown status 77"]);
-    say(5.0, What::Outputs, expect!["output `y` is NaN; inputs: speed = 0.25 rad/s, v = [1, -3.5]"]);
-    say(11.0, What::Start, expect!["no start"]);
+    say(1.0, What::Outputs, expect!["the plug-in `libprobe.so`: the winding is too hot"]);
+    say(2.0, What::Outputs, expect!["the plug-in `libprobe.so` failed and gave no reason"]);
+    say(3.0, What::Outputs, expect!["the plug-in `libprobe.so` panicked: attempt to divide by zero"]);
+    say(4.0, What::Outputs, expect!["the plug-in `libprobe.so` reported the unknown status 77"]);
+    say(
+        5.0,
+        What::Outputs,
+        expect!["the plug-in `libprobe.so`: output `y` is NaN; inputs: speed = 0.25 rad/s, v = [1, -3.5]"],
+    );
+    say(11.0, What::Start, expect!["the plug-in `libprobe.so`: no start"]);
     assert_eq!(say(0.0, What::Update, expect!["-"]), [5.0, 2.0]);
     assert_eq!(
         say(
             6.0,
             What::Update,
-            expect!["the next value of state `s[1]` is inf; inputs: speed = 0.25 rad/s, v = [1, -3.5]"]
+            expect![
+                "the plug-in `libprobe.so`: the next value of state `s[1]` is inf; inputs: speed = 0.25 rad/s, v = [1, -3.5]"
+            ]
         ),
         [1.0, 2.0],
         "a failed update changes nothing"
     );
     assert_eq!(
-        say(7.0, What::Update, expect!["no next state"]),
+        say(7.0, What::Update, expect!["the plug-in `libprobe.so`: no next state"]),
         [1.0, 2.0],
         "a failed update changes nothing"
     );
@@ -107,5 +114,5 @@ fn a_block_that_was_not_loaded_says_so() {
     assert!(plugin.interface(&blocksim_block::Given::nothing()).is_err());
     assert!(plugin.kind().is_none());
     let (y, reason) = group(&plugin, 0, [1.0; 3]);
-    assert_eq!((y, reason.as_deref()), (vec![-1.0; 4], Some("the plug-in was never loaded")));
+    assert_eq!((y, reason.as_deref()), (vec![-1.0; 4], Some("the plug-in `libprobe.so` was never loaded")));
 }

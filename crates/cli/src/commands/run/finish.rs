@@ -1,12 +1,11 @@
 //! What is kept of a run, and what is said about it.
 
 use crate::commands::tell;
-use crate::running::blame::warnings;
 use blocksim_block::schedule::Recorded;
 use blocksim_results::STORE;
 use blocksim_results::format::ordinal;
 
-use super::prepare::Prepared;
+use super::prepare::Setup;
 use super::simulate::Simulated;
 use super::unwritten;
 use crate::args::model::RunArgs;
@@ -14,7 +13,6 @@ use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::running::keep::{Csv, Kept, Rest, is_csv_written, keep};
 use crate::running::report::{Report, log};
-use crate::running::start::Began;
 use crate::scene;
 use crate::terminal::console::Console;
 use crate::terminal::render::plural;
@@ -25,24 +23,25 @@ use crate::terminal::render::plural;
 /// If it cannot be kept.
 pub fn keep_and_tell(
     args: &RunArgs,
-    prepared: Prepared,
+    setup: Setup,
     simulated: Simulated,
     console: Console,
 ) -> Result<(String, Exit), Failure> {
-    let Prepared { loaded, schedule, mut simulation, selection, folder, .. } = prepared;
-    let Simulated { run, seen, events, manifest, rows, lost, mut exit } = simulated;
+    let Setup { loaded, schedule, selection, folder, .. } = setup;
+    let Simulated { run, seen, events, manifest, counts, warnings, began, findings, rows, lost, mut exit } =
+        simulated;
     let source = |at: &usize| schedule.recorded[selection.sources[*at]].clone();
     let recorded: Vec<Recorded> = seen.signals.iter().map(source).collect();
     let report = Report {
         schedule: &schedule,
         manifest: &manifest,
-        counts: simulation.counts(),
+        counts,
         recorded: &recorded,
         recording: &seen.recording,
         signals: run.signals().len(),
         rows,
-        warnings: warnings(&mut simulation, &schedule),
-        began: Began::of(&simulation),
+        warnings,
+        began,
     };
     for file in loaded.scene().into_iter().flat_map(scene::missing_meshes) {
         console.say(&format!(
@@ -83,7 +82,7 @@ pub fn keep_and_tell(
         (_, true) => format!("{place}\n"),
         _ => report.text(Some(&place), args, console),
     })?;
-    if let Some(findings) = simulation.findings() {
+    if let Some(findings) = findings {
         console.say(&super::audit::text(&findings));
         if findings.count > 0 && exit == Exit::Done {
             exit = Exit::Failed;

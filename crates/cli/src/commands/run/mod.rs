@@ -7,10 +7,13 @@ mod simulate;
 
 use blocksim_results::ResultsError;
 
+use self::prepare::Setup;
+use self::simulate::End;
 use crate::args::model::RunArgs;
 use crate::args::report::ReportArgs;
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
+use crate::running::recorder::Recorder;
 use crate::terminal::console::Console;
 
 /// Simulates a model, keeps the results and shows them.
@@ -18,9 +21,17 @@ use crate::terminal::console::Console;
 /// # Errors
 /// What keeps it from running, or its results from being kept.
 pub fn run(args: &RunArgs, console: Console) -> Outcome {
-    let mut prepared = prepare::prepare(args, console)?;
-    let simulated = simulate::simulate(args, &mut prepared, console)?;
-    let (place, exit) = finish::keep_and_tell(args, prepared, simulated, console)?;
+    let (setup, simulation) = prepare::prepare(args, console)?;
+    simulate::simulate(args, setup, simulation, console)
+}
+
+/// Keeps a run that has ended, shows it, and makes its page if that is wanted.
+///
+/// # Errors
+/// What keeps its results from being kept.
+fn finish(args: &RunArgs, setup: Setup, recorder: Recorder, end: End, console: Console) -> Outcome {
+    let simulated = simulate::read_back(args, &setup, recorder, end, console)?;
+    let (place, exit) = finish::keep_and_tell(args, setup, simulated, console)?;
     if !args.report {
         return Ok(exit);
     }

@@ -27,14 +27,12 @@ const FIXED: [&str; 2] = [
     "use a method of variable step, for example `--solver Ode45`",
 ];
 
-/// A model that is ready to run, and where its results go.
-pub struct Prepared {
+/// A model that can be run, and where its results go.
+pub struct Setup {
     /// The model.
     pub loaded: Loaded,
     /// What is run.
     pub schedule: Arc<Schedule>,
-    /// The run, at its start.
-    pub simulation: Simulation,
     /// Signals that are kept.
     pub selection: Selection,
     /// Where they are kept.
@@ -43,11 +41,11 @@ pub struct Prepared {
     pub started: SystemTime,
 }
 
-/// Reads, compiles and places a model.
+/// Reads, compiles and places a model; gives its run as well, at its start.
 ///
 /// # Errors
 /// What is wrong with it, with the command line, or with the place of the results.
-pub fn prepare(args: &RunArgs, console: Console) -> Result<Prepared, Failure> {
+pub fn prepare(args: &RunArgs, console: Console) -> Result<(Setup, Simulation), Failure> {
     let mut loaded = load(&args.model, Purpose::Run)?;
     let mut schedule = loaded.take_schedule("nothing was run", console)?;
     solver::apply(&args.solver, &mut schedule.settings)?;
@@ -67,7 +65,7 @@ pub fn prepare(args: &RunArgs, console: Console) -> Result<Prepared, Failure> {
     if args.audit && !simulation.audit() {
         return Err(Failure::usage(FIXED[0]).help(FIXED[1]));
     }
-    Ok(Prepared { loaded, schedule, simulation, selection, folder, started })
+    Ok((Setup { loaded, schedule, selection, folder, started }, simulation))
 }
 
 /// Tries the place of the results before the run, so that a long one does not fail at its end.

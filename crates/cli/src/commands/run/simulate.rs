@@ -1,21 +1,47 @@
 //! The run itself, from the first step to a recording that can be read.
 
-use blocksim_results::{Ended, EventRow, Manifest, ResultsError, Run, STORE, Store, clock};
+use std::sync::{Mutex, PoisonError};
 
-use super::prepare::Prepared;
-use super::unwritten;
+use blocksim_block::problem::Problem;
+use blocksim_block::schedule::Schedule;
+use blocksim_host::{Cause, Death};
+use blocksim_results::{Ended, EventRow, Manifest, ResultsError, Run, STORE, Store, clock};
+use blocksim_sim::{Counts, Findings, Simulation};
+
+use super::prepare::Setup;
+use super::{finish, unwritten};
 use crate::args::model::RunArgs;
 use crate::commands::tell_with;
 use crate::exit::Exit;
-use crate::failure::Failure;
-use crate::running::blame::{failure, reason};
+use crate::failure::{Failure, Outcome};
+use crate::running::blame::{failure, reason, warnings};
 use crate::running::keep::{self, Seen};
-use crate::running::manifest;
 use crate::running::model_text::{self, MODEL};
-use crate::running::recorder::Recorder;
+use crate::running::recorder::{Recorder, Shared};
+use crate::running::start::Began;
+use crate::running::{manifest, rescue};
 use crate::terminal::console::Console;
 use crate::terminal::format::short_time;
 use crate::terminal::progress::{Progress, Telling};
+
+/// How a run ended, and what it knows of itself.
+pub struct End {
+    /// In the manifest.
+    ended: Ended,
+    exit: Exit,
+    /// What to tell of it first.
+    problem: Option<Problem>,
+    /// Work done.
+    counts: Counts,
+    /// How far it came, s.
+    time: f64,
+    /// What blocks have to say about approximations that missed the tolerance.
+    warnings: Vec<Problem>,
+    /// The steady state that it began in, if it did.
+    began: Option<Began>,
+    /// What an audit has found, if there was one.
+    findings: Option<Findings>,
+}
 
 /// A run that has ended.
 pub struct Simulated {
@@ -27,6 +53,14 @@ pub struct Simulated {
     pub events: Vec<EventRow>,
     /// What was run, and how it ended.
     pub manifest: Manifest,
+    /// Work done.
+    pub counts: Counts,
+    /// What blocks have to say about approximations that missed the tolerance.
+    pub warnings: Vec<Problem>,
+    /// The steady state that it began in, if it did.
+    pub began: Option<Began>,
+    /// What an audit has found, if there was one.
+    pub findings: Option<Findings>,
     /// Rows, over all of which some signal was recorded.
     pub rows: u64,
     /// Why the recording is not whole, if it is not. This has been told.
@@ -35,19 +69,19 @@ pub struct Simulated {
     pub exit: Exit,
 }
 
-/// Runs what is prepared and records it.
+/// Runs what is prepared, records it, and keeps what there is of it however it ends: also where a plug-in never returns.
 ///
 /// # Errors
-/// If nothing can be recorded. A simulation that cannot go on is told, and what there is of it is kept.
-pub fn simulate(args: &RunArgs, prepared: &mut Prepared, console: Console) -> Result<Simulated, Failure> {
+/// If nothing can be recorded or kept.
+pub fn simulate(args: &RunArgs, mut setup: Setup, mut simulation: Simulation, console: Console) -> Outcome {
     let telling = match (args.json, args.quiet) {
         (true, _) => Telling::Data,
         (_, true) => Telling::Silent,
         _ => Telling::People,
     };
     // Whoever finds the folder of a run that was ended by force is to know what it was.
-    let begun = facts(args, prepared, 0.0, Ended::Unfinished);
-    let Prepared { loaded, schedule, simulation, selection, folder, .. } = prepared;
+    let begun = facts(args, &setup, Counts::default(), 0.0, 0.0, Ended::Unfinished);
+    let Setup { loaded, schedule, selection, folder, .. } = &mut setup;
     let stream = folder
         .write_manifest(&begun)
         .and_then(|()| {
@@ -58,21 +92,72 @@ pub fn simulate(args: &RunArgs, prepared: &mut Prepared, console: Console) -> Re
         .and_then(|()| folder.record(&selection.layout, &selection.sources, schedule.recorded.len()))
         .map_err(|error| unwritten(&error))?;
     let progress = Progress::new(console, telling, schedule.settings.stop_time);
-    let mut recorder = Recorder::new(stream, progress);
-    let outcome = simulation.run(&mut recorder);
-    let wall_time = recorder.progress.finish();
-    let Recorder { stream, events, misfit, .. } = recorder;
-    let taken = stream.rows();
-    let (file, lost) = stream.finish();
-
-    let (mut ended, mut exit) = match outcome {
-        Ok(blocksim_sim::Ended::Finished) => (Ended::Complete, Exit::Done),
-        Ok(blocksim_sim::Ended::Interrupted) => (Ended::Interrupted, Exit::Interrupted),
+    let recorder = Mutex::new(Some(Recorder::new(stream, progress)));
+    let setup = Mutex::new(Some(setup));
+    let began = Began::of(&simulation);
+    let keep = |death: &Death| {
+        let (Some(recorder), Some(setup)) = (taken(&recorder), taken(&setup)) else { return Exit::Failed };
+        let end = End::by_death(death, &setup.schedule, recorder.counts, began.clone());
+        finish(args, setup, recorder, end, console).unwrap_or_else(|failure| failure.tell(console))
+    };
+    let outcome = rescue::during(keep, || simulation.run(&mut Shared(&recorder)));
+    let (Some(recorder), Some(setup)) = (taken(&recorder), taken(&setup)) else { return Ok(Exit::Failed) };
+    let (ended, exit, problem) = match outcome {
+        Ok(blocksim_sim::Ended::Finished) => (Ended::Complete, Exit::Done, None),
+        Ok(blocksim_sim::Ended::Interrupted) => (Ended::Interrupted, Exit::Interrupted, None),
+        Err(_) if blocksim_host::was_interrupted() => (Ended::Interrupted, Exit::Interrupted, None),
         Err(error) => {
-            tell_with(&[failure(&error, schedule)], &loaded.files, Some(Exit::Failed), console)?;
-            (Ended::Failed { reason: reason(&error) }, Exit::Failed)
+            (Ended::Failed { reason: reason(&error) }, Exit::Failed, Some(failure(&error, &setup.schedule)))
         }
     };
+    let end = End {
+        ended,
+        exit,
+        problem,
+        counts: simulation.counts(),
+        time: simulation.time(),
+        warnings: warnings(&mut simulation, &setup.schedule),
+        began,
+        findings: simulation.findings(),
+    };
+    finish(args, setup, recorder, end, console)
+}
+
+fn taken<T>(shared: &Mutex<Option<T>>) -> Option<T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner).take()
+}
+
+impl End {
+    /// That of a run in which a plug-in died, or did not return when it was to end.
+    fn by_death(death: &Death, schedule: &Schedule, counts: Counts, began: Option<Began>) -> End {
+        let error = rescue::failure(death, schedule);
+        let (ended, exit, problem) = match death.cause {
+            Cause::Interrupted => (Ended::Interrupted, Exit::Interrupted, None),
+            _ => (Ended::Failed { reason: reason(&error) }, Exit::Failed, Some(failure(&error, schedule))),
+        };
+        End { ended, exit, problem, counts, time: death.t, warnings: Vec::new(), began, findings: None }
+    }
+}
+
+/// Ends the recording, tells how the run ended, and reads back what is looked at.
+///
+/// # Errors
+/// If nothing can be read.
+pub fn read_back(
+    args: &RunArgs,
+    setup: &Setup,
+    recorder: Recorder,
+    end: End,
+    console: Console,
+) -> Result<Simulated, Failure> {
+    let End { mut ended, mut exit, problem, counts, time, warnings, began, findings } = end;
+    let Recorder { stream, events, misfit, mut progress, .. } = recorder;
+    let wall_time = progress.finish();
+    let taken = stream.rows();
+    let (file, lost) = stream.finish();
+    if let Some(problem) = problem {
+        tell_with(&[problem], &setup.loaded.files, Some(Exit::Failed), console)?;
+    }
     if let Some(error) = &lost {
         exit = unwritten(error).tell(console);
         ended = Ended::Failed { reason: format!("the recording could not be written: {}", error.reason()) };
@@ -80,8 +165,8 @@ pub fn simulate(args: &RunArgs, prepared: &mut Prepared, console: Console) -> Re
     if let Some(misfit) = &misfit {
         console.say(&format!("warning: rows were lost: {misfit}; this is a mistake of blocksim"));
     }
-    let store = Store::of_file(file, &folder.partial_path().join(STORE));
-    let manifest = facts(args, prepared, wall_time, ended);
+    let store = Store::of_file(file, &setup.folder.partial_path().join(STORE));
+    let manifest = facts(args, setup, counts, time, wall_time, ended);
     let (run, seen) =
         store.map(Run::of).and_then(|run| keep::seen(&run).map(|seen| (run, seen))).map_err(|error| {
             // A disk that is full from the start may not even have taken the header, which has been told.
@@ -94,7 +179,7 @@ pub fn simulate(args: &RunArgs, prepared: &mut Prepared, console: Console) -> Re
             (0..run.rates().len()).map(|base| run.rows(base)).max().unwrap_or(0)
         }
     };
-    Ok(Simulated { run, seen, events, manifest, rows, lost, exit })
+    Ok(Simulated { run, seen, events, manifest, counts, warnings, began, findings, rows, lost, exit })
 }
 
 /// What is there of a recording that could not be written to its end.
@@ -107,15 +192,23 @@ fn kept_in_spite(run: &Run) -> String {
     }
 }
 
-fn facts(args: &RunArgs, prepared: &Prepared, wall_time: f64, ended: Ended) -> Manifest {
+fn facts(
+    args: &RunArgs,
+    setup: &Setup,
+    counts: Counts,
+    simulated: f64,
+    wall_time: f64,
+    ended: Ended,
+) -> Manifest {
     manifest::of(&manifest::Facts {
         model: &args.model,
         signals: args.signals.iter().map(|wanted| wanted.text.clone()).collect(),
-        loaded: &prepared.loaded,
-        schedule: &prepared.schedule,
-        layout: &prepared.selection.layout,
-        simulation: &prepared.simulation,
-        started: clock::iso(prepared.started),
+        loaded: &setup.loaded,
+        schedule: &setup.schedule,
+        layout: &setup.selection.layout,
+        counts,
+        simulated,
+        started: clock::iso(setup.started),
         wall_time,
         ended,
     })

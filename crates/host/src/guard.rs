@@ -1,0 +1,354 @@
+//! A call with private buffers: the numbers of the engine are copied in and out, so that a plug-in which writes where it must
+//! not is found out by words around its buffers, and does no harm to anybody else as long as it stays near them.
+
+use std::cell::RefCell;
+
+use blocksim_abi::{Message, OK, Status, message};
+
+use crate::call::Failure;
+use crate::environment::Environment;
+use crate::finite::element;
+use crate::kind::Quantity;
+
+/// Words before, between and behind the buffers.
+const GUARD: usize = 16;
+/// What stands there: a number that no calculation gives.
+const PATTERN: u64 = 0x7ff4_5afe_b10c_0001;
+/// What stands in a result before the call.
+const UNWRITTEN: u64 = 0x7ff4_5afe_b10c_0002;
+/// Longer messages of plug-ins are cut.
+const MESSAGE_BYTES: usize = 1024;
+/// Bytes behind the buffer of the message, and what stands there.
+const TAIL: usize = 64;
+const TAIL_BYTE: u8 = 0xa5;
+
+/// Numbers that a function may read.
+#[derive(Debug, Clone, Copy)]
+pub struct Given<'a> {
+    /// What one of them is, in messages: `input`.
+    pub what: &'static str,
+    /// Their names.
+    pub list: &'a [Quantity],
+    /// The numbers.
+    pub numbers: &'a [f64],
+}
+
+/// Numbers that a function writes.
+#[derive(Debug)]
+pub struct Wanted<'a> {
+    /// What one of them is, in messages: `output`.
+    pub what: &'static str,
+    /// Their names.
+    pub list: &'a [Quantity],
+    /// Where they go; untouched if the call fails.
+    pub numbers: &'a mut [f64],
+    /// Whether the function finds the present numbers there, and may leave them; else it has to write each of them.
+    pub is_kept: bool,
+}
+
+/// Where the copies are. Unused places are NULL.
+#[derive(Debug, Clone, Copy)]
+pub struct Places {
+    /// Of what is given.
+    pub given: [*const f64; 4],
+    /// Of what is wanted.
+    pub wanted: [*mut f64; 2],
+}
+
+struct Buffers {
+    words: Vec<u64>,
+    text: [u8; MESSAGE_BYTES + TAIL],
+}
+
+thread_local! {
+    static BUFFERS: RefCell<Buffers> =
+        const { RefCell::new(Buffers { words: Vec::new(), text: [0; MESSAGE_BYTES + TAIL] }) };
+}
+
+/// Buffers of earlier calls, where each call is to have others.
+const RETIRED: usize = 16;
+thread_local!(static MOVING: RefCell<Option<Vec<Vec<u64>>>> = const { RefCell::new(None) });
+
+/// From now on each call of this thread has buffers at other places, and those of earlier ones hold no numbers: whoever has kept
+/// a pointer is found.
+pub fn move_buffers() {
+    MOVING.set(Some(Vec::new()));
+}
+
+/// Puts the buffers of the last call aside.
+fn retire(words: &mut Vec<u64>) {
+    MOVING.with_borrow_mut(|moving| {
+        if let Some(retired) = moving {
+            let mut old = std::mem::take(words);
+            old.fill(PATTERN);
+            retired.push(old);
+            if retired.len() > RETIRED {
+                retired.remove(0);
+            }
+        }
+    });
+}
+
+/// Whether a buffer of an earlier call was written.
+fn is_old_written() -> bool {
+    MOVING.with_borrow(|moving| moving.iter().flatten().any(|old| old.iter().any(|&word| word != PATTERN)))
+}
+
+/// Words that a call with so many buffers and numbers needs.
+fn needed(buffers: usize, numbers: usize) -> usize {
+    numbers + GUARD * (buffers + 1)
+}
+
+/// Makes room on this thread for calls with so many numbers in all, so that these allocate nothing.
+pub fn reserve(numbers: usize) {
+    BUFFERS.with_borrow_mut(|buffers| {
+        let needed = needed(6, numbers);
+        if buffers.words.len() < needed {
+            buffers.words.resize(needed, 0);
+        }
+    });
+}
+
+/// Calls a function on copies, and gives its results if it has kept the rules. Allocates only to report a failure, or where
+/// [`reserve`] has not made room.
+///
+/// # Errors
+/// What the function reported, or which rule it broke.
+pub fn call(
+    given: &[Given],
+    wanted: &mut [Wanted],
+    function: impl FnOnce(&Places, *const Message) -> Status,
+) -> Result<(), Failure> {
+    BUFFERS.with_borrow_mut(|Buffers { words, text }| {
+        let numbers = given.iter().map(|given| given.numbers.len());
+        let numbers =
+            numbers.sum::<usize>() + wanted.iter().map(|wanted| wanted.numbers.len()).sum::<usize>();
+        let needed = needed(given.len() + wanted.len(), numbers);
+        retire(words);
+        if words.len() < needed {
+            words.resize(needed, 0);
+        }
+        let places = lay_out(words, given, wanted);
+        text[MESSAGE_BYTES..].fill(TAIL_BYTE);
+        let message = Message::new(&mut text[..MESSAGE_BYTES]);
+        let before = Environment::now();
+        let status = function(&places, &message);
+        let changed = before.restore();
+        let broken = changed.map(str::to_owned).or_else(|| broken(words, given, wanted)).or_else(|| {
+            let is_whole = text[MESSAGE_BYTES..].iter().all(|&byte| byte == TAIL_BYTE);
+            (!is_whole).then(|| format!("it wrote behind the {MESSAGE_BYTES} bytes of its message"))
+        });
+        let broken =
+            broken.or_else(|| is_old_written().then(|| "it wrote to a buffer of an earlier call".to_owned()));
+        if let Some(broken) = broken {
+            return Err(Failure { status: OK, text: format!("the plug-in broke a rule: {broken}") });
+        }
+        if status != OK {
+            return Err(Failure { status, text: message::written(&text[..MESSAGE_BYTES]).to_owned() });
+        }
+        take(words, given, wanted)
+    })
+}
+
+/// Fills guards and buffers.
+fn lay_out(words: &mut [u64], given: &[Given], wanted: &[Wanted]) -> Places {
+    let mut places = Places { given: [std::ptr::null(); 4], wanted: [std::ptr::null_mut(); 2] };
+    let base = words.as_mut_ptr();
+    words[..GUARD].fill(PATTERN);
+    let mut at = GUARD;
+    for (place, given) in places.given.iter_mut().zip(given) {
+        let end = at + given.numbers.len();
+        words[at..end].iter_mut().zip(given.numbers).for_each(|(word, number)| *word = number.to_bits());
+        words[end..end + GUARD].fill(PATTERN);
+        *place = base.wrapping_add(at).cast::<f64>();
+        at = end + GUARD;
+    }
+    for (place, wanted) in places.wanted.iter_mut().zip(wanted) {
+        let end = at + wanted.numbers.len();
+        if wanted.is_kept {
+            words[at..end]
+                .iter_mut()
+                .zip(&*wanted.numbers)
+                .for_each(|(word, number)| *word = number.to_bits());
+        } else {
+            words[at..end].fill(UNWRITTEN);
+        }
+        words[end..end + GUARD].fill(PATTERN);
+        *place = base.wrapping_add(at).cast::<f64>();
+        at = end + GUARD;
+    }
+    places
+}
+
+/// What was written that must not be.
+fn broken(words: &[u64], given: &[Given], wanted: &[Wanted]) -> Option<String> {
+    let of_given = given.iter().map(|given| (given.what, given.numbers.len()));
+    let of_wanted = wanted.iter().map(|wanted| (wanted.what, wanted.numbers.len()));
+    let mut last = None;
+    let mut at = 0;
+    let mut buffers = of_given.chain(of_wanted).peekable();
+    loop {
+        let guard = &words[at..at + GUARD];
+        let next = buffers.next();
+        if guard.iter().any(|&word| word != PATTERN) {
+            let behind = last.filter(|_| guard[0] != PATTERN || guard[GUARD - 1] == PATTERN);
+            return Some(match (behind, next, last) {
+                (Some((what, n)), _, _) | (None, None, Some((what, n))) => {
+                    format!("it wrote behind the end of its {what}s, which hold {}", count(n))
+                }
+                (None, Some((what, n)), _) => {
+                    format!("it wrote before the beginning of its {what}s, which hold {}", count(n))
+                }
+                (None, None, None) => "it wrote where it has no buffer".to_owned(),
+            });
+        }
+        let Some((what, n)) = next else { break };
+        last = Some((what, n));
+        at += GUARD + n;
+    }
+    let mut at = GUARD;
+    for Given { what, list, numbers } in given {
+        let copies = &words[at..at + numbers.len()];
+        if let Some(changed) =
+            copies.iter().zip(*numbers).position(|(word, number)| *word != number.to_bits())
+        {
+            return Some(format!("it changed its {what} {}, which it may only read", named(list, changed)));
+        }
+        at += numbers.len() + GUARD;
+    }
+    None
+}
+
+/// Copies the results to the engine.
+fn take(words: &[u64], given: &[Given], wanted: &mut [Wanted]) -> Result<(), Failure> {
+    let mut at = GUARD + given.iter().map(|given| given.numbers.len() + GUARD).sum::<usize>();
+    for Wanted { what, list, numbers, is_kept } in wanted {
+        let results = &words[at..at + numbers.len()];
+        if !*is_kept && let Some(missing) = results.iter().position(|&word| word == UNWRITTEN) {
+            let text =
+                format!("the plug-in broke a rule: it did not write its {what} {}", named(list, missing));
+            return Err(Failure { status: OK, text });
+        }
+        numbers.iter_mut().zip(results).for_each(|(number, word)| *number = f64::from_bits(*word));
+        at += numbers.len() + GUARD;
+    }
+    Ok(())
+}
+
+fn count(n: usize) -> String {
+    if n == 1 { "1 number".to_owned() } else { format!("{n} numbers") }
+}
+
+/// The name of a number of a list, in backticks.
+fn named(list: &[Quantity], number: usize) -> String {
+    let mut before = 0;
+    for quantity in list {
+        if number < before + quantity.length {
+            return format!("`{}`", element(quantity, number - before));
+        }
+        before += quantity.length;
+    }
+    format!("number {number}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn quantity(name: &'static str, length: usize) -> Quantity {
+        Quantity { name, unit: "1", dimension: None, length, doc: "", default: None, reads: Vec::new() }
+    }
+
+    /// What a call says whose function does this with two inputs (one a vector) and two outputs.
+    fn outcome(function: impl FnOnce(*mut f64, *mut f64, *const Message) -> Status) -> (String, [f64; 2]) {
+        let (u, y) = ([quantity("a", 1), quantity("v", 2)], [quantity("p", 1), quantity("q", 1)]);
+        let given = [
+            Given { what: "parameter", list: &[], numbers: &[] },
+            Given { what: "input", list: &u, numbers: &[1.0, 2.0, 3.0] },
+        ];
+        let mut results = [7.0; 2];
+        let mut wanted = [Wanted { what: "output", list: &y, numbers: &mut results, is_kept: false }];
+        let answer = call(&given, &mut wanted, |places, message| {
+            function(places.given[1].cast_mut(), places.wanted[0], message)
+        });
+        (answer.map_or_else(|failure| failure.to_string(), |()| "fine".to_owned()), results)
+    }
+
+    #[test]
+    fn results_of_a_good_call_arrive_and_each_broken_rule_is_named() {
+        type Function = fn(*mut f64, *mut f64, *const Message) -> Status;
+        let both: Function = |u, y, _| {
+            // SAFETY: three inputs, two outputs.
+            unsafe { (*y, *y.add(1)) = (*u + *u.add(2), 5.0) };
+            OK
+        };
+        assert_eq!(outcome(both), ("fine".to_owned(), [4.0, 5.0]));
+        // SAFETY: all places lie in the buffers of this thread or in the guards around them.
+        let cases: [(Function, &str); 8] = unsafe {
+            [
+                (
+                    |_, y, _| {
+                        *y = 1.0;
+                        OK
+                    },
+                    "it did not write its output `q`",
+                ),
+                (
+                    |_, y, _| {
+                        *y.add(2) = 1.0;
+                        OK
+                    },
+                    "it wrote behind the end of its outputs, which hold 2 numbers",
+                ),
+                (
+                    |_, y, _| {
+                        *y.sub(1) = 1.0;
+                        OK
+                    },
+                    "it wrote before the beginning of its outputs, which hold 2 numbers",
+                ),
+                (
+                    |u, _, _| {
+                        *u.add(2) = 9.0;
+                        OK
+                    },
+                    "it changed its input `v[1]`, which it may only read",
+                ),
+                (
+                    |u, _, _| {
+                        *u.add(3) = 0.0;
+                        OK
+                    },
+                    "it wrote behind the end of its inputs, which hold 3 numbers",
+                ),
+                (
+                    |u, _, _| {
+                        *u.sub(16) = 0.0;
+                        OK
+                    },
+                    "it wrote behind the end of its parameters, which hold 0 numbers",
+                ),
+                (
+                    |_, y, _| {
+                        *y.add(17) = 0.0;
+                        OK
+                    },
+                    "it wrote behind the end of its outputs, which hold 2 numbers",
+                ),
+                (
+                    |_, _, m| {
+                        *(*m).text.add(1030) = 1;
+                        OK
+                    },
+                    "it wrote behind the 1024 bytes of its message",
+                ),
+            ]
+        };
+        for (function, expected) in cases {
+            let (text, results) = outcome(function);
+            assert_eq!(text, format!("the plug-in broke a rule: {expected}"));
+            assert_eq!(results, [7.0; 2], "nothing of it is used");
+        }
+        assert_eq!(outcome(both).0, "fine", "the next call begins with whole guards");
+    }
+}
