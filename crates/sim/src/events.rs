@@ -160,7 +160,7 @@ impl Guards {
     /// Whether the crossing that is seen at `t` is none once time and states have other last digits.
     fn is_rounding(&mut self, t: f64, diagram: &mut Diagram) -> Result<bool, Failed> {
         for (sign, stride) in [(1.0, 1), (-1.0, 1), (1.0, 2), (-1.0, 2)] {
-            let change = |i: usize| sign * LAST * if i / stride % 2 == 0 { 1.0 } else { -1.0 };
+            let change = |i: usize| sign * LAST * if (i / stride).is_multiple_of(2) { 1.0 } else { -1.0 };
             self.x.iter_mut().enumerate().for_each(|(i, x)| *x += change(i) * *x);
             diagram.minor(t + sign * LAST * t, &self.x)?;
             diagram.guards(&mut self.trial)?;
