@@ -25,7 +25,10 @@ const GRACE: Duration = Duration::from_millis(200);
 const LIMIT: Duration = Duration::from_secs(10);
 
 static LIMIT_NANOS: AtomicU64 = AtomicU64::new(LIMIT.as_nanos() as u64);
-static NOTICE: RwLock<Option<fn(&Death) -> i32>> = RwLock::new(None);
+/// Hears of a death and gives the exit code of the program.
+type DeathNotice = fn(&Death) -> i32;
+
+static NOTICE: RwLock<Option<DeathNotice>> = RwLock::new(None);
 static INTERRUPT: RwLock<Option<fn() -> bool>> = RwLock::new(None);
 static SLOTS: Mutex<Vec<&'static Slot>> = Mutex::new(Vec::new());
 
@@ -130,7 +133,7 @@ fn signal_text(f: &mut fmt::Formatter, signal: i32, _address: u64) -> fmt::Resul
 
 /// Sets who is told of a plug-in that died, or does not return, in this process. What it returns becomes the exit code of the
 /// program, which then ends without any more ado.
-pub fn set_death_notice(notice: fn(&Death) -> i32) {
+pub fn set_death_notice(notice: DeathNotice) {
     *NOTICE.write().unwrap_or_else(PoisonError::into_inner) = Some(notice);
 }
 
