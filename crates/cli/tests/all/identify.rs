@@ -100,6 +100,15 @@ fn a_changed_parameter_is_found_as_changed() {
 }
 
 #[test]
+fn the_torque_of_a_motor_may_be_that_of_a_block_beside_it() {
+    let set = ["--drive", "dc", "--set", "robot.axis1.bearing.coulomb=30"];
+    let output = identify(&[&["friction", "--axis", "1", "--json"], &set[..]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let results = lines(&output);
+    assert!(deviation(&results[0], "bearing", "coulomb") < 0.02, "{}", results[0]);
+}
+
+#[test]
 fn base_parameters_lie_in_their_intervals() {
     let output = identify(&["dynamics", "--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));

@@ -49,6 +49,7 @@ impl Drive {
         if let Some(joint) = joint.and_then(|joint| look_into::<RevoluteJoint>(&joint.block)) {
             drive.train.beside += joint.damping;
         }
+        let mut beside = Vec::new();
         for part in &view.parts {
             let member = members[part.member];
             let square = part.ratio * part.ratio;
@@ -81,8 +82,13 @@ impl Drive {
                     drive.torque_input = network.input(part.member, 0);
                 }
                 drive.torque_signals.push(format!("{}.torque", member.path));
+                // A machine without this output may have a block beside it that measures or computes the torque.
+                if let Some((folder, _)) = member.path.rsplit_once('/') {
+                    beside.push(format!("{folder}/torque.y"));
+                }
             }
         }
+        drive.torque_signals.append(&mut beside);
         drive
     }
 }
