@@ -10,7 +10,7 @@ use blocksim_sim::Simulation;
 use blocksim_tests::{Desk, root, run};
 
 /// Pages without a diagram that could fail here, and why.
-const WITHOUT_DIAGRAM: [(&str, &str); 22] = [
+const WITHOUT_DIAGRAM: [(&str, &str); 23] = [
     ("bare_number", "is an error by an option; the tests of the program run it"),
     ("coupling_error", "is told at the end of a run, and tested with inverters"),
     ("exists", "comes from a command; the tests of the program run it"),
@@ -21,6 +21,7 @@ const WITHOUT_DIAGRAM: [(&str, &str); 22] = [
     ("linearise", "comes from a command, at points that the blocks of the library refuse before"),
     ("plugin_abi", "needs a plug-in of another version"),
     ("plugin_build", "needs a crate that does not build"),
+    ("plugin_crash", "needs a plug-in that crashes; the tests of the program have many"),
     ("plugin_missing", "the path is that of the reader"),
     ("plugin_panic", "needs a plug-in that panics"),
     ("plugin_parameter", "needs a built plug-in"),

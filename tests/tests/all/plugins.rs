@@ -221,7 +221,8 @@ fn stopped(folder: &Folder, how: f64, expected: &Expect) {
     let (compiled, problems) = blocksim_tests::compile_with(&desk, Path::new("model.ron"), &[]);
     let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
     let error = run.error.as_ref().expect("a failure");
-    expected.assert_eq(&format!("{}: {error}\n", error.path.as_deref().unwrap_or("no block")));
+    let text = format!("{}: {error}\n", error.path.as_deref().unwrap_or("no block"));
+    expected.assert_eq(&text.replace(&folder.library(), "LIBRARY"));
     assert_eq!(run.time, [0.0, 0.125, 0.25, 0.375], "what was recorded until then is kept");
     // The integral of 2 t, which the method gives without error but for rounding.
     assert!((run.last("show.u") - 0.375 * 0.375).abs() < 1e-15, "{}", run.last("show.u"));
@@ -234,21 +235,21 @@ fn a_plugin_that_fails_in_the_middle_stops_the_run_with_path_and_time() {
         &folder,
         1.0,
         &expect![[r#"
-        part/c: error[block_failed] at t = 0.5 s: `part/c` cannot go on: output `y` is NaN; inputs: u = 0.5
-    "#]],
+            part/c: error[block_failed] at t = 0.5 s: `part/c` cannot go on: the plug-in `LIBRARY`: output `y` is NaN; inputs: u = 0.5
+        "#]],
     );
     stopped(
         &folder,
         2.0,
         &expect![[r#"
-        part/c: error[block_failed] at t = 0.5 s: `part/c` cannot go on: the plug-in panicked: index 3 of 2
-    "#]],
+            part/c: error[block_failed] at t = 0.5 s: `part/c` cannot go on: the plug-in `LIBRARY` panicked: index 3 of 2
+        "#]],
     );
     stopped(
         &folder,
         3.0,
         &expect![[r#"
-        part/c: error[block_failed] at t = 0.5 s: `part/c` cannot go on: the winding is too hot
-    "#]],
+            part/c: error[block_failed] at t = 0.5 s: `part/c` cannot go on: the plug-in `LIBRARY`: the winding is too hot
+        "#]],
     );
 }
