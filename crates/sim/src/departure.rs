@@ -9,12 +9,16 @@
 //! power. So two short steps of order 5 set out from there, together a billionth of the step long or, if the guard is zero still
 //! there, longer: where it rests for a while, bisection finds the end of that. The next steps double the time since the start, until
 //! tolerances keep them shorter: then what the dense output is off by stays small as compared with the guard at both ends.
+//!
+//! The short steps are explicit, the step that was kept may be one of a stiff method, for which they are too long. So they count only
+//! where they lead to about the same states.
 
+use blocksim_block::schedule::Solver;
 use blocksim_solve::{FixedStep, StepError, Stepper, System};
 
 use crate::evaluate::Diagram;
 use crate::events::Cut;
-use crate::{SimError, Simulation, diagnose};
+use crate::{SimError, Simulation};
 
 /// Parts of a step that are tried, the shortest first.
 const SHORT: [f64; 5] = [
@@ -31,6 +35,8 @@ const AGREES: f64 = 0.1;
 const STRAIGHT: f64 = 0.25;
 /// What moves so little leaves zero by one digit, and is hardly further away after this part of its way.
 const SLOWLY: f64 = 1e-3;
+/// Relative tolerances by which short steps may be off.
+const TOLERANCES: f64 = 10.0;
 /// Longest step on the way out, as a part of the time since the start.
 const GROWTH: f64 = 1.0;
 
@@ -42,17 +48,22 @@ enum Way {
     Leaves,
     /// Another one crosses zero.
     Crosses,
+    /// It is not known: the short steps lead elsewhere, or nowhere.
+    Strays,
 }
 
 /// What sets out from the zero of a guard.
 pub(crate) struct Departure {
     steps: FixedStep,
+    /// Where the short steps lead, and where the dense output is.
     x: Vec<f64>,
+    dense: Vec<f64>,
 }
 
 impl Departure {
     pub fn new(states: usize) -> Self {
-        Self { steps: FixedStep::ode5(states, f64::INFINITY), x: vec![0.0; states] }
+        let zeros = || vec![0.0; states];
+        Self { steps: FixedStep::ode5(states, f64::INFINITY), x: zeros(), dense: zeros() }
     }
 
     /// Goes from the states `x0` at `t0` to `end`.
@@ -61,6 +72,16 @@ impl Departure {
         let mut t = t0;
         self.steps.step(diagram, &mut t, &mut self.x, t0 + 0.5 * (end - t0))?;
         self.steps.step(diagram, &mut t, &mut self.x, end)
+    }
+
+    /// Whether the short steps are as near to the dense output, a part `theta` into the step from `x0` to `x1`, as tolerances are, or
+    /// as what the step moves in so short a part: just behind its start the dense output is not more exact.
+    fn agrees(&self, x0: &[f64], x1: &[f64], theta: f64, rtol: f64) -> bool {
+        let states = self.x.iter().zip(&self.dense).zip(x0.iter().zip(x1));
+        states.into_iter().all(|((x, dense), (x0, x1))| {
+            let tolerance = TOLERANCES * rtol * x0.abs().max(x1.abs());
+            (x - dense).abs() <= tolerance + theta * (x1 - x0).abs()
+        })
     }
 }
 
@@ -82,7 +103,7 @@ impl Simulation {
         for end in SHORT.map(|part| t0 + part * step).into_iter().filter(|end| *end > t0) {
             match self.set_out(t0, end)? {
                 Way::Rests => rests = end,
-                Way::Crosses => break,
+                Way::Crosses | Way::Strays => break,
                 Way::Leaves => {
                     let t = if rests > t0 { self.end_of_rest(t0, rests, end, step)? } else { end };
                     // What another crossing on the way has changed is found as without this.
@@ -100,8 +121,18 @@ impl Simulation {
     /// Goes from the start of a step at `t0` to `end` and looks what guards do there.
     fn set_out(&mut self, t0: f64, end: f64) -> Result<Way, SimError> {
         let Self { guards, diagram, kinks, departure, .. } = self;
-        let gone = departure.go(diagram, t0, &kinks.x, end);
-        gone.map_err(|error| diagnose::step(&self.schedule, diagram, &departure.x, error))?;
+        if departure.go(diagram, t0, &kinks.x, end).is_err() {
+            // The step itself was possible.
+            diagram.failure = None;
+            return Ok(Way::Strays);
+        }
+        if let (Some(stepper), Solver::Variable { rtol, .. }) = (&self.stepper, self.schedule.settings.solver)
+        {
+            stepper.interpolate(end, &mut departure.dense);
+            if !departure.agrees(&kinks.x, &self.x, (end - t0) / (self.t - t0), rtol) {
+                return Ok(Way::Strays);
+            }
+        }
         let arrived = guards.arrive(diagram, end, &departure.x);
         if self.held(arrived)? {
             return Ok(Way::Crosses);
@@ -122,7 +153,7 @@ impl Simulation {
             }
             match self.set_out(t0, middle)? {
                 Way::Rests => rests = middle,
-                Way::Leaves | Way::Crosses => end = middle,
+                Way::Leaves | Way::Crosses | Way::Strays => end = middle,
             }
         }
         let at_end = self.set_out(t0, end)?;

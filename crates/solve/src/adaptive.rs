@@ -277,7 +277,8 @@ impl<M: Method> Adaptive<M> {
             self.counts.rejected += 1;
             match attempt {
                 Ok(()) => self.counts.evaluations += self.weights.rejected(system, t, &self.x0, trial.h),
-                Err(_) => self.weights.stalled(),
+                Err(Fault::NotFinite(_)) => self.weights.stalled(),
+                Err(Fault::System) => {}
             }
             if !self.control.reject(trial, err) {
                 let state = match attempt {

@@ -175,11 +175,12 @@ impl Newton {
                 *noise = noise.max((a - b).abs());
             }
             let multiple = if number == SHAKEN { ROUNDING } else { MORE };
-            let is_more = |i: usize| {
+            // What is not a number is no rounding.
+            let is_little = |i: usize| {
                 let unit = work.weights.scale(i, x0[i].abs().max(x1[i].abs()), h);
-                before[i].abs() > (multiple * noise[i]).max(STANDING * unit)
+                before[i].abs() <= (multiple * noise[i]).max(STANDING * unit)
             };
-            if (0..x1.len()).any(is_more) {
+            if !(0..x1.len()).all(is_little) {
                 return false;
             }
         }

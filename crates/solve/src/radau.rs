@@ -157,7 +157,7 @@ impl RadauIIA {
             if self.correct(work, span, x0, x1, number).is_err() {
                 return false;
             }
-            let mut is_more = false;
+            let mut is_little = true;
             for i in 0..x0.len() {
                 let now = self.corrections(i);
                 if number == 0 {
@@ -168,11 +168,12 @@ impl RadauIIA {
                 self.noise[i] = changed.fold(self.noise[i], f64::max);
                 x1[i] = x0[i] + self.z[2][i];
                 let unit = work.weights.scale(i, x0[i].abs().max(x1[i].abs()), span.h);
-                let left = self.left[i].iter().fold(0.0, |most: f64, left| most.max(left.abs()));
                 let multiple = if number == SHAKEN { ROUNDING } else { MORE };
-                is_more |= left > (multiple * self.noise[i]).max(STANDING * unit);
+                let bound = (multiple * self.noise[i]).max(STANDING * unit);
+                // What is not a number is no rounding.
+                is_little &= self.left[i].iter().all(|left| left.abs() <= bound);
             }
-            if is_more {
+            if !is_little {
                 return false;
             }
         }

@@ -8,24 +8,22 @@ const DOUBTS: [f64; 3] = [1.0 / 3.0, 1.0, 3.0];
 pub fn changes(times: &[f64], values: &[f64], least: (f64, f64)) -> u32 {
     let (band, moment) = least;
     let (mut sign, mut number) = (0.0, 0);
-    // Since when there is a sign that is not the one that counts.
-    let mut other: Option<f64> = None;
-    for (t, value) in times.iter().zip(values) {
-        let now = if value.abs() > band { value.signum() } else { other.map_or(sign, |_| -sign) };
-        if sign == 0.0 {
+    // Ends a span of a sign that has begun at `since`.
+    let mut end = |now: f64, since: f64, t: f64| {
+        if now != sign && t - since > moment {
+            number += u32::from(sign != 0.0);
             sign = now;
-            continue;
         }
-        let has_lasted = other.is_some_and(|since| t - since > moment);
-        if now == sign {
-            // It was the other one until now.
-            number += 2 * u32::from(has_lasted);
-            other = None;
-        } else if has_lasted {
-            (sign, other, number) = (now, None, number + 1);
-        } else {
-            other.get_or_insert(*t);
+    };
+    let mut span = (0.0, f64::INFINITY);
+    for (t, value) in times.iter().zip(values).filter(|(_, value)| value.abs() > band) {
+        if value.signum() != span.0 {
+            end(span.0, span.1, *t);
+            span = (value.signum(), *t);
         }
+    }
+    if let Some(t) = times.last() {
+        end(span.0, span.1, *t);
     }
     number
 }
@@ -52,8 +50,12 @@ mod tests {
         assert_eq!(changes(&times, &values, (0.2, 0.5)), 2);
         assert_eq!(changes(&times, &values, (0.2, 4.0)), 0);
         assert_eq!(changes(&times, &values, (0.0, 0.5)), 4);
-        assert_eq!(changes(&times, &values, (0.0, 1.5)), 1);
+        assert_eq!(changes(&times, &values, (0.0, 1.5)), 0);
         assert_eq!(changes(&times, &values, (2.5, 0.5)), 0);
         assert_eq!(changes(&times, &values[..2], (0.2, 0.0)), 0);
+        // A sign of the beginning must last as any other.
+        let values = [0.0, 1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0];
+        assert_eq!(changes(&times, &values, (0.2, 0.5)), 2);
+        assert_eq!(changes(&times, &values, (0.2, 1.5)), 1);
     }
 }

@@ -111,3 +111,33 @@ fn a_crossing_soon_after_a_flat_start_is_found_once() {
         assert!((time - a).abs() < 1e-6 * a, "{time}, not {a}");
     }
 }
+
+/// A stiff method makes steps that are millions of time constants long, and short explicit steps from there may be thousands of them.
+/// What leaves 1 as a power of time is found all the same, or as the dense output has it, and the fast state stays where it is.
+#[test]
+fn short_steps_that_are_too_long_for_what_is_fast_lead_nowhere() {
+    for method in ["Auto", "Ode15s", "Radau5", "Rodas4", "Ode23tb"] {
+        for tau in ["1e-5 s", "1e-7 s"] {
+            let run = run_text(&format!(
+                r#"Diagram(
+                    simulation: (stop_time: "4 s", solver: {method}),
+                    blocks: {{
+                        "start": Step(time: "1 s", after: 1.0), "rate1": Gain(k: "1 1/s"), "x1": Integrator, "rate2": Gain(k: "1 1/s"),
+                        "x2": Integrator(x0: 1.0), "hit": HitCrossing(at: 1.0, direction: Falling),
+                        "source": Sine(amplitude: 1.0, frequency: "0.1 Hz"), "fast": LowPass(tau: "{tau}"),
+                        "show": Scope(inputs: ["count", "x2", "set", "fast"]),
+                    }},
+                    connections: [
+                        "start.y -> rate1.u", "rate1.y -> x1.u", "x1.y -> rate2.u", "rate2.y -> x2.u", "x2.y -> hit.u, show.x2",
+                        "hit.count -> show.count", "source.y -> fast.u, show.set", "fast.y -> show.fast",
+                    ],
+                )"#
+            ));
+            assert_eq!(run.last("show.count"), 0.0, "{method}, {tau}: {:?}", run.events);
+            assert!((run.last("show.x2") - 5.5).abs() < 1e-5, "{method}, {tau}: {}", run.last("show.x2"));
+            for (set, fast) in run.column("show.set").iter().zip(run.column("show.fast")) {
+                assert!((set - fast).abs() < 2e-5, "{method}, {tau}: {fast}, not {set}");
+            }
+        }
+    }
+}

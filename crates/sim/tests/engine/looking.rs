@@ -92,6 +92,30 @@ fn a_guard_that_rests_on_zero_and_leaves_it_within_a_step_is_seen() {
     }
 }
 
+/// Beside it something a million times faster, that a stiff method lets be: nothing explicit may get so far.
+#[test]
+fn a_guard_that_leaves_its_rest_within_a_stiff_step_leaves_fast_states_where_they_are() {
+    for method in
+        [VariableMethod::Ode15s, VariableMethod::Radau5, VariableMethod::Rodas4, VariableMethod::Ode23tb]
+    {
+        // Somewhere in a step of each of them, be it near its start or near its end.
+        for level in 0..20 {
+            let level = 2.0 + 0.1 * f64::from(level);
+            let toy = Toy::new().with("one", Constant(1.0), &[]).with("level", Constant(level), &[]);
+            let toy = toy.with("x", Integrator(0.0), &["one"]);
+            let rest: fn(f64, f64) -> f64 = |x, level| if x > level { level - x } else { 0.0 };
+            let toy = toy.with("u", Function2(rest), &["x", "level"]).with("sign", Sign, &["u"]);
+            let toy = toy.with("lag", Function2(|x, fast| 1e6 * (x.sin() - fast)), &["x", "fast"]);
+            let toy = toy.with("fast", Integrator(0.0), &["lag"]).with("z", Integrator(0.0), &["fast"]);
+            let toy = toy.with("y", Integrator(0.0), &["sign"]);
+            let (tape, _) = run(toy, &["y", "z"], 10.0, solver(method, f64::MAX));
+            let (y, z) = (tape.at(10.0, 0), tape.at(10.0, 1));
+            assert!((y - (2.0 * level - 10.0)).abs() < 1e-6, "{method:?}, {level}: {y}");
+            assert!((z - (1.0 - 10.0_f64.cos())).abs() < 1e-3, "{method:?}, {level}: {z}");
+        }
+    }
+}
+
 #[test]
 fn no_step_is_longer_than_a_fiftieth_of_the_run_unless_the_settings_say_so() {
     let toy = || Toy::new().with("one", Constant(1.0), &[]).with("x", Integrator(0.0), &["one"]);
