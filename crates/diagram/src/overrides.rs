@@ -9,6 +9,9 @@ use blocksim_signal::{Value, closest};
 use crate::source::Sources;
 use crate::tree::{Node, Shape, read};
 
+/// What stands in the place of a file for values from the command line.
+pub(crate) const SET: &str = "--set";
+
 /// A parameter that is replaced.
 #[derive(Debug)]
 pub(crate) struct Override {
@@ -62,7 +65,7 @@ impl Override {
 
 /// Takes `target=value` apart.
 pub(crate) fn parse(sources: &Sources, text: &str) -> Result<Override, Problem> {
-    let file = sources.hold(Path::new("--set"), text);
+    let file = sources.hold(Path::new(SET), text);
     let fail = |message: &str| {
         Problem::error("unknown_override", message.to_owned())
             .at(&Place { file, span: 0..text.len() }, "")

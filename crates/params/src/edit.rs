@@ -16,8 +16,9 @@ pub fn edited(texts: &[&str], quantities: &[Quantity], changes: &[Change]) -> Re
         quantities.iter().map(|quantity| (quantity.path.as_str(), quantity)).collect();
     let mut places: Vec<Vec<(Range<usize>, f64)>> = vec![Vec::new(); texts.len()];
     for change in changes {
-        let missing =
-            || SetError::new(format!("there is no number `{}` to replace", change.path), None, 0..0);
+        let missing = || {
+            SetError::new(format!("cannot change `{}`: the set has no such number", change.path), None, 0..0)
+        };
         let quantity = by_path.get(change.path.as_str()).ok_or_else(missing)?;
         let places = places.get_mut(quantity.text).ok_or_else(missing)?;
         match (&quantity.content, change.new) {

@@ -157,7 +157,7 @@ impl Guards {
         }
     }
 
-    /// Whether the crossing that is seen at `t` is none once time and states have other last digits.
+    /// Whether the crossing at `t` disappears when the last digits of time and states change.
     fn is_rounding(&mut self, t: f64, diagram: &mut Diagram) -> Result<bool, Failed> {
         for (sign, stride) in [(1.0, 1), (-1.0, 1), (1.0, 2), (-1.0, 2)] {
             let change = |i: usize| sign * LAST * if (i / stride).is_multiple_of(2) { 1.0 } else { -1.0 };

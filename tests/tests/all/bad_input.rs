@@ -521,3 +521,24 @@ fn nothing_that_is_written_makes_the_compiler_panic() {
         let _ = compile_text(&format!("{}{}", &text[..cut], &text[cut + 1..]));
     }
 }
+
+#[test]
+fn a_missing_file_is_looked_for_where_its_path_begins() {
+    let model = r#"Diagram(
+        simulation: (stop_time: "1 s"),
+        parameters: { "set": File("gone.ron") },
+        blocks: { "one": Constant(value: "set.k"), "show": Scope },
+        connections: ["one.y -> show.u"],
+    )"#;
+    let desk = Desk::new().with("model.ron", model);
+    for (set, help) in [
+        (&[][..], "paths are relative to the file that names them"),
+        (
+            &["set=File(\"nix.ron\")"][..],
+            "paths in `--set` are relative to the folder where the program is called",
+        ),
+    ] {
+        let problems = compile_with(&desk, Path::new("model.ron"), set).1;
+        assert!(problems.contains("error[missing_file]") && problems.contains(help), "{problems}");
+    }
+}

@@ -36,7 +36,7 @@ impl<'a> Resolver<'a> {
         let file = match self.sources.open(&self.sources.folder(ast.file).join(name)) {
             Ok(file) => file,
             Err(reason) => {
-                self.report(missing_file(name, &reason, &place));
+                self.report(missing_file(self.sources, name, &reason, &place));
                 return Content::Unknown;
             }
         };

@@ -141,7 +141,8 @@ impl<'a> Evaluation<'_, 'a> {
     fn read(&self, item: &Node, path: &str) -> Result<Value, Problem> {
         let sources = self.scope.sources;
         let full = sources.folder(self.file).join(path);
-        let file = sources.open(&full).map_err(|reason| missing_file(path, &reason, &self.place(item)))?;
+        let file =
+            sources.open(&full).map_err(|reason| missing_file(sources, path, &reason, &self.place(item)))?;
         if file == self.file || self.stack.contains(&file) {
             return Err(Problem::error("recursive_file", format!("`{path}` includes itself"))
                 .at(&self.place(item), "is being read already"));

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use blocksim_block::problem::{FileId, Place, Problem};
 
+use crate::overrides::SET;
 use crate::source::Sources;
 use crate::tree::Node;
 
@@ -13,8 +14,18 @@ pub(crate) fn read_tree(sources: &Sources, file: FileId) -> Result<Node, Problem
 }
 
 /// A file that cannot be read.
-pub(crate) fn missing_file(path: impl AsRef<Path>, reason: &str, place: &Place) -> Problem {
+pub(crate) fn missing_file(
+    sources: &Sources,
+    path: impl AsRef<Path>,
+    reason: &str,
+    place: &Place,
+) -> Problem {
+    let is_override = sources.file(place.file).path == Path::new(SET);
+    let help = match is_override {
+        true => "paths in `--set` are relative to the folder where the program is called",
+        false => "paths are relative to the file that names them",
+    };
     Problem::error("missing_file", format!("cannot read `{}`: {reason}", path.as_ref().display()))
         .at(place, "named here")
-        .help("paths are relative to the file that names them")
+        .help(help)
 }

@@ -10,7 +10,7 @@ use crate::fault::{self, MISSING};
 use crate::guard::{Given, Wanted};
 use crate::open::Library;
 
-/// There is none.
+/// A block of a plug-in in another process, which cannot exist on this system.
 #[derive(Debug, Clone, Copy)]
 pub enum Remote {}
 

@@ -57,7 +57,7 @@ struct Server {
     message: Vec<u8>,
 }
 
-/// The process of a library, or why there is none any more.
+/// The process that serves a library, or the reason why it ended.
 enum Link {
     Up(Server),
     Down(String),
@@ -217,7 +217,10 @@ impl Server {
         self.message.get(8..).unwrap_or_default()
     }
 
-    /// Sends the message and receives one in its place; gives the status. Why there is none: a verb with what it needs.
+    /// Sends the message, replaces it by the answer and returns the status of the answer.
+    ///
+    /// # Errors
+    /// What happened to the process, to follow the name of the plug-in: "aborted (SIGABRT)".
     fn exchange(&mut self) -> Result<i32, String> {
         finish(&mut self.message);
         let asked = Instant::now();
