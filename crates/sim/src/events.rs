@@ -119,16 +119,24 @@ impl Guards {
             }
         }
         // Of what crosses zero and comes back, both crossings matter.
-        let both = right == stride.t1;
-        if both {
-            let seen = self.see(looks, diagram, stride)?;
-            let turned = self.turn(looks, diagram, stride)?;
-            right = [seen, turned].into_iter().flatten().fold(right, f64::min);
-        }
-        let both = both && right < stride.t1;
+        let mut both = false;
         if right < stride.t1 {
             self.at(right, diagram, stride)?;
             std::mem::swap(&mut self.trial, &mut self.end);
+        } else {
+            let seen = self.see(looks, diagram, stride)?;
+            let turned = self.turn(looks, diagram, stride)?;
+            let mut times = [seen, turned];
+            times.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+            // What does not cross there hides nothing behind.
+            for t in times.into_iter().flatten().filter(|t| *t < stride.t1) {
+                self.at(t, diagram, stride)?;
+                if self.crossing(&self.trial, true).or_else(|| self.departing(&self.trial)).is_some() {
+                    std::mem::swap(&mut self.trial, &mut self.end);
+                    (right, both) = (t, true);
+                    break;
+                }
+            }
         }
         self.fired.fill(false);
         let first = self.crossing(&self.end, both).or_else(|| self.departing(&self.end));

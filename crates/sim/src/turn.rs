@@ -227,7 +227,8 @@ impl Guards {
     fn has_turned(&self) -> bool {
         let ends = self.start.iter().zip(&self.end).zip(&self.trial);
         ends.zip(&self.events).any(|(((&start, &end), &trial), &events)| {
-            let counts = if events == Crossing::Holds { events } else { Crossing::Either };
+            let counts =
+                if matches!(events, Crossing::Holds | Crossing::Peak) { events } else { Crossing::Either };
             counts.happens(start, trial) && !counts.happens(start, end)
         })
     }
@@ -242,7 +243,8 @@ impl Guards {
             let t = stride.t0 + at * h;
             self.at(t, diagram, stride)?;
             let value = sign * self.trial[turn.guard];
-            if value <= 0.0 {
+            // A mode that holds at zero may touch it.
+            if value < 0.0 || value == 0.0 && self.events[turn.guard] != Crossing::Holds {
                 return Ok(Some(t));
             }
             // The least value so far stays in the middle.

@@ -46,6 +46,7 @@ mod oracles;
 mod own_outputs;
 mod pages;
 mod parameters;
+mod passed_over;
 #[cfg(unix)]
 mod plugins;
 mod power;

@@ -1,5 +1,6 @@
 //! Conditions that must not be passed over, however long the steps are.
 
+use blocksim_block::Crossing;
 use blocksim_block::schedule::OutputTimes::Every;
 use blocksim_block::schedule::{Solver, VariableMethod};
 use blocksim_sim::{Counts, Simulation};
@@ -169,5 +170,25 @@ fn a_dip_is_seen_in_a_step_at_whose_end_another_guard_has_crossed() {
         let (tape, _) = run(toy, &["dip"], 100.0, solver(method, f64::MAX));
         let names: Vec<&str> = tape.events.iter().map(|event| event.1.as_str()).collect();
         assert_eq!(names, ["dip zero", "dip zero", "late zero"], "{method:?}");
+    }
+}
+
+#[test]
+fn a_mode_that_touches_zero_hides_no_crossing_behind() {
+    // The first guard touches zero, on the side where its mode holds; another one crosses later in the same long step.
+    let touches = |t: f64, _: f64| {
+        let square = (t - 0.313) * (t - 0.313);
+        if square < 1e-4 { 0.0 } else { square }
+    };
+    let toy = Toy::new().with("t", Time, &[]).with("touches", Function2(touches), &["t", "t"]);
+    let toy = toy.with("holds", Crossings(Crossing::Holds), &["touches"]);
+    let toy = toy.with("u", Function2(|t, _| t - 0.771), &["t", "t"]).with("sign", Sign, &["u"]);
+    let toy = toy.with("x", Integrator(0.0), &["sign"]);
+    for method in METHODS {
+        let toy = toy.clone();
+        let (tape, _) = run(toy, &["x"], 1.0, solver(method, f64::INFINITY));
+        let times: Vec<f64> = tape.events.iter().map(|event| event.0).collect();
+        assert!(times.len() == 1 && (times[0] - 0.771).abs() < 1e-12, "{method:?}: {times:?}");
+        assert!((tape.at(1.0, 0) - (1.0 - 2.0 * 0.771)).abs() < 1e-12, "{method:?}: {}", tape.at(1.0, 0));
     }
 }

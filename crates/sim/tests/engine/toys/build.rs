@@ -9,7 +9,7 @@ use blocksim_signal::{Kind, SampleTime, Shape};
 
 /// A diagram of scalar signals. A connection is named by the block it comes from, with `.port` unless that is the first
 /// output.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Toy {
     blocks: Vec<Part>,
     major: Vec<String>,
