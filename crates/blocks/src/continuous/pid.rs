@@ -152,9 +152,12 @@ impl Block for Pid {
                 let waits = |side: f64| if *mode == side { self.slack() } else { 0.0 };
                 g[0] = self.law.upper.map_or(-1.0, |upper| v - (upper - waits(1.0)));
                 g[1] = self.law.lower.map_or(1.0, |lower| v - (lower + waits(-1.0)));
-                // The sign of the error matters at the limits alone; elsewhere it may flicker in rounding.
-                let at_limit = *mode != 0.0 || g[0] >= 0.0 || g[1] <= 0.0;
-                g[2] = if self.law.anti_windup == AntiWindup::Clamping && at_limit { *e } else { 1.0 };
+                // Positive where the integral winds up: beyond a limit, with an error that leads further. Far from the limits the
+                // error may flicker in rounding.
+                g[2] = match self.law.anti_windup {
+                    AntiWindup::Clamping => g[0].min(*e).max((-g[1]).min(-*e)),
+                    _ => -1.0,
+                };
             }
         }
         if self.reset != Reset::None
