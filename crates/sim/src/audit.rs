@@ -6,6 +6,7 @@
 use blocksim_block::schedule::Schedule;
 use blocksim_solve::Failed;
 
+use crate::clock::same;
 use crate::diagnose::guard_of;
 use crate::evaluate::Diagram;
 use crate::guards::{Guards, Stride};
@@ -78,7 +79,8 @@ impl Audit {
         self.last.clone_from(&self.start);
         for k in 1..POINTS {
             let t = stride.t0 + h * (f64::from(k) / f64::from(POINTS));
-            if t <= stride.t0 || t >= end {
+            // What is seen at the time of the event itself is that event.
+            if t <= stride.t0 || t >= end - same(end) {
                 continue;
             }
             guards.at(t, diagram, stride)?;
