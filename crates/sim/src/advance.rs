@@ -229,7 +229,7 @@ impl Simulation {
             if let Some(stepper) = &self.stepper {
                 stepper.interpolate(t, &mut self.guards.x);
             }
-            let evaluated = self.diagram.continuous(t, &self.guards.x);
+            let evaluated = self.diagram.for_row(t, &self.guards.x);
             self.held(evaluated)?;
             if !self.rows.take(&self.diagram.signals) {
                 return Err(diagnose::not_finite(&self.schedule, &self.diagram, &self.guards.x));

@@ -9,12 +9,13 @@
 //! A reset that follows from the output itself (an integrator that sets itself back at a limit) has a value before it
 //! that has been reached: the diagram sees it, then the jump.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 use blocksim_block::schedule::Schedule;
 use blocksim_solve::Failed;
 
 use crate::evaluate::Diagram;
+use crate::graph::Graph;
 use crate::{Observer, SimError, Simulation};
 
 /// Who jumps early, and what must be known for it.
@@ -36,7 +37,7 @@ impl Early {
             if !block.interface.jumps || !block.parts.is_empty() {
                 continue;
             }
-            let cone = graph.behind(index);
+            let cone = graph.behind(graph.sources[index].clone());
             if cone.is_empty() || cone.iter().any(|&(from, _)| from == index) {
                 continue;
             }
@@ -57,53 +58,6 @@ impl Early {
         };
         early.jumping.sort_by_key(|&block| (first(block), block));
         early
-    }
-}
-
-/// Which output group depends on which at the same time.
-struct Graph<'a> {
-    schedule: &'a Schedule,
-    /// Groups that the inputs of each block come from, input by input.
-    inputs: Vec<Vec<Vec<(usize, usize)>>>,
-    /// The same of all inputs.
-    sources: Vec<Vec<(usize, usize)>>,
-}
-
-impl<'a> Graph<'a> {
-    fn new(schedule: &'a Schedule) -> Self {
-        let mut group_of = HashMap::new();
-        for (index, block) in schedule.blocks.iter().enumerate() {
-            for (port, &(start, end)) in block.outputs.iter().enumerate() {
-                let group = block.interface.group_of[port];
-                group_of.extend((start..end).map(|cell| (block.y + cell as usize, (index, group))));
-            }
-        }
-        let from = |&(cell, length): &(u32, u32)| -> Vec<(usize, usize)> {
-            let cells = cell as usize..(cell + length) as usize;
-            cells.filter_map(|cell| group_of.get(&cell).copied()).collect()
-        };
-        let inputs: Vec<Vec<Vec<(usize, usize)>>> =
-            schedule.blocks.iter().map(|block| block.gather.iter().map(from).collect()).collect();
-        let sources = inputs.iter().map(|inputs| inputs.concat()).collect();
-        Self { schedule, inputs, sources }
-    }
-
-    /// All groups that the inputs of a block depend on at the same time.
-    fn behind(&self, block: usize) -> HashSet<(usize, usize)> {
-        let mut found = HashSet::new();
-        let mut stack = self.sources[block].clone();
-        while let Some((block, group)) = stack.pop() {
-            if found.insert((block, group)) {
-                let interface = &self.schedule.blocks[block].interface;
-                let inputs = self.inputs[block].iter().enumerate();
-                let read = inputs.filter(|(input, _)| interface.reads(group, *input));
-                stack.extend(read.flat_map(|(_, from)| from));
-                let constraint = interface.constraint.as_ref();
-                let rest = constraint.filter(|constraint| constraint.group == group);
-                stack.extend(rest.map(|constraint| (block, constraint.rest)));
-            }
-        }
-        found
     }
 }
 

@@ -1,17 +1,20 @@
 //! The hot loop: gather the inputs of a block, call its outputs, next.
 
+use std::sync::Arc;
+
 use blocksim_block::schedule::{Schedule, When};
 use blocksim_block::{Context, Fault, Scratch};
 use blocksim_solve::Failed;
 
 use crate::looks::Looks;
 use crate::loops::{Loops, Pass};
-use crate::plan::{Call, Plan, Source, Unit};
+use crate::plan::{Call, Plan, Source, Span, Unit};
 use crate::stepwise::Stepwise;
 
 /// Everything that the evaluation of a diagram needs and changes, except time and states, which belong to whoever
 /// asks for it.
 pub(crate) struct Diagram {
+    pub schedule: Arc<Schedule>,
     pub plan: Plan,
     /// Outputs of all blocks, then the values of unconnected inputs.
     pub signals: Vec<f64>,
@@ -48,6 +51,8 @@ pub(crate) struct Now {
     pub x: Vec<f64>,
     /// Inputs of the block at hand.
     pub u: Vec<f64>,
+    /// What brings the inputs of all blocks together.
+    copies: Arc<[(u32, u32)]>,
     pub evaluation: u64,
     pub fault: Fault,
     /// How much of the signals belongs to `t`, `x` and the discrete states.
@@ -82,7 +87,7 @@ impl Now {
             Source::Below(from) => &signals[from as usize..][..width],
             Source::Above(from) => &signals[(unit.y.end + from) as usize..][..width],
             Source::Scattered => {
-                self.gather(&unit.copies, signals);
+                self.gather(unit.copies, signals);
                 &self.u[..width]
             }
         };
@@ -99,10 +104,10 @@ impl Now {
     }
 
     /// Brings the inputs of a block together.
-    #[inline]
-    fn gather(&mut self, copies: &[(u32, u32)], signals: &[f64]) {
+    #[inline(always)]
+    fn gather(&mut self, copies: Span, signals: &[f64]) {
         let mut at = 0;
-        for &(from, len) in copies {
+        for &(from, len) in &self.copies[copies.range()] {
             let (from, len) = (from as usize, len as usize);
             if len == 1 {
                 self.u[at] = signals[from];
@@ -119,8 +124,8 @@ impl Now {
 }
 
 impl Diagram {
-    pub fn new(schedule: &Schedule) -> Self {
-        let plan = Plan::new(schedule);
+    pub fn new(schedule: Arc<Schedule>) -> Self {
+        let plan = Plan::new(&schedule);
         let (inputs, discrete) = plan.widest;
         Self {
             signals: schedule.initial_signals.clone(),
@@ -129,6 +134,7 @@ impl Diagram {
                 t: 0.0,
                 x: vec![0.0; schedule.states],
                 u: vec![0.0; inputs],
+                copies: Arc::clone(&plan.copies),
                 evaluation: 0,
                 fault: Fault::default(),
                 known: Known::Nothing,
@@ -136,13 +142,14 @@ impl Diagram {
             },
             scratch: schedule.blocks.iter().map(|instance| instance.block.scratch()).collect(),
             settle: Settling { last: vec![0; plan.units.len()], before: vec![0.0; discrete], changed: false },
-            loops: Loops::new(schedule),
+            loops: Loops::new(&schedule),
             looks: Looks::default(),
-            stepwise: Stepwise::new(schedule),
+            stepwise: Stepwise::new(&schedule),
             unused: vec![0.0; schedule.states],
             pinned: Vec::new(),
             failure: None,
             plan,
+            schedule,
         }
     }
 
@@ -206,6 +213,23 @@ impl Diagram {
     /// Evaluates what changes between major steps; discrete states, sampled outputs and branches are held.
     pub fn continuous(&mut self, t: f64, x: &[f64]) -> Result<(), Failed> {
         self.held(t, x, Known::Continuous)
+    }
+
+    /// The part of [`continuous`](Self::continuous) that what is recorded depends on. Nobody takes other signals for known.
+    pub fn for_row(&mut self, t: f64, x: &[f64]) -> Result<(), Failed> {
+        if self.plan.rows.is_none() || self.now.known == Known::Continuous && self.now.is_at(t, x) {
+            return self.continuous(t, x);
+        }
+        self.enter(t, x);
+        let Self { plan, now, signals, d, scratch, .. } = self;
+        for call in plan.rows.iter().flatten() {
+            outputs(call, now, signals, d, scratch);
+            if now.fault.is_raised() {
+                let block = call.block as usize;
+                return Err(self.failed(block));
+            }
+        }
+        Ok(())
     }
 
     /// A minor pass: the part of [`continuous`](Self::continuous) that derivatives and guards depend on.
@@ -366,7 +390,7 @@ pub(crate) fn outputs(call: &Call, now: &mut Now, signals: &mut [f64], d: &[f64]
             (&rest[from as usize..][..unit.width as usize], &mut before[unit.y.start as usize..])
         }
         Source::Scattered => {
-            now.gather(&unit.copies, signals);
+            now.gather(unit.copies, signals);
             (&now.u[..unit.width as usize], &mut signals[unit.y.range()])
         }
     };

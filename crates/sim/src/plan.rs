@@ -8,6 +8,7 @@ use blocksim_block::Block;
 use blocksim_block::schedule::{Instance, Schedule, Step, When};
 
 use crate::early::Early;
+use crate::graph::Graph;
 
 /// A range of indices in half the space.
 #[derive(Debug, Clone, Copy)]
@@ -37,8 +38,8 @@ impl Span {
 pub(crate) struct Unit {
     pub block: Arc<dyn Block>,
     pub source: Source,
-    /// Copies that bring the inputs: from where among the signals, and how many.
-    pub copies: Arc<[(u32, u32)]>,
+    /// Which of the plan's copies bring the inputs.
+    pub copies: Span,
     /// Start and end of the input ports.
     pub inputs: Arc<[(u32, u32)]>,
     /// Start and end of the output ports.
@@ -96,12 +97,17 @@ pub(crate) struct Updated {
 #[derive(Debug)]
 pub(crate) struct Plan {
     pub units: Vec<Unit>,
+    /// From where among the signals inputs are brought together, and how many values: in the order of the calls, since one pass
+    /// reads most of them, and of long models the cache does not hold them all.
+    pub copies: Arc<[(u32, u32)]>,
     /// Everything, for major steps.
     pub major: Vec<Call>,
     /// What changes between major steps.
     pub continuous: Vec<Call>,
     /// What changes between major steps and matters to derivatives and guards.
     pub minor: Vec<Call>,
+    /// What changes between major steps and is recorded, or something recorded depends on; absent where that is nearly all.
+    pub rows: Option<Vec<Call>>,
     /// Blocks that settle but have no outputs, with their rate.
     pub settling: Vec<(usize, Option<usize>)>,
     pub with_states: Vec<usize>,
@@ -129,8 +135,10 @@ pub(crate) struct Plan {
 
 impl Plan {
     pub fn new(schedule: &Schedule) -> Self {
+        let (copies, spans) = copies(schedule);
         let mut layouts = Layouts::new();
-        let units: Vec<Unit> = schedule.blocks.iter().map(|block| unit(block, &mut layouts)).collect();
+        let blocks = schedule.blocks.iter().zip(spans);
+        let units: Vec<Unit> = blocks.map(|(block, span)| unit(block, span, &mut layouts)).collect();
         let chosen = |has: &dyn Fn(&Instance) -> bool| -> Vec<usize> {
             schedule.blocks.iter().enumerate().filter(|(_, b)| has(b)).map(|(i, _)| i).collect()
         };
@@ -154,8 +162,10 @@ impl Plan {
         };
         let has_steps = |i: usize| major.iter().any(|call| call.block as usize == i);
         let updated = updated(schedule);
+        let continuous: Vec<Call> = between(false);
         let mut plan = Self {
-            continuous: between(false),
+            rows: rows(schedule, &continuous),
+            continuous,
             minor: between(true),
             settling: chosen(&|b| b.interface.settles)
                 .into_iter()
@@ -177,6 +187,7 @@ impl Plan {
             every_step: false,
             widest: widest(&units),
             units,
+            copies,
             major,
         };
         // What settles at the hits of a rate alone needs no other major steps.
@@ -190,7 +201,38 @@ impl Plan {
 /// Layouts of ports. Most blocks have the same few, which share their place in the cache.
 type Layouts = BTreeMap<Vec<(u32, u32)>, Arc<[(u32, u32)]>>;
 
-fn unit(instance: &Instance, layouts: &mut Layouts) -> Unit {
+/// Part of the calls above which it does not matter that others are not needed for rows.
+const NEARLY_ALL: f64 = 0.75;
+
+/// The calls that rows between major steps need. Loops are solved as a whole, with all that is around them.
+fn rows(schedule: &Schedule, continuous: &[Call]) -> Option<Vec<Call>> {
+    if !schedule.loops.is_empty() {
+        return None;
+    }
+    let graph = Graph::new(schedule);
+    let recorded = schedule.recorded.iter().filter_map(|recorded| graph.writer(recorded.cell));
+    let wanted = graph.behind(recorded.collect());
+    let is_wanted = |call: &&Call| wanted.contains(&(call.block as usize, call.group as usize));
+    let rows: Vec<Call> = continuous.iter().filter(is_wanted).cloned().collect();
+    ((rows.len() as f64) < NEARLY_ALL * continuous.len() as f64).then_some(rows)
+}
+
+/// The copies of all blocks in the order in which these are called first, and where those of each are.
+fn copies(schedule: &Schedule) -> (Arc<[(u32, u32)]>, Vec<Span>) {
+    let mut all = Vec::new();
+    let mut spans = vec![None; schedule.blocks.len()];
+    let called = schedule.steps.iter().map(|step| step.block as usize);
+    for block in called.chain(0..schedule.blocks.len()) {
+        spans[block].get_or_insert_with(|| {
+            let gather = &schedule.blocks[block].gather;
+            all.extend_from_slice(gather);
+            Span::new(all.len() - gather.len(), gather.len())
+        });
+    }
+    (all.into(), spans.into_iter().flatten().collect())
+}
+
+fn unit(instance: &Instance, copies: Span, layouts: &mut Layouts) -> Unit {
     let mut layout = |ports: &Vec<(u32, u32)>| {
         let known = layouts.entry(ports.clone()).or_insert_with(|| ports.as_slice().into());
         Arc::clone(known)
@@ -201,7 +243,7 @@ fn unit(instance: &Instance, layouts: &mut Layouts) -> Unit {
     let mut unit = Unit {
         block: Arc::clone(&instance.block),
         source: Source::Scattered,
-        copies: instance.gather.as_slice().into(),
+        copies,
         inputs: layout(&instance.inputs),
         outputs: layout(&instance.outputs),
         width: instance.gather.iter().map(|copy| copy.1).sum(),
@@ -210,14 +252,14 @@ fn unit(instance: &Instance, layouts: &mut Layouts) -> Unit {
         y: Span::new(instance.y, outputs),
         g: Span::new(instance.g, interface.guards.len()),
     };
-    unit.source = source(&unit);
+    unit.source = source(&unit, &instance.gather);
     unit
 }
 
-fn source(unit: &Unit) -> Source {
-    let first = unit.copies.first().map_or(0, |copy| copy.0);
+fn source(unit: &Unit, copies: &[(u32, u32)]) -> Source {
+    let first = copies.first().map_or(0, |copy| copy.0);
     let mut next = first;
-    let joined = unit.copies.iter().all(|&(from, len)| {
+    let joined = copies.iter().all(|&(from, len)| {
         let fits = from == next;
         next = from + len;
         fits

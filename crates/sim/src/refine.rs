@@ -99,12 +99,15 @@ impl Simulation {
     /// Evaluates the diagram after a share of the step; returns whether that was possible.
     fn within(&mut self, start: f64, share: f64) -> bool {
         let t = if share == 1.0 { self.t } else { start + share * (self.t - start) };
+        let plan = &self.diagram.plan;
         let evaluated = match &self.stepper {
             Some(stepper) if t < self.t => {
                 stepper.interpolate(t, &mut self.guards.x);
-                self.diagram.continuous(t, &self.guards.x)
+                self.diagram.for_row(t, &self.guards.x)
             }
-            _ => self.diagram.continuous(t, &self.x),
+            // Others will ask for the whole of it.
+            _ if plan.every_step || !plan.remembering.is_empty() => self.diagram.continuous(t, &self.x),
+            _ => self.diagram.for_row(t, &self.x),
         };
         if evaluated.is_err() {
             self.diagram.failure = None;

@@ -121,7 +121,7 @@ impl Simulation {
     /// A simulation at its initial values.
     pub(crate) fn given(schedule: Arc<Schedule>) -> Result<Self, SimError> {
         methods::check(&schedule)?;
-        let mut diagram = Diagram::new(&schedule);
+        let mut diagram = Diagram::new(Arc::clone(&schedule));
         let mut x = vec![0.0; schedule.states];
         for block in &schedule.blocks {
             let interface = &block.interface;
@@ -154,8 +154,10 @@ impl Simulation {
             let all = schedule.blocks.iter().flat_map(|block| &block.interface.guards);
             guards.kinks = all.map(|guard| guard.kink).collect();
         }
+        let mut stepper = methods::stepper(&schedule);
+        stepper.iter_mut().for_each(|stepper| stepper.reserve(&diagram));
         Ok(Self {
-            stepper: methods::stepper(&schedule),
+            stepper,
             t: 0.0,
             hits: Hits::new(&schedule.clock),
             guards,

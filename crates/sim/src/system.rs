@@ -3,6 +3,7 @@
 use blocksim_solve::{Failed, System};
 
 use crate::evaluate::Diagram;
+use crate::influence::influence;
 
 impl System for Diagram {
     fn dimension(&self) -> usize {
@@ -14,6 +15,10 @@ impl System for Diagram {
         self.derive(dx)?;
         self.look(t);
         Ok(())
+    }
+
+    fn influence(&self) -> Option<Vec<Vec<usize>>> {
+        influence(&self.schedule)
     }
 
     fn prepare(&mut self, t: f64, x: &[f64], hg: f64) -> Result<(), Failed> {

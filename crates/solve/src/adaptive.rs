@@ -45,6 +45,9 @@ pub trait Method: Send {
     /// Work space for `n` states.
     fn new(n: usize) -> Self;
 
+    /// Takes the memory that depends on the system.
+    fn reserve(&mut self, _system: &dyn System) {}
+
     /// Provides the derivative at the start of a step; `known` when the last step was accepted and nothing has changed
     /// since, so that its last stage may serve.
     fn begin(&mut self, work: &mut Work, t: f64, x: &[f64], known: bool) -> Result<(), Fault>;
@@ -293,6 +296,10 @@ impl<M: Method> Adaptive<M> {
 }
 
 impl<M: Method> Stepper for Adaptive<M> {
+    fn reserve(&mut self, system: &dyn System) {
+        self.method.reserve(system);
+    }
+
     fn restart(&mut self) {
         self.known = false;
         self.control.restart();

@@ -138,6 +138,10 @@ impl Auto {
 }
 
 impl Stepper for Auto {
+    fn reserve(&mut self, system: &dyn System) {
+        self.stiff.reserve(system);
+    }
+
     fn restart(&mut self) {
         self.past.clear();
         self.active_mut().restart();

@@ -1,10 +1,12 @@
 //! The Jacobian df/dx by forward differences, and the factors of I - g J.
 //!
-//! Small systems, and those in which most states act on most others, have a dense one. Of larger ones all columns are varied
-//! alone once, which shows the entries that differ from zero; from then on columns that share no row are varied together.
-//! An entry may be zero at first and not later: so a difference in one more direction is compared with what J says of it,
-//! and where the two do not agree all columns are looked at again.
+//! Small systems, and those in which most states act on most others, have a dense one. Columns that share no row are varied
+//! together. Which rows a column has follows from what the system says of its states ([`System::influence`](crate::System::influence)).
+//! Where it says nothing, or too little to vary many at a time, all columns are looked at once, which shows the entries that differ
+//! from zero. Such an entry may be zero at first and not later: so a difference in one more direction is compared with what J says
+//! of it, and where the two do not agree all columns are looked at again.
 
+use crate::System;
 use crate::adaptive::{Fault, Work};
 use crate::linear::{Singular, lu_factor, lu_solve};
 use crate::sparse::{Pattern, SparseLu};
@@ -14,6 +16,10 @@ use crate::weights::Weights;
 const SMALL: usize = 24;
 /// Part of the entries that differ from zero above which a matrix counts as dense.
 const CROWDED: f64 = 0.25;
+/// Sets of columns above which it is worth a look which of the entries that the system speaks of differ from zero.
+const MANY: usize = 24;
+/// Pairs of states that act on one derivative above which nearly all of them do, and finding sets would take longer than a look.
+const MOST_PAIRS: usize = 1 << 24;
 /// By how much of its size a slope in a direction may differ from what J says.
 const DOUBT: f64 = 1e-2;
 
@@ -25,6 +31,10 @@ pub(crate) struct Jacobian {
     /// df_i/dx_j at i * n + j if dense; else in the order of the pattern.
     values: Vec<f64>,
     groups: Vec<Vec<usize>>,
+    /// Whether no other entry can differ from zero.
+    certain: bool,
+    /// What the system says of its states, once it has been asked.
+    influence: Option<Influence>,
     factors: Factors,
     /// A varied state, its derivative, and a direction.
     x: Vec<f64>,
@@ -35,6 +45,23 @@ pub(crate) struct Jacobian {
     /// What J says of the direction, and the size of its terms.
     said: Vec<f64>,
     size: Vec<f64>,
+}
+
+/// The entries that may differ from zero, as the system says, and the columns that can be varied together.
+#[derive(Debug, Default)]
+struct Influence {
+    /// Rows of each column; all of them where the system says nothing.
+    rows: Option<Pattern>,
+    groups: Vec<Vec<usize>>,
+}
+
+impl Influence {
+    fn of(system: &dyn System, n: usize) -> Self {
+        match system.influence().map(Pattern::of).filter(|pattern| pattern.pairs() <= MOST_PAIRS) {
+            Some(pattern) => Self { groups: pattern.groups(), rows: Some(pattern) },
+            None => Self { rows: None, groups: (0..n).map(|j| vec![j]).collect() },
+        }
+    }
 }
 
 enum Factors {
@@ -156,6 +183,7 @@ impl Factors {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Slopes {
     pattern: Option<Pattern>,
+    certain: bool,
     values: Vec<f64>,
 }
 
@@ -166,6 +194,8 @@ impl Jacobian {
             pattern: None,
             values: Vec::new(),
             groups: Vec::new(),
+            certain: false,
+            influence: None,
             factors: Factors::None,
             x: vec![0.0; n],
             f: vec![0.0; n],
@@ -205,62 +235,126 @@ impl Jacobian {
         }
     }
 
+    /// Asks the system for what it says of its states, and takes the memory for that.
+    pub fn reserve(&mut self, system: &dyn System) {
+        self.influence = Some(Influence::of(system, self.n));
+    }
+
     /// Evaluates at (`t`, `x`), where f is `f0`. `h` is the step that is to be made from there.
     pub fn evaluate(&mut self, work: &mut Work, t: f64, x: &[f64], f0: &[f64], h: f64) -> Result<(), Fault> {
         work.counts.jacobians += 1;
         self.x.copy_from_slice(x);
-        match &self.factors {
-            Factors::Dense { .. } => return self.each(work, t, f0, h),
-            Factors::None => self.look(work, t, f0, h)?,
-            Factors::Sparse(_) => {}
+        let influence = self.influence.take().unwrap_or_else(|| Influence::of(&*work.system, self.n));
+        let evaluated = self.evaluate_by(&influence, work, t, x, f0, h);
+        self.influence = Some(influence);
+        evaluated
+    }
+
+    fn evaluate_by(
+        &mut self,
+        influence: &Influence,
+        work: &mut Work,
+        t: f64,
+        x: &[f64],
+        f0: &[f64],
+        h: f64,
+    ) -> Result<(), Fault> {
+        if matches!(self.factors, Factors::None) {
+            match &influence.rows {
+                Some(pattern) if influence.groups.len() <= MANY => {
+                    self.certain = true;
+                    self.take(pattern.clone());
+                }
+                _ => self.look(influence, work, t, f0, h)?,
+            }
         }
         if self.pattern.is_none() {
-            return self.each(work, t, f0, h);
+            return self.dense(influence, work, t, f0, h);
         }
         self.grouped(work, t, f0, h)?;
-        if self.agrees(work, t, f0, h)? {
+        if self.certain || self.agrees(work, t, f0, h)? {
             return Ok(());
         }
         self.x.copy_from_slice(x);
-        self.look(work, t, f0, h)?;
-        if self.pattern.is_none() { self.each(work, t, f0, h) } else { self.grouped(work, t, f0, h) }
-    }
-
-    /// Varies state `j` and evaluates; returns by how much. One at the edge of the domain is varied inwards.
-    fn vary(&mut self, work: &mut Work, t: f64, f0: &[f64], h: f64, j: usize) -> Result<f64, Fault> {
-        let before = self.x[j];
-        let size = work.weights.increment(j, before, h * f0[j]);
-        self.x[j] = before + size;
-        let mut varied = work.derivatives(t, &self.x, &mut self.f);
-        if varied.is_err() {
-            self.x[j] = before - size;
-            varied = work.derivatives(t, &self.x, &mut self.f);
+        self.look(influence, work, t, f0, h)?;
+        if self.pattern.is_none() {
+            self.dense(influence, work, t, f0, h)
+        } else {
+            self.grouped(work, t, f0, h)
         }
-        let size = self.x[j] - before;
-        self.x[j] = before;
-        varied.map(|()| size)
     }
 
-    /// All columns of a dense matrix, one by one.
-    fn each(&mut self, work: &mut Work, t: f64, f0: &[f64], h: f64) -> Result<(), Fault> {
+    /// Varies these states and evaluates; `direction` says by how much. Those at the edge of the domain are varied inwards.
+    fn vary(&mut self, work: &mut Work, t: f64, f0: &[f64], h: f64, states: &[usize]) -> Result<(), Fault> {
+        let Self { x, f, direction, .. } = self;
+        let mut varied = Ok(());
+        for side in [1.0, -1.0] {
+            for &j in states {
+                direction[j] = x[j];
+                x[j] += side * work.weights.increment(j, x[j], h * f0[j]);
+            }
+            varied = work.derivatives(t, x, f);
+            // What was varied by, in the place of what was there.
+            for &j in states {
+                let before = direction[j];
+                direction[j] = x[j] - before;
+                x[j] = before;
+            }
+            if varied.is_ok() {
+                break;
+            }
+        }
+        varied
+    }
+
+    /// All columns of a dense matrix.
+    fn dense(
+        &mut self,
+        influence: &Influence,
+        work: &mut Work,
+        t: f64,
+        f0: &[f64],
+        h: f64,
+    ) -> Result<(), Fault> {
         let n = self.n;
-        for j in 0..n {
-            let size = self.vary(work, t, f0, h, j)?;
-            for (i, (f, f0)) in self.f.iter().zip(f0).enumerate() {
-                self.values[i * n + j] = work.weights.difference(i, *f, *f0) / size;
+        self.values.fill(0.0);
+        for group in &influence.groups {
+            self.vary(work, t, f0, h, group)?;
+            let Self { f, values, direction, .. } = self;
+            for &j in group {
+                let mut set = |i: usize| {
+                    values[i * n + j] = work.weights.difference(i, f[i], f0[i]) / direction[j];
+                };
+                match &influence.rows {
+                    Some(pattern) => pattern.columns()[j].iter().for_each(|&i| set(i)),
+                    None => (0..n).for_each(&mut set),
+                }
             }
         }
         Ok(())
     }
 
-    /// Adds to the pattern what columns show that are varied one by one.
-    fn look(&mut self, work: &mut Work, t: f64, f0: &[f64], h: f64) -> Result<(), Fault> {
+    /// Adds to the pattern what columns show.
+    fn look(
+        &mut self,
+        influence: &Influence,
+        work: &mut Work,
+        t: f64,
+        f0: &[f64],
+        h: f64,
+    ) -> Result<(), Fault> {
         let mut pattern = self.pattern.clone().unwrap_or_else(|| Pattern::diagonal(self.n));
-        for j in 0..self.n {
-            self.vary(work, t, f0, h, j)?;
-            for (i, (f, f0)) in self.f.iter().zip(f0).enumerate() {
-                if work.weights.difference(i, *f, *f0) != 0.0 {
-                    pattern.add(i, j);
+        for group in &influence.groups {
+            self.vary(work, t, f0, h, group)?;
+            for &j in group {
+                let mut see = |i: usize| {
+                    if work.weights.difference(i, self.f[i], f0[i]) != 0.0 {
+                        pattern.add(i, j);
+                    }
+                };
+                match &influence.rows {
+                    Some(known) => known.columns()[j].iter().for_each(|&i| see(i)),
+                    None => (0..self.n).for_each(&mut see),
                 }
             }
         }
@@ -270,34 +364,20 @@ impl Jacobian {
 
     /// The columns of each group at once.
     fn grouped(&mut self, work: &mut Work, t: f64, f0: &[f64], h: f64) -> Result<(), Fault> {
-        let Some(pattern) = &self.pattern else { return Ok(()) };
-        let Self { groups, x, f, values, direction, starts, .. } = self;
-        for group in groups.iter() {
-            for side in [1.0, -1.0] {
-                for &j in group {
-                    direction[j] = x[j];
-                    x[j] += side * work.weights.increment(j, x[j], h * f0[j]);
-                }
-                let varied = work.derivatives(t, x, f);
-                // What was varied by, in the place of what was there.
-                for &j in group {
-                    let before = direction[j];
-                    direction[j] = x[j] - before;
-                    x[j] = before;
-                }
-                match varied {
-                    Ok(()) => break,
-                    Err(fault) if side < 0.0 => return Err(fault),
-                    Err(_) => {}
-                }
-            }
+        let groups = std::mem::take(&mut self.groups);
+        let evaluated = groups.iter().try_for_each(|group| {
+            self.vary(work, t, f0, h, group)?;
+            let Self { pattern, f, values, direction, starts, .. } = self;
             for &j in group {
-                for (value, &i) in values[starts[j]..].iter_mut().zip(&pattern.columns()[j]) {
+                let rows = pattern.iter().flat_map(|pattern| &pattern.columns()[j]);
+                for (value, &i) in values[starts[j]..].iter_mut().zip(rows) {
                     *value = work.weights.difference(i, f[i], f0[i]) / direction[j];
                 }
             }
-        }
-        Ok(())
+            Ok(())
+        });
+        self.groups = groups;
+        evaluated
     }
 
     /// Whether J tells the difference in a direction of no meaning.
@@ -393,18 +473,19 @@ impl Jacobian {
     /// Forgets all but what it takes.
     pub fn forget(&mut self) {
         if self.n > SMALL {
-            (self.pattern, self.factors) = (None, Factors::None);
+            (self.pattern, self.factors, self.certain) = (None, Factors::None, false);
             self.values.clear();
         }
     }
 
     /// What another needs to go on from here.
     pub fn slopes(&self) -> Slopes {
-        Slopes { pattern: self.pattern.clone(), values: self.values.clone() }
+        Slopes { pattern: self.pattern.clone(), certain: self.certain, values: self.values.clone() }
     }
 
     /// Takes over the slopes of another.
     pub fn recall(&mut self, slopes: &Slopes) {
+        self.certain = slopes.certain;
         match &slopes.pattern {
             Some(pattern) => self.take(pattern.clone()),
             None if slopes.values.len() == self.n * self.n && self.n > 0 => self.take_dense(),
@@ -466,6 +547,69 @@ mod tests {
         x.fill(0.5);
         assert!(evaluate(&mut jacobian, &mut chain(100), &x) > 100);
         assert_eq!(jacobian.pattern.as_ref().unwrap().len(), 299);
+    }
+
+    /// A system that says of its states what they act on.
+    struct Known<S: System>(S, Vec<Vec<usize>>);
+
+    impl<S: System> System for Known<S> {
+        fn dimension(&self) -> usize {
+            self.0.dimension()
+        }
+
+        fn derivatives(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), crate::Failed> {
+            self.0.derivatives(t, x, dx)
+        }
+
+        fn influence(&self) -> Option<Vec<Vec<usize>>> {
+            Some(self.1.clone())
+        }
+    }
+
+    fn neighbours(n: usize) -> Vec<Vec<usize>> {
+        let around = |j: usize| (j.saturating_sub(1)..=(j + 1).min(n - 1)).collect::<Vec<_>>();
+        let mut columns: Vec<Vec<usize>> = (0..n).map(around).collect();
+        columns[0].push(n - 1);
+        columns
+    }
+
+    #[test]
+    fn what_a_system_says_of_its_states_is_not_looked_for() {
+        for n in [10, 100] {
+            let (mut plain, mut told) = (Jacobian::new(n), Jacobian::new(n));
+            // At x = 0 the product has no slope, and its entry is there all the same.
+            for x in [vec![0.0; n], vec![0.5; n]] {
+                evaluate(&mut plain, &mut chain(n), &x);
+                assert_eq!(evaluate(&mut told, &mut Known(chain(n), neighbours(n)), &x), 4, "{n}");
+                let (mut b, mut c) = (vec![1.0; n], vec![1.0; n]);
+                let (mut counts, weights) = (Counts::default(), Weights::new(Tolerances::automatic(n, 1e-6)));
+                let mut work = Work { system: &mut chain(n), counts: &mut counts, weights: &weights };
+                assert!(plain.factor(&mut work, 0.1).is_ok() && told.factor(&mut work, 0.1).is_ok());
+                plain.solve(&mut b);
+                told.solve(&mut c);
+                assert!(b.iter().zip(&c).all(|(b, c)| (b - c).abs() < 1e-7 * b.abs()), "{n}: {b:?} {c:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn where_that_allows_few_states_at_a_time_it_is_looked_once() {
+        // Each of the first 30 states may act on all of the last 100, but does so on one.
+        let n = 130;
+        let mut columns: Vec<Vec<usize>> = (0..30).map(|_| (30..n).collect()).collect();
+        columns.extend((30..n).map(|j| vec![j]));
+        let mut system = Known(
+            function(n, |_, x, dx| {
+                (0..30).for_each(|i| dx[i] = -x[i]);
+                (30..130).for_each(|i| dx[i] = x[i % 30] - 2.0 * x[i]);
+            }),
+            columns,
+        );
+        let mut jacobian = Jacobian::new(n);
+        let x = vec![1.0; n];
+        // 31 sets show it; one is varied with all that acts elsewhere.
+        assert_eq!(evaluate(&mut jacobian, &mut system, &x), 31 + 2 + 1);
+        assert_eq!(evaluate(&mut jacobian, &mut system, &x), 2 + 1);
     }
 
     #[test]

@@ -422,6 +422,10 @@ fn change(k: usize, factor: f64) -> [[f64; MAX]; MAX] {
 }
 
 impl Stepper for Ode15s {
+    fn reserve(&mut self, system: &dyn System) {
+        self.newton.jacobian.reserve(system);
+    }
+
     fn restart(&mut self) {
         self.begun = false;
     }

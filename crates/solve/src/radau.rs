@@ -10,6 +10,7 @@
 
 #![expect(clippy::excessive_precision, reason = "the digits are those of the tables")]
 
+use crate::System;
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::jacobian::{Age, Jacobian, Twice};
 use crate::newton::{Convergence, MORE, ROUNDING, SHAKEN, STANDING};
@@ -296,6 +297,10 @@ impl Method for RadauIIA {
             before: None,
             tried: None,
         }
+    }
+
+    fn reserve(&mut self, system: &dyn System) {
+        self.jacobian.reserve(system);
     }
 
     fn begin(&mut self, work: &mut Work, t: f64, x: &[f64], known: bool) -> Result<(), Fault> {

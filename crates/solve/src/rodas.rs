@@ -1,18 +1,19 @@
 //! `Rodas4`: Hairer and Wanner's Rosenbrock method. Order 4 with an error estimate of order 3, six stages, stiffly
 //! accurate and L-stable; continuous extension of order 3, with the slope of the solution where a step begins.
 //!
-//! For stiff systems of up to about thirty states: each accepted step takes a Jacobian by forward differences, n + 1
-//! evaluations with the time derivative, and each trial a dense factorisation. No Newton iteration, so nothing fails to
-//! converge. For larger systems whose structure is known, `Ros34pw2` does with less.
+//! For stiff systems that change their slopes all the time: each accepted step takes a Jacobian by forward differences, at most
+//! n + 1 evaluations with the time derivative, and each trial a factorisation. No Newton iteration, so nothing fails to
+//! converge. Where a network knows its own stiffness, `Ros34pw2` does with less.
 //!
 //! E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, 2nd ed., section VI.4,
 //! doi 10.1007/978-3-642-05221-7.
 
 #![expect(clippy::excessive_precision, reason = "the digits are those of the tables")]
 
+use crate::System;
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::combine::combine;
-use crate::linear::{lu_factor, lu_solve};
+use crate::jacobian::Jacobian;
 use crate::start_slope::bend;
 
 /// Order 4 for small stiff systems.
@@ -50,33 +51,16 @@ pub struct Rodas {
     f: Vec<f64>,
     /// The partial derivative by t.
     ft: Vec<f64>,
-    /// df_i/dx_j at i * n + j, at the start of the step.
-    jacobian: Vec<f64>,
+    /// At the start of the step, and the factors of I - h gamma J.
+    jacobian: Jacobian,
     jacobian_is_current: bool,
-    /// I - h gamma J, factored.
-    lu: Vec<f64>,
-    pivots: Vec<usize>,
 }
 
 impl Rodas {
-    /// Forward differences; a state at the edge of the domain is varied inwards.
-    fn differentiate(&mut self, work: &mut Work, span: Span, x: &mut [f64]) -> Result<(), Fault> {
+    /// The Jacobian and the derivative by time.
+    fn differentiate(&mut self, work: &mut Work, span: Span, x: &[f64]) -> Result<(), Fault> {
         let n = x.len();
-        work.counts.jacobians += 1;
-        for j in 0..n {
-            let before = x[j];
-            let size = work.weights.increment(j, before, span.h * self.f0[j]);
-            x[j] = before + size;
-            if work.derivatives(span.t0, x, &mut self.f).is_err() {
-                x[j] = before - size;
-                work.derivatives(span.t0, x, &mut self.f)?;
-            }
-            let size = x[j] - before;
-            x[j] = before;
-            for i in 0..n {
-                self.jacobian[i * n + j] = work.weights.difference(i, self.f[i], self.f0[i]) / size;
-            }
-        }
+        self.jacobian.evaluate(work, span.t0, x, &self.f0, span.h)?;
         // Within the step, because f may change its law behind either end.
         let t = span.t0 + (f64::EPSILON.sqrt() * span.t0.abs().max(span.h)).min(span.h);
         work.derivatives(t, x, &mut self.f)?;
@@ -85,20 +69,6 @@ impl Rodas {
         }
         self.jacobian_is_current = true;
         Ok(())
-    }
-
-    /// Factors I - hg J.
-    fn factor(&mut self, work: &mut Work, hg: f64) -> Result<(), Fault> {
-        let n = self.f0.len();
-        for (a, j) in self.lu.iter_mut().zip(&self.jacobian) {
-            *a = -hg * j;
-        }
-        for i in 0..n {
-            self.lu[i * n + i] += 1.0;
-        }
-        work.counts.factorisations += 1;
-        // A pivot is lost only by accident of h, so another h will do.
-        lu_factor(&mut self.lu, &mut self.pivots).map_err(|singular| Fault::NotFinite(singular.column))
     }
 
     /// u_i from f at its stage: u_i = (I - h gamma J)^-1 (h gamma (f + h d f_t) + gamma sum C_ij u_j).
@@ -112,7 +82,7 @@ impl Rodas {
             }
             *u = GAMMA * sum;
         }
-        lu_solve(&self.lu, &self.pivots, u);
+        self.jacobian.solve(u);
     }
 }
 
@@ -127,11 +97,13 @@ impl Method for Rodas {
             f0: vec![0.0; n],
             f: vec![0.0; n],
             ft: vec![0.0; n],
-            jacobian: vec![0.0; n * n],
+            jacobian: Jacobian::new(n),
             jacobian_is_current: false,
-            lu: vec![0.0; n * n],
-            pivots: vec![0; n],
         }
+    }
+
+    fn reserve(&mut self, system: &dyn System) {
+        self.jacobian.reserve(system);
     }
 
     fn begin(&mut self, work: &mut Work, t: f64, x: &[f64], _known: bool) -> Result<(), Fault> {
@@ -153,10 +125,9 @@ impl Method for Rodas {
     ) -> Result<(), Fault> {
         let Span { t0, t1, h } = span;
         if !self.jacobian_is_current {
-            x1.copy_from_slice(x0);
-            self.differentiate(work, span, x1)?;
+            self.differentiate(work, span, x0)?;
         }
-        self.factor(work, h * GAMMA)?;
+        self.jacobian.factor(work, h * GAMMA)?;
 
         self.f.copy_from_slice(&self.f0);
         self.stage(h, D[0], []);
@@ -213,6 +184,7 @@ fn add(x: &mut [f64], u: &[f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linear::{lu_factor, lu_solve};
     use crate::trees::{Family, largest_defect, square};
 
     struct Table {

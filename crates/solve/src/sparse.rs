@@ -25,6 +25,17 @@ impl Pattern {
         Self { columns: (0..n).map(|j| vec![j]).collect() }
     }
 
+    /// These rows of each column, in any order, and the diagonal.
+    pub fn of(columns: Vec<Vec<usize>>) -> Self {
+        let with_diagonal = |(j, mut rows): (usize, Vec<usize>)| {
+            rows.push(j);
+            rows.sort_unstable();
+            rows.dedup();
+            rows
+        };
+        Self { columns: columns.into_iter().enumerate().map(with_diagonal).collect() }
+    }
+
     /// Adds an entry; returns whether it is new.
     pub fn add(&mut self, row: usize, column: usize) -> bool {
         let rows = &mut self.columns[column];
@@ -44,6 +55,13 @@ impl Pattern {
     /// Number of entries.
     pub fn len(&self) -> usize {
         self.columns.iter().map(Vec::len).sum()
+    }
+
+    /// Pairs of columns that share a row, counted in both orders and once for each row.
+    pub fn pairs(&self) -> usize {
+        let mut in_row = vec![0; self.columns.len()];
+        self.columns.iter().flatten().for_each(|&i| in_row[i] += 1);
+        in_row.iter().map(|count: &usize| count * count).sum()
     }
 
     /// Sets of columns no two of which share a row, so that one evaluation tells the slopes of a whole set.

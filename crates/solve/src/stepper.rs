@@ -8,6 +8,10 @@ use crate::weights::Learnt;
 
 /// A method of integration with its memory of the last step. No call allocates.
 pub trait Stepper: Send {
+    /// Takes the memory that depends on the system, so that steps need none but for a sparse Jacobian that is seen first. Steps do
+    /// so themselves where nobody has.
+    fn reserve(&mut self, _system: &dyn System) {}
+
     /// Forgets the derivative and the error of the past; to be called after a discontinuity of f or a change of x.
     /// The size of the last good step stays as the first guess, so a restart costs one evaluation at most.
     fn restart(&mut self);

@@ -18,6 +18,13 @@ pub trait System {
     /// the system keeps the details of the last one.
     fn derivatives(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), Failed>;
 
+    /// Of each state, the derivatives that may depend on it, by number, wherever the system is evaluated; nothing where that is not
+    /// known. Asked for once by methods that need a Jacobian: one evaluation then tells the slopes of all states that act on
+    /// different derivatives. One that is missing here counts as zero for ever; one too many costs a little.
+    fn influence(&self) -> Option<Vec<Vec<usize>>> {
+        None
+    }
+
     /// Prepares [`solve`](System::solve): an approximation J of the Jacobian df/dx at (t, x), as rough as is cheap,
     /// and the factorisation of I - hg J. Asked for by W-methods only, once per trial step. Default: J = 0.
     ///

@@ -20,6 +20,7 @@
 
 use std::f64::consts::SQRT_2;
 
+use crate::System;
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::combine::combine_error;
 use crate::jacobian::Age;
@@ -199,6 +200,10 @@ impl<const DAMPED: bool> Method for TrBdf2<DAMPED> {
             before: None,
             parts: true,
         }
+    }
+
+    fn reserve(&mut self, system: &dyn System) {
+        self.newton.jacobian.reserve(system);
     }
 
     fn begin(&mut self, work: &mut Work, t: f64, x: &[f64], known: bool) -> Result<(), Fault> {

@@ -42,6 +42,12 @@ impl Block for Sum {
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
         let signs = self.signs.as_bytes();
         let single = c.inputs.len() == 1;
+        if let ([y], false) = (&mut *y, single) {
+            // Scalars lie one behind the other.
+            let terms = signs.iter().zip(c.u).map(|(sign, u)| if *sign == b'-' { -u } else { *u });
+            *y = terms.fold(0.0, |sum, u| sum + u);
+            return;
+        }
         for (i, y) in y.iter_mut().enumerate() {
             *y =
                 operands(c, i).enumerate().fold(0.0, |sum, (k, u)| match signs[if single { 0 } else { k }] {

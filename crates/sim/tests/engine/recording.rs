@@ -166,3 +166,29 @@ fn a_simulation_can_be_sent_to_another_thread() {
     });
     assert_eq!(there.join().unwrap().unwrap().bits(), here.bits());
 }
+
+#[test]
+fn rows_are_the_same_whatever_else_is_recorded() {
+    // What is not recorded is not evaluated for rows within steps.
+    let diagram = |recorded: &[&str], output| {
+        let toy = Toy::new().with("v", Integrator(0.0), &["force"]).with("x", Integrator(1.0), &["v"]);
+        let toy = toy.with("force", Gain(-1.0), &["x"]).with("twice", Gain(2.0), &["force"]);
+        let toy = toy.with("four", Gain(2.0), &["twice"]).with("eight", Gain(2.0), &["four"]);
+        let schedule = toy.schedule(recorded, 10.0, ode45(), output);
+        let mut tape = Tape::default();
+        Simulation::new(schedule).unwrap().run(&mut tape).unwrap();
+        tape
+    };
+    let (few, many) = (diagram(&["twice"], Steps), diagram(&["twice", "x", "force", "eight"], Steps));
+    assert!(few.rows.len() > 50);
+    for (t, row) in &few.rows {
+        assert!((row[0] + 2.0 * t.cos()).abs() < 1e-6, "{t}: {}", row[0]);
+    }
+    let (few, many) = (few.rows.iter(), many.rows.iter().map(|(t, row)| (t, row[0])).collect::<Vec<_>>());
+    for (t, row) in few {
+        let same = many.iter().find(|(time, _)| *time == t);
+        assert!(same.is_none_or(|(_, value)| *value == row[0]), "{t}");
+    }
+    let (few, many) = (diagram(&["twice"], Every(0.1)), diagram(&["twice", "x", "eight"], Every(0.1)));
+    assert_eq!(few.column(0), many.column(0));
+}

@@ -1,0 +1,136 @@
+//! Which derivatives a state can act on between major steps, as blocks and connections say.
+//!
+//! The output of a group depends on the states of its block and on what the inputs that it reads depend on; a derivative
+//! depends on the states of its block and on all of its inputs. What is held between major steps depends on nothing. A block
+//! counts as one: of a network, or of the elements of a vector, nobody knows more from here.
+
+use blocksim_block::schedule::{Instance, Schedule, When};
+
+/// Dependencies that are kept track of, at most.
+const MOST: usize = 1 << 22;
+/// Part of all states that may act on all derivatives above which nobody gains by knowing them.
+const CROWDED: f64 = 0.25;
+/// Fewer states than this are always worth it.
+const FEW: usize = 24;
+/// What is written by nobody between major steps.
+const NOBODY: u32 = u32::MAX;
+
+/// Of each state the derivatives that may depend on it, rising; nothing where these are too many to be worth it.
+pub(crate) fn influence(schedule: &Schedule) -> Option<Vec<Vec<usize>>> {
+    let mut sets = Sets::new(schedule);
+    let mut next = 0;
+    while next < schedule.steps.len() {
+        // Of an algebraic loop each output depends on whatever one of them does.
+        let ring = schedule.loops.iter().find(|ring| ring.first == next);
+        let end = next + ring.map_or(1, |ring| ring.count);
+        let mut all = Vec::new();
+        for step in (next..end).filter(|&step| is_minor(schedule, step)) {
+            sets.add_outputs(step, next, &mut all);
+        }
+        let (set, size) = sets.close(all);
+        for step in (next..end).filter(|&step| is_minor(schedule, step)) {
+            sets.of[step] = set;
+        }
+        if size > MOST {
+            return None;
+        }
+        next = end;
+    }
+    let n = schedule.states;
+    let most = if n <= FEW { n * n } else { MOST.min((CROWDED * (n * n) as f64) as usize) };
+    let mut columns = vec![Vec::new(); n];
+    let mut count = 0;
+    for instance in schedule.blocks.iter().filter(|block| !block.interface.states.is_empty()) {
+        let states = own_states(instance);
+        let mut all: Vec<u32> = states.clone().collect();
+        for port in 0..instance.inputs.len() {
+            sets.add_input(instance, port, usize::MAX, &mut all);
+        }
+        all.sort_unstable();
+        all.dedup();
+        count += all.len() * states.len();
+        if count > most {
+            return None;
+        }
+        for row in states {
+            all.iter().for_each(|&state| columns[state as usize].push(row as usize));
+        }
+    }
+    Some(columns)
+}
+
+fn is_minor(schedule: &Schedule, step: usize) -> bool {
+    schedule.steps[step].minor && schedule.steps[step].when == When::Continuous
+}
+
+fn own_states(instance: &Instance) -> std::ops::Range<u32> {
+    instance.x as u32..(instance.x + instance.interface.states.len()) as u32
+}
+
+/// The states that the outputs of each step depend on.
+struct Sets<'a> {
+    schedule: &'a Schedule,
+    /// The step that writes each signal between major steps.
+    writer: Vec<u32>,
+    /// Sets of states, one behind the other, rising.
+    states: Vec<u32>,
+    /// Where the set of each step is.
+    of: Vec<(usize, usize)>,
+}
+
+impl<'a> Sets<'a> {
+    fn new(schedule: &'a Schedule) -> Self {
+        let mut writer = vec![NOBODY; schedule.initial_signals.len()];
+        for (number, step) in schedule.steps.iter().enumerate().filter(|(i, _)| is_minor(schedule, *i)) {
+            let instance = &schedule.blocks[step.block as usize];
+            let groups = instance.outputs.iter().zip(&instance.interface.group_of);
+            for ((start, end), _) in groups.filter(|(_, group)| **group == step.group as usize) {
+                writer[instance.y + *start as usize..instance.y + *end as usize].fill(number as u32);
+            }
+            // The rest of a constraint lies where its unknowns do.
+            if let Some(constraint) = &instance.interface.constraint
+                && constraint.rest == step.group as usize
+            {
+                constraint.unknowns.iter().for_each(|(cell, _)| writer[instance.y + cell] = number as u32);
+            }
+        }
+        Self { schedule, writer, states: Vec::new(), of: vec![(0, 0); schedule.steps.len()] }
+    }
+
+    /// Adds what the outputs of a step depend on, but for what steps from `first` on write.
+    fn add_outputs(&self, step: usize, first: usize, all: &mut Vec<u32>) {
+        let step = &self.schedule.steps[step];
+        let instance = &self.schedule.blocks[step.block as usize];
+        all.extend(own_states(instance));
+        for port in (0..instance.inputs.len()).filter(|&i| instance.interface.reads(step.group as usize, i)) {
+            self.add_input(instance, port, first, all);
+        }
+    }
+
+    /// Adds what an input depends on, but for what steps from `first` on write.
+    fn add_input(&self, instance: &Instance, port: usize, first: usize, all: &mut Vec<u32>) {
+        let (start, end) = instance.inputs[port];
+        let (mut at, mut last) = (0, NOBODY);
+        for &(from, len) in &instance.gather {
+            let within = start.max(at)..end.min(at + len);
+            for cell in within {
+                let writer = self.writer[(from + cell - at) as usize];
+                if writer != last && writer != NOBODY && (writer as usize) < first {
+                    let (start, end) = self.of[writer as usize];
+                    all.extend_from_slice(&self.states[start..end]);
+                }
+                last = writer;
+            }
+            at += len;
+        }
+    }
+
+    /// Keeps a set; returns where it is, and the size of all.
+    fn close(&mut self, mut all: Vec<u32>) -> ((usize, usize), usize) {
+        all.sort_unstable();
+        all.dedup();
+        let start = self.states.len();
+        self.states.append(&mut all);
+        ((start, self.states.len()), self.states.len())
+    }
+}
