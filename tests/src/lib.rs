@@ -14,7 +14,7 @@ use blocksim_block::{AnyCode, CodePolicy};
 use blocksim_blocks as _;
 use blocksim_diagram::{Compiled, Reader, Sources, compile};
 use blocksim_host as _;
-use blocksim_sim::{Counts, Observer, SimError, Simulation};
+use blocksim_sim::{Counts, Findings, Observer, SimError, Simulation};
 
 /// The project's root.
 pub fn root() -> PathBuf {
@@ -183,6 +183,15 @@ impl Run {
 /// # Panics
 /// Panics when the engine refuses the schedule.
 pub fn run(schedule: Schedule) -> Run {
+    simulate(schedule, false).0
+}
+
+/// The same, with all watched conditions looked at on a fine grid within each step; nothing of a method of fixed step.
+pub fn run_audited(schedule: Schedule) -> (Run, Option<Findings>) {
+    simulate(schedule, true)
+}
+
+fn simulate(schedule: Schedule, audited: bool) -> (Run, Option<Findings>) {
     let recorded = schedule.recorded.clone();
     let mut simulation = Simulation::new(Arc::new(schedule)).expect("a schedule that can run");
     let empty = Run {
@@ -195,11 +204,14 @@ pub fn run(schedule: Schedule) -> Run {
         error: None,
     };
     let mut keep = Keep(empty);
+    if audited {
+        simulation.audit();
+    }
     let error = simulation.run(&mut keep).err();
     keep.0.counts = simulation.counts();
     keep.0.warnings = simulation.warnings();
     keep.0.error = error;
-    keep.0
+    (keep.0, simulation.findings())
 }
 
 /// Compiles and runs a diagram of the project.

@@ -7,6 +7,7 @@
 //! | `--seed N` | first seed, 1 if absent |
 //! | `--count N` | number of models, 200 if absent |
 //! | `--settings TEXT` | what follows the stop time, such as `, solver: Ode23()` |
+//! | `--audit` | looks at watched conditions on a fine grid instead of comparing with the reference |
 //! | `--variants` | all methods and orders, one after the other |
 //! | `--shrink N` | number of failures that are shrunk to the least model, 10 if absent |
 //! | `--undecided` | prints the seeds that nobody can decide, too |
@@ -15,7 +16,7 @@
 use std::io::{self, Write};
 
 use blocksim_tests::random::{
-    Circuit, Finding, Mechanisms, Puzzle, Sampled, Shafts, Signals, Variant, least, survey, vary,
+    Circuit, Finding, Judge, Mechanisms, Puzzle, Sampled, Shafts, Signals, Variant, least, survey, vary,
 };
 
 fn main() -> io::Result<()> {
@@ -56,10 +57,11 @@ impl Orders {
             None if self.has("--variants") => vary(),
             None => vec![Variant::plain()],
         };
+        let judge: Judge<P> = if self.has("--audit") { P::audit } else { P::judge };
         if self.has("--show") {
             let model = P::of(first);
             let variant = &variants[0];
-            return writeln!(out, "{}\n{model:?}\n{:?}", model.text(variant), model.judge(variant));
+            return writeln!(out, "{}\n{model:?}\n{:?}", model.text(variant), judge(&model, variant));
         }
         let mut left = self.number("--shrink", 10);
         for variant in &variants {
@@ -74,12 +76,13 @@ impl Orders {
                         return Ok(());
                     }
                     left -= 1;
-                    let least = least(model, variant);
-                    writeln!(out, "{least:?}\n{:?}\n{}", least.judge(variant), least.text(variant))?;
+                    let least = least(model, variant, judge);
+                    let finding = judge(&least, variant);
+                    writeln!(out, "{least:?}\n{finding:?}\n{}", least.text(variant))?;
                     out.flush()
                 }
             };
-            let survey = survey::<P>(first..first + count, variant, |seed, model, finding| {
+            let survey = survey::<P>(first..first + count, variant, judge, |seed, model, finding| {
                 if told.is_ok() {
                     told = tell(seed, model, finding);
                 }

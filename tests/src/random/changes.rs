@@ -4,9 +4,19 @@
 const DOUBTS: [f64; 3] = [1.0 / 3.0, 1.0, 3.0];
 
 /// How often `values` at `times` change their sign, when what is within `band` of zero has the sign of before and what lasts no
-/// longer than `moment` does not count; `least` is both.
+/// longer than `moment` does not count; `least` is both. Between two times values go straight.
 pub fn changes(times: &[f64], values: &[f64], least: (f64, f64)) -> u32 {
     let (band, moment) = least;
+    // When a value that is beyond the band at the `k`th time got there.
+    let begun = |k: usize| {
+        let edge = band * values[k].signum();
+        match k.checked_sub(1).map(|before| (times[before], values[before])) {
+            Some((t, value)) if (value - edge) * (values[k] - edge) < 0.0 => {
+                t + (times[k] - t) * (edge - value) / (values[k] - value)
+            }
+            _ => times[k],
+        }
+    };
     let (mut sign, mut number) = (0.0, 0);
     // Ends a span of a sign that has begun at `since`.
     let mut end = |now: f64, since: f64, t: f64| {
@@ -16,10 +26,11 @@ pub fn changes(times: &[f64], values: &[f64], least: (f64, f64)) -> u32 {
         }
     };
     let mut span = (0.0, f64::INFINITY);
-    for (t, value) in times.iter().zip(values).filter(|(_, value)| value.abs() > band) {
+    for (k, value) in values.iter().enumerate().filter(|(_, value)| value.abs() > band) {
         if value.signum() != span.0 {
-            end(span.0, span.1, *t);
-            span = (value.signum(), *t);
+            let t = begun(k);
+            end(span.0, span.1, t);
+            span = (value.signum(), t);
         }
     }
     if let Some(t) = times.last() {
@@ -49,10 +60,16 @@ mod tests {
         let values = [0.0, 1.0, -0.1, 1.0, -1.0, -0.1, -1.0, 2.0, 1.0];
         assert_eq!(changes(&times, &values, (0.2, 0.5)), 2);
         assert_eq!(changes(&times, &values, (0.2, 4.0)), 0);
-        assert_eq!(changes(&times, &values, (0.0, 0.5)), 4);
-        assert_eq!(changes(&times, &values, (0.0, 1.5)), 0);
+        assert_eq!(changes(&times, &values, (0.0, 0.1)), 4);
+        assert_eq!(changes(&times, &values, (0.0, 0.5)), 2);
+        assert_eq!(changes(&times, &values, (0.0, 1.5)), 1);
+        assert_eq!(changes(&times, &values, (0.0, 3.5)), 0);
         assert_eq!(changes(&times, &values, (2.5, 0.5)), 0);
         assert_eq!(changes(&times, &values[..2], (0.2, 0.0)), 0);
+        // Straight from 1 to -9 and back: below zero for 1.8.
+        let values = [1.0, 1.0, 1.0, 1.0, -9.0, 1.0, 1.0, 1.0, 1.0];
+        assert_eq!(changes(&times, &values, (0.0, 1.7)), 2);
+        assert_eq!(changes(&times, &values, (0.0, 1.9)), 0);
         // A sign of the beginning must last as any other.
         let values = [0.0, 1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0];
         assert_eq!(changes(&times, &values, (0.2, 0.5)), 2);

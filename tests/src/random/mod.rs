@@ -36,7 +36,7 @@ mod variants;
 pub use circuits::{Branch, Circuit, Gate, Kind, Source, Valve, contradiction};
 pub use dice::Dice;
 pub use mechanisms::Mechanisms;
-pub use puzzle::{Fault, Finding, Puzzle, Undecided, least};
+pub use puzzle::{Fault, Finding, Judge, Puzzle, Undecided, least};
 pub use sampled::Sampled;
 pub use shafts::{Joint, Shafts, Torque};
 pub use signals::Signals;

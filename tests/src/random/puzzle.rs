@@ -4,7 +4,8 @@ use std::cell::OnceCell;
 use std::fmt::{self, Debug};
 
 use super::variants::Variant;
-use crate::{Run, compile_text, run};
+use crate::{Run, compile_text, run, run_audited};
+use blocksim_sim::Missed;
 
 /// Why nobody can say what comes out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -135,6 +136,25 @@ pub trait Puzzle: Sized + Clone + Debug + PartialEq {
         finding
     }
 
+    /// Runs it by the engine alone and looks at all watched conditions on a fine grid: none may have been passed over. Needs no reference, and
+    /// sees what hardly changes any value.
+    fn audit(&self, variant: &Variant) -> Finding {
+        let (compiled, problems) = compile_text(&self.text(variant));
+        let Some(schedule) = compiled.schedule else {
+            return Finding::Wrong(Fault::new("refused", problems));
+        };
+        let (_, findings) = run_audited(schedule);
+        match findings.and_then(|findings| findings.missed.into_iter().next()) {
+            // A few units in the last place of what is drawn here.
+            Some(Missed { beyond, .. }) if beyond < ROUNDING => Finding::Undecided(Undecided::Grazes),
+            Some(Missed { t, path, guard, beyond }) => {
+                let what = format!("{path} ({guard}) was beyond zero by {beyond:e} at {t} s");
+                Finding::Wrong(Fault::new("missed", what))
+            }
+            None => Finding::Right,
+        }
+    }
+
     /// Of a model that turns out otherwise if something changes by some millionths: a run that is as the reference says is
     /// right. Of another one nobody can tell, as long as tight tolerances bring what the reference says.
     fn judge_closely(&self, effort: u32, variant: &Variant) -> Finding {
@@ -165,6 +185,9 @@ pub trait Puzzle: Sized + Clone + Debug + PartialEq {
     }
 }
 
+/// What is closer to zero than this was not passed over but is rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// By which part of that what depends on changes at tight tolerances is changed.
 const CLOSE: f64 = 1e-3;
 
@@ -179,14 +202,17 @@ pub(super) fn by_engine(text: &str) -> Result<Run, Fault> {
     }
 }
 
+/// What becomes of a model: [`Puzzle::judge`] or [`Puzzle::audit`].
+pub type Judge<P> = fn(&P, &Variant) -> Finding;
+
 /// Smaller models that are tried at most.
 const TRIES: usize = 400;
 
 /// The smallest model that still fails in the same way.
-pub fn least<P: Puzzle>(puzzle: &P, variant: &Variant) -> P {
-    let Finding::Wrong(fault) = puzzle.judge(variant) else { return puzzle.clone() };
+pub fn least<P: Puzzle>(puzzle: &P, variant: &Variant, judge: Judge<P>) -> P {
+    let Finding::Wrong(fault) = judge(puzzle, variant) else { return puzzle.clone() };
     let fails =
-        |puzzle: &P| matches!(puzzle.judge(variant), Finding::Wrong(found) if found.kind == fault.kind);
+        |puzzle: &P| matches!(judge(puzzle, variant), Finding::Wrong(found) if found.kind == fault.kind);
     let mut best = puzzle.clone();
     let mut left = TRIES;
     loop {

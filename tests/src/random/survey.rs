@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
 
-use super::puzzle::{Fault, Finding, Puzzle};
+use super::puzzle::{Fault, Finding, Judge, Puzzle};
 use super::variants::Variant;
 
 /// What became of many models.
@@ -20,16 +20,17 @@ pub struct Survey {
     pub wrong: Vec<(u64, Fault)>,
 }
 
-/// Judges the models of all seeds. `tell` hears of each that is wrong, or, with its reason, not decided.
+/// Judges the models of all seeds by `judge`. `tell` hears of each that is wrong, or, with its reason, not decided.
 pub fn survey<P: Puzzle>(
     seeds: Range<u64>,
     variant: &Variant,
+    judge: Judge<P>,
     mut tell: impl FnMut(u64, &P, &Finding),
 ) -> Survey {
     let mut survey = Survey::default();
     for seed in seeds {
         let model = P::of(seed);
-        let finding = model.judge(variant);
+        let finding = judge(&model, variant);
         survey.count += 1;
         if finding != Finding::Right {
             tell(seed, &model, &finding);
