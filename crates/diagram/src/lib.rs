@@ -18,7 +18,9 @@ mod fingerprint;
 mod flatten;
 mod format;
 mod infer;
+mod mentions;
 mod model;
+mod offers;
 mod overrides;
 mod parameter;
 mod problems;
@@ -48,13 +50,15 @@ pub use fingerprint::fingerprint;
 pub use flatten::{Declared, Flat, FlatBlock, Source, origins};
 pub use format::{WIDTH, format};
 pub use infer::Typed;
+pub use mentions::{Meaning, Mention, Mentions, Symbol, mentions};
 pub use model::{Content, Model, ModelBlock, PortKind, VariantChoice};
+pub use offers::{SIMULATION, Step, members, words};
 pub use overrides::Replaced;
 pub use parameter::{has_parameter, parameter};
 pub use rates::off_grid;
 pub use replacing::WrittenUnit;
 pub use resolve::HIERARCHY;
-pub use source::{Reader, SourceFile, Sources};
+pub use source::{Reader, SourceFile, Sources, Trees};
 pub use targets::{Found, Origin, Site, Spelling, Target, below, find, spelled, targets};
 pub use tree::{Name, Node, Remedy, Shape, SyntaxError, read as read_tree};
 
@@ -168,8 +172,14 @@ pub fn compile_to_watch(
 
 /// Turns the text of a diagram into something that can run, as [`Options`] say.
 pub fn compile_with(sources: &Sources, root: &Path, options: &Options) -> Compiled {
+    compile_and_keep(sources, root, options).1
+}
+
+/// As [`compile_with`], with the hierarchy of the diagram as [`model`] returns it.
+pub fn compile_and_keep(sources: &Sources, root: &Path, options: &Options) -> (Option<Model>, Compiled) {
     let mut problems = problems::Problems::default();
     let mut compiled = Compiled::default();
+    let mut kept = None;
     let strict = options.units == Units::Strict;
     if let Some(top) = top(sources, root, options.overrides, strict, &mut problems) {
         let Top { model, scope, replaced, resolver } = top;
@@ -215,12 +225,13 @@ pub fn compile_with(sources: &Sources, root: &Path, options: &Options) -> Compil
         if !problems.any_error() {
             problems.extend(resolver.unused());
         }
+        kept = Some(model);
     }
     compiled.problems = problems.sorted();
     if problems.any_error() {
         compiled.schedule = None;
     }
-    compiled
+    (kept, compiled)
 }
 
 fn collect_variants(model: &Model, out: &mut Vec<(String, VariantChoice)>) {

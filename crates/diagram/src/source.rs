@@ -1,11 +1,16 @@
 //! The files of a model.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 
 use blocksim_block::problem::FileId;
 use blocksim_block::{CodePolicy, Files, LoadError, NoCode};
+
+use crate::mentions::Log;
+use crate::tree::{Node, SyntaxError, read};
 
 /// Reads files for the compiler, which itself opens none.
 pub trait Reader {
@@ -18,6 +23,41 @@ pub trait Reader {
     /// Who decides whether code that a diagram names is built and loaded; without a decision none is.
     fn code(&self) -> &dyn CodePolicy {
         &NoCode
+    }
+
+    /// Whether nobody waits for the answer any more. The compiler then stops soon; what it returns is incomplete.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// A text as a tree, or what is wrong with it.
+pub(crate) type Tree = Result<Rc<Node>, SyntaxError>;
+
+/// Texts as trees, for a program that compiles a model again and again while one of its files changes: what has the same
+/// text as the last time is not parsed again.
+#[derive(Debug, Default)]
+pub struct Trees {
+    kept: RefCell<HashMap<PathBuf, (Arc<str>, Tree)>>,
+    parsed: Cell<usize>,
+}
+
+impl Trees {
+    /// How many texts have been parsed so far.
+    pub fn parsed(&self) -> usize {
+        self.parsed.get()
+    }
+
+    fn of(&self, file: &SourceFile) -> Tree {
+        if let Some((text, tree)) = self.kept.borrow().get(&file.path)
+            && *text == file.text
+        {
+            return tree.clone();
+        }
+        self.parsed.set(self.parsed.get() + 1);
+        let tree = read(&file.text).map(Rc::new);
+        self.kept.borrow_mut().insert(file.path.clone(), (file.text.clone(), tree.clone()));
+        tree
     }
 }
 
@@ -34,12 +74,32 @@ pub struct SourceFile {
 pub struct Sources<'a> {
     reader: &'a dyn Reader,
     files: RefCell<Vec<SourceFile>>,
+    /// Trees of earlier compilations, and those of this one where there are none.
+    trees: Option<&'a Trees>,
+    own: Trees,
+    /// What names mean, where somebody asks for that.
+    pub(crate) log: Log,
 }
 
 impl<'a> Sources<'a> {
     /// No files yet.
     pub fn new(reader: &'a dyn Reader) -> Self {
-        Self { reader, files: RefCell::default() }
+        Self { reader, files: RefCell::default(), trees: None, own: Trees::default(), log: Log::default() }
+    }
+
+    /// No files yet; texts that were parsed before are not parsed again.
+    pub fn with_trees(reader: &'a dyn Reader, trees: &'a Trees) -> Self {
+        Self { trees: Some(trees), ..Self::new(reader) }
+    }
+
+    /// The text of a file as a tree.
+    pub(crate) fn tree(&self, id: FileId) -> Tree {
+        self.trees.unwrap_or(&self.own).of(&self.file(id))
+    }
+
+    /// Whether nobody waits for the answer any more.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.reader.is_cancelled()
     }
 
     /// Reads a file once and numbers it.

@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
+use std::collections::BTreeMap;
+
 use blocksim_block::{BlockInfo, ParameterInfo};
+use blocksim_diagram::{Step, members, words};
 use lsp_types::{
     CompletionItem, CompletionItemKind, Documentation, InsertTextFormat, MarkupContent, MarkupKind,
 };
@@ -54,6 +57,7 @@ pub fn complete(
     text: &str,
     at: usize,
     blocks: Option<&Blocks>,
+    choices: &BTreeMap<String, Vec<String>>,
     folder: &Path,
     snippets: bool,
     prose: Prose,
@@ -70,6 +74,21 @@ pub fn complete(
         Context::Parameter { kind: name, given } => {
             let parameters = kind(name).map(|info| info.parameters).unwrap_or_default();
             parameters.iter().filter(|parameter| !given.contains(&parameter.name)).map(of_parameter).collect()
+        }
+        Context::Member { kind, brackets, given } => {
+            let missing = members(kind, &brackets).into_iter().filter(|name| !given.contains(name));
+            missing.map(|name| item(name, CompletionItemKind::FIELD, "", "", format!("{name}: "))).collect()
+        }
+        Context::Word { kind, brackets, key } => {
+            let words = words(kind, &brackets, key);
+            words.into_iter().map(|word| of_word(word, (kind, &brackets, key), snippets)).collect()
+        }
+        Context::Alternative { given, before } => {
+            let names = chosen_by(before).and_then(|name| choices.get(name)).map(Vec::as_slice);
+            let missing = names.unwrap_or_default().iter().filter(|name| !given.contains(&name.as_str()));
+            missing
+                .map(|name| item(name, CompletionItemKind::ENUM_MEMBER, "alternative", "", name.clone()))
+                .collect()
         }
         Context::Setting { given } => keys(&SETTINGS, &given),
         Context::Steady { given } => keys(&STEADY, &given),
@@ -88,6 +107,28 @@ pub fn complete(
             .collect(),
         Context::Other => Vec::new(),
     }
+}
+
+/// A word that may stand as a value, with parentheses where it has members.
+fn of_word(word: &str, (kind, brackets, key): (&str, &[Step], &str), snippets: bool) -> CompletionItem {
+    let mut inside = brackets.to_vec();
+    inside.push(Step { key: key.to_owned(), word: word.to_owned(), sign: '(' });
+    let has_members = !members(kind, &inside).is_empty();
+    let insert = match (has_members, snippets) {
+        (true, true) => format!("{word}($1)"),
+        _ => word.to_owned(),
+    };
+    CompletionItem {
+        insert_text_format: (has_members && snippets).then_some(InsertTextFormat::SNIPPET),
+        ..item(word, CompletionItemKind::ENUM_MEMBER, "", "", insert)
+    }
+}
+
+/// The parameter that the last variant of a text is chosen by, if it stands before its alternatives.
+fn chosen_by(before: &str) -> Option<&str> {
+    let variant = &before[before.rfind("Variant(")?..];
+    let rest = variant[variant.find("choice")? + "choice".len()..].trim_start().strip_prefix(':')?;
+    rest.trim_start().strip_prefix('"')?.split('"').next()
 }
 
 /// Keys that are not given yet.
@@ -159,7 +200,10 @@ fn connections(text: &str, before: &str, blocks: Option<&Blocks>) -> Vec<Complet
                 .collect()
         }
         Some((block, _)) => {
-            let ports = blocks.and_then(|blocks| blocks.get(block)).map(Vec::as_slice).unwrap_or_default();
+            let ports = blocks
+                .and_then(|blocks| blocks.get(block))
+                .map(|facts| facts.ports.as_slice())
+                .unwrap_or_default();
             ports
                 .iter()
                 .map(|port| {

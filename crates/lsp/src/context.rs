@@ -1,5 +1,7 @@
 //! What is meant by what stands at the cursor.
 
+use blocksim_diagram::{SIMULATION, Step};
+
 use crate::scan::{Open, is_word, scan};
 
 /// What may stand at a place.
@@ -31,6 +33,31 @@ pub enum Context<'a> {
         /// What is there before.
         given: Vec<&'a str>,
     },
+    /// A member of a named set inside of a block or of the settings.
+    Member {
+        /// The kind of the block, or [`SIMULATION`].
+        kind: &'a str,
+        /// Brackets from that of the block inwards.
+        brackets: Vec<Step>,
+        /// Members that are there before.
+        given: Vec<&'a str>,
+    },
+    /// A value inside of a block or of the settings that is not a text, of which it may be that only some words are possible.
+    Word {
+        /// The kind of the block, or [`SIMULATION`].
+        kind: &'a str,
+        /// Brackets from that of the block inwards.
+        brackets: Vec<Step>,
+        /// The name before the value.
+        key: &'a str,
+    },
+    /// The name of an alternative of a variant.
+    Alternative {
+        /// Those that are there before.
+        given: Vec<&'a str>,
+        /// Where the variant begins: the byte behind its bracket.
+        before: &'a str,
+    },
     /// A port of a block, within a connection; `before` is what stands between its quote and the place.
     Connection {
         /// From the quote to the place.
@@ -56,6 +83,9 @@ pub fn context(text: &str, at: usize) -> Context<'_> {
         return match (inner.sign, inner.key, inner.word, around.key) {
             ('[', "connections", ..) => Context::Connection { before: &before[from..] },
             ('(', _, "File", _) | (.., "file" | "library") => Context::File,
+            ('{', "of", ..) if around.key.is_empty() && is_of_blocks(&around.open) => {
+                Context::Alternative { given: inner.keys.clone(), before }
+            }
             ('(' | '[', ..) => Context::Expression,
             ('{', ..) if !around.key.is_empty() => Context::Expression,
             _ => Context::Other,
@@ -67,10 +97,28 @@ pub fn context(text: &str, at: usize) -> Context<'_> {
         ('(', "", "simulation") if around.key.is_empty() => Context::Setting { given: inner.keys.clone() },
         ('(', "", "simulation") if around.key == "start" => Context::Start,
         ('(', "Steady", "start") if around.key.is_empty() => Context::Steady { given: inner.keys.clone() },
-        ('(', kind, _) if !kind.is_empty() && kind != "Diagram" && around.key.is_empty() => {
-            Context::Parameter { kind, given: inner.keys.clone() }
-        }
-        _ => Context::Other,
+        _ => within(&around.open, around.key),
+    }
+}
+
+/// What may stand in the innermost bracket, if it is one of a block or of the settings.
+fn within<'a>(open: &[Open<'a>], key: &'a str) -> Context<'a> {
+    let of_block = (1..open.len()).rev().find(|&n| is_of_blocks(&open[..n]) && !open[n].word.is_empty());
+    let of_settings =
+        || (open.len() > 1 && open[0].word == "Diagram" && open[1].key == "simulation").then_some(1);
+    let Some(first) = of_block.or_else(of_settings) else { return Context::Other };
+    let kind = if of_block.is_some() { open[first].word } else { SIMULATION };
+    let inner = &open[open.len() - 1];
+    if inner.sign == '(' && key.is_empty() && first + 1 == open.len() {
+        return Context::Parameter { kind, given: inner.keys.clone() };
+    }
+    let step = |open: &Open| Step { key: open.key.to_owned(), word: open.word.to_owned(), sign: open.sign };
+    let brackets = open[first..].iter().map(step).collect();
+    match (inner.sign, key) {
+        ('(', "") => Context::Member { kind, brackets, given: inner.keys.clone() },
+        ('[', _) => Context::Word { kind, brackets, key: "" },
+        (_, "") => Context::Other,
+        (_, key) => Context::Word { kind, brackets, key },
     }
 }
 
@@ -110,7 +158,21 @@ mod tests {
         assert_eq!(at("Diagram(blocks: {|"), Context::Other);
         let given = vec!["kp"];
         assert_eq!(at("Diagram(blocks: {\"a\": Pid(kp: 1, k|"), Context::Parameter { kind: "Pid", given });
-        assert_eq!(at("Diagram(blocks: {\"a\": Pid(kp: |"), Context::Other);
+        let step = |key: &str, word: &str| Step { key: key.to_owned(), word: word.to_owned(), sign: '(' };
+        let brackets = vec![step("a", "Pid")];
+        assert_eq!(
+            at("Diagram(blocks: {\"a\": Pid(kp: |"),
+            Context::Word { kind: "Pid", brackets, key: "kp" }
+        );
+        let brackets = vec![step("a", "Pid"), step("form", "Own")];
+        let given = vec!["x"];
+        let member = Context::Member { kind: "Pid", brackets, given };
+        assert_eq!(at("Diagram(blocks: {\"a\": Pid(form: Own(x: 1, |"), member);
+        let brackets = vec![step("simulation", "")];
+        let word = Context::Word { kind: SIMULATION, brackets, key: "solver" };
+        assert_eq!(at("Diagram(simulation: (solver: |"), word);
+        let alternative = at("Diagram(blocks: {\"m\": Variant(choice: \"d\", of: {\"a\": Gain, \"|");
+        assert!(matches!(alternative, Context::Alternative { given, .. } if given == ["a"]));
         assert_eq!(at("Diagram(blocks: {\"a\": Pid(kp: \"2*|"), Context::Expression);
         assert_eq!(at("Diagram(parameters: {\"k\": \"2*|"), Context::Expression);
         assert_eq!(at("Diagram(parameters: {\"k|"), Context::Other);

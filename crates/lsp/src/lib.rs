@@ -9,8 +9,10 @@
 //! | file | idea |
 //! |---|---|
 //! | `server` | messages in, messages out |
+//! | `work` | the thread that compiles, and answers what needs whole models |
 //! | `texts` | texts as the editor has them, before the disk |
-//! | `models` | which model a file belongs to, its problems, its ports |
+//! | `models` | which model a file belongs to, its problems, its blocks; each text is parsed once |
+//! | `meanings` | names across files: declarations, references, new names |
 //! | `scan`, `context`, `names` | words and brackets around the cursor, what they mean, what a file declares |
 //! | `library` | what is known of kinds, parameters, ports |
 //! | `complete`, `hover`, `definition`, `outline`, `formatting`, `fixes` | an answer each |
@@ -23,6 +25,7 @@ mod fixes;
 mod formatting;
 mod hover;
 mod library;
+mod meanings;
 mod models;
 mod names;
 mod outline;
@@ -31,5 +34,6 @@ mod scan;
 mod server;
 mod texts;
 mod uri;
+mod work;
 
 pub use server::{Server, serve};

@@ -1,10 +1,18 @@
 //! Which model a file belongs to, what is wrong with it, and what its blocks look like.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::cell::Cell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use blocksim_block::problem::{Label, Problem, Severity};
-use blocksim_diagram::{Content, Model, ModelBlock, SourceFile, Sources, compile, model};
+use blocksim_block::schedule::Schedule;
+use blocksim_block::{BlockInfo, CodePolicy};
+use blocksim_diagram::{
+    Compiled, Content, Model, ModelBlock, Node, Options, Shape, SourceFile, Sources, Trees, compile_and_keep,
+    model,
+};
+use blocksim_signal::{Unit, si_text};
 use lsp_types::{
     Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, Range as Span,
 };
@@ -12,7 +20,7 @@ use lsp_types::{
 use crate::fixes::{Fix, fix};
 use crate::names::{Section, declared};
 use crate::position::span;
-use crate::texts::Texts;
+use crate::texts::{Disk, Snapshot, Texts};
 use crate::uri::uri_of;
 
 /// Folders above a file in which its model is looked for, and files there that are looked at.
@@ -26,112 +34,356 @@ pub struct Port {
     pub name: String,
     /// `input`, `output` or the domain of a conserving one.
     pub side: String,
-    /// Its unit, where it has one of its own.
+    /// Its unit, where it has one.
     pub unit: String,
     /// A sentence.
     pub doc: String,
 }
 
-/// Blocks of a file with their ports, as they were when the diagram could be read last.
-pub type Blocks = BTreeMap<String, Vec<Port>>;
+/// What a compilation knows of a block.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Facts {
+    /// Its ports.
+    pub ports: Vec<Port>,
+    /// Values of its parameters, where they are numbers: `k`, `2 rad/s`.
+    pub values: Vec<(String, String)>,
+    /// The alternative that is built, if it is a variant.
+    pub chosen: Option<String>,
+}
+
+/// Blocks of a file, as they were when the diagram could be read last.
+pub type Blocks = BTreeMap<String, Facts>;
 
 /// Problems of files.
 pub type Found = BTreeMap<PathBuf, Vec<Diagnostic>>;
 
-/// What is known of the models of open files.
+/// What is known of the models of all open files.
+#[derive(Debug, Clone, Default)]
+pub struct Known {
+    /// Problems by file, with an empty list for each file without any.
+    pub found: Found,
+    /// What fixes the problems of each file.
+    pub fixes: BTreeMap<PathBuf, Vec<Fix>>,
+    /// Blocks by file.
+    pub blocks: BTreeMap<PathBuf, Blocks>,
+    /// The alternatives of `Choice` parameters by the name of the parameter.
+    pub choices: BTreeMap<String, Vec<String>>,
+}
+
+/// What was read for a model, and what came of it.
+#[derive(Debug, Default)]
+struct Last {
+    /// Files that were asked for, with their texts where there were any.
+    read: Vec<(PathBuf, Option<Arc<str>>)>,
+    known: Known,
+}
+
+/// The models of open files. Work is done once: texts are parsed again when they differ, files are read again when the disk
+/// has others, and a model is compiled again when one of its texts differs.
 #[derive(Debug, Default)]
 pub struct Models {
     /// The model of each open file.
     roots: BTreeMap<PathBuf, PathBuf>,
     blocks: BTreeMap<PathBuf, Blocks>,
-    /// What mends the problems of each file, as it was looked at last.
-    fixes: BTreeMap<PathBuf, Vec<Fix>>,
+    last: BTreeMap<PathBuf, Last>,
+    /// Files of the disk.
+    pub disk: Disk,
+    /// Parsed texts.
+    pub trees: Trees,
+    /// Folders that the editor has open.
+    pub folders: Vec<PathBuf>,
+    compiled: Cell<usize>,
 }
 
 impl Models {
-    /// Looks for the model of a file anew.
+    /// Nothing known; the editor has these folders open.
+    pub fn of(folders: Vec<PathBuf>) -> Models {
+        Models { folders, ..Models::default() }
+    }
+
+    /// Looks for the model of a file anew, and at everything that may have changed on the disk.
     pub fn forget(&mut self, path: &Path) {
         self.roots.remove(path);
+        self.last.clear();
     }
 
-    /// Blocks of a file with their ports.
-    pub fn blocks(&self, path: &Path) -> Option<&Blocks> {
-        self.blocks.get(path)
+    /// How many models have been compiled so far.
+    #[cfg(test)]
+    pub fn compiled(&self) -> usize {
+        self.compiled.get()
     }
 
-    /// What mends the problems of a file.
-    pub fn fixes(&self, path: &Path) -> &[Fix] {
-        self.fixes.get(path).map_or(&[], Vec::as_slice)
-    }
-
-    /// Compiles the models of all open files; problems by file, with an empty list for each file without any.
-    pub fn look(&mut self, texts: &Texts) -> Found {
-        let mut found = Found::new();
-        self.fixes.clear();
+    /// Compiles the models of all open files; nothing if texts change meanwhile.
+    pub fn look(&mut self, snapshot: &Snapshot, code: &dyn CodePolicy) -> Option<Known> {
+        let mut known = Known::default();
         let mut roots: Vec<PathBuf> = Vec::new();
-        for path in texts.open() {
-            let root = self.roots.entry(path.clone()).or_insert_with(|| root_of(path, texts)).clone();
-            found.entry(path.clone()).or_default();
+        for path in snapshot.open.keys() {
+            let root = self.root(path, snapshot, code);
+            known.found.entry(path.clone()).or_default();
             if !roots.contains(&root) {
                 roots.push(root);
             }
         }
+        self.last.retain(|root, _| roots.contains(root));
         for root in roots {
-            let sources = Sources::new(texts);
-            let problems = compile(&sources, &root, &[]).problems;
-            let files = sources.all();
-            for file in &files {
-                found.entry(file.path.clone()).or_default();
+            let is_known = self.last.get(&root).is_some_and(|last| is_same(last, snapshot, &self.disk));
+            if !is_known {
+                let last = self.compile(&root, snapshot, code)?;
+                self.last.insert(root.clone(), last);
             }
-            for problem in &problems {
-                let (path, diagnostic) = diagnostic(problem, &files, &root);
-                let of_file = found.entry(path.clone()).or_default();
-                if !of_file.contains(&diagnostic) {
-                    let fix = fix(problem, &diagnostic, &files);
-                    self.fixes.entry(path).or_default().extend(fix);
-                    of_file.push(diagnostic);
-                }
+            let Known { found, fixes, choices, .. } = &self.last[&root].known;
+            for (path, diagnostics) in found {
+                let of_file = known.found.entry(path.clone()).or_default();
+                let new: Vec<_> = diagnostics.iter().filter(|one| !of_file.contains(one)).cloned().collect();
+                of_file.extend(new);
             }
-            let sources = Sources::new(texts);
-            if let (Some(model), _) = model(&sources, &root, &[]) {
-                self.remember(&model, &sources);
+            for (path, fixes) in fixes {
+                known.fixes.entry(path.clone()).or_default().extend(fixes.iter().cloned());
             }
+            known.choices.extend(choices.iter().map(|(name, of)| (name.clone(), of.clone())));
         }
-        found
+        known.blocks = self.blocks.clone();
+        (!snapshot.is_stale()).then_some(known)
     }
 
-    fn remember(&mut self, model: &Model, sources: &Sources) {
-        let blocks = self.blocks.entry(sources.file(model.ast.file).path).or_default();
-        for block in model.blocks.iter().filter(|block| !matches!(block.content, Content::Unknown)) {
-            blocks.insert(block.name.clone(), ports(block));
+    /// The model that an open file belongs to.
+    pub fn root(&mut self, path: &Path, snapshot: &Snapshot, code: &dyn CodePolicy) -> PathBuf {
+        if let Some(root) = self.roots.get(path) {
+            return root.clone();
         }
-        for block in &model.blocks {
-            if let Content::Diagram(inside) = &block.content {
-                self.remember(inside, sources);
+        let mut texts = Texts::new(snapshot, &self.disk, code);
+        texts.is_patient = true;
+        let root = root_of(path, &texts, &self.trees);
+        self.roots.insert(path.to_owned(), root.clone());
+        root
+    }
+
+    fn compile(&mut self, root: &Path, snapshot: &Snapshot, code: &dyn CodePolicy) -> Option<Last> {
+        let texts = Texts::new(snapshot, &self.disk, code);
+        let sources = Sources::with_trees(&texts, &self.trees);
+        let (model, compiled) = compile_and_keep(&sources, root, &Options::default());
+        self.compiled.set(self.compiled.get() + 1);
+        if snapshot.is_stale() {
+            return None;
+        }
+        let mut known = Known::default();
+        let files = sources.all();
+        let read = |file: &SourceFile| (file.path.clone(), Some(file.text.clone()));
+        let mut last = Last { read: files.iter().map(read).collect(), ..Last::default() };
+        last.read.extend(texts.missing.take().into_iter().map(|path| (path, None)));
+        for file in &files {
+            known.found.entry(file.path.clone()).or_default();
+        }
+        for problem in &compiled.problems {
+            let (path, diagnostic) = diagnostic(problem, &files, root);
+            let of_file = known.found.entry(path.clone()).or_default();
+            if !of_file.contains(&diagnostic) {
+                let fix = fix(problem, &diagnostic, &files);
+                known.fixes.entry(path).or_default().extend(fix);
+                of_file.push(diagnostic);
             }
+        }
+        if let Some(model) = model {
+            let units = units(&compiled);
+            let mut kept = std::mem::take(&mut self.blocks);
+            remember(&model, &sources, &units, &mut kept, &mut known.choices);
+            self.blocks = kept;
+        }
+        last.known = known;
+        Some(last)
+    }
+}
+
+/// Whether all texts of a model are what they were.
+fn is_same(last: &Last, snapshot: &Snapshot, disk: &Disk) -> bool {
+    let text = |path: &PathBuf| match snapshot.open.get(path) {
+        Some(document) => Some(document.text.clone()),
+        None => disk.read(path).ok(),
+    };
+    last.read.iter().all(|(path, read)| text(path) == *read)
+}
+
+/// Units of outputs by path and port, as far as the compiler came.
+fn units(compiled: &Compiled) -> BTreeMap<&str, String> {
+    let of = |schedule: &'_ Schedule| -> Vec<(usize, String)> {
+        let unit = |(n, signal): (usize, &blocksim_block::schedule::Signal)| {
+            let dimension = signal.dimension.filter(|dimension| !dimension.is_open())?;
+            Some((n, dimension.to_string()))
+        };
+        schedule.signals.iter().enumerate().filter_map(unit).collect()
+    };
+    let Some(schedule) = &compiled.schedule else { return BTreeMap::new() };
+    of(schedule).into_iter().map(|(n, unit)| (schedule.signals[n].path.as_str(), unit)).collect()
+}
+
+/// Keeps what is known of the blocks of a diagram and of those inside.
+fn remember(
+    model: &Model,
+    sources: &Sources,
+    units: &BTreeMap<&str, String>,
+    all: &mut BTreeMap<PathBuf, Blocks>,
+    choices: &mut BTreeMap<String, Vec<String>>,
+) {
+    for (name, node) in &model.ast.parameters {
+        let of = alternatives(node);
+        if !of.is_empty() {
+            choices.insert(name.text.clone(), of);
+        }
+    }
+    let blocks = all.entry(sources.file(model.ast.file).path).or_default();
+    for block in model.blocks.iter().filter(|block| !matches!(block.content, Content::Unknown)) {
+        blocks.insert(block.name.clone(), facts(block, units));
+    }
+    for block in &model.blocks {
+        if let Content::Diagram(inside) = &block.content {
+            remember(inside, sources, units, all, choices);
         }
     }
 }
 
+/// The alternatives of `Choice(default: .., of: [..])`.
+fn alternatives(node: &Node) -> Vec<String> {
+    let Shape::Struct(Some(word), members) = &node.value else { return Vec::new() };
+    let of = members.iter().find(|(name, _)| word.text == "Choice" && name.text == "of");
+    let Some(Node { value: Shape::List(items), .. }) = of.map(|(_, node)| node) else { return Vec::new() };
+    let text = |item: &Node| if let Shape::Text(text) = &item.value { Some(text.clone()) } else { None };
+    items.iter().filter_map(text).collect()
+}
+
+fn facts(block: &ModelBlock, units: &BTreeMap<&str, String>) -> Facts {
+    let mut ports = ports(block);
+    for port in ports.iter_mut().filter(|port| port.side == "output" && port.unit.is_empty()) {
+        let unit = units.get(format!("{}.{}", block.path, port.name).as_str());
+        port.unit = unit.cloned().unwrap_or_default();
+    }
+    Facts {
+        ports,
+        values: values(block),
+        chosen: block.variant.as_ref().map(|variant| variant.chosen.clone()),
+    }
+}
+
+/// Most numbers of one parameter that are shown.
+const NUMBERS: usize = 6;
+
+/// The numbers of the parameters with their units.
+fn values(block: &ModelBlock) -> Vec<(String, String)> {
+    let Content::Block { numbers, units, .. } = &block.content else { return Vec::new() };
+    let info = BlockInfo::find(&block.kind);
+    let value = |(name, numbers): &(String, Vec<f64>)| {
+        let parameter = info.and_then(|info| info.parameters.iter().find(|known| known.name == name));
+        let fixed = parameter.filter(|parameter| !parameter.unit.is_empty());
+        let fixed = fixed.and_then(|parameter| Unit::parse(parameter.unit).ok()).map(|unit| unit.dimension);
+        let dimension = fixed.or(units.find(name)).unwrap_or_default();
+        let shown: Vec<String> =
+            numbers.iter().take(NUMBERS).map(|&number| si_text(number, dimension)).collect();
+        let more = if numbers.len() > NUMBERS { ", ..." } else { "" };
+        let text = shown.join(", ");
+        (name.clone(), if numbers.len() == 1 { text } else { format!("[{text}{more}]") })
+    };
+    numbers.iter().map(value).collect()
+}
+
 /// The model that a file belongs to: itself if it is whole, else the first in its folder or above that reads it, the one
 /// named as its folder before all others.
-fn root_of(path: &Path, texts: &Texts) -> PathBuf {
-    let text = texts.get(path).unwrap_or_default();
-    let is_open = |section| matches!(section, Section::Input | Section::Output | Section::Port);
-    let is_whole =
-        text.contains("Diagram(") && !declared(text).iter().any(|declared| is_open(declared.section));
-    // It may still be part of a larger one, but it stands for itself as well.
-    if is_whole {
+fn root_of(path: &Path, texts: &Texts, trees: &Trees) -> PathBuf {
+    let text = texts.text(path).unwrap_or_else(|_| "".into());
+    if is_whole(&text) {
         return path.to_owned();
     }
     let reads = |candidate: &PathBuf| {
-        let sources = Sources::new(texts);
+        let sources = Sources::with_trees(texts, trees);
         model(&sources, candidate, &[]);
         sources.all().iter().any(|file| file.path == path)
     };
     let folders = path.ancestors().skip(1).take(FOLDERS);
     let found = folders.flat_map(diagrams).filter(|candidate| candidate != path).take(MOST).find(reads);
     found.unwrap_or_else(|| path.to_owned())
+}
+
+/// Most files of a folder of the editor that are looked at, and how deep they may lie.
+const MOST_FILES: usize = 5000;
+const DEEPEST: usize = 8;
+
+/// Diagrams that stand for themselves and read one of these files, also by others: those of the folders of the editor that
+/// hold a file, else those beside the file and above it.
+pub fn files_that_name(files: &[PathBuf], folders: &[PathBuf], texts: &Texts) -> Vec<PathBuf> {
+    let mut candidates: BTreeSet<PathBuf> = BTreeSet::new();
+    for file in files {
+        let within: Vec<&PathBuf> = folders.iter().filter(|folder| file.starts_with(folder)).collect();
+        match within.is_empty() {
+            true => candidates.extend(file.ancestors().skip(1).take(FOLDERS).flat_map(diagrams)),
+            false => within.iter().for_each(|folder| gather(folder, 0, &mut candidates)),
+        }
+    }
+    candidates.extend(texts.snapshot.open.keys().cloned());
+    let mut named: BTreeMap<PathBuf, Vec<PathBuf>> = BTreeMap::new();
+    let mut reaches = |root: &PathBuf| {
+        let (mut seen, mut open) = (BTreeSet::from([root.clone()]), vec![root.clone()]);
+        while let Some(file) = open.pop() {
+            if files.contains(&file) {
+                return true;
+            }
+            let others = named.entry(file.clone()).or_insert_with(|| {
+                let folder = file.parent().unwrap_or(Path::new(""));
+                texts.text(&file).map(|text| files_named_in(&text, folder)).unwrap_or_default()
+            });
+            open.extend(others.iter().filter(|other| seen.insert((*other).clone())).cloned());
+        }
+        false
+    };
+    candidates
+        .into_iter()
+        .filter(|root| texts.text(root).is_ok_and(|text| is_whole(&text)) && reaches(root))
+        .collect()
+}
+
+/// All `.ron` files of a folder and below.
+fn gather(folder: &Path, depth: usize, found: &mut BTreeSet<PathBuf>) {
+    let is_text = |path: &Path| path.extension().is_some_and(|ending| ending == "ron");
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    for entry in entries {
+        let path = entry.path();
+        let name = entry.file_name();
+        let is_hidden = name.to_string_lossy().starts_with('.');
+        let is_built = ["target", "runs", "node_modules"].iter().any(|other| name == *other);
+        match entry.file_type() {
+            Ok(kind) if kind.is_dir() && !is_hidden && !is_built && depth < DEEPEST => {
+                gather(&path, depth + 1, found);
+            }
+            Ok(kind) if kind.is_file() && found.len() < MOST_FILES && is_text(&path) => {
+                found.insert(path);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Files that a text names, as paths.
+fn files_named_in(text: &str, folder: &Path) -> Vec<PathBuf> {
+    let named = text.split('"').filter(|piece| piece.ends_with(".ron"));
+    named.map(|name| normal(&folder.join(name))).collect()
+}
+
+/// A path without `.` and `..`, as the compiler writes it.
+fn normal(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(out.components().next_back(), Some(Component::Normal(_))) => {
+                out.pop();
+            }
+            part => out.push(part),
+        }
+    }
+    out
+}
+
+/// Whether a text is a diagram that stands for itself, though it may be part of a larger one as well.
+fn is_whole(text: &str) -> bool {
+    let is_open = |section| matches!(section, Section::Input | Section::Output | Section::Port);
+    text.contains("Diagram(") && !declared(text).iter().any(|declared| is_open(declared.section))
 }
 
 /// Diagrams of a folder by name; the one named as the folder first.
@@ -217,4 +469,87 @@ fn ports(block: &ModelBlock) -> Vec<Port> {
 /// A unit; empty where there is none.
 fn written(unit: Option<impl ToString>) -> String {
     unit.map_or_else(String::new, |unit| unit.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+    use std::sync::atomic::AtomicU64;
+
+    use blocksim_block::{Decision, untrusted};
+    // Diagrams need a library, the robot plug-ins as well.
+    use blocksim_blocks as _;
+    use blocksim_host as _;
+
+    use super::*;
+    use crate::texts::{Document, Open};
+
+    /// Trusts nothing, and counts how often it is asked.
+    #[derive(Debug, Default)]
+    struct Counting(RefCell<Vec<String>>);
+
+    impl CodePolicy for Counting {
+        fn decide(&self, _folder: &Path, named: &str) -> Decision {
+            self.0.borrow_mut().push(named.to_owned());
+            Decision::Refuse(untrusted(named))
+        }
+    }
+
+    fn snapshot(open: &Open, number: u64) -> Snapshot {
+        Snapshot { open: Arc::new(open.clone()), number, newest: Arc::new(AtomicU64::new(number)) }
+    }
+
+    fn flagship(name: &str) -> (PathBuf, Arc<str>) {
+        let folder =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../diagrams/irb2600").canonicalize().unwrap();
+        let path = folder.join(name);
+        let text = std::fs::read_to_string(&path).unwrap();
+        (path, text.into())
+    }
+
+    #[test]
+    fn a_key_in_the_largest_file_of_the_robot_costs_one_text_and_one_compilation() {
+        let code = Counting::default();
+        let mut models = Models::default();
+        let mut open = Open::new();
+        for name in ["irb2600.ron", "feedforward_central.ron", "manipulator.ron"] {
+            let (path, text) = flagship(name);
+            open.insert(path, Document { text, version: 1 });
+        }
+        let known = models.look(&snapshot(&open, 0), &code).expect("nobody types");
+        let (path, text) = flagship("feedforward_central.ron");
+        assert!(known.found.len() > 25, "{:?}", known.found.keys());
+        assert_eq!(models.roots[&path], path.with_file_name("irb2600.ron"));
+        // The description of the arm is a file of values: alone it is no diagram.
+        let (parsed, compiled, reads) = (models.trees.parsed(), models.compiled(), models.disk.reads());
+        for (n, new) in
+            ["Mux(inputs: 6)", "Mux(inputs: 7)", "Mux(input: 7)", "Mux(inputs: 6"].iter().enumerate()
+        {
+            let typed = text.replacen("Mux(inputs: 6)", new, 1);
+            open.insert(path.clone(), Document { text: typed.into(), version: 2 });
+            let known = models.look(&snapshot(&open, 1), &code).expect("nobody types");
+            // Beside the plug-in that is not trusted.
+            let is_slip = |one: &&Diagnostic| {
+                let code = NumberOrString::String("plugin_untrusted".to_owned());
+                one.severity == Some(DiagnosticSeverity::ERROR) && one.code != Some(code)
+            };
+            assert_eq!(known.found[&path].iter().any(|one| is_slip(&one)), n > 0, "{new}");
+            // The first text is the one before.
+            assert_eq!(models.trees.parsed(), parsed + n, "{new}");
+            assert_eq!(models.compiled(), compiled + n, "{new}");
+            assert_eq!(models.disk.reads(), reads, "{new}");
+        }
+        assert!(!code.0.borrow().is_empty(), "the policy has been asked, and nothing was loaded");
+    }
+
+    #[test]
+    fn work_on_texts_that_have_changed_ends_without_an_answer() {
+        let mut models = Models::default();
+        let (path, text) = flagship("irb2600.ron");
+        let open = Open::from([(path, Document { text, version: 1 })]);
+        let stale = snapshot(&open, 0);
+        stale.newest.store(1, std::sync::atomic::Ordering::Relaxed);
+        assert!(models.look(&stale, &Counting::default()).is_none());
+        assert!(models.last.is_empty() && models.blocks.is_empty());
+    }
 }

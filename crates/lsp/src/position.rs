@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use lsp_types::{Position, Range as Span};
+use lsp_types::{Position, Range as Span, TextDocumentContentChangeEvent};
 
 /// The place of a byte; the end of the text for one behind it.
 pub fn position(text: &str, at: usize) -> Position {
@@ -31,6 +31,17 @@ pub fn offset(text: &str, place: Position) -> usize {
     end
 }
 
+/// The text after a change of the editor; a change without a place brings the whole text.
+pub fn changed(text: &str, change: &TextDocumentContentChangeEvent) -> String {
+    let Some(range) = change.range else { return change.text.clone() };
+    let (start, end) = (offset(text, range.start), offset(text, range.end));
+    let mut new = String::with_capacity(text.len() + change.text.len());
+    new.push_str(&text[..start]);
+    new.push_str(&change.text);
+    new.push_str(&text[end.max(start)..]);
+    new
+}
+
 /// A range of bytes as the protocol writes it.
 pub fn span(text: &str, bytes: &Range<usize>) -> Span {
     Span::new(position(text, bytes.start), position(text, bytes.end))
@@ -39,6 +50,21 @@ pub fn span(text: &str, bytes: &Range<usize>) -> Span {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn changes_replace_what_they_name_over_signs_of_any_width() {
+        let change = |text: &str, place: Option<[u32; 4]>, new: &str| {
+            let range = place.map(|[a, b, c, d]| Span::new(Position::new(a, b), Position::new(c, d)));
+            changed(text, &TextDocumentContentChangeEvent { range, range_length: None, text: new.to_owned() })
+        };
+        let text = "a\nπ = 𝛑;\r\nend";
+        assert_eq!(change(text, Some([1, 4, 1, 6]), "3"), "a\nπ = 3;\r\nend");
+        assert_eq!(change(text, Some([0, 1, 1, 0]), ""), "aπ = 𝛑;\r\nend");
+        assert_eq!(change(text, Some([9, 0, 9, 9]), "!"), "a\nπ = 𝛑;\r\nend!");
+        assert_eq!(change(text, None, "new"), "new");
+        // An editor that names an end before the start loses nothing.
+        assert_eq!(change("abc", Some([0, 2, 0, 1]), "-"), "ab-c");
+    }
 
     #[test]
     fn places_go_there_and_back_over_signs_of_any_width() {

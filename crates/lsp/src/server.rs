@@ -1,39 +1,45 @@
 //! Messages in, messages out.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use blocksim_block::CodePolicy;
+use crossbeam_channel::select;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
 use lsp_types::notification::{
-    DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, DidSaveTextDocument, Notification as _,
-    PublishDiagnostics,
+    Cancel, DidChangeTextDocument, DidChangeWatchedFiles, DidCloseTextDocument, DidOpenTextDocument,
+    DidSaveTextDocument, Notification as _, PublishDiagnostics,
 };
 use lsp_types::request::{
     CodeActionRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest,
-    Request as _,
+    PrepareRenameRequest, References, Rename, Request as _,
 };
 use lsp_types::{
     CodeActionParams, CodeActionProviderCapability, CompletionOptions, CompletionParams,
-    DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams,
-    DidSaveTextDocumentParams, DocumentFormattingParams, DocumentSymbolParams, DocumentSymbolResponse,
-    GotoDefinitionParams, GotoDefinitionResponse, HoverParams, HoverProviderCapability, InitializeParams,
-    Location, OneOf, PublishDiagnosticsParams, Range as Span, ServerCapabilities, TextDocumentPositionParams,
-    TextDocumentSyncCapability, TextDocumentSyncKind, TextDocumentSyncOptions, Uri,
+    DidChangeTextDocumentParams, DidChangeWatchedFilesParams, DidCloseTextDocumentParams,
+    DidOpenTextDocumentParams, DidSaveTextDocumentParams, DocumentFormattingParams, DocumentSymbolParams,
+    DocumentSymbolResponse, GotoDefinitionParams, HoverParams, HoverProviderCapability, InitializeParams,
+    Location, OneOf, PublishDiagnosticsParams, Range as Span, ReferenceParams, RenameOptions, RenameParams,
+    ServerCapabilities, TextDocumentPositionParams, TextDocumentSyncCapability, TextDocumentSyncKind,
+    TextDocumentSyncOptions, WorkDoneProgressOptions,
 };
 use serde_json::{Value, json};
 
 use crate::complete::complete;
+use crate::context::{Context, context};
 use crate::definition::{Target, definition};
 use crate::fixes::offered;
 use crate::formatting::laid_out;
 use crate::hover::hover;
 use crate::library::Prose;
-use crate::models::Models;
+use crate::models::Known;
 use crate::outline::outline;
-use crate::position::{offset, span};
-use crate::texts::Texts;
+use crate::position::{changed, offset, span};
+use crate::texts::{Document, Open, Snapshot};
 use crate::uri::{path_of, uri_of};
+use crate::work::{Asked, Cancelled, Done, Job, Worker};
 
 /// What has gone wrong between the editor and the server.
 type Broken = Box<dyn std::error::Error + Send + Sync>;
@@ -43,7 +49,7 @@ type Broken = Box<dyn std::error::Error + Send + Sync>;
 ///
 /// # Errors
 /// If the editor breaks the protocol, or goes away without a word.
-pub fn serve(prose: Prose, code: Box<dyn CodePolicy>) -> Result<(), Broken> {
+pub fn serve(prose: Prose, code: Box<dyn CodePolicy + Send>) -> Result<(), Broken> {
     let (connection, threads) = Connection::stdio();
     Server::new(prose, code).run(&connection)?;
     drop(connection);
@@ -51,13 +57,23 @@ pub fn serve(prose: Prose, code: Box<dyn CodePolicy>) -> Result<(), Broken> {
     Ok(())
 }
 
-/// What the server knows of an editor and its files.
+/// What the server knows of an editor and its files. Keys and questions about a text are answered on the thread of the server;
+/// models are compiled on another one ([`Worker`]).
 pub struct Server {
-    texts: Texts,
-    models: Models,
+    open: Arc<Open>,
+    /// The number of the present texts, which work on older ones looks at.
+    newest: Arc<AtomicU64>,
+    /// What was found in the models last.
+    known: Known,
+    /// Files that may belong to another model than before, or have changed on the disk.
+    forget: Vec<PathBuf>,
     /// Files that were said to have problems.
     told: BTreeSet<PathBuf>,
+    /// Requests that the other thread has not answered yet.
+    waiting: HashSet<RequestId>,
+    cancelled: Cancelled,
     prose: Prose,
+    code: Option<Box<dyn CodePolicy + Send>>,
     /// Whether the editor fills in places to be written.
     snippets: bool,
 }
@@ -65,12 +81,17 @@ pub struct Server {
 impl Server {
     /// A server that knows nothing yet; `prose` makes text for people of the Markdown of the manual, `code` decides
     /// what becomes of plug-ins.
-    pub fn new(prose: Prose, code: Box<dyn CodePolicy>) -> Server {
+    pub fn new(prose: Prose, code: Box<dyn CodePolicy + Send>) -> Server {
         Server {
-            texts: Texts::new(code),
-            models: Models::default(),
+            open: Arc::default(),
+            newest: Arc::default(),
+            known: Known::default(),
+            forget: Vec::new(),
             told: BTreeSet::new(),
+            waiting: HashSet::new(),
+            cancelled: Cancelled::default(),
             prose,
+            code: Some(code),
             snippets: false,
         }
     }
@@ -85,22 +106,73 @@ impl Server {
         self.snippets = takes_snippets(&asked);
         let about = json!({ "name": "blocksim", "version": env!("CARGO_PKG_VERSION") });
         connection.initialize_finish(id, json!({ "capabilities": capabilities(), "serverInfo": about }))?;
-        while let Ok(message) = connection.receiver.recv() {
+        let Some(code) = self.code.take() else { return Ok(()) };
+        let worker = Worker::new(code, folders(&asked), self.cancelled.clone())?;
+        let ended = self.answer_all(connection, &worker);
+        // What is under way is not wanted any more.
+        self.newest.fetch_add(1, Ordering::Relaxed);
+        ended
+    }
+
+    fn answer_all(&mut self, connection: &Connection, worker: &Worker) -> Result<(), Broken> {
+        loop {
+            let message = select! {
+                recv(worker.done) -> done => {
+                    if let Ok(done) = done {
+                        self.finish(done, connection)?;
+                    }
+                    continue;
+                }
+                recv(connection.receiver) -> message => match message {
+                    Ok(message) => message,
+                    Err(_) => return Ok(()),
+                },
+            };
             // Of many keys that were pressed meanwhile only the last text is compiled.
             let mut dirty = false;
             let mut next = Some(message);
             while let Some(message) = next {
                 match message {
                     Message::Request(request) if connection.handle_shutdown(&request)? => return Ok(()),
-                    Message::Request(request) => connection.sender.send(self.answer(request).into())?,
-                    Message::Notification(notification) => dirty |= self.hear(notification),
+                    Message::Request(request) => {
+                        if let Some(answer) = self.answer(request, worker) {
+                            connection.sender.send(answer.into())?;
+                        }
+                    }
+                    Message::Notification(notification) => {
+                        if self.hear(notification) {
+                            dirty = true;
+                            self.newest.fetch_add(1, Ordering::Relaxed);
+                        }
+                    }
                     Message::Response(_) => {}
                 }
                 next = connection.receiver.try_recv().ok();
             }
             if dirty {
-                self.tell(connection)?;
+                worker.put(Job::Check { forget: std::mem::take(&mut self.forget) }, self.snapshot());
             }
+        }
+    }
+
+    fn snapshot(&self) -> Snapshot {
+        let number = self.newest.load(Ordering::Relaxed);
+        Snapshot { open: self.open.clone(), number, newest: self.newest.clone() }
+    }
+
+    /// Takes over what the other thread has done.
+    fn finish(&mut self, done: Done, connection: &Connection) -> Result<(), Broken> {
+        match done {
+            Done::Answered(answer) => {
+                self.waiting.remove(&answer.id);
+                connection.sender.send(answer.into())?;
+            }
+            // Of texts that have changed since, the next compilation knows more.
+            Done::Checked(number, known) if number == self.newest.load(Ordering::Relaxed) => {
+                self.known = *known;
+                self.publish(connection)?;
+            }
+            Done::Checked(..) => {}
         }
         Ok(())
     }
@@ -110,59 +182,82 @@ impl Server {
         let Notification { method, params } = notification;
         match method.as_str() {
             DidOpenTextDocument::METHOD => read(params).is_some_and(|said: DidOpenTextDocumentParams| {
-                self.take(&said.text_document.uri, said.text_document.text)
+                let item = said.text_document;
+                path_of(&item.uri).is_some_and(|path| {
+                    self.forget.push(path.clone());
+                    self.put(path, &item.text, item.version)
+                })
             }),
             DidChangeTextDocument::METHOD => read(params).is_some_and(|said: DidChangeTextDocumentParams| {
-                let last = said.content_changes.into_iter().last();
-                last.is_some_and(|change| self.take(&said.text_document.uri, change.text))
+                let Some(path) = path_of(&said.text_document.uri) else { return false };
+                let Some(document) = self.open.get(&path) else { return false };
+                let text = said.content_changes.iter().fold(document.text.to_string(), |t, c| changed(&t, c));
+                self.put(path, &text, said.text_document.version)
             }),
             DidSaveTextDocument::METHOD => read(params).is_some_and(|said: DidSaveTextDocumentParams| {
                 // Files that name each other may have changed on the disk.
                 path_of(&said.text_document.uri).is_some_and(|path| {
-                    self.models.forget(&path);
-                    self.texts.get(&path).is_some()
+                    let is_open = self.open.contains_key(&path);
+                    self.forget.push(path);
+                    is_open
                 })
             }),
             DidCloseTextDocument::METHOD => read(params).is_some_and(|said: DidCloseTextDocumentParams| {
                 path_of(&said.text_document.uri).is_some_and(|path| {
-                    self.texts.close(&path);
-                    self.models.forget(&path);
+                    Arc::make_mut(&mut self.open).remove(&path);
+                    self.forget.push(path);
                     true
                 })
             }),
+            DidChangeWatchedFiles::METHOD => read(params).is_some_and(|said: DidChangeWatchedFilesParams| {
+                self.forget.extend(said.changes.iter().filter_map(|change| path_of(&change.uri)));
+                !self.open.is_empty()
+            }),
+            Cancel::METHOD => {
+                let number = params.get("id").and_then(Value::as_i64).map(|id| RequestId::from(id as i32));
+                let text = params.get("id").and_then(Value::as_str).map(|id| RequestId::from(id.to_owned()));
+                // Of a request that has been answered nothing is kept.
+                if let Some(id) = number.or(text).filter(|id| self.waiting.contains(id))
+                    && let Ok(mut cancelled) = self.cancelled.lock()
+                {
+                    cancelled.insert(id.to_string());
+                }
+                false
+            }
             _ => false,
         }
     }
 
-    fn take(&mut self, uri: &Uri, text: String) -> bool {
-        let path = path_of(uri);
-        path.is_some_and(|path| {
-            self.texts.put(path, text);
-            true
-        })
+    fn put(&mut self, path: PathBuf, text: &str, version: i32) -> bool {
+        // What was to be changed may be elsewhere now.
+        self.known.fixes.remove(&path);
+        Arc::make_mut(&mut self.open).insert(path, Document { text: text.into(), version });
+        true
     }
 
-    /// Compiles what is open and tells the problems; of files that have none any more, too.
-    fn tell(&mut self, connection: &Connection) -> Result<(), Broken> {
-        let mut found = self.models.look(&self.texts);
+    /// Tells the problems that were found; of files that have none any more, too.
+    fn publish(&mut self, connection: &Connection) -> Result<(), Broken> {
+        let mut found = std::mem::take(&mut self.known.found);
         for gone in std::mem::take(&mut self.told) {
             found.entry(gone).or_default();
         }
         for (path, diagnostics) in found {
             let Some(uri) = uri_of(&path) else { continue };
+            let version = self.open.get(&path).map(|document| document.version);
             if !diagnostics.is_empty() {
                 self.told.insert(path);
             }
-            let params = PublishDiagnosticsParams { uri, diagnostics, version: None };
+            let params = PublishDiagnosticsParams { uri, diagnostics, version };
             let told = Notification::new(PublishDiagnostics::METHOD.to_owned(), params);
             connection.sender.send(told.into())?;
         }
         Ok(())
     }
 
-    fn answer(&self, request: Request) -> Response {
+    /// The answer to a request, unless the other thread gives it.
+    fn answer(&mut self, request: Request, worker: &Worker) -> Option<Response> {
         let Request { id, method, params } = request;
-        match method.as_str() {
+        let answer = match method.as_str() {
             Completion::METHOD => self.at(
                 id,
                 params,
@@ -170,25 +265,37 @@ impl Server {
                 |place| {
                     let Place { text, at, path } = place;
                     let folder = path.parent().unwrap_or(path);
-                    json!(complete(text, at, self.models.blocks(path), folder, self.snippets, self.prose))
+                    let Known { blocks, choices, .. } = &self.known;
+                    json!(complete(text, at, blocks.get(path), choices, folder, self.snippets, self.prose))
                 },
             ),
-            HoverRequest::METHOD => self.at(
-                id,
-                params,
-                |asked: HoverParams| asked.text_document_position_params,
-                |place| json!(hover(place.text, place.at, self.models.blocks(place.path), self.prose)),
-            ),
-            GotoDefinition::METHOD => self.at(
-                id,
-                params,
-                |asked: GotoDefinitionParams| asked.text_document_position_params,
-                |place| json!(self.definition(&place)),
-            ),
+            HoverRequest::METHOD => {
+                let place = |asked: HoverParams| asked.text_document_position_params;
+                return self.hover(id, params, place, worker);
+            }
+            GotoDefinition::METHOD => {
+                let place = |asked: GotoDefinitionParams| asked.text_document_position_params;
+                return self.definition(id, params, place, worker);
+            }
+            References::METHOD => {
+                let Some(asked) = read::<ReferenceParams>(params) else { return Some(wrong(id)) };
+                let with_declaration = asked.context.include_declaration;
+                let asked = (asked.text_document_position, Asked::References { with_declaration });
+                return self.hand_over(id, asked, worker);
+            }
+            PrepareRenameRequest::METHOD => {
+                let Some(place) = read::<TextDocumentPositionParams>(params) else { return Some(wrong(id)) };
+                return self.hand_over(id, (place, Asked::Prepare), worker);
+            }
+            Rename::METHOD => {
+                let Some(asked) = read::<RenameParams>(params) else { return Some(wrong(id)) };
+                let asked = (asked.text_document_position, Asked::Rename { new: asked.new_name });
+                return self.hand_over(id, asked, worker);
+            }
             DocumentSymbolRequest::METHOD => match read::<DocumentSymbolParams>(params) {
                 Some(asked) => {
                     let path = path_of(&asked.text_document.uri);
-                    let text = path.and_then(|path| self.texts.get(&path)).unwrap_or_default();
+                    let text = path.and_then(|path| self.text(&path)).unwrap_or_default();
                     Response::new_ok(id, DocumentSymbolResponse::Nested(outline(text)))
                 }
                 None => wrong(id),
@@ -197,14 +304,15 @@ impl Server {
                 Some(asked) => {
                     let uri = &asked.text_document.uri;
                     let path = path_of(uri).unwrap_or_default();
-                    Response::new_ok(id, offered(self.models.fixes(&path), uri, &asked.range))
+                    let fixes = self.known.fixes.get(&path).map(Vec::as_slice).unwrap_or_default();
+                    Response::new_ok(id, offered(fixes, uri, &asked.range))
                 }
                 None => wrong(id),
             },
             Formatting::METHOD => match read::<DocumentFormattingParams>(params) {
                 Some(asked) => {
                     let path = path_of(&asked.text_document.uri);
-                    let edits = path.and_then(|path| laid_out(self.texts.get(&path)?));
+                    let edits = path.and_then(|path| laid_out(self.text(&path)?));
                     Response::new_ok(id, edits)
                 }
                 None => wrong(id),
@@ -212,7 +320,18 @@ impl Server {
             other => {
                 Response::new_err(id, ErrorCode::MethodNotFound as i32, format!("`{other}` is not offered"))
             }
-        }
+        };
+        Some(answer)
+    }
+
+    fn text(&self, path: &Path) -> Option<&str> {
+        self.open.get(path).map(|document| &*document.text)
+    }
+
+    /// The place of an open file that is asked about.
+    fn place(&self, asked: &TextDocumentPositionParams) -> Option<Place<'_>> {
+        let (path, document) = self.open.get_key_value(&path_of(&asked.text_document.uri)?)?;
+        Some(Place { text: &document.text, at: offset(&document.text, asked.position), path })
     }
 
     /// Answers a question about a place of an open file; with nothing if the file is not open.
@@ -224,23 +343,82 @@ impl Server {
         answer: impl Fn(Place) -> Value,
     ) -> Response {
         let Some(asked) = read(params).map(place) else { return wrong(id) };
-        let path = path_of(&asked.text_document.uri);
-        let found = path.as_ref().and_then(|path| Some((path, self.texts.get(path)?)));
+        Response::new_ok(id, self.place(&asked).map_or(Value::Null, answer))
+    }
+
+    /// Leaves a question to the other thread; answers with nothing if the file is not open.
+    fn hand_over(
+        &mut self,
+        id: RequestId,
+        (place, asked): (TextDocumentPositionParams, Asked),
+        worker: &Worker,
+    ) -> Option<Response> {
+        let Some(Place { at, path, .. }) = self.place(&place) else {
+            return Some(Response::new_ok(id, Value::Null));
+        };
+        let job = Job::Answer { id: id.clone(), path: path.to_owned(), at, asked };
+        worker.put(job, self.snapshot());
+        self.waiting.insert(id);
+        None
+    }
+
+    /// What stands at a place: from the text and what is known of blocks, or from the other files of the model.
+    fn hover<P: serde::de::DeserializeOwned>(
+        &mut self,
+        id: RequestId,
+        params: Value,
+        place: impl Fn(P) -> TextDocumentPositionParams,
+        worker: &Worker,
+    ) -> Option<Response> {
+        let Some(asked) = read(params).map(place) else { return Some(wrong(id)) };
+        let found = self.place(&asked).map(|Place { text, at, path }| {
+            let here = hover(text, at, self.known.blocks.get(path), self.prose);
+            (here, context(text, at) == Context::Expression)
+        });
         match found {
-            Some((path, text)) => {
-                Response::new_ok(id, answer(Place { text, at: offset(text, asked.position), path }))
-            }
-            None => Response::new_ok(id, Value::Null),
+            Some((None, true)) => self.hand_over(id, (asked, Asked::Hover), worker),
+            found => Some(Response::new_ok(id, found.and_then(|(here, _)| here))),
         }
     }
 
-    fn definition(&self, place: &Place) -> Option<GotoDefinitionResponse> {
-        let Place { text, at, path } = place;
-        let location = match definition(text, *at, path.parent()?)? {
-            Target::Here(bytes) => Location::new(uri_of(path)?, span(text, &bytes)),
-            Target::File(file) => Location::new(uri_of(&file.canonicalize().ok()?)?, Span::default()),
+    /// Where it is declared what stands at a place: in this text or, of parameters of diagrams around it and of ports of
+    /// subsystems, in another one.
+    fn definition<P: serde::de::DeserializeOwned>(
+        &mut self,
+        id: RequestId,
+        params: Value,
+        place: impl Fn(P) -> TextDocumentPositionParams,
+        worker: &Worker,
+    ) -> Option<Response> {
+        let Some(asked) = read(params).map(place) else { return Some(wrong(id)) };
+        let Some(Place { text, at, path }) = self.place(&asked) else {
+            return Some(Response::new_ok(id, Value::Null));
         };
-        Some(GotoDefinitionResponse::Scalar(location))
+        let here = path.parent().and_then(|folder| definition(text, at, folder));
+        let here = here.and_then(|target| match target {
+            Target::Here(bytes) => Some(Location::new(uri_of(path)?, span(text, &bytes))),
+            Target::File(file) => Some(Location::new(uri_of(&file.canonicalize().ok()?)?, Span::default())),
+        });
+        let is_elsewhere = match context(text, at) {
+            Context::Connection { before } => {
+                before.rsplit(['>', ',']).next().is_some_and(|b| b.contains('.'))
+            }
+            Context::Expression => here.is_none(),
+            _ => false,
+        };
+        if is_elsewhere {
+            return self.hand_over(id, (asked, Asked::Definition { otherwise: here }), worker);
+        }
+        Some(Response::new_ok(id, here))
+    }
+}
+
+/// Folders that the editor has open.
+#[expect(deprecated, reason = "older editors name one folder alone")]
+fn folders(asked: &InitializeParams) -> Vec<PathBuf> {
+    match &asked.workspace_folders {
+        Some(folders) => folders.iter().filter_map(|folder| path_of(&folder.uri)).collect(),
+        None => asked.root_uri.iter().filter_map(path_of).collect(),
     }
 }
 
@@ -264,7 +442,7 @@ fn capabilities() -> ServerCapabilities {
     ServerCapabilities {
         text_document_sync: Some(TextDocumentSyncCapability::Options(TextDocumentSyncOptions {
             open_close: Some(true),
-            change: Some(TextDocumentSyncKind::FULL),
+            change: Some(TextDocumentSyncKind::INCREMENTAL),
             save: Some(true.into()),
             ..TextDocumentSyncOptions::default()
         })),
@@ -274,6 +452,11 @@ fn capabilities() -> ServerCapabilities {
         }),
         hover_provider: Some(HoverProviderCapability::Simple(true)),
         definition_provider: Some(OneOf::Left(true)),
+        references_provider: Some(OneOf::Left(true)),
+        rename_provider: Some(OneOf::Right(RenameOptions {
+            prepare_provider: Some(true),
+            work_done_progress_options: WorkDoneProgressOptions::default(),
+        })),
         document_symbol_provider: Some(OneOf::Left(true)),
         code_action_provider: Some(CodeActionProviderCapability::Simple(true)),
         document_formatting_provider: Some(OneOf::Left(true)),

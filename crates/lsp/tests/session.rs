@@ -75,6 +75,15 @@ impl Editor {
         self.say("textDocument/didOpen", json!({ "textDocument": item }));
     }
 
+    /// Types `new` in the place of what stands between two places, as line and character.
+    fn type_at(&self, name: &str, from: (usize, usize), to: (usize, usize), new: &str) {
+        let place = |(line, character): (usize, usize)| json!({ "line": line, "character": character });
+        let range = json!({ "start": place(from), "end": place(to) });
+        let item = json!({ "uri": self.uri(name), "version": 3 });
+        let changes = json!([{ "range": range, "text": new }]);
+        self.say("textDocument/didChange", json!({ "textDocument": item, "contentChanges": changes }));
+    }
+
     fn change(&self, name: &str, text: &str) {
         let item = json!({ "uri": self.uri(name), "version": 2 });
         self.say(
@@ -99,9 +108,40 @@ impl Editor {
         self.connection.sender.send(request.into()).unwrap();
         loop {
             if let Message::Response(answer) = self.connection.receiver.recv().unwrap() {
-                return serde_json::to_value(answer).unwrap()["result"].clone();
+                let answer = serde_json::to_value(answer).unwrap();
+                return if answer["error"].is_null() {
+                    answer["result"].clone()
+                } else {
+                    answer["error"].clone()
+                };
             }
         }
+    }
+
+    /// The texts after what stands at the sign `|` has got another name, or why it cannot.
+    fn rename(&mut self, name: &str, marked: &str, new: &str) -> Result<Vec<(String, String)>, String> {
+        let before = &marked[..marked.find('|').unwrap()];
+        let place = json!({ "line": before.matches('\n').count(), "character": before.lines().last().unwrap().len() });
+        let file = json!({ "uri": self.uri(name) });
+        let params = json!({ "textDocument": file, "position": place, "newName": new });
+        let answer = self.ask("textDocument/rename", params);
+        if let Some(reason) = answer["message"].as_str() {
+            return Err(reason.to_owned());
+        }
+        let changed = answer["changes"].as_object().unwrap().iter().map(|(uri, edits)| {
+            let file = uri.rsplit('/').next().unwrap();
+            let mut lines: Vec<String> =
+                std::fs::read_to_string(self.folder.join(file)).unwrap().lines().map(str::to_owned).collect();
+            let number = |at: &Value, of: &str| at[of].as_u64().unwrap() as usize;
+            for edit in edits.as_array().unwrap().iter().rev() {
+                let (start, end) = (&edit["range"]["start"], &edit["range"]["end"]);
+                assert_eq!(start["line"], end["line"], "{edit}");
+                let at = number(start, "character")..number(end, "character");
+                lines[number(start, "line")].replace_range(at, edit["newText"].as_str().unwrap());
+            }
+            (file.to_owned(), lines.join("\n") + "\n")
+        });
+        Ok(changed.collect())
     }
 
     /// Asks about the place of the sign `|` in a text that is open as `name`.
@@ -219,6 +259,221 @@ fn what_may_follow_is_known_also_in_half_written_texts() {
 }
 
 #[test]
+fn words_and_members_of_named_sets_are_completed_where_they_may_stand() {
+    let mut editor = Editor::new("words");
+    editor.open("servo.ron", SERVO);
+    editor.problems("servo.ron");
+    let block = |text: &str| SERVO.replacen("Gain(k: \"gain\")", text, 1);
+    assert_eq!(
+        editor.complete("servo.ron", &block("Pid(kp: 1, anti_windup: |)")),
+        ["None", "Clamping", "BackCalculation"]
+    );
+    assert_eq!(editor.complete("servo.ron", &block("Integrator(wrap: |)")), Vec::<String>::new());
+    let settings =
+        |text: &str| SERVO.replacen("    blocks", &format!("    simulation: ({text}),\n    blocks"), 1);
+    let solvers = editor.complete("servo.ron", &settings("solver: |"));
+    assert!(solvers.contains(&"Ode15s".to_owned()) && solvers.contains(&"Auto".to_owned()), "{solvers:?}");
+    assert_eq!(editor.complete("servo.ron", &settings("solver: Ode45(rtol: 1e-6, |)")), ["atol", "max_step"]);
+    assert_eq!(editor.complete("servo.ron", &settings("output: |")), ["Steps", "Every"]);
+    // The alternatives of a variant are those of the choice that it is chosen by.
+    let choice = SERVO.replacen(
+        "\"gain\": \"2\"",
+        "\"gain\": \"2\", \"kind\": Choice(default: \"a\", of: [\"a\", \"b\"])",
+        1,
+    );
+    let variant =
+        choice.replacen("Gain(k: \"gain\")", "Variant(choice: \"kind\", of: { \"a\": Gain(k: 1) })", 1);
+    editor.change("servo.ron", &variant);
+    editor.problems("servo.ron");
+    let half = variant.replacen("Gain(k: 1) }", "Gain(k: 1), \"|\" }", 1);
+    assert_eq!(editor.complete("servo.ron", &half), ["b"]);
+}
+
+#[test]
+fn a_block_is_shown_with_its_parameters_and_ports() {
+    let mut editor = Editor::new("block");
+    editor.open("servo.ron", SERVO);
+    editor.problems("servo.ron");
+    let typed = |from: &str, to: &str| SERVO.replacen(from, to, 1);
+    let mut hover = |marked: &str| {
+        let answer = editor.ask_at("textDocument/hover", "servo.ron", marked);
+        answer["contents"]["value"].as_str().unwrap_or_default().to_owned()
+    };
+    let said = hover(&typed("\"amplifier\"", "\"ampl|ifier\""));
+    assert!(said.starts_with("**amplifier**: Gain (Math)\n\n"), "{said}");
+    assert!(said.contains("| `k` | `\"gain\"` | 2 |") && said.contains("| `u` | input |"), "{said}");
+    let said = hover(&typed("\"demand\"", "\"|demand\""));
+    assert!(said.contains("| `time` | `\"0.1 s\"` | 0.1 s |"), "{said}");
+    assert_eq!(
+        said,
+        hover(&typed("\"demand.y", "\"dem|and.y")),
+        "where it is named and where it is declared"
+    );
+    let said = hover(&typed("part.y", "pa|rt.y"));
+    assert!(said.starts_with("**part**: Subsystem") && said.contains("| `y` | output |"), "{said}");
+    assert!(hover(&typed("\"part.ron\"", "\"pa|rt.ron\"")).is_empty());
+}
+
+/// A part whose parameter is one of the diagram around it.
+const LOOSE: &str = r#"// The gain of the servo.
+Diagram(
+    inputs: { "u": () },
+    outputs: { "y": "k.y" },
+    blocks: { "k": Gain(k: "gain") }, // as given
+    connections: ["in.u -> k.u"],
+)
+"#;
+
+/// The servo with that part instead of a gain.
+fn with_loose() -> String {
+    SERVO.replacen("Gain(k: \"gain\")", "Subsystem(file: \"loose.ron\")", 1)
+}
+
+#[test]
+fn names_are_changed_in_all_files_and_comments_stay() {
+    let mut editor = Editor::new("rename");
+    let servo = with_loose();
+    std::fs::write(editor.folder.join("loose.ron"), LOOSE).unwrap();
+    std::fs::write(editor.folder.join("servo.ron"), &servo).unwrap();
+    // Another model that uses the part, and is not open.
+    let other = servo
+        .replace("gain", "gain")
+        .replace("\"part\"", "\"rest\"")
+        .replace("part.u", "rest.u")
+        .replace("part.y", "rest.y");
+    std::fs::write(editor.folder.join("other.ron"), &other).unwrap();
+    editor.open("servo.ron", &servo);
+    assert!(editor.problems("servo.ron").is_empty());
+    editor.open("loose.ron", LOOSE);
+    editor.problems("loose.ron");
+
+    // A block: its declaration and its connections, in one file.
+    let changed =
+        editor.rename("servo.ron", &servo.replacen("\"amplifier\"", "\"am|plifier\"", 1), "booster").unwrap();
+    assert_eq!(changed, [("servo.ron".to_owned(), servo.replace("amplifier", "booster"))]);
+    // A parameter, asked for in the part: both models declare it, the part names it.
+    let marked = LOOSE.replacen("k: \"gain\"", "k: \"ga|in\"", 1);
+    let mut changed = editor.rename("loose.ron", &marked, "factor").unwrap();
+    changed.sort();
+    let new = |text: &str| text.replace("\"gain\"", "\"factor\"");
+    let expected = [("loose.ron", new(LOOSE)), ("other.ron", new(&other)), ("servo.ron", new(&servo))];
+    assert_eq!(changed, expected.map(|(file, text)| (file.to_owned(), text)));
+    // A port of the part, asked for where it is connected.
+    let mut changed =
+        editor.rename("servo.ron", &servo.replacen("amplifier.u", "amplifier.|u", 1), "input").unwrap();
+    changed.sort();
+    let connected = |text: &str| text.replace("amplifier.u", "amplifier.input");
+    let part = LOOSE.replace("{ \"u\": () }", "{ \"input\": () }").replace("in.u ", "in.input ");
+    let expected = [("loose.ron", part), ("other.ron", connected(&other)), ("servo.ron", connected(&servo))];
+    assert_eq!(changed, expected.map(|(file, text)| (file.to_owned(), text)));
+}
+
+#[test]
+fn a_name_that_would_do_harm_is_refused_with_a_reason() {
+    let mut editor = Editor::new("refused");
+    let servo = with_loose().replacen("\"gain\": \"2\"", "\"gain\": \"2\", \"twice\": \"2 * gain\"", 1);
+    std::fs::write(editor.folder.join("loose.ron"), LOOSE).unwrap();
+    std::fs::write(editor.folder.join("servo.ron"), &servo).unwrap();
+    editor.open("servo.ron", &servo);
+    editor.problems("servo.ron");
+    let block = servo.replacen("\"amplifier\"", "\"am|plifier\"", 1);
+    let gain = servo.replacen("\"gain\"", "\"ga|in\"", 1);
+    for (marked, new, reason) in [
+        (&block, "2nd", "`2nd` is not a valid name: names start with a letter"),
+        (&block, "in", "`in` is not a valid name"),
+        (&block, "demand", "`demand` is taken: it is a block at servo.ron:4"),
+        (&gain, "twice", "`twice` is taken: it is a parameter at servo.ron:2"),
+        // `pi` is a constant of expressions.
+        (&gain, "pi", "`pi` would change what names mean"),
+        (&servo.replacen("Step(", "St|ep(", 1), "ramp", "there is no such name here"),
+        (&servo.replacen("scope.set", "scope.|set", 1), "demand", "there is no such name here"),
+    ] {
+        let answer = editor.rename("servo.ron", marked, new).unwrap_err();
+        assert!(answer.starts_with(reason), "{new}: {answer}");
+    }
+    // The part has a parameter of that name of its own now, which would be meant instead.
+    let part = PART.replacen("\"tau\": \"0.1 s\"", "\"tau\": \"0.1 s\", \"own\": 3", 1).replacen(
+        "LowPass(tau: \"tau\")",
+        "LowPass(tau: \"tau * own / gain\")",
+        1,
+    );
+    std::fs::write(editor.folder.join("part.ron"), &part).unwrap();
+    editor.open("part.ron", &part);
+    editor.problems("part.ron");
+    let answer = editor.rename("servo.ron", &gain, "own").unwrap_err();
+    assert_eq!(
+        answer,
+        "`own` would change what names mean: `own` at part.ron:5 would stand for something else"
+    );
+    // Errors may hide names.
+    editor.change("part.ron", &part.replace("LowPass(", "LowPas("));
+    editor.problems("part.ron");
+    let answer = editor.rename("servo.ron", &gain, "factor").unwrap_err();
+    assert!(
+        answer.starts_with("first correct the errors of servo.ron, which may hide names: part.ron:5: "),
+        "{answer}"
+    );
+}
+
+#[test]
+fn references_and_declarations_are_found_across_files() {
+    let mut editor = Editor::new("references");
+    let servo = with_loose();
+    std::fs::write(editor.folder.join("loose.ron"), LOOSE).unwrap();
+    std::fs::write(editor.folder.join("servo.ron"), &servo).unwrap();
+    editor.open("servo.ron", &servo);
+    editor.open("loose.ron", LOOSE);
+    editor.problems("loose.ron");
+    let places = |answer: &Value| -> Vec<(String, u64)> {
+        let one = |place: &Value| {
+            let uri = place["uri"].as_str().unwrap().rsplit('/').next().unwrap().to_owned();
+            (uri, place["range"]["start"]["line"].as_u64().unwrap())
+        };
+        answer.as_array().unwrap().iter().map(one).collect()
+    };
+    let marked = LOOSE.replacen("k: \"gain\"", "k: \"ga|in\"", 1);
+    let found = editor.ask_at("textDocument/definition", "loose.ron", &marked);
+    assert_eq!(places(&found), [("servo.ron".to_owned(), 1)], "{found}");
+    let said = editor.ask_at("textDocument/hover", "loose.ron", &marked);
+    assert!(
+        said["contents"]["value"].as_str().unwrap().contains("parameters: { \"gain\": \"2\" }"),
+        "{said}"
+    );
+    let port = servo.replacen("amplifier.u", "amplifier.|u", 1);
+    let found = editor.ask_at("textDocument/definition", "servo.ron", &port);
+    assert_eq!(places(&found), [("loose.ron".to_owned(), 2)], "{found}");
+    let before = &port[..port.find('|').unwrap()];
+    let place =
+        json!({ "line": before.matches('\n').count(), "character": before.lines().last().unwrap().len() });
+    for (with, lines) in [
+        (true, vec![("loose.ron", 2), ("loose.ron", 5), ("servo.ron", 9)]),
+        (false, vec![("loose.ron", 5), ("servo.ron", 9)]),
+    ] {
+        let context = json!({ "includeDeclaration": with });
+        let file = json!({ "uri": editor.uri("servo.ron") });
+        let found = editor.ask(
+            "textDocument/references",
+            json!({ "textDocument": file, "position": place, "context": context }),
+        );
+        let lines: Vec<_> = lines.into_iter().map(|(file, line)| (file.to_owned(), line)).collect();
+        assert_eq!(places(&found), lines, "{found}");
+    }
+}
+
+#[test]
+fn single_keys_are_taken_over_where_they_were_pressed() {
+    let editor = Editor::new("incremental");
+    editor.open("servo.ron", SERVO);
+    assert!(editor.problems("servo.ron").is_empty());
+    let line = SERVO.lines().position(|line| line.contains("amplifier.u")).unwrap();
+    let at = SERVO.lines().nth(line).unwrap().find("amplifier.u").unwrap() + "amplifier.u".len();
+    editor.type_at("servo.ron", (line, at - 1), (line, at), "v");
+    assert_eq!(editor.problems("servo.ron")[0]["code"], "unknown_port");
+    editor.type_at("servo.ron", (line, at - 1), (line, at), "u");
+    assert!(editor.problems("servo.ron").is_empty());
+}
+
+#[test]
 fn what_stands_under_the_cursor_is_told_and_found() {
     let mut editor = Editor::new("hover");
     editor.open("servo.ron", SERVO);
@@ -234,7 +489,7 @@ fn what_stands_under_the_cursor_is_told_and_found() {
     let said = hover(&mut editor, &typed("k: \"gain\"", "|k: \"gain\""));
     assert!(said.starts_with("`Gain.k` ("), "{said}");
     assert!(
-        hover(&mut editor, &typed("amplifier.u,", "amplifier.|u,"))
+        hover(&mut editor, &typed("amplifier.u,", "amplifier.u|,"))
             .contains("`amplifier`: Gain\n\n`u` (input)")
     );
     assert!(hover(&mut editor, &typed("\"gain\")", "\"ga|in\")")).contains("\"gain\": \"2\""));

@@ -115,7 +115,8 @@ impl<'a> Parser<'a> {
                 let operand = self.name(word)?;
                 let operand = self.selection(operand)?;
                 if !CONSTANTS.contains(&word) {
-                    self.notes.name(&self.text[operand.span.clone()], &operand.value);
+                    let span = operand.span.clone();
+                    self.notes.name(&self.text[span.clone()], span.start, &operand.value);
                 }
                 Ok(operand)
             }

@@ -89,6 +89,10 @@ impl<'de> Deserializer<'de> for Written<'_, '_> {
     fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Noted> {
         match &self.node.value {
             Shape::Bool(value) => self.placed(visitor.visit_bool(*value)),
+            Shape::Word(word) if word.is_empty() => {
+                self.reading.offered.replace(vec!["true", "false"]);
+                self.mismatch("true or false")
+            }
             Shape::Text(_) => {
                 let computed = self.computed()?;
                 self.placed(computed.deserialize_bool(visitor))
@@ -236,6 +240,9 @@ impl<'de> Deserializer<'de> for Written<'_, '_> {
         let Some(word) = self.node.word() else {
             return self.mismatch(&format!("one of {}", crate::problems::list(variants)));
         };
+        if word.is_empty() {
+            self.reading.offered.replace(variants.to_vec());
+        }
         if !variants.contains(&word) {
             let place = self.reading.place(self.node);
             let field = self.expected.field.map(|field| format!(" for `{field}`")).unwrap_or_default();

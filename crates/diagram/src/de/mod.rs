@@ -41,6 +41,8 @@ pub(crate) struct Reading<'a> {
     pub has_open: Cell<bool>,
     /// Numbers of the parameters in SI, as far as they are few.
     pub numbers: RefCell<Numbers>,
+    /// What may stand in the place of a word or of a member without a name, as `offers` asks.
+    pub offered: RefCell<Vec<&'static str>>,
 }
 
 /// A number without unit where one belongs.
@@ -64,6 +66,7 @@ impl<'a> Reading<'a> {
             strict: false,
             bare: RefCell::default(),
             has_open: Cell::default(),
+            offered: RefCell::default(),
         }
     }
 

@@ -41,7 +41,10 @@ impl<'n, 'a> Written<'n, 'a> {
     }
 
     /// Refuses a member that a set does not have. Most readers of serde would pass over it.
-    pub(super) fn only(&self, members: &[(Name, Node)], known: &[&str]) -> Result<(), Noted> {
+    pub(super) fn only(&self, members: &[(Name, Node)], known: &[&'static str]) -> Result<(), Noted> {
+        if members.iter().any(|(name, _)| name.text.is_empty()) {
+            self.reading.offered.replace(known.to_vec());
+        }
         match members.iter().find(|(name, _)| !known.contains(&name.text.as_str())) {
             None => Ok(()),
             Some((name, _)) => {

@@ -16,10 +16,10 @@ use blocksim_block::problem::{FileId, Problem};
 use blocksim_block::{Interface, MOST_MEMORY};
 
 use crate::ast::{Ast, BlockAst, parse};
-use crate::model::{Model, ModelBlock};
+use crate::model::{Content, Model, ModelBlock};
 use crate::overrides::Override;
 use crate::problems::Problems;
-use crate::scope::{Scope, read_tree};
+use crate::scope::{Evaluation, Scope, read_tree};
 use crate::source::Sources;
 use crate::tree::{Name, Node};
 
@@ -128,6 +128,15 @@ impl<'a> Resolver<'a> {
         self.problems.borrow_mut().push(problem);
     }
 
+    /// Reads the defaults of parameters for the names in them, also of those that are given another value.
+    fn log_defaults(&self, ast: &Ast, scope: &Rc<Scope<'a>>) {
+        if self.sources.log.is_on() {
+            let stack = Vec::new();
+            let evaluation = Evaluation { scope, file: ast.file, stack: &stack };
+            ast.parameters.iter().for_each(|(_, node)| drop(evaluation.value(node)));
+        }
+    }
+
     fn built(&self, instance: Instance<'a>) {
         self.instances.borrow_mut().push(instance);
     }
@@ -200,6 +209,7 @@ impl<'a> Resolver<'a> {
     ) -> ModelBlock {
         let mut variant = None;
         let content = match block.kind.text.as_str() {
+            _ if self.sources.is_cancelled() => Content::Unknown,
             "Subsystem" => self.subsystem(ast, block, scope, &path, stack),
             "Variant" => {
                 let (choice, content) = self.variant(ast, block, scope, &path, stack);

@@ -6,6 +6,7 @@ use blocksim_block::problem::{FileId, Problem};
 
 use super::{Giver, HIERARCHY, Instance, Resolver};
 use crate::ast::{Ast, BlockAst};
+use crate::mentions::Event;
 use crate::model::Content;
 use crate::scope::{Scope, missing_file};
 use crate::tree::{Node, Shape};
@@ -52,12 +53,14 @@ impl<'a> Resolver<'a> {
         if !self.has_room_inside(ast, block, name, &inside, stack) {
             return Content::Unknown;
         }
+        self.sources.log.note(Event::Inside { block: ast.place(&block.name.span), ast: inside.clone() });
         let inner = Rc::new(Scope::new(self.sources, Some(scope.clone())));
         inside.parameters.iter().for_each(|(name, node)| inner.declare(name, file, node));
         let mut fits = true;
         if let Some(with) = parameter("with") {
             for (given, node) in with.members().unwrap_or_default() {
-                if inner.has(&given.text) {
+                if let Some(declared) = inner.own_declared(&given.text) {
+                    self.sources.log.note(Event::Named { place: ast.place(&given.span), declared });
                     inner.give(given, ast.file, node, scope);
                 } else {
                     fits = false;
@@ -87,6 +90,7 @@ impl<'a> Resolver<'a> {
             return Content::Unknown;
         }
         let giver = Giver { block: block.clone(), file: ast.file, scope: scope.clone() };
+        self.log_defaults(&inside, &inner);
         self.built(Instance {
             path: path.to_owned(),
             ast: inside.clone(),

@@ -8,6 +8,7 @@ use blocksim_signal::{Value, closest};
 
 use super::{HIERARCHY, Resolver};
 use crate::ast::{Ast, BlockAst, parse};
+use crate::mentions::Event;
 use crate::model::{Content, ModelBlock, VariantChoice};
 use crate::problems::list;
 use crate::scope::{Evaluation, Scope};
@@ -71,6 +72,13 @@ impl<'a> Resolver<'a> {
             }
             built
         };
+        self.sources.log.note(Event::Variant {
+            block: ast.place(&block.name.span),
+            alternatives: alternatives
+                .iter()
+                .map(|one| (ast.place(&one.name.span), one.kind.text.clone()))
+                .collect(),
+        });
         let built: Vec<ModelBlock> = alternatives.iter().map(build).collect();
         for (model, block) in built.iter().zip(&alternatives) {
             if let Content::Diagram(model) = &model.content

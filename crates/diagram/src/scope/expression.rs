@@ -7,7 +7,8 @@ use std::rc::Rc;
 use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_signal::{ExprError, Lookup, Noted, Scope as Names, Value, evaluate_noted};
 
-use super::Scope;
+use super::{Scope, segments};
+use crate::mentions::Event;
 
 /// The names that an expression sees, for `blocksim_signal::evaluate`; keeps the problem of a parameter that
 /// could not be computed.
@@ -67,6 +68,16 @@ pub(crate) fn noted(
         || evaluate_noted(text, &visible).map_err(|error| located(error, text, &visible, file, start, whole));
     let noted = scope.deeper(levels, place, evaluated)?;
     noted.names.iter().for_each(|name| scope.note_read(name));
+    // Without a place of its own the text has been read elsewhere.
+    if !whole.is_empty() && scope.sources.log.is_on() {
+        for (name, at) in noted.names.iter().zip(&noted.starts) {
+            let name = segments(name).next().unwrap_or_default();
+            let span = start + at..start + at + name.len();
+            if let Some(declared) = scope.declared(name) {
+                scope.sources.log.note(Event::Named { place: Place { file, span }, declared });
+            }
+        }
+    }
     Ok(noted)
 }
 

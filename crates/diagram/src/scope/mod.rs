@@ -38,6 +38,8 @@ const DEEPEST: usize = 600;
 
 struct Entry<'a> {
     place: Place,
+    /// Where the diagram declares it, whoever gives it a value.
+    declared: Place,
     /// As a file says it, whatever replaced it since.
     written: (FileId, Rc<Node>, Option<Rc<Scope<'a>>>),
     state: State<'a>,
@@ -82,8 +84,10 @@ impl<'a> Scope<'a> {
         let node = Rc::new(node.clone());
         let written = (file, node.clone(), within.clone());
         let place = Place { file, span: name.span.clone() };
+        let declared = self.entries.borrow().get(&name.text).map(|entry| entry.declared.clone());
+        let declared = declared.unwrap_or_else(|| place.clone());
         let state = State::Written { file, node, within };
-        self.entries.borrow_mut().insert(name.text.clone(), Entry { place, written, state });
+        self.entries.borrow_mut().insert(name.text.clone(), Entry { place, declared, written, state });
     }
 
     /// What a file says of a parameter, with the file and the scope in which that is meant; `None` when no diagram has it.
@@ -104,6 +108,11 @@ impl<'a> Scope<'a> {
         }
     }
 
+    /// Where the diagram that has a parameter declares it; `None` when no diagram has it.
+    pub(crate) fn declared(&self, name: &str) -> Option<Place> {
+        self.own_declared(name).or_else(|| self.parent.as_ref()?.declared(name))
+    }
+
     /// Whether an expression has named a parameter of this diagram, a member of it or a set around it.
     pub(crate) fn is_read(&self, path: &str) -> bool {
         self.reads.borrow().iter().any(|read| segments(read).zip(segments(path)).all(|(a, b)| a == b))
@@ -122,6 +131,11 @@ impl<'a> Scope<'a> {
     /// Whether this diagram itself has a parameter of this name.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.entries.borrow().contains_key(name)
+    }
+
+    /// Where this diagram itself declares a parameter.
+    pub(crate) fn own_declared(&self, name: &str) -> Option<Place> {
+        self.entries.borrow().get(name).map(|entry| entry.declared.clone())
     }
 
     /// Computes a value `levels` deeper than the present one.

@@ -78,6 +78,11 @@ fn bare_times(ast: &Ast, scope: &Scope, node: &Node, problems: &mut Problems) {
     }
 }
 
+/// Reads settings for what they note on the way.
+pub(crate) fn ask(written: Written) {
+    drop(Simulation::deserialize(written));
+}
+
 /// Reads how to run a diagram. `end` is when the last move ends, for `stop_time: Auto`.
 pub(crate) fn settings<'a>(
     ast: &Ast,

@@ -15,6 +15,8 @@ pub struct Noted {
     pub units: Vec<Unit>,
     /// The parameters that it names, with members and items as written: `axis.mass`, `start[0]`.
     pub names: Vec<String>,
+    /// The byte at which each of the names begins.
+    pub starts: Vec<usize>,
     /// Whether a ratio in decibels stands in it, which is no multiple of a unit.
     pub has_decibels: bool,
 }
@@ -24,6 +26,7 @@ pub struct Noted {
 pub(super) struct Notes {
     pub units: Vec<Unit>,
     pub names: Vec<String>,
+    pub starts: Vec<usize>,
     /// Whether a parameter with a unit was named.
     has_dimension: bool,
     has_decibels: bool,
@@ -42,16 +45,17 @@ impl Notes {
         self.has_decibels = true;
     }
 
-    /// A parameter that is named, and its value.
-    pub(super) fn name(&mut self, text: &str, value: &Value) {
+    /// A parameter that is named, where, and its value.
+    pub(super) fn name(&mut self, text: &str, start: usize, value: &Value) {
         self.has_dimension |= has_dimension(value);
         self.names.push(text.to_owned());
+        self.starts.push(start);
     }
 
     pub(super) fn with(self, value: Value) -> Noted {
         let is_bare = self.units.is_empty() && !self.has_dimension && !self.has_decibels;
-        let Self { units, names, has_decibels, .. } = self;
-        Noted { value, is_bare, units, names, has_decibels }
+        let Self { units, names, starts, has_decibels, .. } = self;
+        Noted { value, is_bare, units, names, starts, has_decibels }
     }
 }
 

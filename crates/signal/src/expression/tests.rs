@@ -528,5 +528,7 @@ fn units_and_names_of_an_expression_are_noted() {
         assert_eq!(noted.is_bare, is_bare, "{text}");
         assert_eq!(noted.units.iter().map(|unit| unit.text.as_str()).collect::<Vec<_>>(), units, "{text}");
         assert_eq!(noted.names, named, "{text}");
+        let begins = |(start, name): (&usize, &&str)| text[*start..].starts_with(name);
+        assert!(noted.starts.iter().zip(named).all(begins) && noted.starts.len() == named.len(), "{text}");
     }
 }
