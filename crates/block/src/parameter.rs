@@ -1,8 +1,10 @@
 //! Checks of parameters, and parameters of any type.
 
+use std::cell::Cell;
+
 use serde::Deserialize;
 
-use blocksim_signal::{Dimension, Quantity, Value};
+use blocksim_signal::Value;
 
 /// A parameter does not make sense.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -110,30 +112,25 @@ pub struct ParamValue(pub Value);
 /// Name under which a [`ParamValue`] asks its deserializer for a value of any type.
 pub const VALUE_ENUM: &str = "$blocksim::Value";
 
+thread_local! {
+    static HANDED: Cell<Option<Value>> = const { Cell::new(None) };
+}
+
+/// Gives a value to the [`ParamValue`] that is asking for one. It goes past the type-erased deserializer: taken apart and put
+/// together again, number by number, a robot in a parameter would take longer than all the rest of a diagram.
+pub fn hand_over(value: Value) {
+    HANDED.set(Some(value));
+}
+
 impl<'de> Deserialize<'de> for ParamValue {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(Deserialize)]
         #[serde(rename = "$blocksim::Value")]
         enum Wire {
-            Number(f64, Vec<i8>),
-            Bool(bool),
-            Text(String),
-            List(Vec<Wire>),
-            Set(Vec<(String, Wire)>),
+            Handed,
         }
-        fn value(wire: Wire) -> Value {
-            match wire {
-                Wire::Number(value, powers) => {
-                    let mut exponents = [0; 9];
-                    exponents.iter_mut().zip(powers).for_each(|(to, from)| *to = from);
-                    Value::Number(Quantity { value, dimension: Dimension::of(exponents) })
-                }
-                Wire::Bool(b) => Value::Bool(b),
-                Wire::Text(text) => Value::Text(text),
-                Wire::List(items) => Value::List(items.into_iter().map(value).collect()),
-                Wire::Set(items) => Value::Set(items.into_iter().map(|(k, v)| (k, value(v))).collect()),
-            }
-        }
-        Wire::deserialize(deserializer).map(|wire| ParamValue(value(wire)))
+        let Wire::Handed = Wire::deserialize(deserializer)?;
+        let missing = || serde::de::Error::custom("a value of any type is read from diagrams alone");
+        HANDED.take().map(ParamValue).ok_or_else(missing)
     }
 }

@@ -1,13 +1,13 @@
 //! What stands in a file becomes whatever serde asks for.
 
-use blocksim_block::VALUE_ENUM;
 use blocksim_block::problem::{Place, Problem};
+use blocksim_block::{VALUE_ENUM, hand_over};
 use blocksim_signal::Value;
 use serde::de::{Deserializer, Visitor};
 
 use super::computed::Computed;
 use super::members::{Items, Members, Variant};
-use super::wire::Wire;
+use super::wire::Handed;
 use super::word_or::WORD_OR;
 use super::written::Written;
 use super::{Noted, Reading};
@@ -235,7 +235,8 @@ impl<'de> Deserializer<'de> for Written<'_, '_> {
             if computed.is_bare && self.expected.dimension.is_none() {
                 note_open(self.reading, &computed.value);
             }
-            return self.placed(visitor.visit_enum(Wire(&computed.value)));
+            hand_over(computed.value);
+            return self.placed(visitor.visit_enum(Handed));
         }
         let Some(word) = self.node.word() else {
             return self.mismatch(&format!("one of {}", crate::problems::list(variants)));

@@ -1,12 +1,12 @@
 //! What an expression comes to becomes whatever serde asks for, with its unit checked.
 
-use blocksim_block::VALUE_ENUM;
 use blocksim_block::problem::Problem;
+use blocksim_block::{VALUE_ENUM, hand_over};
 use blocksim_signal::{Dimension, Value, si_text};
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 
-use super::wire::Wire;
+use super::wire::Handed;
 use super::written::Written;
 use super::{Expected, Noted};
 
@@ -222,7 +222,8 @@ impl<'de> Deserializer<'de> for Computed<'_, '_> {
         visitor: V,
     ) -> Result<V::Value, Noted> {
         if name == VALUE_ENUM {
-            return visitor.visit_enum(Wire(&self.value));
+            hand_over(self.value);
+            return visitor.visit_enum(Handed);
         }
         match &self.value {
             Value::Text(text) => {
