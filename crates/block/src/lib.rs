@@ -36,7 +36,8 @@ pub use interface::{
     Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, MOST_MEMORY, Recorded, State,
 };
 pub use parameter::{
-    MOST_PORTS, ParamError, ParamValue, VALUE_ENUM, at_least, count, finite, hand_over, not_negative, ordered, positive,
+    MOST_PORTS, ParamError, ParamValue, VALUE_ENUM, at_least, count, finite, hand_over, not_negative,
+    ordered, positive,
 };
 pub use parameters::{ParameterInfo, Parameters};
 pub use piece::{NODES, Piece, derivatives, roughness, through};

@@ -8,7 +8,7 @@ use crate::lexer::{Lexeme, Token, lex};
 use crate::unit::to_si;
 use crate::unit_reader::UnitReader;
 use crate::unit_table::{self, DECIBEL, Factor};
-use crate::{ExprError, Lookup, Quantity, Scope, Value, functions, select};
+use crate::{ExprError, Lookup, Part, Quantity, Scope, Value, functions, select};
 use notes::Notes;
 use std::{f64::consts::PI, ops::Range};
 
@@ -112,7 +112,10 @@ impl<'a> Parser<'a> {
                     let operand = self.call(word)?;
                     return self.suffix_of_parenthesis(operand);
                 }
-                let operand = self.name(word)?;
+                let operand = match self.selected(word) {
+                    Some(operand) => operand,
+                    None => self.name(word)?,
+                };
                 let operand = self.selection(operand)?;
                 if !CONSTANTS.contains(&word) {
                     let span = operand.span.clone();
@@ -283,6 +286,31 @@ impl<'a> Parser<'a> {
     }
 
     /// `.member` and `[index]`, any number of them.
+    /// A name with the members and plain items behind it, where the scope knows that value.
+    fn selected(&mut self, word: &str) -> Option<Operand> {
+        let token = |at: usize| self.lexemes.get(at).map(|lexeme| lexeme.token);
+        let (start, mut at) = (self.span().start, self.at + 1);
+        let mut path = Vec::new();
+        loop {
+            match (token(at), token(at + 1), token(at + 2)) {
+                (Some(Token::Sign('.')), Some(Token::Word(name)), _) => {
+                    path.push(Part::Member(name));
+                    at += 2;
+                }
+                (Some(Token::Sign('[')), Some(Token::Number(index)), Some(Token::Sign(']')))
+                    if index >= 0.0 && index.fract() == 0.0 =>
+                {
+                    path.push(Part::Item(index as usize));
+                    at += 3;
+                }
+                _ => break,
+            }
+        }
+        let value = if path.is_empty() { None } else { self.scope.select(word, &path) }?;
+        self.at = at;
+        Some(Operand { value, span: start..self.end() })
+    }
+
     fn selection(&mut self, mut operand: Operand) -> Result<Operand, ExprError> {
         loop {
             let first = self.at;

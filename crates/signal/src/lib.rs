@@ -25,7 +25,7 @@ pub use dimension::Dimension;
 pub use error::ExprError;
 pub use expression::{Noted, evaluate, evaluate_noted};
 pub use quantity::{Quantity, si_text};
-pub use scope::{Lookup, Scope};
+pub use scope::{Lookup, Part, Scope};
 pub use shape::{Kind, SampleTime, Shape};
 pub use spelling::{closest, surely};
 pub use unit::{Unit, UnitError};

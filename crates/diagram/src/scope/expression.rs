@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
-use blocksim_signal::{ExprError, Lookup, Noted, Scope as Names, Value, evaluate_noted};
+use blocksim_signal::{ExprError, Lookup, Noted, Part, Scope as Names, Value, evaluate_noted};
 
 use super::{Scope, segments};
 use crate::mentions::Event;
@@ -28,6 +28,10 @@ impl Names for Visible<'_, '_> {
                 Lookup::Failed(reason)
             }
         }
+    }
+
+    fn select(&self, name: &str, path: &[Part]) -> Option<Value> {
+        self.scope.select(name, path)
     }
 
     fn names(&self) -> Vec<String> {

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
-use blocksim_signal::Value;
+use blocksim_signal::{Part, Value};
 use indexmap::IndexMap;
 
 use crate::source::Sources;
@@ -155,6 +155,18 @@ impl<'a> Scope<'a> {
         let value = compute();
         self.depth.set(depth);
         value
+    }
+
+    /// What a path leads to from a parameter that has a value; `None` for all else.
+    pub(crate) fn select(self: &Rc<Self>, name: &str, path: &[Part]) -> Option<Value> {
+        let is_known = match self.entries.borrow().get(name).map(|entry| &entry.state) {
+            None => return self.parent.as_ref()?.select(name, path),
+            Some(State::Ready(Ok(value))) => return value.at(path).cloned(),
+            Some(State::Ready(Err(_)) | State::Busy) => true,
+            Some(State::Written { .. }) => false,
+        };
+        // It is computed once, and then there.
+        if is_known || self.value(name)?.is_err() { None } else { self.select(name, path) }
     }
 
     /// Value of a parameter; `None` when no diagram has it.
