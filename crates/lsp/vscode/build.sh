@@ -10,6 +10,7 @@ cd "$(dirname "$0")"
 # No scripts of packages are run: the bundler is a binary of its own, and the packager needs none.
 npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
 npm run --silent build
+node licences.mjs
 npm run --silent package
 if [ -n "$program" ]; then
     BLOCKSIM="$program" npm test --silent

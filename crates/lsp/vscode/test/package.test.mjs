@@ -27,6 +27,8 @@ test("the package is whole and small", async () => {
     const names = await entries();
     const parts = [
         manifest.main,
+        "dist/THIRD_PARTY_LICENCES.txt",
+        "LICENSE.txt",
         ...manifest.contributes.grammars.map(({ path }) => path),
         ...manifest.contributes.languages.map(({ configuration }) => configuration),
     ];
