@@ -1,5 +1,7 @@
 //! The command lines of `blocksim blocks`, `manual`, `help` and `explain`.
 
+use std::path::PathBuf;
+
 /// `blocksim blocks`.
 #[derive(Debug, clap::Args)]
 #[command(
@@ -16,13 +18,22 @@ pub struct BlocksArgs {
 
 /// `blocksim manual`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  blocksim manual start\n  blocksim manual language units")]
+#[command(
+    after_help = "Examples:\n  blocksim manual start\n  blocksim manual language units\n  blocksim manual --site manual"
+)]
 pub struct ManualArgs {
     /// Name of a page; all names if none is given.
     pub page: Option<String>,
     /// Words: only the sections that are about them.
     #[arg(value_name = "WORDS")]
     pub section: Vec<String>,
+    /// Write the whole manual to this folder as a site with search: guides, tutorials, errors, and a page for each block with its
+    /// drawing and a run.
+    #[arg(long, value_name = "FOLDER", conflicts_with = "page")]
+    pub site: Option<PathBuf>,
+    /// Replace a site that is there.
+    #[arg(long, requires = "site")]
+    pub yes: bool,
 }
 
 /// `blocksim help`.

@@ -126,6 +126,24 @@ fn every_page_of_the_manual_is_printed_whole_or_by_sections() {
 }
 
 #[test]
+fn the_manual_is_written_as_a_site_and_replaced_on_request_alone() {
+    let desk = Desk::with(&[("notes.txt", "mine")]);
+    let answer = desk.call(&["manual", "--site", "site"]);
+    assert_eq!((answer.code, answer.err.as_str()), (Some(0), ""), "{answer:?}");
+    assert!(answer.out.contains(" pages, open site") && answer.out.contains("index.html"), "{}", answer.out);
+    let page = desk.read("site/blocks/LowPass.html");
+    for part in ["<h1 id=\"lowpass\">LowPass</h1>", "<math", "id=\"parameters\"", "<svg", "pictures/LowPass-dark.svg"] {
+        assert!(page.contains(part), "{part}: {page}");
+    }
+    assert!(desk.read("site/search-index.js").contains("blocks/LowPass.html"));
+    let said = desk.said(&["manual", "--site", "site"]);
+    assert!(said.contains("error[exists]: `site` is there already") && said.contains("add --yes"), "{said}");
+    assert_eq!(desk.call(&["manual", "--site", "site", "--yes"]).code, Some(0));
+    let said = desk.said(&["manual", "--site", ".", "--yes"]);
+    assert!(said.contains("is not a manual, and is left alone") && desk.read("notes.txt") == "mine", "{said}");
+}
+
+#[test]
 fn what_is_not_found_gets_a_remedy() {
     let desk = Desk::with(&[]);
     let said = |words: &[&str]| desk.said(words);
@@ -143,7 +161,7 @@ fn what_is_not_found_gets_a_remedy() {
           = help: `blocksim manual` lists all pages, `blocksim help zzzz` finds what is about it
         exit code 2
         error[usage]: no section of `editors` is about `zzzz`
-          = help: `blocksim manual editors` prints all of it
+          = help: its sections are `Rename`, `Visual Studio Code`, `Helix and Neovim`, `Other editors`
         exit code 2
         error[usage]: there is no block `Intergrator`
           = help: did you mean `Integrator`?

@@ -37,6 +37,13 @@ pub fn blocks(args: &BlocksArgs, console: Console) -> Outcome {
     Ok(Exit::Done)
 }
 
+/// Ports of a kind as cells (name, side, what it carries, unit, default) and their meanings; none where no example can be built
+/// alone.
+#[cfg(feature = "site")]
+pub fn port_rows(info: &BlockInfo) -> Vec<([String; 5], &'static str)> {
+    ports::interface(info).map(|interface| ports::plain_rows(&interface)).unwrap_or_default()
+}
+
 /// The kind that is written so, whatever its capitals and spaces.
 fn named<'a>(words: &str, all: &[&'a BlockInfo]) -> Option<&'a BlockInfo> {
     let plain = |text: &str| text.to_lowercase().replace([' ', '-', '_'], "");

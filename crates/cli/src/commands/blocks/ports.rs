@@ -38,6 +38,12 @@ pub fn table(interface: &Interface, width: usize) -> String {
     table.render()
 }
 
+/// Cells and meaning of each port.
+#[cfg(feature = "site")]
+pub fn plain_rows(interface: &Interface) -> Vec<([String; 5], &'static str)> {
+    rows(interface).into_iter().map(|row| (row.cells.map(|cell| cell.trim().to_owned()), row.doc)).collect()
+}
+
 struct Row {
     cells: [String; 5],
     doc: &'static str,

@@ -1,5 +1,8 @@
 //! `blocksim manual`: the guides of `docs/`, in the program.
 
+#[cfg(feature = "site")]
+mod site;
+
 use blocksim_signal::closest;
 
 use crate::args::manual::ManualArgs;
@@ -25,6 +28,9 @@ pub struct Section {
 /// # Errors
 /// If there is no such page or section.
 pub fn manual(args: &ManualArgs, console: Console) -> Outcome {
+    if let Some(folder) = &args.site {
+        return write_site(folder, args.yes, console);
+    }
     let Some(name) = &args.page else {
         console.data(&list())?;
         return Ok(Exit::Done);
@@ -51,6 +57,16 @@ pub fn manual(args: &ManualArgs, console: Console) -> Outcome {
     }
     console.data(&found.join("\n"))?;
     Ok(Exit::Done)
+}
+
+#[cfg(feature = "site")]
+fn write_site(folder: &std::path::Path, replace: bool, console: Console) -> Outcome {
+    site::write(folder, replace, console)
+}
+
+#[cfg(not(feature = "site"))]
+fn write_site(_folder: &std::path::Path, _replace: bool, _console: Console) -> Outcome {
+    Err(crate::left_out::failure("cannot write the manual as a site", "that part", "site"))
 }
 
 fn list() -> String {
