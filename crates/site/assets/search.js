@@ -54,7 +54,8 @@
         let sum = 0;
         for (const word of words) {
             let best = 0;
-            [30, 20, 2].forEach((weight, n) => {
+            // Sections of a page do not crowd out other pages.
+            (entry.heading ? [4, 20, 2] : [30, 20, 2]).forEach((weight, n) => {
                 const at = entry.low[n].indexOf(word);
                 if (at < 0) return;
                 const starts = at === 0 || !/[\p{L}\p{N}]/u.test(entry.low[n][at - 1]);

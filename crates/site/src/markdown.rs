@@ -208,7 +208,8 @@ impl<'a> Reader<'a> {
     /// A formula in MathML; as it is written where it cannot be read.
     fn formula(&mut self, formula: &str, display_mode: DisplayMode) -> String {
         let storage = Storage::new();
-        let events: Vec<_> = pulldown_latex::Parser::new(formula, &storage).collect();
+        let braced = braced(formula);
+        let events: Vec<_> = pulldown_latex::Parser::new(&braced, &storage).collect();
         let mut html = String::new();
         let config = RenderConfig { display_mode, ..RenderConfig::default() };
         if events.iter().all(Result::is_ok) && push_mathml(&mut html, events.into_iter(), config).is_ok() {
@@ -287,6 +288,23 @@ fn plain_stars(markdown: &str) -> String {
         }
     }
     out
+}
+
+/// A formula in which fractions of two digits, `\frac12`, have braces, as the parser of formulas wants them.
+fn braced(formula: &str) -> String {
+    let mut out = String::with_capacity(formula.len());
+    let mut rest = formula;
+    while let Some(at) = rest.find("frac") {
+        let (before, after) = rest.split_at(at + "frac".len());
+        out.push_str(before);
+        rest = after;
+        let mut digits = rest.chars();
+        if let (Some(above @ '0'..='9'), Some(below @ '0'..='9')) = (digits.next(), digits.next()) {
+            out.push_str(&format!("{{{above}}}{{{below}}}"));
+            rest = digits.as_str();
+        }
+    }
+    out + rest
 }
 
 /// What stands before the page of a word in brackets.
@@ -395,5 +413,6 @@ mod tests {
         );
         assert!(text.headings[0].below.contains("alert") && text.headings[0].anchor == "a");
         assert_eq!(read("guide", "$\\frac{$").formulas, ["\\frac{"]);
+        assert!(read("guide", "$\\tfrac23 x + \\frac12$").formulas.is_empty());
     }
 }

@@ -132,7 +132,9 @@ fn the_manual_is_written_as_a_site_and_replaced_on_request_alone() {
     assert_eq!((answer.code, answer.err.as_str()), (Some(0), ""), "{answer:?}");
     assert!(answer.out.contains(" pages, open site") && answer.out.contains("index.html"), "{}", answer.out);
     let page = desk.read("site/blocks/LowPass.html");
-    for part in ["<h1 id=\"lowpass\">LowPass</h1>", "<math", "id=\"parameters\"", "<svg", "pictures/LowPass-dark.svg"] {
+    for part in
+        ["<h1 id=\"lowpass\">LowPass</h1>", "<math", "id=\"parameters\"", "<svg", "pictures/LowPass-dark.svg"]
+    {
         assert!(page.contains(part), "{part}: {page}");
     }
     assert!(desk.read("site/search-index.js").contains("blocks/LowPass.html"));
@@ -140,7 +142,10 @@ fn the_manual_is_written_as_a_site_and_replaced_on_request_alone() {
     assert!(said.contains("error[exists]: `site` is there already") && said.contains("add --yes"), "{said}");
     assert_eq!(desk.call(&["manual", "--site", "site", "--yes"]).code, Some(0));
     let said = desk.said(&["manual", "--site", ".", "--yes"]);
-    assert!(said.contains("is not a manual, and is left alone") && desk.read("notes.txt") == "mine", "{said}");
+    assert!(
+        said.contains("is not a manual, and is left alone") && desk.read("notes.txt") == "mine",
+        "{said}"
+    );
 }
 
 #[test]
