@@ -80,6 +80,11 @@ pub fn offer(library: &Library) -> String {
 pub fn merged(earlier: &str, later: &str) -> String {
     let (Ok(earlier), Ok(mut both)) = (read(earlier), read(later)) else { return later.to_owned() };
     if earlier.blocks == both.blocks {
+        let is_new = |period: &&Period| !earlier.periods.contains(period);
+        // Of what is known nothing changes its place, so that nobody writes it anew.
+        if earlier.version == both.version && !both.periods.iter().any(|period| is_new(&period)) {
+            return text(&earlier);
+        }
         let known = |period: &Period| both.periods.iter().any(|later| same_question(later, period));
         let more: Vec<Period> = earlier.periods.into_iter().filter(|period| !known(period)).collect();
         both.periods.extend(more);
@@ -301,5 +306,9 @@ mod tests {
         let other = later.replace("\"length\":2", "\"length\":3");
         assert_eq!(period(recalled("new", &merged(TEXT, &other)).unwrap(), "LowPass", &[0.1]), None);
         assert_eq!(merged("", &later), later);
+        // Instances that ask in turn leave what is known as it is.
+        let known = merged(TEXT, &later);
+        assert_eq!(merged(&known, TEXT), known);
+        assert_eq!(merged(&known, &later), known);
     }
 }

@@ -336,11 +336,7 @@ fn names_are_changed_in_all_files_and_comments_stay() {
     std::fs::write(editor.folder.join("loose.ron"), LOOSE).unwrap();
     std::fs::write(editor.folder.join("servo.ron"), &servo).unwrap();
     // Another model that uses the part, and is not open.
-    let other = servo
-        .replace("gain", "gain")
-        .replace("\"part\"", "\"rest\"")
-        .replace("part.u", "rest.u")
-        .replace("part.y", "rest.y");
+    let other = servo.replace("\"part\"", "\"rest\"").replace("part.u", "rest.u").replace("part.y", "rest.y");
     std::fs::write(editor.folder.join("other.ron"), &other).unwrap();
     editor.open("servo.ron", &servo);
     assert!(editor.problems("servo.ron").is_empty());

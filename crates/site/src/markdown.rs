@@ -276,10 +276,11 @@ fn plain_stars(markdown: &str) -> String {
             match sign {
                 '`' if !fence => code = !code,
                 '$' if !fence && !code => formula = !formula,
-                '*' if !fence && !code && !formula && before.is_alphanumeric() => {
-                    if signs.peek().is_some_and(|next| next.is_alphanumeric()) {
-                        out.push('\\');
-                    }
+                '*' if !(fence || code || formula)
+                    && before.is_alphanumeric()
+                    && signs.peek().is_some_and(|next| next.is_alphanumeric()) =>
+                {
+                    out.push('\\');
                 }
                 _ => {}
             }
@@ -412,7 +413,7 @@ mod tests {
             text.html
         );
         assert!(text.headings[0].below.contains("alert") && text.headings[0].anchor == "a");
-        assert_eq!(read("guide", "$\\frac{$").formulas, ["\\frac{"]);
+        assert_eq!(read("guide", "$\\frac{a}$").formulas, ["\\frac{a}"]);
         assert!(read("guide", "$\\tfrac23 x + \\frac12$").formulas.is_empty());
     }
 }
