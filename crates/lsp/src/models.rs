@@ -70,6 +70,22 @@ pub struct Known {
     pub choices: BTreeMap<String, Vec<String>>,
 }
 
+impl Known {
+    /// That a compilation has ended by a bug, told in each open file, since nobody knows whose text it was.
+    pub fn after_a_bug(snapshot: &Snapshot) -> Known {
+        let message =
+            "this is a bug of blocksim: compiling this model has failed, so its problems are not known";
+        let diagnostic = Diagnostic {
+            severity: Some(DiagnosticSeverity::ERROR),
+            source: Some("blocksim".to_owned()),
+            message: message.to_owned(),
+            ..Diagnostic::default()
+        };
+        let found = snapshot.open.keys().map(|path| (path.clone(), vec![diagnostic.clone()])).collect();
+        Known { found, ..Known::default() }
+    }
+}
+
 /// What was read for a model, and what came of it.
 #[derive(Debug, Default)]
 struct Last {

@@ -131,8 +131,11 @@ fn run(
             Ok(Some(known)) => drop(finished.send(Done::Checked(snapshot.number, Box::new(known)))),
             // Texts have changed meanwhile: the next job compiles them.
             Ok(None) => {}
-            // What was kept may be half of something.
-            Err(_) => models = fresh(),
+            Err(_) => {
+                // What was kept may be half of something.
+                models = fresh();
+                drop(finished.send(Done::Checked(snapshot.number, Box::new(Known::after_a_bug(&snapshot)))));
+            }
         }
     }
 }
