@@ -24,6 +24,7 @@ mod registry;
 pub mod schedule;
 mod shapes;
 mod symbol;
+pub mod synonyms;
 pub mod testing;
 
 pub use blocksim_block_macros::{BlockMeta, Parameters};
@@ -33,7 +34,8 @@ pub use contract::{Block, Bus, Files, LoadError, Scratch};
 pub use defaults::in_diagram;
 pub use given::{Given, ParamUnits};
 pub use interface::{
-    Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, MOST_MEMORY, Recorded, State,
+    Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, MOST_MEMORY, Recorded,
+    State,
 };
 pub use parameter::{
     MOST_PORTS, ParamError, ParamValue, VALUE_ENUM, at_least, count, finite, not_negative, ordered, positive,
