@@ -9,6 +9,7 @@ mod code;
 mod context;
 mod contract;
 mod defaults;
+pub mod event;
 mod given;
 pub mod in_unit;
 mod interface;
@@ -34,7 +35,7 @@ pub use contract::{Block, Bus, Files, LoadError, Scratch};
 pub use defaults::in_diagram;
 pub use given::{Given, ParamUnits};
 pub use interface::{
-    Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, MOST_MEMORY, Recorded,
+    Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, JumpPhrase, MOST_MEMORY, Recorded,
     State,
 };
 pub use parameter::{
@@ -59,6 +60,7 @@ pub mod private {
 
 /// What a block file needs.
 pub mod prelude {
+    pub use crate::event::{Change, Event};
     pub use crate::physical::{Component, Energy, Law, Needs, Part, Torque};
     pub use crate::{
         Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Crossing, Discrete, Files, Given, Input,

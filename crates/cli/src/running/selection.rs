@@ -7,7 +7,7 @@ use blocksim_signal::closest;
 
 use crate::args::values::time;
 use crate::failure::Failure;
-use crate::signals::{naming, shown};
+use crate::signals::{display, naming};
 
 /// What `--signals` names: a pattern, and a rate behind `@`.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +36,7 @@ pub fn wanted(text: &str) -> Result<Wanted, String> {
 }
 
 fn rate_of(text: &str) -> Result<Rate, String> {
-    let advice = "a rate is a time (@10ms), a number of rows (@10rows) or the least and largest in a time (@minmax:10ms)";
+    let advice = "a rate is a time (@10ms), a number of rows (@10rows) or the minimum and maximum in a time (@minmax:10ms)";
     if let Some(n) = text.strip_suffix("rows") {
         let n: u32 = n.trim().parse().map_err(|_| advice.to_owned())?;
         return if n > 0 { Ok(Rate::Nth(n)) } else { Err(advice.to_owned()) };
@@ -91,7 +91,7 @@ pub fn select(
     let windowed = |rate: &Rate| matches!(rate, Rate::Extremes(_));
     let others = wanted.iter().map(|wanted| wanted.rate).find(|rate| !windowed(rate)).unwrap_or(Rate::All);
     let mut selection = Selection::default();
-    for (source, (r, mut info)) in recorded.iter().zip(shown::layout(recorded).signals).enumerate() {
+    for (source, (r, mut info)) in recorded.iter().zip(display::layout(recorded).signals).enumerate() {
         let asked = wanted.iter().rev().find(|wanted| fits(wanted, r)).map(|wanted| wanted.rate);
         let rate = match asked {
             Some(rate) => rate,

@@ -106,7 +106,7 @@ fn switching_without_hysteresis_is_chatter() {
     assert!((error.t - 0.5).abs() < 1e-8);
     let error = blocksim_sim::SimError { t: 0.5, ..error };
     expect![[r#"
-        error[chatter] at t = 0.5 s: `relay` is chattering: its guard `switch` keeps crossing zero
+        error[chatter] at t = 0.5 s: `relay` is chattering: it crosses zero at its guard `switch` again and again
         help: give the switching a hysteresis, or use a method of fixed step"#]]
     .assert_eq(&error.to_string());
 }
