@@ -168,7 +168,7 @@ mod tests {
             (r#"[(signals: "a", rows: 2.5)]"#, "`rows` is 2.5, but must be a whole number of at least 1"),
             (r#"[(signals: "a", rows: 0)]"#, "`rows` is 0, but must be a whole number of at least 1"),
             (r#"[(signals: "a", rows: 2, minmax: 1)]"#, "`rows` and `minmax` contradict each other"),
-            (r#"[(every: "8 ms")]"#, "an entry of `record` does not say of which signals"),
+            (r#"[(every: "8 ms")]"#, "an entry of `record` names no signals"),
             (r#"[(signals: "a", evry: 1)]"#, "`record` knows no `evry`"),
             (r#"[(signals: 3)]"#, "expected a text, found a number"),
             (r#"[3]"#, "found a number"),

@@ -308,6 +308,6 @@ fn starts(state: &Quantity) -> impl Iterator<Item = f64> {
 }
 
 fn no_number(what: &str, list: &[Quantity], numbers: &[f64], kind: &PluginKind, c: &Context) -> String {
-    let culprit = culprit(what, list, numbers).unwrap_or_else(|| format!("{what} is no number"));
+    let culprit = culprit(what, list, numbers).unwrap_or_else(|| format!("{what} is not a number"));
     format!("{culprit}; inputs: {}", values(&kind.inputs, c.u))
 }

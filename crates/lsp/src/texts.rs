@@ -50,7 +50,7 @@ impl Reader for Texts {
         }
         let about = std::fs::metadata(path).map_err(|error| error.to_string())?;
         if !about.is_file() || about.len() > LARGEST {
-            return Err("it is no file of text".to_owned());
+            return Err("it is not a text file".to_owned());
         }
         std::fs::read_to_string(path).map_err(|error| error.to_string())
     }

@@ -163,7 +163,7 @@ fn clone(args: &PluginNewArgs, parent: &Path) -> Result<PathBuf, Failure> {
     let around = parent.ancestors().map(Path::to_owned).chain(built).find(|folder| is_clone(folder));
     around.ok_or_else(|| {
         Failure::usage("the clone of blocksim that this program was built from is gone")
-            .help("say where one is: --blocksim DIR")
+            .help("give its folder: --blocksim DIR")
     })
 }
 

@@ -83,6 +83,6 @@ mod tests {
     #[test]
     fn a_file_that_is_not_there_is_told() {
         let error = mappings(&["no-such-file.txt".to_owned()]).unwrap_err().text();
-        assert!(error.starts_with("cannot read the mappings in `no-such-file.txt`: there is no such file"));
+        assert!(error.starts_with("cannot read the mappings in `no-such-file.txt`: the file does not exist"));
     }
 }
