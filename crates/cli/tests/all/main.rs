@@ -24,6 +24,7 @@ mod plan;
 mod plots;
 mod plugin;
 mod plugin_check;
+mod printed_commands;
 mod recording;
 mod report;
 mod report_faults;
