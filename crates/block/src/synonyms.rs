@@ -179,7 +179,6 @@ const SYNONYMS: &[(&[&str], &[&str])] = &[
     (&["inductance", "la", "l0", "armatureinductance", "henry"], &["l"]),
     (&["capacitance", "farad"], &["c"]),
     (&["voltage", "u", "dcvoltage", "vdc", "amplitude"], &["v", "vdc", "voltage"]),
-    (&["current", "idc"], &["i"]),
     (&["torqueconstant", "kt", "ke", "kv", "backemfconstant", "emfconstant", "kphi", "kemf"], &["k"]),
     (&["polepairs", "p", "np", "zp", "numberofpolepairs", "npolepairs"], &["pole_pairs"]),
     (&["forwardvoltage", "vf", "vfwd", "vknee", "vdrop"], &["v_f"]),

@@ -19,7 +19,7 @@ const MORE: [&str; 22] = [
     "Switch(threshold: 1)",
     "Function(function: SignedSqrt)",
     "LookupTable1D(breakpoints: [0, 1, 2], table: [0, 1, 4])",
-    "LookupTable1D(breakpoints: [0, 1, 2], table: [0, 1, 4], interpolation: Below)",
+    "LookupTable1D(breakpoints: [0, 1, 2], table: [0, 1, 4], interpolation: Flat)",
     "LookupTable2D(rows: [0, 1, 2], columns: [0, 1, 2], table: [[0, 1, 4], [0, 2, 3], [5, 6, 9]])",
     r#"StepperDriver(command: Angle(teeth: 50), amplitude: "2 A")"#,
     r#"PwmGenerator(switching_frequency: "5 kHz", sampling: Natural)"#,
@@ -36,7 +36,7 @@ const MORE: [&str; 22] = [
 ];
 
 /// Kinds that have guards or modes: who adds one adds it here, and none may get lost.
-const WATCHED: [&str; 40] = [
+const WATCHED: [&str; 42] = [
     "Abs",
     "Atan2",
     "Backlash",
@@ -72,10 +72,12 @@ const WATCHED: [&str; 40] = [
     "SlipControlledVf",
     "StepperDriver",
     "Switch",
+    "TranslationalFriction",
     "TranslationalHardStop",
     "TranslationalRigidStop",
     "TranslationalSpringDamper",
     "VariableTransportDelay",
+    "Robot",
     "RotationalFriction",
 ];
 
@@ -172,13 +174,13 @@ fn events_of_shipped_diagrams_read_as_sentences() {
         (
             "diagrams/rectifier_bridge.ron",
             expect![[r#"
-            0.0000 bridge blocks
-            0.0033 bridge conducts
-            0.0038 bridge blocks
-            0.0067 bridge conducts
-            0.0073 bridge blocks
-            0.0100 bridge conducts
-        "#]],
+                0.0000 bridge blocks (valve 4)
+                0.0033 bridge conducts (valve 3)
+                0.0038 bridge blocks (valve 1)
+                0.0067 bridge conducts (valve 2)
+                0.0073 bridge blocks (valve 6)
+                0.0100 bridge conducts (valve 5)
+            "#]],
         ),
         (
             "diagrams/bouncing_mass.ron",
@@ -226,7 +228,7 @@ fn events_of_vectors_and_stops_say_which() {
             simulation: (stop_time: "2 s"),
             blocks: {
                 "wave": Sine(amplitude: 2, frequency: "1 Hz"),
-                "pair": Mux(inputs: ["u1", "u2"]),
+                "pair": Mux(inputs: 2),
                 "half": Gain(k: 0.6),
                 "limiter": Saturation(lower: -1, upper: 1),
                 "relay": Relay(on_at: 1, off_at: -1),
@@ -241,5 +243,22 @@ fn events_of_vectors_and_stops_say_which() {
             ],
         )"#,
     );
-    listed(&run.events, 12, &expect![""]);
+    listed(
+        &run.events,
+        12,
+        &expect![[r#"
+        0.0833 limiter reaches the upper limit (element 0)
+        0.0833 relay switches on
+        0.1568 limiter reaches the upper limit (element 1)
+        0.3432 limiter leaves the upper limit (element 1)
+        0.4167 limiter leaves the upper limit (element 0)
+        0.5833 limiter reaches the lower limit (element 0)
+        0.5833 relay switches off
+        0.6568 limiter reaches the lower limit (element 1)
+        0.8432 limiter leaves the lower limit (element 1)
+        0.9167 limiter leaves the lower limit (element 0)
+        1.0833 limiter reaches the upper limit (element 0)
+        1.0833 relay switches on
+    "#]],
+    );
 }

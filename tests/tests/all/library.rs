@@ -125,9 +125,8 @@ fn every_kind_with_limits_refuses_a_start_outside_of_them() {
 fn names_of_other_programs_lead_to_parameters_that_exist() {
     let all: BTreeSet<&str> =
         kinds().iter().flat_map(|info| info.parameters.iter().map(|parameter| parameter.name)).collect();
-    for name in blocksim_block::synonyms::parameters() {
-        assert!(all.contains(name), "no kind has the parameter `{name}` that the table leads to");
-    }
+    let lost: Vec<&str> = blocksim_block::synonyms::parameters().filter(|name| !all.contains(name)).collect();
+    assert!(lost.is_empty(), "no kind has the parameters {lost:?} that the table leads to");
 }
 
 /// Kinds with names of parameters from elsewhere, and what is suggested.
