@@ -1,11 +1,15 @@
 //! The files of a model.
 
 use std::cell::RefCell;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 
-use blocksim_block::problem::FileId;
+use blocksim_block::problem::{FileId, Problem};
 use blocksim_block::{CodePolicy, Files, LoadError, NoCode};
+
+use crate::tree::{Node, read};
 
 /// Reads files for the compiler, which itself opens none.
 pub trait Reader {
@@ -34,12 +38,14 @@ pub struct SourceFile {
 pub struct Sources<'a> {
     reader: &'a dyn Reader,
     files: RefCell<Vec<SourceFile>>,
+    /// Files as trees: a set that many values name is read once.
+    trees: RefCell<HashMap<FileId, Result<Rc<Node>, Problem>>>,
 }
 
 impl<'a> Sources<'a> {
     /// No files yet.
     pub fn new(reader: &'a dyn Reader) -> Self {
-        Self { reader, files: RefCell::default() }
+        Self { reader, files: RefCell::default(), trees: RefCell::default() }
     }
 
     /// Reads a file once and numbers it.
@@ -62,6 +68,16 @@ impl<'a> Sources<'a> {
         let mut files = self.files.borrow_mut();
         files.push(SourceFile { path: path.to_path_buf(), text: text.into() });
         FileId(files.len() as u32 - 1)
+    }
+
+    /// A file as a tree, or why it is none.
+    pub(crate) fn tree(&self, id: FileId) -> Result<Rc<Node>, Problem> {
+        if let Some(known) = self.trees.borrow().get(&id) {
+            return known.clone();
+        }
+        let tree = read(&self.file(id).text).map(Rc::new).map_err(|error| error.problem(id));
+        self.trees.borrow_mut().insert(id, tree.clone());
+        tree
     }
 
     /// A file that was read.

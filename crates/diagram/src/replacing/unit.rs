@@ -57,7 +57,7 @@ impl<'a> Place<'a> {
                 let Shape::Text(path) = &items.first()?.value else { return None };
                 let sources = self.scope.sources;
                 let file = sources.open(&sources.folder(self.file).join(path)).ok()?;
-                let node = Rc::new(read_tree(sources, file).ok()?);
+                let node = read_tree(sources, file).ok()?;
                 Place { file, node, ..self.clone() }.below(names, depth + 1)
             }
             Shape::Text(text) => {

@@ -1,6 +1,7 @@
 //! Files of values and of diagrams as trees.
 
 use std::path::Path;
+use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
 
@@ -8,9 +9,9 @@ use crate::overrides::SET;
 use crate::source::Sources;
 use crate::tree::Node;
 
-/// Reads a file as a tree.
-pub(crate) fn read_tree(sources: &Sources, file: FileId) -> Result<Node, Problem> {
-    crate::tree::read(&sources.file(file).text).map_err(|error| error.problem(file))
+/// A file as a tree.
+pub(crate) fn read_tree(sources: &Sources, file: FileId) -> Result<Rc<Node>, Problem> {
+    sources.tree(file)
 }
 
 /// A file that cannot be read.
