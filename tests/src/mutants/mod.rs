@@ -4,9 +4,11 @@
 //! files as disks and networks do (bits, pieces, lengths).
 
 mod binary;
+mod runner;
 mod subjects;
 mod text;
 
+pub use runner::{Answer, Desk};
 pub use subjects::{PREPARATION, Subject, subjects};
 
 /// Numbers that look random (splitmix64).
