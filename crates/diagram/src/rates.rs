@@ -76,7 +76,7 @@ fn read<'a>(
         Some((spacing, what)) => {
             let near = (number / spacing).round().max(1.0);
             let message = format!(
-                "`every` is {} ms, which is no multiple of the {what}, {} ms",
+                "`every` is {} ms, which is not a multiple of the {what}, {} ms",
                 ms(number),
                 ms(spacing)
             );
@@ -156,11 +156,11 @@ mod tests {
         for (record, told) in [
             (
                 r#"[(signals: "a", every: "10 ms")]"#,
-                "`every` is 10 ms, which is no multiple of the output interval, 4 ms",
+                "`every` is 10 ms, which is not a multiple of the output interval, 4 ms",
             ),
             (
                 r#"[(signals: "a", every: "1 ms")]"#,
-                "`every` is 1 ms, which is no multiple of the output interval, 4 ms",
+                "`every` is 1 ms, which is not a multiple of the output interval, 4 ms",
             ),
             (r#"[(signals: "a", every: -1)]"#, "`every` is -1 s, but must be positive"),
             (r#"[(signals: "a", every: "1 m")]"#, "expected a value in s, found one in m"),

@@ -39,7 +39,7 @@ pub unsafe fn contents(at: *const PluginTable, shown: &str) -> Result<Contents, 
     if !is_plugin(&table) {
         return Err(fault::library(
             SYMBOL,
-            format!("`{shown}` is no blocksim plug-in: its table is of something else"),
+            format!("`{shown}` is not a blocksim plug-in: its table is of something else"),
         ));
     }
     if table.abi_major != ABI_MAJOR {
@@ -203,7 +203,7 @@ unsafe fn quantity(row: &Row, i: usize) -> Result<Quantity, String> {
     let unit = text(&row.unit, &format!("the unit of `{name}`"))?;
     let default = row.default_value;
     if !default.is_null() && !default.is_aligned() {
-        return Err(format!("the default of `{name}` is no address of numbers"));
+        return Err(format!("the default of `{name}` is not an address of numbers"));
     }
     Ok(Quantity {
         name,

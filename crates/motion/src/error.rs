@@ -134,7 +134,7 @@ impl fmt::Display for MoveError {
                 };
                 write!(
                     f,
-                    "axis {}: the {endpoint} is {value}, which is no position; give a number with {quantity}",
+                    "axis {}: the {endpoint} is {value}, which is not a position; give a number with {quantity}",
                     axis + 1
                 )
             }

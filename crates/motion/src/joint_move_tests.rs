@@ -235,7 +235,7 @@ fn refusals_name_axis_value_limit_and_remedy() {
     );
     check(
         &|r, _| r.target[2] = f64::NAN,
-        "axis 3: the target is NaN, which is no position; give a number with an angle unit",
+        "axis 3: the target is NaN, which is not a position; give a number with an angle unit",
     );
     check(
         &|r, l| (r.target[2], l[2].upper) = (200.0_f64.to_radians(), 75.0_f64.to_radians()),

@@ -81,7 +81,7 @@ fn what_cannot_be_recorded_is_told_with_place_and_remedy() {
           |
           = help: did you mean `scop**`?
 
-        error[record_rate]: `every` is 1.5 ms, which is no multiple of the step, 1 ms
+        error[record_rate]: `every` is 1.5 ms, which is not a multiple of the step, 1 ms
          --> m.ron:3:57
           |
         3 |     record: ["lg.y", "scop*", (signals: "lag.y", every: "1.5 ms")],

@@ -161,7 +161,7 @@ fn what_cannot_be_understood_is_told_with_place_reason_and_remedy() {
         exit code 4
 
         time_unit.csv
-        error[unreadable]: the time in `time_unit.csv` is in deg, which is no time
+        error[unreadable]: the time in `time_unit.csv` is in deg, which is not a time
           = help: give its unit, such as --map 'COLUMN=time[ms]'
         exit code 4
 
@@ -443,15 +443,15 @@ fn runs_that_are_damaged_or_hardly_there_are_told() {
         exit code 4
 
         other
-        error[unreadable]: cannot read `other/signals.rec`: it is no recording of blocksim, or only the first bytes of one
+        error[unreadable]: cannot read `other/signals.rec`: it is not a recording of blocksim, or only the first bytes of one
           = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be
                   whole
         exit code 4
-        error[unreadable]: cannot read `other/signals.rec`: it is no recording of blocksim, or only the first bytes of one
+        error[unreadable]: cannot read `other/signals.rec`: it is not a recording of blocksim, or only the first bytes of one
           = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be
                   whole
         exit code 4
-        {"code":"unreadable","edit":null,"exit":4,"help":"take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole","labels":[],"message":"cannot read `other/signals.rec`: it is no recording of blocksim, or only the first bytes of one","notes":[],"severity":"error","type":"diagnostic","v":1}
+        {"code":"unreadable","edit":null,"exit":4,"help":"take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole","labels":[],"message":"cannot read `other/signals.rec`: it is not a recording of blocksim, or only the first bytes of one","notes":[],"severity":"error","type":"diagnostic","v":1}
         exit code 4
 
         none

@@ -28,7 +28,7 @@ const WORDS: [(&str, &str); 18] = [
 ];
 
 /// Phrases that are refused, and what to write instead.
-const PHRASES: [(&str, &str); 18] = [
+const PHRASES: [(&str, &str); 21] = [
     ("to and fro", "is chattering"),
     ("is no value", "is not a value"),
     ("is no name", "is not a valid name"),
@@ -47,6 +47,9 @@ const PHRASES: [(&str, &str); 18] = [
     ("becomes of it", "vary its ..."),
     ("taken are", "assuming"),
     ("must be able to do", "the contract"),
+    ("` is no", "is not a"),
+    ("this is no", "this is not a"),
+    ("it is no", "it is not a"),
 ];
 
 /// Text with what is allowed: a file, and a piece of the line with the word, as short as can be.

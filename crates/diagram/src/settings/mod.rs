@@ -337,7 +337,7 @@ mod tests {
         let Start::Steady(Steady { hold, free, drift }) = settings.start else { panic!("{messages:?}") };
         assert_eq!((hold[0].name.as_str(), hold[0].value), ("motor.w", std::f64::consts::PI));
         assert_eq!((free[0].name.as_str(), drift), ("u.value", vec!["path".to_owned()]));
-        assert!(message("(start: Stedy)").contains("`Stedy` is no choice for `start`"));
+        assert!(message("(start: Stedy)").contains("`Stedy` is not a choice for `start`"));
         assert!(message("(start: Steady(hold: {\"a.y\": [1, 2]}))").contains("not at a list of 2"));
         assert!(message("(start: Steady(fre: []))").contains("`fre` is not known here"));
     }
@@ -406,8 +406,8 @@ mod tests {
     #[test]
     fn a_misspelt_word_or_a_wrong_unit_is_named() {
         assert!(message("(stop: 1)").contains("`stop` is not known here"));
-        assert!(message("(solver: Ode113())").contains("`Ode113` is no choice for `solver`"));
-        assert!(message("(solver: Ode46())").contains("`Ode46` is no choice for `solver`"));
+        assert!(message("(solver: Ode113())").contains("`Ode113` is not a choice for `solver`"));
+        assert!(message("(solver: Ode46())").contains("`Ode46` is not a choice for `solver`"));
         assert!(message("(solver: Ode45(rtoll: 1e-9))").contains("`rtoll` is not known here"));
         assert!(message("(stop_time: Auto(marg: 1))").contains("`marg` is not known here"));
         assert!(message("(solver: Ode4())").contains("`step` is missing"));

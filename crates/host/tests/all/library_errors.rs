@@ -55,7 +55,7 @@ fn what_is_no_library() {
         "B",
         set([]),
         expect![[r#"
-        [plugin_symbol] library: `[folder]/notes.so` is no library that can be loaded: file too short
+        [plugin_symbol] library: `[folder]/notes.so` is not a library that can be loaded: file too short
     "#]],
     );
 }
@@ -70,7 +70,7 @@ fn libraries_that_are_no_plugin_or_of_another_version() {
     check(
         "ENTRY=another_symbol",
         expect![[r#"
-        [plugin_symbol] library: `[folder]/lib.so` is no blocksim plug-in: it does not export `blocksim_plugin_v1`
+        [plugin_symbol] library: `[folder]/lib.so` is not a blocksim plug-in: it does not export `blocksim_plugin_v1`
         help: in Rust, write `export_plugin!("name", [Controller]);` and build a `cdylib`; in C, define `blocksim_plugin_v1`
     "#]],
     );
@@ -98,7 +98,7 @@ fn libraries_that_are_no_plugin_or_of_another_version() {
     check(
         "MAGIC={\"other\"}",
         expect![[r#"
-        [plugin_symbol] library: `[folder]/lib.so` is no blocksim plug-in: its table is of something else
+        [plugin_symbol] library: `[folder]/lib.so` is not a blocksim plug-in: its table is of something else
     "#]],
     );
     check(
@@ -266,5 +266,5 @@ fn crates_that_do_not_build() {
     "#]],
     );
     let error = load(&folder, "silent", "B", set([])).unwrap_err();
-    assert_eq!(error.code, "plugin_symbol", "it builds, but it is no plug-in: {error:?}");
+    assert_eq!(error.code, "plugin_symbol", "it builds, but it is not a plug-in: {error:?}");
 }

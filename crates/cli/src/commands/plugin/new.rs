@@ -153,7 +153,7 @@ fn clone(args: &PluginNewArgs, parent: &Path) -> Result<PathBuf, Failure> {
         return match named.canonicalize() {
             Ok(named) if is_clone(&named) => Ok(named),
             _ => Err(Failure::usage(format!(
-                "`{}` is no clone of blocksim: it has no crates/controller",
+                "`{}` is not a clone of blocksim: it has no crates/controller",
                 named.display()
             ))
             .help("name the folder that holds `crates` and `plugins`")),

@@ -44,7 +44,7 @@ pub fn mappings(texts: &[String]) -> Result<Vec<Mapping>, Failure> {
 
 fn mapping(text: &str) -> Result<Mapping, Failure> {
     let wrong = || {
-        Failure::usage(format!("`{}` is no mapping", text.trim()))
+        Failure::usage(format!("`{}` is not a mapping", text.trim()))
             .help("write 'COLUMN=PATH[unit]', such as 'q1=control/joint1/scope.actual[deg]'")
     };
     let (column, rest) = text.rsplit_once('=').ok_or_else(wrong)?;

@@ -43,7 +43,7 @@ impl Table {
         let time_unit = unit(second.as_deref().unwrap_or("s"), "the time", (path, &columns[0], "time[UNIT]"))
             .map_err(|trouble| trouble.failure())?;
         if Unit::parse("s").is_ok_and(|second| second.dimension != time_unit.dimension) {
-            let said = format!("the time in `{place}` is in {time_unit}, which is no time");
+            let said = format!("the time in `{place}` is in {time_unit}, which is not a time");
             return Err(Failure::unreadable(said).help("give its unit, such as --map 'COLUMN=time[ms]'"));
         }
         let time = foreign.time.iter().map(|&t| time_unit.to_si(t)).collect();
