@@ -52,8 +52,8 @@ mod tests {
             ("1 2 3 4 5", "has 5"),
             ("1 2 nan", "not finite"),
             ("1 2 1e999", "not finite"),
-            ("1,5 2 3", "no number"),
-            ("1 2 x", "no number"),
+            ("1,5 2 3", "not a number"),
+            ("1 2 x", "not a number"),
         ] {
             let (reason, _) = numbers::<3>(wrong).unwrap_err();
             assert!(reason.contains(word), "{reason}");

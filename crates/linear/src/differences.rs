@@ -124,7 +124,7 @@ pub fn sparse_jacobian<E>(
         let mut there = vec![0.0; rows];
         for share in PROBES {
             x[column] = point[column] + share * size(column);
-            // Where there is not a value, nothing is known of any function.
+            // Where there is no value, nothing is known of any function.
             let done = f(&x, &mut there).is_ok();
             let moved = there.iter().zip(&middle).map(|(there, middle)| !done || there != middle);
             acts.iter_mut().zip(moved).for_each(|(acts, moved)| *acts |= moved);

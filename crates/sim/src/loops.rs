@@ -308,7 +308,7 @@ fn seen(schedule: &Schedule, found: &Loop) -> Vec<(usize, Option<usize>)> {
 
 impl Work {
     /// Solves F(z) = z from `z` on, where of the last ones, as many as are `sought`, F is to be zero; `evaluate` writes F and
-    /// returns the size of the largest signal that had a part in it, or nothing if there is not a value.
+    /// returns the size of the largest signal that had a part in it, or nothing if there is no value.
     fn solve(
         &mut self,
         n: usize,

@@ -316,7 +316,7 @@ fn number(text: &str) -> Result<(f64, &str), String> {
     };
     match unit.is_empty() || Unit::parse(unit).is_ok() {
         true => Ok((number, unit)),
-        false => Err(format!("there is not a unit `{unit}`")),
+        false => Err(format!("`{unit}` is not a unit")),
     }
 }
 
@@ -376,7 +376,7 @@ mod tests {
             ("kp=1..2/1", "2 to 100000 values"),
             ("kp=1 m..2 s/3", "both ends"),
             ("kp=one..2/3", "`one` is not a number"),
-            ("kp=1 parsec..2 parsec/3", "no unit `parsec`"),
+            ("kp=1 parsec..2 parsec/3", "`parsec` is not a unit"),
             ("kp=0..2/3log", "one sign"),
             ("kp=-1..2/3log", "one sign"),
         ] {

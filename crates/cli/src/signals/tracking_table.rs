@@ -106,11 +106,11 @@ mod tests {
         let shown = shown(&recorded, &recording);
         let trackings = trackings(&shown);
         expect![[r#"
-            following [deg]       maximum error  at [s]  final error  peak torque [N*m]
+            tracking [deg]        maximum error  at [s]  final error  peak torque [N*m]
             joint1                        0.286   1.000      0.00011               1061
             joint2                        5.730   1.000      0.11459                  -
 
-            following [mm]        maximum error  at [s]  final error
+            tracking [mm]         maximum error  at [s]  final error
             Tool centre point, x          1.000   1.000      -0.1760
         "#]]
         .assert_eq(&table(&trackings, &recording.time));
@@ -128,8 +128,8 @@ mod tests {
             example(vec![("level.set", "1", "", vec![1.0, 1.0]), ("level.actual", "1", "", vec![0.5, 0.75])]);
         let shown = shown(&recorded, &recording);
         expect![[r#"
-            following  maximum error  at [s]  final error
-            level             0.5000   0.000       0.2525
+            tracking  maximum error  at [s]  final error
+            level            0.5000   0.000       0.2525
         "#]]
         .assert_eq(&table(&trackings(&shown), &recording.time));
         assert_eq!(table(&[], &[]), "");

@@ -224,8 +224,7 @@ fn every_command_takes_a_bare_number_in_the_written_unit_and_says_so() {
     let full = desk.call(&["sweep", "model.ron", "--over", "lag=200 ms..300 ms/2"]);
     // The tables differ in their widths; the best runs stand below them.
     let numbers = |out: &str| {
-        let lines =
-            out.lines().filter(|line| line.starts_with("minimum")).map(|line| line.replace(" ms", ""));
+        let lines = out.lines().filter(|line| line.starts_with("lowest")).map(|line| line.replace(" ms", ""));
         lines.collect::<Vec<_>>()
     };
     assert_eq!(numbers(&swept.out).len(), 2, "{}", swept.out);

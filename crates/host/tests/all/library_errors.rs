@@ -134,9 +134,9 @@ fn tables_that_break_the_rules() {
     check(
         &["BLOCK_COUNT=4000000000"],
         expect![[r#"
-        [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: it says that it has 4000000000 blocks
-        help: fix the plug-in; `blocksim_plugin.h` states the rules
-    "#]],
+            [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: it claims to have 4000000000 blocks
+            help: fix the plug-in; `blocksim_plugin.h` states the rules
+        "#]],
     );
     check(
         &["BLOCKS=0"],
@@ -211,9 +211,9 @@ fn tables_that_break_the_rules() {
     check(
         &["READS=4"],
         expect![[r#"
-        [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: `Factor` says that output `y` reads an input that it does not have
-        help: fix the plug-in; `blocksim_plugin.h` states the rules
-    "#]],
+            [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: `Factor` declares that output `y` reads an input that it does not have
+            help: fix the plug-in; `blocksim_plugin.h` states the rules
+        "#]],
     );
     check(
         &["OUTPUTS=0"],

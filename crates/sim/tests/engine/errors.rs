@@ -128,7 +128,7 @@ fn a_time_event_in_the_past_is_refused() {
     check(
         Toy::new().with("stubborn", Stubborn(0.5), &[]).schedule(&[], 1.0, ode45(), Steps),
         expect![[r#"
-            error[time_event] at t = 0.5 s: the next event of `stubborn` is said to be at 0.5 s
+            error[time_event] at t = 0.5 s: `stubborn` gives 0.5 s as the time of its next event
             help: a time event must lie after the present time
             block: stubborn, rows: 2
         "#]],

@@ -178,7 +178,7 @@ impl<'a> Sheet<'a> {
             let unit = if column.unit == "1" { "" } else { column.unit };
             let number = format!("{} {unit}", significant(least, 4)).trim_end().to_owned();
             table.row([
-                format!("minimum {}", column.words()),
+                format!("lowest {}", column.words()),
                 number,
                 format!("at {}", self.set(line).join(", ")),
             ]);
@@ -302,7 +302,7 @@ mod tests {
               8 mH                0.500              -
             [1, 2]                    -              -  step size below 1e-12 s, "x"
 
-            least maximum error  0.5000 deg  at pid.kp=8 mH
+            lowest maximum error  0.5000 deg  at pid.kp=8 mH
         "#]]
         .assert_eq(&sheet.text(100, false));
         expect![[r#"
@@ -338,9 +338,9 @@ mod tests {
             maximum error b/scope [deg]  0.500  1.500
             maximum error c/scope [deg]  0.500  1.500
 
-            least maximum error a/scope  0.5000 deg  at pid.kp=4
-            least maximum error b/scope  0.5000 deg  at pid.kp=4
-            least maximum error c/scope  0.5000 deg  at pid.kp=4
+            lowest maximum error a/scope  0.5000 deg  at pid.kp=4
+            lowest maximum error b/scope  0.5000 deg  at pid.kp=4
+            lowest maximum error c/scope  0.5000 deg  at pid.kp=4
         "#]]
         .assert_eq(&Sheet::of(&over, &rows, false).text(80, false));
     }
@@ -359,8 +359,8 @@ mod tests {
               2    8 mH     3.000
               3  [1, 2]     2.000
 
-                      least    5 %  median   95 %  largest   mean  deviation
-            peak [A]  1.000  1.100   2.000  2.900    3.000  2.000      1.000
+                      minimum    5 %  median   95 %  maximum   mean  deviation
+            peak [A]    1.000  1.100   2.000  2.900    3.000  2.000      1.000
         "#]]
         .assert_eq(&Sheet::of(&over, &rows, true).text(100, true));
         assert!(Sheet::of(&over, &rows, true).csv().starts_with("run,pid.kp,peak [A],failed\n1,4,1,"));
