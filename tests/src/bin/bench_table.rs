@@ -15,6 +15,13 @@ use std::fs;
 use std::io::{self, BufRead, BufReader, Write};
 use std::process::{Command, ExitCode, Stdio};
 
+/// Prints a line for whoever waits.
+macro_rules! say {
+    ($($text:tt)*) => {
+        drop(writeln!(io::stderr(), $($text)*))
+    };
+}
+
 fn main() -> io::Result<ExitCode> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let word =
@@ -24,7 +31,7 @@ fn main() -> io::Result<ExitCode> {
         None => run(word("--only"))?,
     };
     if medians.is_empty() {
-        eprintln!("no benchmark printed a median");
+        say!("no benchmark printed a median");
         return Ok(ExitCode::FAILURE);
     }
     let before = word("--against").map(fs::read_to_string).transpose()?;
@@ -48,7 +55,7 @@ fn run(only: Option<&str>) -> io::Result<(BTreeMap<String, f64>, bool)> {
     if let Some(out) = child.stdout.take() {
         for line in BufReader::new(out).lines() {
             let line = line?;
-            eprintln!("{line}");
+            say!("{line}");
             lines.push(line);
         }
     }

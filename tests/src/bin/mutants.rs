@@ -26,10 +26,24 @@ use std::time::Duration;
 use blocksim_tests::mutants::{Answer, Desk, Subject, subjects};
 use blocksim_tests::root;
 
+/// Prints a line for whoever waits.
+macro_rules! say {
+    ($($text:tt)*) => {
+        drop(writeln!(io::stderr(), $($text)*))
+    };
+}
+
+/// Prints a line of the result.
+macro_rules! show {
+    ($($text:tt)*) => {
+        drop(writeln!(io::stdout(), $($text)*))
+    };
+}
+
 fn main() -> io::Result<ExitCode> {
     let orders = Orders { arguments: std::env::args().skip(1).collect() };
     let Some(program) = orders.word("--program") else {
-        eprintln!("--program is missing: the program to try");
+        say!("--program is missing: the program to try");
         return Ok(ExitCode::from(2));
     };
     let program = fs::canonicalize(program)?;
@@ -43,7 +57,7 @@ fn main() -> io::Result<ExitCode> {
         })
         .collect();
     if all.is_empty() {
-        eprintln!("no subject is of the kinds that --kinds names");
+        say!("no subject is of the kinds that --kinds names");
         return Ok(ExitCode::from(2));
     }
     let (first, count) = (orders.number("--seed", 1), orders.number("--count", 1000));
@@ -77,7 +91,7 @@ fn main() -> io::Result<ExitCode> {
                     Ok(())
                 });
                 if let Err(error) = result {
-                    eprintln!("worker {worker}: {error}");
+                    say!("worker {worker}: {error}");
                     tally.lock().unwrap_or_else(PoisonError::into_inner).broken = true;
                 }
             });
@@ -107,7 +121,7 @@ impl Tally {
         self.mutants += 1;
         *self.by_kind.entry(subject.kind).or_default() += 1;
         if self.mutants.is_multiple_of(1000) {
-            eprintln!("{} mutants, {} commands, {} faults", self.mutants, self.commands, self.faults);
+            say!("{} mutants, {} commands, {} faults", self.mutants, self.commands, self.faults);
         }
     }
 
@@ -120,7 +134,7 @@ impl Tally {
         self.faults += 1;
         let end: Vec<&str> = answer.text.lines().rev().take(12).collect();
         let end: Vec<&str> = end.into_iter().rev().collect();
-        println!(
+        show!(
             "{fault}: seed {seed}, {} in {:.1} s, code {:?}: blocksim {}\n    {}",
             subject.file.display(),
             answer.took.as_secs_f64(),

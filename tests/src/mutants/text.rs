@@ -245,7 +245,7 @@ fn lines(bytes: &mut Vec<u8>, dice: &mut Dice, change: impl Fn(&mut Vec<Vec<u8>>
 }
 
 /// Turns a bracket into another one.
-fn bracket(bytes: &mut Vec<u8>, dice: &mut Dice) {
+fn bracket(bytes: &mut [u8], dice: &mut Dice) {
     let places: Vec<usize> = (0..bytes.len()).filter(|at| b"()[]{}<>\"".contains(&bytes[*at])).collect();
     if !places.is_empty() {
         bytes[places[dice.below(places.len())]] = *dice.one(b"()[]{}<>\" ");

@@ -213,8 +213,8 @@ fn tolerances_that_no_result_can_have() {
         1 | simulation.solver.rtol=0.5
           | ^^^^^^^^^^^^^^^^^^^^^^^^^^
           |
-          = help: the settings in `simulation` are changed by --until, --solver, --rtol, --atol and --step, or by a parameter
-                  of the diagram that stands in it
+          = help: the settings in `simulation` are changed by --until, --solver, --rtol, --atol and --step, or by a
+                  parameter of the diagram that stands in it
 
         1 error; nothing was run
     "#]]);

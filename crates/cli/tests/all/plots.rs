@@ -184,7 +184,7 @@ fn drawings_and_pictures_are_written_and_never_replaced_silently() {
     let lost = desk.said(&["plot", "latest", "--svg", "no/such/a.svg"]);
     assert_eq!(
         lost,
-        "error[unwritable]: cannot write `no/such/a.svg`: there is no folder `no/such`\n  = help: create it, or choose another \
+        "error[unwritable]: cannot write `no/such/a.svg`: the folder `no/such` does not exist\n  = help: create it, or choose another \
          place\nexit code 4\n"
     );
     assert!(!desk.0.join("no").exists());

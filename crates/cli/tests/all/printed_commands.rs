@@ -6,7 +6,6 @@
 
 use std::fs;
 use std::path::Path;
-use std::time::Instant;
 
 use crate::support::pages::{fences, folder_of_project};
 use crate::support::{in_shell, root};
@@ -148,12 +147,8 @@ fn follow(name: &str) -> (usize, Vec<String>) {
     }
     for Typed { line, codes } in &lines {
         let Some(command) = shortened(line) else { continue };
-        let began = Instant::now();
         let output = in_shell(&command, &folder);
         let code = output.status.code().unwrap_or(-1);
-        if std::env::var_os("BLOCKSIM_TIMES").is_some() {
-            println!("{:.2} s  {name}: {command}", began.elapsed().as_secs_f64());
-        }
         if !codes.contains(&code) {
             faults.push(format!("{name}: {line}\nends with {code}, not {codes:?}:\n{}", both(&output)));
         }

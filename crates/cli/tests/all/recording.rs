@@ -95,7 +95,7 @@ fn what_cannot_be_recorded_is_told_with_place_and_remedy() {
     .assert_eq(&desk.said(&["check", "m.ron"]));
     let desk = with("");
     expect![[r#"
-        error[usage]: the rate of `scope`, 1.5 ms, is no multiple of the step, 1 ms
+        error[usage]: the rate of `scope`, 1.5 ms, is not a multiple of the step, 1 ms
           = help: write 2 ms, or a number of rows such as `scope@10rows`
         exit code 2
     "#]]

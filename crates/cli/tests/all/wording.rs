@@ -101,7 +101,7 @@ fn literals(source: &str) -> Vec<(usize, String)> {
                 if signs.next_if_eq(&'"').is_some() {
                     let (begin, end) = (line, format!("\"{}", "#".repeat(hashes)));
                     let mut text = String::new();
-                    while let Some(sign) = signs.next() {
+                    for sign in signs.by_ref() {
                         line += usize::from(sign == '\n');
                         text.push(sign);
                         if text.ends_with(&end) {
