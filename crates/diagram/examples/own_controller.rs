@@ -3,6 +3,9 @@
 //! A block is a struct of parameters with pure functions; what it remembers belongs to the engine. The derive macro registers its
 //! kind, and from then on diagrams name it like any other, with units, defaults and checks.
 
+// An example prints.
+#![allow(clippy::print_stdout)]
+
 use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;

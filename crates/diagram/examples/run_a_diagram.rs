@@ -3,6 +3,9 @@
 //! A diagram is text, so that what Rust builds can be printed, checked by `blocksim check` and kept beside others. The compiler opens
 //! no files itself: whoever calls it hands the texts in.
 
+// An example prints.
+#![allow(clippy::print_stdout)]
+
 use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
