@@ -96,7 +96,7 @@ fn measure(text: &str) -> (Duration, Duration, u64) {
 
 #[expect(clippy::print_stdout, reason = "a benchmark shows its figures")]
 fn main() {
-    let models: [(&str, fn(usize) -> String); 3] = [("line", line), ("rod", rod), ("shaft", shaft)];
+    let models = [("line", line as fn(usize) -> String), ("rod", rod), ("shaft", shaft)];
     println!("{:8}{:>8}{:>14}{:>12}{:>14}", "", "size", "compile [ms]", "run [ms]", "evaluations");
     for (name, text) in models {
         let sizes = [100, 1000].map(|n| (n, measure(&text(n))));

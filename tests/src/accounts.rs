@@ -76,7 +76,7 @@ fn ports(text: &str) -> Vec<String> {
 /// Largest error of all accounts over the largest energy that each has seen turned over.
 ///
 /// # Panics
-/// Panics when the run failed, or an error is no number.
+/// Panics when the run failed, or an error is not a number.
 pub fn imbalance(run: &Run) -> f64 {
     assert!(run.error.is_none(), "{:?}", run.error);
     let errors = run.recorded.iter().filter_map(|recorded| recorded.path.strip_suffix(".error"));
@@ -86,7 +86,7 @@ pub fn imbalance(run: &Run) -> f64 {
             column.fold(0.0, |max: f64, value| if value.is_nan() { f64::NAN } else { max.max(value.abs()) })
         };
         let relative = largest("error") / largest("turned_over");
-        assert!(relative.is_finite(), "`{path}` is no number");
+        assert!(relative.is_finite(), "`{path}` is not a number");
         relative
     };
     errors.filter(|path| path.contains("energy_")).map(of).fold(0.0, f64::max)

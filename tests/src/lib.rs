@@ -1,6 +1,7 @@
 //! Whole diagrams: compiled from text, run, compared.
 
 pub mod accounts;
+pub mod mutants;
 pub mod random;
 
 use std::collections::BTreeMap;
@@ -54,7 +55,7 @@ impl Reader for Desk {
     fn read(&self, path: &Path) -> Result<String, String> {
         match self.files.get(path) {
             Some(text) => Ok(text.clone()),
-            None => std::fs::read_to_string(path).map_err(|_| "there is no such file".to_owned()),
+            None => std::fs::read_to_string(path).map_err(|_| "the file does not exist".to_owned()),
         }
     }
 

@@ -100,7 +100,7 @@ fn a_plugin_in_c_is_read_and_called() {
         let mut buffer = [0; 64];
         let message = Message::new(&mut buffer);
         assert_eq!(block.check.unwrap()(&f64::NAN, &message), ERROR);
-        assert_eq!(message::written(&buffer), "k is no number");
+        assert_eq!(message::written(&buffer), "k is not a number");
         assert_eq!(block.check.unwrap()(&f64::NAN, std::ptr::null()), ERROR);
 
         let (none, mut out) = (std::ptr::null(), 0.0);

@@ -63,7 +63,7 @@ pub struct Comparison {
     pub outside: u64,
     /// The first of those.
     pub first: Option<Deviation>,
-    /// The largest difference; one that is not a number beats all others.
+    /// The maximum difference; one that is not a number beats all others.
     pub largest: Option<Deviation>,
     /// Root of the mean square of the finite differences, over instants.
     pub rms: f64,
@@ -120,7 +120,7 @@ pub fn compare(baseline: Series, other: Series, rule: &Rule) -> Comparison {
             if size.is_finite() {
                 squares = (squares.0 + size * size, squares.1 + 1);
             }
-            // `NaN` as a size means that one of both is no number.
+            // `NaN` as a size means that one of both is not a number.
             if found.largest.is_none_or(|largest| ranked(size) > ranked(self::size(&largest))) {
                 found.largest = Some(deviation);
             }

@@ -44,7 +44,7 @@ pub fn jumps(values: &[f64], turn: f64) -> Vec<usize> {
     (1..known.len()).filter(is_jump).map(|n| known[n]).collect()
 }
 
-/// The course of an angle with a gap, a value that is no number, wherever it jumps by a whole turn; `None` where it never
+/// The course of an angle with a gap, a value that is not a number, wherever it jumps by a whole turn; `None` where it never
 /// does. There a line would only show that the scale has ends.
 pub fn with_gaps(time: &[f64], values: &[f64], turn: f64) -> Option<(Vec<f64>, Vec<f64>)> {
     let jumps = jumps(values, turn);

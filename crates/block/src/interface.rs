@@ -2,6 +2,7 @@
 
 use blocksim_signal::{Dimension, SampleTime};
 
+use crate::event::{Change, Changes, Event, Subject};
 use crate::physical::PhysicalPort;
 use crate::ports::{Input, Output};
 
@@ -26,17 +27,48 @@ pub struct Discrete {
     pub name: String,
     /// Value at the start.
     pub initial: f64,
+    /// What its changes are called, where they are events.
+    pub changes: Option<Box<Changes>>,
+}
+
+impl Discrete {
+    /// A discrete state whose changes are no events.
+    pub fn new(name: impl Into<String>, initial: f64) -> Self {
+        Self { name: name.into(), initial, changes: None }
+    }
+
+    /// The same with names for its changes, which are events.
+    pub fn changes(mut self, table: &'static [Change], subject: Subject) -> Self {
+        self.changes = Some(Box::new(Changes { table, subject }));
+        self
+    }
 }
 
 /// A function whose zero crossings the solver must not step over.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Guard {
-    /// Name below the block, for messages and the list of events.
+    /// Name below the block.
     pub name: String,
     /// Which of its crossings are events.
     pub crossing: Crossing,
     /// Whether the law has a kink there that is not held between events: both sides are seen within a step.
     pub kink: bool,
+    /// What its events are called.
+    pub event: Event,
+    /// To whom they happen.
+    pub subject: Subject,
+}
+
+impl Guard {
+    /// A guard of which these crossings are events.
+    pub fn new(name: impl Into<String>, crossing: Crossing) -> Self {
+        Self { name: name.into(), crossing, ..Self::default() }
+    }
+
+    /// A guard of a kink, see [`Interface::kink`].
+    pub fn of_kink(name: impl Into<String>) -> Self {
+        Self { kink: true, ..Self::new(name, Crossing::Either) }
+    }
 }
 
 /// A way through zero.
@@ -94,6 +126,16 @@ pub struct Recorded {
     pub legend: Vec<String>,
 }
 
+/// What a jump of a block is called, behind its path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct JumpPhrase(pub &'static str);
+
+impl Default for JumpPhrase {
+    fn default() -> Self {
+        Self("jumps")
+    }
+}
+
 /// What a block looks like from outside.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Interface {
@@ -124,6 +166,8 @@ pub struct Interface {
     pub settles: bool,
     /// Has `jump`.
     pub jumps: bool,
+    /// What a jump is called; empty where guards or discrete states have the words for it.
+    pub jump_phrase: JumpPhrase,
     /// Has `accept`.
     pub accepts: bool,
     /// Has `remember`, and gives what it notes back after this time at the earliest, s.
@@ -216,13 +260,22 @@ impl Interface {
 
     /// Adds a discrete state.
     pub fn discrete(mut self, name: impl Into<String>, initial: f64) -> Self {
-        self.discrete.push(Discrete { name: name.into(), initial });
+        self.discrete.push(Discrete::new(name, initial));
         self
     }
 
     /// Adds `n` discrete states of one name.
     pub fn memory(mut self, name: &str, n: usize, initial: f64) -> Self {
-        self.discrete.extend((0..n).map(|i| Discrete { name: format!("{name}[{i}]"), initial }));
+        self.discrete.extend((0..n).map(|i| Discrete::new(format!("{name}[{i}]"), initial)));
+        self
+    }
+
+    /// Adds `n` discrete states of one name, whose changes are events.
+    pub fn modes(mut self, name: &str, n: usize, initial: f64, table: &'static [Change]) -> Self {
+        self.discrete.extend((0..n).map(|i| {
+            let subject = Subject { part: None, detail: element(i, n) };
+            Discrete::new(format!("{name}[{i}]"), initial).changes(table, subject)
+        }));
         self
     }
 
@@ -234,14 +287,57 @@ impl Interface {
     /// Adds a guard of which only these crossings are events. The solver stops at them alone, so the block must do
     /// without a look at the others; at the ends of the steps it sees on which side of zero it is.
     pub fn guard_when(mut self, crossing: Crossing, name: impl Into<String>) -> Self {
-        self.guards.push(Guard { name: name.into(), crossing, kink: false });
+        self.guards.push(Guard::new(name, crossing));
         self
     }
 
     /// Adds a guard of a kink: a law that is continuous there, but not its slope, and that is not held on its side between
     /// events. The step that has looked beyond it is repeated up to it.
     pub fn kink(mut self, name: impl Into<String>) -> Self {
-        self.guards.push(Guard { name: name.into(), crossing: Crossing::Either, kink: true });
+        self.guards.push(Guard::of_kink(name));
+        self
+    }
+
+    /// Adds a guard for each of `n` elements.
+    pub fn guard_each(self, name: &str, n: usize) -> Self {
+        (0..n).fold(self, |all, i| all.guard(indexed(name, i, n)).detail(element(i, n)))
+    }
+
+    /// The same for kinks.
+    pub fn kink_each(self, name: &str, n: usize) -> Self {
+        (0..n).fold(self, |all, i| all.kink(indexed(name, i, n)).detail(element(i, n)))
+    }
+
+    /// The same for guards with a direction.
+    pub fn guard_each_when(self, crossing: Crossing, name: &str, n: usize) -> Self {
+        (0..n).fold(self, |all, i| all.guard_when(crossing, indexed(name, i, n)).detail(element(i, n)))
+    }
+
+    /// What the crossings of all guards so far that have no words yet are called: upwards, or at a maximum, and downwards.
+    pub fn called(self, upwards: &'static str, downwards: &'static str) -> Self {
+        self.event(Event::Crossing { upwards, downwards })
+    }
+
+    /// The crossings of all guards so far that have no words yet change modes, or make the block jump: these have the words.
+    pub fn called_by_mode(self) -> Self {
+        self.event(Event::Mode)
+    }
+
+    fn event(mut self, event: Event) -> Self {
+        let unnamed = self.guards.iter_mut().filter(|guard| guard.event == Event::Name);
+        unnamed.for_each(|guard| guard.event = event);
+        self
+    }
+
+    /// Which of several things in the block the last guard is about.
+    pub fn detail(mut self, detail: Option<String>) -> Self {
+        self.guards.iter_mut().last().into_iter().for_each(|guard| guard.subject.detail.clone_from(&detail));
+        self
+    }
+
+    /// What a jump of the block is called; nothing where guards or discrete states have the words for it.
+    pub fn jump_called(mut self, phrase: &'static str) -> Self {
+        self.jump_phrase = JumpPhrase(phrase);
         self
     }
 
@@ -347,6 +443,15 @@ impl Interface {
     pub fn reads(&self, group: usize, input: usize) -> bool {
         self.groups[group].as_ref().is_none_or(|inputs| inputs.contains(&input))
     }
+}
+
+/// Which element an event of a block of `n` is about; nothing where there is one alone.
+fn element(i: usize, n: usize) -> Option<String> {
+    (n > 1).then(|| format!("element {i}"))
+}
+
+fn indexed(name: &str, i: usize, n: usize) -> String {
+    if n == 1 { name.to_owned() } else { format!("{name}[{i}]") }
 }
 
 /// The inputs do not fit the block.

@@ -9,6 +9,7 @@ mod code;
 mod context;
 mod contract;
 mod defaults;
+pub mod event;
 mod given;
 pub mod in_unit;
 mod interface;
@@ -24,6 +25,7 @@ mod registry;
 pub mod schedule;
 mod shapes;
 mod symbol;
+pub mod synonyms;
 pub mod testing;
 
 pub use blocksim_block_macros::{BlockMeta, Parameters};
@@ -33,7 +35,8 @@ pub use contract::{Block, Bus, Files, LoadError, Scratch};
 pub use defaults::in_diagram;
 pub use given::{Given, ParamUnits};
 pub use interface::{
-    Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, MOST_MEMORY, Recorded, State,
+    Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, JumpPhrase, MOST_MEMORY, Recorded,
+    State,
 };
 pub use parameter::{
     MOST_PORTS, ParamError, ParamValue, VALUE_ENUM, at_least, count, finite, hand_over, not_negative,
@@ -58,6 +61,7 @@ pub mod private {
 
 /// What a block file needs.
 pub mod prelude {
+    pub use crate::event::{Change, Event};
     pub use crate::physical::{Component, Energy, Law, Needs, Part, Torque};
     pub use crate::{
         Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Crossing, Discrete, Files, Given, Input,

@@ -134,10 +134,10 @@ pub fn text_files(folder: &Path) -> io::Result<Vec<PathBuf>> {
 /// Why a file cannot be read, in words.
 pub fn reason(error: &io::Error) -> String {
     match error.kind() {
-        io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        io::ErrorKind::NotFound => "the file does not exist".to_owned(),
         io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
         io::ErrorKind::PermissionDenied => "you may not read it".to_owned(),
-        io::ErrorKind::InvalidData => "it is no text in UTF-8".to_owned(),
+        io::ErrorKind::InvalidData => "it is not text in UTF-8".to_owned(),
         _ => error.to_string(),
     }
 }
@@ -207,7 +207,7 @@ pub fn unwritable(path: &Path, error: &ResultsError) -> Failure {
     let (reason, help) = match error {
         ResultsError::Io { source, .. } => match source.kind() {
             io::ErrorKind::NotFound => {
-                ("there is no such folder".to_owned(), "create it, or name a file elsewhere")
+                ("the folder does not exist".to_owned(), "create it, or name a file elsewhere")
             }
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
                 (error.reason(), "free some space, write less, or name a file elsewhere")

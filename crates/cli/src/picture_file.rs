@@ -41,8 +41,11 @@ pub fn write_pictures(
     for file in [as_svg, as_png].into_iter().flatten() {
         let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !folder.is_dir() {
-            let said =
-                format!("cannot write `{}`: there is no folder `{}`", file.display(), folder.display());
+            let said = format!(
+                "cannot write `{}`: the folder `{}` does not exist",
+                file.display(),
+                folder.display()
+            );
             return Err(Failure::unwritable(said).help("create it, or choose another place"));
         }
         free(file, replace)?;

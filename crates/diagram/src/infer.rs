@@ -169,7 +169,7 @@ fn declared_unit(flat: &Flat, declared: &Declared, found: PortType, problems: &m
         )
         .at(&declared.source.place, has)
         .at(&declared.place, format!("declared in {}", declared.dimension))
-        .help("mend the unit where the signal arises, or the one that the subsystem declares"),
+        .help("correct the unit where the signal arises, or the one that the subsystem declares"),
     );
 }
 

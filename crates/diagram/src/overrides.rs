@@ -157,7 +157,7 @@ pub(crate) fn replace(value: &mut Value, names: &[String], new: Value) -> Result
                 )),
             }
         }
-        _ => Err(format!("`{name}` is asked of {}, which has no members", value.describe())),
+        _ => Err(format!("`{name}` is taken of {}, which has no members", value.describe())),
     }
 }
 

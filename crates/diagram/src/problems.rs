@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use blocksim_block::UNTRUSTED;
 use blocksim_block::problem::{FileId, Place, Problem, Severity};
 use blocksim_signal::{closest, surely};
 
@@ -23,10 +24,16 @@ fn start(problem: &Problem) -> Option<Start> {
 impl Problems {
     /// Adds a problem.
     pub(crate) fn push(&mut self, problem: Problem) {
+        // That a plug-in is not trusted is one cause, however many blocks it has: the advice names the plug-in.
+        let is_about_trust = problem.code == UNTRUSTED;
         let same = |other: &usize| {
-            self.all[*other].code == problem.code && self.all[*other].labels == problem.labels
+            let other = &self.all[*other];
+            let is_same =
+                if is_about_trust { other.help == problem.help } else { other.labels == problem.labels };
+            other.code == problem.code && is_same
         };
-        let known = self.known.entry((problem.message.clone(), start(&problem))).or_default();
+        let place = if is_about_trust { None } else { start(&problem) };
+        let known = self.known.entry((problem.message.clone(), place)).or_default();
         if !known.iter().any(same) {
             known.push(self.all.len());
             self.all.push(problem);

@@ -76,7 +76,7 @@ fn read<'a>(
         Some((spacing, what)) => {
             let near = (number / spacing).round().max(1.0);
             let message = format!(
-                "`every` is {} ms, which is no multiple of the {what}, {} ms",
+                "`every` is {} ms, which is not a multiple of the {what}, {} ms",
                 ms(number),
                 ms(spacing)
             );
@@ -156,11 +156,11 @@ mod tests {
         for (record, told) in [
             (
                 r#"[(signals: "a", every: "10 ms")]"#,
-                "`every` is 10 ms, which is no multiple of the output interval, 4 ms",
+                "`every` is 10 ms, which is not a multiple of the output interval, 4 ms",
             ),
             (
                 r#"[(signals: "a", every: "1 ms")]"#,
-                "`every` is 1 ms, which is no multiple of the output interval, 4 ms",
+                "`every` is 1 ms, which is not a multiple of the output interval, 4 ms",
             ),
             (r#"[(signals: "a", every: -1)]"#, "`every` is -1 s, but must be positive"),
             (r#"[(signals: "a", every: "1 m")]"#, "expected a value in s, found one in m"),
@@ -168,7 +168,7 @@ mod tests {
             (r#"[(signals: "a", rows: 2.5)]"#, "`rows` is 2.5, but must be a whole number of at least 1"),
             (r#"[(signals: "a", rows: 0)]"#, "`rows` is 0, but must be a whole number of at least 1"),
             (r#"[(signals: "a", rows: 2, minmax: 1)]"#, "`rows` and `minmax` contradict each other"),
-            (r#"[(every: "8 ms")]"#, "an entry of `record` does not say of which signals"),
+            (r#"[(every: "8 ms")]"#, "an entry of `record` names no signals"),
             (r#"[(signals: "a", evry: 1)]"#, "`record` knows no `evry`"),
             (r#"[(signals: 3)]"#, "expected a text, found a number"),
             (r#"[3]"#, "found a number"),

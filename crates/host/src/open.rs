@@ -136,7 +136,7 @@ fn no_entry(opened: &libloading::Library, shown: &str) -> LoadError {
     }
     let error = fault::library(
         fault::SYMBOL,
-        format!("`{shown}` is no blocksim plug-in: it does not export `{SYMBOL}`"),
+        format!("`{shown}` is not a blocksim plug-in: it does not export `{SYMBOL}`"),
     );
     fault::help(
         error,
@@ -157,7 +157,7 @@ fn open_copy(path: &Path) -> Result<libloading::Library, LoadError> {
             let reason = reason.replace(&format!("{}: ", copy.display()), "");
             fault::library(
                 fault::SYMBOL,
-                format!("`{}` is no library that can be loaded: {reason}", fault::shown(path)),
+                format!("`{}` is not a library that can be loaded: {reason}", fault::shown(path)),
             )
         }),
         Err(e) => Err(cannot("copied to the temporary folder", &e)),

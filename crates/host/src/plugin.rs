@@ -15,10 +15,10 @@ use crate::open::{Library, open};
 use crate::parameters::numbers;
 use crate::watch::{Tag, calling, tag};
 
-/// A controller from a plug-in: a block that somebody else wrote, in Rust, C, or anything that speaks C.
+/// A controller from a plug-in: a block from another source, in Rust, C, or anything that speaks C.
 ///
 /// `library` is the folder of a crate or of C or C++ sources, which is built first when these are newer, or a built
-/// library (`.so`, `.dylib`, `.dll`). The plug-in says which ports, parameters and states its blocks have. A parameter
+/// library (`.so`, `.dylib`, `.dll`). The plug-in declares the ports, parameters and states of its blocks. A parameter
 /// without a unit is SI; a number with a unit is checked against the unit that the plug-in states; a vector is a
 /// list.
 ///
@@ -308,6 +308,6 @@ fn starts(state: &Quantity) -> impl Iterator<Item = f64> {
 }
 
 fn no_number(what: &str, list: &[Quantity], numbers: &[f64], kind: &PluginKind, c: &Context) -> String {
-    let culprit = culprit(what, list, numbers).unwrap_or_else(|| format!("{what} is no number"));
+    let culprit = culprit(what, list, numbers).unwrap_or_else(|| format!("{what} is not a number"));
     format!("{culprit}; inputs: {}", values(&kind.inputs, c.u))
 }

@@ -39,7 +39,7 @@ pub unsafe fn contents(at: *const PluginTable, shown: &str) -> Result<Contents, 
     if !is_plugin(&table) {
         return Err(fault::library(
             SYMBOL,
-            format!("`{shown}` is no blocksim plug-in: its table is of something else"),
+            format!("`{shown}` is not a blocksim plug-in: its table is of something else"),
         ));
     }
     if table.abi_major != ABI_MAJOR {
@@ -67,14 +67,14 @@ pub fn other_major(shown: &str, major: u16) -> LoadError {
 
 fn broken(shown: &str, reason: String) -> LoadError {
     let error = fault::library(ABI, format!("`{shown}` breaks the rules of plug-ins: {reason}"));
-    fault::help(error, "the plug-in must be mended; `blocksim_plugin.h` states the rules")
+    fault::help(error, "fix the plug-in; `blocksim_plugin.h` states the rules")
 }
 
 /// # Safety
 /// The table keeps the contract.
 unsafe fn kinds(table: &PluginTable) -> Result<Contents, String> {
     if table.block_count == 0 || table.block_count > MOST_ELEMENTS {
-        return Err(format!("it says that it has {} blocks", table.block_count));
+        return Err(format!("it claims to have {} blocks", table.block_count));
     }
     let name = text(&table.name, "the name of the plug-in")?;
     let mut blocks: Vec<Kind> = Vec::new();
@@ -96,7 +96,7 @@ unsafe fn kinds(table: &PluginTable) -> Result<Contents, String> {
 unsafe fn kind(table: BlockTable, i: usize) -> Result<Kind, String> {
     let name = text(&table.kind, &format!("the name of block {i}"))?;
     if !is_name(name) {
-        return Err(format!("`{name}` is no name for a block"));
+        return Err(format!("`{name}` is not a valid name for a block"));
     }
     let list = |first, count, what| {
         // SAFETY: the caller vouches for the table.
@@ -147,7 +147,10 @@ pub(crate) fn whole(kind: &Kind) -> Result<(), String> {
     }
     for output in &kind.outputs {
         if output.reads.iter().any(|&input| input >= kind.inputs.len()) {
-            return Err(format!("says that output `{}` reads an input that it does not have", output.name));
+            return Err(format!(
+                "declares that output `{}` reads an input that it does not have",
+                output.name
+            ));
         }
     }
     for input in &kind.inputs {
@@ -191,7 +194,7 @@ unsafe fn quantities(first: *const Row, count: u32) -> Result<Vec<Quantity>, Str
 unsafe fn quantity(row: &Row, i: usize) -> Result<Quantity, String> {
     let name = text(&row.name, &format!("the name of number {i}"))?;
     if !is_name(name) {
-        return Err(format!("`{name}` (number {i}) is no name"));
+        return Err(format!("`{name}` (number {i}) is not a valid name"));
     }
     let length = row.length as usize;
     if length == 0 || length > MOST_NUMBERS {
@@ -200,7 +203,7 @@ unsafe fn quantity(row: &Row, i: usize) -> Result<Quantity, String> {
     let unit = text(&row.unit, &format!("the unit of `{name}`"))?;
     let default = row.default_value;
     if !default.is_null() && !default.is_aligned() {
-        return Err(format!("the default of `{name}` is no address of numbers"));
+        return Err(format!("the default of `{name}` is not an address of numbers"));
     }
     Ok(Quantity {
         name,

@@ -12,7 +12,7 @@ pub enum IdentifyError {
         /// Unknowns.
         unknowns: usize,
     },
-    /// A value that is no number.
+    /// A value that is not a number.
     NotFinite {
         /// What it belongs to.
         what: &'static str,
@@ -68,7 +68,7 @@ impl fmt::Display for IdentifyError {
             Self::NotFinite { what, index } => write!(f, "{what} number {} is no finite number", index + 1),
             Self::Dependent { condition } => write!(
                 f,
-                "the data cannot tell the unknowns apart (condition number {condition:.1e}); more varied motion helps"
+                "the data cannot separate the unknowns (condition number {condition:.1e}); more varied motion helps"
             ),
             Self::Lengths { what, found, expected } => {
                 write!(f, "{what} has {found} entries, but {expected} are needed")

@@ -46,7 +46,7 @@ struct Seat {
 /// Why there is none, in words, with a remedy where there is one.
 pub fn chain(mechanism: &Mechanism, tip: Option<&str>) -> Result<Chain, String> {
     if mechanism.has_loop() {
-        return Err("joints close a loop, which is no chain of axes".to_owned());
+        return Err("joints close a loop, which is not a chain of axes".to_owned());
     }
     let tip = tip.map(|name| named(mechanism, name)).transpose()?;
     let axes = axes(mechanism, tip)?;

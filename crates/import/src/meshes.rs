@@ -131,7 +131,7 @@ fn open(
     let ending = Path::new(named).extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     if !ending.is_some_and(|ending| KNOWN.contains(&ending.as_str())) {
         let remedy = "meshes are .stl; .dae, .obj, .ply and .step are passed on unread";
-        return Err(Fault::new(file, format!("`{named}` is no mesh that is known"), remedy));
+        return Err(Fault::new(file, format!("`{named}` is not a mesh that is known"), remedy));
     }
     let places = places(file, named);
     for path in &places {

@@ -30,12 +30,13 @@ pub(crate) fn number(word: &str) -> Result<f64, (String, String)> {
         Ok(x) if x.is_finite() => Ok(x),
         Ok(_) => Err((format!("`{}` is not finite", shown(word)), "write a finite number".to_owned())),
         Err(_) if word.contains(',') => Err((
-            format!("`{}` is no number", shown(word)),
+            format!("`{}` is not a number", shown(word)),
             "write a decimal point, and spaces between numbers".to_owned(),
         )),
-        Err(_) => {
-            Err((format!("`{}` is no number", shown(word)), "write a number such as 0.25 or 1e-3".to_owned()))
-        }
+        Err(_) => Err((
+            format!("`{}` is not a number", shown(word)),
+            "write a number such as 0.25 or 1e-3".to_owned(),
+        )),
     }
 }
 
@@ -51,8 +52,8 @@ mod tests {
             ("1 2 3 4 5", "has 5"),
             ("1 2 nan", "not finite"),
             ("1 2 1e999", "not finite"),
-            ("1,5 2 3", "no number"),
-            ("1 2 x", "no number"),
+            ("1,5 2 3", "not a number"),
+            ("1 2 x", "not a number"),
         ] {
             let (reason, _) = numbers::<3>(wrong).unwrap_err();
             assert!(reason.contains(word), "{reason}");

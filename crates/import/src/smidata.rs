@@ -73,7 +73,7 @@ pub fn read(file: &Path, bytes: &[u8]) -> Result<SmiData, Vec<Fault>> {
         }
         let Some((group, index, field, value)) = keep(
             assignment(line).ok_or_else(|| {
-                let reason = format!("`{}` is no assignment to smiData", shown(line));
+                let reason = format!("`{}` is not an assignment to smiData", shown(line));
                 let remedy = "only lines such as `smiData.Solid(1).mass = 5;  % kg` are read";
                 Fault::new(file, reason, remedy).at(number)
             }),

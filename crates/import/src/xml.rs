@@ -27,7 +27,7 @@ pub fn text<'a>(file: &Path, bytes: &'a [u8]) -> Result<&'a str, Fault> {
     }
     std::str::from_utf8(bytes).map_err(|error| {
         let line = 1 + bytes[..error.valid_up_to()].iter().filter(|b| **b == b'\n').count() as u32;
-        Fault::new(file, "this is no text in UTF-8", "save the file in UTF-8").at(line)
+        Fault::new(file, "this is not text in UTF-8", "save the file in UTF-8").at(line)
     })
 }
 
@@ -48,7 +48,7 @@ pub fn parse<'a>(file: &Path, text: &'a str) -> Result<Document<'a>, Fault> {
             }
             _ => "correct the file, or export it again",
         };
-        Fault::new(file, format!("this is no XML that can be read: {error}"), remedy).at(error.pos().row)
+        Fault::new(file, format!("this is not XML that can be read: {error}"), remedy).at(error.pos().row)
     })
 }
 

@@ -91,7 +91,7 @@ pub enum InverseError {
         /// How far the wrist centre is out of reach, m.
         distance: f64,
     },
-    /// The lower end of a range is not below the upper one, or is no number.
+    /// The lower end of a range is not below the upper one, or is not a number.
     RangeCrossed {
         /// Index of the axis.
         axis: usize,
@@ -128,7 +128,7 @@ impl fmt::Display for InverseError {
             ),
             InverseError::RangeCrossed { axis, lower, upper } => write!(
                 f,
-                "axis {}: the range from {} to {} deg is none; give the lower end first",
+                "axis {}: the range from {} to {} deg is empty; give the lower end first",
                 axis + 1,
                 lower.to_degrees(),
                 upper.to_degrees()
@@ -172,7 +172,7 @@ pub enum SolveError {
         /// Index of the constraint, `None` for the seed.
         constraint: Option<usize>,
     },
-    /// A lower bound is above its upper bound, or one of them is no number.
+    /// A lower bound is above its upper bound, or one of them is not a number.
     BoundsCrossed {
         /// Index of the constraint, `None` for the ranges of the joints.
         constraint: Option<usize>,

@@ -42,7 +42,7 @@ pub struct Kink {
 }
 
 impl Jacobian {
-    /// The largest error relative to the largest entry of the same row; 0 where there are no entries.
+    /// The maximum error relative to the largest entry of the same row; 0 where there are no entries.
     pub fn accuracy(&self) -> f64 {
         let rows = self.value.row_iter().zip(self.error.row_iter());
         rows.map(|(value, error)| match value.amax() {

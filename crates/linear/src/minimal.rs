@@ -83,7 +83,7 @@ fn compared(channel: &Channel) -> Option<Vec<f64>> {
     Some(all)
 }
 
-/// The largest difference of the response of a channel to what it was, relative to its size.
+/// The maximum difference of the response of a channel to what it was, relative to its size.
 fn change(frequencies: &[f64], before: &[Complex<f64>], channel: &Channel) -> f64 {
     let response = Response::new(channel);
     let mut worst: f64 = 0.0;

@@ -65,7 +65,7 @@ pub enum MoveError {
     },
     /// Start and target are the same on all axes.
     NothingToMove,
-    /// The share of the largest speed is not above 0 and at most 1.
+    /// The share of the maximum speed is not above 0 and at most 1.
     VelocityShare {
         /// The share given.
         value: f64,
@@ -86,7 +86,7 @@ pub enum MoveError {
         /// Upper limit, rad or m.
         upper: f64,
     },
-    /// The largest speed of an axis is not a positive number.
+    /// The maximum speed of an axis is not a positive number.
     SpeedLimit {
         /// Index of the axis.
         axis: usize,
@@ -95,7 +95,7 @@ pub enum MoveError {
         /// The limit given, rad/s or m/s.
         value: f64,
     },
-    /// The largest acceleration of an axis is not positive.
+    /// The maximum acceleration of an axis is not positive.
     AccelerationLimit {
         /// Index of the axis.
         axis: usize,
@@ -134,7 +134,7 @@ impl fmt::Display for MoveError {
                 };
                 write!(
                     f,
-                    "axis {}: the {endpoint} is {value}, which is no position; give a number with {quantity}",
+                    "axis {}: the {endpoint} is {value}, which is not a position; give a number with {quantity}",
                     axis + 1
                 )
             }
@@ -158,7 +158,7 @@ impl fmt::Display for MoveError {
             }
             MoveError::VelocityShare { value } => write!(
                 f,
-                "the velocity is {} % of the largest speed; choose more than 0 % and at most 100 %",
+                "the velocity is {} % of the maximum speed; choose more than 0 % and at most 100 %",
                 short(100.0 * value)
             ),
             MoveError::AccelerationShare { value } => write!(
@@ -177,14 +177,14 @@ impl fmt::Display for MoveError {
             ),
             MoveError::SpeedLimit { axis, kind, value } => write!(
                 f,
-                "axis {}: the largest speed is {} {}/s; give a positive number",
+                "axis {}: the maximum speed is {} {}/s; give a positive number",
                 axis + 1,
                 kind.text(value),
                 kind.unit()
             ),
             MoveError::AccelerationLimit { axis, kind, value } => write!(
                 f,
-                "axis {}: the largest acceleration is {} {}/s^2; give a positive number",
+                "axis {}: the maximum acceleration is {} {}/s^2; give a positive number",
                 axis + 1,
                 kind.text(value),
                 kind.unit()

@@ -18,7 +18,7 @@ pub struct ProfileLimits {
 ///
 /// $$ v \left(\frac{v}{a} + \frac{a}{j}\right) = d \quad\text{or}\quad 2 v \sqrt{v / j} = d $$
 ///
-/// where the largest acceleration is reached ($v \ge a^2/j$) or is not. With infinite jerk the phases of jerk have no
+/// where the maximum acceleration is reached ($v \ge a^2/j$) or is not. With infinite jerk the phases of jerk have no
 /// length, and the profile is the trapezoid, whose acceleration jumps.
 ///
 /// Source: L. Biagiotti, C. Melchiorri, *Trajectory Planning for Automatic Machines and Robots*, 2008, section 3.4.

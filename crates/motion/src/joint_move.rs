@@ -15,7 +15,7 @@ const LIMIT_TOLERANCE: f64 = 1e-9;
 
 /// A fully synchronised move: all axes accelerate, cruise and brake during the same times.
 ///
-/// Per axis with distance $d_i$, $v_i$ = velocity share · largest speed and $s$ = acceleration share:
+/// Per axis with distance $d_i$, $v_i$ = velocity share · maximum speed and $s$ = acceleration share:
 ///
 /// $$ t_{end,i} = \frac{d_i}{v_i (1 - s)}, \quad t_{acc,i} = s\,t_{end,i}, \quad
 ///    T_{acc} = \max_i t_{acc,i}, \quad T_{dec} = \max_i \frac{d_i}{v_i}, \quad

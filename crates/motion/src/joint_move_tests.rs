@@ -235,7 +235,7 @@ fn refusals_name_axis_value_limit_and_remedy() {
     );
     check(
         &|r, _| r.target[2] = f64::NAN,
-        "axis 3: the target is NaN, which is no position; give a number with an angle unit",
+        "axis 3: the target is NaN, which is not a position; give a number with an angle unit",
     );
     check(
         &|r, l| (r.target[2], l[2].upper) = (200.0_f64.to_radians(), 75.0_f64.to_radians()),
@@ -252,11 +252,11 @@ fn refusals_name_axis_value_limit_and_remedy() {
     );
     check(
         &|r, _| r.velocity = 40.0,
-        "the velocity is 4000 % of the largest speed; choose more than 0 % and at most 100 %",
+        "the velocity is 4000 % of the maximum speed; choose more than 0 % and at most 100 %",
     );
     check(
         &|r, _| r.velocity = f64::NAN,
-        "the velocity is NaN % of the largest speed; choose more than 0 % and at most 100 %",
+        "the velocity is NaN % of the maximum speed; choose more than 0 % and at most 100 %",
     );
     check(
         &|r, _| r.acceleration = 0.6,
@@ -267,10 +267,10 @@ fn refusals_name_axis_value_limit_and_remedy() {
         &|_, l| l[3].lower = 4.0,
         "axis 4: the lower limit 229.183 deg is not below the upper limit 183.346 deg; correct the limits",
     );
-    check(&|_, l| l[4].speed = 0.0, "axis 5: the largest speed is 0 deg/s; give a positive number");
+    check(&|_, l| l[4].speed = 0.0, "axis 5: the maximum speed is 0 deg/s; give a positive number");
     check(
         &|_, l| l[5].acceleration = -1.0,
-        "axis 6: the largest acceleration is -57.296 deg/s^2; give a positive number",
+        "axis 6: the maximum acceleration is -57.296 deg/s^2; give a positive number",
     );
     check(&|_, l| l.clear(), "there is no axis to move; give the limits of at least one");
 }

@@ -27,9 +27,9 @@ pub struct Margin {
     pub lower: f64,
     /// From the highest position of the move to the upper limit, rad or m.
     pub upper: f64,
-    /// From the largest speed of the move to the limit, rad/s or m/s.
+    /// From the maximum speed of the move to the limit, rad/s or m/s.
     pub speed: f64,
-    /// From the largest acceleration of the move to the limit, rad/s² or m/s².
+    /// From the maximum acceleration of the move to the limit, rad/s² or m/s².
     pub acceleration: f64,
 }
 

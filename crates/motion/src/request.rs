@@ -22,7 +22,7 @@ pub struct JointMoveRequest {
     pub start: Vec<f64>,
     /// Positions at the end, one per axis, rad or m.
     pub target: Vec<f64>,
-    /// Share of each axis' largest speed to use, above 0 and at most 1.
+    /// Share of each axis' maximum speed to use, above 0 and at most 1.
     pub velocity: f64,
     /// Share of the move time spent accelerating, above 0 and at most 0.5: with 0.1 an axis accelerates for
     /// 10 % of the time, cruises for 80 % and brakes for 10 %.

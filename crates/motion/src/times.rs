@@ -16,7 +16,7 @@ pub(crate) struct Times {
 
 /// Times for the given distances (rad, not negative, at least one positive).
 ///
-/// `v_share` is the share of each largest speed, `a_share` the share of the move time spent accelerating.
+/// `v_share` is the share of each maximum speed, `a_share` the share of the move time spent accelerating.
 pub(crate) fn synchronise(
     distances: &[f64],
     limits: &[AxisLimits],

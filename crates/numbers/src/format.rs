@@ -42,7 +42,7 @@ pub fn significant(value: f64, digits: usize) -> String {
         return fixed(value, decimals(exponent));
     }
     let thousands = exponent.div_euclid(3) * 3;
-    // In two factors, for 1e-324 is no number.
+    // In two factors, for 1e-324 is not a number.
     let half = thousands / 2;
     let mantissa = value / 10_f64.powi(half) / 10_f64.powi(thousands - half);
     format!("{}e{thousands}", fixed(mantissa, decimals(exponent - thousands)))

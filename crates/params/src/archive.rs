@@ -41,7 +41,7 @@ fn open(bytes: &[u8]) -> Result<ZipArchive<Cursor<&[u8]>>, BookError> {
     }
     if !bytes.starts_with(b"PK") {
         return Err(BookError::new(
-            "it is no .xlsx: it does not begin like one",
+            "it is not an .xlsx file: it does not begin like one",
             "save the workbook as .xlsx",
         ));
     }
@@ -92,7 +92,7 @@ pub fn unpack(bytes: &[u8]) -> Result<Vec<(String, String)>, BookError> {
             let mut plain = Vec::new();
             let name = copy(&mut archive, index, &mut plain)?;
             let text = String::from_utf8(plain).map_err(|_| {
-                BookError::new(format!("its part `{name}` is no text"), "copy or save the file again")
+                BookError::new(format!("its part `{name}` is not text"), "copy or save the file again")
             })?;
             Ok((name, text))
         })

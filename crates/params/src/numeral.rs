@@ -17,7 +17,7 @@ pub(crate) fn read(text: &str) -> Result<f64, (String, String)> {
         !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
     };
     if !mantissa.bytes().any(|byte| byte.is_ascii_digit()) {
-        return fail("is no number", "write a number such as 0.25 or 0,25");
+        return fail("is not a number", "write a number such as 0.25 or 0,25");
     }
     if !rest.is_empty() && !exponent.is_some_and(is_exponent) {
         return fail("has more than a number", "write only the number; the unit stands in the column Unit");
@@ -43,7 +43,7 @@ pub(crate) fn read(text: &str) -> Result<f64, (String, String)> {
     match plain.replace(',', ".").trim().parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         Ok(_) => fail("is too large", "write a number below 1.8e308"),
-        Err(_) => fail("is no number", "write a number such as 0.25 or 0,25"),
+        Err(_) => fail("is not a number", "write a number such as 0.25 or 0,25"),
     }
 }
 
@@ -101,11 +101,11 @@ mod tests {
             ("12 kg", "more than a number"),
             ("80%", "more than a number"),
             ("1e", "more than a number"),
-            ("much", "no number"),
-            ("", "no number"),
-            ("NaN", "no number"),
-            ("inf", "no number"),
-            ("-", "no number"),
+            ("much", "not a number"),
+            ("", "not a number"),
+            ("NaN", "not a number"),
+            ("inf", "not a number"),
+            ("-", "not a number"),
             ("1e999", "too large"),
             ("1,,5", "thousands"),
             ("0x10", "more than a number"),

@@ -27,7 +27,7 @@ pub struct Reading {
 pub enum Value {
     /// In the unit of the row.
     Number(f64),
-    /// A text that is no number; an expression of the set stands so.
+    /// A text that is not a number; an expression of the set stands so.
     Text(String, Fault),
 }
 
@@ -146,7 +146,7 @@ fn read_sheet(sheet: &Sheet, tables: &mut Tables) {
             Some(Cell::Number(1.0)) => "1".to_owned(),
             Some(_) => {
                 let help = "write a unit such as deg/s, or nothing for a plain number";
-                tables.faults.push(fault(&sheet.name, Some(unit_cell), "this is no unit", help));
+                tables.faults.push(fault(&sheet.name, Some(unit_cell), "this is not a unit", help));
                 continue;
             }
         };

@@ -19,7 +19,7 @@ pub enum PictureError {
 impl fmt::Display for PictureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            PictureError::NotSvg(reason) => write!(f, "this is no drawing in SVG: {reason}"),
+            PictureError::NotSvg(reason) => write!(f, "this is not a drawing in SVG: {reason}"),
             PictureError::TooLarge { width, height } => {
                 write!(f, "a picture of {width} x {height} dots is too large; choose a smaller size or scale")
             }

@@ -134,7 +134,7 @@ impl PlanError {
             Reason::Straight => "choose a point beside the way, or plan a linear move".into(),
             Reason::TooManyWaypoints { .. } => "choose a coarser resolution".into(),
             Reason::Unreachable { at, .. } if *at == 1.0 => {
-                "move the target nearer to the robot; axes, tool and base of its description say what it reaches".into()
+                "move the target nearer to the robot; axes, tool and base of its description determine its reach".into()
             }
             Reason::NoneStarts { .. } => "begin at another place, or with another orientation".into(),
             Reason::OtherConfigurations { has, .. } => format!("choose {}", has.join(", ")),
@@ -225,7 +225,7 @@ impl fmt::Display for PlanError {
             ),
             Reason::Singular { at, way } => write!(
                 f,
-                "{} the arm is singular: it cannot move on along the path with the orientation that is asked for",
+                "{} the arm is singular: it cannot move on along the path with the required orientation",
                 place(*at, *way)
             ),
             Reason::Joint(error) => {

@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn on_a_circle_the_tool_keeps_to_its_acceleration() {
-        // with κ = 1/r the largest speed is √(a r)
+        // with κ = 1/r the maximum speed is √(a r)
         let (n, radius, a) = (2000, 0.5, 2.0);
         let step = 3.0 / n as f64;
         let x = time_optimal(

@@ -49,7 +49,7 @@ pub enum Timing {
 pub struct Speeds {
     /// Largest speed of the tool, m/s.
     pub velocity: f64,
-    /// Share of the largest acceleration of the tool, above 0 and at most 1.
+    /// Share of the maximum acceleration of the tool, above 0 and at most 1.
     pub acceleration: f64,
     /// Profile.
     pub timing: Timing,

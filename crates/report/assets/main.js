@@ -51,7 +51,7 @@
       if (a !== null && b !== null && a !== b) parts.push(`Δ ${R.say(b - a)} s`, `1/Δ ${R.say(1 / (b - a))} Hz`);
       readout.textContent = parts.join('  ·  ');
       clearTimeout(said);
-      said = setTimeout(() => { const place = document.getElementById('said'); if (place) place.textContent = readout.textContent; }, 250);
+      said = setTimeout(() => { const place = document.getElementById('announcement'); if (place) place.textContent = readout.textContent; }, 250);
     });
   };
 
@@ -84,7 +84,7 @@
     document.querySelectorAll('#compared tbody tr').forEach((line, n) => line.classList.toggle('chosen', n === row));
     R.setTime(t);
     R.Plots.find(path);
-    const place = document.getElementById('said');
+    const place = document.getElementById('announcement');
     if (place) place.textContent = `${path} differs from ${t} s on`;
   };
   const compared = () => {

@@ -1,6 +1,6 @@
 // @ts-check
 'use strict';
-// The mechanism in space, at the present time of the page.
+// The 3D view, at the present time of the page.
 /* global R */
 
 R.Space = (() => {
@@ -141,7 +141,7 @@ R.Space = (() => {
       const mesh = S.mesh(shape) ?? R.Meshes.mesh(shape, data.surfaces);
       if (mesh) parts.push({ shape, mesh, local: S.placed(shape) }); else left++;
     }
-    canvas = R.make('canvas', { tabindex: '0', 'aria-label': 'The mechanism in space; drag turns, Shift and drag moves, the wheel zooms' });
+    canvas = R.make('canvas', { tabindex: '0', 'aria-label': 'The 3D view; drag turns, Shift and drag moves, the wheel zooms' });
     pose = R.make('output', { class: 'pose' });
     alarm = R.make('output', { class: 'touching' });
     ground = S.placed({ translation: [0, 0, scene.floor ?? 0], rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] });

@@ -32,7 +32,7 @@ pub(crate) const SCRIPTS: [&str; 8] = [
     include_str!("../assets/measure.js"),
 ];
 
-/// Scripts of the view in space.
+/// Scripts of the 3D view.
 pub(crate) const SPACE: [&str; 5] = [
     include_str!("../assets/shapes.js"),
     include_str!("../assets/meshes.js"),

@@ -101,7 +101,7 @@ pub fn body(report: &Report, thinned: bool) -> String {
         ));
     }
     out.push_str(&licences());
-    out.push_str("</main>\n<footer id=\"timeline\"></footer>\n<dialog id=\"keys\" aria-label=\"Keys\"></dialog>\n<div id=\"said\" class=\"unseen\" aria-live=\"polite\"></div>\n");
+    out.push_str("</main>\n<footer id=\"timeline\"></footer>\n<dialog id=\"keys\" aria-label=\"Keys\"></dialog>\n<div id=\"announcement\" class=\"unseen\" aria-live=\"polite\"></div>\n");
     out
 }
 

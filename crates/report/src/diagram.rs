@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use serde_json::{Value, json};
 
 use crate::data::{Inspected, Report};
-use crate::unseen;
+use crate::other_signals;
 
 /// Drawings, levels, tables and names of signals as JSON, which is compressed.
 pub(crate) fn texts(report: &Report) -> Value {
@@ -38,7 +38,7 @@ pub(crate) fn texts(report: &Report) -> Value {
         tables.iter().map(|(title, rows)| json!({ "title": title, "head": rows.head, "rows": rows.rows }));
     json!({
         "drawings": drawings.collect::<Vec<_>>(), "levels": levels.collect::<Vec<_>>(), "kinds": kinds,
-        "tables": tables.collect::<Vec<_>>(), "unseen": unseen::names(&report.unseen),
+        "tables": tables.collect::<Vec<_>>(), "unseen": other_signals::names(&report.unseen),
     })
 }
 

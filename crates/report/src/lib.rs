@@ -13,11 +13,11 @@ mod data;
 mod diagram;
 mod escape;
 mod numbers;
+mod other_signals;
 mod pack;
 mod page;
 mod surface;
 mod thin;
-mod unseen;
 
 pub use assets::{VENDORED, Vendored};
 pub use corridor::{Few, few};

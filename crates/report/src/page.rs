@@ -11,7 +11,7 @@ use crate::data::Report;
 use crate::escape::{escape, json as safe_json};
 use crate::numbers::{movement, picture};
 use crate::pack::{Pack, compressed};
-use crate::{BUDGET, diagram, unseen};
+use crate::{BUDGET, diagram, other_signals};
 
 /// Stretches of time that each picture is thinned to at first; fewer where the page would be too large.
 const COLUMNS: usize = 1200;
@@ -43,7 +43,7 @@ fn with_columns(report: &Report, columns: usize, texts: &str) -> String {
         report.panels.iter().map(|panel| picture(panel, report.full, columns, &mut pack)).collect();
     let thinned = !report.full && report.panels.iter().any(|panel| panel.time.len() > columns);
     let most = (!report.full).then_some(columns / COARSER);
-    let unseen = unseen::courses(&report.unseen, most, &mut pack);
+    let unseen = other_signals::courses(&report.unseen, most, &mut pack);
     let space = report.animation.as_ref().map(|animation| movement(animation, &mut pack));
     let overlays: Vec<Value> = report
         .overlays

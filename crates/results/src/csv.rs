@@ -132,11 +132,11 @@ fn no_number(field: &str) -> String {
     let trimmed = field.trim();
     let with_point = trimmed.replacen(',', ".", 1);
     if trimmed.is_empty() {
-        "a number is missing; write NaN where there is none".to_owned()
+        "a number is missing; write NaN for a missing one".to_owned()
     } else if trimmed.contains(',') && number(&with_point).is_some() {
-        format!("`{}` is no number - a decimal comma? write {with_point}", shortened(trimmed))
+        format!("`{}` is not a number - a decimal comma? write {with_point}", shortened(trimmed))
     } else {
-        format!("`{}` is no number", shortened(trimmed))
+        format!("`{}` is not a number", shortened(trimmed))
     }
 }
 
@@ -226,12 +226,12 @@ mod tests {
         );
         assert_eq!(
             message("time [s],a\n0,1\n1,\"1,05\"\n"),
-            "line 3, column 2: `1,05` is no number - a decimal comma? write 1.05"
+            "line 3, column 2: `1,05` is not a number - a decimal comma? write 1.05"
         );
-        assert_eq!(message("time [s],a\n0,x\n"), "line 2, column 2: `x` is no number");
+        assert_eq!(message("time [s],a\n0,x\n"), "line 2, column 2: `x` is not a number");
         assert_eq!(
             message("time [s],a\n0,\n"),
-            "line 2, column 2: a number is missing; write NaN where there is none"
+            "line 2, column 2: a number is missing; write NaN for a missing one"
         );
         assert_eq!(message("time [s],a\n0\n"), "line 2: 1 columns, but the first line names 2");
         assert_eq!(

@@ -119,7 +119,7 @@ impl ResultsError {
     pub fn reason(&self) -> String {
         match self {
             ResultsError::FolderInUse { .. } => "it already holds files".to_owned(),
-            ResultsError::NoFolderName { .. } => "this is no name for a new folder".to_owned(),
+            ResultsError::NoFolderName { .. } => "this is not a valid name for a new folder".to_owned(),
             _ if self.is_gone() => "its folder was removed or renamed during the run".to_owned(),
             ResultsError::Io { source, .. } => io_reason(source),
             ResultsError::Csv { source, .. } => source.to_string(),
@@ -129,7 +129,7 @@ impl ResultsError {
                 format!("there is no finished run in `{}`", runs.display())
             }
             ResultsError::NoSuchRun { runs, likely, .. } if likely.is_empty() => {
-                format!("there is no such folder or file, and no run in `{}` has this name", runs.display())
+                format!("no folder, file or run in `{}` has this name", runs.display())
             }
             ResultsError::NoSuchRun { likely, .. } => {
                 let more = if likely.len() > SHOWN { ", ..." } else { "" };

@@ -200,7 +200,7 @@ struct Decimal {
     sign: Option<char>,
 }
 
-/// Why a field is no number.
+/// Why a field is not a number.
 struct NoNumber {
     shown: String,
     /// What is wrong with the signs in it, if that is it.
@@ -214,9 +214,9 @@ impl NoNumber {
         match self.signs {
             Some(signs) => format!("`{shown}` {signs}"),
             None if is_time => {
-                format!("`{shown}` is no number; write times as numbers, such as seconds from the start")
+                format!("`{shown}` is not a number; write times as numbers, such as seconds from the start")
             }
-            None => format!("`{shown}` is no number; leave the field empty where there is none"),
+            None => format!("`{shown}` is not a number; leave the field empty for a missing one"),
         }
     }
 }
@@ -285,7 +285,7 @@ mod tests {
         assert_eq!(table.columns[0].unit.as_deref(), Some("rad"));
         let table = read("time [s],\"a, b\",arm.q[2]\n0,NaN,1.5\n").unwrap();
         assert_eq!([&table.columns[0].name, &table.columns[1].name], ["a, b", "arm.q[2]"]);
-        assert_eq!(table.columns[1].unit, None, "an index is no unit");
+        assert_eq!(table.columns[1].unit, None, "an index is not a unit");
         let named = read_foreign(&b"x,y\n1,2\n"[..], &["z", "y"], ReadLimits::default()).unwrap();
         assert_eq!((named.time, named.columns[0].values.clone()), (vec![2.0], vec![1.0]));
     }
@@ -331,15 +331,15 @@ mod tests {
         assert_eq!(message("t;a\n0;1\ninf;1\n"), "line 3, column 1: the time is infinite");
         assert_eq!(
             message("t;a\n18:00:01;1\n"),
-            "line 2, column 1: `18:00:01` is no number; write times as numbers, such as seconds from the start"
+            "line 2, column 1: `18:00:01` is not a number; write times as numbers, such as seconds from the start"
         );
         assert_eq!(
             message("t;a\n0;1\u{1b}[31m\n"),
-            "line 2, column 2: `1\u{fffd}[31m` is no number; leave the field empty where there is none"
+            "line 2, column 2: `1\u{fffd}[31m` is not a number; leave the field empty for a missing one"
         );
         assert_eq!(
             message("t;a\n0;x\n"),
-            "line 2, column 2: `x` is no number; leave the field empty where there is none"
+            "line 2, column 2: `x` is not a number; leave the field empty for a missing one"
         );
     }
 

@@ -179,9 +179,7 @@ mod tests {
             error.reason(),
             "several runs fit: 2026-11-21T14-03-22_servo-2, 2026-11-21T14-03-22_servo"
         );
-        assert!(
-            found("pole").unwrap_err().reason().starts_with("there is no such folder or file, and no run in")
-        );
+        assert!(found("pole").unwrap_err().reason().starts_with("no folder, file or run in"));
         assert!(found("").is_err());
         assert!(locate("latest", &scratch.0.join("none")).is_err());
     }

@@ -14,7 +14,7 @@ mod error;
 mod export;
 mod extremes;
 mod foreign;
-mod held;
+mod held_signals;
 mod history;
 mod manifest;
 mod place;

@@ -56,7 +56,7 @@ fn shape(value: &Value) -> Result<Shape, String> {
         "mesh" => &["file", "scale"],
         other => {
             return Err(format!(
-                "`{other}` is no kind of shape; there are box, cylinder, capsule, sphere, cone and mesh"
+                "`{other}` is not a kind of shape; there are box, cylinder, capsule, sphere, cone and mesh"
             ));
         }
     };
@@ -290,7 +290,7 @@ mod tests {
             (vec![r.clone()], "shape 1: `kind` is missing: box, cylinder, capsule, sphere, cone or mesh"),
             (
                 vec![kind("torus")],
-                "shape 1: `torus` is no kind of shape; there are box, cylinder, capsule, sphere, cone and mesh",
+                "shape 1: `torus` is not a kind of shape; there are box, cylinder, capsule, sphere, cone and mesh",
             ),
             (vec![kind("sphere")], "shape 1: `radius` is missing"),
             (vec![kind("sphere"), ("radius", mass.into())], "shape 1: `radius` must be in m, not 1 kg"),

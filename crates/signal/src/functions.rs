@@ -145,7 +145,7 @@ impl Call<'_> {
             return self.refuse("a number that is not negative", value, argument);
         }
         let no_unit =
-            || ExprError::new(self.span.clone(), format!("the square root of {dimension} is no unit"));
+            || ExprError::new(self.span.clone(), format!("the square root of {dimension} is not a unit"));
         Ok(Quantity::new(value.sqrt(), dimension.root(2).ok_or_else(no_unit)?))
     }
 

@@ -18,7 +18,7 @@ pub struct Unit {
     pub dimension: Dimension,
 }
 
-/// Why a text is no unit.
+/// Why a text is not a unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnitError {
     /// The fact.

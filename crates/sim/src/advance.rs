@@ -2,7 +2,7 @@
 
 use crate::clock::{Grid, earliest, same};
 use crate::diagnose::guard_of;
-use crate::events::Cut;
+use crate::events::{Cut, phrase, summary, verb};
 use crate::guards::Stride;
 use crate::major::Arrival;
 use crate::pace::Flood;
@@ -140,7 +140,7 @@ impl Simulation {
         arrival.event = cut.crossed;
         if cut.crossed {
             self.events += 1;
-            self.tell_events(observer);
+            self.report_events(observer);
             if let Some(flood) = self.pace.count(self.t, self.schedule.settings.stop_time) {
                 return Err(self.flooded(flood));
             }
@@ -166,23 +166,26 @@ impl Simulation {
         cut.map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))
     }
 
-    fn tell_events(&self, observer: &mut dyn Observer) {
-        for &block in &self.diagram.plan.guarded {
-            let instance = &self.schedule.blocks[block];
-            for (guard, &fired) in instance.interface.guards.iter().zip(&self.guards.fired[instance.g..]) {
-                if fired {
-                    observer.event(self.t, &instance.path, &guard.name);
+    fn report_events(&mut self, observer: &mut dyn Observer) {
+        let Self { diagram, schedule, guards, words, t, .. } = self;
+        for &block in &diagram.plan.guarded {
+            let instance = &schedule.blocks[block];
+            for (place, guard) in instance.interface.guards.iter().enumerate() {
+                let i = instance.g + place;
+                if guards.fired[i]
+                    && let Some(verb) = verb(guard, guards.rises(i))
+                {
+                    observer.event(*t, phrase(words, instance, &guard.subject, verb), words);
                 }
             }
         }
     }
 
     fn endless(&self, guard: usize, Accumulation { interval, ratio, end }: Accumulation) -> SimError {
-        let (path, name) =
-            guard_of(&self.schedule, guard).map_or(("", ""), |(block, name)| (block.path.as_str(), name));
+        let (path, what) = self.named(Some(guard));
         let message = format!(
-            "events come faster and faster without end: `{path}` (`{name}`) has fired {interval:.2e} s after the last time, \
-             {ratio:.3} times the interval before, and would fire for ever before {end:.6} s"
+            "events come faster and faster without end: {what}, {interval:.2e} s after the last time, {ratio:.3} times the \
+             interval before, and would do so for ever before {end:.6} s"
         );
         SimError::new("endless_events", self.t, message).at(path).help(
             "give the law a state of rest, for instance a speed below which an impact ends in contact, or a hysteresis; \
@@ -193,12 +196,10 @@ impl Simulation {
     fn flooded(&self, Flood { count, within }: Flood) -> SimError {
         let stop = self.schedule.settings.stop_time;
         let fired = self.guards.fired.iter().position(|&fired| fired);
-        let (path, name) = fired
-            .and_then(|guard| guard_of(&self.schedule, guard))
-            .map_or(("", ""), |(block, name)| (block.path.as_str(), name));
+        let (path, what) = self.named(fired);
         let message = format!(
-            "there are too many events to be recorded: {count} within the last {within:.2e} s, the last one of `{path}` \
-             (`{name}`); until {stop} s there would be {:.0e} of them",
+            "there are too many events to be recorded: {count} within the last {within:.2e} s, in the last one {what}; until \
+             {stop} s there would be {:.0e} of them",
             f64::from(count) * stop / within
         );
         SimError::new("endless_events", self.t, message).at(path).help(
@@ -208,18 +209,34 @@ impl Simulation {
 
     fn chatter(&self) -> SimError {
         let fired = self.guards.fired.iter().position(|&fired| fired);
-        let named = fired.and_then(|guard| guard_of(&self.schedule, guard));
         let help = "give the switching a hysteresis, or use a method of fixed step";
+        let named = fired.and_then(|guard| guard_of(&self.schedule, guard));
         match named {
-            Some((block, name)) => {
-                let message =
-                    format!("`{}` is chattering: its guard `{name}` keeps crossing zero", block.path);
-                SimError::new("chatter", self.t, message).at(&block.path).help(help)
+            Some((block, guard)) => {
+                let (path, what) =
+                    (guard.subject.part.as_ref().unwrap_or(&block.path), summary(block, guard));
+                let message = format!("`{path}` is chattering: it {what} again and again");
+                SimError::new("chatter", self.t, message).at(path).help(help)
             }
-            None => {
-                SimError::new("chatter", self.t, "the diagram is chattering: a guard keeps crossing zero")
-                    .help(help)
+            None => SimError::new(
+                "chatter",
+                self.t,
+                "the diagram is chattering: a condition changes again and again",
+            )
+            .help(help),
+        }
+    }
+
+    /// The part whose guard has fired, and it with what it does: `` `relay` switches on``.
+    pub(crate) fn named(&self, guard: Option<usize>) -> (&str, String) {
+        match guard.and_then(|guard| Some((guard, guard_of(&self.schedule, guard)?))) {
+            Some((i, (block, guard))) => {
+                let path = guard.subject.part.as_ref().unwrap_or(&block.path);
+                let verb =
+                    verb(guard, self.guards.rises(i)).map_or_else(|| summary(block, guard), str::to_owned);
+                (path, format!("`{path}` {verb}"))
             }
+            None => ("", "a condition changes".to_owned()),
         }
     }
 

@@ -9,6 +9,7 @@ use blocksim_solve::Failed;
 use crate::clock::same;
 use crate::diagnose::guard_of;
 use crate::evaluate::Diagram;
+use crate::events::summary;
 use crate::guards::{Guards, Stride};
 
 /// Points within a step.
@@ -23,10 +24,10 @@ const KEPT: usize = 1000;
 pub struct Missed {
     /// When the guard was seen on the other side, s.
     pub t: f64,
-    /// The block.
+    /// The part.
     pub path: String,
-    /// Its guard.
-    pub guard: String,
+    /// What it does there, in words that go behind its path.
+    pub what: String,
     /// How far the guard was beyond zero there.
     pub beyond: f64,
 }
@@ -111,8 +112,9 @@ impl Audit {
             .iter()
             .filter(counts)
             .filter_map(|&(guard, t, beyond)| {
-                let (block, name) = guard_of(schedule, guard)?;
-                Some(Missed { t, path: block.path.clone(), guard: name.to_owned(), beyond })
+                let (block, guard) = guard_of(schedule, guard)?;
+                let path = guard.subject.part.as_ref().unwrap_or(&block.path).clone();
+                Some(Missed { t, path, what: summary(block, guard), beyond })
             })
             .collect();
         Findings { looks: self.looks, count: missed.len() as u64 + self.more, missed }

@@ -1,5 +1,6 @@
 //! From the fact that something failed to the block that is to blame. Costs nothing until then.
 
+use blocksim_block::Guard;
 use blocksim_block::methods::{METHODS, Method};
 use blocksim_block::schedule::{Instance, Schedule, Solver, VariableMethod};
 use blocksim_solve::StepError;
@@ -115,11 +116,11 @@ pub(crate) fn state_name(block: &Instance, state: &str) -> String {
     if block.path.starts_with("network(") { state.to_owned() } else { format!("{}.{state}", block.path) }
 }
 
-/// The block that has a guard, and the name of the guard.
-pub(crate) fn guard_of(schedule: &Schedule, guard: usize) -> Option<(&Instance, &str)> {
+/// The block that has a guard, and the guard.
+pub(crate) fn guard_of(schedule: &Schedule, guard: usize) -> Option<(&Instance, &Guard)> {
     schedule.blocks.iter().find_map(|block| {
         let guard = block.interface.guards.get(guard.checked_sub(block.g)?)?;
-        Some((block, guard.name.as_str()))
+        Some((block, guard))
     })
 }
 

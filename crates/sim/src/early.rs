@@ -16,6 +16,7 @@ use blocksim_solve::Failed;
 
 use crate::evaluate::Diagram;
 use crate::graph::Graph;
+use crate::major::report_jump;
 use crate::{Observer, SimError, Simulation};
 
 /// Who jumps early, and what must be known for it.
@@ -97,7 +98,7 @@ impl Simulation {
             if self.held(jumped)? {
                 any = true;
                 if !first {
-                    observer.event(self.t, &self.schedule.blocks[block].path, "jump");
+                    report_jump(&self.schedule.blocks[block], self.t, observer);
                 }
             }
         }

@@ -21,7 +21,9 @@
 //! Of a guard with a direction the other crossing is no event. The step is cut there only if the guard turns back within
 //! the same step, so that the next step begins on the other side of zero.
 
-use blocksim_block::Crossing;
+use blocksim_block::event::{Event, Subject};
+use blocksim_block::schedule::Instance;
+use blocksim_block::{Crossing, Guard};
 use blocksim_solve::{Failed, locate};
 
 use crate::evaluate::Diagram;
@@ -42,6 +44,48 @@ const TELLS: f64 = 1e3 * f64::EPSILON;
 
 /// What counts as the last digits of time and states, as a part of them.
 const LAST: f64 = 8.0 * f64::EPSILON;
+
+/// Writes what happens to a part, without its path, to `words`; returns its path.
+pub(crate) fn phrase<'a>(
+    words: &mut String,
+    block: &'a Instance,
+    subject: &'a Subject,
+    verb: &str,
+) -> &'a str {
+    words.clear();
+    words.push_str(verb);
+    if let Some(detail) = &subject.detail {
+        words.extend([" (", detail, ")"]);
+    }
+    subject.part.as_deref().unwrap_or(&block.path)
+}
+
+/// What the crossing of a guard is called; nothing where a mode or a jump is called something instead.
+pub(crate) fn verb(guard: &Guard, upwards: bool) -> Option<&str> {
+    match guard.event {
+        Event::Name => Some(&guard.name),
+        Event::Crossing { upwards: verb, .. } if upwards || guard.crossing == Crossing::Peak => Some(verb),
+        Event::Crossing { downwards, .. } => Some(downwards),
+        Event::Mode => None,
+    }
+}
+
+/// What a guard is about, for messages: its words in both directions, or those of the mode that it watches.
+pub(crate) fn summary(block: &Instance, guard: &Guard) -> String {
+    let detail = guard.subject.detail.as_ref().map_or_else(String::new, |detail| format!(" ({detail})"));
+    let words = match guard.event {
+        Event::Name => format!("crosses zero at its guard `{}`", guard.name),
+        Event::Crossing { upwards, downwards } if upwards == downwards => upwards.to_owned(),
+        Event::Crossing { upwards, downwards } => format!("{upwards} and {downwards}"),
+        Event::Mode => {
+            let modes = block.interface.discrete.iter().filter_map(|state| state.changes.as_deref());
+            let own = modes.clone().find(|changes| changes.subject == guard.subject);
+            own.or(modes.clone().next())
+                .map_or_else(|| block.interface.jump_phrase.0.to_owned(), |own| own.summary())
+        }
+    };
+    words + &detail
+}
 
 /// Where a step must be cut.
 #[derive(Debug, Clone, Copy, PartialEq)]

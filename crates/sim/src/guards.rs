@@ -143,6 +143,11 @@ impl Guards {
         guards.position(|(&start, &events)| events == Crossing::Holds && start < 0.0)
     }
 
+    /// Whether guard `i`, which has fired, has gone upwards.
+    pub fn rises(&self, i: usize) -> bool {
+        self.start[i] < 0.0 || self.start[i] == 0.0 && self.trial[i] > 0.0
+    }
+
     /// Notes the guards that have fired at `t`; returns one whose events have no end.
     pub fn beat(&mut self, t: f64) -> Option<(usize, Accumulation)> {
         let fired = (0..self.fired.len()).filter(|&i| self.fired[i]);

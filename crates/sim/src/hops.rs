@@ -9,7 +9,6 @@
 use blocksim_block::Crossing;
 use blocksim_solve::System;
 
-use crate::diagnose::guard_of;
 use crate::events::Cut;
 use crate::{SimError, Simulation};
 
@@ -83,11 +82,9 @@ impl Simulation {
     }
 
     fn lost(&self, guard: usize) -> SimError {
-        let (path, name) =
-            guard_of(&self.schedule, guard).map_or(("", ""), |(block, name)| (block.path.as_str(), name));
+        let (path, what) = self.named(Some(guard));
         let message = format!(
-            "`{path}` (`{name}`) has fired and comes back by less than the tolerance resolves, so that nobody can say when it \
-             fires again"
+            "{what}, and comes back by less than the tolerance resolves, so that the next time cannot be found"
         );
         SimError::new("endless_events", self.t, message).at(path).help(
             "give the law a state of rest, for instance a speed below which an impact ends in contact; or take a smaller \

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use blocksim_block::schedule::Instance;
 use blocksim_solve::Failed;
 
 use crate::{Observer, SimError, Simulation, diagnose};
@@ -18,6 +19,14 @@ pub(crate) struct Arrival {
     pub cut: bool,
     /// The simulation ends here.
     pub end: bool,
+}
+
+/// Reports the jump of a block, unless others have the words for it.
+pub(crate) fn report_jump(block: &Instance, t: f64, observer: &mut dyn Observer) {
+    let phrase = block.interface.jump_phrase.0;
+    if !phrase.is_empty() {
+        observer.event(t, &block.path, phrase);
+    }
 }
 
 impl Simulation {
@@ -38,7 +47,6 @@ impl Simulation {
         self.majors += 1;
         self.hit_count += self.hits.strike(self.t);
         self.diagram.settle.changed = false;
-        self.modes.note(&self.diagram.d);
         self.diagram.hold_steps();
         let reset = self.jump_early(first, observer)?;
         self.pass(first)?;
@@ -49,9 +57,7 @@ impl Simulation {
             told = true;
         }
         let jumped = self.jump(told, observer)? || reset;
-        if !first {
-            self.tell_modes(observer);
-        }
+        self.report_modes(first, observer);
         if self.rows.are_due(self.t) || why.event || why.end || jumped {
             observer.row(self.t, &self.rows.values);
         }
@@ -109,7 +115,7 @@ impl Simulation {
             let jumps = self.diagram.jump(&mut self.x, |block| {
                 last = Some(block);
                 if round == 0 {
-                    observer.event(t, &schedule.blocks[block].path, "jump");
+                    report_jump(&schedule.blocks[block], t, observer);
                 }
             });
             self.held(jumps)?;

@@ -9,7 +9,7 @@ use blocksim_solve::{
 
 use crate::SimError;
 
-/// The stepper of the settings; none without states. Blocks may ask for a shorter largest step, which a fixed step
+/// The stepper of the settings; none without states. Blocks may ask for a shorter maximum step, which a fixed step
 /// ignores.
 pub(crate) fn stepper(schedule: &Schedule) -> Option<Box<dyn Stepper>> {
     let n = schedule.states;
@@ -122,7 +122,7 @@ pub(crate) fn check(schedule: &Schedule) -> Result<(), SimError> {
         }
         // No limit is a limit that is infinite.
         Solver::Variable { max_step, .. } if max_step.is_nan() || max_step <= 0.0 => {
-            return refuse("the largest step", max_step, "of seconds above zero");
+            return refuse("the maximum step", max_step, "of seconds above zero");
         }
         Solver::Variable { rtol, .. } if !not_below_zero(rtol) => {
             return refuse("the relative tolerance", rtol, "not below zero");
@@ -159,7 +159,7 @@ fn resolution(schedule: &Schedule) -> Result<(), SimError> {
     }
     let step = match settings.solver {
         Solver::Fixed { step, .. } => Some((step, "the fixed step".to_owned(), None)),
-        Solver::Variable { max_step, .. } => Some((max_step, "the largest step".to_owned(), None)),
+        Solver::Variable { max_step, .. } => Some((max_step, "the maximum step".to_owned(), None)),
     };
     let rows = match settings.output {
         OutputTimes::Every(spacing) => Some((spacing, "the spacing of the output".to_owned(), None)),
@@ -171,7 +171,7 @@ fn resolution(schedule: &Schedule) -> Result<(), SimError> {
     });
     let short = step.into_iter().chain(rows).chain(sampled).find(|(length, ..)| *length < finest);
     short.map_or(Ok(()), |(length, what, path)| {
-        let message = format!("{what}, {length:e} s, is shorter than times can be told apart at {stop} s");
+        let message = format!("{what}, {length:e} s, is shorter than the resolution of time at {stop} s");
         let error = SimError::new("settings", 0.0, message).help(format!(
             "times have sixteen digits: take at least {finest:.1e} s, or an earlier stop time"
         ));

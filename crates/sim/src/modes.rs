@@ -1,29 +1,28 @@
-//! Changes of modes under methods of fixed step, which choose them at their steps and locate no event: told as the
-//! located ones are, by the name that guard and mode share (dry friction that sticks or slips).
+//! Changes of modes: whether a valve conducts, whether friction sticks. They are events by what they become, which is known only
+//! once all modes of an instant have been chosen; of a method of fixed step, which locates no event, they are those at its steps.
 
-use blocksim_block::schedule::{Schedule, Solver};
+use blocksim_block::event::Changes;
+use blocksim_block::schedule::{Instance, Schedule};
 
+use crate::events::phrase;
 use crate::{Observer, Simulation};
 
 /// Modes that are looked at.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Modes {
-    /// Block, guard and place among all discrete states.
+    /// Block, place within it and place among all discrete states.
     watched: Vec<(usize, usize, usize)>,
-    /// What they were before the instant.
+    /// What they were after the last instant.
     before: Vec<f64>,
 }
 
 impl Modes {
     pub fn new(schedule: &Schedule) -> Self {
         let mut watched = Vec::new();
-        if let Solver::Fixed { .. } = schedule.settings.solver {
-            for (index, block) in schedule.blocks.iter().enumerate() {
-                for (guard, named) in block.interface.guards.iter().enumerate() {
-                    let mode = block.interface.discrete.iter().position(|state| state.name == named.name);
-                    watched.extend(mode.map(|mode| (index, guard, block.d + mode)));
-                }
-            }
+        for (index, block) in schedule.blocks.iter().enumerate() {
+            let states = block.interface.discrete.iter().enumerate();
+            let modes = states.filter(|(_, state)| state.changes.is_some());
+            watched.extend(modes.map(|(place, _)| (index, place, block.d + place)));
         }
         Self { before: vec![0.0; watched.len()], watched }
     }
@@ -34,14 +33,26 @@ impl Modes {
     }
 }
 
+/// The words for the changes of a discrete state of a block.
+fn changes(block: &Instance, place: usize) -> Option<&Changes> {
+    block.interface.discrete[place].changes.as_deref()
+}
+
 impl Simulation {
-    /// Tells the modes that have changed since they were noted.
-    pub(crate) fn tell_modes(&self, observer: &mut dyn Observer) {
-        for (&(block, guard, cell), before) in self.modes.watched.iter().zip(&self.modes.before) {
-            if self.diagram.d[cell] != *before {
-                let block = &self.schedule.blocks[block];
-                observer.event(self.t, &block.path, &block.interface.guards[guard].name);
+    /// Reports the modes that have changed since they were noted last, and notes them; at the start there is no before.
+    pub(crate) fn report_modes(&mut self, first: bool, observer: &mut dyn Observer) {
+        let Self { modes, diagram, schedule, words, t, .. } = self;
+        for (&(block, place, cell), before) in modes.watched.iter().zip(&modes.before) {
+            let (now, block) = (diagram.d[cell], &schedule.blocks[block]);
+            if first || now == *before {
+                continue;
+            }
+            if let Some(changes) = changes(block, place)
+                && let Some(verb) = changes.phrase(*before, now)
+            {
+                observer.event(*t, phrase(words, block, &changes.subject, verb), words);
             }
         }
+        modes.note(&diagram.d);
     }
 }

@@ -16,7 +16,8 @@ pub trait Observer {
     /// Of signals that are held (`Recorded::held`) a sample hit has only the row behind the jump.
     fn row(&mut self, t: f64, values: &[f64]);
 
-    /// A guard of the block at `path` crossed zero, or the block jumped (`what` is then `jump`).
+    /// Something happened to the part at `path`: a guard crossed zero, a mode changed, the block jumped. `what` reads behind
+    /// the path and begins with a verb: `switches on`, `touches the upper end (axis 2)`.
     fn event(&mut self, _t: f64, _path: &str, _what: &str) {}
 
     /// Asked about every 256 steps whether to go on.

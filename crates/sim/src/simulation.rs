@@ -26,6 +26,8 @@ use crate::{Control, Observer, SimError, diagnose, methods};
 
 /// Steps after which the observer is asked whether to go on.
 const PATIENCE: u32 = 256;
+/// Bytes for the words of an event, so that reporting one takes no memory.
+const WORDS: usize = 256;
 /// A relative tolerance where none is given.
 const UNTOLD: f64 = 1e-3;
 
@@ -46,6 +48,8 @@ pub struct Simulation {
     /// What sets out from the zero of a guard.
     pub(crate) departure: Departure,
     pub(crate) modes: Modes,
+    /// Room for the words of an event.
+    pub(crate) words: String,
     /// How large states have become.
     pub(crate) sizes: Sizes,
     /// Whether a block follows another law since a step that it has taken note of.
@@ -165,6 +169,7 @@ impl Simulation {
             angles: Angles::new(&schedule),
             departure: Departure::new(schedule.states),
             modes: Modes::new(&schedule),
+            words: String::with_capacity(WORDS),
             pace: Pace::default(),
             rows: Rows::new(&schedule),
             refine: Refine::new(&schedule),
@@ -259,7 +264,7 @@ impl Simulation {
 
     fn event_in_the_past(&self, block: usize, next: f64) -> SimError {
         let path = &self.schedule.blocks[block].path;
-        SimError::new("time_event", self.t, format!("the next event of `{path}` is said to be at {next} s"))
+        SimError::new("time_event", self.t, format!("`{path}` gives {next} s as the time of its next event"))
             .at(path)
             .help("a time event must lie after the present time")
     }

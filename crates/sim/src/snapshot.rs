@@ -80,6 +80,7 @@ impl Simulation {
         self.t = snapshot.t;
         self.x.clone_from(&snapshot.x);
         self.diagram.d.clone_from(&snapshot.d);
+        self.modes.note(&self.diagram.d);
         self.diagram.signals.clone_from(&snapshot.signals);
         self.diagram.loops.anchors.clone_from(&snapshot.loops);
         self.diagram.place(self.t, &self.x);

@@ -199,7 +199,7 @@ pub enum StepError {
         t: f64,
         /// Size of the step that was rejected, s.
         h: f64,
-        /// The state with the largest error, or the first one whose derivative is not finite.
+        /// The state with the maximum error, or the first one whose derivative is not finite.
         state: usize,
     },
     /// The derivative is not finite at the state to start from, so no smaller step can help.

@@ -274,7 +274,7 @@ impl Weights {
         if norm.is_finite() { norm } else { f64::INFINITY }
     }
 
-    /// The state with the largest error, or the first one that is not finite.
+    /// The state with the maximum error, or the first one that is not finite.
     pub fn worst(&self, x0: &[f64], x1: &[f64], error: &[f64], h: f64) -> usize {
         let first = self.first(x1);
         let mut worst = (0, -1.0);

@@ -15,7 +15,7 @@ use blocksim_controller::prelude::*;
 #[derive(Debug)]
 pub struct Cascade;
 
-const KV: Parameter = Parameter::new(0, "kv", "1/s", "Gain from position error to wanted speed.").or(&[20.0]);
+const KV: Parameter = Parameter::new(0, "kv", "1/s", "Gain from position error to set speed.").or(&[20.0]);
 const KP: Parameter = Parameter::new(1, "kp", "1", "Gain of the speed error.").or(&[1.0]);
 const KI: Parameter = Parameter::new(2, "ki", "1/s", "Gain of the integral of the speed error.").or(&[20.0]);
 const KD: Parameter = Parameter::new(3, "kd", "s", "Gain of the acceleration error.").or(&[0.0]);
@@ -25,11 +25,12 @@ const SLIP_LIMIT: Parameter =
         .or(&[1.0]);
 const TS: Parameter = Parameter::new(6, "ts", "s", "Sample time.").or(&[1e-3]);
 const U_START: Parameter =
-    Parameter::new(7, "u_start", "1", "Integral part of u at the start, say to hold a load.").or(&[0.0]);
+    Parameter::new(7, "u_start", "1", "Integral part of u at the start, for example to hold a load.")
+        .or(&[0.0]);
 
-const Q_SET: Input = Input::new(0, "q_set", "rad", "Wanted position.");
-const QD_SET: Input = Input::new(1, "qd_set", "rad/s", "Wanted speed.");
-const QDD_SET: Input = Input::new(2, "qdd_set", "rad/s^2", "Wanted acceleration.");
+const Q_SET: Input = Input::new(0, "q_set", "rad", "Set position.");
+const QD_SET: Input = Input::new(1, "qd_set", "rad/s", "Set speed.");
+const QDD_SET: Input = Input::new(2, "qdd_set", "rad/s^2", "Set acceleration.");
 const Q: Input = Input::new(3, "q", "rad", "Position.");
 const W: Input = Input::new(4, "w", "rad/s", "Speed.");
 
@@ -65,7 +66,7 @@ fn law(c: &Context) -> Parts {
     Parts { e_w, v, u }
 }
 
-/// Unlike `clamp` it takes limits that are not numbers, and unlike `max` it lets a demand that is no number
+/// Unlike `clamp` it takes limits that are not numbers, and unlike `max` it lets a demand that is not a number
 /// through, so that the simulator sees it.
 fn limit(v: f64, lower: f64, upper: f64) -> f64 {
     if v < lower {

@@ -17,9 +17,9 @@ impl<const N: usize> ComputedTorque<N> {
     const REST: Rest = rest(N);
     const ALL: &'static [Parameter] = &all(N);
 
-    const Q: Input = Input::vector(0, N, "q", "rad", "Wanted positions.");
-    const QD: Input = Input::vector(N, N, "qd", "rad/s", "Wanted speeds.");
-    const QDD: Input = Input::vector(2 * N, N, "qdd", "rad/s^2", "Wanted accelerations.");
+    const Q: Input = Input::vector(0, N, "q", "rad", "Set positions.");
+    const QD: Input = Input::vector(N, N, "qd", "rad/s", "Set speeds.");
+    const QDD: Input = Input::vector(2 * N, N, "qdd", "rad/s^2", "Set accelerations.");
     const PORTS: &'static [Input] = &[Self::Q, Self::QD, Self::QDD];
     const TAU: Output = Output::vector(0, N, "tau", "N*m", "Torques of the motors.").reads(Self::PORTS);
 }

@@ -147,8 +147,8 @@ pub trait Puzzle: Sized + Clone + Debug + PartialEq {
         match findings.and_then(|findings| findings.missed.into_iter().next()) {
             // A few units in the last place of what is drawn here.
             Some(Missed { beyond, .. }) if beyond < ROUNDING => Finding::Undecided(Undecided::Grazes),
-            Some(Missed { t, path, guard, beyond }) => {
-                let what = format!("{path} ({guard}) was beyond zero by {beyond:e} at {t} s");
+            Some(Missed { t, path, what, beyond }) => {
+                let what = format!("{path} ({what}) was beyond zero by {beyond:e} at {t} s");
                 Finding::Wrong(Fault::new("missed", what))
             }
             None => Finding::Right,

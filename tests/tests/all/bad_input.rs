@@ -122,7 +122,7 @@ fn a_decimal_comma() {
     check_text(
         "Diagram(\n  blocks: {\n    \"pid\": Pid(kp: 1,05, ki: 2.0),\n  },\n)",
         &expect![[r#"
-            error[syntax]: `1,05` is no number
+            error[syntax]: `1,05` is not a number
               model.ron:3:20 `1,05` 
               help: decimal comma? write 1.05
         "#]],
@@ -144,13 +144,13 @@ fn a_file_that_is_missing_and_a_file_that_includes_itself() {
         r#""a": Subsystem(file: "nowhere.ron"), "b": Subsystem(file: "model.ron"), "c": FromFile(file: "data.csv"),"#,
         "",
         &expect![[r#"
-            error[missing_file]: cannot read `nowhere.ron`: there is no such file
+            error[missing_file]: cannot read `nowhere.ron`: the file does not exist
               model.ron:3:26 `"nowhere.ron"` named here
               help: paths are relative to the file that names them
             error[recursive_file]: `model.ron` contains itself
               model.ron:3:63 `"model.ron"` is being built already
               help: a diagram cannot be part of itself
-            error[missing_file]: cannot read `data.csv`: there is no such file
+            error[missing_file]: cannot read `data.csv`: the file does not exist
               model.ron:3:97 `"data.csv"` 
               help: the path is relative to the diagram that names it
         "#]],
@@ -158,7 +158,7 @@ fn a_file_that_is_missing_and_a_file_that_includes_itself() {
     check_text(
         r#"Diagram(parameters: { "p": File("nothing.ron"), "q": File("model.ron"), "r": "s", "s": "r + 1" }, blocks: {}, connections: [])"#,
         &expect![[r#"
-            error[missing_file]: cannot read `nothing.ron`: there is no such file
+            error[missing_file]: cannot read `nothing.ron`: the file does not exist
               model.ron:1:33 `"nothing.ron"` named here
               help: paths are relative to the file that names them
             error[recursive_file]: `model.ron` includes itself
@@ -474,7 +474,7 @@ fn a_move_out_of_its_limits_names_the_axis_and_the_limit() {
                   help: choose a position from -180 to 180 deg
             "#]].assert_eq(&problems),
             path if path.contains("140 %") => expect![[r#"
-                error[parameter]: the velocity is 140 % of the largest speed
+                error[parameter]: the velocity is 140 % of the maximum speed
                   model.ron:5:19 `(start: ["0 deg"], target: ["20 deg"], velocity: "140 %", acceleration: "30 %")` 
                   note: in block `m` (JointMove)
                   help: choose more than 0 % and at most 100 %
@@ -507,7 +507,7 @@ fn an_input_of_a_subsystem_that_says_its_unit() {
         error[unit_mismatch]: `x.w` is in rad/s, but `s.y` is in Hz
           model.ron:1:114 `s.y` is in Hz
           inner.ron:1:24 `(unit: "rad/s")` declared in rad/s
-          help: mend the unit where the signal arises, or the one that the subsystem declares
+          help: correct the unit where the signal arises, or the one that the subsystem declares
     "#]]
     .assert_eq(&compile_with(&desk, Path::new("model.ron"), &[]).1);
 }

@@ -424,7 +424,7 @@ fn what_has_no_answer_is_told() {
         r#""u.p <-> b.p", "u.n <-> b.n <-> g.p""#,
     ));
     expect![[r#"
-        error[unknown_slope]: capacitors lie across an ideal source: the current through them contains the slope of a voltage that comes as a signal, which nothing tells
+        error[unknown_slope]: capacitors lie across an ideal source: the current through them contains the slope of a voltage that comes as a signal of unknown slope
           model.ron:3:90 `"u"` `u` gives this voltage
           model.ron:3:120 `"m"` `m` looks at the current
           help: connect `dv` of the source if it has this input, put a resistance in series to it, for instance Resistor(r: "1 mOhm"), or leave out what measures the current

@@ -165,7 +165,7 @@ fn the_mass_bounces_at_the_times_of_the_closed_form() {
     let impacts: Vec<f64> = run
         .events
         .iter()
-        .filter(|(_, path, what)| path == "velocity" && what == "jump")
+        .filter(|(_, path, what)| path == "velocity" && what == "is reset")
         .map(|(t, ..)| *t)
         .collect();
     assert_eq!(impacts.len(), expected.len(), "{:?}", run.events);
@@ -523,9 +523,10 @@ fn the_four_bar_linkage_turns_as_its_energy_says() {
     assert!(crank[run.time.len() - 1] > 20.0, "the crank turns fully");
 }
 
-/// Times at which a guard crossed.
-fn crossings(run: &Run, guard: &str) -> Vec<f64> {
-    run.events.iter().filter(|(_, _, what)| what == guard).map(|(t, ..)| *t).collect()
+/// Times at which something happened to a part: `bearing sticks`.
+fn times(run: &Run, part: &str, what: &str) -> Vec<f64> {
+    let events = run.events.iter().filter(|(_, path, words)| path == part && words == what);
+    events.map(|(t, ..)| *t).collect()
 }
 
 /// Slipping, the stretch of the spring is `sliding/k + a cos(wt) + v/w sin(wt)` until its rate is that of the pull again;
@@ -537,7 +538,8 @@ fn a_disc_sticks_and_slips_at_the_times_of_its_closed_form() {
     let (omega, a) = (f64::sqrt(k / j), (held - sliding) / k);
     let slip = 2.0 * (PI - f64::atan(a * omega / v)) / omega;
     let stick = 2.0 * a / v;
-    let found = crossings(&run, "bearing.mode");
+    let found: Vec<f64> =
+        run.events.iter().filter(|(_, path, _)| path == "bearing").map(|(t, ..)| *t).collect();
     let expected =
         (0..).map(|i| held / k / v + f64::from(i / 2) * (slip + stick) + if i % 2 == 1 { slip } else { 0.0 });
     let expected: Vec<f64> = expected.take_while(|t| *t < 1.2).collect();
@@ -550,7 +552,7 @@ fn a_disc_sticks_and_slips_at_the_times_of_its_closed_form() {
     assert!(still.into_iter().all(|(_, w)| *w == 0.0), "it creeps before it breaks away");
     // The fastest point of the swing.
     let fastest = v + f64::hypot(a * omega, v);
-    close(largest(speed), fastest, 2e-3 * fastest, "largest speed, at the points recorded");
+    close(largest(speed), fastest, 2e-3 * fastest, "maximum speed, at the points recorded");
 }
 
 /// Between the events all torques are constant.
@@ -566,13 +568,13 @@ fn coupled_clutches_lock_and_part_as_their_torques_say() {
     // Slipping: -100 and +100 rad/s^2.
     check(0.3, [70.0, 30.0, 0.0]);
     // Locked at 0.5 s at 50 rad/s; 10 N*m on 0.5 kg*m^2.
-    close(crossings(&run, "first.mode")[0], 0.5, 1e-9, "the first locks");
+    close(times(&run, "first", "locks")[0], 0.5, 1e-9, "the first locks");
     check(0.9, [58.0, 58.0, 0.0]);
     // At 1 s at 60 rad/s the second closes: -20 and +40 rad/s^2; the first bears 10 + 0.2 * 20 = 14 N*m.
     check(1.5, [50.0, 50.0, 20.0]);
     close(run.at("transmitted.first", 1.5), 14.0, 1e-9, "the first bears");
     // They meet at 2 s at 40 rad/s; all three gain 10 rad/s^2. At 2.5 s the first opens: the motor gains 50 rad/s^2.
-    close(crossings(&run, "second.mode")[0], 2.0, 1e-9, "the second locks");
+    close(times(&run, "second", "locks")[0], 2.0, 1e-9, "the second locks");
     check(2.4, [44.0; 3]);
     check(2.8, [60.0, 45.0, 45.0]);
     let locked = (0..run.time.len()).filter(|i| run.time[*i] > 0.6 && run.time[*i] < 1.9);
@@ -592,7 +594,7 @@ fn a_hoist_lifts_holds_and_lets_down_as_its_efficiencies_say() {
     let rest = 3.0 + lifted * driven / (up - 0.4);
     let lowered = (0.1 - down) / driving * 2.0;
     let end = 9.0 - lowered * driving / (0.4 - down);
-    let stops = crossings(&run, "gear.mode");
+    let stops = times(&run, "gear", "sticks");
     assert_eq!(stops.len(), 2, "{stops:?}");
     close(stops[0], rest, 1e-9, "it comes to rest above");
     close(stops[1], end, 1e-9, "it comes to rest below");

@@ -218,7 +218,7 @@ fn what_has_no_answer_is_told() {
     };
     // The slope of the current is asked for and nobody tells it.
     expect![[r#"
-        error[unknown_slope]: inductances lie in series with an ideal current source: the voltage across them contains the slope of a current that comes as a signal, which nothing tells
+        error[unknown_slope]: inductances lie in series with an ideal current source: the voltage across them contains the slope of a current that comes as a signal of unknown slope
           model.ron:3:66 `"j"` `j` gives this current
           model.ron:3:122 `"v"` `v` looks at the voltage
           help: connect `di` of the source, put a resistance in parallel to it, for instance Resistor(r: "1 MOhm"), or leave out what measures the voltage

@@ -61,7 +61,7 @@ fn every_unit_of_every_parameter_is_one() {
         for parameter in info.parameters.iter().filter(|parameter| !parameter.unit.is_empty()) {
             assert!(
                 Unit::parse(parameter.unit).is_ok(),
-                "{}.{} is in `{}`, which is no unit",
+                "{}.{} is in `{}`, which is not a unit",
                 info.kind,
                 parameter.name,
                 parameter.unit
@@ -118,5 +118,89 @@ fn every_kind_with_limits_refuses_a_start_outside_of_them() {
                 && ["outside", "starts at", "start at"].iter().any(|word| line.contains(word))
         });
         assert!(told, "{block}: {problems}");
+    }
+}
+
+#[test]
+fn names_of_other_programs_lead_to_parameters_that_exist() {
+    let all: BTreeSet<&str> =
+        kinds().iter().flat_map(|info| info.parameters.iter().map(|parameter| parameter.name)).collect();
+    let lost: Vec<&str> = blocksim_block::synonyms::parameters().filter(|name| !all.contains(name)).collect();
+    assert!(lost.is_empty(), "no kind has the parameters {lost:?} that the table leads to");
+}
+
+/// Kinds with names of parameters from elsewhere, and what is suggested.
+const ELSEWHERE: [(&str, &str, &str); 60] = [
+    ("Integrator", "initial", "x0"),
+    ("Integrator", "InitialCondition", "x0"),
+    ("Integrator", "y_start", "x0"),
+    ("Integrator", "UpperSaturationLimit", "upper"),
+    ("Integrator", "ExternalReset", "reset"),
+    ("Gain", "gain", "k"),
+    ("Gain", "factor", "k"),
+    ("Sine", "freq", "frequency"),
+    ("Sine", "freqHz", "frequency"),
+    ("Sine", "f", "frequency"),
+    ("Sine", "amp", "amplitude"),
+    ("Sine", "offset", "bias"),
+    ("Step", "StepTime", "time"),
+    ("Step", "FinalValue", "after"),
+    ("Step", "InitialValue", "before"),
+    ("Step", "height", "after"),
+    ("Ramp", "rate", "slope"),
+    ("Pulse", "PulseWidth", "width"),
+    ("Pulse", "PhaseDelay", "delay"),
+    ("Constant", "k", "value"),
+    ("Saturation", "UpperLimit", "upper"),
+    ("Saturation", "uMin", "lower"),
+    ("DeadZone", "uMax", "end"),
+    ("RateLimiter", "RisingSlewLimit", "rising"),
+    ("Relay", "OnSwitchValue", "on_at"),
+    ("Relay", "OffOutputValue", "off"),
+    ("Backlash", "BacklashWidth", "width"),
+    ("Quantizer", "QuantizationInterval", "interval"),
+    ("TransferFunction", "Numerator", "num"),
+    ("TransferFunction", "Denominator", "den"),
+    ("LowPass", "T", "tau"),
+    ("LowPass", "TimeConstant", "tau"),
+    ("LowPass", "x0", "y0"),
+    ("Pid", "P", "kp"),
+    ("Pid", "I", "ki"),
+    ("Pid", "D", "kd"),
+    ("Pid", "yMax", "upper"),
+    ("TransportDelay", "DelayTime", "delay"),
+    ("UnitDelay", "SampleTime", "ts"),
+    ("UnitDelay", "dt", "ts"),
+    ("Delay", "DelayLength", "steps"),
+    ("Switch", "Thresh", "threshold"),
+    ("Sum", "inputs", "signs"),
+    ("LookupTable1D", "TableData", "table"),
+    ("LookupTable2D", "BreakpointsForDimension2", "columns"),
+    ("Resistor", "resistance", "r"),
+    ("Inductor", "inductance", "l"),
+    ("Capacitor", "initial_voltage", "v0"),
+    ("VoltageSource", "voltage", "v"),
+    ("Diode", "Vf", "v_f"),
+    ("DcMotor", "resistance", "r"),
+    ("DcMotor", "torque_constant", "k"),
+    ("DcMotor", "inertia", "j"),
+    ("PermanentMagnetMachine", "p", "pole_pairs"),
+    ("Inertia", "inertia", "j"),
+    ("Mass", "mass", "m"),
+    ("RotationalSpring", "c", "k"),
+    ("RotationalDamper", "damping", "d"),
+    ("SimpleGear", "gear_ratio", "ratio"),
+    ("World", "g", "gravity"),
+];
+
+#[test]
+fn unknown_parameters_are_answered_by_meaning() {
+    for (kind, name, expected) in ELSEWHERE {
+        let text = format!("Diagram(blocks: {{ \"a\": {kind}({name}: 1) }}, connections: [])");
+        let (compiled, problems) = compile_text(&text);
+        let unknown = compiled.problems.iter().find(|problem| problem.code == "unknown_parameter");
+        let unknown = unknown.unwrap_or_else(|| panic!("{kind}({name}: ..): {problems}"));
+        let meant = unknown.remedy().map(|edit| edit.new.as_str());
+        assert_eq!(meant, Some(expected), "{kind}({name}: ..): {problems}");
     }
 }

@@ -50,7 +50,7 @@ fn a_coasting_gear_stops_when_its_closed_form_says() {
             let push = format!("Step(time: \"{stop:?} s\", before: \"{:?} N*m\", after: \"0 N*m\")", -brake);
             let run =
                 train("12 s", solver, GEAR, "Inertia(j: 2e-4, w0: 100.0)", "Inertia(j: 0.5)", &push, NOTHING);
-            let stops: Vec<f64> = run.events.iter().filter(|e| e.2 == "gear.mode").map(|e| e.0).collect();
+            let stops: Vec<f64> = run.events.iter().filter(|e| e.1 == "gear").map(|e| e.0).collect();
             assert!(stops.len() <= 1, "{solver}: {:?}", run.events);
             stops.iter().for_each(|found| close(*found, stop, 1e-8));
             close(run.last("scope.phi"), 0.5 * 100.0 * stop, 1e-6);
@@ -72,7 +72,7 @@ fn a_stuck_gear_breaks_away_where_the_motor_overcomes_the_load_and_the_losses() 
         r#"Constant(value: "-20 N*m")"#,
     );
     // Stuck from the start; up it goes when the motor bears (load + bearing) / eta.
-    let first = run.events.iter().find(|e| e.2 == "gear.mode").expect("it breaks away").0;
+    let first = run.events.iter().find(|e| e.1 == "gear").expect("it breaks away").0;
     close(first, ((0.4 + 0.02) / 0.75 - 0.3) / 0.1, 1e-9);
     assert!(run.time.iter().zip(run.column("scope.w")).all(|(t, w)| *t > first || *w == 0.0));
     assert!(run.last("scope.w") > 0.0);
@@ -87,7 +87,7 @@ fn a_stuck_gear_breaks_away_where_the_motor_overcomes_the_load_and_the_losses() 
         r#"Ramp(initial: "0.3 N*m", slope: "-0.1 N*m/s")"#,
         r#"Constant(value: "-20 N*m")"#,
     );
-    let first = run.events.iter().find(|e| e.2 == "gear.mode").expect("it breaks away").0;
+    let first = run.events.iter().find(|e| e.1 == "gear").expect("it breaks away").0;
     close(first, (0.3 - 0.6 * (0.4 - 0.02)) / 0.1, 1e-9);
     assert!(run.last("scope.w") < 0.0);
 }
@@ -187,7 +187,7 @@ fn a_self_locking_worm_that_is_overrun_by_a_flywheel_stops_and_stays() {
             r#"Ramp(initial: "-1 N*m", slope: "2 N*m/s")"#,
         );
         let (j2, forward) = (50.0 / 1600.0, worm()[0]);
-        let jam = run.events.iter().find(|e| e.2 == "gear.mode").expect("it jams").0;
+        let jam = run.events.iter().find(|e| e.1 == "gear").expect("it jams").0;
         close(jam, 0.5, 1e-9);
         let before = run.time.partition_point(|t| *t < 0.4);
         let t = run.time[before];

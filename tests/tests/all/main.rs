@@ -23,6 +23,7 @@ mod drives;
 mod energy;
 mod energy_of_components;
 mod energy_of_networks;
+mod events;
 mod examples;
 mod flagship;
 mod formatting;

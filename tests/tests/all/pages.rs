@@ -46,7 +46,7 @@ const WITH_OVERRIDE: [(&str, &str, &str); 1] = [("unknown_override", "levle=2", 
 /// Files that a page speaks of: page, name, contents. Columns of a table cannot stand in a diagram.
 const BESIDE: [(&str, &str, &str); 3] = [
     ("table", "speed.csv", "time [s],speed [rad/s]\n0,0\n1,5\n1.5\n"),
-    ("table", "mended.csv", "time [s],speed [rad/s]\n0,0\n1,5\n1.5,5\n"),
+    ("table", "repaired.csv", "time [s],speed [rad/s]\n0,0\n1,5\n1.5,5\n"),
     ("unknown_column", "speed.csv", "time [s],speed [rad/s]\n0,0\n1,5\n"),
 ];
 

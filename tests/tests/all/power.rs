@@ -41,8 +41,7 @@ fn zero(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 
 /// Times of all events of a valve that changes by itself.
 fn changes(run: &Run, valve: &str) -> Vec<f64> {
-    let name = format!("{valve}.conducts");
-    run.events.iter().filter(|(_, _, what)| *what == name).map(|(t, ..)| *t).collect()
+    run.events.iter().filter(|(_, path, _)| path == valve).map(|(t, ..)| *t).collect()
 }
 
 /// A coil switched from a battery, with a freewheeling diode.

@@ -141,7 +141,7 @@ fn a_relay_without_hysteresis_around_zero() {
         r#""x": Integrator(x0: "1 s"), "relay": Relay(on_at: "0 s", off_at: "0 s", on: -1, off: 1), "show": Scope"#,
         r#""x.y -> relay.u, show.u", "relay.y -> x.u""#,
         &expect![[r#"
-            relay: error[chatter] at t = 1.0000000000004443 s: `relay` is chattering: its guard `switches` keeps crossing zero
+            relay: error[chatter] at t = 1.0000000000004443 s: `relay` is chattering: it switches on and switches off again and again
             help: give the switching a hysteresis, or use a method of fixed step
         "#]],
     );

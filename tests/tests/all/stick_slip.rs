@@ -23,7 +23,7 @@ fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
 
 /// Times at which modes end.
 fn modes(run: &Run, guard: &str) -> Vec<f64> {
-    run.events.iter().filter(|(_, _, what)| what == guard).map(|(t, ..)| *t).collect()
+    run.events.iter().filter(|(_, path, _)| path == guard).map(|(t, ..)| *t).collect()
 }
 
 const SOLVERS: [&str; 15] = [
@@ -62,7 +62,7 @@ const HARD: &str = "breakaway: 3.0, breakaway_velocity: 0.0, coulomb: 3.0";
 fn a_ramp_moves_a_disc_once_and_for_all() {
     for solver in SOLVERS {
         let run = simulate("2 s", solver, &disc(r#"Ramp(slope: "5 N*m/s")"#, HARD), WIRES);
-        let times = modes(&run, "bearing.mode");
+        let times = modes(&run, "bearing");
         assert_eq!(times.len(), 1, "{solver}: {times:?}");
         close(times[0], 0.6, 1e-9, solver);
         close(run.last("scope.w"), 5.0 * 1.4 * 1.4, 1e-3, solver);
@@ -92,7 +92,7 @@ fn a_sine_breaks_a_disc_loose_twice_a_period() {
     for solver in SOLVERS {
         let run =
             simulate("10 s", solver, &disc(r#"Sine(amplitude: "5 N*m", frequency: "1 Hz")"#, HARD), WIRES);
-        let times = modes(&run, "bearing.mode");
+        let times = modes(&run, "bearing");
         let due: Vec<f64> = expected.iter().copied().filter(|t| *t < 10.0).collect();
         assert_eq!(times.len(), due.len(), "{solver}: {times:?}");
         for (found, due) in times.iter().zip(&due) {
@@ -111,12 +111,12 @@ fn stick_slip_over_a_falling_friction_has_the_same_events_with_all_methods() {
         "sensor": MotionSensor, "frame": RotationalReference, "scope": Scope(inputs: ["w"])"#;
     let wires = r#""pull.y -> drive.w", "drive.r <-> spring.r", "spring.c <-> disc.r <-> rail.r <-> sensor.r",
         "drive.c <-> rail.c <-> sensor.c <-> frame.r", "sensor.w -> scope.w""#;
-    let reference = modes(&simulate("1 s", "Ode45(rtol: 1e-11, atol: 1e-13)", blocks, wires), "rail.mode");
+    let reference = modes(&simulate("1 s", "Ode45(rtol: 1e-11, atol: 1e-13)", blocks, wires), "rail");
     close(reference[0], 0.15, 1e-12, "the spring bears the breakaway torque");
     assert!(reference.len() > 6, "{reference:?}");
     for solver in SOLVERS {
         let run = simulate("1 s", solver, blocks, wires);
-        let times = modes(&run, "rail.mode");
+        let times = modes(&run, "rail");
         assert_eq!(times.len(), reference.len(), "{solver}: {times:?} != {reference:?}");
         for (found, due) in times.iter().zip(&reference) {
             close(*found, *due, 3e-3, solver);

@@ -23,7 +23,7 @@ fn close(found: f64, expected: f64, tolerance: f64) {
 
 /// Times at which modes end.
 fn modes(run: &Run, guard: &str) -> Vec<f64> {
-    run.events.iter().filter(|(_, _, what)| what == guard).map(|(t, ..)| *t).collect()
+    run.events.iter().filter(|(_, path, _)| path == guard).map(|(t, ..)| *t).collect()
 }
 
 const SOLVERS: [&str; 3] =
@@ -41,7 +41,7 @@ fn a_coasting_flywheel_stops_after_j_w_over_t_and_stays() {
             r#""disc.r <-> bearing.r <-> sensor.r", "bearing.c <-> sensor.c <-> frame.r",
                "sensor.w -> scope.w", "sensor.phi -> scope.phi""#,
         );
-        let stops = modes(&run, "bearing.mode");
+        let stops = modes(&run, "bearing");
         assert_eq!(stops.len(), 1, "{solver}: {:?}", run.events);
         close(stops[0], 2.0, 1e-9);
         assert_eq!(run.last("scope.w"), 0.0, "{solver}");
@@ -84,7 +84,7 @@ fn a_disc_that_a_spring_pulls_sticks_and_slips_at_the_times_of_the_closed_form()
             r#""pull.y -> drive.w", "drive.r <-> spring.r", "spring.c <-> disc.r <-> rail.r <-> sensor.r",
                "drive.c <-> rail.c <-> sensor.c <-> frame.r", "sensor.w -> scope.w""#,
         );
-        let found = modes(&run, "rail.mode");
+        let found = modes(&run, "rail");
         let due = expected.iter().filter(|t| **t < 1.2).count();
         assert_eq!(found.len(), due, "{solver}: more or fewer events than there are: {found:?}");
         let tolerance = if solver.starts_with("Rodas4") { 1e-6 } else { 1e-7 };
@@ -146,8 +146,8 @@ fn locked_clutches_turn_as_one_in_every_bit() {
         // a: -150, b: +60, c: +24 rad/s^2: the first locks at 100/210 s at 200/7 rad/s; then both lose 24 rad/s^2.
         let first = 100.0 / 210.0;
         let second = first + (100.0 - 150.0 * first - 24.0 * first) / 48.0;
-        close(modes(&run, "first.mode")[0], first, 1e-9);
-        close(modes(&run, "second.mode")[0], second, 1e-9);
+        close(modes(&run, "first")[0], first, 1e-9);
+        close(modes(&run, "second")[0], second, 1e-9);
         assert_eq!((run.last("scope.a"), run.last("scope.a")), (run.last("scope.b"), run.last("scope.c")));
         close(run.last("scope.a"), 20.0, 1e-9);
         assert_eq!(run.counts.events, 2, "{solver}: {:?}", run.events);
@@ -174,7 +174,7 @@ fn brakes_on_one_shaft_share_the_load_and_give_way_together() {
         assert_eq!(run.at("scope.w", t), 0.0);
     }
     // 15 N*m are reached after 3 s; then the ramp accelerates: w = 5 (t - 3)^2 / 2 / j.
-    close(modes(&run, "large.mode")[0], 3.0, 1e-9);
+    close(modes(&run, "large")[0], 3.0, 1e-9);
     close(run.last("scope.w"), 5.0, 1e-7);
 }
 

@@ -198,7 +198,7 @@ fn c_type(ty: &str) -> String {
 fn c_name(name: &str) -> String {
     let mut c = String::from("blocksim");
     for letter in name.chars() {
-        assert!(letter.is_ascii_alphanumeric(), "`{name}` is no type that the header knows");
+        assert!(letter.is_ascii_alphanumeric(), "`{name}` is not a type that the header knows");
         if letter.is_ascii_uppercase() {
             c.push('_');
         }

@@ -4,7 +4,8 @@ use blocksim_scene::Shape;
 use blocksim_signal::Unit;
 
 use super::{Domain, Element, PhysicalPort};
-use crate::{Discrete, Input, Interface, Output, State};
+use crate::event::{Change, Event, FRICTION};
+use crate::{Crossing, Discrete, Guard, Input, Interface, Output, State};
 
 /// What an output of a component needs before it can be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -15,6 +16,16 @@ pub enum Needs {
     Electrics,
     /// Torques and accelerations as well.
     Motion,
+}
+
+/// What the changes of the modes of friction are called.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionWords(pub &'static [Change]);
+
+impl Default for FrictionWords {
+    fn default() -> Self {
+        Self(FRICTION)
+    }
 }
 
 /// Ports, signals, states and elements of a component.
@@ -32,10 +43,11 @@ pub struct Part {
     pub drifting: Vec<usize>,
     /// Discrete states; [`Component::jump`](super::Component::jump) changes them.
     pub discrete: Vec<Discrete>,
-    /// Names of the guards.
-    pub guards: Vec<String>,
-    /// Those of them that are kinks, see [`Interface::kink`](crate::Interface::kink).
-    pub kinks: Vec<String>,
+    /// Guards.
+    pub guards: Vec<Guard>,
+    /// What the changes of the modes of friction are called: 0 where it sticks, 1 and -1 for the direction of slip, 2 where nothing
+    /// presses.
+    pub friction: FrictionWords,
     /// Has [`Component::jump`](super::Component::jump).
     pub jumps: bool,
     /// Has [`Component::next_event`](super::Component::next_event).
@@ -145,7 +157,7 @@ impl Part {
 
     /// Adds a discrete state. The component changes it in [`Component::jump`](super::Component::jump).
     pub fn discrete(mut self, name: &str, initial: f64) -> Self {
-        self.discrete.push(Discrete { name: name.to_owned(), initial });
+        self.discrete.push(Discrete::new(name, initial));
         self
     }
 
@@ -200,16 +212,34 @@ impl Part {
         self
     }
 
-    /// Adds a guard.
-    pub fn guard(mut self, name: &str) -> Self {
-        self.guards.push(name.to_owned());
+    /// Adds a guard; its crossings are called like this.
+    pub fn guard(mut self, name: &str, upwards: &'static str, downwards: &'static str) -> Self {
+        let event = Event::Crossing { upwards, downwards };
+        self.guards.push(Guard { event, ..Guard::new(name, Crossing::Either) });
         self
     }
 
-    /// Adds a guard of a kink that is not held on its side between events.
-    pub fn kink(mut self, name: &str) -> Self {
-        self.kinks.push(name.to_owned());
-        self.guard(name)
+    /// Adds a guard of a kink that is not held on its side between events; its crossings are called like this.
+    pub fn kink(mut self, name: &str, upwards: &'static str, downwards: &'static str) -> Self {
+        let event = Event::Crossing { upwards, downwards };
+        self.guards.push(Guard { event, ..Guard::of_kink(name) });
+        self
+    }
+
+    /// Which of several things in the component the last guard is about: `axis 2`.
+    pub fn detail(mut self, detail: String) -> Self {
+        self.guards
+            .iter_mut()
+            .last()
+            .into_iter()
+            .for_each(|guard| guard.subject.detail = Some(detail.clone()));
+        self
+    }
+
+    /// What the changes of the modes of friction are called, see [`Part::friction`].
+    pub fn friction_called(mut self, table: &'static [Change]) -> Self {
+        self.friction = FrictionWords(table);
+        self
     }
 
     /// Has [`Component::jump`](super::Component::jump).
@@ -244,9 +274,7 @@ impl Part {
         interface.ports.retain(|port| !port.inner);
         interface.states = self.states;
         interface.discrete = self.discrete;
-        for guard in self.guards {
-            interface = interface.guard(guard);
-        }
+        interface.guards = self.guards;
         interface.jumps = self.jumps;
         interface.time_events = self.time_events;
         for (output, needs) in self.outputs {

@@ -41,7 +41,7 @@ impl<'de, V: Visitor<'de>> Expected for Asked<V> {
 
 /// What was read, if anything was.
 fn read<T>(result: Option<T>) -> Result<T, ReadError> {
-    result.ok_or_else(|| ReadError::Text("there is no value".to_owned()))
+    result.ok_or_else(|| ReadError::Text("the value is missing".to_owned()))
 }
 
 /// Reads what a seed stands for, and keeps it in `result`.

@@ -18,7 +18,7 @@ use super::state_space::{column, dot, initial, sized};
 /// outputs would contain derivatives of the input, and equations that contradict or repeat each other, are refused.
 ///
 /// `x0` must fulfil the constraints at the start, or the run ends with an error that names the values that would; with
-/// `initial: Differential` only what $E x_0$ says is used. Without `x0` the states begin at zero and the rest follows.
+/// `initial: Differential` only $E x_0$ is used. Without `x0` the states begin at zero and the rest follows.
 ///
 /// A capacitor of 1 mF behind 1 kohm, with its voltage and its current as $x$: $C \dot x_1 = x_2$, $0 = u - x_1 - R x_2$.
 ///
@@ -44,7 +44,7 @@ pub struct DescriptorStateSpace {
     /// Values at the start, one for each row of `a`; empty means that the states are zero.
     #[block(default = Vec::new())]
     pub x0: Vec<f64>,
-    /// What is taken of `x0`: `Exact` (all of it; it must fulfil the constraints) or `Differential` (what `e` says of it).
+    /// What is taken of `x0`: `Exact` (all of it; it must fulfil the constraints) or `Differential` (the part that `e` determines).
     #[block(default = InitialValues::Exact)]
     pub initial: InitialValues,
     /// What follows from the parameters, worked out when it is first used.
@@ -143,7 +143,7 @@ impl Constraints {
             .help("some equations repeat or contradict each other, so some of x has none: look for rows that are sums of others")),
             Rank::Of(rank) => {
                 let message = format!(
-                    "the index of the equations is 2 or more: {} of the {m} constraints say(s) nothing of what no derivative determines",
+                    "the index of the equations is 2 or more: {} of the {m} constraints leave(s) open what no derivative determines",
                     m - rank
                 );
                 Err(ParamError::new("e", message).help(

@@ -67,6 +67,12 @@ const FREE: f64 = 0.0;
 const AT_UPPER: f64 = 1.0;
 const AT_LOWER: f64 = -1.0;
 
+/// What the crossings of the guards of the upper and of the lower limit are called, upwards and downwards.
+const LIMITS: [[&str; 2]; 2] = [
+    ["reaches the upper limit", "leaves the upper limit"],
+    ["leaves the lower limit", "reaches the lower limit"],
+];
+
 impl Integrator {
     /// Whether anything but plain integration happens.
     fn jumps(&self) -> bool {
@@ -156,15 +162,29 @@ impl Block for Integrator {
             return Ok(interface);
         }
         interface = interface.jumps().discrete("trigger", UNSEEN).discrete("started", 0.0);
-        for _ in 0..shape.len() {
+        let n = shape.len();
+        let [[reaches_upper, leaves_upper], [leaves_lower, reaches_lower]] = match self.wrap {
+            Some(_) => [["wraps round downwards"; 2], ["wraps round upwards"; 2]],
+            None => LIMITS,
+        };
+        for i in 0..n {
+            let detail = || (n > 1).then(|| format!("element {i}"));
             interface = interface.discrete("mode", FREE);
             if self.upper.is_some() || self.wrap.is_some() {
-                interface = interface.guard("upper");
+                interface = interface.guard("upper").detail(detail()).called(reaches_upper, leaves_upper);
             }
             if self.lower.is_some() || self.wrap.is_some() {
-                interface = interface.guard("lower");
+                interface = interface.guard("lower").detail(detail()).called(leaves_lower, reaches_lower);
             }
         }
+        let interface = interface.jump_called(
+            match (self.reset, self.lower.is_none() && self.upper.is_none() && self.wrap.is_none()) {
+                (Reset::None, _) => "",
+                (Reset::Level, true) => "is held or released",
+                (_, true) => "is reset",
+                (_, false) => "is reset or limited",
+            },
+        );
         Ok(self.reset.guard(interface, given))
     }
 

@@ -16,8 +16,8 @@ use super::state_space::{column, initial, sized};
 ///
 /// A singular `m` is reduced once: $Q^T M P = (R_1\ R_2;\ 0\ 0)$ by a QR factorisation with exchange of columns, rows
 /// and columns scaled to like sizes before. States are $w = x_1 + T z$ with $T = R_1^{-1} R_2$; the rest, $z$, is found at every
-/// instant so that the last rows of $Q^T u$ are zero. `x0` says where the states begin and where the search for $z$ begins:
-/// what $M y$ says of the start is kept, and the rest is made to fit. All methods of integration can be used.
+/// instant so that the last rows of $Q^T u$ are zero. The states and the search for $z$ begin at `x0`:
+/// $M y$ at the start is kept, and the rest is made to fit. All methods of integration can be used.
 ///
 /// ```ron
 /// MassMatrixIntegrator(m: [[1.0, 0.0], [0.0, 0.0]], x0: [1.0, 0.5])

@@ -77,14 +77,26 @@ impl Block for Pid {
             interface = interface.input(reset).jumps();
         }
         interface = interface.discrete("trigger", UNSEEN);
-        for _ in 0..e.shape.len() {
+        let n = e.shape.len();
+        for i in 0..n {
+            let detail = || (n > 1).then(|| format!("element {i}"));
             interface = interface.state("integral", self.law.x0).state("filter", self.law.d0);
             if self.law.limited() {
                 interface = interface.settles().discrete("mode", 0.0);
-                interface = interface.kink("upper").kink("lower").guard("e");
+                interface = interface
+                    .kink("upper")
+                    .detail(detail())
+                    .called("reaches the upper limit", "leaves the upper limit")
+                    .kink("lower")
+                    .detail(detail())
+                    .called("leaves the lower limit", "reaches the lower limit")
+                    .guard("e")
+                    .detail(detail())
+                    .called("sees its error turn positive", "sees its error turn negative");
             }
         }
-        Ok(self.reset.guard(interface, given))
+        let phrase = if self.reset == Reset::Level { "is held or released" } else { "is reset" };
+        Ok(self.reset.guard(interface, given).jump_called(phrase))
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {

@@ -49,7 +49,7 @@ impl Reset {
             Self::Either | Self::Level => Crossing::Either,
         };
         let is_bool = given.input_or_unknown("reset").kind == Kind::Bool;
-        if is_bool { interface } else { interface.guard_when(crossing, "reset") }
+        if is_bool { interface } else { interface.guard_when(crossing, "reset").called_by_mode() }
     }
 
     /// Whether the reset happens now, when the trigger has this value. `memory` is one discrete state, at first

@@ -24,7 +24,7 @@ pub(crate) fn agrees(
     }
     let message = format!("`{parameter}` is in {written}, but {expected} is needed here");
     Err(InterfaceError::units(&[port], message)
-        .help(format!("mend the unit of `{parameter}`, or scale the signal at `{port}`")))
+        .help(format!("correct the unit of `{parameter}`, or scale the signal at `{port}`")))
 }
 
 /// Element `i` of a signal; a scalar stands for all elements.

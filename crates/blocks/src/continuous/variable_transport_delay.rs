@@ -21,7 +21,7 @@ pub struct VariableTransportDelay {
     /// Least delay $T_{min}$, positive; steps are no longer.
     #[block(unit = "s")]
     pub min_delay: f64,
-    /// Largest delay $T_{max}$, which says for how long the input is remembered.
+    /// Maximum delay $T_{max}$: the input is remembered for that long.
     #[block(unit = "s")]
     pub max_delay: f64,
     /// Output until the first input comes out, in the unit of the input.
@@ -55,6 +55,7 @@ impl Block for VariableTransportDelay {
             Interface::new().input(Input::real("u")).input(delay).output_reading(&[1], Output::like("y", u));
         let states = history::states(ports, u.shape.len(), self.buffer)?;
         let guarded = states.guard_when(Crossing::Holds, "next").guard_when(Crossing::Holds, "last");
+        let guarded = guarded.called("passes a jump of its input on", "passes a jump of its input on");
         Ok(guarded.uses_time().remembers(self.min_delay))
     }
 

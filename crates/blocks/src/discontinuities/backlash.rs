@@ -28,6 +28,13 @@ const UPWARDS: f64 = 1.0;
 const DOWNWARDS: f64 = -1.0;
 const NONE: f64 = 0.0;
 
+/// What a change of the flank is called.
+const FLANKS: &[Change] = &[
+    Change::to(UPWARDS, "is carried upwards"),
+    Change::to(DOWNWARDS, "is carried downwards"),
+    Change::to(NONE, "rests in its play"),
+];
+
 impl Backlash {
     fn follow(&self, u: f64, last: f64) -> f64 {
         if u.is_nan() {
@@ -74,11 +81,11 @@ impl Block for Backlash {
             .input(Input::real("u"))
             .output(Output::like("y", u.of(dimension)))
             .memory("y", n, self.y0)
-            .memory("flank", n, 0.0)
+            .modes("flank", n, 0.0, FLANKS)
             .settles()
             .accepts();
-        let interface = (0..n).fold(interface, |all, _| all.guard_when(Crossing::Holds, "flank"));
-        Ok((0..n).fold(interface, |all, _| all.guard_when(Crossing::Peak, "turns")))
+        let interface = interface.guard_each_when(Crossing::Holds, "flank", n);
+        Ok(interface.guard_each_when(Crossing::Peak, "turns", n).called_by_mode())
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {

@@ -1,4 +1,4 @@
-use crate::math::elements::{clamp, kink_each, parameters_like};
+use crate::math::elements::{clamp, parameters_like};
 use blocksim_block::prelude::*;
 
 /// No output while the input is between `start` and `end`, beyond that the distance to the zone; element by element.
@@ -31,7 +31,9 @@ impl Block for DeadZone {
         let dimension = parameters_like(given, "u", u.dimension, &["start", "end"])?;
         let n = u.shape.len();
         let interface = Interface::new().input(Input::real("u")).output(Output::like("y", u.of(dimension)));
-        Ok(kink_each(kink_each(interface, "start", n), "end", n))
+        let start =
+            interface.kink_each("start", n).called("enters the dead zone", "leaves the dead zone downwards");
+        Ok(start.kink_each("end", n).called("leaves the dead zone upwards", "enters the dead zone"))
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {

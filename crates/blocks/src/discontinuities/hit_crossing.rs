@@ -2,7 +2,7 @@ use crate::continuous::{Reset, UNSEEN};
 use crate::math::elements::parameters_like;
 use blocksim_block::prelude::*;
 
-/// Counts how often a signal crosses a value, and tells when it last did; element by element.
+/// Counts how often a signal crosses a value, and gives the time of the last one; element by element.
 ///
 /// The solver stops at each crossing in the direction that counts, and at no other, also where the signal only dips through
 /// the value and back within a step. A signal that reaches the value has crossed it; one that turns round there has as
@@ -54,10 +54,8 @@ impl Block for HitCrossing {
             .memory("count", n, 0.0)
             .memory("time", n, 0.0)
             .settles();
-        Ok((0..n).fold(interface, |interface, i| {
-            let name = if n == 1 { "crosses".to_owned() } else { format!("crosses[{i}]") };
-            interface.guard_when(self.direction, name)
-        }))
+        let guarded = interface.guard_each_when(self.direction, "crosses", n);
+        Ok(guarded.called("counts a crossing upwards", "counts a crossing downwards"))
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {

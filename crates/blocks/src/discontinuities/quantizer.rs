@@ -24,6 +24,9 @@ impl Quantizer {
     }
 }
 
+/// What another level is called.
+const LEVELS: &[Change] = &[Change::any("changes its level")];
+
 impl Block for Quantizer {
     fn check(&self) -> Result<(), ParamError> {
         positive("interval", self.interval)
@@ -36,9 +39,9 @@ impl Block for Quantizer {
         let interface = Interface::new()
             .input(Input::real("u"))
             .output(Output::like("y", u.of(dimension)))
-            .memory("y", n, 0.0)
+            .modes("y", n, 0.0, LEVELS)
             .settles();
-        Ok((0..n).fold(interface, |all, _| all.guard_when(Crossing::Holds, "level")))
+        Ok(interface.guard_each_when(Crossing::Holds, "level", n).called_by_mode())
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {

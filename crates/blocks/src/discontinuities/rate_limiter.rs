@@ -75,9 +75,12 @@ impl Block for RateLimiter {
             .uses_time()
             .settles()
             .accepts();
-        let interface = (0..n).fold(interface, |all, _| all.guard_when(Crossing::Holds, "limit"));
-        let interface = (0..n).fold(interface, |all, _| all.guard_when(Crossing::Peak, "rises"));
-        Ok((0..n).fold(interface, |all, _| all.guard_when(Crossing::Peak, "falls")))
+        // The modes have no words: at the very rate they change by rounding alone.
+        let change = "reaches or leaves a limit";
+        let interface = interface.guard_each_when(Crossing::Holds, "limit", n).called(change, change);
+        let (rises, falls) = ("begins to limit the rise", "begins to limit the fall");
+        let interface = interface.guard_each_when(Crossing::Peak, "rises", n).called(rises, rises);
+        Ok(interface.guard_each_when(Crossing::Peak, "falls", n).called(falls, falls))
     }
 
     fn initialize(&self, c: &Context, _x: &mut [f64], d: &mut [f64]) {

@@ -1,10 +1,10 @@
-use crate::math::elements::{common_unit, guard_each, parameters_like};
+use crate::math::elements::{ON_OFF, common_unit, parameters_like};
 use blocksim_block::prelude::*;
 
 /// Two-point switch with hysteresis, element by element: on when $u \ge$ `on_at`, off when $u \le$ `off_at`, in between
 /// as before.
 ///
-/// It is off at the start unless the input says otherwise. The state changes only where the solver stops, and it stops
+/// It is off at the start unless the input is at `on_at` or above. The state changes only where the solver stops, and it stops
 /// where the input reaches the point that matters.
 ///
 /// ```ron
@@ -49,9 +49,9 @@ impl Block for Relay {
         let interface = Interface::new()
             .input(Input::real("u"))
             .output(Output::like("y", u.of(Some(dimension))))
-            .memory("on", n, 0.0)
+            .modes("on", n, 0.0, ON_OFF)
             .settles();
-        Ok(guard_each(interface, "switches", n))
+        Ok(interface.guard_each("switches", n).called_by_mode())
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {

@@ -1,4 +1,4 @@
-use crate::math::elements::{clamp, kink_each, parameters_like};
+use crate::math::elements::{clamp, parameters_like};
 use blocksim_block::prelude::*;
 
 /// Limits the input to `lower` ... `upper`, element by element.
@@ -29,7 +29,9 @@ impl Block for Saturation {
         let dimension = parameters_like(given, "u", u.dimension, &["lower", "upper"])?;
         let n = u.shape.len();
         let interface = Interface::new().input(Input::real("u")).output(Output::like("y", u.of(dimension)));
-        Ok(kink_each(kink_each(interface, "lower", n), "upper", n))
+        let lower =
+            interface.kink_each("lower", n).called("leaves the lower limit", "reaches the lower limit");
+        Ok(lower.kink_each("upper", n).called("reaches the upper limit", "leaves the upper limit"))
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {

@@ -52,7 +52,7 @@ impl Block for DiscreteTransferFunction {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let mut interface = self.ratio().interface(given, self.x0).sampled(self.ts);
         let states = std::mem::take(&mut interface.states).into_iter();
-        interface.discrete = states.map(|State { name, initial, .. }| Discrete { name, initial }).collect();
+        interface.discrete = states.map(|State { name, initial, .. }| Discrete::new(name, initial)).collect();
         Ok(interface)
     }
 

@@ -1,9 +1,10 @@
+use crate::math::elements::ON_OFF;
 use blocksim_block::prelude::*;
 
 /// Gate of a brake chopper: on while the voltage of the DC link is too high, with hysteresis.
 ///
 /// On when $v_{dc} \ge$ `on_at`, off when $v_{dc} \le$ `off_at`, in between as before; off at the start unless the voltage
-/// says otherwise. The solver stops where the voltage reaches the point that matters.
+/// is at `on_at` or above. The solver stops where the voltage reaches the point that matters.
 ///
 /// A machine that brakes feeds its power into the DC link. If only a rectifier feeds the link, its capacitor takes it
 /// all, and the voltage rises until the chopper sends it into a resistor.
@@ -39,8 +40,9 @@ impl Block for ChopperControl {
         Ok(Interface::new()
             .input(Input::real("vdc").scalar().unit("V").doc("voltage of the DC link"))
             .output(Output::boolean("gate").doc("of the switch of the chopper"))
-            .discrete("on", 0.0)
+            .modes("on", 1, 0.0, ON_OFF)
             .guard("switches")
+            .called_by_mode()
             .settles())
     }
 

@@ -29,6 +29,10 @@ const REVERSED: usize = 0;
 const UNTIL: usize = 1;
 const CHOSEN: usize = 2;
 
+/// What a change of the direction is called.
+const DIRECTIONS: &[Change] =
+    &[Change::to(1.0, "reverses the phases"), Change::to(0.0, "restores the phases")];
+
 impl Block for DirectionReverser {
     fn check(&self) -> Result<(), ParamError> {
         not_negative("hysteresis", self.hysteresis)?;
@@ -42,11 +46,13 @@ impl Block for DirectionReverser {
             .input(Input::real("u").scalar().doc("command; its sign is the direction"))
             .output(Output::boolean("reverse").doc("whether the phases are to be exchanged"))
             .output(Output::like("magnitude", PortType::scalar().of(unit)).doc("command in that direction"))
-            .discrete("reversed", 0.0)
+            .modes("reversed", 1, 0.0, DIRECTIONS)
             .discrete("until", 0.0)
             .discrete("chosen", 0.0)
             .guard("direction")
+            .called_by_mode()
             .guard("zero")
+            .called("turns positive", "turns negative")
             .settles()
             .time_events())
     }

@@ -28,7 +28,7 @@ impl Block for DutyCycles {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let three = PortType::vector(3);
         let wanted =
-            Input::real("v").shape(Shape::Vector(3)).unit("V").doc("phase voltages a, b, c that are wanted");
+            Input::real("v").shape(Shape::Vector(3)).unit("V").doc("required phase voltages a, b, c");
         Ok(Interface::new()
             .input(wanted)
             .input(Input::real("vdc").scalar().unit("V").doc("voltage of the DC link"))

@@ -82,12 +82,7 @@ impl Block for PwmGenerator {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let three = PortType::vector(3);
         let interface = Interface::new()
-            .input(
-                Input::real("v")
-                    .shape(Shape::Vector(3))
-                    .unit("V")
-                    .doc("phase voltages a, b, c that are wanted"),
-            )
+            .input(Input::real("v").shape(Shape::Vector(3)).unit("V").doc("required phase voltages a, b, c"))
             .input(Input::real("vdc").scalar().unit("V").doc("voltage of the DC link"))
             .output(switching::gates(6, "a+, a-, b+, b-, c+, c-"))
             .output(Output::like("modulation", three).doc("of each leg, -1 (always low) to 1 (always high)"))

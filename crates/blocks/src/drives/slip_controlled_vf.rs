@@ -101,7 +101,7 @@ impl Block for SlipControlledVf {
             guards: pi.guards,
             settles: pi.settles,
             ..Interface::new()
-                .input(Input::real("w_ref").scalar().unit("rad/s").doc("speed that is wanted"))
+                .input(Input::real("w_ref").scalar().unit("rad/s").doc("set speed"))
                 .input(Input::real("w").scalar().unit("rad/s").doc("speed of the rotor"))
                 .output(Output::real("f").unit("Hz").doc("frequency of the stator; may be negative"))
                 .output(Output::real("slip").unit("Hz").doc("slip frequency"))

@@ -16,7 +16,7 @@ use blocksim_block::prelude::*;
 ///
 /// With `command: Pulses` each rise of `step` counts one position, down while `reverse` is true. With
 /// `command: Angle(teeth: ..)` the position is the one at which the field stands nearest to the input `angle` of the rotor
-/// (with `Full` half a step beside the full steps); the solver stops halfway between two of them. For a commanded speed, integrate it to an angle. A motor that cannot follow loses steps: nobody
+/// (with `Full` half a step beside the full steps); the solver stops halfway between two of them. For a commanded speed, integrate it to an angle. A motor that cannot follow loses steps: nothing
 /// looks whether it does.
 ///
 /// Give the outputs to two `ControlledVoltageSource`, or compare them with the currents of the motor.
@@ -132,9 +132,11 @@ impl Block for StepperDriver {
                 .input(Input::boolean("step").scalar().doc("each rise counts a position"))
                 .input(Input::boolean("reverse").scalar().default(0.0).doc("counts down")),
             Command::Angle { .. } => Interface::new()
-                .input(Input::real("angle").scalar().unit("rad").doc("wanted angle of the rotor"))
+                .input(Input::real("angle").scalar().unit("rad").doc("set angle of the rotor"))
                 .guard("above")
-                .guard("below"),
+                .called("steps forward", "steps forward")
+                .guard("below")
+                .called("steps backward", "steps backward"),
         };
         Ok(interface
             .output(phase("a").doc("command for phase A"))

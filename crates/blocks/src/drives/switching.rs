@@ -34,8 +34,9 @@ pub(super) fn remember(interface: Interface, sampling: Sampling, legs: &[&str]) 
     }
     if sampling == Sampling::Natural {
         for leg in legs {
-            interface = interface.guard(*leg);
+            interface = interface.guard(*leg).detail((legs.len() > 1).then(|| format!("leg {leg}")));
         }
+        interface = interface.called("switches up", "switches down");
     }
     interface
 }

@@ -8,7 +8,7 @@ use crate::multibody::axis::finite_start;
 /// In a loop of capacitors and ideal voltages the voltages depend on each other: the charges of the nodes are then what is
 /// left of the states. When an ideal switch closes such a loop, the charges divide at once, and what that costs
 /// of the energy is heat. In series with a source that a signal commands, the current through both contains the slope of the
-/// signal, which nobody knows: who looks at it needs a resistance in between.
+/// signal, which is unknown: what depends on it needs a resistance in between.
 ///
 /// ```ron
 /// Capacitor(c: "470 uF", v0: "12 V")
@@ -19,7 +19,7 @@ pub struct Capacitor {
     /// Capacitance, positive.
     #[block(unit = "F")]
     pub c: f64,
-    /// Voltage at the start, from `p` to `n`. Where none is given it is what ideal voltages around it tell, else zero.
+    /// Voltage at the start, from `p` to `n`. Where none is given it follows from ideal voltages around it, else zero.
     #[block(unit = "V", default = None)]
     pub v0: Option<f64>,
 }

@@ -15,7 +15,7 @@ pub struct Inductor {
     /// Inductance, positive.
     #[block(unit = "H")]
     pub l: f64,
-    /// Current at the start, from `p` to `n`. Where none is given it is what the inductances in series with it tell, else zero.
+    /// Current at the start, from `p` to `n`. Where none is given it follows from the inductances in series with it, else zero.
     #[block(unit = "A", default = None)]
     pub i0: Option<f64>,
 }

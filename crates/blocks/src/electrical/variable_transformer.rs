@@ -9,7 +9,7 @@ use blocksim_block::prelude::*;
 /// that switches the first side between the pins of the second one during the share $n$ of its time: a step-down
 /// converter between a source at `p2`, `n2` and a load at `p1`, `n1`.
 ///
-/// The second side needs something that tells its voltage: a source, or a capacitor.
+/// The second side needs something that determines its voltage: a source, or a capacitor.
 ///
 /// ```ron
 /// VariableTransformer

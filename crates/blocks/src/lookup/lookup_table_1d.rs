@@ -37,7 +37,7 @@ pub struct LookupTable1D {
     pub extrapolation: Extrapolation,
 }
 
-/// What a table says between its breakpoints.
+/// The value of a table between its breakpoints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum Interpolation {
     /// The straight line.
@@ -131,6 +131,19 @@ impl LookupTable1D {
     }
 }
 
+/// Adds guards for the places above and below the present one, for element `i` of `n`.
+fn both(
+    mut interface: Interface,
+    i: usize,
+    n: usize,
+    add: impl Fn(Interface, &str) -> Interface,
+) -> Interface {
+    for name in ["above", "below"] {
+        interface = add(interface, name).detail((n > 1).then(|| format!("element {i}")));
+    }
+    interface.called("passes a breakpoint upwards", "passes a breakpoint downwards")
+}
+
 impl Block for LookupTable1D {
     fn check(&self) -> Result<(), ParamError> {
         let ends = if self.steps() { Extrapolation::Clip } else { self.extrapolation };
@@ -148,15 +161,16 @@ impl Block for LookupTable1D {
         agrees(given, "breakpoints", "u", u.dimension)?;
         let y = Output::like("y", u.of(Some(given.parameters.get("table"))));
         let mut interface = Interface::new().input(Input::real("u")).output(y);
+        let n = u.shape.len();
         if self.steps() {
             interface = interface.settles().memory("step", u.shape.len(), 0.0);
-            for _ in 0..u.shape.len() {
-                interface = interface.guard("above").guard("below");
+            for i in 0..n {
+                interface = both(interface, i, n, |all, name| all.guard(name));
             }
         } else if self.kinks().any() {
             interface = interface.settles().memory("interval", u.shape.len(), 0.0);
-            for _ in 0..u.shape.len() {
-                interface = interface.kink("above").kink("below");
+            for i in 0..n {
+                interface = both(interface, i, n, |all, name| all.kink(name));
             }
         }
         Ok(interface)

@@ -108,8 +108,15 @@ impl Block for LookupTable2D {
             .output(Output::like("y", y));
         if self.kinks_of_rows().any() || self.kinks_of_columns().any() {
             interface = interface.settles().memory("row", n, 0.0).memory("column", n, 0.0);
-            for name in (0..n).flat_map(|_| ["row above", "row below", "column above", "column below"]) {
-                interface = interface.kink(name);
+            for detail in (0..n).map(|i| (n > 1).then(|| format!("element {i}"))) {
+                for name in ["row above", "row below"] {
+                    interface = interface.kink(name).detail(detail.clone());
+                }
+                interface = interface.called("passes a row upwards", "passes a row downwards");
+                for name in ["column above", "column below"] {
+                    interface = interface.kink(name).detail(detail.clone());
+                }
+                interface = interface.called("passes a column upwards", "passes a column downwards");
             }
         }
         Ok(interface)

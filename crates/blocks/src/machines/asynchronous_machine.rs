@@ -36,8 +36,8 @@ use super::induction::{Base, Cages, Circuit, Magnetisation};
 /// machine turning without load at rated frequency, beginning with 0, 0: RMS values of a winding in A and V, or in per
 /// unit without units. It takes the place of `x_m`, is straight between its points, and goes on along its last line.
 ///
-/// A current of the zero sequence can flow in `Open` windings, and circulate in `Delta` when the start says so: it
-/// follows from `x_0`. With `zero_sequence: Exclude` there is none, whatever voltage the connection forces.
+/// A current of the zero sequence can flow in `Open` windings, and circulate in `Delta` when the start has one: it
+/// follows from `x_0`. With `zero_sequence: Exclude` it is zero, whatever voltage the connection forces.
 ///
 /// A machine starts without flux; or `Magnetised`, in the steady state of a given supply and slip, so that a drive that
 /// holds a load starts without a transient (the inertia must be given the matching speed); or with `Explicit` fluxes.

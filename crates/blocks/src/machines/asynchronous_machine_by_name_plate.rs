@@ -8,7 +8,7 @@ use super::asynchronous_machine_component::{Motor, has_zero_sequence};
 use super::asynchronous_machine_parameters::{Connection, Start};
 use super::induction::{self, Circuit, NamePlate};
 
-/// Three-phase induction machine with a squirrel cage, from what a catalogue or a name plate says of it.
+/// Three-phase induction machine with a squirrel cage, from the data of a catalogue or a name plate.
 ///
 /// Equations, ports, states and outputs are those of `AsynchronousMachine`; its resistances and reactances are found
 /// from the figures, all of them at rated voltage and frequency. With the current and the voltage 1, power factor
@@ -22,7 +22,7 @@ use super::induction::{self, Circuit, NamePlate};
 /// (outer) cage.
 ///
 /// Catalogues round, and measure standstill where iron saturates that is linear here: figures of small machines often fit
-/// no circuit exactly. `tolerance` says what deviation is accepted; an error lists the deviations of the nearest circuit.
+/// no circuit exactly. `tolerance` is the deviation that is accepted; an error lists the deviations of the nearest circuit.
 /// Iron losses count as losses in the resistance of the stator.
 ///
 /// ```ron

@@ -170,6 +170,6 @@ pub enum ZeroSequence {
     /// It follows from `x_0`.
     #[default]
     Include,
-    /// There is none, whatever the voltage.
+    /// It is zero, whatever the voltage.
     Exclude,
 }

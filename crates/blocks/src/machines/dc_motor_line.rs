@@ -43,7 +43,7 @@ impl TorqueLine {
         if self.no_load_current > 0.0 && self.damping > 0.0 {
             return Err(ParamError::new(
                 "damping",
-                "`damping` and `no_load_current` both say what turns the motor without load",
+                "`damping` and `no_load_current` both determine what turns the motor without load",
             )
             .help("leave one of them out: the other follows from k i_0 = damping w_0"));
         }

@@ -1,4 +1,3 @@
-use super::elements::kink_each;
 use blocksim_block::prelude::*;
 
 /// Absolute value: $y = |u|$, element by element.
@@ -16,7 +15,7 @@ impl Block for Abs {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let interface = Interface::new().input(Input::real("u")).output(Output::like("y", u));
-        Ok(kink_each(interface, "zero", u.shape.len()))
+        Ok(interface.kink_each("zero", u.shape.len()).called("turns positive", "turns negative"))
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {

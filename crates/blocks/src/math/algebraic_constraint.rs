@@ -9,7 +9,7 @@ use blocksim_signal::{Quantity, Value};
 /// from the guess `z0` and then from the solution of the last step, so that of several solutions the run stays with the
 /// one nearest to the guess. Drawn this way, $\dot x = g(x, z)$, $0 = f(x, z)$ is a system of differential and algebraic
 /// equations of index 1: `f` must move with `z`, however it is. Where it does not, or there is no solution, the run ends
-/// with an error that tells the time. What must be zero may have any unit and any size.
+/// with an error that has the time. What must be zero may have any unit and any size.
 ///
 /// `z` is a vector where `z0` is a list; `f` then has as many elements. The unit of `z` is that of `z0`.
 ///

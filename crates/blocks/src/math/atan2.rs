@@ -1,4 +1,4 @@
-use super::elements::{at, guard_each};
+use super::elements::at;
 use blocksim_block::prelude::*;
 
 /// Angle of the point $(u_2, u_1)$: $y = \operatorname{atan2}(u_1, u_2)$, from $-\pi$ to $\pi$, element by element.
@@ -21,7 +21,7 @@ impl Block for Atan2 {
             .input(Input::real("u1").doc("Ordinate, opposite to the angle."))
             .input(Input::real("u2").doc("Abscissa, adjacent to the angle."))
             .output(Output::real("y").shape(shape).unit("rad"));
-        Ok(guard_each(interface, "cut", shape.len()))
+        Ok(interface.guard_each("cut", shape.len()).called("turns positive", "turns negative"))
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {

@@ -1,4 +1,4 @@
-use super::elements::{at, guard_each, parameters_like};
+use super::elements::{at, parameters_like};
 use blocksim_block::prelude::*;
 
 /// Compares two signals, or one with a constant: `y` is true where the relation holds; element by element.
@@ -58,6 +58,9 @@ impl Compare {
     }
 }
 
+/// What the answer is called when it changes.
+const TRUTH: &[Change] = &[Change::to(1.0, "becomes true"), Change::to(0.0, "becomes false")];
+
 impl Block for Compare {
     fn check(&self) -> Result<(), ParamError> {
         self.constant.map_or(Ok(()), |constant| finite("constant", constant))
@@ -78,9 +81,11 @@ impl Block for Compare {
                 given.common_shape(&["u1", "u2"], &[])?
             }
         };
-        interface =
-            interface.output(Output::boolean("y").shape(shape)).memory("holds", shape.len(), 0.0).settles();
-        Ok(guard_each(interface, "difference", shape.len()))
+        interface = interface
+            .output(Output::boolean("y").shape(shape))
+            .modes("holds", shape.len(), 0.0, TRUTH)
+            .settles();
+        Ok(interface.guard_each("difference", shape.len()).called_by_mode())
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {

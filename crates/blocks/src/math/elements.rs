@@ -1,6 +1,7 @@
 //! What blocks share that work element by element: names of inputs, elements, guards, units of parameters.
 
-use blocksim_block::{Context, Given, Interface, InterfaceError};
+use blocksim_block::event::Change;
+use blocksim_block::{Context, Given, InterfaceError};
 use blocksim_signal::Dimension;
 
 /// The dimension of a time, s.
@@ -51,21 +52,8 @@ pub(crate) fn clamp(u: f64, lower: f64, upper: f64) -> f64 {
 /// Differences of numbers below this part of their sizes are rounding.
 pub(crate) const ROUNDING: f64 = 1e-14;
 
-/// Adds a guard for each of `n` elements.
-pub(crate) fn guard_each(mut interface: Interface, name: &str, n: usize) -> Interface {
-    for i in 0..n {
-        interface = interface.guard(if n == 1 { name.to_owned() } else { format!("{name}[{i}]") });
-    }
-    interface
-}
-
-/// The same for kinks.
-pub(crate) fn kink_each(mut interface: Interface, name: &str, n: usize) -> Interface {
-    for i in 0..n {
-        interface = interface.kink(if n == 1 { name.to_owned() } else { format!("{name}[{i}]") });
-    }
-    interface
-}
+/// What two-point switches are called when they change.
+pub(crate) const ON_OFF: &[Change] = &[Change::to(1.0, "switches on"), Change::to(0.0, "switches off")];
 
 /// The dimension of a signal to which parameters are compared: `dimension`, or that of the parameters if it is
 /// unknown. A parameter written as a plain number takes the unit of the signal.

@@ -1,4 +1,3 @@
-use super::elements::guard_each;
 use blocksim_block::prelude::*;
 
 /// An elementary function of each element: $y = f(u)$.
@@ -124,7 +123,7 @@ impl Block for Function {
             _ => interface,
         };
         let guards = if self.function == SignedSqrt { u.shape.len() } else { 0 };
-        Ok(guard_each(interface, "zero", guards))
+        Ok(interface.guard_each("zero", guards).called("turns positive", "turns negative"))
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {

@@ -10,7 +10,7 @@ use blocksim_solve::linear::{lu_factor, lu_solve};
 ///
 /// Rows and columns are brought to like sizes by powers of two, then Gaussian elimination with exchange of rows. A
 /// matrix that is singular, or so nearly that its condition number is above 1e13 and hardly a digit of $y$ would be
-/// right, ends the run with an error that says so. So does a determinant that changes its sign, which is watched.
+/// right, ends the run with an error. So does a determinant that changes its sign, which is watched.
 ///
 /// ```ron
 /// LinearSolve
@@ -152,7 +152,11 @@ impl Block for LinearSolve {
         let m = Input::real("m").doc("The matrix, or its elements row by row.");
         let f = Input::real("f").doc("The right side.");
         let interface = Interface::new().input(m).input(f).output(Output::like("y", y).doc("The solution."));
-        Ok(interface.jumps().discrete("sign", 0.0).guard("determinant"))
+        Ok(interface
+            .jumps()
+            .discrete("sign", 0.0)
+            .guard("determinant")
+            .called("turns singular", "turns singular"))
     }
 
     fn scratch(&self) -> Scratch {

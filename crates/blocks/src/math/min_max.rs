@@ -1,4 +1,4 @@
-use super::elements::{borrowed, input_names, kink_each, operands};
+use super::elements::{borrowed, input_names, operands};
 use blocksim_block::prelude::*;
 
 /// The least or the greatest of the inputs, element by element.
@@ -55,7 +55,8 @@ impl Block for MinMax {
         let interface =
             names.iter().fold(Interface::new(), |interface, name| interface.input(Input::real(*name)));
         let guards = shape.len() * operands.saturating_sub(1);
-        Ok(kink_each(interface.output(Output::like("y", y)), "takes_over", guards))
+        let interface = interface.output(Output::like("y", y)).kink_each("takes_over", guards);
+        Ok(interface.called("passes another input", "passes another input"))
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {

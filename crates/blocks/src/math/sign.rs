@@ -1,4 +1,3 @@
-use super::elements::guard_each;
 use blocksim_block::prelude::*;
 
 /// Sign: $y = 1$ for $u > 0$, $-1$ for $u < 0$, and 0 for exactly 0; element by element.
@@ -20,7 +19,7 @@ impl Block for Sign {
             .output(Output::real("y").shape(shape))
             .memory("sign", shape.len(), 0.0)
             .settles();
-        Ok(guard_each(interface, "zero", shape.len()))
+        Ok(interface.guard_each("zero", shape.len()).called("turns positive", "turns negative"))
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {

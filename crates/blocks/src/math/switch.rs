@@ -1,4 +1,4 @@
-use super::elements::{at, guard_each, parameters_like};
+use super::elements::{at, parameters_like};
 use blocksim_block::prelude::*;
 
 /// Passes `u1` while the control input is true or at least the threshold, else `u3`; element by element.
@@ -50,7 +50,8 @@ impl Block for Switch {
             .output(Output::like("y", PortType { kind, shape, dimension }))
             .memory("first", n, 0.0)
             .settles();
-        Ok(guard_each(interface, "threshold", if boolean { 0 } else { n }))
+        let guards = if boolean { 0 } else { n };
+        Ok(interface.guard_each("threshold", guards).called("passes `u1`", "passes `u3`"))
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {

@@ -44,7 +44,14 @@ impl SpringDamper {
         if self.backlash == 0.0 {
             return part;
         }
-        with_firm(part.kink("lower_flank").kink("upper_flank"), self.transition)
+        with_firm(
+            part.kink("lower_flank", "leaves the lower flank", "touches the lower flank").kink(
+                "upper_flank",
+                "leaves the upper flank",
+                "touches the upper flank",
+            ),
+            self.transition,
+        )
     }
 
     /// How far the flanks are from pressing, at a deflection and a speed, and from having set in.
@@ -65,7 +72,7 @@ impl SpringDamper {
         if self.backlash == 0.0 && self.transition > 0.0 {
             return Err(ParamError::new(
                 "transition",
-                "`transition` tells how flanks meet, but without `backlash` there are none",
+                "`transition` describes how flanks meet, but without `backlash` there are none",
             )
             .help("give a `backlash`, or leave `transition` out"));
         }
@@ -75,7 +82,14 @@ impl SpringDamper {
 
 /// Adds the places where two contacts have set in, if they do so over a width.
 fn with_firm(part: Part, transition: f64) -> Part {
-    if transition > 0.0 { part.kink("lower_firm").kink("upper_firm") } else { part }
+    if transition == 0.0 {
+        return part;
+    }
+    part.kink("lower_firm", "yields at the lower contact", "presses fully at the lower contact").kink(
+        "upper_firm",
+        "yields at the upper contact",
+        "presses fully at the upper contact",
+    )
 }
 
 /// How far two contacts are from pressing, at depths and rates, and behind that how far they are from having set in, if they do
@@ -105,7 +119,14 @@ impl Travel {
 
     /// Adds what happens where an end is reached and left.
     pub(crate) fn events(&self, part: Part) -> Part {
-        with_firm(part.kink("lower").kink("upper"), self.end.transition)
+        with_firm(
+            part.kink("lower", "leaves the lower end", "touches the lower end").kink(
+                "upper",
+                "leaves the upper end",
+                "touches the upper end",
+            ),
+            self.end.transition,
+        )
     }
 
     /// How far both ends are from pressing, at a position and a speed, and from having set in.

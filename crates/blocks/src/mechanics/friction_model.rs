@@ -45,6 +45,14 @@ pub struct Pressed {
     pub threshold: f64,
 }
 
+/// What a change of the mode of a clutch or a brake is called.
+const PRESSED: &[Change] = &[
+    Change::to(0.0, "locks"),
+    Change::to(1.0, "slips forward"),
+    Change::to(-1.0, "slips backward"),
+    Change::any("opens"),
+];
+
 impl Pressed {
     pub(crate) fn check(&self) -> Result<(), ParamError> {
         not_negative("torque", self.torque)?;
@@ -82,6 +90,7 @@ impl Pressed {
                 Needs::Motion,
             )
             .element(self.model.element())
+            .friction_called(PRESSED)
     }
 
     /// Smooth torque under a share of the load at a speed.

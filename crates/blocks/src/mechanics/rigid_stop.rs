@@ -14,6 +14,9 @@ pub(crate) struct RigidStop {
     pub restitution: f64,
 }
 
+/// Between its ends the direction is no event.
+const AT_REST: &[Change] = &[Change::to(0.0, "rests at its end"), Change::from(0.0, "leaves its end")];
+
 impl RigidStop {
     /// Whether the numbers make sense; the start, a parameter with its name, lies within the travel.
     pub(crate) fn check(&self, (name, start): (&str, f64), unit: &str) -> Result<(), ParamError> {
@@ -53,9 +56,12 @@ impl RigidStop {
     pub(crate) fn part(&self, quantities: &Quantities, start: f64) -> Part {
         let mut part = quantities.held(Element::Friction { r: 0, c: 1 }, start);
         for (name, _) in self.ends(start) {
-            part = part.guard(name);
+            part = match name {
+                "lower" => part.guard(name, "leaves the lower end", "touches the lower end"),
+                _ => part.guard(name, "leaves the upper end", "touches the upper end"),
+            };
         }
-        part
+        part.friction_called(AT_REST)
     }
 
     /// Nothing is held within the travel, everything at its ends.

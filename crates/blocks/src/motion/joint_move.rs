@@ -17,7 +17,7 @@ use crate::robotics::RobotDescription;
 /// $$ \ddot q = a_m \sin^2\frac{\pi t}{T_{acc}}, \qquad v_m = \frac{d}{T_{dec}}, \qquad
 ///    a_m = \frac{2 v_m}{T_{acc}}, \qquad T_{end} = T_{acc} + T_{dec} $$
 ///
-/// `path.velocity` is the share of each axis' largest speed to use, `path.acceleration` the share of the move time
+/// `path.velocity` is the share of each axis' maximum speed to use, `path.acceleration` the share of the move time
 /// spent accelerating. The times are the longest that any axis needs (`rule: Feasible`), stretched where an
 /// acceleration limit would be exceeded, or those of the axis that takes longest alone (`rule: AsPrinted`), which
 /// can exceed limits of other axes. Start, end of acceleration, start of braking and end are hit exactly; before

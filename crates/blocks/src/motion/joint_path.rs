@@ -16,7 +16,7 @@ pub struct JointPath {
     /// Positions at the end of a joint move, one for each axis, rad or m.
     #[serde(default, deserialize_with = "in_unit::axis_positions")]
     pub target: Vec<AxisValue>,
-    /// Share of each axis' largest speed, above 0 and at most 1; for joint moves.
+    /// Share of each axis' maximum speed, above 0 and at most 1; for joint moves.
     #[serde(default, deserialize_with = "in_unit::share_if_given")]
     pub velocity: Option<f64>,
     /// Share of the move time spent accelerating, above 0 and at most 0.5; for joint moves.
@@ -45,7 +45,7 @@ pub struct NextMove {
     /// Positions at the end of a joint move, rad or m.
     #[serde(default, deserialize_with = "in_unit::axis_positions")]
     pub target: Vec<AxisValue>,
-    /// Share of each axis' largest speed.
+    /// Share of each axis' maximum speed.
     #[serde(default, deserialize_with = "in_unit::share_if_given")]
     pub velocity: Option<f64>,
     /// Share of the move time spent accelerating.

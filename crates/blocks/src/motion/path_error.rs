@@ -2,7 +2,7 @@ use blocksim_block::prelude::*;
 
 /// How far a tool is from where it should be: in all, along its way and across it.
 ///
-/// With $e = p - p_{set}$ and the wanted velocity $v$
+/// With $e = p - p_{set}$ and the set velocity $v$
 ///
 /// $$ d = |e|, \qquad e_{along} = \frac{e \cdot v}{\sqrt{v^2 + v_0^2}}, \qquad
 ///    e_{across} = \left| e - v\,\frac{e \cdot v}{v^2 + v_0^2} \right| $$

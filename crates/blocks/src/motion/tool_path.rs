@@ -25,7 +25,7 @@ pub struct ToolPath {
     /// Speed of the tool, m/s.
     #[serde(deserialize_with = "in_unit::velocity")]
     pub velocity: f64,
-    /// Share of the largest acceleration of the tool.
+    /// Share of the maximum acceleration of the tool.
     #[serde(deserialize_with = "in_unit::share")]
     pub acceleration: f64,
     /// Speed of a turn on the spot, rad/s: where the target is where the tool is already, with another rotation.

@@ -58,7 +58,16 @@ impl Inside {
     /// Adds what happens where an end of travel is reached, has set in, and is left; `number` tells several axes apart.
     pub(crate) fn events(&self, mut part: Part, number: &str) -> Part {
         for (name, _) in self.ends(0.0, 0.0) {
-            part = part.kink(&format!("{name}{number}"));
+            let [leaves, touches] = match name {
+                "lower" => ["leaves the lower end", "touches the lower end"],
+                "upper" => ["leaves the upper end", "touches the upper end"],
+                "lower_firm" => ["yields at the lower end", "presses fully at the lower end"],
+                _ => ["yields at the upper end", "presses fully at the upper end"],
+            };
+            part = part.kink(&format!("{name}{number}"), leaves, touches);
+            if !number.is_empty() {
+                part = part.detail(format!("axis {number}"));
+            }
         }
         part
     }

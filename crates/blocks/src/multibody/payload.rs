@@ -7,7 +7,7 @@ use super::mass_properties::MassProperties;
 ///
 /// While `attached` is true the body is part of whatever `frame` belongs to; otherwise it is not there. It is taken
 /// and dropped at the speed of the frame, so that no speed jumps: the mass matrix changes, and with it the
-/// accelerations. Where the body is while nobody holds it is not simulated.
+/// accelerations. Where the body is while nothing holds it is not simulated.
 ///
 /// ```ron
 /// Payload(mass: "5 kg", com: ["0 m", "0 m", "0.1 m"])

@@ -101,8 +101,12 @@ impl Component for PointPlaneContact {
             .measures("slip", "m/s", Needs::State, "speed of the point along the plane")
             .element(Element::FrameForce { frame: 0 })
             .element(Element::FrameForce { frame: 1 })
-            .kink("touch");
-        if self.transition > 0.0 { part.kink("firm") } else { part }
+            .kink("touch", "leaves the plane", "touches the plane");
+        if self.transition > 0.0 {
+            part.kink("firm", "yields on the plane", "presses fully on the plane")
+        } else {
+            part
+        }
     }
 
     fn wrenches(&self, c: &Law, f: &mut [Wrench]) {

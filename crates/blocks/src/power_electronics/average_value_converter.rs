@@ -11,7 +11,7 @@ use blocksim_block::prelude::*;
 /// the link is the limit of that of the phases. It is the mean of a `SixPulseInverter` without forward voltages and
 /// dead times, and runs as fast as a circuit without switches does; `AveragedInverter` does without the link.
 ///
-/// `r_on` is the resistance of the one switch of each leg that conducts at a time. The DC side needs something that tells its
+/// `r_on` is the resistance of the one switch of each leg that conducts at a time. The DC side needs something that determines its
 /// voltage: a source, or the capacitor of a link.
 ///
 /// ```ron

@@ -13,7 +13,7 @@ use crate::three_phase::three_phase_source::delivered;
 ///
 /// The angle is an integral of the frequency, so the voltages have no jump when the frequency changes. The DC
 /// link limits the amplitude: $v_{max} = V_{dc}/2$ for sine modulation, $V_{dc}/\sqrt3$ for space-vector
-/// modulation and the discontinuous laws of `PwmGenerator`; `limited` tells when it does. A negative amplitude turns the
+/// modulation and the discontinuous laws of `PwmGenerator`; `limited` reports it. A negative amplitude turns the
 /// voltages by half a turn. With `reverse` the phases b and c are exchanged: angle
 /// and frequency are mirrored. A negative frequency turns the field the other way as well, and does it without a
 /// jump of the voltages.

@@ -22,7 +22,7 @@ pub struct DcLink {
     /// Resistance in series.
     #[block(unit = "Ohm", default = 0.0)]
     pub r: f64,
-    /// Voltage at the start. Where none is given it is what ideal voltages around it tell, else zero.
+    /// Voltage at the start. Where none is given it follows from ideal voltages around it, else zero.
     #[block(unit = "V", default = None)]
     pub v0: Option<f64>,
 }

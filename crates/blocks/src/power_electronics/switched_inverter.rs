@@ -27,7 +27,7 @@ use crate::machines::space_vector::turned;
 /// expected, the run ends with an error. Methods of fixed step do not divide. What needs voltages (powers, RMS voltages, slip,
 /// `v_legs`) is measured on the means over whole coupling steps; currents and states are those at the beginning of a step or a part.
 ///
-/// Amplitudes beyond what the link and the modulation give are limited, as `limited` tells; a negative one turns the voltages
+/// Amplitudes beyond what the link and the modulation give are limited, as `limited` reports; a negative one turns the voltages
 /// by half a turn.
 ///
 /// ```ron

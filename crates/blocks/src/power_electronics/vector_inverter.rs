@@ -17,7 +17,7 @@ use crate::three_phase::three_phase_source::delivered;
 /// then $v_d$ and $v_q$ are the voltages that the windings see in the frame of the rotor. Amplitudes are peak
 /// phase voltages. The DC link limits the length of the vector and keeps its direction: $v_{max} = V_{dc}/2$ for
 /// sine modulation, $V_{dc}/\sqrt3$ for space-vector modulation. A controller with an integral part needs limits
-/// and protection against windup of its own; `limited` tells when the link limits.
+/// and protection against windup of its own; `limited` reports when the link limits.
 ///
 /// The input `f` changes no voltage. It is the speed of the frame in which an asynchronous machine holds its
 /// fluxes and measures its slip; a machine with permanent magnets has a frame of its own. Power balances: what

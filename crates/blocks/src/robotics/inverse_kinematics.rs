@@ -15,12 +15,12 @@ use super::arm::{Arm, OfAxes};
 /// arms with an ortho-parallel basis and a spherical wrist are solved in closed form; all others by damped least
 /// squares from `near` on, so the target should not be far from it.
 ///
-/// Of an arm with a closed form `configuration` tells which of its up to eight solutions it is: shoulder front (1) or back
+/// Of an arm with a closed form `configuration` is the number of its up to eight solutions: shoulder front (1) or back
 /// (-1), elbow up (1) or down (-1), wrist plain (1) or flipped (-1). `shoulder`, `elbow` and `wrist` ask for one; the
 /// input `wish`, of the same three numbers, asks while the simulation runs and goes before them where it is not zero.
 ///
-/// Where there is no solution, `solved` is false, `q` is `near` and `status` says why: 1 out of reach, 2 within reach, but
-/// not within the limits of the axes, 3 not in the configuration that is asked for, 4 none found from `near` (arms
+/// Where there is no solution, `solved` is false, `q` is `near` and `status` is the reason: 1 out of reach, 2 within reach, but
+/// not within the limits of the axes, 3 not in the required configuration, 4 none found from `near` (arms
 /// without a closed form), 5 an input is infinite or no number; then `q` is the start of the description. With a
 /// solution `status` is 0.
 ///

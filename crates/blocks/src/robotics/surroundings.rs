@@ -59,7 +59,7 @@ impl Surroundings {
         for (i, thing) in self.things.iter().enumerate() {
             let taken = ["", "base", "tool", "floor"].contains(&thing.name.as_str());
             if taken {
-                let message = format!("`{}` is no name for a thing", thing.name);
+                let message = format!("`{}` is not a valid name for a thing", thing.name);
                 return Err(ParamError::new(format!("{param}.things[{i}].name"), message)
                     .help("base, tool and floor are names already; choose another"));
             }

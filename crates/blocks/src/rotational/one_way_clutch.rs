@@ -32,6 +32,9 @@ pub struct OneWayClutch {
     pub transition: f64,
 }
 
+/// What a change of its mode is called.
+const FREEWHEEL: &[Change] = &[Change::to(0.0, "locks"), Change::from(0.0, "overruns")];
+
 impl Block for OneWayClutch {
     fn check(&self) -> Result<(), ParamError> {
         not_negative("d", self.d)?;
@@ -45,7 +48,7 @@ impl Block for OneWayClutch {
 
 impl Component for OneWayClutch {
     fn part(&self, _given: &Given) -> Part {
-        Part::new().rod_and_case().element(self.model.element())
+        Part::new().rod_and_case().element(self.model.element()).friction_called(FREEWHEEL)
     }
 
     fn grips(&self, _c: &Law, grips: &mut [Grip]) {

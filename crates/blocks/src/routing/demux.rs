@@ -31,7 +31,7 @@ impl Demux {
             Some(length) if self.sizes.is_empty() => {
                 if length == 0 || length % self.outputs != 0 {
                     return Err(
-                        refuse(length, format!("{} equal parts", self.outputs)).help("say the `sizes`")
+                        refuse(length, format!("{} equal parts", self.outputs)).help("give the `sizes`")
                     );
                 }
                 Ok(vec![length / self.outputs; self.outputs])

@@ -14,7 +14,7 @@ pub(crate) fn check_names<'a>(
     for name in names {
         let word = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         if !word || !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
-            return Err(ParamError::new(param, format!("`{name}` in `{param}` is no name"))
+            return Err(ParamError::new(param, format!("`{name}` in `{param}` is not a valid name"))
                 .help("a name begins with a letter; letters, digits and _ may follow"));
         }
         if known.contains(&name) {
@@ -38,9 +38,9 @@ mod tests {
         for (names, message) in [
             (vec![], "`inputs` is empty"),
             (vec!["a", "b", "a"], "`inputs` names `a` twice"),
-            (vec!["2a"], "`2a` in `inputs` is no name"),
-            (vec!["a b"], "`a b` in `inputs` is no name"),
-            (vec![""], "`` in `inputs` is no name"),
+            (vec!["2a"], "`2a` in `inputs` is not a valid name"),
+            (vec!["a b"], "`a b` in `inputs` is not a valid name"),
+            (vec![""], "`` in `inputs` is not a valid name"),
         ] {
             assert_eq!(check_names("inputs", names).unwrap_err().message, message);
         }

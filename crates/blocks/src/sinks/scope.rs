@@ -5,7 +5,7 @@ use blocksim_signal::Unit;
 
 /// Records its inputs and shows them in one picture.
 ///
-/// Signals of any kind and shape are recorded in SI units; `display` only says in which unit they are shown.
+/// Signals of any kind and shape are recorded in SI units; `display` is only the unit in which they are shown.
 ///
 /// `label` gives the picture a title, `legend` names the signals in it as people call them.
 ///

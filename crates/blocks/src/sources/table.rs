@@ -137,7 +137,7 @@ fn read_value(field: &str) -> Result<f64, (String, Option<String>)> {
             format!("`{field}` is not finite"),
             Some("write a number, or leave out the line: values between two lines are found on a straight line".to_owned()),
         )),
-        Err(_) if field.is_empty() => Err(("there is no value".to_owned(), None)),
+        Err(_) if field.is_empty() => Err(("the value is missing".to_owned(), None)),
         Err(_) => Err((
             format!("`{field}` is not a number"),
             Some("units stand in the header; numbers have a decimal point".to_owned()),
@@ -209,7 +209,7 @@ mod tests {
             ("time [s]\n0\n", "line 1: there is no column behind the time"),
             ("time [s],q\n0,1\n0,5,1,5\n", "line 3 has 4 values, but the header names 2 columns"),
             ("time [s],q\n0,1\n\n1,x\n", "line 4, column 2 (`q`): `x` is not a number"),
-            ("time [s],q\n0,\n", "line 2, column 2 (`q`): there is no value"),
+            ("time [s],q\n0,\n", "line 2, column 2 (`q`): the value is missing"),
             ("time [s],q\n0,NaN\n", "line 2, column 2 (`q`): `NaN` is not finite"),
             ("time [s],q\n1,0\n0,0\n", "line 3, column 1 (`time`): time runs backwards"),
         ] {

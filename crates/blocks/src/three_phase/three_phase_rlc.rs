@@ -24,11 +24,11 @@ pub struct ThreePhaseRlc {
     /// Capacitance of a phase; without it the current passes.
     #[block(unit = "F", default = None)]
     pub c: Option<f64>,
-    /// Currents of the inductances at the start. Where none are given they are what the inductances in series with them tell, else
+    /// Currents of the inductances at the start. Where none are given they follow from the inductances in series with them, else
     /// zero.
     #[block(unit = "A", default = None)]
     pub i0: Option<[f64; 3]>,
-    /// Voltages of the capacitances at the start. Where none are given they are what ideal voltages around them tell,
+    /// Voltages of the capacitances at the start. Where none are given they follow from ideal voltages around them,
     /// else zero.
     #[block(unit = "V", default = None)]
     pub v0: Option<[f64; 3]>,

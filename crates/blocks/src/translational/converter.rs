@@ -2,10 +2,10 @@
 
 use blocksim_block::prelude::*;
 
-/// Length that gives the ratio; its sign is told by `direction`.
+/// Length that gives the ratio; its sign is set by `direction`.
 fn length(name: &'static str, value: f64) -> Result<(), ParamError> {
     positive(name, value).map_err(|error| {
-        error.help("which way the follower moves is told by `direction: Same` or `Reversed`")
+        error.help("the direction of the follower is set by `direction: Same` or `Reversed`")
     })
 }
 

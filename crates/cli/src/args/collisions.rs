@@ -24,7 +24,7 @@ pub struct CollisionsArgs {
     /// Leave out what was after this time.
     #[arg(long, value_name = "TIME", value_parser = moment)]
     pub to: Option<f64>,
-    /// List all contacts and distances, not the first and the least ones alone.
+    /// List all contacts and distances, not only the first and the smallest.
     #[arg(long)]
     pub all: bool,
     /// As JSON, in SI units.

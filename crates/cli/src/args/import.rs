@@ -18,7 +18,7 @@ use super::values::NoNames;
 pub struct ImportArgs {
     /// The file.
     pub file: PathBuf,
-    /// What it is; without this the file tells.
+    /// Kind of file; detected from the file if absent.
     #[arg(long = "as", value_enum, value_name = "KIND")]
     pub kind: Option<Kind>,
     /// Folder for the diagram and its parameters.

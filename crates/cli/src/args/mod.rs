@@ -50,7 +50,7 @@ pub struct Args {
     /// What to do.
     #[command(subcommand)]
     pub command: Option<Command>,
-    /// Colour of messages; NO_COLOR and CLICOLOR_FORCE are heeded.
+    /// Colour of messages; NO_COLOR and CLICOLOR_FORCE are respected.
     #[arg(long, global = true, value_enum, default_value_t = Colour::Auto, value_name = "WHEN")]
     pub color: Colour,
     /// Draw with plain ASCII signs.
@@ -67,18 +67,18 @@ pub enum Command {
     Run(RunArgs),
     /// Draw a run: in the terminal, as SVG or PNG, with numbers of how set values are followed.
     Plot(PlotArgs),
-    /// Make one HTML page of a run: scopes, the mechanism in space, numbers.
+    /// Make one HTML page of a run: scopes, the 3D view, numbers.
     Report(ReportArgs),
-    /// Tell whether two runs or tables agree within tolerances.
+    /// Compare two runs or tables within tolerances.
     Compare(CompareArgs),
-    /// Tell what touched in a run, when and how deep, and how near the rest came.
+    /// List the contacts of a run, when and how deep, and clearances.
     Collisions(CollisionsArgs),
     /// Run a model over values of its parameters, and table how it follows its set values.
     Sweep(SweepArgs),
     /// Linearise a model at an instant: poles, zeros, margins of loops, frequency response.
     #[command(visible_alias = "linearize")]
     Linearise(LineariseArgs),
-    /// Tell all problems of a model without running it.
+    /// List all problems of a model without running it.
     Check(CheckArgs),
     /// Lay out the text of diagrams and sets of parameters; comments stay.
     Fmt(FmtArgs),
@@ -98,7 +98,7 @@ pub enum Command {
     Lsp,
     /// List, add or remove folders whose plug-ins are loaded to look at a model.
     Trust(TrustArgs),
-    /// Tell whether everything is there that runs, plug-ins and pages need.
+    /// Check that the tools that blocksim needs are installed.
     Doctor(DoctorArgs),
     /// Print the licences of the program and of all of its parts.
     #[command(visible_alias = "licenses")]
@@ -117,7 +117,7 @@ pub enum Command {
     /// Plan a move of a robot, check it along its whole way, and write it as a file.
     #[command(subcommand)]
     Plan(Box<PlanCommand>),
-    /// Controllers as dynamic libraries: make the crate of one, tell what one offers.
+    /// Controllers as dynamic libraries: make the crate of one, show what one offers.
     #[command(subcommand)]
     Plugin(PluginCommand),
     /// Parameters of a model: list, get and set them; sets as workbooks for Excel and LibreOffice, and back.
@@ -126,7 +126,7 @@ pub enum Command {
 }
 
 impl Args {
-    /// How problems are told: as the command is asked for its results.
+    /// How problems are printed: in the format of the results.
     pub fn format(&self) -> Format {
         let is_data = match &self.command {
             Some(Command::Check(args)) => return args.output_format,

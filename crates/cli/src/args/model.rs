@@ -53,7 +53,7 @@ pub struct SolverArgs {
     /// which follows its size.
     #[arg(long, allow_hyphen_values = true, value_name = "X", value_parser = positive)]
     pub atol: Option<f64>,
-    /// Step of a method of fixed step, or the largest one of a method of variable step.
+    /// Step of a method of fixed step, or the maximum one of a method of variable step.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME", value_parser = time)]
     pub step: Option<f64>,
 }
@@ -73,7 +73,7 @@ pub struct RunArgs {
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Signals to keep, of those that the diagram records: parts of their paths or patterns with `*`, separated by
-    /// commas. A rate may follow: `arm/**@10ms`, `arm/**@10rows`, or the least and largest value with `@minmax:10ms`.
+    /// commas. A rate may follow: `arm/**@10ms`, `arm/**@10rows`, or the minimum and maximum with `@minmax:10ms`.
     #[arg(long, value_name = "PATTERN[@RATE]", value_delimiter = ',', value_parser = wanted)]
     pub signals: Vec<Wanted>,
     /// Write the signals as CSV however many they are; without this only up to about 200 MB.
@@ -109,14 +109,14 @@ pub struct RunArgs {
 /// `blocksim check`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  blocksim check servo.ron\n  blocksim check servo.ron --watch\n  \
-                        blocksim check servo.ron --fix      mend what has one likely remedy, and show it")]
+                        blocksim check servo.ron --fix      fix what has one likely remedy, and show it")]
 pub struct CheckArgs {
     #[command(flatten)]
     pub model: ModelArgs,
-    /// How problems are told: with the text around them, a line each, or as JSON, an object a line.
+    /// How problems are printed: with the text around them, a line each, or as JSON, an object a line.
     #[arg(long, value_enum, default_value_t = Format::Full, value_name = "FORMAT")]
     pub output_format: Format,
-    /// Mend the problems that have one likely remedy, such as a name spelt wrong or a missing comma, in the texts of the
+    /// Fix the problems that have one likely remedy, such as a name spelt wrong or a missing comma, in the texts of the
     /// model; shows each change.
     #[arg(long, conflicts_with = "watch")]
     pub fix: bool,
@@ -147,7 +147,7 @@ impl From<UnitsName> for blocksim_diagram::Units {
     }
 }
 
-/// How problems are told.
+/// How problems are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// With the text around them.

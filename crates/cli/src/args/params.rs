@@ -9,7 +9,7 @@ use clap::{Args, Subcommand};
 pub enum ParamsCommand {
     /// List the parameters of a model with their values, and where these are written.
     List(ListArgs),
-    /// Tell what a parameter is worth and where that is written; all below it, of a set or a block.
+    /// Show the value of a parameter and where it is written; all below it, of a set or a block.
     Get(GetArgs),
     /// Write another value of a parameter into the text that holds it, if the model has no errors with it.
     Set(SetArgs),
@@ -17,9 +17,9 @@ pub enum ParamsCommand {
     Export(ExportArgs),
     /// Take changed numbers from a workbook into a model or a set; shows them, and writes with --yes.
     Import(ImportArgs),
-    /// Tell which numbers differ between two sets, two workbooks, or a set and a workbook.
+    /// List the numbers that differ between two sets, two workbooks, or a set and a workbook.
     Diff(DiffArgs),
-    /// Tell what is wrong in a workbook and what changed on which side since it was exported.
+    /// Report what is wrong in a workbook and what changed on which side since it was exported.
     Check(CheckArgs),
 }
 
@@ -70,8 +70,8 @@ pub struct GetArgs {
 /// `blocksim params set`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  blocksim params set servo.ron pid.kp 12\n  \
-                        blocksim params set servo.ron motor.l \"3 mH\" --dry-run\n\nExit codes: 0 written, 2 there is no such \
-                        parameter or it cannot be said so, 3 the model has errors with it and nothing was written, 4 files.")]
+                        blocksim params set servo.ron motor.l \"3 mH\" --dry-run\n\nExit codes: 0 written, 2 unknown \
+                        parameter or invalid value, 3 the model has errors with it and nothing was written, 4 files.")]
 pub struct SetArgs {
     /// The model, or a set of parameters.
     pub model: PathBuf,

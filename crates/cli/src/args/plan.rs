@@ -78,7 +78,7 @@ pub struct JointArgs {
     /// Positions of the axes at the end; bare numbers are degrees.
     #[arg(long, value_name = "POSITIONS", allow_hyphen_values = true)]
     pub to: String,
-    /// Share of the largest speed of each axis; a bare number is per cent.
+    /// Share of the maximum speed of each axis; a bare number is per cent.
     #[arg(long, allow_hyphen_values = true, value_name = "SHARE", default_value = "40 %")]
     pub velocity: String,
     /// Share of the move time spent accelerating; a bare number is per cent.
@@ -115,7 +115,7 @@ pub struct ToolArgs {
     /// Speed of the tool; a bare number is mm/s.
     #[arg(long, allow_hyphen_values = true, value_name = "SPEED", default_value = "250 mm/s")]
     pub velocity: String,
-    /// Share of the largest acceleration of the tool; a bare number is per cent.
+    /// Share of the maximum acceleration of the tool; a bare number is per cent.
     #[arg(long, allow_hyphen_values = true, value_name = "SHARE", default_value = "40 %")]
     pub acceleration: String,
     /// Speed of a turn on the spot, where only the orientation changes; 90 deg/s if not given. A bare number is deg/s.

@@ -60,7 +60,7 @@ pub struct PlotArgs {
     /// Dots of the picture for a dot of the drawing.
     #[arg(long, value_name = "X", default_value_t = 2.0, value_parser = positive)]
     pub scale: f64,
-    /// Tells how actual values follow their set values: rise, overshoot, settling, errors. Of signals that are named and
+    /// Prints how actual values track their set values: rise, overshoot, settling, errors. Of signals that are named and
     /// follow no set value, how they come to their last value.
     #[arg(long)]
     pub metrics: bool,
@@ -207,7 +207,7 @@ pub enum Sync {
 pub enum Align {
     /// Their first values come together.
     Start,
-    /// Their signals agree best: the largest cross-correlation.
+    /// Their signals agree best: the maximum cross-correlation.
     Correlation,
 }
 

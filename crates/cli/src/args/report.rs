@@ -19,7 +19,7 @@ pub struct ReportArgs {
     /// Keep all values, however large the file becomes.
     #[arg(long)]
     pub full: bool,
-    /// Leave the view in space away.
+    /// Leave the 3D view away.
     #[arg(long = "no-3d")]
     pub no_3d: bool,
     /// What stands around the robot: a file with its shapes, or a diagram with the parameter `surroundings`; without it, that of

@@ -157,7 +157,7 @@ const METRICS: [(Metric, &str, &str); 13] = [
     (Metric::Iae, "iae", "IAE"),
     (Metric::Ise, "ise", "ISE"),
     (Metric::FinalError, "final_error", "final error"),
-    (Metric::LargestError, "largest_error", "largest error"),
+    (Metric::LargestError, "largest_error", "maximum error"),
     (Metric::Min, "min", "min"),
     (Metric::Max, "max", "max"),
     (Metric::Peak, "peak", "peak"),
@@ -184,7 +184,7 @@ impl Metric {
     }
 }
 
-/// A number that somebody wants to see.
+/// A number that is requested.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Wanted {
     /// Which.
@@ -312,11 +312,11 @@ fn number(text: &str) -> Result<(f64, &str), String> {
     let mut found =
         ends.filter_map(|end| Some((text[..end].trim_end().parse::<f64>().ok()?, text[end..].trim())));
     let Some((number, unit)) = found.find(|(number, _)| number.is_finite()) else {
-        return Err(format!("`{text}` is no number with or without a unit"));
+        return Err(format!("`{text}` is not a number with or without a unit"));
     };
     match unit.is_empty() || Unit::parse(unit).is_ok() {
         true => Ok((number, unit)),
-        false => Err(format!("there is no unit `{unit}`")),
+        false => Err(format!("`{unit}` is not a unit")),
     }
 }
 
@@ -375,8 +375,8 @@ mod tests {
             ("kp=1..2/x3log", "write from..to/n"),
             ("kp=1..2/1", "2 to 100000 values"),
             ("kp=1 m..2 s/3", "both ends"),
-            ("kp=one..2/3", "`one` is no number"),
-            ("kp=1 parsec..2 parsec/3", "no unit `parsec`"),
+            ("kp=one..2/3", "`one` is not a number"),
+            ("kp=1 parsec..2 parsec/3", "`parsec` is not a unit"),
             ("kp=0..2/3log", "one sign"),
             ("kp=-1..2/3log", "one sign"),
         ] {

@@ -130,7 +130,7 @@ fn cargo() -> Finding {
     let named = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let Some(said) = version(&named) else {
         let remedy = "install Rust from https://rustup.rs; plug-ins that are not built yet need it";
-        return Finding::not(what, State::Missing, "there is none", remedy);
+        return Finding::not(what, State::Missing, "missing", remedy);
     };
     let mut numbers = said.split_whitespace().nth(1).unwrap_or_default().split('.');
     let mut next = || numbers.next().and_then(|number| number.parse::<u32>().ok());
@@ -169,7 +169,7 @@ fn sources() -> Finding {
             what,
             State::Note,
             "the clone that this program was built from is gone",
-            "new plug-ins need one: say where it is with `blocksim plugin new --blocksim DIR`",
+            "new plug-ins need one: give its folder with `blocksim plugin new --blocksim DIR`",
         ),
     }
 }
@@ -214,7 +214,7 @@ fn disk() -> Finding {
     let text = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
     let free = text.lines().nth(1).and_then(|line| line.split_whitespace().nth(3)?.parse::<u64>().ok());
     match free.map(|blocks| blocks.saturating_mul(1024)) {
-        None => Finding::not(what, State::Note, "nobody tells how much room there is", "look yourself"),
+        None => Finding::not(what, State::Note, "the free space is unknown", "check it yourself"),
         Some(free) if free < ROOM => {
             let said = format!("{} MB are free", free >> 20);
             Finding::not(what, State::Missing, said, "delete old runs; `blocksim runs` lists them")

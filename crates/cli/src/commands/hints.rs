@@ -38,7 +38,7 @@ pub fn hints(console: Console) -> Outcome {
     let listed: String =
         lines.iter().map(|(command, about)| format!("  {command:width$}  {about}\n")).collect();
     console.data(&format!(
-        "blocksim simulates block diagrams written as text.\n\n{listed}\n`blocksim --help` tells all commands, \
+        "blocksim simulates block diagrams written as text.\n\n{listed}\n`blocksim --help` lists all commands, \
          `blocksim run --help` the options of one.\n"
     ))?;
     Ok(Exit::Done)

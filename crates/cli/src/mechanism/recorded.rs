@@ -24,7 +24,7 @@ pub fn scene(folder: &Path) -> Result<Option<Value>, String> {
     let scene: Value = serde_json::from_str(&text).map_err(|error| format!("scene.json: {error}"))?;
     let list = |name: &str| scene[name].as_array().is_some();
     if !["bodies", "shapes", "masses", "frames"].iter().all(|name| list(name)) {
-        return Err("scene.json is no scene".to_owned());
+        return Err("scene.json is not a scene".to_owned());
     }
     Ok(Some(scene))
 }

@@ -19,7 +19,7 @@ pub struct Found {
     pub history: History,
     /// How far a point moved at most between two poses that were looked at, m.
     pub stride: f64,
-    /// Rows that were left out because a position is no number.
+    /// Rows that were left out because a position is not a number.
     pub unknown: usize,
     /// One row of so many was taken.
     pub every: usize,

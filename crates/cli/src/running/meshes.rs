@@ -8,8 +8,8 @@ use blocksim_diagram::fingerprint;
 use blocksim_results::{ResultsError, RunFolder};
 use blocksim_scene::{Form, Scene};
 
-/// Bytes of all meshes that a run keeps; what comes on top is shown only as long as it stays where it is.
-const MOST: u64 = 64 << 20;
+/// Bytes of all meshes that a run keeps; what comes on top is not shown in its page.
+const MOST: u64 = 256 << 20;
 
 /// Copies the files of the meshes that are to be seen into the folder of the run; returns their names there by their
 /// files. Equal ones are kept once. What cannot be read is left out.

@@ -1,6 +1,7 @@
 //! A run from the method that it is solved with to what is kept and said of it.
 
 pub mod blame;
+pub mod happenings;
 pub mod interrupt;
 pub mod keep;
 pub mod manifest;

@@ -10,11 +10,12 @@ use serde_json::{Value, json};
 
 use crate::args::model::RunArgs;
 use crate::loaded::Loaded;
+use crate::running::happenings;
 use crate::running::start::Began;
 use crate::running::summary::summary;
-use crate::signals::shown::{Shown, shown};
+use crate::signals::display::{Shown, shown};
 use crate::signals::tracking::trackings;
-use crate::signals::{charts, followed, naming};
+use crate::signals::{charts, naming, tracking_table};
 use crate::terminal::console::Console;
 use crate::terminal::places::Texts;
 use crate::terminal::render;
@@ -39,13 +40,16 @@ pub struct Report<'a> {
     pub warnings: Vec<Problem>,
     /// The steady state that it began in, if it did.
     pub began: Option<Began>,
+    /// What happened.
+    pub events: &'a [EventRow],
 }
 
 impl Report<'_> {
     /// Summary, table and plots.
     pub fn text(&self, place: Option<&str>, args: &RunArgs, console: Console) -> String {
         let shown = self.shown();
-        let mut parts = vec![self.summary(place), followed::table(&trackings(&shown), &self.recording.time)];
+        let mut parts =
+            vec![self.summary(place), tracking_table::table(&trackings(&shown), &self.recording.time)];
         if !args.no_plot && self.recording.rows() > 1 {
             parts.push(self.plots(&shown, &args.plot, console));
         }
@@ -77,10 +81,11 @@ impl Report<'_> {
             "stiff_steps": self.counts.share.map(|share| share.stiff),
             "evaluations": self.counts.evaluations,
             "events": self.counts.events,
+            "happened": happenings::data(self.events),
             "sample_hits": self.counts.hits,
             "signals": self.signals,
             "rows": self.rows,
-            "tracking": followed::json(&trackings(&shown), &self.recording.time),
+            "tracking": tracking_table::json(&trackings(&shown), &self.recording.time),
         })
     }
 
@@ -104,6 +109,7 @@ impl Report<'_> {
             self.manifest,
             began.as_deref(),
             &self.counts,
+            &happenings::lines(self.events),
             self.signals,
             self.rows,
             place,
@@ -140,7 +146,7 @@ impl Report<'_> {
 }
 
 /// The lines of `log.txt`: the command line's problems, the first events, the summary.
-pub fn log(report: &Report, loaded: &Loaded, events: &[EventRow]) -> Vec<String> {
+pub fn log(report: &Report, loaded: &Loaded) -> Vec<String> {
     let (problems, texts) =
         (loaded.compiled.problems.iter().chain(&report.warnings), Texts::of(&loaded.files));
     let mut lines: Vec<String> = problems
@@ -148,7 +154,7 @@ pub fn log(report: &Report, loaded: &Loaded, events: &[EventRow]) -> Vec<String>
         .collect();
     lines.push(report.summary(None));
     let shown = report.shown();
-    lines.push(followed::table(&trackings(&shown), &report.recording.time));
-    lines.push(format!("{} in events.csv", render::plural(events.len(), "event")));
+    lines.push(tracking_table::table(&trackings(&shown), &report.recording.time));
+    lines.push(format!("{} in events.csv", render::plural(report.events.len(), "event")));
     lines.iter().flat_map(|text| text.lines().map(str::to_owned)).collect()
 }

@@ -43,7 +43,7 @@ fn on_death(death: &Death) -> i32 {
         return Exit::Interrupted.code().into();
     }
     let during = match death.kind.as_str() {
-        kind if death.t.is_nan() => format!(" when `{kind}` was asked about its parameters"),
+        kind if death.t.is_nan() => format!(" while the parameters of `{kind}` were read"),
         kind => format!(" in `{kind}` at t = {} s", death.t),
     };
     let (code, exit) =

@@ -7,7 +7,7 @@ use blocksim_signal::closest;
 
 use crate::args::values::time;
 use crate::failure::Failure;
-use crate::signals::{naming, shown};
+use crate::signals::{display, naming};
 
 /// What `--signals` names: a pattern, and a rate behind `@`.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +36,7 @@ pub fn wanted(text: &str) -> Result<Wanted, String> {
 }
 
 fn rate_of(text: &str) -> Result<Rate, String> {
-    let advice = "a rate is a time (@10ms), a number of rows (@10rows) or the least and largest in a time (@minmax:10ms)";
+    let advice = "a rate is a time (@10ms), a number of rows (@10rows) or the minimum and maximum in a time (@minmax:10ms)";
     if let Some(n) = text.strip_suffix("rows") {
         let n: u32 = n.trim().parse().map_err(|_| advice.to_owned())?;
         return if n > 0 { Ok(Rate::Nth(n)) } else { Err(advice.to_owned()) };
@@ -63,7 +63,7 @@ pub struct Selection {
 /// fit the last one says the rate. What is `needed` is kept in any case, at the first rate that is wanted.
 ///
 /// # Errors
-/// The first pattern that nothing fits, with signals that may be meant, or a time that is no multiple of the spacing
+/// The first pattern that nothing fits, with signals that may be meant, or a time that is not a multiple of the spacing
 /// of the rows.
 pub fn select(
     recorded: &[Recorded],
@@ -83,7 +83,7 @@ pub fn select(
             // What conversion has added behind the ninth digit is not shown.
             let [time, spacing, near] =
                 [*time, spacing, near].map(|t| format!("{} ms", (t * 1e12).round() / 1e9));
-            let said = format!("the rate of `{pattern}`, {time}, is no multiple of the {what}, {spacing}");
+            let said = format!("the rate of `{pattern}`, {time}, is not a multiple of the {what}, {spacing}");
             let help = format!("write {near}, or a number of rows such as `{pattern}@10rows`");
             return Err(Failure::usage(said).help(help));
         }
@@ -91,7 +91,7 @@ pub fn select(
     let windowed = |rate: &Rate| matches!(rate, Rate::Extremes(_));
     let others = wanted.iter().map(|wanted| wanted.rate).find(|rate| !windowed(rate)).unwrap_or(Rate::All);
     let mut selection = Selection::default();
-    for (source, (r, mut info)) in recorded.iter().zip(shown::layout(recorded).signals).enumerate() {
+    for (source, (r, mut info)) in recorded.iter().zip(display::layout(recorded).signals).enumerate() {
         let asked = wanted.iter().rev().find(|wanted| fits(wanted, r)).map(|wanted| wanted.rate);
         let rate = match asked {
             Some(rate) => rate,
@@ -226,7 +226,7 @@ mod tests {
               = help: did you mean 'ctrl.u'?
             no recorded signal fits `arm/*.q`
               = help: did you mean '**arm/**.q**'?
-            the rate of `ctrl.u`, 15 ms, is no multiple of the output interval, 10 ms
+            the rate of `ctrl.u`, 15 ms, is not a multiple of the output interval, 10 ms
               = help: write 20 ms, or a number of rows such as `ctrl.u@10rows`
         "#]]
         .assert_eq(&["leg", "ctrl.v", "arm/*.q", "ctrl.u@15ms"].map(|text| told(text) + "\n").concat());

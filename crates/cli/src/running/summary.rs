@@ -7,13 +7,15 @@ use blocksim_sim::{Counts, Share};
 use crate::running::solver;
 use crate::terminal::render::plural;
 
-/// Title, times, start, solver, work and what was recorded; `began` says in what steady state the run began, `place` is where
-/// the results lie.
+/// Title, times, start, solver, work, events and what was recorded; `began` is the steady state in which the run began, `place`
+/// where the results lie.
+#[allow(clippy::too_many_arguments)]
 pub fn summary(
     title: &str,
     manifest: &Manifest,
     began: Option<&str>,
     counts: &Counts,
+    events: &[String],
     signals: usize,
     rows: u64,
     place: Option<&str>,
@@ -53,6 +55,9 @@ pub fn summary(
         table.row(["method", &limited(counts)]);
     }
     table.row(["events", &[n(counts.events, "zero crossing"), n(counts.hits, "sample hit")].join(", ")]);
+    for line in events {
+        table.row(["", line]);
+    }
     let recorded = match signals {
         0 => "nothing; add a Scope, or `record: [\"...\"]` to the diagram".to_owned(),
         _ => format!("{}, {}", plural(signals, "signal"), n(rows, "row")),
@@ -174,7 +179,7 @@ mod tests {
             recorded   84 signals, 1 725 rows
             results    runs/2026-11-21T14-03-22_servo
         "#]]
-        .assert_eq(&summary("Servo", &manifest(Ended::Complete), None, &counts, 84, 1725, Some(folder)));
+        .assert_eq(&summary("Servo", &manifest(Ended::Complete), None, &counts, &[], 84, 1725, Some(folder)));
     }
 
     #[test]
@@ -188,13 +193,15 @@ mod tests {
     #[test]
     fn an_explicit_method_that_stability_limits_is_told() {
         let counts = Counts { accepted: 302_094, limited: 301_000, ..Counts::default() };
-        let said = summary("Rod", &manifest(Ended::Complete), None, &counts, 1, 2, None);
+        let said = summary("Rod", &manifest(Ended::Complete), None, &counts, &[], 1, 2, None);
         assert!(said.contains(
             "method     stability limits 301 000 of 302 094 steps, not the tolerance: a stiff method takes fewer, \
              `--solver auto` finds out where"
         ), "{said}");
         let counts = Counts { accepted: 4000, limited: 1000, ..Counts::default() };
-        assert!(!summary("Rod", &manifest(Ended::Complete), None, &counts, 1, 2, None).contains("method"));
+        assert!(
+            !summary("Rod", &manifest(Ended::Complete), None, &counts, &[], 1, 2, None).contains("method")
+        );
     }
 
     #[test]
@@ -220,8 +227,16 @@ mod tests {
     #[test]
     fn a_failure_and_an_empty_recording_are_said() {
         let ended = Ended::Failed { reason: "step size below 1e-12 s".into() };
-        let text =
-            summary("Servo", &manifest(ended), Some("in a steady state"), &Counts::default(), 0, 1, None);
+        let text = summary(
+            "Servo",
+            &manifest(ended),
+            Some("in a steady state"),
+            &Counts::default(),
+            &[],
+            0,
+            1,
+            None,
+        );
         assert!(text.contains("failed     step size below 1e-12 s\n"), "{text}");
         assert!(text.contains("\nstart      in a steady state\n"), "{text}");
         assert!(text.contains("recorded   nothing; add a Scope"), "{text}");

@@ -4,9 +4,9 @@ use blocksim_analysis::continued;
 use blocksim_results::format::with_unit;
 use blocksim_results::{Align, Kind, PlotOptions, Series, Table, plot, sparkline};
 
+use crate::signals::display::{Shown, turn};
 use crate::signals::headings::headings;
 use crate::signals::naming::{fits, short_names};
-use crate::signals::shown::{Shown, turn};
 use crate::signals::tracking::Tracking;
 use crate::terminal::console::Console;
 
@@ -196,7 +196,7 @@ fn range(values: &[f64]) -> Option<(f64, f64)> {
 mod tests {
     use super::*;
     use crate::args::model::Format;
-    use crate::signals::shown::{shown, tests::example};
+    use crate::signals::display::{shown, tests::example};
     use crate::signals::tracking::trackings;
     use expect_test::expect;
 

@@ -2,10 +2,10 @@
 
 pub mod charts;
 pub mod differences;
-pub mod followed;
+pub mod display;
 pub mod headings;
 pub mod naming;
 pub mod other;
-pub mod shown;
 pub mod traces;
 pub mod tracking;
+pub mod tracking_table;

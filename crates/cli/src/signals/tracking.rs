@@ -6,9 +6,9 @@ use blocksim_analysis::{metrics, without_jumps};
 use blocksim_plot::pairs;
 use blocksim_signal::Unit;
 
+use crate::signals::display::{Shown, turn};
 use crate::signals::headings::headings;
 use crate::signals::naming::{is_of, numbered_part};
-use crate::signals::shown::{Shown, turn};
 
 /// A set value and the actual value beside it in a scope.
 #[derive(Debug, Clone)]
@@ -173,7 +173,7 @@ impl Tracking<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signals::shown::{shown, tests::example};
+    use crate::signals::display::{shown, tests::example};
 
     #[test]
     fn joints_are_paired_with_their_torques() {

@@ -155,7 +155,7 @@ fn a_start_that_contradicts_itself_and_one_that_has_no_rest() {
           |         ^^^^^^ this is `tank`
           |
           = help: integrators that nothing feeds back and sources that go on have no rest: begin elsewhere (initial
-                  values, another instant), or say which states may go on moving, `start: Steady(drift: [...])`
+                  values, another instant), or list the states that may go on moving, `start: Steady(drift: [...])`
 
         nothing was run
     "#]]);
@@ -213,8 +213,8 @@ fn tolerances_that_no_result_can_have() {
         1 | simulation.solver.rtol=0.5
           | ^^^^^^^^^^^^^^^^^^^^^^^^^^
           |
-          = help: what `simulation` says is changed by --until, --solver, --rtol, --atol and --step, or by a parameter
-                  of the diagram that stands in it
+          = help: the settings in `simulation` are changed by --until, --solver, --rtol, --atol and --step, or by a
+                  parameter of the diagram that stands in it
 
         1 error; nothing was run
     "#]]);
@@ -235,12 +235,12 @@ fn tolerances_that_no_result_can_have() {
 #[test]
 fn times_that_cannot_be_counted() {
     Bad { options: &["--step", "1e-20 s"], code: 1, ..Bad::new(&decay("")) }.run(&expect![[r#"
-        error[settings]: the largest step, 1e-20 s, is shorter than times can be told apart at 1 s
+        error[settings]: the maximum step, 1e-20 s, is shorter than the resolution of time at 1 s
           = help: times have sixteen digits: take at least 8.9e-16 s, or an earlier stop time
         nothing was run
     "#]]);
     Bad::new(&decay(r#", solver: Ode4(step: "1e-20 s")"#)).run(&expect![[r#"
-        error[parameter]: the step of 1e-20 s is shorter than times can be told apart at 1 s
+        error[parameter]: the step of 1e-20 s is shorter than the resolution of time at 1 s
          --> model.ron:2:44
           |
         2 |     simulation: (stop_time: "1 s", solver: Ode4(step: "1e-20 s")),
@@ -294,7 +294,7 @@ fn a_condition_that_chatters_by_design() {
 "#;
     let methods = ["ode45", "ode23", "dop853", "ode15s", "radau5", "rodas4", "ode23tb", "ode23t", "rosw3"];
     let rows = Bad { code: 1, ..Bad::new(model) }.run(&expect![[r#"
-        error[chatter]: `switch` is chattering: its guard `threshold` keeps crossing zero at t = 1 s
+        error[chatter]: `switch` is chattering: it passes `u1` and passes `u3` again and again at t = 1 s
          --> model.ron:7:9
           |
         7 |         "switch": Switch(threshold: "0 s"),
@@ -313,7 +313,9 @@ fn a_condition_that_chatters_by_design() {
         let answer = desk.call(&["run", "model.ron", "--quiet", "--out", "kept", "--solver", solver]);
         assert_eq!(answer.code, Some(1), "{solver}");
         assert!(
-            answer.err.starts_with("error[chatter]: `switch` is chattering: its guard `threshold` keeps"),
+            answer
+                .err
+                .starts_with("error[chatter]: `switch` is chattering: it passes `u1` and passes `u3` again"),
             "{solver}"
         );
         let rows = desk.read("kept/signals.csv");

@@ -107,10 +107,10 @@ fn what_cannot_be_looked_at_is_told_with_reason_and_remedy() {
         error[unreadable]: `r` has no mechanism to look at
           = help: give bodies `shapes` (see `blocksim blocks Body`) and run the model again
         exit code 4
-        error[unreadable]: cannot read `nothing`: there is no such folder or file, and no run in `runs` has this name
+        error[unreadable]: cannot read `nothing`: no folder, file or run in `runs` has this name
           = help: `blocksim runs` lists what there is; `blocksim run MODEL` makes a new one
         exit code 4
-        error[unreadable]: cannot read the surroundings in `none.ron`: cannot read `none.ron`: there is no such file
+        error[unreadable]: cannot read the surroundings in `none.ron`: cannot read `none.ron`: the file does not exist
           = help: write them as in docs/moves.md, or name a diagram with the parameter `surroundings`
         exit code 4
         error[unreadable]: cannot read the surroundings in `egg.ron`: expected a list, found a number

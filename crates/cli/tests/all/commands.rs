@@ -116,7 +116,7 @@ fn a_run_is_told_and_kept() {
         "First order lag\nsimulated  1.000 s in ",
         "solver     Auto",
         "method     Ode45: nothing was stiff",
-        "following [deg]  largest error",
+        "tracking [deg]  maximum error",
         "┤",
     ] {
         assert!(answer.out.contains(part), "{part} is missing in\n{}", answer.out);
@@ -409,7 +409,7 @@ fn runs_are_listed_and_exported_at_the_rates_that_were_asked_for() {
     let lost = desk.call(&["export", "lag", "--csv", "x.csv", "--signals", "q1"]);
     assert!(lost.code == Some(2) && lost.err.contains("fits `q1`"), "{lost:?}");
     let none = desk.call(&["export", "arm", "--csv", "x.csv"]);
-    assert!(none.code == Some(4) && none.err.contains("no run in `runs` has this name"), "{none:?}");
+    assert!(none.code == Some(4) && none.err.contains("run in `runs` has this name"), "{none:?}");
     assert_eq!(desk.call(&["export", "lag"]).code, Some(2));
     let wrong = desk.call(&["run", "lag.ron", "--signals", "leg"]);
     assert!(wrong.code == Some(2) && wrong.err.contains("no recorded signal fits `leg`"), "{wrong:?}");

@@ -30,7 +30,7 @@ fn slips_are_mended_in_the_text_and_shown() {
         Desk::with(&[("loop.ron", MODEL), ("part.ron", "(mass: \"2 kg\" length: \"1 m\") // a set\n")]);
     let before = desk.call(&["check", "loop.ron"]);
     assert_eq!(before.code, Some(3));
-    assert!(before.err.contains("`--fix` mends "), "{}", before.err);
+    assert!(before.err.contains("`--fix` fixes "), "{}", before.err);
     let answer = desk.call(&["check", "loop.ron", "--fix"]);
     let mended = desk.read("loop.ron");
     let expected = MODEL

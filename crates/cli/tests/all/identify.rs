@@ -144,7 +144,7 @@ fn requests_that_make_no_sense_are_refused_with_a_remedy() {
         (&["dynamics", "--out", &there][..], 4, "is there already"),
         (&["dynamics", "--out", "result.txt"][..], 2, "endings: .csv"),
         (&["dynamics", "--harmonics", "1"][..], 2, "2 to 50"),
-        (&["friction", "nowhere.ron"][..], 4, "no such file"),
+        (&["friction", "nowhere.ron"][..], 4, "the file does not exist"),
     ] {
         let output = identify(arguments);
         assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", said(&output));

@@ -206,7 +206,7 @@ fn a_file_of_its_own_says_what_stands_around_and_what_may_touch() {
     let (code, first, err) = hit(&soft);
     assert!(code == 0 && first.is_null(), "{code} {first} {err}");
     for (name, text, reason) in [
-        ("taken.ron", format!("(things: [(name: Text(\"tool\"), {shape})])"), "no name for a thing"),
+        ("taken.ron", format!("(things: [(name: Text(\"tool\"), {shape})])"), "not a valid name for a thing"),
         ("pair.ron", "(may_touch: [[Text(\"tool\"), Text(\"cat\")]])".to_owned(), "there is no part `cat`"),
         ("member.ron", "(ceiling: \"3 m\")".to_owned(), "ceiling"),
         ("shape.ron", "(things: [(name: Text(\"a\"), shapes: [(kind: Text(\"egg\"))])])".to_owned(), "egg"),

@@ -184,7 +184,7 @@ fn drawings_and_pictures_are_written_and_never_replaced_silently() {
     let lost = desk.said(&["plot", "latest", "--svg", "no/such/a.svg"]);
     assert_eq!(
         lost,
-        "error[unwritable]: cannot write `no/such/a.svg`: there is no folder `no/such`\n  = help: create it, or choose another \
+        "error[unwritable]: cannot write `no/such/a.svg`: the folder `no/such` does not exist\n  = help: create it, or choose another \
          place\nexit code 4\n"
     );
     assert!(!desk.0.join("no").exists());
@@ -208,8 +208,8 @@ fn measured_values_lie_over_a_run_once_their_columns_are_mapped() {
     ]);
     desk.call(&["run", "lag.ron", "-q", "--out", "runs/lag"]);
     expect![[r#"
-        error[usage]: `m.csv` has none of the signals that are asked for
-          = help: it has `Winkel`, `Strom`; say what they are, such as --map 'Winkel=scope.set'
+        error[usage]: `m.csv` has none of the requested signals
+          = help: it has `Winkel`, `Strom`; name them, such as --map 'Winkel=scope.set'
         exit code 2
     "#]]
     .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--svg", "a.svg"]));
@@ -224,13 +224,13 @@ fn measured_values_lie_over_a_run_once_their_columns_are_mapped() {
     .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--map", "Winkl=scope.actual[deg]"]));
     expect![[r#"
         error[unreadable]: the unit of column `Winkel` in `m.csv` is not known: unknown unit `grad`
-          = help: write `g*rad`, or say it with --map 'Winkel=scope.actual[UNIT]'
+          = help: write `g*rad`, or give it with --map 'Winkel=scope.actual[UNIT]'
         exit code 4
     "#]]
     .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--map", "Winkel=scope.actual[grad]"]));
     expect![[r#"
         error[unreadable]: `scope.actual` is in deg in `lag`, but in mm in `m.csv`
-          = help: say the unit, such as --map 'COLUMN=scope.actual[unit]'
+          = help: give the unit, such as --map 'COLUMN=scope.actual[unit]'
         exit code 4
     "#]]
     .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--map", "Winkel=scope.actual[mm]"]));
@@ -273,7 +273,7 @@ fn what_cannot_be_drawn_is_told_with_a_remedy() {
         exit code 4
 
         $ plot broken.csv
-        error[unreadable]: cannot read `broken.csv`: line 3, column 2: `x` is no number; leave the field empty where there is none
+        error[unreadable]: cannot read `broken.csv`: line 3, column 2: `x` is not a number; leave the field empty for a missing one
           = help: correct the file, or export it again
         exit code 4
 
@@ -283,7 +283,7 @@ fn what_cannot_be_drawn_is_told_with_a_remedy() {
         exit code 4
 
         $ plot nothing.csv
-        error[unreadable]: cannot read `nothing.csv`: there is no such folder or file, and no run in `runs` has this name
+        error[unreadable]: cannot read `nothing.csv`: no folder, file or run in `runs` has this name
           = help: `blocksim runs` lists what there is; `blocksim run MODEL` makes a new one
         exit code 4
 
@@ -304,7 +304,7 @@ fn what_cannot_be_drawn_is_told_with_a_remedy() {
         exit code 2
 
         $ plot nan.csv --map a
-        error[usage]: cannot read the mappings in `a`: there is no such file
+        error[usage]: cannot read the mappings in `a`: the file does not exist
           = help: write a mapping as 'COLUMN=PATH[unit]'
         exit code 2
 
@@ -342,19 +342,19 @@ fn two_runs_are_the_same_within_or_different() {
         "2 signals agree: 2 exactly, 0 within the tolerances\nexit code 0\n"
     );
     expect![[r#"
-        signal        verdict  largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        signal        verdict  maximum difference  at [s]  first beyond, at [s]  baseline  compared  allowed
         scope.actual  DIFFERS         -0.1651 deg     0.3                 0.101  0.448877  0.446649        0
 
         1 of 2 signals does not agree
         exit code 1
     "#]]
     .assert_eq(&desk.said(&["compare", "a", "c"]));
-    // The largest difference of two lags is about h/e times the relative difference of their time constants.
+    // The maximum difference of two lags is about h/e times the relative difference of their time constants.
     assert_eq!(desk.call(&["compare", "a", "c", "--abs", "0.17deg"]).0, 0);
     assert_eq!(desk.call(&["compare", "a", "c", "--abs", "0.16deg"]).0, 1);
     assert_eq!(desk.call(&["compare", "a", "c", "--abs", "0.01deg", "--time-tolerance", "10ms"]).0, 0);
     expect![[r#"
-        signal        verdict                 largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        signal        verdict                 maximum difference  at [s]  first beyond, at [s]  baseline  compared  allowed
         scope.set     SHORT, only 0 s to 1 s               0 deg       0                     -         -         -        -
         scope.actual  DIFFERS                       7.470e-6 deg   0.586                 0.101  0.448877  0.448877        0
 
@@ -407,7 +407,7 @@ fn a_late_measurement_is_aligned() {
     let flat = Desk::with(&[("a.csv", "t,x\n0,1\n1,1\n"), ("b.csv", "t,x\n5,1\n6,1\n")]);
     expect![[r#"
         error[usage]: the signals are constant, so their time shift cannot be found
-          = help: choose others with --signals, or say --shift
+          = help: choose others with --signals, or give --shift
         exit code 2
     "#]]
     .assert_eq(&flat.said(&["compare", "a.csv", "b.csv", "--align", "correlation"]));
@@ -432,21 +432,21 @@ fn foreign_tables_are_compared_and_their_faults_told() {
     .assert_eq(&desk.said(&arguments(&map)));
     expect![[r#"
         error[unreadable]: the unit of column `M` in `b.csv` is not known: unknown unit `Vs`
-          = help: write `V*s`, or say it with --map 'M=m.x[UNIT]'
+          = help: write `V*s`, or give it with --map 'M=m.x[UNIT]'
         exit code 4
     "#]]
     .assert_eq(&desk.said(&arguments(&["--map", "M=m.x"])));
     expect![[r#"
-        signal  verdict  largest difference  at [s]  first beyond, at [s]  baseline  compared   allowed
+        signal  verdict  maximum difference  at [s]  first beyond, at [s]  baseline  compared   allowed
         q.x     DIFFERS           88.43 rad       1                   0.5  0.785398   45.0000  1.00e-12
 
         1 of 1 signal does not agree
-        note: `b.csv` tells no units; taken are `q.x` in rad
+        note: `b.csv` has no units; assuming `q.x` in rad
         exit code 1
     "#]]
     .assert_eq(&desk.said(&arguments(&["--map", "q1=q.x", "-s", "q.x"])));
     expect![[r#"
-        signal  verdict              largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        signal  verdict              maximum difference  at [s]  first beyond, at [s]  baseline  compared  allowed
         q.x     in mm, another UNIT                   -       -                     -         -         -        -
         m.x     MISSING                               -       -                     -         -         -        -
 

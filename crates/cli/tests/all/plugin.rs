@@ -263,10 +263,10 @@ fn mistakes_are_answered_with_the_remedy_and_nothing_is_written() {
         (&["plugin", "new", "My-Controller"][..], 2, "is not a valid name for a plug-in"),
         (&["plugin", "new", "ok", "--kind", "pid"], 2, "is not a valid name for a controller"),
         (&["plugin", "new", "full"], 4, "is there already"),
-        (&["plugin", "new", "ok", "--blocksim", "full"], 2, "no clone of blocksim"),
+        (&["plugin", "new", "ok", "--blocksim", "full"], 2, "not a clone of blocksim"),
         (&["plugin", "show", "ful"], 4, "did you mean `full`"),
         (&["plugin", "show", "full"], 4, "holds no `Cargo.toml`"),
-        (&["plugin", "show", "full/notes.txt", "--trust"], 4, "no library that can be loaded"),
+        (&["plugin", "show", "full/notes.txt", "--trust"], 4, "not a library that can be loaded"),
     ] {
         let output = blocksim(&folder.0, words);
         assert_eq!(output.status.code(), Some(code), "{words:?}: {}", said(&output));

@@ -81,7 +81,7 @@ fn what_cannot_be_recorded_is_told_with_place_and_remedy() {
           |
           = help: did you mean `scop**`?
 
-        error[record_rate]: `every` is 1.5 ms, which is no multiple of the step, 1 ms
+        error[record_rate]: `every` is 1.5 ms, which is not a multiple of the step, 1 ms
          --> m.ron:3:57
           |
         3 |     record: ["lg.y", "scop*", (signals: "lag.y", every: "1.5 ms")],
@@ -95,7 +95,7 @@ fn what_cannot_be_recorded_is_told_with_place_and_remedy() {
     .assert_eq(&desk.said(&["check", "m.ron"]));
     let desk = with("");
     expect![[r#"
-        error[usage]: the rate of `scope`, 1.5 ms, is no multiple of the step, 1 ms
+        error[usage]: the rate of `scope`, 1.5 ms, is not a multiple of the step, 1 ms
           = help: write 2 ms, or a number of rows such as `scope@10rows`
         exit code 2
     "#]]
@@ -130,7 +130,7 @@ fn a_parquet_file_is_written_for_each_rate_and_never_replaced() {
     "#]]
     .assert_eq(&desk.said(&["export", "a", "--parquet", "a.parquet"]));
     expect![[r#"
-        error[unwritable]: cannot write `none/a.parquet`: there is no such folder
+        error[unwritable]: cannot write `none/a.parquet`: the folder does not exist
           = help: create it, or name a file elsewhere
         exit code 4
     "#]]
@@ -157,16 +157,16 @@ fn recordings_that_have_nothing_in_common_are_told() {
         error[unreadable]: `empty.csv` has no values
           = help: run the model, or export the table, again
         exit code 4
-        error[usage]: `other.csv` has none of the signals that are asked for
-          = help: it has `force`; say what they are, such as --map 'force=scope.wave'
+        error[usage]: `other.csv` has none of the requested signals
+          = help: it has `force`; name them, such as --map 'force=scope.wave'
         exit code 2
-        signal      verdict         largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        signal      verdict         maximum difference  at [s]  first beyond, at [s]  baseline  compared  allowed
         scope.wave  NO COMMON TIME                   -       -                     -         -         -        -
         scope.lag   NO COMMON TIME                   -       -                     -         -         -        -
 
         2 of 2 signals do not agree
         exit code 1
-        error[unreadable]: cannot read `broken.csv`: line 3, column 2: `one` is no number; leave the field empty where there is none
+        error[unreadable]: cannot read `broken.csv`: line 3, column 2: `one` is not a number; leave the field empty for a missing one
           = help: correct the file, or export it again
         exit code 4
         error[unreadable]: cannot read `back.csv`: line 3, column 1: the time -1 follows 0; times must not fall

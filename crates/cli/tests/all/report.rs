@@ -48,7 +48,7 @@ fn a_run_becomes_a_page_in_its_folder_with_its_scopes_and_numbers() {
         assert!(page.contains(part), "{part}");
     }
     assert!(page.len() < 200_000, "{}", page.len());
-    assert!(!page.contains("space-view\""), "no shapes, no view in space");
+    assert!(!page.contains("space-view\""), "no shapes, no 3D view");
     fs::remove_dir_all(folder).unwrap();
 }
 
@@ -63,7 +63,7 @@ fn what_is_wrong_is_said_and_nothing_is_overwritten() {
     assert_eq!(fs::read_to_string(folder.join("mine.html")).unwrap(), "mine");
     for (arguments, part) in [
         (&["report", "nothing"][..], "nothing"),
-        (&["report", "r", "-o", "no/where.html"], "there is no such folder"),
+        (&["report", "r", "-o", "no/where.html"], "the folder does not exist"),
         (&["report", "r", "--overlay", "servo.ron"], "servo.ron"),
     ] {
         let output = call(&folder, arguments);

@@ -146,11 +146,11 @@ fn damaged_scenes_and_events_cost_only_what_they_hold() {
     let folder = folder("parts");
     run(&folder, MODEL);
     for (file, text, told) in [
-        ("scene.json", "{\"bodies\": [", "The view in space is missing"),
+        ("scene.json", "{\"bodies\": [", "The 3D view is missing"),
         (
             "scene.json",
             "{\"bodies\": [], \"shapes\": 3, \"masses\": [], \"frames\": []}",
-            "scene.json is no scene",
+            "scene.json is not a scene",
         ),
         ("model.json", "[1, 2", "The diagram is missing"),
         ("events.csv", "a,b\n1", "The events cannot be read"),

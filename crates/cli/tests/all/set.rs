@@ -152,7 +152,7 @@ fn what_cannot_be_set_is_refused_and_nothing_is_written() {
         ("lag", "3 m", 2, "write a value in ms or a unit of the same kind"),
         ("pid.form", "Idael", 3, "did you mean `Ideal`?"),
         ("gain", "1,05", 3, "decimal comma?"),
-        ("drive", "ac", 3, "`ac` is none of"),
+        ("drive", "ac", 3, "`ac` is not one of"),
     ] {
         let answer = desk.call(&["params", "set", "model.ron", target, value]);
         assert_eq!(answer.code, Some(code), "{target}={value}: {}", answer.text());
@@ -224,7 +224,7 @@ fn every_command_takes_a_bare_number_in_the_written_unit_and_says_so() {
     let full = desk.call(&["sweep", "model.ron", "--over", "lag=200 ms..300 ms/2"]);
     // The tables differ in their widths; the best runs stand below them.
     let numbers = |out: &str| {
-        let lines = out.lines().filter(|line| line.starts_with("least")).map(|line| line.replace(" ms", ""));
+        let lines = out.lines().filter(|line| line.starts_with("lowest")).map(|line| line.replace(" ms", ""));
         lines.collect::<Vec<_>>()
     };
     assert_eq!(numbers(&swept.out).len(), 2, "{}", swept.out);

@@ -84,7 +84,7 @@ fn a_value_that_the_model_refuses_leaves_the_other_runs_alone() {
     let table = std::fs::read_to_string(desk.0.join("table.csv")).expect("the table");
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!(lines.len(), 4);
-    assert!(lines[0].starts_with("tau,largest error,") && lines[0].ends_with(",failed"), "{table}");
+    assert!(lines[0].starts_with("tau,maximum error,") && lines[0].ends_with(",failed"), "{table}");
     assert!(lines[2].starts_with("-0.1 s,,,,,,"), "{table}");
     assert!(lines[1].ends_with(',') && lines[3].ends_with(','), "{table}");
 

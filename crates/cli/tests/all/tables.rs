@@ -111,12 +111,12 @@ fn what_cannot_be_understood_is_told_with_place_reason_and_remedy() {
         exit code 4
 
         excel_error.csv
-        error[unreadable]: cannot read `excel_error.csv`: line 2, column 2: `#DIV/0!` is no number; leave the field empty where there is none
+        error[unreadable]: cannot read `excel_error.csv`: line 2, column 2: `#DIV/0!` is not a number; leave the field empty for a missing one
           = help: correct the file, or export it again
         exit code 4
 
         clock.csv
-        error[unreadable]: cannot read `clock.csv`: line 2, column 1: `18:00:00.0` is no number; write times as numbers, such as seconds from the start
+        error[unreadable]: cannot read `clock.csv`: line 2, column 1: `18:00:00.0` is not a number; write times as numbers, such as seconds from the start
           = help: correct the file, or export it again
         exit code 4
 
@@ -161,23 +161,23 @@ fn what_cannot_be_understood_is_told_with_place_reason_and_remedy() {
         exit code 4
 
         time_unit.csv
-        error[unreadable]: the time in `time_unit.csv` is in deg, which is no time
-          = help: say its unit, such as --map 'COLUMN=time[ms]'
+        error[unreadable]: the time in `time_unit.csv` is in deg, which is not a time
+          = help: give its unit, such as --map 'COLUMN=time[ms]'
         exit code 4
 
         unit.csv
         error[unreadable]: the unit of column `q` in `unit.csv` is not known: unknown unit `foo`
           = help: units are SI symbols with prefixes, such as mm, kg, ms, kW, mH, kOhm, N*m, rad/s, deg, rpm, %, or
-                  say it with --map 'q=q[UNIT]'
+                  give it with --map 'q=q[UNIT]'
         exit code 4
 
         escape.csv
-        error[usage]: `escape.csv` has none of the signals that are asked for
-          = help: it has `q�[31m`; say what they are, such as --map 'q�[31m=q'
+        error[usage]: `escape.csv` has none of the requested signals
+          = help: it has `q�[31m`; name them, such as --map 'q�[31m=q'
         exit code 2
 
         nul.csv
-        error[unreadable]: cannot read `nul.csv`: line 2, column 2: `1�` is no number; leave the field empty where there is none
+        error[unreadable]: cannot read `nul.csv`: line 2, column 2: `1�` is not a number; leave the field empty for a missing one
           = help: correct the file, or export it again
         exit code 4
 
@@ -216,21 +216,21 @@ fn values_that_are_no_numbers_and_times_that_differ_are_told() {
     ];
     expect![[r#"
         nan.csv
-        signal  verdict  largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        signal  verdict  maximum difference  at [s]  first beyond, at [s]  baseline  compared  allowed
         q       DIFFERS             NaN deg     0.4                   0.4   4.00000       NaN        0
 
         1 of 1 signal does not agree
         exit code 1
 
         gap.csv
-        signal  verdict  largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        signal  verdict  maximum difference  at [s]  first beyond, at [s]  baseline  compared  allowed
         q       DIFFERS             NaN deg     0.4                   0.4   4.00000       NaN        0
 
         1 of 1 signal does not agree
         exit code 1
 
         infinite.csv
-        signal  verdict  largest difference  at [s]  first beyond, at [s]  baseline   compared  allowed
+        signal  verdict  maximum difference  at [s]  first beyond, at [s]  baseline   compared  allowed
         q       DIFFERS       -infinite deg     0.4                   0.4   4.00000  -infinite        0
 
         1 of 1 signal does not agree
@@ -238,28 +238,28 @@ fn values_that_are_no_numbers_and_times_that_differ_are_told() {
         exit code 1
 
         all_nan.csv
-        signal  verdict  largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        signal  verdict  maximum difference  at [s]  first beyond, at [s]  baseline  compared  allowed
         q       DIFFERS             NaN deg       0                     0         0       NaN        0
 
         1 of 1 signal does not agree
         exit code 1
 
         one_instant.csv
-        signal  verdict                 largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        signal  verdict                 maximum difference  at [s]  first beyond, at [s]  baseline  compared  allowed
         q       SHORT, only 0 s to 0 s               0 deg       0                     -         -         -        -
 
         1 of 1 signal does not agree
         exit code 1
 
         later.csv
-        signal  verdict         largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        signal  verdict         maximum difference  at [s]  first beyond, at [s]  baseline  compared  allowed
         q       NO COMMON TIME                   -       -                     -         -         -        -
 
         1 of 1 signal does not agree
         exit code 1
 
         milliseconds.csv
-        signal  verdict  largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        signal  verdict  maximum difference  at [s]  first beyond, at [s]  baseline  compared  allowed
         q       DIFFERS      -1.590e-15 deg     0.6                  0.25   2.50000   2.50000        0
 
         1 of 1 signal does not agree
@@ -267,7 +267,7 @@ fn values_that_are_no_numbers_and_times_that_differ_are_told() {
         exit code 1
 
         other_unit.csv
-        signal  verdict             largest difference  at [s]  first beyond, at [s]  baseline  compared  allowed
+        signal  verdict             maximum difference  at [s]  first beyond, at [s]  baseline  compared  allowed
         q       in m, another UNIT                   -       -                     -         -         -        -
 
         1 of 1 signal does not agree
@@ -352,7 +352,7 @@ fn tables_that_plots_can_do_little_with_are_told() {
         unit.csv
         error[unreadable]: the unit of column `q` in `unit.csv` is not known: unknown unit `foo`
           = help: units are SI symbols with prefixes, such as mm, kg, ms, kW, mH, kOhm, N*m, rad/s, deg, rpm, %, or
-                  say it with --map 'q=q[UNIT]'
+                  give it with --map 'q=q[UNIT]'
         exit code 4
 
     "#]].assert_eq(&answers);
@@ -443,15 +443,15 @@ fn runs_that_are_damaged_or_hardly_there_are_told() {
         exit code 4
 
         other
-        error[unreadable]: cannot read `other/signals.rec`: it is no recording of blocksim, or only the first bytes of one
+        error[unreadable]: cannot read `other/signals.rec`: it is not a recording of blocksim, or only the first bytes of one
           = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be
                   whole
         exit code 4
-        error[unreadable]: cannot read `other/signals.rec`: it is no recording of blocksim, or only the first bytes of one
+        error[unreadable]: cannot read `other/signals.rec`: it is not a recording of blocksim, or only the first bytes of one
           = help: take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be
                   whole
         exit code 4
-        {"code":"unreadable","edit":null,"exit":4,"help":"take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole","labels":[],"message":"cannot read `other/signals.rec`: it is no recording of blocksim, or only the first bytes of one","notes":[],"severity":"error","type":"diagnostic","v":1}
+        {"code":"unreadable","edit":null,"exit":4,"help":"take a copy of the file if there is one, or run the model again; `signals.csv` beside it may be whole","labels":[],"message":"cannot read `other/signals.rec`: it is not a recording of blocksim, or only the first bytes of one","notes":[],"severity":"error","type":"diagnostic","v":1}
         exit code 4
 
         none
@@ -477,13 +477,13 @@ fn runs_that_are_damaged_or_hardly_there_are_told() {
         exit code 0
 
         nothing
-        error[unreadable]: cannot read `nothing`: there is no such folder or file, and no run in `runs` has this name
+        error[unreadable]: cannot read `nothing`: no folder, file or run in `runs` has this name
           = help: `blocksim runs` lists what there is; `blocksim run MODEL` makes a new one
         exit code 4
-        error[unreadable]: cannot read `nothing`: there is no such folder or file, and no run in `runs` has this name
+        error[unreadable]: cannot read `nothing`: no folder, file or run in `runs` has this name
           = help: `blocksim runs` lists what there is; `blocksim run MODEL` makes a new one
         exit code 4
-        {"code":"unreadable","edit":null,"exit":4,"help":"`blocksim runs` lists what there is; `blocksim run MODEL` makes a new one","labels":[],"message":"cannot read `nothing`: there is no such folder or file, and no run in `runs` has this name","notes":[],"severity":"error","type":"diagnostic","v":1}
+        {"code":"unreadable","edit":null,"exit":4,"help":"`blocksim runs` lists what there is; `blocksim run MODEL` makes a new one","labels":[],"message":"cannot read `nothing`: no folder, file or run in `runs` has this name","notes":[],"severity":"error","type":"diagnostic","v":1}
         exit code 4
 
     "#]].assert_eq(&answers);

@@ -212,6 +212,21 @@ fn a_plug_in_that_is_not_trusted_is_an_error_that_names_the_remedy() {
     assert!(!stranger.has_run());
 }
 
+/// One cause is one error, however many blocks there are of a plug-in.
+#[test]
+fn a_plug_in_of_many_blocks_is_refused_once() {
+    let stranger = Stranger::new("once");
+    let block =
+        |name: &str, library: &str| format!("\"{name}\": Plugin(library: \"{library}\", block: \"Gain\"),");
+    let blocks = ["a", "b", "c"].map(|name| block(name, "libgain.so")).concat();
+    let text = format!("Diagram(blocks: {{ {blocks} {} }}, connections: [])", block("d", "crate"));
+    fs::write(stranger.files.join("many.ron"), text).unwrap();
+    let said = stranger.says(&["check", "many.ron"], 3);
+    assert_eq!(said.matches("error[plugin_untrusted]").count(), 2, "{said}");
+    assert!(said.contains("the plug-in `libgain.so`") && said.contains("the plug-in `crate`"), "{said}");
+    assert!(!stranger.has_run());
+}
+
 #[test]
 fn who_runs_a_model_trusts_its_plug_ins_until_they_are_removed() {
     let stranger = Stranger::new("trust");

@@ -89,7 +89,7 @@ impl Section<'_> {
         }
         let place = self.place(&span);
         self.problems.push(
-            Problem::error("syntax", format!("`{trimmed}` is no port"))
+            Problem::error("syntax", format!("`{trimmed}` is not a port"))
                 .at(&place, "")
                 .help("write `block.port`, or `block.port.element` for an element of a bus"),
         );

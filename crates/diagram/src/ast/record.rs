@@ -39,10 +39,8 @@ impl Section<'_> {
                 }
                 if !members.iter().any(|(name, _)| name.text == "signals") {
                     let place = self.place(&node.span);
-                    let problem = Problem::error(
-                        "missing_parameter",
-                        "an entry of `record` does not say of which signals",
-                    );
+                    let problem =
+                        Problem::error("missing_parameter", "an entry of `record` names no signals");
                     self.problems
                         .push(problem.at(&place, "`signals` is missing").help(format!("write {FORM}")));
                 }

@@ -3,8 +3,8 @@
 //! Problems are noted where they arise, with their place; what travels back through serde is only a sign that one
 //! was noted, because the way leads through type-erased code that keeps nothing but text.
 
-mod asked;
 mod computed;
+mod deserializer;
 mod members;
 mod tagged;
 mod wire;

@@ -1,6 +1,6 @@
 //! From a tree of diagrams to one list of blocks: hierarchy and buses are names, and names end here.
 
-mod declared;
+mod input_units;
 mod nodes;
 mod origins;
 pub(crate) mod record;

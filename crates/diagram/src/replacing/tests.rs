@@ -23,7 +23,7 @@ impl Reader for Texts {
         match path.to_str() {
             Some("top.ron") => Ok(TOP.to_owned()),
             Some("robot.ron") => Ok(ROBOT.to_owned()),
-            _ => Err("there is no such file".to_owned()),
+            _ => Err("the file does not exist".to_owned()),
         }
     }
 }

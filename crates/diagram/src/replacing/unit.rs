@@ -31,7 +31,7 @@ pub enum WrittenUnit {
     One(Unit),
     /// A ratio in decibels, `"-3 dB"`.
     Decibels,
-    /// Several stand there, or one that is no unit of the result, as in `"10 deg / 2 s"`.
+    /// Several stand there, or one that is not a unit of the result, as in `"10 deg / 2 s"`.
     Unclear,
 }
 

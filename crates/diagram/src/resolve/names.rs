@@ -1,13 +1,22 @@
 //! Names of kinds and of parameters: those that do not exist, and those that are missing.
 
 use blocksim_block::problem::Problem;
-use blocksim_block::{BlockInfo, kinds};
+use blocksim_block::{BlockInfo, kinds, synonyms};
 use blocksim_signal::closest;
 
 use super::{HIERARCHY, Resolver};
 use crate::ast::{Ast, BlockAst};
-use crate::problems::{GUESSES, list, mended};
+use crate::problems::{GUESSES, list, mended, mended_to};
 use crate::tree::{Name, Node};
+
+/// The known name that means the same as one that is called otherwise elsewhere, unless the letters themselves say which is meant.
+fn meaning<'a>(name: &str, known: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {
+    let plain = |text: &str| text.to_lowercase().replace('_', "");
+    if known.clone().any(|known| plain(known) == plain(name)) {
+        return None;
+    }
+    synonyms::parameter(name, |ours| known.clone().find(|known| *known == ours))
+}
 
 impl Resolver<'_> {
     pub(super) fn unknown_kind(&self, ast: &Ast, kind: &Name) {
@@ -57,15 +66,23 @@ impl Resolver<'_> {
             }
             // One that is given already is not meant.
             let free =
-                known.iter().copied().filter(|known| !parameters.iter().any(|(n, _)| n.text == *known));
-            let problem = mended(problem, ast.place(&name.span), &name.text, free);
-            self.report(match (closest(&name.text, known.iter().copied()), known.as_slice()) {
-                (_, []) => problem.help(format!("`{}` has no parameters", info.kind)),
-                (Some(close), _) => {
-                    problem.help(format!("did you mean `{close}`? The parameters are {}", list(&known)))
+                || known.iter().copied().filter(|known| !parameters.iter().any(|(n, _)| n.text == *known));
+            let problem = match meaning(&name.text, free()) {
+                Some(same) => {
+                    let problem = mended_to(problem, ast.place(&name.span), &name.text, same);
+                    problem.help(format!("here this is `{same}`; the parameters are {}", list(&known)))
                 }
-                (None, _) => problem.help(format!("the parameters are {}", list(&known))),
-            });
+                None => {
+                    let problem = mended(problem, ast.place(&name.span), &name.text, free());
+                    match (closest(&name.text, known.iter().copied()), known.as_slice()) {
+                        (_, []) => problem.help(format!("`{}` has no parameters", info.kind)),
+                        (Some(close), _) => problem
+                            .help(format!("did you mean `{close}`? The parameters are {}", list(&known))),
+                        (None, _) => problem.help(format!("the parameters are {}", list(&known))),
+                    }
+                }
+            };
+            self.report(problem);
         }
         let missing: Vec<&str> = info
             .parameters

@@ -199,7 +199,7 @@ impl<'a> Resolver<'a> {
         collect_parameters(model, &mut known);
         if target == "simulation" || target.starts_with("simulation.") {
             return problem.help(
-                "what `simulation` says is changed by --until, --solver, --rtol, --atol and --step, or by a parameter of the \
+                "the settings in `simulation` are changed by --until, --solver, --rtol, --atol and --step, or by a parameter of the \
                  diagram that stands in it",
             );
         }

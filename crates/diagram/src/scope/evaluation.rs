@@ -51,10 +51,10 @@ impl<'a> Evaluation<'_, 'a> {
             .at(&self.place(node), "has no default")
             .help("give it with `with: {...}` or `--set`")),
             Shape::Tuple(None, items) if items.is_empty() => Ok(Value::Set(Vec::new())),
-            Shape::Word(word) => Err(Problem::error("parameter", format!("`{word}` is no value"))
+            Shape::Word(word) => Err(Problem::error("parameter", format!("`{word}` is not a value"))
                 .at(&self.place(node), "")
                 .help(format!("write \"{word}\" for a parameter of that name, Text(\"{word}\") for a text"))),
-            Shape::Tuple(None, _) => Err(Problem::error("parameter", "a tuple is no value")
+            Shape::Tuple(None, _) => Err(Problem::error("parameter", "a tuple is not a value")
                 .at(&self.place(node), "")
                 .help("write a list `[...]` or a set `(name: value)`")),
         }
@@ -116,7 +116,7 @@ impl<'a> Evaluation<'_, 'a> {
         };
         let of = choices(node);
         if !of.contains(default) {
-            return Err(Problem::error("parameter", format!("`{default}` is none of {}", list(&of)))
+            return Err(Problem::error("parameter", format!("`{default}` is not one of {}", list(&of)))
                 .at(&self.place(node), "the default must be one of the alternatives"));
         }
         Ok(Value::Text(default.clone()))

@@ -127,7 +127,7 @@ pub(crate) fn settings<'a>(
             None if problems.any_error() => STOP_TIME,
             None => {
                 problems.push(
-                    Problem::error("no_end", "nothing in this diagram says when it is over")
+                    Problem::error("no_end", "nothing in this diagram has an end")
                         .at(&at("stop_time"), "asks for the end of the last move")
                         .help("write a time such as `stop_time: \"2 s\"`; Auto needs a move"),
                 );
@@ -222,7 +222,7 @@ pub(crate) fn settings<'a>(
         problems.push(
             Problem::error(
                 "parameter",
-                format!("the {what} of {step:e} s is shorter than times can be told apart at {stop_time} s"),
+                format!("the {what} of {step:e} s is shorter than the resolution of time at {stop_time} s"),
             )
             .at(&at(if what == "output interval" { "output" } else { "solver" }), "")
             .help(format!("times have sixteen digits: write at least {:.1e} s", settings.resolution())),
@@ -235,7 +235,7 @@ pub(crate) fn settings<'a>(
 fn too_short(settings: &Settings) -> Option<(f64, &'static str)> {
     let step = match settings.solver {
         Solver::Fixed { step, .. } => (step, "step"),
-        Solver::Variable { max_step, .. } => (max_step, "largest step"),
+        Solver::Variable { max_step, .. } => (max_step, "maximum step"),
     };
     let rows = match settings.output {
         OutputTimes::Every(spacing) => (spacing, "output interval"),
@@ -342,7 +342,7 @@ mod tests {
         let Start::Steady(Steady { hold, free, drift }) = settings.start else { panic!("{messages:?}") };
         assert_eq!((hold[0].name.as_str(), hold[0].value), ("motor.w", std::f64::consts::PI));
         assert_eq!((free[0].name.as_str(), drift), ("u.value", vec!["path".to_owned()]));
-        assert!(message("(start: Stedy)").contains("`Stedy` is no choice for `start`"));
+        assert!(message("(start: Stedy)").contains("`Stedy` is not a choice for `start`"));
         assert!(message("(start: Steady(hold: {\"a.y\": [1, 2]}))").contains("not at a list of 2"));
         assert!(message("(start: Steady(fre: []))").contains("`fre` is not known here"));
     }
@@ -351,7 +351,7 @@ mod tests {
     fn auto_stops_after_the_last_move() {
         assert_eq!(read_settings("(stop_time: Auto())", Some(2.0)).0.stop_time, 2.5);
         assert_eq!(read_settings("(stop_time: Auto(margin: \"1 s\"))", Some(2.0)).0.stop_time, 3.0);
-        assert_eq!(message("(stop_time: Auto())"), "nothing in this diagram says when it is over");
+        assert_eq!(message("(stop_time: Auto())"), "nothing in this diagram has an end");
     }
 
     #[test]
@@ -398,11 +398,11 @@ mod tests {
     #[test]
     fn times_that_cannot_be_told_apart_are_refused() {
         assert_eq!(message("(stop_time: 1e300)"), "the stop time of 1e300 s is beyond the clock");
-        let steps = "is shorter than times can be told apart at 10 s";
+        let steps = "is shorter than the resolution of time at 10 s";
         assert_eq!(message("(solver: Ode4(step: 1e-20))"), format!("the step of 1e-20 s {steps}"));
         assert_eq!(
             message("(solver: Ode45(max_step: 1e-15))"),
-            format!("the largest step of 1e-15 s {steps}")
+            format!("the maximum step of 1e-15 s {steps}")
         );
         assert_eq!(message("(output: Every(1e-18))"), format!("the output interval of 1e-18 s {steps}"));
         assert_eq!(message("(solver: Ode4(step: 1e-12))"), "");
@@ -411,8 +411,8 @@ mod tests {
     #[test]
     fn a_misspelt_word_or_a_wrong_unit_is_named() {
         assert!(message("(stop: 1)").contains("`stop` is not known here"));
-        assert!(message("(solver: Ode113())").contains("`Ode113` is no choice for `solver`"));
-        assert!(message("(solver: Ode46())").contains("`Ode46` is no choice for `solver`"));
+        assert!(message("(solver: Ode113())").contains("`Ode113` is not a choice for `solver`"));
+        assert!(message("(solver: Ode46())").contains("`Ode46` is not a choice for `solver`"));
         assert!(message("(solver: Ode45(rtoll: 1e-9))").contains("`rtoll` is not known here"));
         assert!(message("(stop_time: Auto(marg: 1))").contains("`marg` is not known here"));
         assert!(message("(solver: Ode4())").contains("`step` is missing"));

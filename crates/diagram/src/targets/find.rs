@@ -47,7 +47,7 @@ pub fn find<'t>(targets: &'t [Target], name: &str) -> Found<'t> {
     Found::Nothing(above.unwrap_or_else(|| {
         match closest(name, targets.iter().map(|target| target.name.as_str())) {
             Some(close) => format!("did you mean `{close}`?"),
-            None => "`blocksim params list MODEL` tells all names".to_owned(),
+            None => "`blocksim params list MODEL` lists all names".to_owned(),
         }
     }))
 }

@@ -10,7 +10,7 @@ struct Texts(&'static [(&'static str, &'static str)]);
 impl Reader for Texts {
     fn read(&self, path: &Path) -> Result<String, String> {
         let known = self.0.iter().find(|(name, _)| Path::new(name) == path);
-        known.map(|(_, text)| (*text).to_owned()).ok_or_else(|| "there is no such file".to_owned())
+        known.map(|(_, text)| (*text).to_owned()).ok_or_else(|| "the file does not exist".to_owned())
     }
 }
 

@@ -232,7 +232,7 @@ impl<'a> Reader<'a> {
         let mut span = start..end;
         let mut remedy = None;
         if let Some(comma) = decimal_comma(self.text, start) {
-            message = format!("`{}` is no number", &self.text[comma.clone()]);
+            message = format!("`{}` is not a number", &self.text[comma.clone()]);
             let (old, new) = (&self.text[comma.clone()], self.text[comma.clone()].replace(',', "."));
             help = Some(format!("decimal comma? write {new}"));
             remedy = Some(Box::new(Remedy { span: comma.clone(), old: old.to_owned(), new }));
@@ -349,7 +349,7 @@ Diagram(
     #[test]
     fn a_decimal_comma_is_recognised() {
         let error = read("Diagram(\n  blocks: {\n    \"pid\": Pid(kp: 1,05, ki: 2.0),\n  },\n)").unwrap_err();
-        assert_eq!(error.message, "`1,05` is no number");
+        assert_eq!(error.message, "`1,05` is not a number");
         assert_eq!(error.help.as_deref(), Some("decimal comma? write 1.05"));
     }
 

@@ -61,7 +61,7 @@ pub fn rule_files(rule: &str) -> Option<Vec<PathBuf>> {
     (!files.is_empty()).then_some(files)
 }
 
-/// `size,written,changed path`, or `- path` if there is no such file.
+/// `size,written,changed path`, or `- path` if the file does not exist.
 fn state(path: &Path) -> String {
     let about = fs::metadata(path).ok().and_then(|about| {
         let [written, changed] = times(&about)?;

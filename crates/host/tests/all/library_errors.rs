@@ -55,7 +55,7 @@ fn what_is_no_library() {
         "B",
         set([]),
         expect![[r#"
-        [plugin_symbol] library: `[folder]/notes.so` is no library that can be loaded: file too short
+        [plugin_symbol] library: `[folder]/notes.so` is not a library that can be loaded: file too short
     "#]],
     );
 }
@@ -70,7 +70,7 @@ fn libraries_that_are_no_plugin_or_of_another_version() {
     check(
         "ENTRY=another_symbol",
         expect![[r#"
-        [plugin_symbol] library: `[folder]/lib.so` is no blocksim plug-in: it does not export `blocksim_plugin_v1`
+        [plugin_symbol] library: `[folder]/lib.so` is not a blocksim plug-in: it does not export `blocksim_plugin_v1`
         help: in Rust, write `export_plugin!("name", [Controller]);` and build a `cdylib`; in C, define `blocksim_plugin_v1`
     "#]],
     );
@@ -98,7 +98,7 @@ fn libraries_that_are_no_plugin_or_of_another_version() {
     check(
         "MAGIC={\"other\"}",
         expect![[r#"
-        [plugin_symbol] library: `[folder]/lib.so` is no blocksim plug-in: its table is of something else
+        [plugin_symbol] library: `[folder]/lib.so` is not a blocksim plug-in: its table is of something else
     "#]],
     );
     check(
@@ -121,105 +121,105 @@ fn tables_that_break_the_rules() {
         &["PLUGIN_SIZE=8"],
         expect![[r#"
         [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: the table of the plug-in has a size that no version has
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
     check(
         &["BLOCK_SIZE=16"],
         expect![[r#"
         [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: block 0 is NULL or has a size that no version has
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
     check(
         &["BLOCK_COUNT=4000000000"],
         expect![[r#"
-        [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: it says that it has 4000000000 blocks
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
-    "#]],
+            [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: it claims to have 4000000000 blocks
+            help: fix the plug-in; `blocksim_plugin.h` states the rules
+        "#]],
     );
     check(
         &["BLOCKS=0"],
         expect![[r#"
         [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: block 0 is NULL or has a size that no version has
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
     check(
         &["INPUT_COUNT=4000000000"],
         expect![[r#"
         [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: the inputs of `Factor`: there are 4000000000 of them
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
     check(
         &["INPUTS=0"],
         expect![[r#"
         [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: the inputs of `Factor`: number 0 is NULL or has a size that no version has
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
     check(
         &["KIND=\"two words\""],
         expect![[r#"
-        [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: `two words` is no name for a block
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: `two words` is not a valid name for a block
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
     check(
         &["KIND=\"\\xff\""],
         expect![[r#"
         [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: the name of block 0 is no UTF-8 text
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
     check(
         &["INPUT_NAME=\"\""],
         expect![[r#"
-        [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: the inputs of `Factor`: `` (number 0) is no name
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: the inputs of `Factor`: `` (number 0) is not a valid name
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
     check(
         &["INPUT_NAME=\"y\""],
         expect![[r#"
         [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: `Factor` has two ports `y`
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
     check(
         &["OUTPUT_LENGTH=0"],
         expect![[r#"
         [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: the outputs of `Factor`: `y` has 0 numbers
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
     check(
         &["UNIT=\"furlong\""],
         expect![[r#"
         [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: the outputs of `Factor`: the unit `furlong` of `y`: unknown unit `furlong`
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
     check(
         &["UNIT=\"mm\""],
         expect![[r#"
         [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: the outputs of `Factor`: the unit `mm` of `y` is not SI; numbers cross the border in `m`
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
     check(
         &["READS=4"],
         expect![[r#"
-        [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: `Factor` says that output `y` reads an input that it does not have
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
-    "#]],
+            [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: `Factor` declares that output `y` reads an input that it does not have
+            help: fix the plug-in; `blocksim_plugin.h` states the rules
+        "#]],
     );
     check(
         &["OUTPUTS=0"],
         expect![[r#"
         [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: `Factor` has outputs, but no function `outputs`
-        help: the plug-in must be mended; `blocksim_plugin.h` states the rules
+        help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );
 }
@@ -266,5 +266,5 @@ fn crates_that_do_not_build() {
     "#]],
     );
     let error = load(&folder, "silent", "B", set([])).unwrap_err();
-    assert_eq!(error.code, "plugin_symbol", "it builds, but it is no plug-in: {error:?}");
+    assert_eq!(error.code, "plugin_symbol", "it builds, but it is not a plug-in: {error:?}");
 }

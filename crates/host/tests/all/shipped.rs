@@ -96,9 +96,9 @@ fn the_interface_shows_ports_and_units_of_the_plugin() {
     let library = built("blocksim_plugin_cascade");
     let block = load(&here(), &library, "Cascade", set([("w1", bare(4.0))])).unwrap();
     expect![[r#"
-        in q_set: scalar, rad: Wanted position.
-        in qd_set: scalar, rad/s: Wanted speed.
-        in qdd_set: scalar, rad/s^2: Wanted acceleration.
+        in q_set: scalar, rad: Set position.
+        in qd_set: scalar, rad/s: Set speed.
+        in qdd_set: scalar, rad/s^2: Set acceleration.
         in q: scalar, rad: Position.
         in w: scalar, rad/s: Speed.
         in u_ff: scalar, 1, default 0: Part of u that is known beforehand.

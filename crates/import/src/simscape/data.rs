@@ -55,10 +55,7 @@ impl DataFile<'_> {
         let silent = parts.iter().filter(|(uid, part)| part.inertia.is_some() && !told.contains(**uid));
         let silent: Vec<String> = silent.map(|(_, part)| format!("`{}`", part.name)).collect();
         if !silent.is_empty() {
-            notes.push(format!(
-                "the data file says nothing of {}: the masses of the assembly count",
-                some(&silent)
-            ));
+            notes.push(format!("the data file has no {}: the masses of the assembly count", some(&silent)));
         }
     }
 

@@ -107,7 +107,7 @@ pub(super) fn placement(transform: Element, units: Units) -> Result<Placement, F
     let error = (matrix.transpose() * matrix - Matrix3::identity()).abs().max();
     if error > ROUNDING || matrix.determinant() < 0.0 {
         return Err(rotation.fault(
-            "this is no rotation",
+            "this is not a rotation",
             "its rows have length 1 and are perpendicular; export the assembly again",
         ));
     }

@@ -34,7 +34,7 @@ pub(super) fn read<'a>(
         "Spherical" => Motion::Spherical,
         "SixDof" | "Bushing" => Motion::Free,
         other => {
-            let reason = format!("`{}` is no kind of joint that is known", shown(other));
+            let reason = format!("`{}` is not a kind of joint that is known", shown(other));
             return Err(element
                 .fault(reason, "use weld, revolute, prismatic, cylindrical, planar or spherical joints"));
         }

@@ -45,7 +45,7 @@ pub(super) fn read(element: Element, name: &'static str) -> Result<Option<Units>
     let factor = |kind: &str, table: fn(&str) -> Option<f64>| {
         let unit = units.text_of(kind)?;
         table(unit).ok_or_else(|| {
-            let reason = format!("`{}` is no unit of {kind} that is known", shown(unit));
+            let reason = format!("`{}` is not a unit of {kind} that is known", shown(unit));
             units.fault(reason, "write a unit such as meter, millimeter or inch; kilogram, gram or pound")
         })
     };

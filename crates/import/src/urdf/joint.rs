@@ -38,7 +38,7 @@ pub(super) fn read(
         }
         _ => {
             let remedy = "joints are revolute, continuous, prismatic, fixed, floating or planar";
-            return Err(joint.fault(format!("`{}` is no kind of joint", shown(kind)), remedy));
+            return Err(joint.fault(format!("`{}` is not a kind of joint", shown(kind)), remedy));
         }
     };
     if joint.one("mimic")?.is_some() {

@@ -42,9 +42,8 @@ fn crane(data: &str) -> Mechanism {
 #[test]
 fn frames_and_start_of_a_joint_are_those_of_the_data_file() {
     let mechanism = crane(HINGE);
-    let silent = [
-        "the data file says nothing of `base`, `boom`, `cover` and 2 others: the masses of the assembly count",
-    ];
+    let silent =
+        ["the data file has no `base`, `boom`, `cover` and 2 others: the masses of the assembly count"];
     assert_eq!(mechanism.notes, silent);
     let hinge = mechanism.joints.iter().find(|joint| joint.name == "world_to_boom_1").expect("the hinge");
     assert!(matches!(hinge.motion, Motion::Revolute { .. }));

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use std::ops::Range;
 
+use blocksim_block::event::{Change, Event, Subject};
 use blocksim_block::physical::{Element, LossModel, Needs, ValveKind};
-use blocksim_block::{Crossing, Input, Interface, Output, State};
+use blocksim_block::{Crossing, Discrete, Guard, Input, Interface, JumpPhrase, Output, State};
 use blocksim_multibody::Joint;
 
 use crate::accounts::Accounts;
@@ -199,21 +200,31 @@ impl Network {
         let first_latch = interface.discrete.len();
         let first_natural = interface.guards.len();
         let natural = electrics.natural();
-        for valve in &electrics.valves {
-            interface = interface.discrete(format!("{}.conducts", seats[valve.member].member.path), 0.0);
+        // Where the network integrates by itself, valves change between the instants that anybody sees.
+        let of_solver: Vec<usize> =
+            with_valves(&electrics).into_iter().flat_map(|i| electrics.islands[i].valves.clone()).collect();
+        for (index, valve) in electrics.valves.iter().enumerate() {
+            let subject = of_valve(&electrics.valves, &seats, index);
+            let path = &seats[valve.member].member.path;
+            let words = if valve.kind == ValveKind::Switch { SWITCH } else { VALVE };
+            let mode = Discrete::new(format!("{path}.conducts"), 0.0);
+            let is_seen = of_solver.contains(&index);
+            interface.discrete.push(if is_seen { mode.changes(words, subject) } else { mode });
         }
         // Gates are held from jump to jump, so that an instant is whole before and after it.
         let mut gate_cells = vec![None; electrics.valves.len()];
-        for valve in with_valves(&electrics).into_iter().flat_map(|i| &electrics.islands[i].valves) {
-            if electrics.valves[*valve].kind != ValveKind::Diode {
-                gate_cells[*valve] = Some(interface.discrete.len());
-                let path = &seats[electrics.valves[*valve].member].member.path;
+        for valve in of_solver {
+            if electrics.valves[valve].kind != ValveKind::Diode {
+                gate_cells[valve] = Some(interface.discrete.len());
+                let path = &seats[electrics.valves[valve].member].member.path;
                 interface = interface.discrete(format!("{path}.gate"), UNTOLD);
             }
         }
         for valve in &natural {
             let path = &seats[electrics.valves[*valve].member].member.path;
-            interface = interface.guard_when(Crossing::Holds, format!("{path}.conducts"));
+            let guard = Guard::new(format!("{path}.conducts"), Crossing::Holds);
+            let subject = of_valve(&electrics.valves, &seats, *valve);
+            interface.guards.push(Guard { event: Event::Mode, subject, ..guard });
         }
         for island in with_valves(&electrics) {
             let path = seats[electrics.islands[island].members[0]].member.path.clone();
@@ -255,11 +266,28 @@ impl Network {
             accounts,
         };
         network.interface.jumps |= network.loops_meet_sources();
+        if network.interface.discrete.iter().any(|state| state.changes.is_some()) {
+            network.interface.jump_phrase = JumpPhrase("");
+        }
         network.mass_matrix_is_definite()?;
         network.fit_currents()?;
         network.fit_voltages()?;
         Ok(network)
     }
+}
+
+/// What a contact is called when it changes, and what a valve.
+const SWITCH: &[Change] = &[Change::to(1.0, "closes"), Change::to(0.0, "opens")];
+const VALVE: &[Change] = &[Change::to(1.0, "conducts"), Change::to(0.0, "blocks")];
+
+/// The part of a valve, and which of several there it is, in the order of its elements.
+fn of_valve(valves: &[crate::electrics::Valve], seats: &[Seat], valve: usize) -> Subject {
+    let member = valves[valve].member;
+    let is_beside = |other: &&crate::electrics::Valve| other.member == member;
+    let several = valves.iter().filter(is_beside).count() > 1;
+    let number = valves[..=valve].iter().filter(is_beside).count();
+    let detail = several.then(|| format!("valve {number}"));
+    Subject { part: Some(seats[member].member.path.clone()), detail }
 }
 
 /// Whether sources add to the voltage of a capacitance of a member, or to its currents.
@@ -322,9 +350,9 @@ fn free(
             std::mem::take(interface).discrete(format!("{}.{}", member.path, memory.name), memory.initial);
     }
     for guard in &part.guards {
-        let name = format!("{}.{guard}", member.path);
-        let so_far = std::mem::take(interface);
-        *interface = if part.kinks.contains(guard) { so_far.kink(name) } else { so_far.guard(name) };
+        let name = format!("{}.{}", member.path, guard.name);
+        let subject = Subject { part: Some(member.path.clone()), ..guard.subject.clone() };
+        interface.guards.push(Guard { name, subject, ..guard.clone() });
     }
     interface.jumps |= part.jumps;
     interface.time_events |= part.time_events;

@@ -88,7 +88,7 @@ impl Network {
 }
 
 /// Solves `A x = b` for a matrix stored by rows, by elimination with the largest pivot of each column; returns whether there
-/// was one. What is no number stays so.
+/// was one. What is not a number stays so.
 fn solve(a: &mut [f64], b: &mut [f64]) -> bool {
     let n = b.len();
     let scale = a.iter().fold(0.0_f64, |most, value| most.max(value.abs()));

@@ -326,7 +326,7 @@ impl Network {
             {
                 format!(
                     "with the conducting valves (`{}`) the voltage of `{}` contains the slope of the current of `{}`, which \
-                     nothing tells: connect `di` of the source, or put a resistance in parallel to it, for instance of 1 MOhm",
+                     is unknown: connect `di` of the source, or put a resistance in parallel to it, for instance of 1 MOhm",
                     valves(true),
                     name(looks),
                     name(source)
@@ -334,7 +334,7 @@ impl Network {
             }
             Unsolvable::Slope(looks, source) => format!(
                 "with the conducting valves (`{}`) the current of `{}` contains the slope of the voltage of `{}`, which \
-                 nothing tells: put a resistance in series to the source, for instance of 1 mOhm",
+                 is unknown: put a resistance in series to the source, for instance of 1 mOhm",
                 valves(true),
                 name(looks),
                 name(source)

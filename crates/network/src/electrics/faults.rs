@@ -145,7 +145,7 @@ fn unknown_slope(island: &Island, looks: usize, source: usize) -> NetworkProblem
         return NetworkProblem::new(
             "unknown_slope",
             "inductances lie in series with an ideal current source: the voltage across them contains the slope of a current that \
-             comes as a signal, which nothing tells",
+             comes as a signal of unknown slope",
             "connect `di` of the source, put a resistance in parallel to it, for instance Resistor(r: \"1 MOhm\"), or leave out what \
              measures the voltage",
         )
@@ -155,7 +155,7 @@ fn unknown_slope(island: &Island, looks: usize, source: usize) -> NetworkProblem
     NetworkProblem::new(
         "unknown_slope",
         "capacitors lie across an ideal source: the current through them contains the slope of a voltage that comes as a \
-         signal, which nothing tells",
+         signal of unknown slope",
         "connect `dv` of the source if it has this input, put a resistance in series to it, for instance Resistor(r: \"1 mOhm\"), or \
          leave out what measures the current",
     )

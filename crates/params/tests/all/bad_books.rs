@@ -16,8 +16,8 @@ fn refused(bytes: &[u8]) -> String {
 
 #[test]
 fn what_is_no_workbook_is_refused_with_what_it_is() {
-    assert!(refused(b"").contains("no .xlsx"));
-    assert!(refused(b"(a: 1)").contains("no .xlsx"));
+    assert!(refused(b"").contains("not an .xlsx"));
+    assert!(refused(b"(a: 1)").contains("not an .xlsx"));
     assert!(
         refused(b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1 the rest").contains("old `.xls`, or it has a password")
     );

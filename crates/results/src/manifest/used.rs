@@ -51,7 +51,7 @@ pub struct SolverUsed {
     /// Absolute tolerance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub atol: Option<f64>,
-    /// Fixed step, or the largest step allowed, s.
+    /// Fixed step, or the maximum step allowed, s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step: Option<f64>,
 }

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use super::{Run, Source};
 use crate::error::ResultsError;
 use crate::extremes::Extremes;
-use crate::held::Unfolding;
+use crate::held_signals::Unfolding;
 use crate::recording::{Column, Recording, Signal};
 use crate::store::Take;
 

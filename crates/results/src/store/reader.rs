@@ -58,7 +58,7 @@ impl Store {
         let length = file.metadata().map_err(io)?.len();
         let prefix = bytes_at(&mut file, 0, length.min(PREFIX as u64) as usize).map_err(io)?;
         if prefix.len() < PREFIX || prefix[..8] != MAGIC {
-            return Err(damaged("it is no recording of blocksim, or only the first bytes of one"));
+            return Err(damaged("it is not a recording of blocksim, or only the first bytes of one"));
         }
         let version = u32_at(&prefix, 8);
         if !(1..=VERSION).contains(&version) {

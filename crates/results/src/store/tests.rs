@@ -195,10 +195,10 @@ fn any_bytes_behind_the_first_ones_are_refused_without_a_panic() {
 fn mistakes_are_told_with_a_reason() {
     let scratch = Scratch::new();
     let reason = |bytes: &[u8]| opened(&scratch, bytes).unwrap_err().reason();
-    assert_eq!(reason(b""), "it is no recording of blocksim, or only the first bytes of one");
+    assert_eq!(reason(b""), "it is not a recording of blocksim, or only the first bytes of one");
     assert_eq!(
         reason(b"time [s],a\n0,1\n1,2\n3,4\n"),
-        "it is no recording of blocksim, or only the first bytes of one"
+        "it is not a recording of blocksim, or only the first bytes of one"
     );
     let mut newer = bytes();
     newer[8] = 9;

@@ -99,7 +99,7 @@ fn ascii(bytes: &[u8]) -> Result<Vec<Triangle>, MeshFault> {
             }
             "endsolid" => ended = true,
             "" | "solid" | "facet" | "outer" | "endloop" => {}
-            _ => return fault(i, format!("`{}` is no word of STL", shown(word)), "export the part again"),
+            _ => return fault(i, format!("`{}` is not a word of STL", shown(word)), "export the part again"),
         }
     }
     match ended && corners.is_empty() {

@@ -370,7 +370,7 @@ fn impossible_numbers_are_refused() {
         ("asin(2)", 5..6, "`asin` takes a number from -1 to 1, not 2", ""),
         ("(-8)^0.5", 0..4, "a negative number has whole powers only", ""),
         ("(2 V)^0.5", 6..9, "a quantity in V has whole powers only, not 0.5", "use sqrt()"),
-        ("sqrt(2 V)", 0..9, "the square root of V is no unit", ""),
+        ("sqrt(2 V)", 0..9, "the square root of V is not a unit", ""),
         (
             "2^3 V",
             2..5,

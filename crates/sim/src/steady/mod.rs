@@ -11,8 +11,8 @@
 
 mod algebra;
 mod conditions;
+mod failure;
 mod newton;
-mod told;
 
 use std::sync::Arc;
 
@@ -58,7 +58,7 @@ impl Simulation {
         Search::new(conditions, go).run().map_err(|failure| match failure {
             Failure::Simulation(error) => error,
             Failure::Interrupted => SimError::new("no_steady_state", self.t, "the search was interrupted"),
-            Failure::Restless(lost) => told::restless(self, asked, &lost),
+            Failure::Restless(lost) => failure::restless(self, asked, &lost),
         })
     }
 

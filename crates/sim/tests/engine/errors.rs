@@ -106,7 +106,7 @@ fn switching_without_hysteresis_is_chatter() {
     assert!((error.t - 0.5).abs() < 1e-8);
     let error = blocksim_sim::SimError { t: 0.5, ..error };
     expect![[r#"
-        error[chatter] at t = 0.5 s: `relay` is chattering: its guard `switch` keeps crossing zero
+        error[chatter] at t = 0.5 s: `relay` is chattering: it crosses zero at its guard `switch` again and again
         help: give the switching a hysteresis, or use a method of fixed step"#]]
     .assert_eq(&error.to_string());
 }
@@ -128,7 +128,7 @@ fn a_time_event_in_the_past_is_refused() {
     check(
         Toy::new().with("stubborn", Stubborn(0.5), &[]).schedule(&[], 1.0, ode45(), Steps),
         expect![[r#"
-            error[time_event] at t = 0.5 s: the next event of `stubborn` is said to be at 0.5 s
+            error[time_event] at t = 0.5 s: `stubborn` gives 0.5 s as the time of its next event
             help: a time event must lie after the present time
             block: stubborn, rows: 2
         "#]],

@@ -27,7 +27,7 @@ fn fifty_impacts_of_a_ball_come_at_their_times() {
     let mut tape = Tape::default();
     let mut sim = Simulation::new(schedule).unwrap();
     sim.run(&mut tape).unwrap();
-    let jumps: Vec<f64> = tape.events.iter().filter(|e| e.1 == "ball jump").map(|e| e.0).collect();
+    let jumps: Vec<f64> = tape.events.iter().filter(|e| e.1 == "ball jumps").map(|e| e.0).collect();
     assert_eq!(jumps.len(), 50);
     for (k, (jump, expected)) in jumps.iter().zip(&expected).enumerate() {
         assert!((jump - expected).abs() < 1e-9, "impact {k}: {jump} and not {expected}");
@@ -46,7 +46,7 @@ fn rows_of_one_time_stand_only_around_jumps() {
     let times = tape.times();
     assert!(times.windows(2).all(|pair| pair[0] <= pair[1]));
     let twice: Vec<f64> = times.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
-    let jumps: Vec<f64> = tape.events.iter().filter(|e| e.1 == "ball jump").map(|e| e.0).collect();
+    let jumps: Vec<f64> = tape.events.iter().filter(|e| e.1 == "ball jumps").map(|e| e.0).collect();
     assert_eq!(twice, jumps);
     let fall = |t: f64| 1.0 - 0.5 * GRAVITY * t * t;
     assert!((tape.at(0.3, 0) - fall(0.3)).abs() < 1e-12);
@@ -199,7 +199,7 @@ fn impacts_that_are_far_shorter_than_a_step_are_all_seen() {
     let schedule = Toy::new().with("ball", ball, &[]).schedule(&["ball.h"], 10.0, ode45(), Every(1.0));
     let mut tape = Tape::default();
     Simulation::new(schedule).unwrap().run_until(stop, &mut tape).unwrap();
-    let jumps: Vec<f64> = tape.events.iter().filter(|e| e.1 == "ball jump").map(|e| e.0).collect();
+    let jumps: Vec<f64> = tape.events.iter().filter(|e| e.1 == "ball jumps").map(|e| e.0).collect();
     assert_eq!(jumps.len(), 25);
     assert!((jumps[24] - expected[24]).abs() < 1e-9);
 }
@@ -281,7 +281,7 @@ fn a_ball_that_hops_for_hundredths_of_a_step_never_falls_through_the_floor() {
         let schedule = Toy::new().with("ball", ball, &[]).schedule(&["ball.h"], 1e3, ode45(), Every(1e3));
         let mut tape = Tape::default();
         Simulation::new(schedule).unwrap().run_until(stop, &mut tape).unwrap();
-        let jumps: Vec<f64> = tape.events.iter().filter(|e| e.1 == "ball jump").map(|e| e.0).collect();
+        let jumps: Vec<f64> = tape.events.iter().filter(|e| e.1 == "ball jumps").map(|e| e.0).collect();
         assert_times(&jumps, &expected[..30], 1e-9);
     }
 }
@@ -332,7 +332,7 @@ fn at_a_reset_from_outside_nobody_sees_the_new_trigger_beside_the_old_value() {
     assert_eq!(tape.at(1.2, 1), 0.0);
     let there: Vec<f64> = tape.rows.iter().filter(|row| row.0 == 0.8).map(|row| row.1[0]).collect();
     assert!(there.len() == 2 && (there[0] - 0.8).abs() < 1e-12 && there[1] == 0.0, "{there:?}");
-    let jumps: Vec<&(f64, String)> = tape.events.iter().filter(|event| event.1 == "watch jump").collect();
+    let jumps: Vec<&(f64, String)> = tape.events.iter().filter(|event| event.1 == "watch jumps").collect();
     assert!(jumps.len() == 1 && jumps[0].0 == 0.8, "{jumps:?}");
     assert!((tape.at(1.2, 0) - 0.4).abs() < 1e-12);
 }

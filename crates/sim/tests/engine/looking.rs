@@ -145,7 +145,10 @@ fn an_audit_finds_what_long_steps_have_passed_over() {
     let (_, _, events, findings) = audited(dip(), solver(VariableMethod::Ode45, f64::MAX));
     let findings = findings.unwrap();
     assert_eq!((events, findings.count), (0, 2), "{findings:?}");
-    assert_eq!((findings.missed[0].path.as_str(), findings.missed[0].guard.as_str()), ("sign", "zero"));
+    assert_eq!(
+        (findings.missed[0].path.as_str(), findings.missed[0].what.as_str()),
+        ("sign", "crosses zero at its guard `zero`")
+    );
     assert!((findings.missed[0].t - 57.0).abs() < 0.9, "{findings:?}");
     // The default finds both crossings by itself, and an audit changes nothing.
     for method in METHODS {

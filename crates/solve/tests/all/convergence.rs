@@ -8,7 +8,7 @@ use blocksim_solve::{
 
 const END: f64 = 2.0;
 
-/// Adaptive methods with a tolerance that accepts anything take the largest step they may.
+/// Adaptive methods with a tolerance that accepts anything take the maximum step they may.
 fn fixed(h: f64) -> (Tolerances, StepLimits) {
     (Tolerances::uniform(2, 1e6, 1e6), StepLimits { first: Some(h), max: h, min: 0.0 })
 }

@@ -10,7 +10,7 @@ use blocksim_solve::{
     integrate,
 };
 
-/// Runs with an automatic absolute tolerance; returns the largest error of a state, as a part of its value and a thousandth
+/// Runs with an automatic absolute tolerance; returns the maximum error of a state, as a part of its value and a thousandth
 /// of `size` if that is larger, and the work.
 fn run(
     system: &mut dyn System,

@@ -11,10 +11,10 @@ const STEP: f64 = 2e-4;
 const FINER: f64 = 8.0;
 /// Torques are changed by this part to see what depends on them.
 const CHANGE: f64 = 1e-5;
-/// By how much a run at default settings may be off, as part of the largest speed.
+/// By how much a run at default settings may be off, as part of the maximum speed.
 const SLACK: f64 = 5e-4;
 
-/// A joint slides from this part of the largest speed on. What begins or ends to slide goes on by so much beyond that and stays so
+/// A joint slides from this part of the maximum speed on. What begins or ends to slide goes on by so much beyond that and stays so
 /// for this part of the run.
 const SLIDES: f64 = 0.02;
 const BAND: f64 = 3e-3;

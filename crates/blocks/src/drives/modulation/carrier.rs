@@ -109,7 +109,7 @@ impl Carrier {
     /// [`crossing`](Self::crossing).
     pub fn natural_duty(&self, half: f64, reference: impl Fn(f64) -> f64) -> f64 {
         let Some(t) = self.crossing(half, &reference) else {
-            // What is no number stays so.
+            // What is not a number stays so.
             let middle = reference(self.start(half + 0.5)) - self.level(self.start(half + 0.5), half);
             return if middle.is_nan() { f64::NAN } else { f64::from(middle > 0.0) };
         };

@@ -28,7 +28,7 @@ pub enum Modulation {
     Discontinuous120Lower,
 }
 
-/// Share of a period during which a leg is high, from its modulation: $(1 + m)/2$, limited to 0 to 1. What is no number
+/// Share of a period during which a leg is high, from its modulation: $(1 + m)/2$, limited to 0 to 1. What is not a number
 /// stays so.
 #[inline]
 pub fn duty(modulation: f64) -> f64 {

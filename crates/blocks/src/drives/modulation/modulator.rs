@@ -71,7 +71,7 @@ impl Modulator {
     /// Brings the memory to `t`, s, from the duties of the legs at this instant; returns whether anything changed. A second
     /// call at the same time changes something only if the duties have changed.
     ///
-    /// With natural sampling duties need not be limited to 0 to 1. A leg whose duty is no number stays as it is.
+    /// With natural sampling duties need not be limited to 0 to 1. A leg whose duty is not a number stays as it is.
     pub fn settle(&self, t: f64, duties: &[f64], memory: &mut [f64]) -> bool {
         let (common, legs) = memory.split_at_mut(COMMON);
         let (half, last) = (self.carrier.half(t), common[HALF]);

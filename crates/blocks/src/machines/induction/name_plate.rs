@@ -132,7 +132,7 @@ impl NamePlate {
         if self.breakdown_torque <= 1.0 {
             let message = format!("`breakdown_torque` is {} times the rated torque", self.breakdown_torque);
             return Err(
-                ParamError::new("breakdown_torque", message).help("it is the largest torque, so more than 1")
+                ParamError::new("breakdown_torque", message).help("it is the maximum torque, so more than 1")
             );
         }
         let torque = self.torque();
@@ -153,7 +153,7 @@ impl NamePlate {
         positive("locked_rotor.current", locked.current)?;
         if locked.torque > self.breakdown_torque {
             let message = format!(
-                "the torque at standstill ({}) is larger than `breakdown_torque` ({}), the largest of all",
+                "the torque at standstill ({}) is larger than `breakdown_torque` ({}), the maximum of all",
                 locked.torque, self.breakdown_torque
             );
             return Err(ParamError::new("locked_rotor.torque", message)

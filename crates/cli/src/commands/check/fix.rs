@@ -36,7 +36,7 @@ pub fn fix(args: &CheckArgs, console: Console) -> Result<(), Failure> {
     let outcome = outcome(&args.model, args.units.into());
     for path in &outcome.contradictory {
         console.say(&format!(
-            "`{}` is left as it is: two changes meet at one place\n  = help: mend one of them by hand, then ask again",
+            "`{}` is left as it is: two changes meet at one place\n  = help: fix one of them by hand, then run it again",
             path.display()
         ));
     }
@@ -50,7 +50,7 @@ pub fn fix(args: &CheckArgs, console: Console) -> Result<(), Failure> {
     }
     if outcome.count > 0 {
         let files = plural(outcome.mended.texts.len(), "file");
-        console.say(&format!("mended {} in {files}", plural(outcome.count, "problem")));
+        console.say(&format!("fixed {} in {files}", plural(outcome.count, "problem")));
     }
     Ok(())
 }

@@ -40,7 +40,7 @@ pub fn check(args: &CheckArgs, console: Console) -> Outcome {
     let remedies = problems.iter().filter(|problem| problem.remedy().is_some()).count();
     if remedies > 0 && !args.fix && args.output_format == Format::Full {
         let which = if problems.len() == 1 { "it".to_owned() } else { format!("{remedies} of them") };
-        console.say(&format!("  = help: `--fix` mends {which}"));
+        console.say(&format!("  = help: `--fix` fixes {which}"));
     }
     Ok(exit)
 }

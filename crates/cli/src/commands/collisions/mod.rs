@@ -1,6 +1,6 @@
 //! `blocksim collisions`: what touched in a run, and how near the rest came.
 
-mod told;
+mod table;
 
 use std::path::Path;
 
@@ -37,10 +37,10 @@ struct Looked {
 pub fn collisions(args: &CollisionsArgs, console: Console) -> Outcome {
     let looked = looked(args, console)?;
     match args.json {
-        true => console.data(&format!("{}\n", told::data(&looked)))?,
+        true => console.data(&format!("{}\n", table::data(&looked)))?,
         false => {
-            console.data(&told::text(&looked, args.all))?;
-            told::notes(&looked).iter().for_each(|note| console.say(note));
+            console.data(&table::text(&looked, args.all))?;
+            table::notes(&looked).iter().for_each(|note| console.say(note));
         }
     }
     Ok(if looked.found.history.contacts.is_empty() { Exit::Done } else { Exit::Failed })

@@ -1,13 +1,13 @@
 //! `blocksim compare`: whether two recordings agree.
 
-mod told;
+mod table;
 mod verdict;
 
 use blocksim_analysis::{Series, lag};
 use blocksim_plot::{Theme, svg};
 use blocksim_results::{ALWAYS, Column};
 
-use self::told::Comparison;
+use self::table::Comparison;
 use self::verdict::judge;
 use super::plot::{no_signal, nothing_common, open};
 use super::report::{Other, written_beside};
@@ -102,7 +102,7 @@ fn say_units(chosen: &[usize], books: &[Book; 2], console: Console) {
     if !bare.is_empty() {
         let more = if bare.len() > 4 { " and so on" } else { "" };
         let some = bare.iter().take(4).cloned().collect::<Vec<_>>().join(", ");
-        console.say(&format!("note: `{}` tells no units; taken are {some}{more}", books[1].name));
+        console.say(&format!("note: `{}` has no units; assuming {some}{more}", books[1].name));
     }
 }
 
@@ -133,7 +133,7 @@ fn shift(args: &CompareArgs, books: &[Book; 2], chosen: &[usize]) -> Result<f64,
                 .collect();
             lag(&pairs).ok_or_else(|| {
                 Failure::usage("the signals are constant, so their time shift cannot be found")
-                    .help("choose others with --signals, or say --shift")
+                    .help("choose others with --signals, or give --shift")
             })
         }
     }

@@ -6,8 +6,8 @@ use blocksim_signal::Unit;
 
 use crate::args::plot::{Between, CompareArgs, Sync};
 use crate::failure::Failure;
+use crate::signals::display::turn;
 use crate::signals::other::other_values;
-use crate::signals::shown::turn;
 use crate::signals::traces::{Book, Trace};
 
 /// What is said of a signal.

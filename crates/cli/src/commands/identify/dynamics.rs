@@ -11,9 +11,9 @@ use serde_json::json;
 
 use super::bench::{Bench, Experiment, Rows};
 use super::course::Course;
-use super::dynamics_said::{Dynamics, as_json, counted, csv, text};
+use super::dynamics_report::{Dynamics, as_json, counted, csv, text};
+use super::failure::failed;
 use super::pose::range;
-use super::said::failed;
 use super::{load_bench, out};
 use crate::args::identify::DynamicsArgs;
 use crate::disk::write_file;

@@ -6,7 +6,7 @@ use blocksim_results::format::significant;
 use serde_json::json;
 
 use super::dynamics::{SAMPLES, no_base, root_mean_square};
-use super::dynamics_said::{Dynamics, as_json, counted, csv, text};
+use super::dynamics_report::{Dynamics, as_json, counted, csv, text};
 use super::out;
 use super::recorded::{Arm, Table, arm};
 use crate::args::identify::{DynamicsArgs, RecordedArgs};

@@ -5,10 +5,10 @@ use blocksim_identify::{Point, TwoPoint, curve, line, two_point};
 use super::axis_friction::AxisFriction;
 use super::bench::{Bench, Experiment};
 use super::constant_speed::{Measured, Move, fastest, fastest_for, fits, measure, plan, room};
-use super::friction_said::short;
+use super::failure::failed;
+use super::friction_report::short;
 use super::pose::{Pose, find};
-use super::said::failed;
-use super::{friction_said, load_bench, out};
+use super::{friction_report, load_bench, out};
 use crate::args::identify::FrictionArgs;
 use crate::disk::write_file;
 use crate::exit::Exit;
@@ -21,7 +21,7 @@ const GRAVITY: f64 = 0.4;
 /// Slow speeds, and fast ones.
 const SLOW: usize = 10;
 const FAST: usize = 6;
-/// Slowest and fastest of the slow speeds, over the largest speed of the axis.
+/// Slowest and fastest of the slow speeds, over the maximum speed of the axis.
 const SLOWEST: f64 = 3e-4;
 const SLOW_END: f64 = 0.02;
 /// Largest speed of the experiments, over that of the axis.
@@ -76,12 +76,13 @@ pub fn friction(args: &FrictionArgs, console: Console) -> Outcome {
     }
     if let Some(path) = &args.common.out {
         let text = match path.extension().and_then(|ending| ending.to_str()) {
-            Some("ron") => friction_said::ron(&results),
-            _ => friction_said::csv(&results),
+            Some("ron") => friction_report::ron(&results),
+            _ => friction_report::csv(&results),
         };
         write_file(path, text.as_bytes(), args.common.yes)?;
     }
-    let text = if args.common.json { friction_said::json(&results) } else { friction_said::text(&results) };
+    let text =
+        if args.common.json { friction_report::json(&results) } else { friction_report::text(&results) };
     console.data(&text)?;
     if let (Some(path), false) = (&args.common.out, args.common.json) {
         console.say(&format!("wrote {}", path.display()));

@@ -7,15 +7,15 @@ mod course;
 mod drive;
 mod dynamics;
 mod dynamics_recorded;
-mod dynamics_said;
+mod dynamics_report;
+mod failure;
 mod friction;
 mod friction_recorded;
-mod friction_said;
+mod friction_report;
 mod look_into;
 mod out;
 mod pose;
 mod recorded;
-mod said;
 
 use std::path::{Path, PathBuf};
 

@@ -13,7 +13,7 @@ pub fn check(path: Option<&Path>, yes: bool, endings: &[&str]) -> Result<(), Fai
     let Some(path) = path else { return Ok(()) };
     let known = path.extension().and_then(|ending| ending.to_str()).is_some_and(|e| endings.contains(&e));
     if !known {
-        let said = format!("`{}` is no file that a result can be written to", path.display());
+        let said = format!("`{}` is not a file that a result can be written to", path.display());
         return Err(
             Failure::usage(said).help(format!("give it one of the endings: .{}", endings.join(", .")))
         );

@@ -1,12 +1,12 @@
 //! `blocksim linearise`: the linear system around an operating point of a model, and what is told of it.
 
+mod bode;
 mod data;
-mod drawn;
 mod facts;
 mod matrices;
 mod point;
+mod report;
 mod signals;
-mod told;
 
 use std::sync::Arc;
 
@@ -69,7 +69,7 @@ pub fn linearise(args: &LineariseArgs, console: Console) -> Outcome {
     if args.json {
         console.data(&format!("{}\n", data::json(&found)))?;
     } else {
-        console.data(&told::text(&found, console, !args.no_plot))?;
+        console.data(&report::text(&found, console, !args.no_plot))?;
     }
     write(args, &found, console)?;
     Ok(Exit::Done)
@@ -84,7 +84,7 @@ fn write(args: &LineariseArgs, found: &Found, console: Console) -> Result<(), Fa
     if args.svg.is_none() && args.png.is_none() {
         return Ok(());
     }
-    let drawing = drawn::drawing(found, args.theme.into());
+    let drawing = bode::drawing(found, args.theme.into());
     for file in write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), args.scale, args.yes)? {
         console.say(&format!("the drawing is in {}", file.display()));
     }

@@ -1,8 +1,8 @@
 use blocksim_params::compare;
 
+use super::changes::{age, changes, unhindered};
 use super::files::{read_set, read_workbook};
 use super::model::sound;
-use super::said::{age, changes, unhindered};
 use crate::args::params::CheckArgs;
 use crate::exit::Exit;
 use crate::failure::Outcome;

@@ -3,8 +3,8 @@ use std::path::Path;
 use blocksim_params::{Quantity, difference};
 use blocksim_results::{Align, Table};
 
+use super::changes::faulty;
 use super::files::{is_workbook, read_set, read_workbook};
-use super::said::faulty;
 use crate::args::params::DiffArgs;
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};

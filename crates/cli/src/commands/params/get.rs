@@ -1,6 +1,6 @@
 use blocksim_diagram::{Found, Sources, Target, below, find, targets};
 
-use super::told::{data, rows, unknown};
+use super::table::{data, rows, unknown};
 use crate::args::params::GetArgs;
 use crate::commands::tell;
 use crate::disk::{Disk, readable};

@@ -1,8 +1,8 @@
 use blocksim_params::compare;
 
+use super::changes::{age, changes, unhindered};
 use super::files::{read_set, read_workbook};
 use super::model::sound;
-use super::said::{age, changes, unhindered};
 use crate::args::params::ImportArgs;
 use crate::disk::write_file;
 use crate::exit::Exit;

@@ -1,6 +1,6 @@
 use blocksim_diagram::{Origin, Sources, Target, targets};
 
-use super::told::{data, rows};
+use super::table::{data, rows};
 use crate::args::params::ListArgs;
 use crate::commands::tell;
 use crate::disk::{Disk, readable};

@@ -1,5 +1,6 @@
 //! `blocksim params`: a file for each verb, one for files, one for what is said.
 
+mod changes;
 mod check;
 mod diff;
 #[cfg(feature = "xlsx")]
@@ -9,9 +10,8 @@ mod get;
 mod import;
 mod list;
 mod model;
-mod said;
 mod set;
-mod told;
+mod table;
 
 use crate::args::params::ParamsCommand;
 use crate::failure::Outcome;

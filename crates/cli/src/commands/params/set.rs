@@ -1,7 +1,7 @@
 use blocksim_block::problem::Problem;
 use blocksim_diagram::{Found, Sources, Target, compile, find, read_tree, spelled, targets};
 
-use super::told::unknown;
+use super::table::unknown;
 use crate::args::params::SetArgs;
 use crate::commands::tell;
 use crate::disk::{Disk, Overlaid, readable, write_file};

@@ -1,8 +1,8 @@
 //! `blocksim plan`: moves of a robot, checked along their whole way, as files for diagrams.
 
-mod asked;
 mod meeting;
-mod said;
+mod report;
+mod request;
 mod space;
 
 use std::path::{Path, PathBuf};
@@ -43,7 +43,7 @@ pub fn plan(command: &PlanCommand, console: Console) -> Outcome {
     let space = space::read(common, &robot, &description)?;
     let Asked { text, path, chosen, kept } = ask(command, &robot)?;
     let course = planned(&path, &robot.limits(), Rule::Feasible, Some(&robot), "move").map_err(|error| {
-        let choice = said::chosen(chosen.as_ref());
+        let choice = report::chosen(chosen.as_ref());
         let failure = told(&error);
         if choice.is_empty() {
             failure
@@ -56,14 +56,14 @@ pub fn plan(command: &PlanCommand, console: Console) -> Outcome {
     let velocity = path.tool.as_ref().map(|tool| tool.velocity);
     match common.json {
         true => {
-            let mut data = said::data(course.as_ref(), &findings, velocity);
-            data["configuration"] = said::choice(chosen.as_ref());
+            let mut data = report::data(course.as_ref(), &findings, velocity);
+            data["configuration"] = report::choice(chosen.as_ref());
             data["collisions"] = met.as_ref().map_or(Value::Null, |(space, met)| meeting::data(space, met));
             console.data(&format!("{data}\n"))?;
         }
         false => {
-            console.data(&said::text(&robot, course.as_ref(), &findings, velocity))?;
-            console.data(&said::chosen(chosen.as_ref()))?;
+            console.data(&report::text(&robot, course.as_ref(), &findings, velocity))?;
+            console.data(&report::chosen(chosen.as_ref()))?;
             if let Some(word) = kept.filter(|_| stuck(&findings)).and_then(|kept| other(&robot, &kept)) {
                 console.data(&format!("           --configuration {word} can go the whole way\n"))?;
             }
@@ -78,7 +78,7 @@ pub fn plan(command: &PlanCommand, console: Console) -> Outcome {
         return Ok(Exit::Failed);
     }
     if let Some(out) = &common.out {
-        let file = said::file(&text, course.as_ref(), &findings);
+        let file = report::file(&text, course.as_ref(), &findings);
         write_file(out, file.as_bytes(), common.yes)?;
         if !common.json {
             console.data(&format!("written    {}\n", out.display()))?;
@@ -142,7 +142,7 @@ fn ask(command: &PlanCommand, robot: &Robot) -> Result<Asked, Failure> {
             let text = disk.read(&args.file).map_err(Failure::unreadable)?;
             return Ok(Asked { text, path, chosen: None, kept: None });
         }
-        PlanCommand::Joint(args) => (start(args.from.from.as_deref(), robot)?, asked::joint(args)?, None),
+        PlanCommand::Joint(args) => (start(args.from.from.as_deref(), robot)?, request::joint(args)?, None),
         PlanCommand::Linear(args) => tool(&args.tool, None, robot)?,
         PlanCommand::Circular(args) => tool(&args.tool, Some(&args.via), robot)?,
     };
@@ -158,7 +158,7 @@ fn ask(command: &PlanCommand, robot: &Robot) -> Result<Asked, Failure> {
 /// Positions at the start as text.
 fn start(from: Option<&str>, robot: &Robot) -> Result<String, Failure> {
     match from {
-        Some(from) => asked::list("--from", from, "deg"),
+        Some(from) => request::list("--from", from, "deg"),
         None => Ok(positions(&robot.start(), robot)),
     }
 }
@@ -178,7 +178,7 @@ fn tool(
     via: Option<&str>,
     robot: &Robot,
 ) -> Result<(String, String, Option<Chosen>), Failure> {
-    let rest = asked::tool(args, via)?;
+    let rest = request::tool(args, via)?;
     let wanted = args.configuration.as_deref().map(configuration).transpose()?;
     let given = start(args.from.from.as_deref(), robot)?;
     if args.from_point.is_none() && wanted.is_none() {
@@ -218,7 +218,7 @@ fn configuration(word: &str) -> Result<Configuration, Failure> {
 }
 
 fn coordinates(option: &str, values: &str, unit: &str) -> Result<String, Failure> {
-    asked::three(option, values, unit).map(|list| format!("at: {list}"))
+    request::three(option, values, unit).map(|list| format!("at: {list}"))
 }
 
 /// A point.

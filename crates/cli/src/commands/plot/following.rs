@@ -7,7 +7,7 @@ use blocksim_results::format::{fixed, seconds, significant};
 use blocksim_results::{Align, Column, Kind, Table};
 use serde_json::{Value, json};
 
-use super::drawn::{Drawn, followed, going_on};
+use super::curves::{Drawn, followed, going_on};
 use crate::failure::Failure;
 use crate::signals::traces::{Book, Trace};
 
@@ -131,7 +131,7 @@ fn shown_as(mut column: Column, shown: &Trace, own: &Trace) -> Column {
 pub fn table(rows: &[Row], several: bool) -> String {
     let disturbed = rows.iter().any(|row| row.metrics.disturbed.is_some());
     let mut headings = vec![
-        "following",
+        "tracking",
         "unit",
         "step",
         "rise [s]",
@@ -140,7 +140,7 @@ pub fn table(rows: &[Row], several: bool) -> String {
         "IAE",
         "ISE",
         "final error",
-        "largest error",
+        "maximum error",
         "at [s]",
     ];
     if disturbed {

@@ -1,6 +1,6 @@
 //! `blocksim plot`: signals of runs and tables over time, in the terminal and as files.
 
-pub mod drawn;
+pub mod curves;
 pub mod following;
 pub mod groups;
 pub mod panels;
@@ -13,7 +13,7 @@ use blocksim_plot::{Theme, svg};
 use blocksim_results::Column;
 use blocksim_signal::closest;
 
-use self::drawn::{Drawn, add_once, read};
+use self::curves::{Drawn, add_once, read};
 use self::groups::{chosen, groups};
 use self::panels::{figure, panel};
 use crate::args::plot::PlotArgs;
@@ -117,7 +117,7 @@ fn locate(name: &str) -> Result<PathBuf, Failure> {
     blocksim_results::locate(name, Path::new(RUNS)).map_err(|error| Failure::of_run(&error))
 }
 
-/// Signals that only the view in space of a run needs.
+/// Signals that only the 3D view of a run needs.
 fn joints(run: &str) -> Vec<String> {
     let scene = locate(run).ok().and_then(|folder| recorded::scene(&folder).ok().flatten());
     scene.and_then(|scene| recorded::signals(&scene).ok()).unwrap_or_default()
@@ -176,6 +176,6 @@ pub fn no_signal(lost: &str, book: &Book) -> Failure {
 pub fn nothing_common(book: &Book, example: &str) -> Failure {
     let names: Vec<String> = book.traces.iter().take(8).map(|trace| format!("`{}`", trace.path)).collect();
     let column = book.traces.first().map_or("COLUMN", |trace| trace.path.as_str());
-    Failure::usage(format!("`{}` has none of the signals that are asked for", book.name))
-        .help(format!("it has {}; say what they are, such as --map '{column}={example}'", names.join(", ")))
+    Failure::usage(format!("`{}` has none of the requested signals", book.name))
+        .help(format!("it has {}; name them, such as --map '{column}={example}'", names.join(", ")))
 }

@@ -6,7 +6,7 @@ use blocksim_plot::{Figure, Line, Panel, Strip, Style, thinned};
 use blocksim_results::Column;
 use blocksim_results::format::{count, significant};
 
-use super::drawn::{Drawn, agree, error, with_breaks};
+use super::curves::{Drawn, agree, error, with_breaks};
 use crate::signals::traces::Book;
 
 /// Columns of a screen to which courses are thinned.

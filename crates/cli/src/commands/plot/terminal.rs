@@ -2,7 +2,7 @@
 
 use blocksim_results::{PlotOptions, Series};
 
-use super::drawn::{Drawn, error, going_on};
+use super::curves::{Drawn, error, going_on};
 use crate::signals::traces::Book;
 use crate::terminal::console::Console;
 

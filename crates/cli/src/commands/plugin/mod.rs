@@ -15,7 +15,7 @@ use crate::terminal::console::Console;
 fn serve() -> Outcome {
     match blocksim_host::serve() {
         Ok(()) => Ok(Exit::Done),
-        Err(error) => Err(Failure::usage(format!("there is nobody to serve: {error}"))
+        Err(error) => Err(Failure::usage(format!("there is no program to serve: {error}"))
             .help("this command is for `--isolate`, which calls it")),
     }
 }

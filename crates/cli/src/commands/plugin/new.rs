@@ -153,7 +153,7 @@ fn clone(args: &PluginNewArgs, parent: &Path) -> Result<PathBuf, Failure> {
         return match named.canonicalize() {
             Ok(named) if is_clone(&named) => Ok(named),
             _ => Err(Failure::usage(format!(
-                "`{}` is no clone of blocksim: it has no crates/controller",
+                "`{}` is not a clone of blocksim: it has no crates/controller",
                 named.display()
             ))
             .help("name the folder that holds `crates` and `plugins`")),
@@ -163,7 +163,7 @@ fn clone(args: &PluginNewArgs, parent: &Path) -> Result<PathBuf, Failure> {
     let around = parent.ancestors().map(Path::to_owned).chain(built).find(|folder| is_clone(folder));
     around.ok_or_else(|| {
         Failure::usage("the clone of blocksim that this program was built from is gone")
-            .help("say where one is: --blocksim DIR")
+            .help("give its folder: --blocksim DIR")
     })
 }
 

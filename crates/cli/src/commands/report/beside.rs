@@ -4,7 +4,7 @@ use blocksim_analysis::{Interpolation, Series, refined};
 use blocksim_report::{Compared, Report, Role};
 use blocksim_results::{Column, Kind};
 
-use crate::commands::plot::drawn::agree;
+use crate::commands::plot::curves::agree;
 use crate::failure::Failure;
 use crate::signals::other::other_values;
 use crate::signals::traces::Book;

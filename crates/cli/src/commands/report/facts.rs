@@ -54,7 +54,7 @@ pub fn add(run: &Run, path: &Path, report: &mut Report) {
 
 fn ended(ended: &Ended) -> String {
     match ended {
-        Ended::Complete => "at its end time".to_owned(),
+        Ended::Complete => "at stop time".to_owned(),
         Ended::Stopped { reason } => format!("stopped: {reason}"),
         Ended::Interrupted => "interrupted".to_owned(),
         Ended::Failed { reason } => format!("failed: {reason}"),

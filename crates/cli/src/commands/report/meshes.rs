@@ -23,21 +23,43 @@ const LARGEST_TOGETHER: u64 = 512 << 20;
 /// Meshes that are told one by one.
 const TOLD: usize = 5;
 
+/// Where the meshes of a page may come from.
+#[derive(Debug, Clone, Copy)]
+pub struct MeshSources<'a> {
+    /// The folder of the run.
+    pub folder: &'a Path,
+    /// How many shapes are those of the run; what stands around the mechanism comes behind them.
+    pub of_run: usize,
+    /// Whether what stands around comes from a file that the command line names, and may name others.
+    pub reads_others: bool,
+}
+
 /// Reads the meshes that are to be seen; each shape with one gets its number, `"surface": 0`. What cannot be drawn is
-/// told, and all else is drawn. A run keeps copies of its meshes in its `folder`; they count before the files themselves.
-pub fn surfaces(scene: &mut Value, folder: &Path, full: bool, warnings: &mut Vec<String>) -> Vec<Surface> {
+/// reported, and all else is drawn. A run keeps copies of its meshes in its `folder`, and nothing else is read: a run that comes from
+/// somebody else may name any file of this computer.
+pub fn surfaces(
+    scene: &mut Value,
+    sources: MeshSources,
+    full: bool,
+    warnings: &mut Vec<String>,
+) -> Vec<Surface> {
     let mut found: BTreeMap<String, Option<usize>> = BTreeMap::new();
     let (mut read, mut failed, mut bytes) = (Vec::new(), Vec::new(), 0);
-    for shape in scene["shapes"].as_array_mut().into_iter().flatten() {
+    for (index, shape) in scene["shapes"].as_array_mut().into_iter().flatten().enumerate() {
         if shape["kind"] != "mesh" || shape["use"] == "collision" {
             continue;
         }
         let file = shape["file"].as_str().unwrap_or_default().to_owned();
         let key = format!("{file} {}", shape["scale"]);
-        let kept = shape["kept"].as_str().filter(|name| Path::new(name).file_name() == Some(name.as_ref()));
-        let kept = kept.map(|name| folder.join(name)).filter(|kept| kept.is_file());
-        let place = kept.unwrap_or_else(|| PathBuf::from(&file));
-        let number = *found.entry(key).or_insert_with(|| match open(&place, &shape["scale"], &mut bytes) {
+        let place = match index >= sources.of_run && sources.reads_others {
+            true => Some(PathBuf::from(&file)),
+            false => copy(sources.folder, &shape["kept"]),
+        };
+        let mut read_copy = |place: Option<PathBuf>| {
+            let place = place.ok_or("the run has no copy of it; run the model again to keep one")?;
+            open(&place, &shape["scale"], &mut bytes)
+        };
+        let number = *found.entry(key).or_insert_with(|| match read_copy(place) {
             Ok(surface) => {
                 read.push(surface);
                 Some(read.len() - 1)
@@ -72,6 +94,13 @@ pub fn surfaces(scene: &mut Value, folder: &Path, full: bool, warnings: &mut Vec
         .collect()
 }
 
+/// The copy of a mesh in the folder of a run: a file of its own there, and no link out of it.
+fn copy(folder: &Path, kept: &Value) -> Option<PathBuf> {
+    let name = kept.as_str().filter(|name| Path::new(name).file_name() == Some(name.as_ref()))?;
+    let place = folder.join(name);
+    std::fs::symlink_metadata(&place).is_ok_and(|about| about.is_file()).then_some(place)
+}
+
 /// Reads a mesh; `bytes` have been read so far.
 fn open(file: &Path, scale: &Value, bytes: &mut u64) -> Result<mesh::Surface, String> {
     let scale: Vec<f64> = scale.as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
@@ -90,6 +119,42 @@ mod tests {
     use super::*;
     use std::fs;
 
+    fn of(folder: &Path) -> MeshSources<'_> {
+        MeshSources { folder, of_run: usize::MAX, reads_others: true }
+    }
+
+    #[test]
+    fn nothing_outside_of_the_folder_of_a_run_is_read() {
+        let folder = std::env::temp_dir().join(format!("blocksim-copies-{}", std::process::id()));
+        let run = folder.join("run");
+        fs::create_dir_all(&run).unwrap();
+        let triangle = "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+        let secret = folder.join("secret.stl");
+        fs::write(&secret, triangle).unwrap();
+        fs::write(run.join("own.stl"), triangle).unwrap();
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(&secret, run.join("link.stl")).unwrap();
+        let shape = |kept: &Value| json!({"kind": "mesh", "use": "both", "owner": "arm", "file": secret, "kept": kept, "scale": [1, 1, 1]});
+        let kept =
+            [Value::Null, json!("../secret.stl"), json!(secret), json!("link.stl"), json!(".."), json!(7)];
+        for kept in kept {
+            let mut warnings = Vec::new();
+            let mut scene = json!({ "shapes": [shape(&kept)] });
+            assert!(surfaces(&mut scene, of(&run), false, &mut warnings).is_empty(), "{kept} was read");
+            assert!(warnings[0].contains("the run has no copy of it"), "{warnings:?}");
+        }
+        let mut scene = json!({ "shapes": [shape(&json!("own.stl"))] });
+        assert_eq!(surfaces(&mut scene, of(&run), false, &mut Vec::new()).len(), 1);
+        // What the command line names may lie anywhere; what a model has around its mechanism may not.
+        for reads_others in [true, false] {
+            let sources = MeshSources { folder: &run, of_run: 0, reads_others };
+            let mut scene = json!({ "shapes": [shape(&Value::Null)] });
+            let surfaces = surfaces(&mut scene, sources, false, &mut Vec::new());
+            assert_eq!(surfaces.len(), usize::from(reads_others));
+        }
+        fs::remove_dir_all(folder).unwrap();
+    }
+
     #[test]
     fn what_cannot_be_read_is_told_once_and_all_else_is_drawn() {
         let folder = std::env::temp_dir().join(format!("blocksim-meshes-{}", std::process::id()));
@@ -98,13 +163,13 @@ mod tests {
         fs::write(&good, "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n")
             .unwrap();
         fs::write(folder.join("broken.stl"), "solid\nvertex 1 2\n").unwrap();
-        let shape = |name: &str, purpose: &str| json!({"kind": "mesh", "use": purpose, "owner": "arm", "file": folder.join(name), "scale": [1, 1, 1]});
+        let shape = |name: &str, purpose: &str| json!({"kind": "mesh", "use": purpose, "owner": "arm", "file": folder.join(name), "kept": name, "scale": [1, 1, 1]});
         let mut scene = json!({ "shapes": [
             shape("good.stl", "both"), shape("gone.stl", "both"), shape("gone.stl", "visual"),
             shape("broken.stl", "visual"), shape("good.stl", "visual"), shape("other.stl", "collision"),
         ] });
         let mut warnings = Vec::new();
-        let surfaces = surfaces(&mut scene, &folder, false, &mut warnings);
+        let surfaces = surfaces(&mut scene, of(&folder), false, &mut warnings);
         assert_eq!(surfaces.len(), 1);
         let numbers: Vec<&Value> =
             scene["shapes"].as_array().unwrap().iter().map(|shape| &shape["surface"]).collect();

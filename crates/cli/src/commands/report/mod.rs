@@ -1,17 +1,17 @@
 //! `blocksim report`: a run as one HTML file.
 
 mod beside;
-mod drawn;
+mod diagram;
 mod facts;
 mod meshes;
 mod model;
 mod movement;
 mod numbers;
+mod other_signals;
 mod pictures;
 mod source_text;
 mod tables;
 mod titles;
-mod unseen;
 
 pub use beside::Other;
 
@@ -114,7 +114,7 @@ fn target(args: &ReportArgs, run: &Path) -> Result<(PathBuf, String), Failure> {
     };
     let Some(name) = file.file_name() else { return refused("it names no file", "add a name") };
     if !folder.is_dir() {
-        return refused("there is no such folder", "create it, or choose another place with -o");
+        return refused("the folder does not exist", "create it, or choose another place with -o");
     }
     if file.is_dir() {
         return refused("it is a folder", "add the name of a file");
@@ -142,19 +142,25 @@ fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) 
     let model = known.and_then(|(text, sources)| model::read(text, sources, &mut report));
     let titles = model.as_ref().map(Titles::of).unwrap_or_default();
     pictures::add(&books, &titles, &movement::joints(path), &mut report)?;
-    unseen::add(&books[0], &mut report)?;
+    other_signals::add(&books[0], &mut report)?;
     if let Some((model, (text, sources))) = model.as_ref().zip(known) {
         model::add(model, text, sources, &mut report);
     }
     if !args.no_3d && path.is_dir() {
         let around = around(args, known, &mut report)?;
-        match movement::read(path, &run, &around, args.full, &mut report.warnings) {
+        match movement::read(
+            path,
+            &run,
+            (&around, args.surroundings.is_some()),
+            args.full,
+            &mut report.warnings,
+        ) {
             Ok(animation) => {
                 report.warnings.extend(animation.as_ref().and_then(movement::told));
                 report.animation = animation;
             }
             Err(reason) => {
-                report.warnings.push(format!("The view in space is missing: {reason}."));
+                report.warnings.push(format!("The 3D view is missing: {reason}."));
             }
         }
     }

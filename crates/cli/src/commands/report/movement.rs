@@ -7,7 +7,7 @@ use blocksim_blocks::robotics::Surroundings;
 use blocksim_report::{Animation, Contact};
 use blocksim_results::{ALWAYS, Column, Run};
 
-use super::meshes::surfaces;
+use super::meshes::{MeshSources, surfaces};
 use super::numbers::readable;
 use crate::mechanism::recorded::{Movement, mechanism, movement, scene, signals};
 use crate::mechanism::surroundings;
@@ -24,7 +24,7 @@ const TOLD: usize = 50;
 pub fn read(
     folder: &Path,
     run: &Run,
-    around: &Surroundings,
+    (around, reads_others): (&Surroundings, bool),
     full: bool,
     warnings: &mut Vec<String>,
 ) -> Result<Option<Animation>, String> {
@@ -32,8 +32,10 @@ pub fn read(
     let Some(movement) = movement(run, &scene)? else { return Ok(None) };
     let set = set_values(run, &movement);
     let mechanism = mechanism(&scene).ok();
+    let of_run = scene["shapes"].as_array().map_or(0, Vec::len);
     surroundings::draw(around, &mut scene);
-    let surfaces = surfaces(&mut scene, folder, full, warnings);
+    let sources = MeshSources { folder, of_run, reads_others };
+    let surfaces = surfaces(&mut scene, sources, full, warnings);
     let mut contacts = Vec::new();
     let mut unlooked = Vec::new();
     if let Some(mechanism) = mechanism {
@@ -62,7 +64,7 @@ pub fn told(animation: &Animation) -> Option<String> {
     Some(format!("{one} touches {other} at {} s{more}.", readable(*from, 4)))
 }
 
-/// Signals that the view in space of a run needs; none where it has none.
+/// Signals that the 3D view of a run needs; none where it has none.
 pub fn joints(folder: &Path) -> Vec<String> {
     let scene = scene(folder).ok().flatten();
     scene.and_then(|scene| signals(&scene).ok()).unwrap_or_default()

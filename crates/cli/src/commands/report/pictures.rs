@@ -10,11 +10,11 @@ use blocksim_signal::Unit;
 use super::numbers::{readable, shortest};
 use super::titles::Titles;
 use crate::args::plot::Layout;
-use crate::commands::plot::drawn::{Drawn, add_once};
+use crate::commands::plot::curves::{Drawn, add_once};
 use crate::commands::plot::following::{Row, rows};
 use crate::commands::plot::groups::{Group, chosen, groups};
 use crate::failure::Failure;
-use crate::signals::shown::turn;
+use crate::signals::display::turn;
 use crate::signals::traces::Book;
 
 /// Most pictures in a page.
@@ -27,7 +27,7 @@ const LONG: usize = 1 << 18;
 /// Stretches of time of such a signal, whose first, last, least and largest values are kept.
 const STRETCHES: usize = 20_000;
 
-/// Adds pictures and metrics. `joints` are signals that the view in space needs; they have pictures of their own only
+/// Adds pictures and metrics. `joints` are signals that the 3D view needs; they have pictures of their own only
 /// where no other picture shows them.
 ///
 /// # Errors
@@ -177,7 +177,7 @@ fn table(rows: &[Row]) -> Rows {
         "settling [s]",
         "IAE",
         "final error",
-        "largest error",
+        "maximum error",
         "at [s]",
     ];
     // Those of fast circuits are far below a second.

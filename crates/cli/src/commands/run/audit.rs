@@ -21,9 +21,11 @@ pub fn text(findings: &Findings) -> String {
     let mut text =
         format!("error: the run has passed over {count} of a condition, seen at {looks} within steps");
     for missed in findings.missed.iter().take(LISTED) {
-        let (t, path, guard) = (short_time(missed.t), &missed.path, &missed.guard);
-        text +=
-            &format!("\n  = note: t = {t} s: `{path}` ({guard}) was beyond zero by {:.3e}", missed.beyond);
+        let (t, path, what) = (short_time(missed.t), &missed.path, &missed.what);
+        text += &format!(
+            "\n  = note: t = {t} s: where `{path}` {what}, the condition was beyond zero by {:.3e}",
+            missed.beyond
+        );
     }
     if findings.missed.len() > LISTED || findings.count > LISTED as u64 {
         text += &format!("\n  = note: and {} more", findings.count - LISTED as u64);
@@ -38,14 +40,24 @@ mod tests {
 
     #[test]
     fn what_was_passed_over_is_listed_with_time_block_and_remedy() {
-        let missed = |t| Missed { t, path: "relay".to_owned(), guard: "switches".to_owned(), beyond: 0.125 };
+        let missed = |t| Missed {
+            t,
+            path: "relay".to_owned(),
+            what: "switches on and switches off".to_owned(),
+            beyond: 0.125,
+        };
         let findings =
             Findings { looks: 640, count: 30, missed: (0..30).map(|k| missed(f64::from(k))).collect() };
         let text = text(&findings);
         assert!(
             text.starts_with("error: the run has passed over 30 changes of a condition, seen at 640 points")
         );
-        assert!(text.contains("`relay` (switches) was beyond zero by 1.250e-1"), "{text}");
+        assert!(
+            text.contains(
+                "where `relay` switches on and switches off, the condition was beyond zero by 1.250e-1"
+            ),
+            "{text}"
+        );
         assert!(text.contains("and 10 more") && text.contains("--step 1ms"), "{text}");
     }
 

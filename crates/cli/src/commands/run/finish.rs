@@ -42,6 +42,7 @@ pub fn keep_and_tell(
         rows,
         warnings,
         began,
+        events: &events,
     };
     for file in loaded.scene().into_iter().flat_map(scene::missing_meshes) {
         console.say(&format!(
@@ -53,7 +54,7 @@ pub fn keep_and_tell(
         (_, true) => Csv::Never,
         _ => Csv::Sensibly,
     };
-    let log = log(&report, &loaded, &events);
+    let log = log(&report, &loaded);
     let rest = Rest { csv, events: &events, log: &log, manifest: &manifest, scene: loaded.scene() };
     let partial = folder.partial_path().to_owned();
     let Kept { folder: place, untold } = match keep(folder, &run, rest) {
@@ -99,7 +100,7 @@ pub fn keep_and_tell(
     }
     if selection.unasked > 0 {
         console.say(&format!(
-            "note: {} of joints are recorded as well, for the view in space",
+            "note: {} of joints are recorded as well, for the 3D view",
             plural(selection.unasked, "position")
         ));
     }

@@ -9,16 +9,16 @@ use blocksim_block::schedule::{Recorded, Schedule};
 use blocksim_results::Ended as How;
 use blocksim_sim::{Ended, SimError, Simulation};
 
-use super::kept::Keeping;
 use super::rows::{Both, Rows};
+use super::runs::Keeping;
 use crate::args::model::ModelArgs;
 use crate::args::sweep::{Metric, SweepArgs, Wanted};
 use crate::failure::Failure;
 use crate::loaded::Loaded;
 use crate::running::blame::{reason, warnings};
 use crate::running::solver;
+use crate::signals::display::{Shown, recording, shown, turn};
 use crate::signals::naming::{fits, short_names};
-use crate::signals::shown::{Shown, recording, shown, turn};
 use crate::signals::tracking::{Tracking, trackings};
 use crate::terminal::console::Console;
 
@@ -109,7 +109,7 @@ pub fn measure(
         Some(without) => Err(no_signal(without, &all).into()),
         None if found.is_empty() => {
             let said = Failure::usage("no scope of the model has a set and an actual value");
-            Err(said.help("say what to measure, such as --metric peak:motor.i").into())
+            Err(said.help("choose what to measure, such as --metric peak:motor.i").into())
         }
         None => Ok(found),
     }

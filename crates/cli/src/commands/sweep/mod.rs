@@ -1,10 +1,10 @@
 //! `blocksim sweep`: a model over values of its parameters.
 
 mod combinations;
-mod kept;
 mod measure;
 mod rows;
-mod told;
+mod runs;
+mod table;
 
 use std::io;
 
@@ -49,7 +49,7 @@ pub fn sweep(args: &SweepArgs, console: Console) -> Outcome {
     if let Some(understood) = first.understood() {
         console.say(&format!("first run: {understood}"));
     }
-    args.keep.as_deref().map(kept::folder).transpose()?;
+    args.keep.as_deref().map(runs::folder).transpose()?;
     interrupt::take_over();
     let numbers: Vec<usize> = (0..runs).collect();
     let workers = args.jobs.map_or_else(parallel::processors, usize::from);
@@ -95,7 +95,7 @@ fn finish(args: &SweepArgs, mut rows: Vec<Row>, console: Console) -> Outcome {
     let interrupted = rows.iter().any(|row| matches!(row.outcome, Err(Lost::Interrupted)));
     let is_failed = |row: &&Row| matches!(row.outcome, Err(Lost::Simulation(_) | Lost::Usage(_)));
     let failed = rows.iter().filter(is_failed).count();
-    let table = told::Sheet::of(&args.over, &rows, args.keep.is_some());
+    let table = table::Sheet::of(&args.over, &rows, args.keep.is_some());
     console.data(&if args.json {
         format!("{}\n", table.json())
     } else {
@@ -131,7 +131,7 @@ fn one<'a>(
         return (Row { values, outcome: Err(Lost::Interrupted) }, Vec::new());
     }
     let model = model(args, &values);
-    let place = args.keep.as_ref().map(|folder| folder.join(kept::name(number, plan.runs())));
+    let place = args.keep.as_ref().map(|folder| folder.join(runs::name(number, plan.runs())));
     let mut warnings = Vec::new();
     let outcome = match load(&model, Purpose::Run) {
         Ok(mut loaded) => match loaded.compiled.schedule.take() {

@@ -3,7 +3,7 @@
 use blocksim_results::Recording;
 use blocksim_sim::{Control, Counts, Observer};
 
-use super::kept::Keeping;
+use super::runs::Keeping;
 use crate::running::interrupt;
 
 /// Takes the rows as they come.

@@ -44,7 +44,7 @@ pub fn mappings(texts: &[String]) -> Result<Vec<Mapping>, Failure> {
 
 fn mapping(text: &str) -> Result<Mapping, Failure> {
     let wrong = || {
-        Failure::usage(format!("`{}` is no mapping", text.trim()))
+        Failure::usage(format!("`{}` is not a mapping", text.trim()))
             .help("write 'COLUMN=PATH[unit]', such as 'q1=control/joint1/scope.actual[deg]'")
     };
     let (column, rest) = text.rsplit_once('=').ok_or_else(wrong)?;
@@ -83,6 +83,6 @@ mod tests {
     #[test]
     fn a_file_that_is_not_there_is_told() {
         let error = mappings(&["no-such-file.txt".to_owned()]).unwrap_err().text();
-        assert!(error.starts_with("cannot read the mappings in `no-such-file.txt`: there is no such file"));
+        assert!(error.starts_with("cannot read the mappings in `no-such-file.txt`: the file does not exist"));
     }
 }

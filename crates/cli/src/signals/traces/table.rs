@@ -43,8 +43,8 @@ impl Table {
         let time_unit = unit(second.as_deref().unwrap_or("s"), "the time", (path, &columns[0], "time[UNIT]"))
             .map_err(|trouble| trouble.failure())?;
         if Unit::parse("s").is_ok_and(|second| second.dimension != time_unit.dimension) {
-            let said = format!("the time in `{place}` is in {time_unit}, which is no time");
-            return Err(Failure::unreadable(said).help("say its unit, such as --map 'COLUMN=time[ms]'"));
+            let said = format!("the time in `{place}` is in {time_unit}, which is not a time");
+            return Err(Failure::unreadable(said).help("give its unit, such as --map 'COLUMN=time[ms]'"));
         }
         let time = foreign.time.iter().map(|&t| time_unit.to_si(t)).collect();
 
@@ -131,7 +131,7 @@ fn unit(text: &str, of: &str, (path, column, example): (&Path, &str, &str)) -> R
         let help = error.help.map_or(String::new(), |help| format!("{help}, or "));
         UnknownUnit {
             message: format!("the unit of {of} in `{}` is not known: {}", path.display(), error.message),
-            help: format!("{help}say it with --map '{column}={example}'"),
+            help: format!("{help}give it with --map '{column}={example}'"),
         }
     })
 }

@@ -1,5 +1,7 @@
 //! What tests of the program share.
 
+pub mod pages;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use blocksim_block::Interface;
+use blocksim_block::event::{Event, Subject};
 use blocksim_block::physical::LossModel;
+use blocksim_block::{Crossing, Discrete, Guard, Interface};
 
 use crate::mechanics::rotation::Rotation;
 use crate::seat::Seat;
@@ -42,13 +43,21 @@ impl Stiction {
         let gears = rotation.gears.iter().enumerate();
         let dry = gears.filter(|(_, gear)| gear.loss.model == LossModel::Stiction);
         parts.extend(dry.map(|(i, _)| Place::Gear(i)));
-        for of in [|seat: &Seat| seat.frictions.len(), |seat: &Seat| seat.dry.len()] {
+        for (what, of) in [
+            ("friction", (|seat| seat.frictions.len()) as fn(&Seat) -> usize),
+            ("mesh", |seat| seat.dry.len()),
+        ] {
             for seat in seats {
                 for i in 0..of(seat) {
-                    let number = if of(seat) > 1 { (i + 1).to_string() } else { String::new() };
+                    let several = of(seat) > 1;
+                    let number = if several { (i + 1).to_string() } else { String::new() };
                     let name = format!("{}.mode{number}", seat.member.path);
-                    interface.discrete.push(blocksim_block::Discrete { name: name.clone(), initial: 0.0 });
-                    *interface = std::mem::take(interface).guard(name);
+                    let detail = several.then(|| format!("{what} {number}"));
+                    let subject = Subject { part: Some(seat.member.path.clone()), detail };
+                    let words = seat.member.part.friction.0;
+                    interface.discrete.push(Discrete::new(name.clone(), 0.0).changes(words, subject.clone()));
+                    let guard = Guard { event: Event::Mode, subject, ..Guard::new(name, Crossing::Either) };
+                    interface.guards.push(guard);
                 }
             }
         }

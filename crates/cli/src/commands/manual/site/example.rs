@@ -11,7 +11,7 @@ use blocksim_plot::{Figure, Line, Panel, svg, thinned};
 use blocksim_results::Recording;
 use blocksim_sim::{Observer, Simulation};
 
-use crate::signals::shown::{Shown, recording, shown as paired};
+use crate::signals::display::{Shown, recording, shown as paired};
 
 /// What is shown of an example.
 pub struct Example {

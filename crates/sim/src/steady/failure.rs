@@ -30,7 +30,7 @@ pub(super) fn restless(simulation: &Simulation, asked: &Steady, lost: &Lost) -> 
     };
     let help = if asked.hold.is_empty() {
         "integrators that nothing feeds back and sources that go on have no rest: begin elsewhere (initial values, another \
-         instant), or say which states may go on moving, `start: Steady(drift: [...])`"
+         instant), or list the states that may go on moving, `start: Steady(drift: [...])`"
     } else {
         "perhaps what is held cannot be reached with what is free: compare `hold` and `free`, and write values of the \
          constants from which the search may begin"

@@ -134,7 +134,7 @@ fn inspected(block: &ModelBlock, model: &Model, sources: &Sources, overrides: &[
     }
 }
 
-/// Value of a parameter in SI; empty where it is no number.
+/// Value of a parameter in SI; empty where it is not a number.
 fn value(block: &ModelBlock, info: Option<&BlockInfo>, name: &str) -> String {
     let Content::Block { numbers, units, .. } = &block.content else { return String::new() };
     let Some((_, list)) = numbers.iter().find(|(known, _)| known == name) else { return String::new() };

@@ -5,7 +5,7 @@ use blocksim_results::{Align, Table};
 use serde_json::{Value, json};
 
 use super::measure::{Lost, Measured};
-use super::{Row, kept};
+use super::{Row, runs};
 use crate::args::sweep::{Metric, Over};
 use crate::terminal::format::column;
 
@@ -50,7 +50,7 @@ impl<'a> Sheet<'a> {
             }
         }
         let line = |(n, row): (usize, &'a Row)| Line {
-            name: kept::name(n, rows.len()),
+            name: runs::name(n, rows.len()),
             values: row.values.clone(),
             cells: columns
                 .iter()
@@ -138,7 +138,7 @@ impl<'a> Sheet<'a> {
 
     /// How far each number differs from run to run.
     fn spread(&self) -> String {
-        let headings = ["", "least", "5 %", "median", "95 %", "largest", "mean", "deviation"];
+        let headings = ["", "minimum", "5 %", "median", "95 %", "maximum", "mean", "deviation"];
         let aligned = |(n, heading): (usize, &&'static str)| {
             (*heading, if n == 0 { Align::Left } else { Align::Right })
         };
@@ -178,7 +178,7 @@ impl<'a> Sheet<'a> {
             let unit = if column.unit == "1" { "" } else { column.unit };
             let number = format!("{} {unit}", significant(least, 4)).trim_end().to_owned();
             table.row([
-                format!("least {}", column.words()),
+                format!("lowest {}", column.words()),
                 number,
                 format!("at {}", self.set(line).join(", ")),
             ]);
@@ -241,12 +241,12 @@ impl Column<'_> {
         (self.metric, self.path, self.unit) == (measured.metric, &*measured.path, &*measured.unit)
     }
 
-    /// `largest error joint1`.
+    /// `maximum error joint1`.
     fn words(&self) -> String {
         format!("{} {}", self.metric.heading(), self.name).trim_end().to_owned()
     }
 
-    /// `largest error joint1 [deg]`.
+    /// `maximum error joint1 [deg]`.
     fn heading(&self) -> String {
         if self.unit == "1" { self.words() } else { format!("{} [{}]", self.words(), self.unit) }
     }
@@ -297,16 +297,16 @@ mod tests {
         let rows = rows(&over);
         let sheet = Sheet::of(&over, &rows, false);
         expect![[r#"
-            pid.kp  largest error [deg]  overshoot [%]  failed
+            pid.kp  maximum error [deg]  overshoot [%]  failed
                  4                1.250          10.50
               8 mH                0.500              -
             [1, 2]                    -              -  step size below 1e-12 s, "x"
 
-            least largest error  0.5000 deg  at pid.kp=8 mH
+            lowest maximum error  0.5000 deg  at pid.kp=8 mH
         "#]]
         .assert_eq(&sheet.text(100, false));
         expect![[r#"
-            pid.kp,largest error [deg],overshoot [%],failed
+            pid.kp,maximum error [deg],overshoot [%],failed
             4,1.25,10.5,
             8 mH,0.5,,
             "[1, 2]",,,"step size below 1e-12 s, ""x"""
@@ -334,13 +334,13 @@ mod tests {
         let rows = [row(0), row(1)];
         expect![[r#"
             pid.kp                           4   8 mH
-            largest error a/scope [deg]  0.500  1.500
-            largest error b/scope [deg]  0.500  1.500
-            largest error c/scope [deg]  0.500  1.500
+            maximum error a/scope [deg]  0.500  1.500
+            maximum error b/scope [deg]  0.500  1.500
+            maximum error c/scope [deg]  0.500  1.500
 
-            least largest error a/scope  0.5000 deg  at pid.kp=4
-            least largest error b/scope  0.5000 deg  at pid.kp=4
-            least largest error c/scope  0.5000 deg  at pid.kp=4
+            lowest maximum error a/scope  0.5000 deg  at pid.kp=4
+            lowest maximum error b/scope  0.5000 deg  at pid.kp=4
+            lowest maximum error c/scope  0.5000 deg  at pid.kp=4
         "#]]
         .assert_eq(&Sheet::of(&over, &rows, false).text(80, false));
     }
@@ -359,8 +359,8 @@ mod tests {
               2    8 mH     3.000
               3  [1, 2]     2.000
 
-                      least    5 %  median   95 %  largest   mean  deviation
-            peak [A]  1.000  1.100   2.000  2.900    3.000  2.000      1.000
+                      minimum    5 %  median   95 %  maximum   mean  deviation
+            peak [A]    1.000  1.100   2.000  2.900    3.000  2.000      1.000
         "#]]
         .assert_eq(&Sheet::of(&over, &rows, true).text(100, true));
         assert!(Sheet::of(&over, &rows, true).csv().starts_with("run,pid.kp,peak [A],failed\n1,4,1,"));

@@ -247,7 +247,8 @@ impl<'de> Deserializer<'de> for Written<'_, '_> {
         if !variants.contains(&word) {
             let place = self.reading.place(self.node);
             let field = self.expected.field.map(|field| format!(" for `{field}`")).unwrap_or_default();
-            let problem = Problem::error("parameter", format!("`{word}` is no choice{field}")).at(&place, "");
+            let problem =
+                Problem::error("parameter", format!("`{word}` is not a choice{field}")).at(&place, "");
             let named = match &self.node.value {
                 Shape::Struct(Some(name), _) | Shape::Tuple(Some(name), _) => name.span.clone(),
                 _ => self.node.span.clone(),

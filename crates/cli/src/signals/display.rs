@@ -90,7 +90,7 @@ fn display_unit(recorded: &Recorded) -> Unit {
     asked.or_else(degrees).unwrap_or_else(|| Unit::si(recorded.dimension.unwrap_or(Dimension::NONE)))
 }
 
-/// A whole turn in a unit; `None` if it is no unit of angles.
+/// A whole turn in a unit; `None` if it is not a unit of angles.
 pub fn turn(unit: &Unit) -> Option<f64> {
     let is_angle = Unit::parse("rad").is_ok_and(|rad| rad.dimension == unit.dimension);
     is_angle.then(|| unit.from_si(std::f64::consts::TAU))

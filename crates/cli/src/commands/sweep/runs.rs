@@ -119,6 +119,7 @@ impl<'a> Keeping<'a> {
             wall_time,
             ended,
         });
+        let events: &[EventRow] = &events;
         let report = Report {
             schedule,
             manifest: &manifest,
@@ -129,9 +130,9 @@ impl<'a> Keeping<'a> {
             rows,
             warnings,
             began: Began::of(simulation),
+            events,
         };
-        let events: &[EventRow] = &events;
-        let log = log(&report, loaded, events);
+        let log = log(&report, loaded);
         let scene = loaded.scene();
         let kept =
             keep(folder, &run, Rest { csv: Csv::Sensibly, events, log: &log, manifest: &manifest, scene });

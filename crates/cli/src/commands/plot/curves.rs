@@ -9,7 +9,7 @@ use blocksim_signal::Unit;
 
 use super::groups::Group;
 use crate::failure::Failure;
-use crate::signals::shown::turn;
+use crate::signals::display::turn;
 use crate::signals::traces::Book;
 
 /// The values of a group.
@@ -44,7 +44,7 @@ pub fn read(group: Group, books: &[Book], range: &RangeInclusive<f64>) -> Result
                     "`{}` is in {} in `{}`, but in {} in `{}`",
                     trace.path, trace.unit, first.name, other.unit, book.name
                 );
-                let help = format!("say the unit, such as --map 'COLUMN={}[unit]'", trace.path);
+                let help = format!("give the unit, such as --map 'COLUMN={}[unit]'", trace.path);
                 return Err(Failure::unreadable(said).help(help));
             }
             let mut column = book.picture(there, range)?;

@@ -84,7 +84,10 @@ pub fn notes(looked: &Looked) -> Vec<String> {
     }
     let found = &looked.found;
     if found.unknown > 0 {
-        notes.push(format!("note: at {} times the position is no number; they are left out", found.unknown));
+        notes.push(format!(
+            "note: at {} times the position is not a number; they are left out",
+            found.unknown
+        ));
     }
     if found.every > 1 {
         notes.push(format!(

@@ -52,8 +52,8 @@ fn group(table: &mut Table, unit: &str, rows: &[&(&str, Errors)]) {
     };
     let heading = if torques.is_empty() { String::new() } else { headed("peak torque", &torque_units) };
     table.row([
-        headed("following", &[unit]),
-        "largest error".into(),
+        headed("tracking", &[unit]),
+        "maximum error".into(),
         "at [s]".into(),
         "final error".into(),
         heading,
@@ -87,7 +87,7 @@ pub fn json(trackings: &[Tracking], time: &[f64]) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signals::shown::{shown, tests::example};
+    use crate::signals::display::{shown, tests::example};
     use crate::signals::tracking::trackings;
     use expect_test::expect;
 
@@ -106,11 +106,11 @@ mod tests {
         let shown = shown(&recorded, &recording);
         let trackings = trackings(&shown);
         expect![[r#"
-            following [deg]       largest error  at [s]  final error  peak torque [N*m]
+            tracking [deg]        maximum error  at [s]  final error  peak torque [N*m]
             joint1                        0.286   1.000      0.00011               1061
             joint2                        5.730   1.000      0.11459                  -
 
-            following [mm]        largest error  at [s]  final error
+            tracking [mm]         maximum error  at [s]  final error
             Tool centre point, x          1.000   1.000      -0.1760
         "#]]
         .assert_eq(&table(&trackings, &recording.time));
@@ -128,8 +128,8 @@ mod tests {
             example(vec![("level.set", "1", "", vec![1.0, 1.0]), ("level.actual", "1", "", vec![0.5, 0.75])]);
         let shown = shown(&recorded, &recording);
         expect![[r#"
-            following  largest error  at [s]  final error
-            level             0.5000   0.000       0.2525
+            tracking  maximum error  at [s]  final error
+            level            0.5000   0.000       0.2525
         "#]]
         .assert_eq(&table(&trackings(&shown), &recording.time));
         assert_eq!(table(&[], &[]), "");

@@ -22,7 +22,7 @@ const PANELS: usize = 24;
 const COLUMNS: [&str; 8] = [
     "signal",
     "verdict",
-    "largest difference",
+    "maximum difference",
     "at [s]",
     "first beyond, at [s]",
     "baseline",
@@ -314,7 +314,7 @@ fn words(verdict: &Verdict) -> String {
     }
 }
 
-/// Whether the largest difference of a signal is nothing beside its value there.
+/// Whether the maximum difference of a signal is nothing beside its value there.
 fn is_rounding(found: &Found) -> bool {
     let is_small = |d: Deviation| d.difference().abs() <= 1e-9 * d.baseline.abs().max(d.compared.abs());
     found.verdict == Verdict::Differs && found.comparison.largest.is_some_and(is_small)
