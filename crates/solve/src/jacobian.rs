@@ -4,9 +4,11 @@
 //! together. Which rows a column has follows from what the system says of its states ([`System::influence`](crate::System::influence)).
 //! Where it says nothing, or too little to vary many at a time, all columns are looked at once, which shows the entries that differ
 //! from zero. Such an entry may be zero at first and not later: so a difference in one more direction is compared with what J says
-//! of it, and where the two do not agree all columns are looked at again.
+//! of it, and where the two do not agree the entries that are missing are looked for.
 
 use crate::System;
+use std::ops::Range;
+
 use crate::adaptive::{Fault, Work};
 use crate::linear::{Singular, lu_factor, lu_solve};
 use crate::sparse::{Pattern, SparseLu};
@@ -20,6 +22,8 @@ const CROWDED: f64 = 0.25;
 const MANY: usize = 24;
 /// Pairs of states that act on one derivative above which nearly all of them do, and finding sets would take longer than a look.
 const MOST_PAIRS: usize = 1 << 24;
+/// Part of the columns in evaluations after which a search for missing entries gives up.
+const LONG: f64 = 0.25;
 /// By how much of its size a slope in a direction may differ from what J says.
 const DOUBT: f64 = 1e-2;
 
@@ -272,10 +276,15 @@ impl Jacobian {
             return self.dense(influence, work, t, f0, h);
         }
         self.grouped(work, t, f0, h)?;
-        if self.certain || self.agrees(work, t, f0, h)? {
+        if self.certain || self.agrees(work, t, x, f0, h, 0..self.n)? {
             return Ok(());
         }
-        self.x.copy_from_slice(x);
+        if self.find_missing(work, t, x, f0, h)? {
+            self.grouped(work, t, f0, h)?;
+            if self.agrees(work, t, x, f0, h, 0..self.n)? {
+                return Ok(());
+            }
+        }
         self.look(influence, work, t, f0, h)?;
         if self.pattern.is_none() {
             self.dense(influence, work, t, f0, h)
@@ -380,23 +389,69 @@ impl Jacobian {
         evaluated
     }
 
-    /// Whether J tells the difference in a direction of no meaning.
-    fn agrees(&mut self, work: &mut Work, t: f64, f0: &[f64], h: f64) -> Result<bool, Fault> {
+    /// Adds the entries to the pattern that made J disagree, by halving the set of columns: a few entries take some evaluations for each
+    /// halving, not one for each column. Returns `false` where that does not find them, or would take too long.
+    fn find_missing(
+        &mut self,
+        work: &mut Work,
+        t: f64,
+        x: &[f64],
+        f0: &[f64],
+        h: f64,
+    ) -> Result<bool, Fault> {
+        let Some(mut pattern) = self.pattern.clone() else { return Ok(false) };
+        let mut found = false;
+        let mut sets = vec![0..self.n];
+        let mut left = (LONG * self.n as f64) as usize;
+        while let Some(columns) = sets.pop() {
+            if left == 0 {
+                return Ok(false);
+            }
+            left -= 1;
+            if columns.len() == 1 {
+                let j = columns.start;
+                self.vary(work, t, f0, h, &[j])?;
+                let differs = |i: &usize| work.weights.difference(*i, self.f[*i], f0[*i]) != 0.0;
+                (0..self.n).filter(differs).for_each(|i| found |= pattern.add(i, j));
+            } else if !self.agrees(work, t, x, f0, h, columns.clone())? {
+                let middle = columns.start + columns.len() / 2;
+                sets.extend([columns.start..middle, middle..columns.end]);
+            }
+        }
+        if found {
+            self.take(pattern);
+        }
+        Ok(found && self.pattern.is_some())
+    }
+
+    /// Whether J tells the difference in a direction of no meaning, along these columns.
+    fn agrees(
+        &mut self,
+        work: &mut Work,
+        t: f64,
+        x0: &[f64],
+        f0: &[f64],
+        h: f64,
+        columns: Range<usize>,
+    ) -> Result<bool, Fault> {
         let Some(pattern) = &self.pattern else { return Ok(true) };
         let Self { x, f, values, direction, starts, said, size, .. } = self;
-        for (j, v) in direction.iter_mut().enumerate() {
+        direction.fill(0.0);
+        for j in columns.clone() {
             let bits = (j as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
             let part = 0.5 + (bits >> 33) as f64 / (1_u64 << 31) as f64;
-            *v = part * work.weights.increment(j, x[j], h * f0[j]);
+            direction[j] = part * work.weights.increment(j, x[j], h * f0[j]);
         }
         x.iter_mut().zip(&*direction).for_each(|(x, v)| *x += v);
-        if work.derivatives(t, x, f).is_err() {
+        let evaluated = work.derivatives(t, x, f);
+        x.copy_from_slice(x0);
+        if evaluated.is_err() {
             // All states at the edge of the domain at once are no state of interest.
             return Ok(true);
         }
         said.fill(0.0);
         size.fill(0.0);
-        for (j, rows) in pattern.columns().iter().enumerate() {
+        for (j, rows) in pattern.columns().iter().enumerate().take(columns.end).skip(columns.start) {
             for (&i, value) in rows.iter().zip(&values[starts[j]..]) {
                 said[i] += value * direction[j];
                 size[i] += (value * direction[j]).abs();
@@ -547,6 +602,25 @@ mod tests {
         x.fill(0.5);
         assert!(evaluate(&mut jacobian, &mut chain(100), &x) > 100);
         assert_eq!(jacobian.pattern.as_ref().unwrap().len(), 299);
+    }
+
+    #[test]
+    fn a_few_entries_that_are_missing_are_found_by_halving() {
+        let n = 400;
+        let mut system = function(n, move |_, x, dx| {
+            (0..n).for_each(|i| dx[i] = -x[i]);
+            dx[n - 1] += x[7] * x[300];
+        });
+        let mut jacobian = Jacobian::new(n);
+        let mut x = vec![1.0; n];
+        (x[7], x[300]) = (0.0, 0.0);
+        evaluate(&mut jacobian, &mut system, &x);
+        assert_eq!(jacobian.pattern.as_ref().unwrap().len(), n);
+        (x[7], x[300]) = (1.0, 1.0);
+        // Two of 400 columns, by nine halvings each, of which each looks at both halves.
+        let spent = evaluate(&mut jacobian, &mut system, &x);
+        assert!(spent < 2 * 3 * 9 + 10, "{spent}");
+        assert_eq!(jacobian.pattern.as_ref().unwrap().len(), n + 2);
     }
 
     /// A system that says of its states what they act on.
