@@ -58,7 +58,7 @@ pub fn serve(prose: Prose, code: Box<dyn CodePolicy + Send>) -> Result<(), Broke
 }
 
 /// What the server knows of an editor and its files. Keys and questions about a text are answered on the thread of the server;
-/// models are compiled on another one ([`Worker`]).
+/// models are compiled on another one (`Worker`).
 pub struct Server {
     open: Arc<Open>,
     /// The number of the present texts, which work on older ones looks at.
