@@ -401,7 +401,7 @@ impl Jacobian {
     ) -> Result<bool, Fault> {
         let Some(mut pattern) = self.pattern.clone() else { return Ok(false) };
         let mut found = false;
-        let mut sets = vec![0..self.n];
+        let mut sets = Vec::from([Range { start: 0, end: self.n }]);
         let mut left = (LONG * self.n as f64) as usize;
         while let Some(columns) = sets.pop() {
             if left == 0 {
