@@ -21,7 +21,7 @@ static blocksim_status check(const double *params, const blocksim_message *messa
 {
     if (params[0] == params[0])
         return BLOCKSIM_OK;
-    if (message && message->text && message->capacity > 14)
+    if (message && message->text && message->capacity > 17)
         memcpy(message->text, "k is not a number", 18);
     return BLOCKSIM_ERROR;
 }
