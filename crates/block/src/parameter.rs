@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use serde::Deserialize;
 
-use blocksim_signal::Value;
+use blocksim_signal::{Dimension, Quantity, Value};
 
 /// A parameter does not make sense.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -128,9 +128,28 @@ impl<'de> Deserialize<'de> for ParamValue {
         #[serde(rename = "$blocksim::Value")]
         enum Wire {
             Handed,
+            // As other formats write it.
+            Number(f64, Vec<i8>),
+            Bool(bool),
+            Text(String),
+            List(Vec<ParamValue>),
+            Set(Vec<(String, ParamValue)>),
         }
-        let Wire::Handed = Wire::deserialize(deserializer)?;
-        let missing = || serde::de::Error::custom("a value of any type is read from diagrams alone");
-        HANDED.take().map(ParamValue).ok_or_else(missing)
+        let value = match Wire::deserialize(deserializer)? {
+            Wire::Handed => {
+                let missing = || serde::de::Error::custom("only a diagram hands a value over");
+                HANDED.take().ok_or_else(missing)?
+            }
+            Wire::Number(value, powers) => {
+                let mut exponents = [0; 9];
+                exponents.iter_mut().zip(powers).for_each(|(to, from)| *to = from);
+                Value::Number(Quantity { value, dimension: Dimension::of(exponents) })
+            }
+            Wire::Bool(value) => Value::Bool(value),
+            Wire::Text(text) => Value::Text(text),
+            Wire::List(items) => Value::List(items.into_iter().map(|item| item.0).collect()),
+            Wire::Set(items) => Value::Set(items.into_iter().map(|(name, item)| (name, item.0)).collect()),
+        };
+        Ok(ParamValue(value))
     }
 }

@@ -150,7 +150,7 @@ fn answer(
 ) -> Response {
     let was_cancelled = gone.lock().is_ok_and(|mut gone| gone.remove(&id.to_string()));
     if was_cancelled {
-        let message = "nobody waits for the answer any more".to_owned();
+        let message = "the request was cancelled".to_owned();
         return Response::new_err(id, ErrorCode::RequestCanceled as i32, message);
     }
     let changed = "the text has changed meanwhile";

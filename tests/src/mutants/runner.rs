@@ -83,7 +83,11 @@ impl<'a> Desk<'a> {
                 return Err(io::Error::other(format!("{line}: {}", answer.text)));
             }
         }
-        let built = program.parent().unwrap_or(Path::new(".")).join("libblocksim_plugin_pid.so");
+        // Tests build it among what they need, and leave it there.
+        let beside = program.parent().unwrap_or(Path::new("."));
+        let places =
+            [beside.to_owned(), beside.join("deps")].map(|place| place.join("libblocksim_plugin_pid.so"));
+        let built = places.iter().find(|place| place.exists()).unwrap_or(&places[0]);
         fs::copy(built, desk.folder.join("plugins/libpid.so")).map_err(|error| {
             io::Error::other(format!("the plug-in pid is not built beside the program: {error}"))
         })?;

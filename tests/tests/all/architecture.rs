@@ -195,6 +195,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("drawing", &["blocks", "sim", "host", "results", "plot"]),
         ("report", &["block", "blocks", "diagram", "results"]),
         ("lsp", &["blocks", "sim", "host"]),
+        ("site", &["*"]),
     ];
     for (name, absent) in nothing_of {
         let reached = reach(name);
@@ -223,6 +224,7 @@ fn heavy_crates_stand_behind_a_feature_of_the_one_that_needs_them() {
         ("zip", "params", "xlsx"),
         ("resvg", "picture", "png"),
         ("lsp", "cli", "lsp"),
+        ("site", "cli", "site"),
     ];
     let manifest = |name: &str| read(&root().join("crates").join(name).join("Cargo.toml"));
     for (heavy, owner, feature) in heavy {
@@ -245,7 +247,7 @@ fn heavy_crates_stand_behind_a_feature_of_the_one_that_needs_them() {
     for (_, owner, feature) in heavy.iter().filter(|(_, owner, _)| *owner != "cli") {
         assert!(program.contains(&format!("{feature} = [\"blocksim-{owner}/{feature}\"]")), "{feature}");
     }
-    assert!(program.contains("full = [\"lsp\", \"parquet\", \"png\", \"xlsx\"]"));
+    assert!(program.contains("full = [\"lsp\", \"parquet\", \"png\", \"site\", \"xlsx\"]"));
     assert!(
         !program.lines().any(|line| line.starts_with("default =")),
         "all of them are off where a clone first builds"
