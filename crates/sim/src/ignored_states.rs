@@ -163,12 +163,7 @@ fn driven(diagram: &mut Diagram, (t, h): (f64, f64), x: &[f64], zero: &[Ignored]
     let (mut at, mut dx) = (x.to_vec(), vec![0.0; x.len()]);
     let (mut sum, mut difference) = (vec![0.0; x.len()], vec![0.0; x.len()]);
     for (look, weight) in FOURTH.into_iter().enumerate() {
-        for (j, (at, x)) in at.iter_mut().zip(x).enumerate() {
-            // Signs without a pattern: the top bit of multiples of an odd number.
-            let bits = (5 * j as u64 + look as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            let sign = if bits >> 63 == 0 { 1.0 } else { -1.0 };
-            *at = x * (1.0 + sign * 2.0 * f64::EPSILON);
-        }
+        blocksim_solve::shake(x, look, &mut at);
         zero.iter().for_each(|zero| at[zero.state] = 0.0);
         let evaluated = diagram.minor(t - look as f64 * h * APART, &at);
         evaluated.and_then(|()| diagram.derive(&mut dx)).ok()?;

@@ -9,7 +9,7 @@
 
 use crate::adaptive::{Fault, Work};
 use crate::jacobian::{Age, Jacobian, Slopes};
-use crate::weights::shake;
+use crate::shake::shake;
 
 /// Iterations of one equation, at most.
 const ITERATIONS: usize = 4;

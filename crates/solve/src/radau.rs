@@ -14,8 +14,8 @@ use crate::System;
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::jacobian::{Age, Jacobian, Twice};
 use crate::newton::{Convergence, MORE, ROUNDING, SHAKEN, STANDING};
+use crate::shake::shake;
 use crate::stepper::Stages;
-use crate::weights::shake;
 
 /// Order 5 for stiff systems at tight tolerances.
 pub type Radau5 = Adaptive<RadauIIA>;

@@ -20,6 +20,7 @@
 //!   less. What noise does to a state over a step is no error.
 //!   It never hides more than a share of the largest state, and it fades with its state.
 
+use crate::shake::shake;
 use crate::system::NOTHING;
 use crate::{System, Tolerances};
 
@@ -422,16 +423,6 @@ impl Weights {
             }
         }
         evaluations
-    }
-}
-
-/// Changes the last bits of a state, in another way for each number.
-pub(crate) fn shake(x: &[f64], number: usize, shaken: &mut [f64]) {
-    for (j, (shaken, x)) in shaken.iter_mut().zip(x).enumerate() {
-        // Signs without a pattern: the top bit of multiples of an odd number.
-        let bits = (5 * j as u64 + number as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        let sign = if bits >> 63 == 0 { 1.0 } else { -1.0 };
-        *shaken = x + sign * 2.0 * f64::EPSILON * x;
     }
 }
 

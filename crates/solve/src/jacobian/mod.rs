@@ -3,8 +3,9 @@
 //! Small systems, and those in which most states act on most others, have a dense one. Columns that share no row are varied
 //! together. Which rows a column has follows from what the system says of its states ([`System::influence`](crate::System::influence)).
 //! Where it says nothing, or too little to vary many at a time, all columns are looked at once, which shows the entries that differ
-//! from zero. Such an entry may be zero at first and not later: so a difference in one more direction is compared with what J says
-//! of it, and where the two do not agree the entries that are missing are looked for.
+//! from zero: many columns together and then halves of them where there are many and few act on the same rows, else one by one. Such
+//! an entry may be zero at first and not later: so a difference in one more direction is compared with what J says of it, and where
+//! the two do not agree the entries that are missing are looked for.
 
 use crate::System;
 use crate::adaptive::{Fault, Work};
@@ -164,7 +165,10 @@ impl Jacobian {
                     self.certain = true;
                     self.take(pattern.clone());
                 }
-                _ => self.look(influence, work, t, f0, h)?,
+                _ => match self.look_by_halves(influence, work, t, f0, h) {
+                    Some(pattern) => self.take(pattern),
+                    None => self.look(influence, work, t, f0, h)?,
+                },
             }
         }
         if self.pattern.is_none() {
@@ -190,12 +194,25 @@ impl Jacobian {
 
     /// Varies these states and evaluates; `direction` says by how much. Those at the edge of the domain are varied inwards.
     fn vary(&mut self, work: &mut Work, t: f64, f0: &[f64], h: f64, states: &[usize]) -> Result<(), Fault> {
+        self.vary_by(work, t, f0, h, states, |_| 1.0)
+    }
+
+    /// Varies each of these states by a part of its increment.
+    fn vary_by(
+        &mut self,
+        work: &mut Work,
+        t: f64,
+        f0: &[f64],
+        h: f64,
+        states: &[usize],
+        part: impl Fn(usize) -> f64,
+    ) -> Result<(), Fault> {
         let Self { x, f, direction, .. } = self;
         let mut varied = Ok(());
         for side in [1.0, -1.0] {
             for &j in states {
                 direction[j] = x[j];
-                x[j] += side * work.weights.increment(j, x[j], h * f0[j]);
+                x[j] += side * part(j) * work.weights.increment(j, x[j], h * f0[j]);
             }
             varied = work.derivatives(t, x, f);
             // What was varied by, in the place of what was there.

@@ -38,6 +38,38 @@ fn a_chain_takes_as_many_evaluations_as_it_has_groups() {
 }
 
 #[test]
+fn a_long_chain_is_seen_by_halves_as_it_is_one_by_one() {
+    // The last cell feels the first one by a product, from far off.
+    let n = 1000;
+    let mut jacobian = Jacobian::new(n);
+    let x: Vec<f64> = (0..n).map(|i| 1.0 + 1e-3 * i as f64).collect();
+    let spent = evaluate(&mut jacobian, &mut chain(n), &x);
+    assert!(spent < 90, "{spent}");
+    assert!(*jacobian.pattern.as_ref().unwrap() == Pattern::of(neighbours(n)));
+    // The same where the system speaks of more than there is.
+    let more = |j: usize| (j.saturating_sub(300)..(j + 300).min(n)).chain([n - 1]).collect();
+    let mut jacobian = Jacobian::new(n);
+    let spent = evaluate(&mut jacobian, &mut Known(chain(n), (0..n).map(more).collect()), &x);
+    assert!(spent < 90, "{spent}");
+    assert!(*jacobian.pattern.as_ref().unwrap() == Pattern::of(neighbours(n)));
+}
+
+#[test]
+fn where_halves_act_on_the_same_for_long_columns_are_looked_at_one_by_one() {
+    // Each cell acts on two that lie anywhere.
+    let n = 600;
+    let mut system = function(n, move |_, x, dx| {
+        (0..n).for_each(|i| dx[i] = x[(7 * i + 3) % n] - 2.0 * x[(389 * i + 11) % n] - 4.5 * x[i]);
+    });
+    let mut jacobian = Jacobian::new(n);
+    let spent = evaluate(&mut jacobian, &mut system, &vec![1.0; n]);
+    assert!((600..600 + 150 + 20).contains(&spent), "{spent}");
+    let mut seen = vec![Vec::new(); n];
+    (0..n).for_each(|i| [(7 * i + 3) % n, (389 * i + 11) % n].into_iter().for_each(|j| seen[j].push(i)));
+    assert!(*jacobian.pattern.as_ref().unwrap() == Pattern::of(seen));
+}
+
+#[test]
 fn an_entry_that_was_zero_at_first_is_found_when_it_matters() {
     let mut jacobian = Jacobian::new(100);
     // At x = 0 the product has no slope.

@@ -77,7 +77,7 @@ fn stiff_problems_end_where_the_literature_says_with_little_work() {
 }
 
 /// Evaluations of the problems above.
-const PINNED: [[u64; 3]; 4] = [[1880, 3101, 4584], [1229, 1814, 3094], [762, 1042, 1715], [2463, 3899, 6528]];
+const PINNED: [[u64; 3]; 4] = [[1882, 3101, 4584], [1229, 1814, 3094], [762, 1042, 1715], [2467, 3900, 6521]];
 
 #[test]
 fn a_jacobian_of_before_hides_no_state_behind_the_others() {
@@ -116,8 +116,8 @@ fn a_rod_of_a_thousand_cells_is_solved_with_a_sparse_jacobian() {
         assert!((x - (1.0 - term(1.0) - term(3.0))).abs() < 3e-6, "{i}: {x} {}", 1.0 - term(1.0) - term(3.0));
     }
     let counts = stepper.counts();
-    // A thousand of the evaluations tell which entries there are.
-    assert_eq!((counts.evaluations, counts.accepted, counts.jacobians), (3035, 1236, 2));
+    // 38 of the evaluations tell which entries there are.
+    assert_eq!((counts.evaluations, counts.accepted, counts.jacobians), (2073, 1236, 2));
 }
 
 const VAN_DER_POL: [f64; 2] = [1.706_167_732_170_469, -0.892_809_701_024_812_5e-3];
@@ -290,7 +290,7 @@ fn radau_gains_digits_where_tolerances_are_tight() {
             &HIRES,
             [3427, 9009],
         ),
-        ("Oregonator", Box::new(oregonator()), &[1.0, 2.0, 3.0], 360.0, &OREGONATOR, [8959, 23_336]),
+        ("Oregonator", Box::new(oregonator()), &[1.0, 2.0, 3.0], 360.0, &OREGONATOR, [8956, 23_336]),
     ];
     for (name, mut system, start, end, expected, pinned) in cases {
         let mut found = [0; 2];

@@ -61,7 +61,7 @@ fn stiff_problems_end_where_they_should() {
 /// Evaluations of the problems above by `Ode23tb` and `Ode23t`.
 const PINNED: [[[u64; 2]; 2]; 4] = [
     [[1665, 2864], [0, 2363]],
-    [[1044, 1997], [922, 1707]],
+    [[1044, 1997], [922, 1637]],
     [[886, 1470], [943, 1527]],
     [[2367, 3629], [2175, 3026]],
 ];
@@ -127,7 +127,7 @@ fn a_jump_that_nobody_announces_does_not_ring() {
 
 #[test]
 fn a_rod_of_a_thousand_cells_is_solved_with_a_sparse_jacobian() {
-    for (mut stepper, evaluations) in both(1000, 1e-4).into_iter().zip([4753, 4065]) {
+    for (mut stepper, evaluations) in both(1000, 1e-4).into_iter().zip([3791, 3103]) {
         let x = run(&mut *stepper, &mut heat(1000), &vec![0.0; 1000], 1.0);
         // See `stiff.rs`.
         for (i, x) in x.iter().enumerate() {
