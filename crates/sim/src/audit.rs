@@ -11,6 +11,7 @@ use crate::diagnose::guard_of;
 use crate::evaluate::Diagram;
 use crate::events::summary;
 use crate::guards::{Guards, Stride};
+use crate::influence::Undeclared;
 
 /// Points within a step.
 const POINTS: u32 = 64;
@@ -41,6 +42,8 @@ pub struct Findings {
     pub count: u64,
     /// The first thousand of them.
     pub missed: Vec<Missed>,
+    /// Derivatives that depend on more at the present time than blocks and connections say.
+    pub undeclared: Vec<Undeclared>,
 }
 
 /// An audit of a run in progress.
@@ -117,6 +120,6 @@ impl Audit {
                 Some(Missed { t, path, what: summary(block, guard), beyond })
             })
             .collect();
-        Findings { looks: self.looks, count: missed.len() as u64 + self.more, missed }
+        Findings { looks: self.looks, count: missed.len() as u64 + self.more, missed, undeclared: Vec::new() }
     }
 }

@@ -5,6 +5,11 @@
 //! counts as one: of a network, or of the elements of a vector, nobody knows more from here.
 
 use blocksim_block::schedule::{Instance, Schedule, When};
+use blocksim_solve::Failed;
+
+use crate::diagnose::{failed, state_names};
+use crate::evaluate::Diagram;
+use crate::{SimError, Simulation};
 
 /// Dependencies that are kept track of, at most.
 const MOST: usize = 1 << 22;
@@ -17,6 +22,13 @@ const NOBODY: u32 = u32::MAX;
 
 /// Of each state the derivatives that may depend on it, rising; nothing where these are too many to be worth it.
 pub(crate) fn influence(schedule: &Schedule) -> Option<Vec<Vec<usize>>> {
+    let n = schedule.states;
+    let most = if n <= FEW { n * n } else { MOST.min((CROWDED * (n * n) as f64) as usize) };
+    columns(schedule, most)
+}
+
+/// Of each state the derivatives that may depend on it, rising; nothing where these are more than `most`, or sets too large on the way.
+fn columns(schedule: &Schedule, most: usize) -> Option<Vec<Vec<usize>>> {
     let mut sets = Sets::new(schedule);
     let mut next = 0;
     while next < schedule.steps.len() {
@@ -31,14 +43,12 @@ pub(crate) fn influence(schedule: &Schedule) -> Option<Vec<Vec<usize>>> {
         for step in (next..end).filter(|&step| is_minor(schedule, step)) {
             sets.of[step] = set;
         }
-        if size > MOST {
+        if size > most.max(MOST) {
             return None;
         }
         next = end;
     }
-    let n = schedule.states;
-    let most = if n <= FEW { n * n } else { MOST.min((CROWDED * (n * n) as f64) as usize) };
-    let mut columns = vec![Vec::new(); n];
+    let mut columns = vec![Vec::new(); schedule.states];
     let mut count = 0;
     for instance in schedule.blocks.iter().filter(|block| !block.interface.states.is_empty()) {
         let states = own_states(instance);
@@ -57,6 +67,73 @@ pub(crate) fn influence(schedule: &Schedule) -> Option<Vec<Vec<usize>>> {
         }
     }
     Some(columns)
+}
+
+/// A derivative that depends on a state, although blocks and connections say that it does not.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Undeclared {
+    /// Path and name of the state whose derivative it is.
+    pub derivative: String,
+    /// Path and name of the state that it depends on.
+    pub state: String,
+}
+
+/// By how much a state is varied, as a part of its magnitude, or in its unit where it is small.
+const VARIED: f64 = 1e-3;
+/// Part of a derivative by which it may change where nothing that it depends on has: iterations begin where the last ones ended.
+const ITERATED: f64 = 1e-6;
+
+impl Simulation {
+    /// Varies each continuous state at the present time and sees which derivatives change that should not: whoever declares too little
+    /// makes entries of Jacobians that are zero for ever, and values that are out of date. It takes two evaluations for each
+    /// state, and a run may go on behind it with other last digits.
+    ///
+    /// # Errors
+    /// If the diagram cannot be evaluated at the present time. States whose variation leaves the domain of a function are passed over.
+    pub fn undeclared(&mut self) -> Result<Vec<Undeclared>, SimError> {
+        let pairs = self.diagram.undeclared(self.t, &self.x);
+        let pairs = pairs.map_err(|_| failed(&self.schedule, &mut self.diagram))?;
+        let names = state_names(&self.schedule);
+        let named =
+            |(i, j): (usize, usize)| Undeclared { derivative: names[i].clone(), state: names[j].clone() };
+        Ok(pairs.into_iter().map(named).collect())
+    }
+}
+
+impl Diagram {
+    /// Derivatives, and states that they depend on without saying so.
+    fn undeclared(&mut self, t: f64, x: &[f64]) -> Result<Vec<(usize, usize)>, Failed> {
+        let n = x.len();
+        let Some(columns) = columns(&self.schedule, usize::MAX) else { return Ok(Vec::new()) };
+        let (mut at, mut before, mut dx) = (x.to_vec(), vec![0.0; n], vec![0.0; n]);
+        let mut found = Vec::new();
+        self.derivatives_anew(t, x, &mut before)?;
+        for (j, declared) in columns.iter().enumerate() {
+            at[j] = x[j] + VARIED * x[j].abs().max(1.0);
+            let evaluated = self.derivatives_anew(t, &at, &mut dx);
+            at[j] = x[j];
+            if evaluated.is_err() {
+                self.failure = None;
+                continue;
+            }
+            let changed =
+                |&i: &usize| (dx[i] - before[i]).abs() > ITERATED * dx[i].abs().max(before[i].abs());
+            let undeclared = (0..n).filter(changed).filter(|i| declared.binary_search(i).is_err());
+            found.extend(undeclared.map(|i| (i, j)));
+        }
+        self.derivatives_anew(t, x, &mut dx)?;
+        Ok(found)
+    }
+
+    /// Derivatives, evaluated twice: who reads too early sees the second time what was written in the first.
+    fn derivatives_anew(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), Failed> {
+        for _ in 0..2 {
+            self.forget();
+            self.minor(t, x)?;
+            self.derive(dx)?;
+        }
+        Ok(())
+    }
 }
 
 fn is_minor(schedule: &Schedule, step: usize) -> bool {

@@ -21,7 +21,8 @@
 //! | `departure` | guards that leave zero flatly |
 //! | `hops` | hops of guards that are lower than the tolerance |
 //! | `stepwise` | whether outputs that change at major steps alone have changed |
-//! | `spread` | what depends at once on some signals |
+//! | `graph`, `spread` | which output depends on which at the same time; what depends at once on some signals |
+//! | `influence` | which derivatives a state can act on, and whether that is so |
 //! | `kinks` | steps that have looked beyond a kink, once more |
 //! | `past` | what blocks remember of steps |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
@@ -73,6 +74,7 @@ pub use audit::{Findings, Missed};
 pub use diagnose::state_names;
 pub use error::SimError;
 pub use frozen::{Frozen, Tap};
+pub use influence::Undeclared;
 pub use record::{Control, Observer};
 pub use simulation::{Counts, Ended, Simulation};
 pub use snapshot::Snapshot;

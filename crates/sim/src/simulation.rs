@@ -278,9 +278,13 @@ impl Simulation {
         !fixed
     }
 
-    /// What an audit has found so far, if there is one.
-    pub fn findings(&self) -> Option<Findings> {
-        Some(self.audit.as_ref()?.findings(&self.schedule))
+    /// What an audit has found so far, if there is one. That includes what [`undeclared`](Self::undeclared) finds now; a run may go on
+    /// behind it with other last digits.
+    pub fn findings(&mut self) -> Option<Findings> {
+        let mut findings = self.audit.as_ref()?.findings(&self.schedule);
+        // A run that has failed may be where nothing can be evaluated.
+        findings.undeclared = self.undeclared().unwrap_or_default();
+        Some(findings)
     }
 
     /// The compiled diagram.

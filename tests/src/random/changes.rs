@@ -39,6 +39,22 @@ pub fn changes(times: &[f64], values: &[f64], least: (f64, f64)) -> u32 {
     number
 }
 
+/// Magnitudes of values that go straight between their times, with the times: a zero between two of them is one more.
+pub fn sizes(times: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let mut points: (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+    for (k, (&t, &value)) in times.iter().zip(values).enumerate() {
+        if let Some((since, before)) = k.checked_sub(1).map(|last| (times[last], values[last]))
+            && value * before < 0.0
+        {
+            points.0.push(since + (t - since) * before / (before - value));
+            points.1.push(0.0);
+        }
+        points.0.push(t);
+        points.1.push(value.abs());
+    }
+    points
+}
+
 /// The same number where it does not depend on the bounds.
 pub fn certain(times: &[f64], values: &[f64], least: (f64, f64)) -> Option<u32> {
     let [number, others @ ..] = DOUBTS.map(|part| changes(times, values, (part * least.0, part * least.1)));
@@ -52,7 +68,13 @@ pub fn doubt(known: &mut [Option<u32>], others: &[Option<u32>]) {
 
 #[cfg(test)]
 mod tests {
-    use super::changes;
+    use super::{changes, sizes};
+
+    #[test]
+    fn a_magnitude_is_zero_where_the_value_changes_its_sign() {
+        let points = sizes(&[0.0, 1.0, 3.0, 4.0], &[2.0, -1.0, -1.0, 0.0]);
+        assert_eq!(points, (vec![0.0, 2.0 / 3.0, 1.0, 3.0, 4.0], vec![2.0, 0.0, 1.0, 1.0, 0.0]));
+    }
 
     #[test]
     fn little_and_short_changes_do_not_count() {

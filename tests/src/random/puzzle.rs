@@ -144,6 +144,10 @@ pub trait Puzzle: Sized + Clone + Debug + PartialEq {
             return Finding::Wrong(Fault::new("refused", problems));
         };
         let (_, findings) = run_audited(schedule);
+        if let Some(pair) = findings.iter().flat_map(|findings| &findings.undeclared).next() {
+            let what = format!("the derivative of {} depends on {}", pair.derivative, pair.state);
+            return Finding::Wrong(Fault::new("undeclared", what));
+        }
         match findings.and_then(|findings| findings.missed.into_iter().next()) {
             // A few units in the last place of what is drawn here.
             Some(Missed { beyond, .. }) if beyond < ROUNDING => Finding::Undecided(Undecided::Grazes),

@@ -31,6 +31,7 @@ mod impacts;
 mod import;
 mod induction;
 mod inductor_cuts;
+mod influence;
 mod instants;
 mod inverters;
 mod kinks;

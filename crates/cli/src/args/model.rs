@@ -91,7 +91,8 @@ pub struct RunArgs {
     /// Make a page of the run, `report.html` in the folder of the results.
     #[arg(long)]
     pub report: bool,
-    /// Look at all conditions on a fine grid within each step and list the changes that the run has passed over, if any.
+    /// Look at all conditions on a fine grid within each step and list the changes that the run has passed over, if any; vary each
+    /// state in the end, and list what depends on it although no block says so.
     /// The results stay the same; the run takes several times as long.
     #[arg(long)]
     pub audit: bool,

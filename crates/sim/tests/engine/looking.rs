@@ -163,6 +163,22 @@ fn an_audit_finds_what_long_steps_have_passed_over() {
 }
 
 #[test]
+fn a_dependency_that_a_block_does_not_declare_is_found() {
+    let pairs = |toy: Toy| {
+        let mut sim = Simulation::new(toy.schedule(&["x"], 1.0, ode45(), Every(1.0))).unwrap();
+        sim.audit();
+        sim.run_until(0.5, &mut Tape::default()).unwrap();
+        let pairs = sim.findings().unwrap().undeclared.into_iter();
+        pairs.map(|pair| (pair.derivative, pair.state)).collect::<Vec<_>>()
+    };
+    let toy = Toy::new().with("liar", Liar(-2.0), &["gain"]).with("y", Integrator(1.0), &["liar"]);
+    let toy = toy.with("x", Integrator(1.0), &["y"]).with("gain", Gain(3.0), &["x"]);
+    assert_eq!(pairs(toy), [("y.x".to_owned(), "x.x".to_owned())]);
+    let toy = Toy::new().with("honest", Gain(-2.0), &["gain"]).with("y", Integrator(1.0), &["honest"]);
+    assert!(pairs(toy.with("x", Integrator(1.0), &["y"]).with("gain", Gain(3.0), &["x"])).is_empty());
+}
+
+#[test]
 fn a_dip_is_seen_in_a_step_at_whose_end_another_guard_has_crossed() {
     // The sign of `dip` changes twice just behind 30 s, that of `late` once at 31 s; steps are seconds long.
     for method in METHODS {

@@ -17,7 +17,7 @@ mod reference;
 mod text;
 mod walk;
 
-use super::changes::changes;
+use super::changes::{changes, sizes};
 use super::dice::rounded;
 use super::puzzle::{Fault, Puzzle, Undecided};
 use super::variants::Variant;
@@ -128,8 +128,9 @@ impl Shafts {
             let known = (*known)?;
             let mut slip = speeds(*a).to_vec();
             b.iter().for_each(|b| slip.iter_mut().zip(speeds(*b)).for_each(|(slip, w)| *slip -= w));
-            slip.iter_mut().for_each(|slip| *slip = slip.abs() - outcome.slip);
-            let found = changes(&run.time, &slip, outcome.least);
+            let (times, sizes) = sizes(&run.time, &slip);
+            let beyond: Vec<f64> = sizes.iter().map(|size| size - outcome.slip).collect();
+            let found = changes(&times, &beyond, outcome.least);
             let what = || format!("joint {k} has begun or ended to slide {found} times instead of {known}");
             (found != known).then(|| Fault::new("slides", what()))
         })

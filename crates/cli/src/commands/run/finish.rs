@@ -85,7 +85,7 @@ pub fn keep_and_tell(
     })?;
     if let Some(findings) = findings {
         console.say(&super::audit::text(&findings));
-        if findings.count > 0 && exit == Exit::Done {
+        if (findings.count > 0 || !findings.undeclared.is_empty()) && exit == Exit::Done {
             exit = Exit::Failed;
         }
     }

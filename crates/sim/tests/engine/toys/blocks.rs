@@ -94,6 +94,20 @@ impl Block for Gain {
     }
 }
 
+/// y = k u, which declares that y depends on no input.
+#[derive(Debug)]
+pub struct Liar(pub f64);
+
+impl Block for Liar {
+    fn interface(&self, _: &Given) -> Result {
+        Ok(inputs(&["u"]).output_from_state(Output::real("y")))
+    }
+
+    fn outputs(&self, _: usize, c: &Context, _: &mut Scratch, y: &mut [f64]) {
+        y[0] = self.0 * c.scalar(0);
+    }
+}
+
 /// dx = u, y = x.
 #[derive(Debug)]
 pub struct Integrator(pub f64);
