@@ -12,7 +12,7 @@
 //! | `advance` | from one instant to the next: solver, events, rows in between |
 //! | `guards`, `looks`, `slopes`, `turn`, `scan` | conditions over a step: values, looks at stages, extrema, samples |
 //! | `rhythm`, `pace` | events that come faster and faster; too many of them |
-//! | `audit` | was anything passed over? |
+//! | `audit`, `verify` | was anything passed over? how far is a more exact run? |
 //! | `plan` | the schedule as the hot loop wants it |
 //! | `evaluate`, `act`, `system` | calls of the blocks: outputs, all else, and what the solver sees |
 //! | `clock`, `events`, `modes` | sample hits and time events; zero crossings; modes where nobody looks for these |
@@ -69,6 +69,7 @@ mod steady;
 mod stepwise;
 mod system;
 mod turn;
+mod verify;
 
 pub use audit::{Findings, Missed};
 pub use diagnose::state_names;
@@ -79,5 +80,6 @@ pub use record::{Control, Observer};
 pub use simulation::{Counts, Ended, Simulation};
 pub use snapshot::Snapshot;
 pub use steady::Rest;
+pub use verify::{Difference, Verification, verify};
 
 pub use blocksim_solve::Share;

@@ -2,6 +2,8 @@
 //!
 //! The program `random_models` of this crate runs thousands of them and shrinks what fails.
 
+use blocksim_sim::{Control, verify};
+use blocksim_tests::compile_text;
 use blocksim_tests::random::{
     Circuit, Finding, Joint, Mechanisms, Puzzle, Sampled, Shafts, Signals, Torque, Variant, survey, vary,
 };
@@ -39,6 +41,38 @@ fn comes_out<P: Puzzle>(seeds: &[u64], variants: &[Variant]) {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The largest part of its range by which a signal of a model at default settings differs from a run that is more exact.
+fn verified<P: Puzzle>(seed: u64) -> f64 {
+    let (compiled, problems) = compile_text(&P::of(seed).text(&Variant::plain()));
+    let schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+    let found = verify(&schedule, &mut || Control::Go).unwrap().unwrap();
+    found.differences.first().map_or(0.0, |worst| worst.share)
+}
+
+#[test]
+fn where_a_model_amplifies_errors_a_verification_says_so() {
+    // Their runs at default settings are off by more than the judge allows, and are right at a tighter tolerance.
+    for (name, least, share) in [
+        ("shafts 50361", 1e-3, verified::<Shafts>(50361)),
+        ("shafts 50699", 1e-3, verified::<Shafts>(50699)),
+        ("shafts 51485", 1e-3, verified::<Shafts>(51485)),
+        ("shafts 61037", 1e-3, verified::<Shafts>(61037)),
+        ("mechanisms 51404", 1e-3, verified::<Mechanisms>(51404)),
+        ("mechanisms 51751", 4e-4, verified::<Mechanisms>(51751)),
+        ("mechanisms 51832", 1e-3, verified::<Mechanisms>(51832)),
+        ("mechanisms 61752", 1e-3, verified::<Mechanisms>(61752)),
+        ("circuits 50751", 2e-4, verified::<Circuit>(50751)),
+        ("circuits 51453", 2e-4, verified::<Circuit>(51453)),
+    ] {
+        assert!(share > least, "{name}: {share:e}");
+    }
+    // Ordinary ones are not blamed.
+    for seed in 1..9 {
+        let shares = [verified::<Shafts>(seed), verified::<Signals>(seed)];
+        assert!(shares.iter().all(|share| *share < 1e-4), "{seed}: {shares:?}");
+    }
 }
 
 #[test]

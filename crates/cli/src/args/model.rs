@@ -92,10 +92,14 @@ pub struct RunArgs {
     #[arg(long)]
     pub report: bool,
     /// Look at all conditions on a fine grid within each step and list the changes that the run has passed over, if any; vary each
-    /// state in the end, and list what depends on it although no block says so.
+    /// state in the end, and list what depends on it although no block declares that.
     /// The results stay the same; the run takes several times as long.
     #[arg(long)]
     pub audit: bool,
+    /// Run the model again a hundred times more exactly (with half the step, where that is fixed) and report how far all recorded
+    /// signals are from that, at a thousand times. The run takes several times as long.
+    #[arg(long)]
+    pub verify: bool,
     /// Run again whenever a file of the model or a source of a plug-in changes, each time into a folder of its own.
     #[arg(long, conflicts_with = "out")]
     pub watch: bool,

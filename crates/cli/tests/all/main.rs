@@ -40,5 +40,6 @@ mod trim;
 mod trust;
 mod tutorials;
 mod units;
+mod verify;
 mod watch;
 mod wording;

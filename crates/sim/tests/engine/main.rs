@@ -8,3 +8,4 @@ mod recording;
 mod sampling;
 mod solvers;
 mod toys;
+mod verifying;

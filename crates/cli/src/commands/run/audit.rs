@@ -20,8 +20,9 @@ pub fn text(findings: &Findings) -> String {
 /// Derivatives that depend on more than blocks say, as an error.
 fn of_dependencies(undeclared: &[Undeclared]) -> String {
     let count = plural(undeclared.len(), "time");
-    let mut text =
-        format!("error: a derivative depends on a state although no block between them says so, {count}");
+    let mut text = format!(
+        "error: a derivative depends on a state although no block between them declares that, {count}"
+    );
     for pair in undeclared.iter().take(LISTED) {
         text += &format!("\n  = note: the derivative of `{}` depends on `{}`", pair.derivative, pair.state);
     }

@@ -72,11 +72,16 @@ pub fn keep_and_tell(
             });
         }
     };
+    // What is on disk is safe, however long this takes.
+    let verified = (args.verify && exit == Exit::Done).then(|| super::verify::verify(&schedule));
     // As the user wrote it, where they did.
     let place = args.out.as_ref().unwrap_or(&place).display().to_string();
     // The last line of data is that of the run.
     if args.json {
         tell(&report.warnings, &loaded.files, console)?;
+        if let Some(verified) = &verified {
+            console.data(&format!("{}\n", verified.json(&schedule)))?;
+        }
     }
     console.data(&match (args.json, args.quiet) {
         (true, _) => format!("{}\n", report.json(&place)),
@@ -87,6 +92,12 @@ pub fn keep_and_tell(
         console.say(&super::audit::text(&findings));
         if (findings.count > 0 || !findings.undeclared.is_empty()) && exit == Exit::Done {
             exit = Exit::Failed;
+        }
+    }
+    if let Some(verified) = verified {
+        console.say(&verified.text(&schedule));
+        if exit == Exit::Done {
+            exit = verified.exit();
         }
     }
     if !args.json {

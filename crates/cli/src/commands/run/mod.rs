@@ -4,6 +4,7 @@ mod audit;
 mod finish;
 mod prepare;
 mod simulate;
+mod verify;
 
 use blocksim_results::ResultsError;
 
