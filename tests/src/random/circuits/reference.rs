@@ -3,6 +3,7 @@
 use super::super::changes::{certain, doubt};
 use super::super::dice::Dice;
 use super::super::puzzle::Undecided;
+use super::text::ROWS;
 use super::walk::Walk;
 use super::{Branch, Circuit, Kind};
 
@@ -104,7 +105,15 @@ fn walk(circuit: &Circuit, step: f64, changes: &[f64]) -> Result<Outcome, Undeci
     let number = |(over, branch): (&Vec<f64>, &Branch)| {
         // Voltages of diodes that do not leak are open where several of them block.
         let leaks = matches!(branch.kind, Kind::Diode(valve) if valve.g_off > 0.0);
-        if leaks && circuit.every.is_some() { certain(&walk.times, over, counts) } else { None }
+        if !leaks || circuit.every.is_none() {
+            return None;
+        }
+        // What can be seen at the steps alone, but not at the rows of a run, is not known to it.
+        let row = |k: usize| (walk.times[k] / (every / ROWS)).floor();
+        let rows: Vec<usize> = (0..over.len()).filter(|&k| k == 0 || row(k) != row(k - 1)).collect();
+        let [times, values] =
+            [&walk.times, over].map(|all| rows.iter().map(|&k| all[k]).collect::<Vec<f64>>());
+        certain(&walk.times, over, counts).filter(|number| certain(&times, &values, counts) == Some(*number))
     };
     let changes = walk.over.iter().zip(&circuit.branches).map(number).collect();
     Ok(Outcome { names, times, rows, slack: Vec::new(), changes, counts, sizes })

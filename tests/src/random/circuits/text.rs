@@ -6,7 +6,7 @@ use super::super::variants::Variant;
 use super::{Circuit, Gate, Kind, Source, Valve};
 
 /// Rows between two that are compared, so that spans in which a diode conducts have rows within.
-const ROWS: f64 = 20.0;
+pub(super) const ROWS: f64 = 20.0;
 
 pub(super) fn diagram(circuit: &Circuit, variant: &Variant) -> String {
     let mut writer = Writer {
