@@ -6,7 +6,7 @@ use std::sync::Arc;
 use blocksim_block::physical::{Component, Needs};
 use blocksim_block::{Block, Context};
 
-use crate::electrics::Joined;
+use crate::electrics::{Island, Joined};
 use crate::member::Member;
 
 /// Output group of what depends on states alone.
@@ -168,10 +168,33 @@ pub(crate) struct Active {
     pub measures: [Vec<usize>; 4],
     /// Whether a member measures how frames accelerate.
     pub accelerations: bool,
+    /// The members of each circuit, by what they do in it.
+    pub islands: Vec<OfIsland>,
+}
+
+/// Members of a circuit that there is something to ask: most resistors only stand in its equations.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct OfIsland {
+    /// They give voltages.
+    pub voltages: Vec<usize>,
+    /// They give currents.
+    pub currents: Vec<usize>,
+    /// They have space vectors.
+    pub vectors: Vec<usize>,
 }
 
 impl Active {
-    pub(crate) fn new(seats: &[Seat]) -> Self {
+    pub(crate) fn new(seats: &[Seat], islands: &[Island]) -> Self {
+        let of_island = |island: &Island| {
+            let which = |has: &dyn Fn(&Seat) -> bool| {
+                island.members.iter().copied().filter(|i| has(&seats[*i])).collect::<Vec<_>>()
+            };
+            OfIsland {
+                voltages: which(&|seat| !seat.sources.is_empty()),
+                currents: which(&|seat| !seat.windings.is_empty()),
+                vectors: which(&|seat| seat.supply.is_some()),
+            }
+        };
         let which = |has: &dyn Fn(&Seat) -> bool| {
             seats.iter().enumerate().filter(|(_, seat)| has(seat)).map(|(i, _)| i).collect::<Vec<_>>()
         };
@@ -190,6 +213,7 @@ impl Active {
             states: which(&|seat| seat.held.is_none() && !seat.x.is_empty()),
             jumps: which(&|seat| seat.held.is_none() && seat.member.part.jumps),
             valves: Vec::new(),
+            islands: islands.iter().map(of_island).collect(),
             guards: which(&|seat| !seat.g.is_empty()),
             time_events: which(&|seat| seat.held.is_none() && seat.member.part.time_events),
             measures: [STATE, ELECTRICS, MOTION, CHARGE]

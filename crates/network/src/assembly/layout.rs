@@ -244,7 +244,7 @@ impl Network {
         }
         let accounts = Accounts::new(&seats, frames.payloads.len(), &mut interface);
         let mut network = Self {
-            active: Active { valves: with_valves(&electrics), ..Active::new(&seats) },
+            active: Active { valves: with_valves(&electrics), ..Active::new(&seats, &electrics.islands) },
             has_early: seats.iter().any(|seat| seat.is_early),
             meshes: rotation.gears.iter().map(|gear| gear.loss).collect(),
             seats,

@@ -49,7 +49,9 @@ impl Network {
         }
         self.prescribed_voltages(island, c, w);
         let mut given = std::mem::take(&mut w.given);
-        self.given_currents(c, w, &mut given, &circuit.members, |by| by != GivenBy::Voltage);
+        self.given_currents(c, w, &mut given, &self.active.islands[island].currents, |by| {
+            by != GivenBy::Voltage
+        });
         w.given = given;
         if !circuit.in_cuts.is_empty() {
             self.follow_sources(island, c, w);

@@ -38,7 +38,7 @@ impl Network {
     /// Currents of an island that are states.
     pub(crate) fn currents_of_states(&self, island: usize, c: &Context, w: &mut Work) {
         let mut given = std::mem::take(&mut w.given);
-        let members = &self.electrics.islands[island].members;
+        let members = &self.active.islands[island].currents;
         self.given_currents(c, w, &mut given, members, |by| by == GivenBy::State);
         w.given = given;
     }
@@ -117,10 +117,10 @@ impl Network {
 
     /// Voltages that sources and capacitances of an island give.
     pub(crate) fn prescribed_voltages(&self, island: usize, c: &Context, w: &mut Work) {
-        let members = &self.electrics.islands[island].members;
+        let members = &self.active.islands[island].voltages;
         self.take_states(island, c, w);
         let mut given = std::mem::take(&mut w.given);
-        for seat in members.iter().map(|i| &self.seats[*i]).filter(|seat| !seat.sources.is_empty()) {
+        for seat in members.iter().map(|i| &self.seats[*i]) {
             let Some(component) = seat.component() else { continue };
             let law = self.own_law(c, seat, w);
             let own = &mut given[seat.sources.clone()];
@@ -139,7 +139,7 @@ impl Network {
 
     /// Voltages and currents of one island.
     pub(crate) fn circuit(&self, island: usize, c: &Context, w: &mut Work) -> Result<(), Faulty> {
-        let members = &self.electrics.islands[island].members;
+        let members = &self.active.islands[island].currents;
         self.prescribed_voltages(island, c, w);
         let mut given = std::mem::take(&mut w.given);
         self.given_currents(c, w, &mut given, members, |by| by != GivenBy::Voltage);
@@ -177,7 +177,7 @@ impl Network {
         for (pin, form) in self.electrics.islands[island].two_pins.iter().zip(solved) {
             current[pin.index] = form.of(given);
         }
-        for seat in members.iter().map(|i| &self.seats[*i]) {
+        for seat in self.active.islands[island].vectors.iter().map(|i| &self.seats[*i]) {
             self.vectors(seat, w);
         }
         Ok(())
