@@ -13,7 +13,8 @@ use crate::run::Run;
 const MOST: u64 = 1 << 27;
 
 /// Signals at the multiples of `every`, s, within a range of time and the run. Real signals follow a cubic where
-/// they are smooth and are straight elsewhere, others keep their last value. Of two values at one time the later one counts; before its first value a signal is NaN.
+/// they are smooth and are straight elsewhere, others keep their last value. Of two values at one time the later one counts;
+/// before its first value a signal is NaN.
 ///
 /// # Errors
 /// As [`Run::read`], and [`ResultsError::TooLong`] if the grid is too fine for the memory.
