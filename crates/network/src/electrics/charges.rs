@@ -98,8 +98,8 @@ impl Network {
         }
     }
 
-    /// Lets the charges divide, in the continuous and discrete `states`, where valves have closed loops of capacitances whose voltages do not fit. The island is
-    /// evaluated.
+    /// Lets the charges divide, in the continuous and discrete `states`, where valves have closed loops of capacitances whose
+    /// voltages do not fit. The island is evaluated.
     pub(crate) fn divide(
         &self,
         island: usize,
