@@ -35,6 +35,8 @@ fn main() {
     }
     times.sort();
     println!("{} levels", times.len());
+    let all: f64 = times.iter().map(|(time, _)| time.as_secs_f64()).sum();
+    println!("time drawings/all {all:.4e} s");
     for (time, name) in times.iter().rev().take(10) {
         println!("{:8.2} ms  {name}", time.as_secs_f64() * 1e3);
     }

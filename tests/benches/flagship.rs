@@ -59,6 +59,8 @@ fn main() {
         let factor = stop / wall.as_secs_f64();
         let each = wall.as_nanos() as f64 / evaluations as f64;
         println!("{name:<34} {factor:>12.1} {evaluations:>12} {each:>14.0}");
+        let one_word: String = name.chars().map(|c| if c == ' ' { '_' } else { c }).collect();
+        println!("time flagship/{one_word} {:.4e} s", wall.as_secs_f64());
         factors.insert(name, factor);
     }
     for (what, of, over) in [

@@ -103,6 +103,8 @@ fn main() {
         for (n, (compile, run, evaluations)) in sizes {
             let [compile, run] = [compile, run].map(|time| time.as_secs_f64() * 1e3);
             println!("{name:8}{n:8}{compile:14.2}{run:12.2}{evaluations:14}");
+            println!("time growth/{name}/{n}/compile {compile:.4} ms");
+            println!("time growth/{name}/{n}/run {run:.4} ms");
         }
         let [(_, few), (_, many)] = sizes;
         let ratio = |a: Duration, b: Duration| b.as_secs_f64() / a.as_secs_f64();

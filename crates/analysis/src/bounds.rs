@@ -1,4 +1,4 @@
-//! Least and largest value of a signal within a window that slides over it.
+//! Minimum and maximum of a signal within a window that slides over it.
 
 use std::collections::VecDeque;
 
@@ -10,46 +10,69 @@ pub(crate) struct Window<'a> {
     interpolation: Interpolation,
     half: f64,
     slack: f64,
-    /// Values that are not yet in the window begin here.
+    /// Rows that were not looked at yet begin here.
     next: usize,
-    /// Positions of candidates for the least value, values rising; and for the largest, falling.
-    least: VecDeque<usize>,
-    largest: VecDeque<usize>,
+    /// Times and values that are not in the window yet.
+    ahead: VecDeque<(f64, f64)>,
+    /// Candidates for the minimum, times and values, both rising; and for the maximum, values falling.
+    low: VecDeque<(f64, f64)>,
+    high: VecDeque<(f64, f64)>,
 }
 
 impl<'a> Window<'a> {
     pub fn new(series: Series<'a>, interpolation: Interpolation, half: f64, slack: f64) -> Window<'a> {
-        let (least, largest) = (VecDeque::new(), VecDeque::new());
-        Window { series, interpolation, half, slack, next: 0, least, largest }
+        let [ahead, low, high] = [const { VecDeque::new() }; 3];
+        Window { series, interpolation, half, slack, next: 0, ahead, low, high }
     }
 
-    /// Least and largest value within `half` of `t`, which must not fall from call to call. Values that are not finite
-    /// are left out.
-    pub fn around(&mut self, t: f64) -> Option<(f64, f64)> {
+    /// Looks at the next row, and at the places behind it where a smooth signal goes beyond it and the row after it.
+    fn look_ahead(&mut self) {
         let Series { time, values } = self.series;
-        while self.next < time.len() && time[self.next] <= t + self.half {
-            let new = values[self.next];
-            if new.is_finite() {
-                while self.least.back().is_some_and(|&at| values[at] >= new) {
-                    self.least.pop_back();
-                }
-                while self.largest.back().is_some_and(|&at| values[at] <= new) {
-                    self.largest.pop_back();
-                }
-                self.least.push_back(self.next);
-                self.largest.push_back(self.next);
-            }
-            self.next += 1;
+        let at = self.next;
+        self.ahead.push_back((time[at], values[at]));
+        self.next += 1;
+        if self.interpolation == Interpolation::Smooth && at + 1 < time.len() {
+            let (h, rise, bend) =
+                (time[at + 1] - time[at], values[at + 1] - values[at], self.series.bend(at));
+            let mut shares: Vec<f64> = bend.at_rest(rise, h).collect();
+            shares.sort_by(f64::total_cmp);
+            let point = |s: f64| (time[at] + s * h, values[at] + s * rise + bend.off_chord(s, h));
+            self.ahead.extend(shares.into_iter().map(point));
         }
-        for candidates in [&mut self.least, &mut self.largest] {
-            while candidates.front().is_some_and(|&at| time[at] < t - self.half) {
+    }
+
+    /// The next value that is within the window around `t`, taken out of those ahead.
+    fn come_in(&mut self, t: f64) -> Option<(f64, f64)> {
+        if self.ahead.is_empty() && self.next < self.series.time.len() {
+            self.look_ahead();
+        }
+        self.ahead.front().is_some_and(|(time, _)| *time <= t + self.half).then(|| self.ahead.pop_front())?
+    }
+
+    /// Minimum and maximum within `half` of `t`, which must not fall from call to call. Values that are not finite are left
+    /// out.
+    pub fn around(&mut self, t: f64) -> Option<(f64, f64)> {
+        while let Some(new) = self.come_in(t) {
+            if new.1.is_finite() {
+                while self.low.back().is_some_and(|(_, value)| *value >= new.1) {
+                    self.low.pop_back();
+                }
+                while self.high.back().is_some_and(|(_, value)| *value <= new.1) {
+                    self.high.pop_back();
+                }
+                self.low.push_back(new);
+                self.high.push_back(new);
+            }
+        }
+        for candidates in [&mut self.low, &mut self.high] {
+            while candidates.front().is_some_and(|(time, _)| *time < t - self.half) {
                 candidates.pop_front();
             }
         }
         // The signal at both ends of the window, between its values.
         let ends = [t - self.half, t + self.half].map(|t| self.series.at(t, self.interpolation, self.slack));
         let ends = ends.into_iter().flatten().flat_map(|(from, to)| [from, to]);
-        let inside = [self.least.front(), self.largest.front()].into_iter().flatten().map(|&at| values[at]);
+        let inside = [self.low.front(), self.high.front()].into_iter().flatten().map(|(_, value)| *value);
         let (low, high) = ends
             .chain(inside)
             .filter(|x| x.is_finite())
@@ -77,5 +100,22 @@ mod tests {
             assert!(high >= all.iter().copied().fold(f64::NEG_INFINITY, f64::max) - 1e-12);
             assert!(high - low <= 0.4 * 8.5, "the slope is at most 8.3 1/s: {low} {high}");
         }
+    }
+
+    #[test]
+    fn a_smooth_signal_reaches_its_maximum_between_its_values() {
+        // Rows of a parabola with its top between them, at 2.4.
+        let time: Vec<f64> = (0..8).map(f64::from).collect();
+        let values: Vec<f64> = time.iter().map(|t| 5.0 - (t - 2.4).powi(2)).collect();
+        let series = Series::new(&time, &values);
+        let around = |interpolation| {
+            let mut window = Window::new(series, interpolation, 0.3, 0.0);
+            [1.9, 2.05, 2.2, 2.6, 2.75].map(|t| window.around(t).unwrap().1)
+        };
+        let top = |t: f64| 5.0 - (t - 2.4).powi(2);
+        let expected = [top(2.2), top(2.35), 5.0, 5.0, top(2.45)];
+        let found = around(Interpolation::Smooth);
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        assert!(around(Interpolation::Linear).iter().all(|high| *high <= top(2.0)));
     }
 }

@@ -64,7 +64,7 @@ pub struct Comparison {
     /// The first of those.
     pub first: Option<Deviation>,
     /// The maximum difference; one that is not a number beats all others.
-    pub largest: Option<Deviation>,
+    pub maximum: Option<Deviation>,
     /// Root of the mean square of the finite differences, over instants.
     pub rms: f64,
 }
@@ -77,14 +77,14 @@ impl Comparison {
 
     /// Whether they do not differ at all.
     pub fn is_same(&self) -> bool {
-        self.is_within() && self.largest.is_some_and(|largest| largest.difference() == 0.0)
+        self.is_within() && self.maximum.is_some_and(|maximum| maximum.difference() == 0.0)
     }
 }
 
 /// Compares two signals at the instants of the rule, within what they both cover.
 ///
 /// At each instant the tolerance is `max(absolute, relative * |baseline|)`; with a time tolerance the signal must lie
-/// between the least and the largest value, widened by their tolerances, that the baseline has within that time. Where
+/// between the minimum and the maximum, widened by their tolerances, that the baseline has within that time. Where
 /// both are NaN or the same infinity they agree; where only one is, they do not. Of a jump both values are compared,
 /// unless values are held.
 pub fn compare(baseline: Series, other: Series, rule: &Rule) -> Comparison {
@@ -121,8 +121,8 @@ pub fn compare(baseline: Series, other: Series, rule: &Rule) -> Comparison {
                 squares = (squares.0 + size * size, squares.1 + 1);
             }
             // `NaN` as a size means that one of both is not a number.
-            if found.largest.is_none_or(|largest| ranked(size) > ranked(self::size(&largest))) {
-                found.largest = Some(deviation);
+            if found.maximum.is_none_or(|maximum| ranked(size) > ranked(self::size(&maximum))) {
+                found.maximum = Some(deviation);
             }
             if !allowed(&deviation, size, around, rule) {
                 is_outside = true;

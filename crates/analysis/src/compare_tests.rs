@@ -27,8 +27,8 @@ fn straight_lines_agree_on_any_time_base_between_their_values() {
     assert_eq!(found.points, 17);
     // Held values of a ramp differ by up to the slope times the coarser step.
     let held = compared(&a, &b, Rule { interpolation: Interpolation::Hold, ..Rule::default() });
-    let largest = held.largest.unwrap().difference().abs();
-    assert!(largest > 0.1 && largest <= 2.0 / 7.0, "{largest}");
+    let maximum = held.maximum.unwrap().difference().abs();
+    assert!(maximum > 0.1 && maximum <= 2.0 / 7.0, "{maximum}");
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn the_tolerance_is_the_larger_of_both() {
     // 0.01 t > max(0.05, 0.005 t) from t = 5 on, where it is equal.
     let first = found.first.unwrap();
     assert!((first.time - 5.1).abs() < 1e-9 && (first.tolerance - 0.05).abs() < 1e-12, "{first:?}");
-    assert!((found.largest.unwrap().time - 10.0).abs() < 1e-9);
+    assert!((found.maximum.unwrap().time - 10.0).abs() < 1e-9);
     // Root of the mean of (0.01 t)^2 over the rows: 0.1 sqrt((2 n + 1) / (6 n)) with n = 100.
     assert!((found.rms - 0.1 * (201.0_f64 / 600.0).sqrt()).abs() < 1e-12);
 }
@@ -82,7 +82,7 @@ fn both_sides_of_a_jump_count() {
     let a = (vec![0.0, 1.0, 1.0, 2.0], vec![0.0, 0.0, 5.0, 5.0]);
     let b = (vec![0.0, 1.0, 1.0, 2.0], vec![0.0, 0.5, 5.0, 5.0]);
     let found = compared(&a, &b, Rule::default());
-    assert_eq!((found.outside, found.largest.unwrap().difference()), (1, 0.5));
+    assert_eq!((found.outside, found.maximum.unwrap().difference()), (1, 0.5));
     assert!(compared(&a, &b, Rule { interpolation: Interpolation::Hold, ..Rule::default() }).is_same());
 }
 

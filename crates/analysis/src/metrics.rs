@@ -36,7 +36,7 @@ pub struct Metrics {
     pub ise: f64,
     /// Mean error, set less actual, over the last 2 % of the time.
     pub steady_state_error: f64,
-    /// Largest absolute error.
+    /// Maximum absolute error.
     pub max_error: f64,
     /// When that was, s.
     pub max_error_at: f64,
@@ -71,7 +71,7 @@ pub fn metrics(time: &[f64], set: Option<&[f64]>, actual: &[f64]) -> Option<Metr
     let disturbance = if is_step { disturbance(after, share) } else { None };
     let disturbed = disturbance.map(|at| after[at].t);
     let response = &after[..disturbance.unwrap_or(after.len())];
-    let largest =
+    let maximum =
         rows.iter().fold(first, |a, row| if row.error().abs() > a.error().abs() { *row } else { a });
     Some(Metrics {
         begin: begin.t,
@@ -83,8 +83,8 @@ pub fn metrics(time: &[f64], set: Option<&[f64]>, actual: &[f64]) -> Option<Metr
         iae: sum(&rows, absolute),
         ise: sum(&rows, |a, b| (a * a + a * b + b * b) / 3.0),
         steady_state_error: remaining(&rows),
-        max_error: largest.error().abs(),
-        max_error_at: largest.t,
+        max_error: maximum.error().abs(),
+        max_error_at: maximum.t,
     })
 }
 

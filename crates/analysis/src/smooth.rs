@@ -29,7 +29,7 @@ pub(crate) fn refine<const N: usize>(rows: &[(f64, [f64; N])]) -> Vec<(f64, [f64
             let share = part as f64 / PARTS as f64;
             let value = |n: usize| {
                 let (a, b) = (row.1[n], next.1[n]);
-                a + share * (b - a) - share * (1.0 - share) * h * h * bends[n].at(share)
+                a + share * (b - a) + bends[n].off_chord(share, h)
             };
             refined.push((row.0 + share * h, std::array::from_fn(value)));
         }
@@ -55,19 +55,25 @@ pub fn refined(time: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
 
 /// The second divided difference of a stretch, at its start and at its end.
 #[derive(Debug, Clone, Copy, Default)]
-struct Bend([f64; 2]);
+pub(crate) struct Bend([f64; 2]);
 
 impl Bend {
     /// That of signal `n` between row `i` and the next.
     fn of<const N: usize>(rows: &[(f64, [f64; N])], i: usize, n: usize) -> Self {
+        Self::between(rows.len(), |k| (rows[k].0, rows[k].1[n]), i)
+    }
+
+    /// That between row `i` and the next, of `count` rows of time and value. Times do not decrease.
+    pub fn between(count: usize, row: impl Fn(usize) -> (f64, f64), i: usize) -> Self {
         // Around row `k`; none beside a jump.
         let around = |k: usize| -> Option<f64> {
-            let [a, b, c] = [rows.get(k.checked_sub(1)?)?, rows.get(k)?, rows.get(k + 1)?];
+            let [a, b, c] = [k.checked_sub(1)?, k, k + 1];
+            let [a, b, c] = if c < count { [row(a), row(b), row(c)] } else { return None };
             let smooth = a.0 < b.0 && b.0 < c.0;
-            let slope = |a: &(f64, [f64; N]), b: &(f64, [f64; N])| (b.1[n] - a.1[n]) / (b.0 - a.0);
+            let slope = |a: (f64, f64), b: (f64, f64)| (b.1 - a.1) / (b.0 - a.0);
             smooth.then(|| (slope(b, c) - slope(a, b)) / (c.0 - a.0))
         };
-        let t = |k: usize| rows[k].0;
+        let t = |k: usize| row(k).0;
         let line = |near: f64, far: f64, step: f64, way: [f64; 2]| {
             // Along the cubic the second difference changes straight; `step` is what both are apart.
             let slope = (far - near) / step;
@@ -91,6 +97,24 @@ impl Bend {
             },
             _ => Self::default(),
         }
+    }
+
+    /// How far the signal is from its chord at a share of the stretch, whose length is `h`.
+    pub fn off_chord(self, share: f64, h: f64) -> f64 {
+        let off = share * (1.0 - share) * h * h * self.at(share);
+        // Values near the limit of numbers go straight.
+        if off.is_finite() { -off } else { 0.0 }
+    }
+
+    /// Shares of a stretch of length `h` at which a signal that rises by `rise` along it is at rest.
+    pub fn at_rest(self, rise: f64, h: f64) -> impl Iterator<Item = f64> {
+        // rise - h^2 ((1 - 2 s) (p + q s) + (s - s^2) q) = 0 with the bend p + q s.
+        let (p, q) = (self.0[0], self.0[1] - self.0[0]);
+        let (a, b, c) = (3.0 * q, 2.0 * (p - q), rise / (h * h) - p);
+        let root = (b * b - 4.0 * a * c).sqrt();
+        // Without loss of digits where `a` is small; what does not exist is NaN and lies nowhere.
+        let sum = -0.5 * (b + root.copysign(b));
+        [sum / a, c / sum].into_iter().filter(|share| *share > 0.0 && *share < 1.0)
     }
 
     fn most(self) -> f64 {
@@ -124,6 +148,40 @@ mod tests {
         for (t, y) in refined {
             assert!((y - cubic(t)).abs() < 1e-13, "{t}: {y}");
         }
+    }
+
+    #[test]
+    fn a_stretch_is_at_rest_where_its_cubic_is() {
+        // t^3 - t on rows around its minimum at 1 / sqrt(3), and around both of its extremes.
+        let cubic = |t: f64| t * t * t - t;
+        for (times, rest) in [
+            ([0.0, 0.3, 0.9, 1.1], vec![1.0 / 3.0_f64.sqrt()]),
+            ([0.2, 0.4, 0.5, 0.6], vec![]),
+            ([0.1, 0.3, 0.5, 1.0], vec![]),
+        ] {
+            let bend = Bend::between(4, |k| (times[k], cubic(times[k])), 1);
+            let h = times[2] - times[1];
+            let found: Vec<f64> = bend
+                .at_rest(cubic(times[2]) - cubic(times[1]), h)
+                .map(|share| times[1] + share * h)
+                .collect();
+            assert_eq!(found.len(), rest.len(), "{times:?}: {found:?}");
+            assert!(found.iter().zip(&rest).all(|(a, b)| (a - b).abs() < 1e-12), "{times:?}: {found:?}");
+        }
+        // A parabola has no bend that changes.
+        let bend = Bend::between(4, |k| (k as f64, (k as f64 - 1.25).powi(2)), 1);
+        assert_eq!(bend.at_rest(0.75_f64.powi(2) - 0.25_f64.powi(2), 1.0).collect::<Vec<_>>(), [0.25]);
+    }
+
+    #[test]
+    fn numbers_at_their_limit_stay_finite() {
+        for value in [1e308, -1e308] {
+            let rows = [(0.0, -value), (1e-9, value), (2e-9, -value), (3e-9, value), (4e-9, value / 3.0)];
+            assert!(of(&rows).iter().all(|(_, y)| y.is_finite()));
+        }
+        let rows: Vec<(f64, f64)> =
+            (0..9).map(|k| (f64::from(k) * 1e-160, f64::from(k * k) * 1e150)).collect();
+        assert!(of(&rows).iter().all(|(_, y)| y.is_finite()));
     }
 
     #[test]

@@ -69,6 +69,8 @@ pub struct Changes {
     pub table: &'static [Change],
     /// To whom they happen.
     pub subject: Subject,
+    /// Unit of the change, in SI, where how much the state changes belongs to the event: `jumps by 5 V`.
+    pub unit: Option<&'static str>,
 }
 
 impl Changes {
@@ -84,6 +86,9 @@ impl Changes {
         phrases.collect::<Vec<_>>().join(" and ")
     }
 }
+
+/// What a state that jumps is called, with the amount behind it.
+pub const JUMP: &[Change] = &[Change::any("jumps")];
 
 /// What friction that sticks is called.
 pub const FRICTION: &[Change] =

@@ -2,7 +2,7 @@
 
 use blocksim_signal::{Dimension, SampleTime};
 
-use crate::event::{Change, Changes, Event, Subject};
+use crate::event::{Change, Changes, Event, JUMP, Subject};
 use crate::physical::PhysicalPort;
 use crate::ports::{Input, Output};
 
@@ -39,8 +39,14 @@ impl Discrete {
 
     /// The same with names for its changes, which are events.
     pub fn changes(mut self, table: &'static [Change], subject: Subject) -> Self {
-        self.changes = Some(Box::new(Changes { table, subject }));
+        self.changes = Some(Box::new(Changes { table, subject, unit: None }));
         self
+    }
+
+    /// A discrete state whose changes are jumps of something else by as much, in this unit, which are events.
+    pub fn jumps(name: impl Into<String>, subject: Subject, unit: &'static str) -> Self {
+        let changes = Changes { table: JUMP, subject, unit: Some(unit) };
+        Self { name: name.into(), initial: 0.0, changes: Some(Box::new(changes)) }
     }
 }
 

@@ -57,7 +57,9 @@ pub fn main() -> ExitCode {
     };
     let console = Console::of_process(args.color, args.ascii, args.format());
     rescue::prepare(console);
-    done(&args, console).unwrap_or_else(|failure| failure.tell(console)).into()
+    let exit = done(&args, console).unwrap_or_else(|failure| failure.tell(console));
+    blocksim_host::end(exit.code());
+    exit.into()
 }
 
 /// What one verb does.

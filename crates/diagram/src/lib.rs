@@ -69,7 +69,7 @@ pub struct Compiled {
     pub schedule: Option<Schedule>,
     /// All problems, errors first, in the order of files and places.
     pub problems: Vec<Problem>,
-    /// Intermediate forms, as far as the compiler came.
+    /// Intermediate forms, as far as the compiler came, where [`Options::stages`] is set.
     pub stages: Stages,
     /// What is seen of the mechanisms, as far as the compiler came; the world alone where there are none.
     pub scene: Option<Scene>,
@@ -150,6 +150,8 @@ pub struct Options<'o> {
     pub watched: &'o [String],
     /// What a number without a unit means.
     pub units: Units,
+    /// Whether the intermediate forms are kept as texts, which takes a twentieth of the time of a compilation.
+    pub stages: bool,
 }
 
 /// Turns the text of a diagram into something that can run. `overrides` are `target=value` as of `--set`.
@@ -184,8 +186,10 @@ pub fn compile_and_keep(sources: &Sources, root: &Path, options: &Options) -> (O
     if let Some(top) = top(sources, root, options.overrides, strict, &mut problems) {
         let Top { model, scope, replaced, resolver } = top;
         compiled.replaced = replaced;
-        compiled.stages.ast = Some(emit::ast(&model.ast));
-        compiled.stages.model = Some(emit::model(&model));
+        if options.stages {
+            compiled.stages.ast = Some(emit::ast(&model.ast));
+            compiled.stages.model = Some(emit::model(&model));
+        }
         collect_variants(&model, &mut compiled.variants);
         connect::check(&model, &mut problems);
         let flat = flatten::flatten(&model, &mut problems);
@@ -204,9 +208,11 @@ pub fn compile_and_keep(sources: &Sources, root: &Path, options: &Options) -> (O
             let (flat, scene) = elaborate::elaborate(flat, watched, &mut problems);
             if !problems.any_error() {
                 compiled.scene = Some(scene);
-                compiled.stages.flat = Some(emit::flat(&flat));
                 let typed = infer::infer(&flat, &mut problems);
-                compiled.stages.types = Some(emit::types(&flat, &typed));
+                if options.stages {
+                    compiled.stages.flat = Some(emit::flat(&flat));
+                    compiled.stages.types = Some(emit::types(&flat, &typed));
+                }
                 if !problems.any_error() {
                     compiled.schedule = sort::sort(title, &flat, &typed, settings, &mut problems);
                     if let Some(schedule) = &mut compiled.schedule {
@@ -214,7 +220,9 @@ pub fn compile_and_keep(sources: &Sources, root: &Path, options: &Options) -> (O
                         settings::start::resolve(&model.ast, schedule, &mut problems);
                         settings::atol::resolve(&model.ast, schedule, &mut problems);
                     }
-                    compiled.stages.schedule = compiled.schedule.as_ref().map(emit::schedule);
+                    if options.stages {
+                        compiled.stages.schedule = compiled.schedule.as_ref().map(emit::schedule);
+                    }
                 }
             }
         } else {

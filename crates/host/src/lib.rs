@@ -53,4 +53,4 @@ pub use locate::{Source, locate};
 pub use offer::{merged, offer, recalled};
 pub use open::{Library, open, opened};
 pub use plugin::Plugin;
-pub use watch::{Cause, Death, leave, set_call_limit, set_death_notice, set_interrupt};
+pub use watch::{Cause, Death, end, leave, set_call_limit, set_death_notice, set_interrupt};

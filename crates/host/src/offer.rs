@@ -128,6 +128,10 @@ pub(crate) fn period(library: &Library, block: &str, parameters: &[f64]) -> Opti
 /// Notes a sample time that the plug-in has worked out.
 pub(crate) fn note_period(library: &Library, period: Period) {
     let mut periods = library.periods.lock().unwrap_or_else(PoisonError::into_inner);
+    // What is known keeps its place, so that the offer stays the same text.
+    if periods.contains(&period) {
+        return;
+    }
     periods.retain(|known| !same_question(known, &period));
     periods.insert(0, period);
     periods.truncate(MOST_PERIODS);

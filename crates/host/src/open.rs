@@ -36,6 +36,9 @@ pub struct Library {
 /// A file at one point of its history: a rebuilt library is another one. And whether it is served by another process.
 type Key = (PathBuf, Option<SystemTime>, u64, bool);
 
+/// Libraries whose code has been run in this process, by the names that people know, plug-ins or not.
+static LOADED: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
 static OPENED: Mutex<BTreeMap<Key, &'static Library>> = Mutex::new(BTreeMap::new());
 
 /// The plug-in that `library` names, relative to `folder`: a built library, or the folder of a crate or of C or C++ sources,
@@ -81,6 +84,11 @@ pub fn opened() -> Vec<&'static Library> {
     OPENED.lock().unwrap_or_else(PoisonError::into_inner).values().copied().collect()
 }
 
+/// Libraries that are loaded in this process, valid plug-ins or not, as diagrams name them.
+pub(crate) fn loaded() -> Vec<String> {
+    LOADED.lock().unwrap_or_else(PoisonError::into_inner).clone()
+}
+
 /// Loads a library into this process; `named` is what the diagram calls it.
 ///
 /// # Errors
@@ -89,7 +97,7 @@ pub(crate) fn load(path: &Path, named: &str) -> Result<&'static Library, LoadErr
     let shown = fault::shown(path);
     let before = Environment::now();
     let calling = watch::calling(watch::tag(named, ""), 0, f64::NAN);
-    let contents = read(path, &shown);
+    let contents = read(path, &shown, named);
     drop(calling);
     if let Some(changed) = before.restore() {
         let error =
@@ -112,15 +120,19 @@ pub(crate) fn load(path: &Path, named: &str) -> Result<&'static Library, LoadErr
 }
 
 /// Opens a library and reads its table.
-fn read(path: &Path, shown: &str) -> Result<Contents, LoadError> {
-    let opened = open_copy(path)?;
+fn read(path: &Path, shown: &str, named: &str) -> Result<Contents, LoadError> {
+    // Unloading is never safe, whatever the library turns out to be: the table, and what it has registered, point into it.
+    let opened: &'static _ = Box::leak(Box::new(open_copy(path)?));
+    let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+    if !loaded.iter().any(|known| known == named) {
+        loaded.push(named.to_owned());
+    }
+    drop(loaded);
     // SAFETY: the type is that of the contract for this symbol.
     let entry = match unsafe { opened.get::<EntryFn>(SYMBOL) } {
         Ok(entry) => *entry,
-        Err(_) => return Err(no_entry(&opened, shown)),
+        Err(_) => return Err(no_entry(opened, shown)),
     };
-    // Unloading is never safe: the table, and whatever the library registered, point into it.
-    Box::leak(Box::new(opened));
     // SAFETY: a function of the contract, of a library that stays loaded.
     unsafe { contents(entry(), shown) }
 }

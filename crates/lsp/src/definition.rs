@@ -1,4 +1,4 @@
-//! Where it is said what stands under the cursor.
+//! Where what stands under the cursor is declared.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub enum Target {
     File(PathBuf),
 }
 
-/// Where it is said what stands at a place of a text, whose file lies in `folder`.
+/// Where what stands at a place of a text, whose file lies in `folder`, is declared.
 pub fn definition(text: &str, at: usize, folder: &Path) -> Option<Target> {
     let of = |section, name: &str| {
         let found = declared(text).into_iter().find(|d| d.section == section && d.name == name)?;

@@ -5,7 +5,7 @@ use lsp_types::TextEdit;
 
 use crate::position::span;
 
-/// The edits that lay a text out; nothing for one that is no RON, whose problems are told anyway. Only the lines between
+/// The edits that lay a text out; nothing for one that is no RON, whose problems are published anyway. Only the lines between
 /// the first and the last that change are replaced, so that the cursor elsewhere stays where it is.
 pub fn laid_out(text: &str) -> Option<Vec<TextEdit>> {
     let formatted = format(text).ok()?;

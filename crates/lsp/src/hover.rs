@@ -19,10 +19,10 @@ pub fn hover(text: &str, at: usize, blocks: Option<&Blocks>, prose: Prose) -> Op
     let declared = declared(text);
     let is_here = |known: &&Declared| known.section == Section::Block && known.place == here;
     if let Some(block) = declared.iter().find(is_here) {
-        let said = of_block(text, block, blocks, prose);
-        return Some(Hover { contents: contents(said), range: Some(span(text, &here)) });
+        let markdown = of_block(text, block, blocks, prose);
+        return Some(Hover { contents: contents(markdown), range: Some(span(text, &here)) });
     }
-    let (said, place) = match context(text, here.start) {
+    let (markdown, place) = match context(text, here.start) {
         Context::Connection { .. } => {
             let reference = run_at(text, at, is_of_reference);
             let dot = text[reference.clone()].find('.').map(|dot| reference.start + dot);
@@ -46,7 +46,7 @@ pub fn hover(text: &str, at: usize, blocks: Option<&Blocks>, prose: Prose) -> Op
         Context::Expression => (of_parameter(text, word)?, here),
         _ => return None,
     };
-    Some(Hover { contents: contents(said), range: Some(span(text, &place)) })
+    Some(Hover { contents: contents(markdown), range: Some(span(text, &place)) })
 }
 
 fn contents(value: String) -> HoverContents {
@@ -58,31 +58,31 @@ fn of_block(text: &str, block: &Declared, blocks: Option<&Blocks>, prose: Prose)
     let facts = blocks.and_then(|blocks| blocks.get(block.name)).cloned().unwrap_or_default();
     let info = kind(block.kind);
     let category = info.map(|info| format!(" ({})", info.category)).unwrap_or_default();
-    let mut said = format!("**{}**: {}{category}", block.name, block.kind);
+    let mut markdown = format!("**{}**: {}{category}", block.name, block.kind);
     if let Some(chosen) = &facts.chosen {
-        said.push_str(&format!(", here `{chosen}`"));
+        markdown.push_str(&format!(", here `{chosen}`"));
     }
     if let Some(info) = info {
         let doc = prose(info.doc.trim());
-        said.push_str(&format!("\n\n{}", doc.split("\n\n").next().unwrap_or_default()));
+        markdown.push_str(&format!("\n\n{}", doc.split("\n\n").next().unwrap_or_default()));
     }
     let written = written(text, block.name);
     if !written.is_empty() {
-        said.push_str("\n\n| parameter | written | value |\n|---|---|---|\n");
+        markdown.push_str("\n\n| parameter | written | value |\n|---|---|---|\n");
     }
     for (name, value) in written {
         let known = facts.values.iter().find(|(known, _)| *known == name);
         let number = known.map(|(_, number)| number.as_str()).unwrap_or_default();
-        said.push_str(&format!("| `{name}` | `{}` | {number} |\n", value.replace('|', "\\|")));
+        markdown.push_str(&format!("| `{name}` | `{}` | {number} |\n", value.replace('|', "\\|")));
     }
     if !facts.ports.is_empty() {
-        said.push_str("\n\n| port | | |\n|---|---|---|\n");
+        markdown.push_str("\n\n| port | | |\n|---|---|---|\n");
     }
     for port in &facts.ports {
         let doc = prose(port.doc.trim()).replace('\n', " ").replace('|', "\\|");
-        said.push_str(&format!("| `{}` | {} | {} |\n", port.name, side(port), doc.trim()));
+        markdown.push_str(&format!("| `{}` | {} | {} |\n", port.name, side(port), doc.trim()));
     }
-    said
+    markdown
 }
 
 /// Most signs of a value that are shown.
@@ -126,17 +126,17 @@ fn of_reference(text: &str, reference: &str, blocks: Option<&Blocks>) -> Option<
     let declared = declared(text);
     let block =
         declared.iter().find(|declared| declared.section == Section::Block && declared.name == name)?;
-    let mut said = format!("`{name}`: {}", block.kind);
+    let mut markdown = format!("`{name}`: {}", block.kind);
     let facts = blocks.and_then(|blocks| blocks.get(name));
     let ports = facts.map(|facts| facts.ports.as_slice()).unwrap_or_default();
     let port = port.split(['.', '[']).next().unwrap_or_default();
     if let Some(port) = ports.iter().find(|known| known.name == port) {
-        said.push_str(&format!("\n\n`{}` ({})", port.name, side(port)));
+        markdown.push_str(&format!("\n\n`{}` ({})", port.name, side(port)));
         if !port.doc.is_empty() {
-            said.push_str(&format!(": {}", port.doc));
+            markdown.push_str(&format!(": {}", port.doc));
         }
     }
-    Some(said)
+    Some(markdown)
 }
 
 /// The line that declares a parameter of the diagram.

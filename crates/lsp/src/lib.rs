@@ -1,9 +1,9 @@
 //! Diagrams in editors: a server of the Language Server Protocol.
 //!
 //! While somebody writes, the server compiles the models that the open files belong to and tells their problems; it
-//! completes kinds, parameters, ports and names, tells what stands under the cursor, and goes to where it is said.
+//! completes kinds, parameters, ports and names, shows what stands under the cursor, and goes to its declaration.
 //!
-//! What can be asked while a text is half written is answered from its words and brackets alone (`scan`); what needs
+//! What can be answered while a text is half written comes from its words and brackets alone (`scan`); what needs
 //! the diagram, such as the ports of a block, from the last time that it could be read (`models`).
 //!
 //! | file | idea |

@@ -69,7 +69,7 @@ struct Meant {
     /// Where it stands, without patterns.
     spots: BTreeSet<Spot>,
     declared: BTreeSet<Spot>,
-    /// The one that was asked about.
+    /// The one that the request is about.
     here: Spot,
     models: BTreeMap<PathBuf, Names>,
 }

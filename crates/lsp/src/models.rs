@@ -71,7 +71,7 @@ pub struct Known {
 }
 
 impl Known {
-    /// That a compilation has ended by a bug, told in each open file, since nobody knows whose text it was.
+    /// That a compilation has ended by a bug, reported in each open file, since the text that caused it is unknown.
     pub fn after_a_bug(snapshot: &Snapshot) -> Known {
         let message =
             "this is a bug of blocksim: compiling this model has failed, so its problems are not known";
@@ -89,7 +89,7 @@ impl Known {
 /// What was read for a model, and what came of it.
 #[derive(Debug, Default)]
 struct Last {
-    /// Files that were asked for, with their texts where there were any.
+    /// Files that were requested, with their texts where there were any.
     read: Vec<(PathBuf, Option<Arc<str>>)>,
     known: Known,
 }

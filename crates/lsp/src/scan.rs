@@ -15,7 +15,7 @@ pub struct Open<'a> {
     pub keys: Vec<&'a str>,
 }
 
-/// What is said one after the other.
+/// What stands one after the other.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Event<'a> {
     /// `name:`, within these brackets; the range is that of the name, without quotes.
@@ -37,8 +37,8 @@ pub struct Around<'a> {
     pub is_comment: bool,
 }
 
-/// Reads a text to its end; `told` hears of each key and word with the brackets around it.
-pub fn scan<'a>(text: &'a str, mut told: impl FnMut(&[Open<'a>], Event<'a>)) -> Around<'a> {
+/// Reads a text to its end; `visit` gets each key and word with the brackets around it.
+pub fn scan<'a>(text: &'a str, mut visit: impl FnMut(&[Open<'a>], Event<'a>)) -> Around<'a> {
     let mut around = Around::default();
     // The last word or quoted text, which may turn out to be a key or to stand before a bracket.
     let mut last: Option<(&'a str, Range<usize>, bool)> = None;
@@ -64,7 +64,7 @@ pub fn scan<'a>(text: &'a str, mut told: impl FnMut(&[Open<'a>], Event<'a>)) -> 
             }
             ':' => {
                 if let Some((name, place, _)) = last.take() {
-                    told(&around.open, Event::Key(name, place));
+                    visit(&around.open, Event::Key(name, place));
                     around.key = name;
                     around.open.iter_mut().last().into_iter().for_each(|open| open.keys.push(name));
                 }
@@ -72,7 +72,7 @@ pub fn scan<'a>(text: &'a str, mut told: impl FnMut(&[Open<'a>], Event<'a>)) -> 
             '(' | '[' | '{' => {
                 let word = match last.take() {
                     Some((word, place, false)) => {
-                        told(&around.open, Event::Word(word, place));
+                        visit(&around.open, Event::Word(word, place));
                         word
                     }
                     _ => "",
@@ -82,7 +82,7 @@ pub fn scan<'a>(text: &'a str, mut told: impl FnMut(&[Open<'a>], Event<'a>)) -> 
             }
             ')' | ']' | '}' | ',' => {
                 if let Some((word, place, false)) = last.take() {
-                    told(&around.open, Event::Word(word, place));
+                    visit(&around.open, Event::Word(word, place));
                 }
                 last = None;
                 around.key = "";

@@ -39,7 +39,7 @@ use crate::outline::outline;
 use crate::position::{changed, offset, span};
 use crate::texts::{Document, Open, Snapshot};
 use crate::uri::{path_of, uri_of};
-use crate::work::{Asked, Cancelled, Done, Job, Worker};
+use crate::work::{Cancelled, Done, Job, Query, Worker};
 
 /// What has gone wrong between the editor and the server.
 type Broken = Box<dyn std::error::Error + Send + Sync>;
@@ -67,8 +67,8 @@ pub struct Server {
     known: Known,
     /// Files that may belong to another model than before, or have changed on the disk.
     forget: Vec<PathBuf>,
-    /// Files that were said to have problems.
-    told: BTreeSet<PathBuf>,
+    /// Files whose problems are published.
+    published: BTreeSet<PathBuf>,
     /// Requests that the other thread has not answered yet.
     waiting: HashSet<RequestId>,
     cancelled: Cancelled,
@@ -87,7 +87,7 @@ impl Server {
             newest: Arc::default(),
             known: Known::default(),
             forget: Vec::new(),
-            told: BTreeSet::new(),
+            published: BTreeSet::new(),
             waiting: HashSet::new(),
             cancelled: Cancelled::default(),
             prose,
@@ -101,13 +101,13 @@ impl Server {
     /// # Errors
     /// As of [`serve`].
     pub fn run(&mut self, connection: &Connection) -> Result<(), Broken> {
-        let (id, asked) = connection.initialize_start()?;
-        let asked: InitializeParams = serde_json::from_value(asked)?;
-        self.snippets = takes_snippets(&asked);
+        let (id, request) = connection.initialize_start()?;
+        let request: InitializeParams = serde_json::from_value(request)?;
+        self.snippets = takes_snippets(&request);
         let about = json!({ "name": "blocksim", "version": env!("CARGO_PKG_VERSION") });
         connection.initialize_finish(id, json!({ "capabilities": capabilities(), "serverInfo": about }))?;
         let Some(code) = self.code.take() else { return Ok(()) };
-        let worker = Worker::new(code, folders(&asked), self.cancelled.clone())?;
+        let worker = Worker::new(code, folders(&request), self.cancelled.clone())?;
         let ended = self.answer_all(connection, &worker);
         // What is under way is not wanted any more.
         self.newest.fetch_add(1, Ordering::Relaxed);
@@ -181,38 +181,45 @@ impl Server {
     fn hear(&mut self, notification: Notification) -> bool {
         let Notification { method, params } = notification;
         match method.as_str() {
-            DidOpenTextDocument::METHOD => read(params).is_some_and(|said: DidOpenTextDocumentParams| {
-                let item = said.text_document;
+            DidOpenTextDocument::METHOD => read(params).is_some_and(|message: DidOpenTextDocumentParams| {
+                let item = message.text_document;
                 path_of(&item.uri).is_some_and(|path| {
                     self.forget.push(path.clone());
                     self.put(path, &item.text, item.version)
                 })
             }),
-            DidChangeTextDocument::METHOD => read(params).is_some_and(|said: DidChangeTextDocumentParams| {
-                let Some(path) = path_of(&said.text_document.uri) else { return false };
-                let Some(document) = self.open.get(&path) else { return false };
-                let text = said.content_changes.iter().fold(document.text.to_string(), |t, c| changed(&t, c));
-                self.put(path, &text, said.text_document.version)
-            }),
-            DidSaveTextDocument::METHOD => read(params).is_some_and(|said: DidSaveTextDocumentParams| {
+            DidChangeTextDocument::METHOD => {
+                read(params).is_some_and(|message: DidChangeTextDocumentParams| {
+                    let Some(path) = path_of(&message.text_document.uri) else { return false };
+                    let Some(document) = self.open.get(&path) else { return false };
+                    let text =
+                        message.content_changes.iter().fold(document.text.to_string(), |t, c| changed(&t, c));
+                    self.put(path, &text, message.text_document.version)
+                })
+            }
+            DidSaveTextDocument::METHOD => read(params).is_some_and(|message: DidSaveTextDocumentParams| {
                 // Files that name each other may have changed on the disk.
-                path_of(&said.text_document.uri).is_some_and(|path| {
+                path_of(&message.text_document.uri).is_some_and(|path| {
                     let is_open = self.open.contains_key(&path);
                     self.forget.push(path);
                     is_open
                 })
             }),
-            DidCloseTextDocument::METHOD => read(params).is_some_and(|said: DidCloseTextDocumentParams| {
-                path_of(&said.text_document.uri).is_some_and(|path| {
-                    Arc::make_mut(&mut self.open).remove(&path);
-                    self.forget.push(path);
-                    true
+            DidCloseTextDocument::METHOD => {
+                read(params).is_some_and(|message: DidCloseTextDocumentParams| {
+                    path_of(&message.text_document.uri).is_some_and(|path| {
+                        Arc::make_mut(&mut self.open).remove(&path);
+                        self.forget.push(path);
+                        true
+                    })
                 })
-            }),
-            DidChangeWatchedFiles::METHOD => read(params).is_some_and(|said: DidChangeWatchedFilesParams| {
-                self.forget.extend(said.changes.iter().filter_map(|change| path_of(&change.uri)));
-                !self.open.is_empty()
-            }),
+            }
+            DidChangeWatchedFiles::METHOD => {
+                read(params).is_some_and(|message: DidChangeWatchedFilesParams| {
+                    self.forget.extend(message.changes.iter().filter_map(|change| path_of(&change.uri)));
+                    !self.open.is_empty()
+                })
+            }
             Cancel::METHOD => {
                 let number = params.get("id").and_then(Value::as_i64).map(|id| RequestId::from(id as i32));
                 let text = params.get("id").and_then(Value::as_str).map(|id| RequestId::from(id.to_owned()));
@@ -238,18 +245,18 @@ impl Server {
     /// Tells the problems that were found; of files that have none any more, too.
     fn publish(&mut self, connection: &Connection) -> Result<(), Broken> {
         let mut found = std::mem::take(&mut self.known.found);
-        for gone in std::mem::take(&mut self.told) {
+        for gone in std::mem::take(&mut self.published) {
             found.entry(gone).or_default();
         }
         for (path, diagnostics) in found {
             let Some(uri) = uri_of(&path) else { continue };
             let version = self.open.get(&path).map(|document| document.version);
             if !diagnostics.is_empty() {
-                self.told.insert(path);
+                self.published.insert(path);
             }
             let params = PublishDiagnosticsParams { uri, diagnostics, version };
-            let told = Notification::new(PublishDiagnostics::METHOD.to_owned(), params);
-            connection.sender.send(told.into())?;
+            let message = Notification::new(PublishDiagnostics::METHOD.to_owned(), params);
+            connection.sender.send(message.into())?;
         }
         Ok(())
     }
@@ -261,7 +268,7 @@ impl Server {
             Completion::METHOD => self.at(
                 id,
                 params,
-                |asked: CompletionParams| asked.text_document_position,
+                |request: CompletionParams| request.text_document_position,
                 |place| {
                     let Place { text, at, path } = place;
                     let folder = path.parent().unwrap_or(path);
@@ -270,48 +277,48 @@ impl Server {
                 },
             ),
             HoverRequest::METHOD => {
-                let place = |asked: HoverParams| asked.text_document_position_params;
+                let place = |request: HoverParams| request.text_document_position_params;
                 return self.hover(id, params, place, worker);
             }
             GotoDefinition::METHOD => {
-                let place = |asked: GotoDefinitionParams| asked.text_document_position_params;
+                let place = |request: GotoDefinitionParams| request.text_document_position_params;
                 return self.definition(id, params, place, worker);
             }
             References::METHOD => {
-                let Some(asked) = read::<ReferenceParams>(params) else { return Some(wrong(id)) };
-                let with_declaration = asked.context.include_declaration;
-                let asked = (asked.text_document_position, Asked::References { with_declaration });
-                return self.hand_over(id, asked, worker);
+                let Some(request) = read::<ReferenceParams>(params) else { return Some(wrong(id)) };
+                let with_declaration = request.context.include_declaration;
+                let request = (request.text_document_position, Query::References { with_declaration });
+                return self.hand_over(id, request, worker);
             }
             PrepareRenameRequest::METHOD => {
                 let Some(place) = read::<TextDocumentPositionParams>(params) else { return Some(wrong(id)) };
-                return self.hand_over(id, (place, Asked::Prepare), worker);
+                return self.hand_over(id, (place, Query::Prepare), worker);
             }
             Rename::METHOD => {
-                let Some(asked) = read::<RenameParams>(params) else { return Some(wrong(id)) };
-                let asked = (asked.text_document_position, Asked::Rename { new: asked.new_name });
-                return self.hand_over(id, asked, worker);
+                let Some(request) = read::<RenameParams>(params) else { return Some(wrong(id)) };
+                let request = (request.text_document_position, Query::Rename { new: request.new_name });
+                return self.hand_over(id, request, worker);
             }
             DocumentSymbolRequest::METHOD => match read::<DocumentSymbolParams>(params) {
-                Some(asked) => {
-                    let path = path_of(&asked.text_document.uri);
+                Some(request) => {
+                    let path = path_of(&request.text_document.uri);
                     let text = path.and_then(|path| self.text(&path)).unwrap_or_default();
                     Response::new_ok(id, DocumentSymbolResponse::Nested(outline(text)))
                 }
                 None => wrong(id),
             },
             CodeActionRequest::METHOD => match read::<CodeActionParams>(params) {
-                Some(asked) => {
-                    let uri = &asked.text_document.uri;
+                Some(request) => {
+                    let uri = &request.text_document.uri;
                     let path = path_of(uri).unwrap_or_default();
                     let fixes = self.known.fixes.get(&path).map(Vec::as_slice).unwrap_or_default();
-                    Response::new_ok(id, offered(fixes, uri, &asked.range))
+                    Response::new_ok(id, offered(fixes, uri, &request.range))
                 }
                 None => wrong(id),
             },
             Formatting::METHOD => match read::<DocumentFormattingParams>(params) {
-                Some(asked) => {
-                    let path = path_of(&asked.text_document.uri);
+                Some(request) => {
+                    let path = path_of(&request.text_document.uri);
                     let edits = path.and_then(|path| laid_out(self.text(&path)?));
                     Response::new_ok(id, edits)
                 }
@@ -328,10 +335,10 @@ impl Server {
         self.open.get(path).map(|document| &*document.text)
     }
 
-    /// The place of an open file that is asked about.
-    fn place(&self, asked: &TextDocumentPositionParams) -> Option<Place<'_>> {
-        let (path, document) = self.open.get_key_value(&path_of(&asked.text_document.uri)?)?;
-        Some(Place { text: &document.text, at: offset(&document.text, asked.position), path })
+    /// The place of an open file that a request names.
+    fn place(&self, request: &TextDocumentPositionParams) -> Option<Place<'_>> {
+        let (path, document) = self.open.get_key_value(&path_of(&request.text_document.uri)?)?;
+        Some(Place { text: &document.text, at: offset(&document.text, request.position), path })
     }
 
     /// Answers a question about a place of an open file; with nothing if the file is not open.
@@ -342,21 +349,21 @@ impl Server {
         place: impl Fn(P) -> TextDocumentPositionParams,
         answer: impl Fn(Place) -> Value,
     ) -> Response {
-        let Some(asked) = read(params).map(place) else { return wrong(id) };
-        Response::new_ok(id, self.place(&asked).map_or(Value::Null, answer))
+        let Some(request) = read(params).map(place) else { return wrong(id) };
+        Response::new_ok(id, self.place(&request).map_or(Value::Null, answer))
     }
 
     /// Leaves a question to the other thread; answers with nothing if the file is not open.
     fn hand_over(
         &mut self,
         id: RequestId,
-        (place, asked): (TextDocumentPositionParams, Asked),
+        (place, query): (TextDocumentPositionParams, Query),
         worker: &Worker,
     ) -> Option<Response> {
         let Some(Place { at, path, .. }) = self.place(&place) else {
             return Some(Response::new_ok(id, Value::Null));
         };
-        let job = Job::Answer { id: id.clone(), path: path.to_owned(), at, asked };
+        let job = Job::Answer { id: id.clone(), path: path.to_owned(), at, query };
         worker.put(job, self.snapshot());
         self.waiting.insert(id);
         None
@@ -370,13 +377,13 @@ impl Server {
         place: impl Fn(P) -> TextDocumentPositionParams,
         worker: &Worker,
     ) -> Option<Response> {
-        let Some(asked) = read(params).map(place) else { return Some(wrong(id)) };
-        let found = self.place(&asked).map(|Place { text, at, path }| {
+        let Some(request) = read(params).map(place) else { return Some(wrong(id)) };
+        let found = self.place(&request).map(|Place { text, at, path }| {
             let here = hover(text, at, self.known.blocks.get(path), self.prose);
             (here, context(text, at) == Context::Expression)
         });
         match found {
-            Some((None, true)) => self.hand_over(id, (asked, Asked::Hover), worker),
+            Some((None, true)) => self.hand_over(id, (request, Query::Hover), worker),
             found => Some(Response::new_ok(id, found.and_then(|(here, _)| here))),
         }
     }
@@ -390,8 +397,8 @@ impl Server {
         place: impl Fn(P) -> TextDocumentPositionParams,
         worker: &Worker,
     ) -> Option<Response> {
-        let Some(asked) = read(params).map(place) else { return Some(wrong(id)) };
-        let Some(Place { text, at, path }) = self.place(&asked) else {
+        let Some(request) = read(params).map(place) else { return Some(wrong(id)) };
+        let Some(Place { text, at, path }) = self.place(&request) else {
             return Some(Response::new_ok(id, Value::Null));
         };
         let here = path.parent().and_then(|folder| definition(text, at, folder));
@@ -407,7 +414,7 @@ impl Server {
             _ => false,
         };
         if is_elsewhere {
-            return self.hand_over(id, (asked, Asked::Definition { otherwise: here }), worker);
+            return self.hand_over(id, (request, Query::Definition { otherwise: here }), worker);
         }
         Some(Response::new_ok(id, here))
     }
@@ -415,10 +422,10 @@ impl Server {
 
 /// Folders that the editor has open.
 #[expect(deprecated, reason = "older editors name one folder alone")]
-fn folders(asked: &InitializeParams) -> Vec<PathBuf> {
-    match &asked.workspace_folders {
+fn folders(request: &InitializeParams) -> Vec<PathBuf> {
+    match &request.workspace_folders {
         Some(folders) => folders.iter().filter_map(|folder| path_of(&folder.uri)).collect(),
-        None => asked.root_uri.iter().filter_map(path_of).collect(),
+        None => request.root_uri.iter().filter_map(path_of).collect(),
     }
 }
 
@@ -464,9 +471,9 @@ fn capabilities() -> ServerCapabilities {
     }
 }
 
-fn takes_snippets(asked: &InitializeParams) -> bool {
+fn takes_snippets(request: &InitializeParams) -> bool {
     let item = || {
-        asked
+        request
             .capabilities
             .text_document
             .as_ref()?

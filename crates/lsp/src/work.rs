@@ -24,12 +24,12 @@ pub enum Job {
     /// To compile the models of all open files, looking anew for those that the listed files belong to.
     Check { forget: Vec<PathBuf> },
     /// To answer a question about a byte of a file.
-    Answer { id: RequestId, path: PathBuf, at: usize, asked: Asked },
+    Answer { id: RequestId, path: PathBuf, at: usize, query: Query },
 }
 
 /// Questions whose answers need the names of whole models.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Asked {
+pub enum Query {
     /// Where it is declared, or `otherwise` where nothing more is known.
     Definition { otherwise: Option<Location> },
     /// What is declared, as text.
@@ -116,8 +116,8 @@ fn run(
                     all.extend(forget);
                     check = Some((all, snapshot));
                 }
-                Job::Answer { id, path, at, asked } => {
-                    let about = (path, at, asked);
+                Job::Answer { id, path, at, query } => {
+                    let about = (path, at, query);
                     let answer = answer(&mut models, id, about, &snapshot, code, gone);
                     let _ = finished.send(Done::Answered(answer));
                 }
@@ -143,7 +143,7 @@ fn run(
 fn answer(
     models: &mut Models,
     id: RequestId,
-    (path, at, asked): (PathBuf, usize, Asked),
+    (path, at, query): (PathBuf, usize, Query),
     snapshot: &Snapshot,
     code: &dyn CodePolicy,
     gone: &Cancelled,
@@ -154,17 +154,17 @@ fn answer(
         return Response::new_err(id, ErrorCode::RequestCanceled as i32, message);
     }
     let changed = "the text has changed meanwhile";
-    let names = catch_unwind(AssertUnwindSafe(|| match &asked {
-        Asked::Definition { otherwise } => {
+    let names = catch_unwind(AssertUnwindSafe(|| match &query {
+        Query::Definition { otherwise } => {
             let found = definition(models, &path, at, snapshot, code);
             Ok(if found.is_empty() { json!(otherwise) } else { json!(found) })
         }
-        Asked::Hover => Ok(json!(described(models, &path, at, snapshot, code))),
-        Asked::References { with_declaration } => {
+        Query::Hover => Ok(json!(described(models, &path, at, snapshot, code))),
+        Query::References { with_declaration } => {
             Ok(json!(references(models, &path, at, *with_declaration, snapshot, code)))
         }
-        Asked::Prepare => prepared(models, &path, at, snapshot, code).map(|found| json!(found)),
-        Asked::Rename { new } => renamed(models, &path, at, new, snapshot, code).map(|edit| json!(edit)),
+        Query::Prepare => prepared(models, &path, at, snapshot, code).map(|found| json!(found)),
+        Query::Rename { new } => renamed(models, &path, at, new, snapshot, code).map(|edit| json!(edit)),
     }));
     let refused =
         |id, Refusal(reason): Refusal| Response::new_err(id, ErrorCode::RequestFailed as i32, reason);

@@ -39,7 +39,7 @@ struct Editor {
     folder: PathBuf,
     connection: Connection,
     server: Option<JoinHandle<()>>,
-    asked: i32,
+    requests: i32,
 }
 
 impl Editor {
@@ -53,7 +53,7 @@ impl Editor {
         let server = std::thread::spawn(move || {
             Server::new(str::to_owned, Box::new(blocksim_block::NoCode)).run(&other).unwrap()
         });
-        let mut editor = Editor { folder, connection, server: Some(server), asked: 0 };
+        let mut editor = Editor { folder, connection, server: Some(server), requests: 0 };
         let snippets =
             json!({ "textDocument": { "completion": { "completionItem": { "snippetSupport": true } } } });
         let answer = editor.ask("initialize", json!({ "capabilities": snippets }));
@@ -95,16 +95,17 @@ impl Editor {
     /// The next problems of a file.
     fn problems(&self, name: &str) -> Vec<Value> {
         loop {
-            let Message::Notification(said) = self.connection.receiver.recv().unwrap() else { continue };
-            if said.method == "textDocument/publishDiagnostics" && said.params["uri"] == self.uri(name) {
-                return said.params["diagnostics"].as_array().unwrap().clone();
+            let Message::Notification(message) = self.connection.receiver.recv().unwrap() else { continue };
+            if message.method == "textDocument/publishDiagnostics" && message.params["uri"] == self.uri(name)
+            {
+                return message.params["diagnostics"].as_array().unwrap().clone();
             }
         }
     }
 
     fn ask(&mut self, method: &str, params: Value) -> Value {
-        self.asked += 1;
-        let request = Request::new(self.asked.into(), method.to_owned(), params);
+        self.requests += 1;
+        let request = Request::new(self.requests.into(), method.to_owned(), params);
         self.connection.sender.send(request.into()).unwrap();
         loop {
             if let Message::Response(answer) = self.connection.receiver.recv().unwrap() {
@@ -299,18 +300,18 @@ fn a_block_is_shown_with_its_parameters_and_ports() {
         let answer = editor.ask_at("textDocument/hover", "servo.ron", marked);
         answer["contents"]["value"].as_str().unwrap_or_default().to_owned()
     };
-    let said = hover(&typed("\"amplifier\"", "\"ampl|ifier\""));
-    assert!(said.starts_with("**amplifier**: Gain (Math)\n\n"), "{said}");
-    assert!(said.contains("| `k` | `\"gain\"` | 2 |") && said.contains("| `u` | input |"), "{said}");
-    let said = hover(&typed("\"demand\"", "\"|demand\""));
-    assert!(said.contains("| `time` | `\"0.1 s\"` | 0.1 s |"), "{said}");
+    let message = hover(&typed("\"amplifier\"", "\"ampl|ifier\""));
+    assert!(message.starts_with("**amplifier**: Gain (Math)\n\n"), "{message}");
+    assert!(message.contains("| `k` | `\"gain\"` | 2 |") && message.contains("| `u` | input |"), "{message}");
+    let message = hover(&typed("\"demand\"", "\"|demand\""));
+    assert!(message.contains("| `time` | `\"0.1 s\"` | 0.1 s |"), "{message}");
     assert_eq!(
-        said,
+        message,
         hover(&typed("\"demand.y", "\"dem|and.y")),
         "where it is named and where it is declared"
     );
-    let said = hover(&typed("part.y", "pa|rt.y"));
-    assert!(said.starts_with("**part**: Subsystem") && said.contains("| `y` | output |"), "{said}");
+    let message = hover(&typed("part.y", "pa|rt.y"));
+    assert!(message.starts_with("**part**: Subsystem") && message.contains("| `y` | output |"), "{message}");
     assert!(hover(&typed("\"part.ron\"", "\"pa|rt.ron\"")).is_empty());
 }
 
@@ -430,10 +431,10 @@ fn references_and_declarations_are_found_across_files() {
     let marked = LOOSE.replacen("k: \"gain\"", "k: \"ga|in\"", 1);
     let found = editor.ask_at("textDocument/definition", "loose.ron", &marked);
     assert_eq!(places(&found), [("servo.ron".to_owned(), 1)], "{found}");
-    let said = editor.ask_at("textDocument/hover", "loose.ron", &marked);
+    let message = editor.ask_at("textDocument/hover", "loose.ron", &marked);
     assert!(
-        said["contents"]["value"].as_str().unwrap().contains("parameters: { \"gain\": \"2\" }"),
-        "{said}"
+        message["contents"]["value"].as_str().unwrap().contains("parameters: { \"gain\": \"2\" }"),
+        "{message}"
     );
     let port = servo.replacen("amplifier.u", "amplifier.|u", 1);
     let found = editor.ask_at("textDocument/definition", "servo.ron", &port);
@@ -482,8 +483,8 @@ fn what_stands_under_the_cursor_is_told_and_found() {
             .to_owned()
     };
     assert!(hover(&mut editor, &typed("Gain(", "Ga|in(")).starts_with("**Gain** (Math)"));
-    let said = hover(&mut editor, &typed("k: \"gain\"", "|k: \"gain\""));
-    assert!(said.starts_with("`Gain.k` ("), "{said}");
+    let message = hover(&mut editor, &typed("k: \"gain\"", "|k: \"gain\""));
+    assert!(message.starts_with("`Gain.k` ("), "{message}");
     assert!(
         hover(&mut editor, &typed("amplifier.u,", "amplifier.u|,"))
             .contains("`amplifier`: Gain\n\n`u` (input)")
@@ -523,12 +524,12 @@ fn a_text_is_laid_out_and_mended_on_request() {
     assert_eq!(edits[0]["newText"], "        \"amplifier\": Gian(k: \"gain\"),\n");
     let at = |line: u32| json!({ "start": { "line": line, "character": 24 }, "end": { "line": line, "character": 24 } });
     let context = json!({ "diagnostics": [] });
-    let asked = |line| json!({ "textDocument": file, "range": at(line), "context": context });
-    let actions = editor.ask("textDocument/codeAction", asked(4));
+    let params = |line| json!({ "textDocument": file, "range": at(line), "context": context });
+    let actions = editor.ask("textDocument/codeAction", params(4));
     assert_eq!((&actions[0]["title"], &actions[0]["kind"]), (&json!("Write `Gain`"), &json!("quickfix")));
     let edit = &actions[0]["edit"]["changes"][editor.uri("servo.ron")][0];
     assert_eq!((&edit["newText"], &edit["range"]["start"]["line"]), (&json!("Gain"), &json!(4)), "{actions}");
-    assert_eq!(editor.ask("textDocument/codeAction", asked(5)), json!([]));
+    assert_eq!(editor.ask("textDocument/codeAction", params(5)), json!([]));
 }
 
 #[test]

@@ -103,14 +103,14 @@ pub fn unpack(bytes: &[u8]) -> Result<Vec<(String, String)>, BookError> {
 ///
 /// # Errors
 /// Two parts have the same name.
-pub fn pack(parts: &[(String, String)]) -> Result<Vec<u8>, BookError> {
+pub fn pack<T: AsRef<[u8]>>(parts: &[(String, T)]) -> Result<Vec<u8>, BookError> {
     let failed =
         |error: ZipError| BookError::new(format!("it cannot be packed: {error}"), "rename one of the parts");
     let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let options = zip::write::SimpleFileOptions::default();
     for (name, text) in parts {
         archive.start_file(name.as_str(), options).map_err(failed)?;
-        archive.write_all(text.as_bytes()).map_err(|error| failed(error.into()))?;
+        archive.write_all(text.as_ref()).map_err(|error| failed(error.into()))?;
     }
     Ok(archive.finish().map_err(failed)?.into_inner())
 }

@@ -4,7 +4,7 @@
 /* global R */
 
 R.Readings = (() => {
-  const HEAD = ['signal', 'unit', 'now', 'A', 'B', 'B − A', 'least', 'largest', 'mean', 'rms'];
+  const HEAD = ['signal', 'unit', 'now', 'A', 'B', 'B − A', 'minimum', 'maximum', 'mean', 'rms'];
   /** Numbers change no more often than can be read, ms. */
   const READ = 60;
   /** Rows of a saved file beyond which it has even distances in time. */
@@ -98,7 +98,7 @@ R.Readings = (() => {
     const plain = (/** @type {number} */ x) => Number.isFinite(x) ? String(Number(x.toPrecision(R.data.full ? 15 : 7))) : '';
     const [from, to] = stretch(), [a, b] = R.cursors;
     const lines = rows.map((row) => [row.path, row.panel.unit, ...numbers(row).map(plain)]);
-    const times = [`now ${plain(R.now)} s`, a === null ? '' : `A ${plain(a)} s`, b === null ? '' : `B ${plain(b)} s`, `least to rms from ${plain(from)} s to ${plain(to)} s`].filter(Boolean);
+    const times = [`now ${plain(R.now)} s`, a === null ? '' : `A ${plain(a)} s`, b === null ? '' : `B ${plain(b)} s`, `minimum to rms from ${plain(from)} s to ${plain(to)} s`].filter(Boolean);
     return [times, HEAD, ...lines].map((cells) => cells.map((cell) => cell.replace(/[\t\r\n]/g, ' ')).join('\t')).join('\n') + '\n';
   };
 

@@ -186,6 +186,7 @@ fn compare([with, without]: [Arc<Schedule>; 2]) {
         (whole.cpu - bare.cpu) / values * 1e9
     );
     println!("  {:.2} bytes a value", bytes as f64 / values);
+    println!("time recording/{SIGNALS}_signals {:.4e} s", whole.wall);
 }
 
 /// Writes more than 1 GB and reads one signal of it.
@@ -220,6 +221,8 @@ fn large() {
         writing.wall,
         reading.wall
     );
+    println!("time recording/large/written {:.4e} s", writing.wall);
+    println!("time recording/large/read {:.4e} s", reading.wall);
 }
 
 fn main() {

@@ -38,6 +38,23 @@ fn changes(block: &Instance, place: usize) -> Option<&Changes> {
     block.interface.discrete[place].changes.as_deref()
 }
 
+/// Appends ` by 4.97 V`, without taking memory.
+fn append_amount(words: &mut String, amount: f64, unit: &str) {
+    use std::fmt::Write as _;
+    use std::io::Write as _;
+    // Three digits, then as short as they are.
+    let mut digits = [0_u8; 32];
+    let mut rest = &mut digits[..];
+    let _ = write!(rest, "{amount:.2e}");
+    let length = 32 - rest.len();
+    let rounded = std::str::from_utf8(&digits[..length]).ok().and_then(|text| text.parse().ok());
+    let rounded: f64 = rounded.unwrap_or(amount);
+    let _ = match (1e-4..1e7).contains(&rounded.abs()) {
+        true => write!(words, " by {rounded} {unit}"),
+        false => write!(words, " by {rounded:e} {unit}"),
+    };
+}
+
 impl Simulation {
     /// Reports the modes that have changed since they were noted last, and notes them; at the start there is no before.
     pub(crate) fn report_modes(&mut self, first: bool, observer: &mut dyn Observer) {
@@ -50,9 +67,30 @@ impl Simulation {
             if let Some(changes) = changes(block, place)
                 && let Some(verb) = changes.phrase(*before, now)
             {
-                observer.event(*t, phrase(words, block, &changes.subject, verb), words);
+                let path = phrase(words, block, &changes.subject, verb);
+                if let Some(unit) = changes.unit {
+                    append_amount(words, now - *before, unit);
+                }
+                observer.event(*t, path, words);
             }
         }
         modes.note(&diagram.d);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn an_amount_has_three_digits_and_its_unit() {
+        let of = |amount: f64| {
+            let mut words = "jumps".to_owned();
+            super::append_amount(&mut words, amount, "V");
+            words
+        };
+        assert_eq!(of(5.0), "jumps by 5 V");
+        assert_eq!(of(-4.9666), "jumps by -4.97 V");
+        assert_eq!(of(123_456.0), "jumps by 123000 V");
+        assert_eq!(of(3.21e-9), "jumps by 3.21e-9 V");
+        assert_eq!(of(f64::INFINITY), "jumps by inf V");
     }
 }

@@ -8,7 +8,8 @@
 //! | `--only PACKAGE` | the benchmarks of one crate |
 //! | `--read FILE` | reads what `cargo bench` has printed before, and runs nothing |
 //!
-//! A ratio below 1 is faster than before. The exit code is that of the benchmarks.
+//! Medians are those of the tables that divan prints; a benchmark without it prints lines `time PATH NUMBER UNIT` for the table, a
+//! path without spaces. A ratio below 1 is faster than before. The exit code is that of the benchmarks.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -31,7 +32,7 @@ fn main() -> io::Result<ExitCode> {
         None => run(word("--only"))?,
     };
     if medians.is_empty() {
-        say!("no benchmark printed a median");
+        say!("no benchmark printed a time");
         return Ok(ExitCode::FAILURE);
     }
     let before = word("--against").map(fs::read_to_string).transpose()?;
@@ -59,14 +60,19 @@ fn run(only: Option<&str>) -> io::Result<(BTreeMap<String, f64>, bool)> {
             lines.push(line);
         }
     }
-    Ok((medians(lines.iter().map(String::as_str)), child.wait()?.success()))
+    let status = child.wait()?;
+    Ok((medians(lines.iter().map(String::as_str)), status.success()))
 }
 
 /// Medians in s by the path of a benchmark: `chain/engine`. The lines are those of divan: a tree of names, and behind each leaf
-/// fastest, slowest, median and mean between bars.
+/// fastest, slowest, median and mean between bars. Other benchmarks print `time PATH NUMBER UNIT`.
 fn medians<'a>(lines: impl Iterator<Item = &'a str>) -> BTreeMap<String, f64> {
     let (mut found, mut path) = (BTreeMap::new(), Vec::<String>::new());
     for line in lines {
+        if let Some((name, time)) = line.strip_prefix("time ").and_then(|rest| rest.split_once(' ')) {
+            found.extend(seconds(time).map(|time| (name.to_owned(), time)));
+            continue;
+        }
         let cells: Vec<&str> = line.split('│').collect();
         // Bars of the tree before the name are bars, too.
         let bars = line.chars().take_while(|c| matches!(c, '│' | ' ')).filter(|c| *c == '│').count();
@@ -138,6 +144,35 @@ chain                fastest       │ slowest       │ median        │ mean 
 │  ╰─ objects        1 s           │ 2 s           │ 1.25 s        │ 1.3 s         │ 10      │ 10
 ╰─ plain             7 ns          │ 9 ns          │ 8 ns          │ 8 ns          │ 100     │ 100
 ";
+
+    /// Lines of `cargo bench` as they come: two programs of benchmarks, the second without divan.
+    const WHOLE: &str = "\
+running 2 tests
+test inertia::tests::two_half_boxes_make_a_box ... ignored
+
+test result: ok. 0 passed; 0 failed; 2 ignored; 0 measured; 0 filtered out; finished in 0.00s
+
+rnea 331 ns
+Timer precision: 20 ns
+mass_and_bias + Cholesky 575 ns, 1.74 x rnea
+dynamics                       fastest       │ slowest       │ median        │ mean          │ samples │ iters
+├─ aba                         649.7 ns      │ 5.888 µs      │ 660.7 ns      │ 713.2 ns      │ 100     │ 100
+├─ forward_kinematics          140.5 ns      │ 141.8 ns      │ 141.1 ns      │ 141.2 ns      │ 100     │ 1600
+╰─ rnea                        333.9 ns      │ 338.9 ns      │ 335.2 ns      │ 335.8 ns      │ 100     │ 800
+
+  50 blocks      11.5 ms, 80 crossings, 2130 x 618 dots
+time large/50 1.1530e-2 s
+time of nothing
+";
+
+    #[test]
+    fn what_stands_around_the_figures_is_no_figure() {
+        let found = medians(WHOLE.lines());
+        let names: Vec<&str> = found.keys().map(String::as_str).collect();
+        assert_eq!(names, ["dynamics/aba", "dynamics/forward_kinematics", "dynamics/rnea", "large/50"]);
+        assert_eq!((found["dynamics/rnea"] * 1e10).round(), 3352.0);
+        assert_eq!(found["large/50"], 1.153e-2);
+    }
 
     #[test]
     fn medians_are_read_with_the_names_above_them() {

@@ -4,7 +4,7 @@
 //! | flag | meaning |
 //! |---|---|
 //! | `--program FILE` | the program; it should be built with all of its parts |
-//! | `--kinds A,B` | kinds of files, such as `diagram,move` or `signals.rec`; all but diagrams and moves with `others`; all if absent |
+//! | `--kinds A,B` | kinds of files, such as `diagram,move`, `signals.rec` or `parts` (of workbooks); all but diagrams and moves with `others`; all if absent |
 //! | `--seed N` | first seed, 1 if absent |
 //! | `--count N` | number of mutants, 1000 if absent |
 //! | `--all` | every command of each mutant, and not three of them |

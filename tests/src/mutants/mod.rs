@@ -1,9 +1,10 @@
 //! Files with mistakes: a valid one and a seed give a mutant, the same in every run.
 //!
 //! Texts are changed as people and broken programs change them (signs, tokens, numbers, brackets, units, names, lines), other
-//! files as disks and networks do (bits, pieces, lengths).
+//! files as disks and networks do (bits, pieces, lengths); workbooks also inside of their parts.
 
 mod binary;
+mod parts;
 mod runner;
 mod subjects;
 mod text;
@@ -51,6 +52,8 @@ pub enum Form {
     Text,
     /// Anything else: recordings, workbooks, libraries.
     Binary,
+    /// Texts in an archive: the parts of a workbook.
+    Parts,
 }
 
 /// A mutant of a file: one to four changes.
@@ -61,6 +64,7 @@ pub fn mutant(valid: &[u8], form: Form, seed: u64) -> Vec<u8> {
         match form {
             Form::Text => text::change(&mut bytes, &mut dice),
             Form::Binary => binary::change(&mut bytes, &mut dice),
+            Form::Parts => parts::change(&mut bytes, &mut dice),
         }
     }
     bytes
@@ -83,10 +87,24 @@ mod tests {
     }
 
     #[test]
+    fn most_mutants_of_a_workbook_are_archives_with_another_text() {
+        let parts = ["[Content_Types].xml", "xl/workbook.xml", "xl/worksheets/sheet1.xml"].map(|name| {
+            (name.to_owned(), "<sheet r=\"A1\" s=\"2\"><c t=\"s\"><v>1</v></c></sheet>".to_owned())
+        });
+        let valid = blocksim_params::pack(&parts).expect("an archive");
+        let all: Vec<Vec<u8>> = (0..300).map(|seed| mutant(&valid, Form::Parts, seed)).collect();
+        assert_eq!(all[7], mutant(&valid, Form::Parts, 7));
+        let changed = all.iter().filter(|bytes| blocksim_params::unpack(bytes).is_ok_and(|now| now != parts));
+        let count = changed.count();
+        assert!(count > 200, "{count}");
+    }
+
+    #[test]
     fn nothing_becomes_something_without_a_panic() {
         for seed in 0..200 {
             mutant(b"", Form::Text, seed);
             mutant(b"", Form::Binary, seed);
+            mutant(b"", Form::Parts, seed);
             mutant(&[0xFF, 0xFE, b'"', 0xC3], Form::Text, seed);
         }
     }

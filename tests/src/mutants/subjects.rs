@@ -55,6 +55,10 @@ pub fn subjects(root: &Path) -> Vec<Subject> {
         let kind = KINDS.iter().find(|known| **known == kind).copied().unwrap_or("other");
         subject(kind, file, form, &lines)
     };
+    let parts = |file: &str, lines: &[&str]| {
+        let lines: Vec<String> = lines.iter().map(|line| (*line).to_owned()).collect();
+        subject(PARTS, file, Form::Parts, &lines)
+    };
     let of_run = [
         "plot run",
         "report run --out out/page.html --yes",
@@ -86,6 +90,14 @@ pub fn subjects(root: &Path) -> Vec<Subject> {
             &["params check book.xlsx params/irb2600.ron", "params import book.xlsx params/irb2600.ron"],
         ),
         run("servo.xlsx", Form::Binary, &["params import servo.xlsx diagrams/servo.ron"]),
+        parts(
+            "book.xlsx",
+            &["params check book.xlsx params/irb2600.ron", "params import book.xlsx params/irb2600.ron"],
+        ),
+        parts(
+            "servo.xlsx",
+            &["params check servo.xlsx diagrams/servo.ron", "params import servo.xlsx diagrams/servo.ron"],
+        ),
         run("irb2600.urdf", Form::Text, &["import irb2600.urdf --out out/arm"]),
         run("kinds.urdf", Form::Text, &["import kinds.urdf --out out/arm"]),
         run("crane.xml", Form::Text, &["import crane.xml --out out/crane"]),
@@ -98,6 +110,9 @@ pub fn subjects(root: &Path) -> Vec<Subject> {
     ]);
     all
 }
+
+/// The kind of a workbook that is damaged inside of its parts.
+const PARTS: &str = "parts";
 
 /// Names of kinds besides diagrams and moves.
 const KINDS: [&str; 14] = [
@@ -174,7 +189,7 @@ mod tests {
         let all = subjects(&crate::root());
         let diagrams = all.iter().filter(|subject| subject.kind == "diagram").count();
         assert!(diagrams > 50, "{diagrams}");
-        for kind in KINDS.iter().chain(&["move"]) {
+        for kind in KINDS.iter().chain(&["move", PARTS]) {
             assert!(all.iter().any(|subject| subject.kind == *kind), "{kind}");
         }
         assert!(all.iter().all(|subject| subject.kind != "other"));

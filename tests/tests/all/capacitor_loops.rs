@@ -215,6 +215,14 @@ fn charges_divide_when_a_contact_closes_a_loop_and_half_of_the_energy_is_heat() 
     };
     // b begins with what e has. 2 mF of 12 V and 2 mF of 4 V make 8 V.
     assert!((run.column("s.b")[0] - 4.0).abs() < 1e-15);
+    let events = run.events.iter().map(|(t, path, what)| format!("{t} {path} {what}\n"));
+    expect![[r#"
+        0.001 a jumps by -4 V
+        0.001 b jumps by 4 V
+        0.001 e jumps by 4 V
+        0.001 on becomes true
+    "#]]
+    .assert_eq(&events.collect::<String>());
     for name in ["s.a", "s.b"] {
         assert!(after(name).iter().all(|v| (v - 8.0).abs() < 1e-12), "{:?}", after(name));
     }

@@ -33,6 +33,9 @@ const RISING: f64 = 1.0;
 const FALLING: f64 = -1.0;
 const NOTHING: f64 = 0.0;
 
+/// A guard of a mode that is another one now.
+const FAR: f64 = 1.0;
+
 fn mode(u: f64, last: f64) -> f64 {
     if u > last {
         RISING
@@ -76,9 +79,11 @@ impl Block for RateLimiter {
             .settles()
             .accepts();
         // The modes have no words: at the very rate they change by rounding alone.
-        let change = "reaches or leaves a limit";
-        let interface = interface.guard_each_when(Crossing::Holds, "limit", n).called(change, change);
         let (rises, falls) = ("begins to limit the rise", "begins to limit the fall");
+        let meets = "meets the input again";
+        let interface = interface.guard_each_when(Crossing::Holds, "limit", n).called(meets, meets);
+        let interface = interface.guard_each_when(Crossing::Holds, "upper", n).called(rises, rises);
+        let interface = interface.guard_each_when(Crossing::Holds, "lower", n).called(falls, falls);
         let interface = interface.guard_each_when(Crossing::Peak, "rises", n).called(rises, rises);
         Ok(interface.guard_each_when(Crossing::Peak, "falls", n).called(falls, falls))
     }
@@ -108,8 +113,9 @@ impl Block for RateLimiter {
         }
     }
 
-    /// While a rate limits, how far the output is behind. While none does, how far the input is inside of what the rates have
-    /// allowed since the last step; each of the two has a maximum where the input passes a rate.
+    /// While a rate limits, how far the output is behind. While none does, how far the input is inside of what each rate has
+    /// allowed since the last step; each of the two has a maximum where the input passes the rate. What says nothing is far
+    /// from zero, or zero where only a maximum counts.
     fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
         let (n, elapsed) = (c.u.len(), c.t - c.d[0]);
         let (last, modes) = c.d[OUTPUTS..].split_at(n);
@@ -118,14 +124,16 @@ impl Block for RateLimiter {
             let free = *mode == NOTHING;
             let rounding = ROUNDING * (u.abs() + lower.abs() + upper.abs());
             let exact = |x: f64| if x.abs() <= rounding { 0.0 } else { x };
-            let right = match *mode {
-                RISING => u - upper,
-                FALLING => lower - u,
-                _ => (upper - u).min(u - lower),
+            let inside = [exact(upper - u), exact(u - lower)];
+            g[i] = match *mode {
+                RISING => exact(u - upper),
+                FALLING => exact(lower - u),
+                _ => FAR,
             };
-            g[i] = exact(right);
-            g[n + i] = if free { exact(upper - u) } else { 0.0 };
-            g[2 * n + i] = if free { exact(u - lower) } else { 0.0 };
+            for (k, inside) in inside.into_iter().enumerate() {
+                g[(1 + k) * n + i] = if free { inside } else { FAR };
+                g[(3 + k) * n + i] = if free { inside } else { 0.0 };
+            }
         }
     }
 
@@ -198,7 +206,7 @@ mod tests {
         for t in [0.1, 0.25, 0.5, 0.75] {
             bench.t = t;
             let g = bench.guards();
-            assert!((g[0] - (1.0 - 2.0 * t)).abs() < 1e-15 && g[1..] == [0.0, 0.0], "{t}: {g:?}");
+            assert!((g[0] - (1.0 - 2.0 * t)).abs() < 1e-15 && g[1..] == [FAR, FAR, 0.0, 0.0], "{t}: {g:?}");
         }
         bench.t = 0.5;
         bench.minor();
@@ -207,13 +215,13 @@ mod tests {
         bench.t = 0.75;
         assert_eq!(
             bench.set(0, &[1.25]).guards(),
-            [0.25, 0.25, 1.25],
+            [FAR, 0.25, 1.25, 0.25, 1.25],
             "it rises by 0.5 and falls by 1 at most"
         );
         bench.t = 0.5;
         bench.set(0, &[-1.0]).major();
         bench.t = 0.75;
-        assert_eq!(bench.guards(), [1.0, 0.0, 0.0], "down to 0 of -1");
+        assert_eq!(bench.guards(), [1.0, FAR, FAR, 0.0, 0.0], "down to 0 of -1");
     }
 
     #[test]
@@ -223,7 +231,7 @@ mod tests {
         for k in 1..1000 {
             bench.t = f64::from(k) * 0.007;
             bench.set(0, &[0.1 * bench.t]).major();
-            assert!(bench.guards()[0] >= 0.0, "{k}");
+            assert!(bench.guards()[..3].iter().all(|guard| *guard >= 0.0), "{k}");
             bench.accept();
         }
     }

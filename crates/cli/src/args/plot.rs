@@ -131,7 +131,7 @@ pub struct CompareArgs {
     /// How much earlier or later a value may come.
     #[arg(long, value_name = "TIME", default_value_t = 0.0, value_parser = duration)]
     pub time_tolerance: f64,
-    /// What signals are between their values; without it numbers are joined, whole and truth values are held.
+    /// What signals are between their values; `smooth` if absent, but whole and truth values are held.
     #[arg(long, value_enum, value_name = "KIND")]
     pub interpolation: Option<Between>,
     /// Where signals are compared: at each instant at which either has a value, or only where both have one.
@@ -187,6 +187,8 @@ pub struct Tolerance {
 /// What signals are between their values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Between {
+    /// On the cubic through the values around them where the signal is smooth, else on the straight line.
+    Smooth,
     /// On the straight line between them.
     Linear,
     /// The earlier one, held.

@@ -13,7 +13,7 @@ use super::model::{ModelArgs, SolverArgs};
                   pid.kp=4,8,16    drive=dc,asm    pid.kp=4..16/5    motor.l=\"1 mH..100 mH/5log\"\n\
                   Of several parameters all combinations are run. With --random a range has no number, pid.kp=4..16 or\n  \
                   motor.l=\"1 mH..100 mH/log\", and each run takes a value from somewhere between its ends.\n\n\
-                  Numbers of how a set value is followed: rise, overshoot, settling, iae, ise, final_error, largest_error;\n\
+                  Numbers of how a set value is followed: rise, overshoot, settling, iae, ise, final_error, maximum_error;\n\
                   of any signal: min, max, peak, mean, rms, final. A part of a path or a pattern with `*` may follow.\n\n\
                   Examples:\n  blocksim sweep servo.ron --over pid.kp=4..16/5 --over pid.kd=0.2,0.4\n  \
                   blocksim sweep servo.ron --over inertia=\"0.1 kg*m^2..1 kg*m^2/10\" --metric settling,peak:motor.i\n  \
@@ -134,12 +134,12 @@ pub enum Metric {
     /// Mean error at the end.
     FinalError,
     /// Largest absolute error.
-    LargestError,
+    MaximumError,
     /// Least value.
     Min,
-    /// Largest value.
+    /// Maximum.
     Max,
-    /// Largest absolute value.
+    /// Maximum absolute value.
     Peak,
     /// Mean over time.
     Mean,
@@ -157,7 +157,7 @@ const METRICS: [(Metric, &str, &str); 13] = [
     (Metric::Iae, "iae", "IAE"),
     (Metric::Ise, "ise", "ISE"),
     (Metric::FinalError, "final_error", "final error"),
-    (Metric::LargestError, "largest_error", "maximum error"),
+    (Metric::MaximumError, "maximum_error", "maximum error"),
     (Metric::Min, "min", "min"),
     (Metric::Max, "max", "max"),
     (Metric::Peak, "peak", "peak"),
@@ -168,9 +168,9 @@ const METRICS: [(Metric, &str, &str); 13] = [
 
 impl Metric {
     /// Whether it needs a set value.
-    pub fn is_of_following(self) -> bool {
+    pub fn needs_set_value(self) -> bool {
         use Metric::*;
-        matches!(self, Rise | Overshoot | Settling | Iae | Ise | FinalError | LargestError)
+        matches!(self, Rise | Overshoot | Settling | Iae | Ise | FinalError | MaximumError)
     }
 
     /// Its name on the command line.
@@ -205,7 +205,7 @@ fn wanted(text: &str) -> Result<Wanted, String> {
             closest(name, names).map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"));
         return Err(format!("there is no metric `{name}`{meant} There are {}", names.join(", ")));
     };
-    if pattern.is_none() && !metric.is_of_following() {
+    if pattern.is_none() && !metric.needs_set_value() {
         return Err(format!("of which signal? Write {name}:SIGNAL, such as {name}:motor.i"));
     }
     Ok(Wanted { metric: *metric, pattern: pattern.map(str::to_owned) })

@@ -1,12 +1,12 @@
 use std::collections::HashMap;
 
-use blocksim_diagram::Stage;
+use blocksim_diagram::{Options, Stage};
 
 use super::tell;
 use crate::args::model::{EmitArgs, StageName};
 use crate::exit::Exit;
 use crate::failure::Outcome;
-use crate::loaded::load;
+use crate::loaded::load_with;
 use crate::scene;
 use crate::terminal::console::Console;
 use crate::terminal::render;
@@ -17,7 +17,7 @@ use crate::trust::Purpose;
 /// # Errors
 /// If the model cannot be read.
 pub fn emit(args: &EmitArgs, console: Console) -> Outcome {
-    let loaded = load(&args.model, Purpose::Look)?;
+    let loaded = load_with(&args.model, Purpose::Look, &Options { stages: true, ..Options::default() })?;
     let problems = &loaded.compiled.problems;
     tell(problems, &loaded.files, console)?;
     let stages = &loaded.compiled.stages;

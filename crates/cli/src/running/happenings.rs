@@ -11,12 +11,12 @@ const LISTED: usize = 4;
 /// Events that are listed as data.
 const LISTED_AS_DATA: usize = 1000;
 
-/// All events of one part that read the same.
+/// All events of one part that read the same, but for an amount.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Happening<'a> {
     /// The part.
     path: &'a str,
-    /// What it does, in words that go behind its path.
+    /// What it does, in words that go behind its path; without the amount where that differs from one to the other.
     what: &'a str,
     /// How often.
     count: u64,
@@ -30,14 +30,27 @@ pub fn happenings(events: &[EventRow]) -> Vec<Happening<'_>> {
     let mut places: HashMap<(&str, &str), usize> = HashMap::new();
     let mut all: Vec<Happening> = Vec::new();
     for EventRow { time, path, what } in events {
-        let place = *places.entry((path, what)).or_insert_with(|| {
+        let kind = without_amount(what);
+        let place = *places.entry((path, kind)).or_insert_with(|| {
             all.push(Happening { path, what, count: 0, first: *time, last: *time });
             all.len() - 1
         });
-        all[place].count += 1;
-        all[place].last = *time;
+        let known = &mut all[place];
+        if known.what != what {
+            known.what = kind;
+        }
+        known.count += 1;
+        known.last = *time;
     }
     all
+}
+
+/// `jumps` of `jumps by 5 V`.
+fn without_amount(what: &str) -> &str {
+    let amount = what
+        .split_once(" by ")
+        .filter(|(_, amount)| amount.split(' ').next().is_some_and(|number| number.parse::<f64>().is_ok()));
+    amount.map_or(what, |(kind, _)| kind)
 }
 
 /// A line for each of the first ones: `relay switches on 12 times from 0.350 s`.
@@ -92,6 +105,25 @@ mod tests {
         );
         let first = json!({ "part": "relay", "what": "switches on", "count": 2, "first": 0.5, "last": 1.5 });
         assert_eq!(data(&events)[0], first);
+    }
+
+    #[test]
+    fn amounts_are_shown_where_they_are_the_same() {
+        let events = [
+            row(0.5, "a", "jumps by 5 V"),
+            row(0.5, "b", "jumps by -5 V"),
+            row(0.6, "a", "jumps by 4.97 V"),
+            row(0.7, "b", "jumps by -5 V"),
+            row(0.8, "c", "is lifted by hand"),
+        ];
+        assert_eq!(
+            lines(&events),
+            [
+                "a jumps 2 times from 0.500 s",
+                "b jumps by -5 V 2 times from 0.500 s",
+                "c is lifted by hand at 0.800 s",
+            ]
+        );
     }
 
     #[test]

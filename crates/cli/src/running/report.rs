@@ -68,7 +68,7 @@ impl Report<'_> {
             Ended::Failed { reason } => ("failed", Some(reason)),
         };
         json!({
-            "v": 1,
+            "v": 2,
             "type": "done",
             "ended": ended,
             "reason": reason,
@@ -136,7 +136,7 @@ impl Report<'_> {
             let mut told: HashSet<usize> =
                 trackings.iter().flat_map(|pair| [pair.set.cell, pair.actual.cell]).collect();
             let more: Vec<&Shown> = of_scope.into_iter().filter(|s| told.insert(s.cell)).collect();
-            return charts::following(&trackings, &more, time, console);
+            return charts::tracking(&trackings, &more, time, console);
         }
         match of_scope.first().copied().or(shown.first()) {
             Some(first) => charts::block(first.block(), shown, &of_scope, time, console),

@@ -27,7 +27,7 @@ const SPARKS: usize = 40;
 /// A plot of the scope with the largest motion, of those in the unit of the first one, and a line for each of the others and
 /// for each signal of `more`, which are what other scopes show. An element of a vector comes into question for the plot only
 /// where there is nothing else.
-pub fn following(trackings: &[Tracking], more: &[&Shown], time: &[f64], console: Console) -> String {
+pub fn tracking(trackings: &[Tracking], more: &[&Shown], time: &[f64], console: Console) -> String {
     let motion = |tracking: &Tracking| range(&course(tracking.set)).map_or(0.0, |(low, high)| high - low);
     let is_like_first = |tracking: &Tracking| tracking.set.unit.text == trackings[0].set.unit.text;
     let rank =
@@ -235,7 +235,7 @@ mod tests {
 
             joint1  ▁▁▁▁▁▂▂▂▂▂▃▃▃▃▃▄▄▄▄▄▅▅▅▅▅▆▆▆▆▆▇▇▇▇▇█████  0.00  to  28.65 deg
         "#]]
-        .assert_eq(&following(&trackings(&shown), &[], &recording.time, CONSOLE));
+        .assert_eq(&tracking(&trackings(&shown), &[], &recording.time, CONSOLE));
     }
 
     #[test]
@@ -273,7 +273,7 @@ mod tests {
         recorded[3].legend = Some("first".to_owned());
         let shown = shown(&recorded, &recording);
         let more: Vec<&Shown> = shown[2..].iter().collect();
-        let text = following(&trackings(&shown), &more, &recording.time, CONSOLE);
+        let text = tracking(&trackings(&shown), &more, &recording.time, CONSOLE);
         let lines = text.split_once("\n\n").unwrap().1;
         expect![[r#"
             Direction       ▁▁▁▁▁▂▂▂▂▂▃▃▃▃▃▄▄▄▄▄▅▅▅▅▅▆▆▆▆▆▇▇▇▇▇█████  -180.00  to  -65.41 deg

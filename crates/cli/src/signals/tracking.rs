@@ -31,7 +31,7 @@ pub struct Errors {
     /// Unit of both errors.
     pub unit: String,
     /// Largest absolute value of set - actual.
-    pub largest: f64,
+    pub maximum: f64,
     /// When it was, s.
     pub at: f64,
     /// Mean of set - actual over the last 2 % of the time, as [`blocksim_analysis::Metrics`] has it.
@@ -147,7 +147,7 @@ impl Tracking<'_> {
         if let Some(turn) = turn(unit) {
             without_jumps(&mut set, &mut actual, turn);
         }
-        let (largest, at, remaining) = match metrics(time, Some(&set), &actual) {
+        let (maximum, at, remaining) = match metrics(time, Some(&set), &actual) {
             Some(numbers) => (numbers.max_error, numbers.max_error_at, numbers.steady_state_error),
             // Of one row alone there is no mean over time.
             None => {
@@ -159,7 +159,7 @@ impl Tracking<'_> {
         };
         Some(Errors {
             unit: unit.to_string(),
-            largest,
+            maximum,
             at,
             remaining,
             torque: self.torque.map(|torque| {
@@ -205,7 +205,7 @@ mod tests {
         ]);
         let shown = shown(&recorded, &recording);
         let errors = trackings(&shown)[0].errors(&recording.time).unwrap();
-        assert!(errors.largest.abs() < 1e-9 && errors.remaining.abs() < 1e-9, "{errors:?}");
+        assert!(errors.maximum.abs() < 1e-9 && errors.remaining.abs() < 1e-9, "{errors:?}");
     }
 
     #[test]
@@ -260,7 +260,7 @@ mod tests {
         let (recorded, recording) = example(columns);
         let shown = shown(&recorded, &recording);
         let errors = trackings(&shown)[0].errors(&recording.time).unwrap();
-        assert_eq!((errors.largest, errors.torque), (0.0, Some((0.5, "N*m".to_owned()))));
+        assert_eq!((errors.maximum, errors.torque), (0.0, Some((0.5, "N*m".to_owned()))));
     }
 
     #[test]

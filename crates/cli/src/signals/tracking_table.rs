@@ -58,9 +58,9 @@ fn group(table: &mut Table, unit: &str, rows: &[&(&str, Errors)]) {
         "final error".into(),
         heading,
     ]);
-    let (largest, remaining) = (errors(|e| e.largest), errors(|e| e.remaining));
+    let (maximum, remaining) = (errors(|e| e.maximum), errors(|e| e.remaining));
     for (n, (name, errors)) in rows.iter().enumerate() {
-        table.row([*name, &largest[n], &seconds(errors.at, 3), &remaining[n], &peaks[n]]);
+        table.row([*name, &maximum[n], &seconds(errors.at, 3), &remaining[n], &peaks[n]]);
     }
 }
 
@@ -73,8 +73,8 @@ pub fn json(trackings: &[Tracking], time: &[f64]) -> Value {
             "name": tracking.name,
             "signal": tracking.actual.path,
             "unit": errors.unit,
-            "largest_error": errors.largest,
-            "largest_error_at": errors.at,
+            "maximum_error": errors.maximum,
+            "maximum_error_at": errors.at,
             "final_error": errors.remaining,
             "torque": tracking.torque.map(|torque| torque.path),
             "peak_torque": errors.torque.as_ref().map(|torque| torque.0),

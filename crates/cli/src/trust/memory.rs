@@ -1,7 +1,9 @@
 //! What plug-ins offered when they were loaded last: a file for each, in the folder of what can be worked out again.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use blocksim_diagram::fingerprint;
 use blocksim_results::{limited_text, write_whole};
@@ -11,6 +13,9 @@ use super::places;
 
 /// Most bytes of a file.
 const LARGEST: u64 = 16 << 20;
+
+/// What this process has kept last of each plug-in: an editor has a model compiled at every keystroke.
+static KEPT: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
 
 /// What is remembered of a plug-in, by its path without links.
 pub fn recall(code: &Path) -> Option<String> {
@@ -24,15 +29,26 @@ pub fn recall(code: &Path) -> Option<String> {
 
 /// Keeps what a plug-in offers. Where that cannot be written, it is asked again the next time.
 pub fn remember(code: &Path, offer: &str) {
+    let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    if kept.get(code).is_none_or(|known| known != offer) && keep(code, offer) {
+        kept.insert(code.to_owned(), offer.to_owned());
+    }
+}
+
+/// Adds an offer to what the file has; whether it has it then.
+fn keep(code: &Path, offer: &str) -> bool {
     let earlier = recall(code);
     let offer =
         earlier.as_deref().map_or_else(|| offer.to_owned(), |known| blocksim_host::merged(known, offer));
-    let (Some((folder, name)), Some(path)) = (place(code), code.to_str()) else { return };
-    if earlier.as_ref() == Some(&offer) || fs::create_dir_all(&folder).is_err() {
-        return;
+    if earlier.as_ref() == Some(&offer) {
+        return true;
+    }
+    let (Some((folder, name)), Some(path)) = (place(code), code.to_str()) else { return false };
+    if fs::create_dir_all(&folder).is_err() {
+        return false;
     }
     let text = format!("{}\n", json!({ "v": 1, "code": path, "offer": offer }));
-    let _ = write_whole(&folder, &name, |out| out.write_all(text.as_bytes()));
+    write_whole(&folder, &name, |out| out.write_all(text.as_bytes())).is_ok()
 }
 
 fn place(code: &Path) -> Option<(PathBuf, String)> {

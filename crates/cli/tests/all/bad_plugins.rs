@@ -330,3 +330,86 @@ fn the_command_that_serves_is_for_the_program_alone() {
     assert_eq!(answer.code, Some(2), "{}", answer.text());
     expect!["true"].assert_eq(&answer.err.contains("`--isolate`").to_string());
 }
+
+/// What a library does at the end of the program: its name, the code of its destructor, and what is said of it.
+const ENDS: [(&str, &str, &str); 5] = [
+    ("crashes", "*null = 1;", "crashed"),
+    ("aborts", "abort();", "crashed"),
+    ("recurses", "zero = deep(0);", "crashed"),
+    ("loops", "while (!zero) { }", "does not return"),
+    // What C has not written to its file yet must not be lost.
+    ("writes", "fputs(\"the end\\n\", fopen(\"end.txt\", \"w\"));", ""),
+];
+
+/// Every command that loads a plug-in has its own exit code, whatever the plug-in does when the program ends.
+#[test]
+fn a_plug_in_cannot_change_the_exit_code_when_the_program_ends() {
+    let commands: [(&[&str], i32); 8] = [
+        (&["run", "model.ron", "--quiet", "--call-limit", "400ms", "--out"], 0),
+        (&["run", "failing.ron", "--quiet", "--call-limit", "400ms", "--out"], 1),
+        (&["check", "model.ron"], 0),
+        (&["check", "wrong.ron"], 3),
+        (&["plugin", "show", "law"], 0),
+        (&["plugin", "show", "other.so"], 4),
+        (&["sweep", "model.ron", "--over", "control.k=1,2", "--metric", "peak:seen.y"], 0),
+        (&["plugin", "check", "law"], 0),
+    ];
+    for (name, code, deed) in ENDS {
+        let failing =
+            MODEL.replace("stop_time: \"1 s\"", "stop_time: \"1 s\", solver: Ode45(max_step: \"1 s\")");
+        let wrong = MODEL.replace("\"y\"])", "\"z\"])");
+        let failing = failing.replace("value: 1.0", "value: 7.0");
+        let desk = Desk::with(&[("model.ron", MODEL), ("failing.ron", &failing), ("wrong.ron", &wrong)]);
+        fs::create_dir(desk.0.join("law")).unwrap();
+        let source = SOURCE.replace("/*outputs*/", "if (u[0] > 5.0) return say(\"too much\", m);");
+        let source =
+            format!("{source}__attribute__((destructor)) static void unloaded(void)\n{{\n    {code}\n}}\n");
+        fs::write(desk.0.join("law/law.c"), &source).unwrap();
+        fs::write(desk.0.join("law/plugin.toml"), "flags = [\"-w\"]\n").unwrap();
+        // A library that is not a plug-in, but does the same.
+        let other = source.replace("blocksim_plugin_v1", "something_else");
+        fs::write(desk.0.join("other.c"), other).unwrap();
+        let include = crate::support::root().join("crates/abi/include");
+        let compiled = std::process::Command::new("cc")
+            .args(["-shared", "-fPIC", "-w", "-o", "other.so", "other.c", "-I"])
+            .arg(include)
+            .current_dir(&desk.0)
+            .status();
+        assert!(compiled.expect("a compiler").success());
+        let trusted = desk.call(&["trust", "."]);
+        assert_eq!(trusted.code, Some(0), "{}", trusted.text());
+        for (at, (words, exit)) in commands.iter().enumerate() {
+            // Nobody waits 10 s for a loop in a test.
+            if name == "loops" && words[0] != "run" {
+                continue;
+            }
+            let out = format!("out{at}");
+            let mut words = words.to_vec();
+            if words.last() == Some(&"--out") {
+                words.push(&out);
+            }
+            let _ = fs::remove_file(desk.0.join("end.txt"));
+            let answer = desk.call(&words);
+            assert_eq!(answer.code, Some(*exit), "{name}: {words:?}: {}", answer.text());
+            // A process of its own is ended by the one that has started it.
+            if words[..2] == ["plugin", "check"] {
+                continue;
+            }
+            let warned = answer.err.lines().filter(|line| line.starts_with("warning: the plug-in `"));
+            let warned: Vec<&str> = warned.collect();
+            if deed.is_empty() {
+                assert!(warned.is_empty(), "{words:?}: {warned:?}");
+                assert_eq!(desk.read("end.txt"), "the end\n", "{words:?}");
+                continue;
+            }
+            let library = if words.contains(&"other.so") { "other.so" } else { "law" };
+            let expected = format!(
+                "warning: the plug-in `{library}` {deed} when the program ended; all results were written before"
+            );
+            assert_eq!(warned, [expected], "{name}: {words:?}: {}", answer.text());
+            if words.contains(&"--out") {
+                assert!(desk.read(&format!("{out}/signals.csv")).lines().count() > 4);
+            }
+        }
+    }
+}

@@ -34,9 +34,9 @@ fn a_quantity_has_one_name_and_one_unit_wherever_it_stands() {
     let run = data(&desk, &["run", "second.ron", "--json", "--out", "kept"]);
     let plot = data(&desk, &["plot", "kept", "--json"]);
     let linear = data(&desk, &["linearise", "second.ron", "--from", "demand.y", "--to", "plant.y", "--json"]);
-    let metrics = "--metric=rise,overshoot,settling,iae,ise,final_error,largest_error";
+    let metrics = "--metric=rise,overshoot,settling,iae,ise,final_error,maximum_error";
     let sweep = data(&desk, &["sweep", "second.ron", "--over", "height=2", metrics, "--json"]);
-    let pair = &plot["following"][0];
+    let pair = &plot["tracking"][0];
     let step = &linear["ways"][0]["step"];
     let swept = |name: &str| {
         let all = sweep["runs"][0]["metrics"].as_array().unwrap();
@@ -50,7 +50,7 @@ fn a_quantity_has_one_name_and_one_unit_wherever_it_stands() {
         assert!((number(&step[name]) / found - 1.0).abs() < 1e-4, "{name}: {step} {pair}");
         assert!((number(&swept(name)["value"]) / found - 1.0).abs() < 1e-9, "{name}");
     }
-    for name in ["iae", "ise", "final_error", "largest_error"] {
+    for name in ["iae", "ise", "final_error", "maximum_error"] {
         let found = number(&pair[name]);
         assert!((number(&swept(name)["value"]) - found).abs() <= 1e-9 * found.abs(), "{name}");
     }
@@ -59,7 +59,7 @@ fn a_quantity_has_one_name_and_one_unit_wherever_it_stands() {
     assert!((number(&pair["overshoot"]) - overshoot).abs() < 1e-5, "{pair}");
     assert_eq!((&swept("overshoot")["unit"], &swept("rise")["unit"]), (&"1".into(), &"s".into()));
     let tracking = &run["tracking"][0];
-    for name in ["largest_error", "largest_error_at", "final_error"] {
+    for name in ["maximum_error", "maximum_error_at", "final_error"] {
         assert_eq!(number(&tracking[name]), number(&pair[name]), "{name}");
     }
     assert_eq!(tracking["signal"], pair["signal"]);
@@ -72,7 +72,7 @@ fn all_names_of_numbers_are_in_the_manual() {
     data(&desk, &["run", "second.ron", "--json", "--out", "kept"]);
     let plot = data(&desk, &["plot", "kept", "--json"]);
     let linear = data(&desk, &["linearise", "second.ron", "--from", "demand.y", "--to", "plant.y", "--json"]);
-    for of in [&plot["following"][0], &linear["ways"][0]["step"]] {
+    for of in [&plot["tracking"][0], &linear["ways"][0]["step"]] {
         for name in of.as_object().unwrap().keys() {
             assert!(manual.contains(&format!("`{name}`")), "`{name}` is not in docs/data.md");
         }
@@ -92,7 +92,7 @@ fn numbers_do_not_depend_on_how_far_the_steps_of_the_solver_are_apart() {
         let desk = Desk::with(&[("second.ron", &model)]);
         let pair = |desk: &Desk| {
             data(desk, &["run", "second.ron", "--json", "--out", "kept"]);
-            data(desk, &["plot", "kept", "--json"])["following"][0].clone()
+            data(desk, &["plot", "kept", "--json"])["tracking"][0].clone()
         };
         let (fine, coarse) = (pair(&exact), pair(&desk));
         assert!((number(&coarse["overshoot"]) - overshoot).abs() < 3e-3, "{solver}: {coarse}");

@@ -49,7 +49,7 @@ fn integrals_of_held_signals_are_those_of_stairs() {
     let data = desk.call(&["plot", "kept", "--json"]);
     let data: Value = serde_json::from_str(&data.out).unwrap();
     let iae = |signal: &str| {
-        let rows = data["following"].as_array().unwrap();
+        let rows = data["tracking"].as_array().unwrap();
         number(&rows.iter().find(|row| row["signal"] == signal).unwrap()["iae"])
     };
     near(iae("held.actual"), OF_HELD);

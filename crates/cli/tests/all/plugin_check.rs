@@ -127,7 +127,8 @@ fn the_script_of_the_guide_grades_a_class() {
     }
     fs::copy(desk.0.join("students/ada/demo.ron"), desk.0.join("loop.ron")).expect("a loop");
     let page = fs::read_to_string(root().join("docs/grading.md")).expect("the page");
-    let script = page.split("```sh\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a script");
+    let section = page.split("## The script\n").nth(1).expect("the section");
+    let script = section.split("```sh\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a script");
     let output =
         desk.script(&format!("blocksim() {{ \"$blocksim\" \"$@\"; }}\n{script}")).output().expect("a shell");
     assert!(output.status.success(), "{output:?}");

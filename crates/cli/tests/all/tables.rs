@@ -472,7 +472,7 @@ fn runs_that_are_damaged_or_hardly_there_are_told() {
         1 signal agrees: 1 exactly, 0 within the tolerances
         warning: `unread` is not whole: its manifest cannot be read: EOF while parsing an object at line 1 column 1
         exit code 0
-        {"following":[{"begin":0.0,"disturbed_at":null,"final_error":null,"follows":false,"iae":null,"ise":null,"largest_error":null,"largest_error_at":null,"overshoot":null,"rise":null,"run":"unread","settling":null,"signal":"scope.x","step":0.0,"unit":"1"}],"type":"metrics","v":2}
+        {"tracking":[{"begin":0.0,"disturbed_at":null,"final_error":null,"follows":false,"iae":null,"ise":null,"maximum_error":null,"maximum_error_at":null,"overshoot":null,"rise":null,"run":"unread","settling":null,"signal":"scope.x","step":0.0,"unit":"1"}],"type":"metrics","v":3}
         warning: `unread` is not whole: its manifest cannot be read: EOF while parsing an object at line 1 column 1
         exit code 0
 

@@ -19,7 +19,9 @@ pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Optio
     let members = match &root.value {
         Shape::Struct(name, members) if name.as_ref().is_none_or(|name| name.text == "Diagram") => {
             // A set that somebody took for a diagram: one message says more than one for each member.
-            let is_section = |name: &Name| closest(&name.text, SECTIONS).is_some();
+            let is_section = |name: &Name| {
+                SECTIONS.contains(&name.text.as_str()) || closest(&name.text, SECTIONS).is_some()
+            };
             if name.is_none() && !members.is_empty() && !members.iter().any(|(name, _)| is_section(name)) {
                 problems.push(
                     Problem::error("syntax", "this is a set of parameters, no diagram")

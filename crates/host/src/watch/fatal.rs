@@ -4,7 +4,7 @@ use std::os::fd::RawFd;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicPtr, Ordering};
 use std::time::Duration;
 
-use super::{Cause, Death, SLOT, Slot, Tag};
+use super::{Cause, Death, ENDING, Ending, SLOT, Slot, Tag};
 
 /// Signals that a crash raises.
 const SIGNALS: [i32; 6] =
@@ -53,7 +53,7 @@ pub(super) struct Crashes(RawFd);
 
 /// Takes over the signals; `None` if the system refuses.
 pub(super) fn listen() -> Option<Crashes> {
-    if IS_CHILD.load(Ordering::Relaxed) {
+    if is_child() {
         return None;
     }
     let mut ends = [0; 2];
@@ -75,6 +75,11 @@ pub fn report_to(descriptor: RawFd) {
     IS_CHILD.store(true, Ordering::Relaxed);
     TO.store(descriptor, Ordering::Relaxed);
     install();
+}
+
+/// Whether this process is one for plug-ins.
+pub(super) fn is_child() -> bool {
+    IS_CHILD.load(Ordering::Relaxed)
 }
 
 fn install() {
@@ -106,6 +111,9 @@ fn calling() -> Option<&'static Slot> {
 
 extern "C" fn on_signal(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
     let Some(slot) = calling() else {
+        if let Some(end) = ENDING.get() {
+            end_anyway(end, "crashed");
+        }
         // Somebody else's crash: as if this handler were not there. The instruction that failed is tried again.
         let old = SIGNALS.iter().position(|known| *known == signal).map(|at| OLD[at].load(Ordering::Acquire));
         if let Some(old) = old.filter(|old| !old.is_null()) {
@@ -151,7 +159,7 @@ fn stack_pointer(_context: *mut libc::c_void) -> Option<u64> {
 fn tell(slot: &'static Slot, signal: i32, is_stack: bool, address: u64) -> ! {
     // SAFETY: tags live as long as the process.
     let tag = unsafe { slot.tag.load(Ordering::Acquire).as_ref() };
-    let is_child = IS_CHILD.load(Ordering::Relaxed);
+    let is_child = is_child();
     // While a library is loaded the system holds locks that whoever is told would wait for.
     if is_child || tag.is_some_and(|tag| !tag.kind.is_empty()) {
         let length = (SIZE - size_of::<u32>()) as u32;
@@ -182,7 +190,17 @@ pub(super) fn last_words(tag: Option<&Tag>, deed: &str) -> ! {
             ("error[block_failed]: the plug-in `", 1, "; what was recorded is in the folder of the run\n")
         }
     };
-    for text in ["\n", head, name, "` ", deed, end] {
+    print_and_end(&["\n", head, name, "` ", deed, end], code)
+}
+
+/// Ends the program where a function that a plug-in has left for its end does not let it.
+pub(super) fn end_anyway(end: &Ending, deed: &str) -> ! {
+    let rest = " when the program ended; all results were written before\n";
+    print_and_end(&["warning: ", &end.whose, " ", deed, rest], end.code)
+}
+
+fn print_and_end(texts: &[&str], code: i32) -> ! {
+    for text in texts {
         // SAFETY: bytes of a text.
         unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
     }

@@ -11,11 +11,13 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::atomic::{AtomicPtr, AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Mutex, Once, PoisonError, RwLock};
+use std::sync::{Mutex, Once, OnceLock, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
 #[cfg(unix)]
 pub use fatal::{DIED, Record, report_to};
+
+use crate::open;
 
 /// How often calls are looked at.
 const EVERY: Duration = Duration::from_millis(50);
@@ -156,6 +158,46 @@ pub(crate) fn is_interrupted() -> bool {
     interrupt.is_some_and(|is_requested| is_requested())
 }
 
+/// The end of the program, while plug-ins may still act on it.
+#[cfg(unix)]
+struct Ending {
+    code: i32,
+    /// Who may act.
+    whose: String,
+}
+
+#[cfg(unix)]
+static ENDING: OnceLock<Ending> = OnceLock::new();
+
+/// Ends the program with an exit code, if a plug-in was loaded into it: functions that plug-ins have left for the end, such as
+/// destructors and what flushes the files of C, are called, and whether they crash or do not return, the exit code is this one.
+pub fn end(code: u8) {
+    let libraries = open::loaded();
+    if libraries.is_empty() {
+        return;
+    }
+    let code = i32::from(code);
+    #[cfg(unix)]
+    {
+        use std::io::Write;
+        if fatal::is_child() {
+            // Whoever has started this process ends it anyway.
+            leave(code);
+        }
+        let whose = match &libraries[..] {
+            [one] => format!("the plug-in `{one}`"),
+            several => format!("one of the plug-ins `{}`", several.join("`, `")),
+        };
+        let _ = std::io::stdout().flush();
+        if ENDING.set(Ending { code, whose }).is_ok() {
+            // SAFETY: the main thread calls it once, and does nothing else then. The library's own way to the end would take
+            // away the stack for handlers of signals first.
+            unsafe { libc::exit(code) }
+        }
+    }
+    std::process::exit(code)
+}
+
 /// Ends the program at once, without functions that plug-ins may have left for its end.
 pub fn leave(code: i32) -> ! {
     use std::io::Write;
@@ -238,6 +280,8 @@ pub(crate) fn start() {
         let work = move || {
             let mut seen: Vec<(u64, Duration)> = Vec::new();
             let mut last = Instant::now();
+            #[cfg(unix)]
+            let mut ending = Duration::ZERO;
             loop {
                 #[cfg(unix)]
                 let died = crashes.as_ref().and_then(|crashes| crashes.wait(EVERY));
@@ -254,6 +298,13 @@ pub(crate) fn start() {
                 // A computer that slept has not calculated.
                 let passed = now.duration_since(last).min(4 * EVERY);
                 last = now;
+                #[cfg(unix)]
+                if let Some(end) = ENDING.get() {
+                    ending += passed;
+                    if ending >= call_limit() || ending >= GRACE && is_interrupted() {
+                        fatal::end_anyway(end, "does not return");
+                    }
+                }
                 if let Some(death) = died.or_else(|| overdue(&mut seen, passed)) {
                     #[cfg(unix)]
                     if death.kind.is_empty() {

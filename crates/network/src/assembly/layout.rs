@@ -11,7 +11,7 @@ use blocksim_multibody::Joint;
 
 use crate::accounts::Accounts;
 use crate::electrics::currents::UNTOLD;
-use crate::electrics::{Electrics, Separate};
+use crate::electrics::{Branch, Capacitance, Electrics, Separate};
 use crate::mechanics::envelope::Envelope;
 use crate::mechanics::frames::Frames;
 use crate::mechanics::rotation::Rotation;
@@ -233,6 +233,13 @@ impl Network {
                 interface = interface.discrete(format!("{path}.most_{what}"), 0.0);
             }
         }
+        for capacitance in jumping(&electrics) {
+            let subject = of_capacitance(&electrics, &seats, capacitance);
+            let path = &seats[electrics.capacitances[capacitance].member].member.path;
+            let name = format!("{path}.jumps");
+            electrics.capacitances[capacitance].jumps = Some(interface.discrete.len());
+            interface.discrete.push(Discrete::jumps(name, subject, "V"));
+        }
         if !natural.is_empty() {
             let steps = seats.iter().filter_map(|seat| seat.member.part.max_step);
             interface.max_step = steps.reduce(f64::min);
@@ -288,6 +295,26 @@ fn of_valve(valves: &[crate::electrics::Valve], seats: &[Seat], valve: usize) ->
     let number = valves[..=valve].iter().filter(is_beside).count();
     let detail = several.then(|| format!("valve {number}"));
     Subject { part: Some(seats[member].member.path.clone()), detail }
+}
+
+/// The capacitance in a member, and which of several there it is.
+fn of_capacitance(electrics: &Electrics, seats: &[Seat], capacitance: usize) -> Subject {
+    let member = electrics.capacitances[capacitance].member;
+    let beside = |all: &[Capacitance]| all.iter().filter(|other| other.member == member).count();
+    let detail = (beside(&electrics.capacitances) > 1)
+        .then(|| format!("capacitor {}", beside(&electrics.capacitances[..=capacitance])));
+    Subject { part: Some(seats[member].member.path.clone()), detail }
+}
+
+/// Capacitances of the circuits in which valves may close loops of them.
+fn jumping(electrics: &Electrics) -> Vec<usize> {
+    let islands = electrics.islands.iter().filter(|island| island.divides && island.separate.is_none());
+    let sources = islands.flat_map(|island| &island.two_pins).filter_map(|pin| match pin.branch {
+        Branch::Source(index) => Some(index),
+        _ => None,
+    });
+    let places = sources.filter_map(|index| electrics.capacitances.iter().position(|c| c.source == index));
+    places.collect()
 }
 
 /// Whether sources add to the voltage of a capacitance of a member, or to its currents.

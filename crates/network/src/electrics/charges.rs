@@ -98,18 +98,20 @@ impl Network {
         }
     }
 
-    /// Lets the charges divide where valves have closed loops of capacitances whose voltages do not fit. The island is
-    /// evaluated.
+    /// Lets the charges divide, in the continuous and discrete `states`, where valves have closed loops of capacitances whose
+    /// voltages do not fit. The island is evaluated.
     pub(crate) fn divide(
         &self,
         island: usize,
         w: &mut Work,
-        x: &mut [f64],
+        states: (&mut [f64], &mut [f64]),
         conducting: Conducting,
     ) -> Divided {
+        // What is less than this is not worth an event.
+        let least = REMAINDER * self.size_with(island, states.1, w)[0];
         let circuits = std::mem::take(&mut w.circuits);
         let divided = match &circuits[island].now().loops {
-            Some(law) => self.divide_by(island, law, w, x, conducting),
+            Some(law) => self.divide_by(island, law, w, (states, least), conducting),
             None => Divided::Done,
         };
         w.circuits = circuits;
@@ -121,7 +123,7 @@ impl Network {
         island: usize,
         law: &loops::Law,
         w: &mut Work,
-        x: &mut [f64],
+        ((x, d), least): ((&mut [f64], &mut [f64]), f64),
         conducting: Conducting,
     ) -> Divided {
         let circuit = &self.electrics.islands[island];
@@ -145,7 +147,11 @@ impl Network {
         let into = law.b.transpose() * charges;
         for ((position, charge), elastance) in law.capacitances.iter().zip(into.iter()).zip(&law.elastance) {
             if let Some(c) = self.electrics.capacitance(&circuit.two_pins[*position].branch) {
-                x[self.seats[c.member].x.start + c.state] += charge * elastance;
+                let jump = charge * elastance;
+                x[self.seats[c.member].x.start + c.state] += jump;
+                if let Some(sum) = c.jumps.filter(|_| jump.abs() > least) {
+                    d[sum] += jump;
+                }
             }
         }
         Divided::Done

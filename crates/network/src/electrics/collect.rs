@@ -91,7 +91,8 @@ fn add(member: usize, element: &Element, fed: bool, electrics: &mut Electrics, p
     match *element {
         Element::VoltageSource { p, n } => piece(p, n, source(electrics)),
         Element::Capacitance { p, n, capacitance, state, start } => {
-            let capacitance = Capacitance { source: electrics.sources, member, state, capacitance, start };
+            let voltage = electrics.sources;
+            let capacitance = Capacitance { source: voltage, member, state, capacitance, start, jumps: None };
             electrics.capacitances.push(capacitance);
             piece(p, n, source(electrics));
         }

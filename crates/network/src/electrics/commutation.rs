@@ -87,7 +87,7 @@ impl Network {
                     changed = true;
                 }
                 Wrong::Charges(conducting) => {
-                    if let Divided::Against(bit) = self.divide(island, w, x, conducting) {
+                    if let Divided::Against(bit) = self.divide(island, w, (&mut *x, &mut *d), conducting) {
                         self.turn_over(island, bit, d);
                     }
                     changed = true;

@@ -176,6 +176,8 @@ pub(crate) struct Capacitance {
     pub capacitance: f64,
     /// Voltage at the start, if it is given, V.
     pub start: Option<f64>,
+    /// The discrete state that holds the sum of its jumps, V, if charges may divide there.
+    pub jumps: Option<usize>,
 }
 
 /// What the sources in its loops add to the voltage of a capacitance: the state holds the rest.

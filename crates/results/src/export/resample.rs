@@ -2,6 +2,8 @@
 
 use std::ops::RangeInclusive;
 
+use blocksim_analysis::{Interpolation, Series};
+
 use crate::error::ResultsError;
 use crate::recording::Column;
 use crate::recording::{Kind, Recording, Signal};
@@ -10,8 +12,9 @@ use crate::run::Run;
 /// Most numbers of the result.
 const MOST: u64 = 1 << 27;
 
-/// Signals at the multiples of `every`, s, within a range of time and the run. Real signals are interpolated, others keep
-/// their last value. Of two values at one time the later one counts; before its first value a signal is NaN.
+/// Signals at the multiples of `every`, s, within a range of time and the run. Real signals follow a cubic where
+/// they are smooth and are straight elsewhere, others keep their last value. Of two values at one time the later one counts;
+/// before its first value a signal is NaN.
 ///
 /// # Errors
 /// As [`Run::read`], and [`ResultsError::TooLong`] if the grid is too fine for the memory.
@@ -42,18 +45,19 @@ pub fn resampled(
 }
 
 fn on_grid(column: &Column, grid: &[f64], interpolates: bool) -> Vec<f64> {
-    let (time, values) = (&column.time, &column.values);
-    let mut next = 0;
+    let series = Series::new(&column.time, &column.values);
+    let between = if interpolates { Interpolation::Smooth } else { Interpolation::Hold };
+    let Some((first, _)) = series.span() else { return vec![f64::NAN; grid.len()] };
     let value = |&t: &f64| {
+        // A point that rounding has moved beside a value is at it.
         let tolerance = 1e-12 * t.abs().max(1.0);
-        while next < time.len() && time[next] <= t + tolerance {
-            next += 1;
+        if t < first - tolerance {
+            return f64::NAN;
         }
-        let Some(before) = next.checked_sub(1) else { return f64::NAN };
-        let (t0, y0) = (time[before], values[before]);
-        match (time.get(next), values.get(next)) {
-            (Some(&t1), Some(&y1)) if interpolates && t > t0 => y0 + (y1 - y0) * ((t - t0) / (t1 - t0)),
-            _ => y0,
+        let at = column.time.partition_point(|x| *x <= t + tolerance).checked_sub(1);
+        match at.filter(|at| column.time[*at] >= t - tolerance) {
+            Some(at) => column.values[at],
+            None => series.at(t, between, 0.0).map_or(f64::NAN, |value| value.1),
         }
     };
     grid.iter().map(value).collect()

@@ -96,12 +96,12 @@ impl Comparison<'_> {
         let dash = || "-".to_owned();
         let cell =
             |d: Option<Deviation>, show: &dyn Fn(&Deviation) -> String| d.as_ref().map_or_else(dash, show);
-        let (largest, first) = (found.comparison.largest, found.comparison.first);
+        let (maximum, first) = (found.comparison.maximum, found.comparison.first);
         [
             self.books[0].traces[found.at].path.clone(),
             words(&found.verdict),
-            cell(largest, &difference),
-            cell(largest, &|d| short_time(d.time)),
+            cell(maximum, &difference),
+            cell(maximum, &|d| short_time(d.time)),
             cell(first, &|d| short_time(d.time)),
             cell(first, &|d| value(d.baseline)),
             cell(first, &|d| value(d.compared)),
@@ -196,12 +196,12 @@ impl Comparison<'_> {
                 "points": comparison.points,
                 "outside": comparison.outside,
                 "rms": comparison.rms / found.unit.scale,
-                "largest": deviation(found, comparison.largest),
+                "maximum": deviation(found, comparison.maximum),
                 "first": deviation(found, comparison.first),
             })
         };
         json!({
-            "v": 1,
+            "v": 2,
             "type": "comparison",
             "baseline": self.books[0].name,
             "other": self.books[1].name,
@@ -236,7 +236,8 @@ impl Comparison<'_> {
     fn panel(&self, found: &Found, time: (f64, f64)) -> Result<Panel, Failure> {
         let trace = &self.books[0].traces[found.at];
         let (unit, range) = (&found.unit, time.0..=time.1);
-        let held = rule(self.args, trace).interpolation == Interpolation::Hold;
+        let rule = rule(self.args, trace);
+        let held = rule.interpolation == Interpolation::Hold;
         let mut a = self.books[0].read(found.at, &ALWAYS)?;
         let mut b = match found.there {
             Some(there) => other_values(&self.books[1], there, trace, self.shift)?,
@@ -253,9 +254,8 @@ impl Comparison<'_> {
             thin: colour > 0 && book.is_run,
             courses: thinned(&column.time, &column.values, &range, SCREEN, held),
         });
-        let rule = rule(self.args, trace);
         // Where both have rows of their own, lines between them would make a difference of their own.
-        let (of_a, of_b) = match held || a.time == b.time {
+        let (of_a, of_b) = match rule.interpolation != Interpolation::Smooth || a.time == b.time {
             true => ((a.time.clone(), a.values.clone()), (b.time.clone(), b.values.clone())),
             false => (refined(&a.time, &a.values), refined(&b.time, &b.values)),
         };
@@ -317,5 +317,5 @@ fn words(verdict: &Verdict) -> String {
 /// Whether the maximum difference of a signal is nothing beside its value there.
 fn is_rounding(found: &Found) -> bool {
     let is_small = |d: Deviation| d.difference().abs() <= 1e-9 * d.baseline.abs().max(d.compared.abs());
-    found.verdict == Verdict::Differs && found.comparison.largest.is_some_and(is_small)
+    found.verdict == Verdict::Differs && found.comparison.maximum.is_some_and(is_small)
 }

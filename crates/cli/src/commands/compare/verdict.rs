@@ -79,10 +79,11 @@ pub fn rule(args: &CompareArgs, trace: &Trace) -> Rule {
         },
         time: args.time_tolerance,
         interpolation: match args.interpolation {
+            Some(Between::Smooth) => Interpolation::Smooth,
             Some(Between::Linear) => Interpolation::Linear,
             Some(Between::Zoh) => Interpolation::Hold,
             None if trace.held => Interpolation::Hold,
-            None => Interpolation::Linear,
+            None => Interpolation::Smooth,
         },
     }
 }

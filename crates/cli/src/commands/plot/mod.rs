@@ -1,8 +1,8 @@
 //! `blocksim plot`: signals of runs and tables over time, in the terminal and as files.
 
 pub mod curves;
-pub mod following;
 pub mod groups;
+pub mod metrics;
 pub mod panels;
 mod terminal;
 
@@ -76,7 +76,7 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, Failure> {
     // Who names a signal wants its numbers, whether it follows another one or not.
     let alone = !args.signals.is_empty() || all.iter().all(|drawn| drawn.group.pairs.is_empty());
     let rows =
-        if args.metrics || args.json { following::rows(&all, &books, &range, alone)? } else { Vec::new() };
+        if args.metrics || args.json { metrics::rows(&all, &books, &range, alone)? } else { Vec::new() };
     let mut text = String::new();
     if args.svg.is_some() || args.png.is_some() {
         let panels = all.iter().map(|drawn| panel(drawn, &books, &range)).collect();
@@ -92,13 +92,13 @@ fn drawn(args: &PlotArgs, console: Console) -> Result<String, Failure> {
         text = terminal::plots(&all, &books, console);
     }
     if args.json {
-        return Ok(format!("{}\n", following::json(&rows)));
+        return Ok(format!("{}\n", metrics::json(&rows)));
     }
     if args.metrics {
         if rows.is_empty() {
             console.say("note: none of these signals has two values or more in this time");
         } else {
-            text.push_str(&following::table(&rows, books.len() > 1));
+            text.push_str(&metrics::table(&rows, books.len() > 1));
         }
     }
     Ok(text)

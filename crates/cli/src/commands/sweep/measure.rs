@@ -56,7 +56,7 @@ impl From<Failure> for Lost {
 
 /// What is measured where nobody says it.
 const OF_ONE: [Metric; 5] =
-    [Metric::LargestError, Metric::FinalError, Metric::Overshoot, Metric::Settling, Metric::Iae];
+    [Metric::MaximumError, Metric::FinalError, Metric::Overshoot, Metric::Settling, Metric::Iae];
 
 /// Runs a model, keeps the run at `place` if one is given, and measures what is wanted; `told` becomes what blocks say of their
 /// approximations.
@@ -120,7 +120,7 @@ fn is_needed(recorded: &Recorded, wanted: &[Wanted]) -> bool {
     let port = recorded.path.split_once('.').map_or("", |(_, port)| port);
     let follows = matches!(port, "set" | "actual");
     let asked = |wanted: &Wanted| match &wanted.pattern {
-        _ if wanted.metric.is_of_following() => follows,
+        _ if wanted.metric.needs_set_value() => follows,
         Some(pattern) => fits(&recorded.path, pattern),
         None => false,
     };
@@ -143,7 +143,7 @@ fn numbers(signals: &[Shown], time: &[f64], wanted: &[Wanted]) -> Vec<Measured> 
                 without_jumps(&mut wanted, &mut there, turn);
             }
             let numbers = metrics(time, Some(&wanted), &there);
-            let (value, unit) = of_following(metric, numbers, &unit.to_string());
+            let (value, unit) = of_tracking(metric, numbers, &unit.to_string());
             let name = if several { name.to_owned() } else { String::new() };
             Measured { metric, path: pair.scope.to_owned(), name, unit, value }
         });
@@ -164,7 +164,7 @@ fn numbers(signals: &[Shown], time: &[f64], wanted: &[Wanted]) -> Vec<Measured> 
         let metrics = if several { &OF_ONE[..1] } else { &OF_ONE[..] };
         return metrics.iter().flat_map(|metric| of_pairs(*metric, None)).collect();
     }
-    let one = |wanted: &Wanted| match (&wanted.pattern, wanted.metric.is_of_following()) {
+    let one = |wanted: &Wanted| match (&wanted.pattern, wanted.metric.needs_set_value()) {
         (Some(pattern), false) => of_signals(wanted.metric, pattern),
         (pattern, _) => of_pairs(wanted.metric, pattern.as_deref()),
     };
@@ -172,7 +172,7 @@ fn numbers(signals: &[Shown], time: &[f64], wanted: &[Wanted]) -> Vec<Measured> 
 }
 
 /// A number of how a set value is followed, and its unit, where the signals are in `unit`.
-fn of_following(metric: Metric, numbers: Option<Metrics>, unit: &str) -> (Option<f64>, String) {
+fn of_tracking(metric: Metric, numbers: Option<Metrics>, unit: &str) -> (Option<f64>, String) {
     let unit_and = |times: &str| if unit == "1" { times.to_owned() } else { format!("{unit}*{times}") };
     let value = numbers.and_then(|m| match metric {
         Metric::Rise => m.rise,
@@ -216,7 +216,7 @@ fn no_signal(wanted: &Wanted, recorded: &[String]) -> Failure {
     };
     let some: Vec<&str> = recorded.iter().take(5).map(String::as_str).collect();
     let more = if recorded.len() > some.len() { ", ..." } else { "" };
-    let of = if wanted.metric.is_of_following() {
+    let of = if wanted.metric.needs_set_value() {
         "no set and actual value fits"
     } else {
         "no recorded signal fits"

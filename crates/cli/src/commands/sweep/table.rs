@@ -165,7 +165,7 @@ impl<'a> Sheet<'a> {
     /// For each number that should be small the run in which it is least.
     fn best(&self) -> String {
         let mut table = Table::new(&[("", Align::Left), ("", Align::Right), ("", Align::Left)]);
-        let small = self.columns.iter().enumerate().filter(|(_, column)| column.metric.is_of_following());
+        let small = self.columns.iter().enumerate().filter(|(_, column)| column.metric.needs_set_value());
         for (n, column) in small.take(BEST) {
             let size = |line: &Line| line.cells[n].map(f64::abs).filter(|x| x.is_finite());
             let sizes = || self.lines.iter().filter_map(|line| Some((size(line)?, line)));
@@ -232,7 +232,7 @@ impl<'a> Sheet<'a> {
             }
             row
         };
-        json!({ "v": 2, "type": "sweep", "runs": self.lines.iter().map(row).collect::<Vec<_>>() })
+        json!({ "v": 3, "type": "sweep", "runs": self.lines.iter().map(row).collect::<Vec<_>>() })
     }
 }
 
@@ -280,7 +280,7 @@ mod tests {
         let row = |n: usize, outcome| Row { values: vec![over[0].listed()[n].as_str()], outcome };
         let good = |error, overshoot| {
             vec![
-                measured(Metric::LargestError, "angle", "deg", Some(error)),
+                measured(Metric::MaximumError, "angle", "deg", Some(error)),
                 measured(Metric::Overshoot, "angle", "%", overshoot),
             ]
         };
@@ -327,7 +327,7 @@ mod tests {
             outcome: Ok(["a/scope", "b/scope", "c/scope"]
                 .map(|path| Measured {
                     name: path.into(),
-                    ..measured(Metric::LargestError, path, "deg", Some(n as f64 + 0.5))
+                    ..measured(Metric::MaximumError, path, "deg", Some(n as f64 + 0.5))
                 })
                 .to_vec()),
         };

@@ -194,9 +194,9 @@ pub fn json(rows: &[Row]) -> Value {
             "iae": error(m.iae),
             "ise": error(m.ise),
             "final_error": error(m.steady_state_error),
-            "largest_error": error(m.max_error),
-            "largest_error_at": error(m.max_error_at),
+            "maximum_error": error(m.max_error),
+            "maximum_error_at": error(m.max_error_at),
         })
     };
-    json!({ "v": 2, "type": "metrics", "following": rows.iter().map(row).collect::<Vec<_>>() })
+    json!({ "v": 3, "type": "metrics", "tracking": rows.iter().map(row).collect::<Vec<_>>() })
 }
