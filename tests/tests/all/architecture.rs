@@ -1,7 +1,8 @@
 //! What ARCHITECTURE.md promises, checked against the sources.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use blocksim_tests::root;
 
@@ -71,6 +72,44 @@ fn every_crate_has_one_program_of_tests() {
     }
 }
 
+/// Whether the documentation in a file of sources has an example in Rust, which is a test.
+fn has_example(source: &str) -> bool {
+    let in_rust = ["", "rust", "no_run", "should_panic", "compile_fail", "ignore", "edition2024"];
+    let docs = source
+        .lines()
+        .map(str::trim_start)
+        .filter_map(|line| line.strip_prefix("///").or_else(|| line.strip_prefix("//!")).map(str::trim));
+    let fences = docs.filter_map(|line| line.strip_prefix("```"));
+    // Every second fence closes what the one before has opened.
+    let mut opening = fences.step_by(2);
+    opening.any(|info| info.split([',', ' ']).all(|word| in_rust.contains(&word)))
+}
+
+/// To look for examples takes as long as to read the whole crate, so crates without any are left out; one that gets its first
+/// example must not be.
+#[test]
+fn the_examples_of_every_crate_are_tested_where_there_are_any() {
+    assert!(has_example("/// ```\n/// let a = 1;\n/// ```\nfn f() {}"));
+    assert!(has_example("//! ```text\n//! a\n//! ```\n//!\n//! ```no_run\n//! f();\n//! ```"));
+    assert!(!has_example("/// ```text\n/// a\n/// ```\nfn f() {}"));
+    let mut tested = 0;
+    for name in crates() {
+        let manifest = read(&root().join("crates").join(&name).join("Cargo.toml"));
+        let left_out = manifest.contains("doctest = false");
+        let file = sources_of(&name).into_iter().find(|file| has_example(&read(file)));
+        assert!(
+            !(left_out && file.is_some()),
+            "remove `doctest = false` from {name}: {file:?} has an example"
+        );
+        assert!(
+            left_out || file.is_some(),
+            "{name} has no example: `doctest = false` saves to look for some"
+        );
+        tested += usize::from(!left_out);
+    }
+    assert!(tested >= 5, "only {tested} crates have examples");
+}
+
 /// What stands between backticks, without blocks of code.
 fn spans(page: &str) -> Vec<&str> {
     let prose: Vec<&str> = page.split("```").step_by(2).collect();
@@ -105,10 +144,11 @@ fn every_function_type_and_crate_on_the_page_exists() {
     for file in crates().iter().flat_map(|name| sources_of(name)) {
         sources.push_str(&read(&file));
     }
+    let words: HashSet<&str> = sources.split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();
+    let crates = crates();
     for span in spans(&page) {
         let is_name = span.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        let known = crates().contains(span)
-            || sources.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|w| w == span);
+        let known = crates.contains(span) || words.contains(span);
         assert!(!is_name || known, "nothing is called `{span}`");
     }
 }
@@ -252,6 +292,36 @@ fn heavy_crates_stand_behind_a_feature_of_the_one_that_needs_them() {
         !program.lines().any(|line| line.starts_with("default =")),
         "all of them are off where a clone first builds"
     );
+}
+
+/// All crates of the program with the features that are asked of them, by name and version.
+fn features_of_program(options: &[&str]) -> BTreeMap<String, String> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(cargo);
+    command.args(["tree", "--package", "blocksim-cli", "--edges", "no-dev", "--prefix", "none"]);
+    command.args(["--format", "{p}|{f}", "--locked", "--offline", "--quiet"]).args(options);
+    let output = command.current_dir(root()).output().expect("cargo starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    let lines = text.lines().filter_map(|line| line.trim_end_matches(" (*)").split_once('|'));
+    lines.map(|(name, features)| (name.to_owned(), features.to_owned())).collect()
+}
+
+/// Who builds the program without its parts and then with them builds the library of blocks and the engine once: what they
+/// stand on has the same features in both.
+#[test]
+fn a_build_with_all_parts_goes_on_from_one_without() {
+    let (lean, full) = (features_of_program(&[]), features_of_program(&["--features", "full"]));
+    assert!(lean.len() > 60 && full.len() > lean.len() + 30, "{} crates, {} in all", lean.len(), full.len());
+    // The parts themselves, and what only these and the pages of runs need.
+    let own = ["blocksim-cli ", "blocksim-params ", "blocksim-picture ", "blocksim-results "];
+    let above = ["flate2 ", "simd-adler32 "];
+    for (name, features) in &lean {
+        if own.iter().chain(&above).all(|own| !name.starts_with(own)) {
+            let asked = &full[name];
+            assert_eq!(features, asked, "ask for these features of {name} in crates/cli/Cargo.toml");
+        }
+    }
 }
 
 /// The check of absences sees what is there.
