@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 use std::hint::black_box;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
 use blocksim_sim::{Observer, Simulation};
@@ -13,6 +13,16 @@ use blocksim_tests::compile_text;
 
 /// Runs of each model; the fastest counts, because the others were disturbed.
 const RUNS: usize = 7;
+
+/// Time that this thread has computed, where the system tells it; others that run at the same time then count little. Elsewhere the time
+/// that has passed.
+fn computed() -> Duration {
+    static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
+    // Nanoseconds on a processor, those spent waiting for one, and how often.
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = told.and_then(|text| text.split(' ').next()?.parse().ok());
+    nanoseconds.map_or_else(|| BEGIN.elapsed(), Duration::from_nanos)
+}
 
 struct Forget;
 
@@ -81,15 +91,15 @@ fn shaft(n: usize) -> String {
 fn measure(text: &str) -> (Duration, Duration, u64) {
     let mut fastest = (Duration::MAX, Duration::MAX, 0);
     for _ in 0..RUNS {
-        let start = Instant::now();
+        let start = computed();
         let (compiled, problems) = compile_text(text);
         let schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
-        let compiled = start.elapsed();
-        let start = Instant::now();
+        let compiled = computed() - start;
+        let start = computed();
         let mut simulation = Simulation::new(Arc::new(schedule)).expect("a start");
         simulation.run(&mut Forget).expect("a run");
         let counts = simulation.counts();
-        fastest = (fastest.0.min(compiled), fastest.1.min(start.elapsed()), counts.evaluations);
+        fastest = (fastest.0.min(compiled), fastest.1.min(computed() - start), counts.evaluations);
     }
     fastest
 }
