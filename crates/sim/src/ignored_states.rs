@@ -15,8 +15,9 @@ use crate::evaluate::Diagram;
 const NAMED: usize = 3;
 /// Weights of a fourth difference.
 const FOURTH: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
-/// Distance of its points, as a part of the last step.
-const APART: f64 = 1.0 / 1024.0;
+/// Distances of its points, as parts of the last step. Rounding that is a few units of one size may be alike at five points by accident;
+/// hardly so at all of these.
+const APART: [f64; 4] = [1.0 / 1024.0, 1.0 / 1337.0, 1.0 / 1777.0, 1.0 / 2311.0];
 /// Part of a derivative that rounding may make up.
 const ROUNDING: f64 = 1e-3;
 /// A state that grows at least as this power of time at its largest is only arriving. Diffusion through a chain, where it is below
@@ -161,20 +162,28 @@ impl Simulation {
 /// not vanish of is rounding.
 fn driven(diagram: &mut Diagram, (t, h): (f64, f64), x: &[f64], zero: &[Ignored]) -> Option<Vec<f64>> {
     let (mut at, mut dx) = (x.to_vec(), vec![0.0; x.len()]);
-    let (mut sum, mut difference) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-    for (look, weight) in FOURTH.into_iter().enumerate() {
-        blocksim_solve::shake(x, look, &mut at);
-        zero.iter().for_each(|zero| at[zero.state] = 0.0);
-        let evaluated = diagram.minor(t - look as f64 * h * APART, &at);
-        evaluated.and_then(|()| diagram.derive(&mut dx)).ok()?;
-        sum.iter_mut().zip(&dx).for_each(|(sum, dx)| *sum += dx);
-        difference.iter_mut().zip(&dx).for_each(|(difference, dx)| *difference += weight * dx);
+    let mut slopes = Vec::new();
+    for (series, apart) in APART.into_iter().enumerate() {
+        let (mut sum, mut difference) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        for (look, weight) in FOURTH.into_iter().enumerate() {
+            blocksim_solve::shake(x, series * FOURTH.len() + look, &mut at);
+            zero.iter().for_each(|zero| at[zero.state] = 0.0);
+            let evaluated = diagram.minor(t - look as f64 * h * apart, &at);
+            evaluated.and_then(|()| diagram.derive(&mut dx)).ok()?;
+            sum.iter_mut().zip(&dx).for_each(|(sum, dx)| *sum += dx);
+            difference.iter_mut().zip(&dx).for_each(|(difference, dx)| *difference += weight * dx);
+        }
+        let means: Vec<f64> = sum.into_iter().map(|sum| sum / FOURTH.len() as f64).collect();
+        if series == 0 {
+            slopes.clone_from(&means);
+        }
+        for ((slope, mean), difference) in slopes.iter_mut().zip(means).zip(difference) {
+            if difference.abs() > ROUNDING * mean.abs() {
+                *slope = 0.0;
+            }
+        }
     }
-    let more_than_rounding = |(sum, difference): (f64, f64)| {
-        let slope = sum / FOURTH.len() as f64;
-        if difference.abs() <= ROUNDING * slope.abs() { slope } else { 0.0 }
-    };
-    Some(sum.into_iter().zip(difference).map(more_than_rounding).collect())
+    Some(slopes)
 }
 
 /// Path and name of a state.

@@ -255,10 +255,11 @@ impl<'a> Run<'a> {
             for k in 0..2 {
                 let (Some(a), Some(b), Some(c)) = (a[n][k], b[n][k], c[n][k]) else { continue };
                 let turned = b.abs() <= a.abs() && b.abs() <= c.abs() && a * b > 0.0 && b * c > 0.0;
-                // Between the steps it comes nearer to zero than at them: by what a parabola through them does.
+                // Between the steps it comes nearer to zero than at them: by what a parabola through them does, or, where it turns in a
+                // corner, by up to half of what that rises by.
                 let bend = a - 2.0 * b + c;
                 let nearest = b - (a - c) * (a - c) / (8.0 * bend);
-                let beyond = nearest * b.signum() < 1e-9 * self.scale(n) + 0.1 * bend.abs();
+                let beyond = nearest * b.signum() < 1e-9 * self.scale(n) + 0.4 * bend.abs();
                 if turned && bend != 0.0 && beyond {
                     return Err(Undecided::Grazes);
                 }
