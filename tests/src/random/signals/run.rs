@@ -175,9 +175,12 @@ impl<'a> Run<'a> {
     /// A step to `end`, or to the first instant at which a branch changes.
     fn step(&mut self, end: f64, planned: bool) -> Result<(), Undecided> {
         self.pin();
-        let start = self.x.clone();
+        let (start, before) = (self.x.clone(), self.y.clone());
         self.advance(&start, end);
         if !self.turns() {
+            if self.touches(&before) {
+                return Err(Undecided::Grazes);
+            }
             self.accept(end);
             if planned {
                 // What changes exactly in the end may or may not be seen.
@@ -193,6 +196,9 @@ impl<'a> Run<'a> {
             if self.turns() { right = middle } else { left = middle }
         }
         self.advance(&start, right);
+        if self.touches(&before) {
+            return Err(Undecided::Grazes);
+        }
         self.events += 1;
         let first = self.last_event < 0.0 && right < SAME;
         let crowded = right - self.last_event < SAME || right - self.last_instant < SAME && !first;
@@ -203,6 +209,21 @@ impl<'a> Run<'a> {
         self.last_event = right;
         self.accept(right);
         self.instant(false)
+    }
+
+    /// Whether a condition that watches a magnitude at zero was touched in the step from these outputs: the magnitude reaches zero
+    /// where its input changes sign, for no time at all.
+    fn touches(&self, before: &[f64]) -> bool {
+        let nodes = &self.model.nodes;
+        let changed = |m: usize| {
+            let u = nodes[m].inputs.first();
+            matches!(nodes[m].law, Law::Abs) && u.is_some_and(|&u| before[u] * self.y[u] < 0.0)
+        };
+        let at_zero = |n: usize, m: usize| {
+            let near = |d: &f64| (d.abs() - self.y[m]).abs() <= 2.0 * self.shift(n).abs() + 1e-12;
+            self.distances(n).iter().flatten().any(near)
+        };
+        (0..nodes.len()).any(|n| nodes[n].inputs.iter().any(|&m| changed(m) && at_zero(n, m)))
     }
 
     fn is_sampling(&self, t: f64) -> bool {
@@ -255,11 +276,10 @@ impl<'a> Run<'a> {
             for k in 0..2 {
                 let (Some(a), Some(b), Some(c)) = (a[n][k], b[n][k], c[n][k]) else { continue };
                 let turned = b.abs() <= a.abs() && b.abs() <= c.abs() && a * b > 0.0 && b * c > 0.0;
-                // Between the steps it comes nearer to zero than at them: by what a parabola through them does, or, where it turns in a
-                // corner, by up to half of what that rises by.
+                // Between the steps it comes nearer to zero than at them: by what a parabola through them does.
                 let bend = a - 2.0 * b + c;
                 let nearest = b - (a - c) * (a - c) / (8.0 * bend);
-                let beyond = nearest * b.signum() < 1e-9 * self.scale(n) + 0.4 * bend.abs();
+                let beyond = nearest * b.signum() < 1e-9 * self.scale(n) + 0.1 * bend.abs();
                 if turned && bend != 0.0 && beyond {
                     return Err(Undecided::Grazes);
                 }
