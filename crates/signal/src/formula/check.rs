@@ -158,7 +158,8 @@ impl Formula {
         constant: &dyn Fn(usize) -> Option<f64>,
     ) -> Result<Option<Dimension>, ExprError> {
         let span = || self.nodes[exponent].span.clone();
-        if let Some(dimension) = known[exponent].filter(|dimension| !dimension.is_none()) {
+        let unit = known[exponent].filter(|dimension| !dimension.is_open() && !dimension.is_none());
+        if let Some(dimension) = unit {
             let message = format!("an exponent is a plain number, not one in {dimension}");
             let help = "a unit belongs to the number before it; write (2^3) m";
             return Err(ExprError::new(span(), message).help(help));

@@ -96,6 +96,11 @@ impl Function {
         FUNCTIONS.iter().find(|(_, function, ..)| *function == self).map_or("", |(name, ..)| name)
     }
 
+    /// Whether a function has this name.
+    pub fn is_name(name: &str) -> bool {
+        Self::find(name).is_some()
+    }
+
     /// The function of a name, with its fewest and most arguments.
     pub(super) fn find(name: &str) -> Option<(Self, usize, usize)> {
         let found = FUNCTIONS.iter().find(|(known, ..)| *known == name);

@@ -21,6 +21,7 @@ fn unit(text: &str) -> Result<Option<Dimension>, String> {
         "u" => Some(of("V")),
         "i" => Some(of("A")),
         "x" => Some(Dimension::OPEN),
+        "t" => Some(Dimension::OPEN.times(of("s"))),
         "p" => Some(of("Ohm")),
         _ => None,
     };
@@ -135,6 +136,10 @@ fn dimensions_follow_from_names_and_numbers() {
         ("u + n", Some(of("V"))),
         ("u * n", None),
         ("x + u", Some(of("V"))),
+        ("2^t", Some(Dimension::NONE)),
+        ("sin(t)", Some(Dimension::NONE)),
+        ("u + t", Some(of("V"))),
+        ("t^x", Some(Dimension::OPEN)),
         ("u^2 / p", Some(of("W"))),
         ("sqrt(u * u)", Some(of("V"))),
         ("max(u, 0)", Some(of("V"))),
