@@ -1,6 +1,7 @@
 //! Checks of parameters, and parameters of any type.
 
 use std::cell::Cell;
+use std::ops::Range;
 
 use serde::Deserialize;
 
@@ -15,17 +16,24 @@ pub struct ParamError {
     pub message: String,
     /// What to do.
     pub help: Option<String>,
+    /// The bytes of a text in it that are wrong, where the parameter is a text.
+    pub span: Option<Range<usize>>,
 }
 
 impl ParamError {
     /// An error without advice.
     pub fn new(param: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { param: param.into(), message: message.into(), help: None }
+        Self { param: param.into(), message: message.into(), help: None, span: None }
     }
 
     /// The same with advice.
     pub fn help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }
+    }
+
+    /// The same about these bytes of the text that the parameter is.
+    pub fn within(self, span: Range<usize>) -> Self {
+        Self { span: Some(span), ..self }
     }
 }
 

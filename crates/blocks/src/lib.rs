@@ -9,6 +9,7 @@ pub mod discrete;
 pub mod drives;
 pub mod electrical;
 pub mod gears;
+mod laws;
 pub mod lookup;
 pub mod machines;
 pub mod math;

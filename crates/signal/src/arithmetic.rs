@@ -5,8 +5,8 @@ use std::ops::Range;
 
 /// A value and the bytes of the text it came from.
 #[derive(Debug, Clone)]
-pub(crate) struct Operand {
-    pub value: Value,
+pub(crate) struct Operand<V = Value> {
+    pub value: V,
     pub span: Range<usize>,
 }
 

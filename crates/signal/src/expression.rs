@@ -1,18 +1,21 @@
 //! Expressions: a Pratt parser that evaluates as it reads.
 
+mod meaning;
 mod mistakes;
 mod notes;
 
-use crate::arithmetic::{self, Operand};
+use crate::arithmetic::Operand;
 use crate::lexer::{Lexeme, Token, lex};
 use crate::unit::to_si;
 use crate::unit_reader::UnitReader;
 use crate::unit_table::{self, DECIBEL, Factor};
-use crate::{ExprError, Lookup, Part, Quantity, Scope, Value, functions, select};
-use notes::Notes;
+use crate::{ExprError, Lookup, Part, Quantity, Scope, Value};
+use meaning::Evaluation;
 use std::{f64::consts::PI, ops::Range};
 
+pub(crate) use meaning::Meaning;
 pub use notes::Noted;
+pub(crate) use notes::Notes;
 
 /// The value of an expression: numbers with units, `+ - * / ^`, parentheses, names of the scope, members
 /// (`robot.mass`), items (`list[0]`), lists (`[a, b]`), functions, `pi`, `true`, `false`.
@@ -37,37 +40,50 @@ pub fn evaluate(text: &str, scope: &dyn Scope) -> Result<Value, ExprError> {
 /// # Errors
 /// As of [`evaluate`].
 pub fn evaluate_noted(text: &str, scope: &dyn Scope) -> Result<Noted, ExprError> {
-    let lexemes = lex(text)?;
+    let (value, notes) = read(text, scope, &mut Evaluation)?;
+    Ok(notes.with(value))
+}
+
+/// Reads a text; what its parts are worth, `meaning` says.
+pub(crate) fn read<M: Meaning>(
+    text: &str,
+    scope: &dyn Scope,
+    meaning: &mut M,
+) -> Result<(M::Value, Notes), ExprError> {
+    let lexemes = lex(text, M::COMPARES)?;
     if lexemes.len() == 1 {
         return Err(ExprError::new(0..text.len(), "empty expression").help("write a number, such as 0"));
     }
-    let mut parser = Parser { text, lexemes: &lexemes, at: 0, scope, depth: 0, notes: Notes::default() };
+    let mut parser =
+        Parser { text, lexemes: &lexemes, at: 0, scope, meaning, depth: 0, notes: Notes::default() };
     let result = parser.expression(0)?;
     match parser.token() {
-        Token::End => Ok(parser.notes.with(result.value)),
+        Token::End => Ok((result.value, parser.notes)),
         _ => Err(parser.unexpected()),
     }
 }
 
 const MAX_DEPTH: usize = 200;
 const CONSTANTS: [&str; 3] = ["pi", "true", "false"];
+const COMPARISON: u8 = 0;
 const SUM: u8 = 1;
 const PRODUCT: u8 = 2;
 const MINUS: u8 = 3;
 const POWER: u8 = 4;
 
-struct Parser<'a> {
+struct Parser<'a, M> {
     text: &'a str,
     lexemes: &'a [Lexeme<'a>],
     at: usize,
     scope: &'a dyn Scope,
+    meaning: &'a mut M,
     depth: usize,
     notes: Notes,
 }
 
-impl<'a> Parser<'a> {
+impl<'a, M: Meaning> Parser<'a, M> {
     /// Operands joined by operators that bind at least as tightly as `least`.
-    fn expression(&mut self, least: u8) -> Result<Operand, ExprError> {
+    fn expression(&mut self, least: u8) -> Result<Operand<M::Value>, ExprError> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
             let error = ExprError::new(self.span(), format!("nested more than {MAX_DEPTH} levels deep"));
@@ -79,6 +95,7 @@ impl<'a> Parser<'a> {
                 '+' | '-' => (SUM, SUM + 1),
                 '*' | '/' => (PRODUCT, PRODUCT + 1),
                 '^' => (POWER, POWER),
+                '<' | '>' | '≤' | '≥' | '=' | '≠' => (COMPARISON, SUM),
                 _ => break,
             };
             if binding < least {
@@ -91,14 +108,14 @@ impl<'a> Parser<'a> {
                 }
                 _ => self.expression(right_side)?,
             };
-            let value = arithmetic::binary(sign, &left, &right)?;
+            let value = self.meaning.binary(sign, &left, &right)?;
             left = Operand { value, span: left.span.start..right.span.end };
         }
         self.depth -= 1;
         Ok(left)
     }
 
-    fn prefix(&mut self) -> Result<Operand, ExprError> {
+    fn prefix(&mut self) -> Result<Operand<M::Value>, ExprError> {
         let first = self.at;
         let start = self.span().start;
         match self.token() {
@@ -112,14 +129,15 @@ impl<'a> Parser<'a> {
                     let operand = self.call(word)?;
                     return self.suffix_of_parenthesis(operand);
                 }
-                let operand = match self.selected(word) {
+                let operand = match self.selected(word)? {
                     Some(operand) => operand,
                     None => self.name(word)?,
                 };
                 let operand = self.selection(operand)?;
                 if !CONSTANTS.contains(&word) {
                     let span = operand.span.clone();
-                    self.notes.name(&self.text[span.clone()], span.start, &operand.value);
+                    let text = &self.text[span.clone()];
+                    self.meaning.note(&mut self.notes, text, span.start, &operand.value);
                 }
                 Ok(operand)
             }
@@ -133,8 +151,9 @@ impl<'a> Parser<'a> {
             Token::Sign('[') => {
                 self.at += 1;
                 let items = self.items(']', first)?;
-                let value = Value::List(items.into_iter().map(|item| item.value).collect());
-                self.selection(Operand { value, span: start..self.end() })
+                let span = start..self.end();
+                let value = self.meaning.list(items, span.clone())?;
+                self.selection(Operand { value, span })
             }
             Token::Sign('-') => {
                 self.at += 1;
@@ -143,13 +162,14 @@ impl<'a> Parser<'a> {
                     return self.literal(-value, first);
                 }
                 let operand = self.expression(MINUS)?;
-                let value = arithmetic::negated(&operand)?;
-                Ok(Operand { value, span: start..operand.span.end })
+                let span = start..operand.span.end;
+                let value = self.meaning.negated(&operand, span.clone())?;
+                Ok(Operand { value, span })
             }
             Token::Sign('+') => {
                 self.at += 1;
                 let operand = self.expression(MINUS)?;
-                operand.number("put a plus sign before")?;
+                self.meaning.plus(&operand)?;
                 Ok(Operand { value: operand.value, span: start..operand.span.end })
             }
             Token::Sign(_) => Err(self.unexpected()),
@@ -161,7 +181,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The unit behind a number that has just been read. `first` is the token the literal begins with.
-    fn literal(&mut self, value: f64, first: usize) -> Result<Operand, ExprError> {
+    fn literal(&mut self, value: f64, first: usize) -> Result<Operand<M::Value>, ExprError> {
         let start = self.lexemes[first].span.start;
         if self.token() == Token::Word(DECIBEL) {
             self.at += 1;
@@ -171,22 +191,23 @@ impl<'a> Parser<'a> {
             }
             self.notes.decibels();
             let ratio = Quantity::plain(10f64.powf(value / 20.0));
-            return Ok(Operand { value: arithmetic::sound(ratio, span.clone())?, span });
+            return Ok(Operand { value: self.meaning.quantity(ratio, span.clone())?, span });
         }
         let factor = if self.token() == Token::Sign('[') { Some(self.bracket()?) } else { self.unit()? };
         let Some(factor) = factor else {
-            return Ok(Operand { value: value.into(), span: start..self.end() });
+            let span = start..self.end();
+            return Ok(Operand { value: self.meaning.quantity(Quantity::plain(value), span.clone())?, span });
         };
         let span = start..self.end();
         if factor.offset != 0.0 && !self.is_whole_literal(first) {
             return Err(celsius_error(span));
         }
-        let value = arithmetic::sound(scaled(Quantity::plain(value), factor), span.clone())?;
+        let value = self.meaning.quantity(scaled(Quantity::plain(value), factor), span.clone())?;
         Ok(Operand { value, span })
     }
 
     /// What may follow `(...)`: a unit, or an index and members.
-    fn suffix_of_parenthesis(&mut self, operand: Operand) -> Result<Operand, ExprError> {
+    fn suffix_of_parenthesis(&mut self, operand: Operand<M::Value>) -> Result<Operand<M::Value>, ExprError> {
         let first_in_bracket = self.lexemes.get(self.at + 1).map(|lexeme| lexeme.token);
         let factor = match (self.token(), first_in_bracket) {
             (Token::Sign('['), Some(Token::Word(word))) if is_unit(word) && !self.is_name(word) => {
@@ -202,7 +223,7 @@ impl<'a> Parser<'a> {
         if factor.offset != 0.0 {
             return Err(celsius_error(span));
         }
-        let value = arithmetic::sound(scaled(operand.number("give a unit to")?, factor), span.clone())?;
+        let value = self.meaning.in_unit(&operand, factor, span.clone())?;
         Ok(Operand { value, span })
     }
 
@@ -260,34 +281,35 @@ impl<'a> Parser<'a> {
             && matches!(self.token(), Token::End | Token::Sign(',' | ']'))
     }
 
-    fn call(&mut self, word: &str) -> Result<Operand, ExprError> {
+    fn call(&mut self, word: &str) -> Result<Operand<M::Value>, ExprError> {
         let named = self.span();
         self.at += 2;
         let arguments = self.items(')', self.at - 1)?;
         let span = named.start..self.end();
-        let value = functions::call(word, named, &arguments, span.clone())?;
+        let value = self.meaning.call(word, named, &arguments, span.clone())?;
         Ok(Operand { value, span })
     }
 
-    fn name(&mut self, word: &str) -> Result<Operand, ExprError> {
+    fn name(&mut self, word: &str) -> Result<Operand<M::Value>, ExprError> {
         let span = self.span();
         self.at += 1;
         let value = match word {
-            "pi" => PI.into(),
-            "true" => Value::Bool(true),
-            "false" => Value::Bool(false),
+            "pi" => self.meaning.known(PI.into(), span.clone())?,
+            "true" => self.meaning.known(Value::Bool(true), span.clone())?,
+            "false" => self.meaning.known(Value::Bool(false), span.clone())?,
             _ => match self.scope.lookup(word) {
-                Lookup::Found(value) => value,
                 Lookup::Failed(reason) => return Err(ExprError::new(span, reason)),
-                Lookup::Unknown => return Err(self.unknown_name(word, span)),
+                looked_up => match self.meaning.name(word, looked_up, span.clone())? {
+                    Some(value) => value,
+                    None => return Err(self.unknown_name(word, span)),
+                },
             },
         };
         Ok(Operand { value, span })
     }
 
-    /// `.member` and `[index]`, any number of them.
     /// A name with the members and plain items behind it, where the scope knows that value.
-    fn selected(&mut self, word: &str) -> Option<Operand> {
+    fn selected(&mut self, word: &str) -> Result<Option<Operand<M::Value>>, ExprError> {
         let token = |at: usize| self.lexemes.get(at).map(|lexeme| lexeme.token);
         let (start, mut at) = (self.span().start, self.at + 1);
         let mut path = Vec::new();
@@ -306,12 +328,15 @@ impl<'a> Parser<'a> {
                 _ => break,
             }
         }
-        let value = if path.is_empty() { None } else { self.scope.select(word, &path) }?;
+        let found = if path.is_empty() { None } else { self.scope.select(word, &path) };
+        let Some(value) = found else { return Ok(None) };
         self.at = at;
-        Some(Operand { value, span: start..self.end() })
+        let span = start..self.end();
+        Ok(Some(Operand { value: self.meaning.known(value, span.clone())?, span }))
     }
 
-    fn selection(&mut self, mut operand: Operand) -> Result<Operand, ExprError> {
+    /// `.member` and `[index]`, any number of them.
+    fn selection(&mut self, mut operand: Operand<M::Value>) -> Result<Operand<M::Value>, ExprError> {
         loop {
             let first = self.at;
             let start = operand.span.start;
@@ -323,13 +348,13 @@ impl<'a> Parser<'a> {
                     };
                     let span = self.span();
                     self.at += 1;
-                    select::member(operand, name, span)?
+                    self.meaning.member(operand, name, span)?
                 }
                 Token::Sign('[') => {
                     self.at += 1;
                     let index = self.expression(0)?;
                     self.close(']', first)?;
-                    select::item(operand, &index)?
+                    self.meaning.item(operand, &index)?
                 }
                 _ => return Ok(operand),
             };
@@ -338,7 +363,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Expressions separated by commas up to the closing sign; one comma may stand at the end.
-    fn items(&mut self, end: char, opened: usize) -> Result<Vec<Operand>, ExprError> {
+    fn items(&mut self, end: char, opened: usize) -> Result<Vec<Operand<M::Value>>, ExprError> {
         let mut items = Vec::new();
         while self.token() != Token::Sign(end) {
             items.push(self.expression(0)?);
@@ -389,7 +414,7 @@ fn is_unit(word: &str) -> bool {
     unit_table::find(word).is_some()
 }
 
-fn scaled(quantity: Quantity, factor: Factor) -> Quantity {
+pub(crate) fn scaled(quantity: Quantity, factor: Factor) -> Quantity {
     let value = to_si(quantity.value, factor.scale(), factor.offset);
     Quantity::new(value, quantity.dimension.times(factor.dimension))
 }

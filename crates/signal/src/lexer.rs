@@ -28,8 +28,10 @@ pub(crate) struct Lexeme<'a> {
 
 /// Cuts a text into tokens; the last one is always [`Token::End`].
 ///
+/// Where the text may compare, `< > <= >= == !=` are signs, too, those of two characters as `≤ ≥ = ≠`.
+///
 /// Errors: a text that is too long, a character that means nothing here, a number beyond the range of `f64`.
-pub(crate) fn lex(text: &str) -> Result<Vec<Lexeme<'_>>, ExprError> {
+pub(crate) fn lex(text: &str, compares: bool) -> Result<Vec<Lexeme<'_>>, ExprError> {
     if text.len() > MAX_TEXT {
         return Err(ExprError::new(0..0, format!("expression is longer than {MAX_TEXT} bytes")));
     }
@@ -52,8 +54,11 @@ pub(crate) fn lex(text: &str) -> Result<Vec<Lexeme<'_>>, ExprError> {
         } else if let Some(n) = superscript(c) {
             lexemes.push(Lexeme { token: Token::Sign('^'), span: start..at });
             Token::Number(n)
+        } else if let Some((sign, length)) = comparison(rest).filter(|_| compares) {
+            at = start + length;
+            Token::Sign(sign)
         } else {
-            Token::Sign(sign(c).ok_or_else(|| stray(text, c, start..at))?)
+            Token::Sign(sign(c).ok_or_else(|| stray(text, c, start..at, compares))?)
         };
         lexemes.push(Lexeme { token, span: start..at });
     }
@@ -85,6 +90,13 @@ fn sign(c: char) -> Option<char> {
         '−' => Some('-'),
         _ => None,
     }
+}
+
+/// The comparison at the start, and its bytes.
+fn comparison(rest: &str) -> Option<(char, usize)> {
+    const SIGNS: [(&str, char); 8] =
+        [("<=", '≤'), (">=", '≥'), ("==", '='), ("!=", '≠'), ("≤", '≤'), ("≥", '≥'), ("<", '<'), (">", '>')];
+    SIGNS.iter().find(|(text, _)| rest.starts_with(text)).map(|(text, sign)| (*sign, text.len()))
 }
 
 /// `.5` is a number, but not directly behind a name or a bracket, where the dot selects.
@@ -121,10 +133,12 @@ fn number(text: &str, span: Range<usize>) -> Result<f64, ExprError> {
     }
 }
 
-fn stray(text: &str, c: char, span: Range<usize>) -> ExprError {
+fn stray(text: &str, c: char, span: Range<usize>, compares: bool) -> ExprError {
     let error = ExprError::new(span.clone(), format!("unexpected character `{}`", c.escape_debug()));
     match c {
         '"' | '\'' => error.help("an expression holds no quoted text; write the name without quotes"),
+        '=' if compares => error.help("write == to compare; the text is the value itself, without `y =`"),
+        '&' | '|' | '!' | '?' if compares => error.help("write and(a, b), or(a, b), not(a), if(a, b, c)"),
         '=' | '<' | '>' | '!' | '&' | '|' | '?' => error.help("an expression computes; it does not compare"),
         ';' if text[span.end..].starts_with(|c: char| c.is_ascii_digit()) => {
             error.help("items are separated by `,`")
@@ -139,7 +153,7 @@ mod tests {
     use super::*;
 
     fn tokens(text: &str) -> Vec<Token<'_>> {
-        lex(text).unwrap().into_iter().map(|lexeme| lexeme.token).collect()
+        lex(text, false).unwrap().into_iter().map(|lexeme| lexeme.token).collect()
     }
 
     #[test]
@@ -168,15 +182,15 @@ mod tests {
 
     #[test]
     fn spans_count_bytes() {
-        let lexemes = lex("2 µm + x").unwrap();
+        let lexemes = lex("2 µm + x", false).unwrap();
         let spans: Vec<_> = lexemes.into_iter().map(|lexeme| lexeme.span).collect();
         assert_eq!(spans, [0..1, 2..5, 6..7, 8..9, 9..9]);
     }
 
     #[test]
     fn what_means_nothing_is_refused_with_its_place() {
-        assert_eq!(lex("2 $ 3").unwrap_err().span, 2..3);
-        assert_eq!(lex("1 + 1e999").unwrap_err().span, 4..9);
-        assert!(lex(&"1+".repeat(MAX_TEXT)).is_err());
+        assert_eq!(lex("2 $ 3", false).unwrap_err().span, 2..3);
+        assert_eq!(lex("1 + 1e999", false).unwrap_err().span, 4..9);
+        assert!(lex(&"1+".repeat(MAX_TEXT), false).is_err());
     }
 }

@@ -55,7 +55,7 @@ impl Unit {
     ///
     /// Errors: an empty text, an unknown symbol, `degC` in a product, an exponent that is not a whole literal.
     pub fn parse(text: &str) -> Result<Unit, UnitError> {
-        let lexemes = lex(text)?;
+        let lexemes = lex(text, false)?;
         if lexemes.len() == 1 {
             return Err(ExprError::new(0..text.len(), "empty unit")
                 .help("write 1 for a plain number")

@@ -35,6 +35,7 @@ mod influence;
 mod instants;
 mod inverters;
 mod kinks;
+mod laws;
 mod library;
 mod limits_of_signals;
 mod long_shafts;

@@ -30,6 +30,7 @@ impl Block for Convert {
             param: "to".to_owned(),
             message: error.message,
             help: error.help,
+            span: None,
         })
     }
 

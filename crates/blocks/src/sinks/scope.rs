@@ -39,6 +39,7 @@ impl Block for Scope {
             param: "display".to_owned(),
             message: error.message,
             help: error.help,
+            span: None,
         })
     }
 

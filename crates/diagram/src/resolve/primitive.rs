@@ -1,9 +1,10 @@
 //! Blocks of the library: a kind, its parameters and the ports that follow from them.
 
+use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use blocksim_block::problem::Problem;
+use blocksim_block::problem::{Place, Problem};
 use blocksim_block::{Block, BlockInfo, BlockKind, Given, MOST_MEMORY, ParamUnits};
 use serde::Deserialize;
 
@@ -68,14 +69,33 @@ impl<'a> Resolver<'a> {
             return Content::Unknown;
         }
         if let Err(error) = built.check() {
+            let mut place = place_of(&error.param);
+            if let Some(span) = error.span {
+                place.span = self.within(&place, span);
+            }
             let problem = Problem::error("parameter", error.message)
-                .at(&place_of(&error.param), "")
+                .at(&place, "")
                 .note(format!("in block `{path}` ({})", block.kind.text));
             self.report(with_help(problem, error.help));
             return Content::Unknown;
         }
         let plain = self.strict && reading.has_open.get();
         self.interface(ast, block, Arc::from(built), (units, numbers, plain))
+    }
+
+    /// The place of some bytes of a text; the whole text where they are none of it, as behind characters that are written
+    /// in another way, or where the text stands elsewhere.
+    fn within(&self, text: &Place, span: Range<usize>) -> Range<usize> {
+        let file = self.sources.file(text.file);
+        let written = file.text.get(text.span.clone()).unwrap_or_default();
+        let inner = written.strip_prefix('"').and_then(|inner| inner.strip_suffix('"'));
+        match inner {
+            Some(inner) if !inner.contains('\\') && inner.get(span.clone()).is_some() => {
+                let start = text.span.start + 1;
+                start + span.start..start + span.end
+            }
+            _ => text.span.clone(),
+        }
     }
 
     fn interface(

@@ -1,10 +1,10 @@
 //! What to say when an expression cannot be read.
 
-use super::{Parser, is_unit};
+use super::{Meaning, Parser, is_unit};
 use crate::{ExprError, closest, functions, lexer::Token, select, surely};
 use std::ops::Range;
 
-impl Parser<'_> {
+impl<M: Meaning> Parser<'_, M> {
     /// Something stands where it cannot.
     pub(super) fn unexpected(&self) -> ExprError {
         if let Some(error) = self.decimal_comma(false) {

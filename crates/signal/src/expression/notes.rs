@@ -23,7 +23,7 @@ pub struct Noted {
 
 /// What is gathered while an expression is read.
 #[derive(Debug, Default)]
-pub(super) struct Notes {
+pub(crate) struct Notes {
     pub units: Vec<Unit>,
     pub names: Vec<String>,
     pub starts: Vec<usize>,

@@ -1,0 +1,188 @@
+//! Functions from program to program. None of them changes a bit of any result.
+
+use crate::{Id, Instruction, Op, Program};
+use std::collections::{HashMap, HashSet};
+
+/// Makes a program anew: `place` takes each instruction, with its operands renamed already, and says which value stands for it.
+fn rewritten(program: &Program, mut place: impl FnMut(Instruction, &mut Vec<Instruction>) -> Id) -> Program {
+    let mut instructions = Vec::with_capacity(program.instructions.len());
+    let mut names: Vec<Id> = Vec::with_capacity(program.instructions.len());
+    for Instruction { op, place: text } in &program.instructions {
+        let op = op.map(|id| names[id.at()]);
+        names.push(place(Instruction { op, place: text.clone() }, &mut instructions));
+    }
+    let mut program = Program { instructions, ..program.clone() };
+    program.each_root(|id| *id = names[id.at()]);
+    program
+}
+
+fn push(instruction: Instruction, instructions: &mut Vec<Instruction>) -> Id {
+    instructions.push(instruction);
+    Id(instructions.len() as u32 - 1)
+}
+
+/// Puts the values of the parameters in their places.
+#[must_use]
+pub fn bind_parameters(program: &Program) -> Program {
+    rewritten(program, |mut instruction, instructions| {
+        if let Op::Parameter(index) = instruction.op {
+            instruction.op = Op::constant(program.parameters[index as usize].1);
+        }
+        push(instruction, instructions)
+    })
+}
+
+/// Computes what needs constants alone, with the very functions of the interpreter. Choices whose condition is constant are made,
+/// requirements that always hold are dropped.
+#[must_use]
+pub fn fold_constants(program: &Program) -> Program {
+    let mut names: Vec<Id> = Vec::with_capacity(program.instructions.len());
+    let folded = rewritten(program, |instruction, instructions| {
+        let id = folded(instruction, program, &names, instructions);
+        names.push(id);
+        id
+    });
+    let holds = |id: &Id| match folded.op(*id) {
+        Op::Require(_, holds, _) => folded.op(holds).as_constant().is_some_and(|value| value != 0.0),
+        _ => false,
+    };
+    let changes = |id: &Id| folded.op(*id).as_constant().is_none();
+    let requirements = folded.requirements.iter().filter(|id| !holds(id)).copied().collect();
+    let kinks = folded.kinks.iter().filter(|kink| changes(&kink.value)).cloned().collect();
+    let turns = folded.turns.iter().filter(|id| changes(id)).copied().collect();
+    Program { requirements, kinks, turns, ..folded }
+}
+
+/// What stands for an instruction whose operands are folded; `names` are the new values of those before it.
+fn folded(
+    mut instruction: Instruction,
+    program: &Program,
+    names: &[Id],
+    instructions: &mut Vec<Instruction>,
+) -> Id {
+    let constant = |id: Id| instructions[id.at()].op.as_constant();
+    if let Op::Select(condition, a, b) = instruction.op
+        && let Some(condition) = constant(condition)
+    {
+        return if condition != 0.0 { a } else { b };
+    }
+    if let Op::Mode(index) = instruction.op {
+        let value = names[program.modes[index as usize].value.at()];
+        if constant(value).is_some() {
+            return value;
+        }
+    }
+    let shortened = match instruction.op {
+        Op::And(a, b) | Op::Or(a, b) => {
+            let and = matches!(instruction.op, Op::And(..));
+            match (constant(a), constant(b)) {
+                // What decides alone, or leaves the other one to decide; that one is 0 or 1 already.
+                (Some(value), _) => Some(if (value != 0.0) == and { b } else { a }),
+                (_, Some(value)) => Some(if (value != 0.0) == and { a } else { b }),
+                _ => None,
+            }
+        }
+        _ => None,
+    };
+    if let Some(id) = shortened {
+        return id;
+    }
+    let known = instruction.op.operands().all(|id| constant(id).is_some());
+    let value = if known { instruction.op.value(|id| constant(id).unwrap_or(f64::NAN)) } else { None };
+    if let Some(value) = value {
+        instruction.op = Op::constant(value);
+    }
+    push(instruction, instructions)
+}
+
+/// Computes equal expressions once; the place is that of the first. Modes that choose the same become one.
+#[must_use]
+pub fn share_equal(program: &Program) -> Program {
+    let mut known: HashMap<Op, Id> = HashMap::new();
+    let mut held: HashMap<Id, Id> = HashMap::new();
+    let mut names: Vec<Id> = Vec::with_capacity(program.instructions.len());
+    let mut shared = rewritten(program, |instruction, instructions| {
+        let op = instruction.op;
+        let add = || *known.entry(op).or_insert_with(|| push(instruction, instructions));
+        let id = match op {
+            Op::Mode(index) => {
+                *held.entry(names[program.modes[index as usize].value.at()]).or_insert_with(add)
+            }
+            _ => add(),
+        };
+        names.push(id);
+        id
+    });
+    let mut seen = HashSet::new();
+    shared.requirements.retain(|id| seen.insert(*id));
+    seen.clear();
+    shared.kinks.retain(|kink| seen.insert(kink.value));
+    seen.clear();
+    shared.turns.retain(|id| seen.insert(*id));
+    shared
+}
+
+/// Drops what neither an output nor a derivative, memory, mode, guard or requirement needs, and modes that nothing reads; those that are
+/// left are numbered anew.
+#[must_use]
+pub fn drop_unused(program: &Program) -> Program {
+    // A mode counts if something reads it that counts itself; kinks, turns and requirements always do.
+    let n = program.instructions.len();
+    let mut used = vec![false; n];
+    let mut modes = vec![false; program.modes.len()];
+    let mut open: Vec<Id> = program.output_values();
+    open.extend(program.states.iter().filter_map(|state| state.derivative));
+    open.extend(program.memories.iter().filter_map(|memory| memory.next));
+    open.extend(program.kinks.iter().map(|kink| kink.value));
+    open.extend(program.turns.iter().chain(&program.requirements));
+    while let Some(id) = open.pop() {
+        if std::mem::replace(&mut used[id.at()], true) {
+            continue;
+        }
+        let op = program.op(id);
+        open.extend(op.operands());
+        if let Op::Mode(index) = op
+            && !std::mem::replace(&mut modes[index as usize], true)
+        {
+            let mode = &program.modes[index as usize];
+            open.push(mode.value);
+            open.extend(mode.guards.iter().map(|guard| guard.value));
+        }
+    }
+    let numbers: Vec<u32> = modes
+        .iter()
+        .scan(0, |next, used| {
+            let number = *next;
+            *next += u32::from(*used);
+            Some(number)
+        })
+        .collect();
+    let mut kept = program.clone();
+    let mut which = modes.iter();
+    kept.modes.retain(|_| which.next() == Some(&true));
+    let mut at = 0;
+    rewritten(&kept, |mut instruction, instructions| {
+        at += 1;
+        if !used[at - 1] {
+            return Id(u32::MAX);
+        }
+        if let Op::Mode(index) = &mut instruction.op {
+            *index = numbers[*index as usize];
+        }
+        push(instruction, instructions)
+    })
+}
+
+/// Reads values as they are at the moment in the place of those that modes hold: what the modes of a major step are chosen by.
+#[must_use]
+pub fn release_modes(program: &Program) -> Program {
+    let mut values: Vec<Id> = Vec::with_capacity(program.instructions.len());
+    rewritten(program, |instruction, instructions| {
+        let id = match instruction.op {
+            Op::Mode(index) => values[program.modes[index as usize].value.at()],
+            _ => push(instruction, instructions),
+        };
+        values.push(id);
+        id
+    })
+}
