@@ -376,14 +376,14 @@ fn add_fuel(store: &mut Store<StoreLimits>, fuel: u64) {
 /// Why a function, or a start, did not come to its end.
 fn unfinished(error: &Error, work: u64, what: &str) -> String {
     let more_memory =
-        || format!("{what} asked for more memory than the {} MB that a module may have", MOST_MEMORY >> 20);
+        || format!("{what} requested more memory than the {} MB that a module may have", MOST_MEMORY >> 20);
     let reason = match (error.as_trap_code(), error.kind()) {
         (_, ErrorKind::Instantiation(InstantiationError::FailedToInstantiateMemory(_))) => {
             return more_memory();
         }
         (_, ErrorKind::Instantiation(InstantiationError::FailedToInstantiateTable(_))) => {
             return format!(
-                "{what} asked for a table of more than the {MOST_FUNCTIONS} functions that a module may have"
+                "{what} requested a table of more than the {MOST_FUNCTIONS} functions that a module may have"
             );
         }
         (None, _) => return format!("{what} failed: {error}"),

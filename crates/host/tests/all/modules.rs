@@ -300,9 +300,9 @@ fn a_module_that_makes_no_sense_is_refused() {
               help: fix the plug-in; `blocksim_plugin.h` states the rules
             no outputs: [plugin_abi] library: `[folder]/law.wasm` breaks the rules of plug-ins: `Gain` has outputs, but no function `outputs`
               help: fix the plug-in; `blocksim_plugin.h` states the rules
-            large memory: [plugin_abi] library: `[folder]/law.wasm` breaks the rules of plug-ins: its start asked for more memory than the 64 MB that a module may have
+            large memory: [plugin_abi] library: `[folder]/law.wasm` breaks the rules of plug-ins: its start requested more memory than the 64 MB that a module may have
               help: fix the plug-in; `blocksim_plugin.h` states the rules
-            large table: [plugin_abi] library: `[folder]/law.wasm` breaks the rules of plug-ins: its start asked for a table of more than the 65536 functions that a module may have
+            large table: [plugin_abi] library: `[folder]/law.wasm` breaks the rules of plug-ins: its start requested a table of more than the 65536 functions that a module may have
               help: fix the plug-in; `blocksim_plugin.h` states the rules
             fixed memory: [plugin_abi] library: `[folder]/law.wasm` breaks the rules of plug-ins: its memory cannot grow from 65536 bytes by 2032 bytes for buffers; link it without a maximum, modules may have 64 MB
               help: fix the plug-in; `blocksim_plugin.h` states the rules
@@ -423,7 +423,7 @@ fn a_module_that_fails_in_a_run_is_named_with_its_deed() {
             NULL function: the plug-in `law.wasm` stopped: `outputs` called a NULL function pointer
             function outside: the plug-in `law.wasm` stopped: `outputs` called a function pointer outside of its table of functions
             function of another type: the plug-in `law.wasm` stopped: `outputs` called a function pointer of another type
-            memory: the plug-in `law.wasm` stopped: `outputs` asked for more memory than the 64 MB that a module may have
+            memory: the plug-in `law.wasm` stopped: `outputs` requested more memory than the 64 MB that a module may have
             unwritten: the plug-in `law.wasm` broke a rule: it did not write its output `y`
             behind its outputs: the plug-in `law.wasm` broke a rule: it wrote behind the end of its outputs, which hold 1 number
             changes an input: the plug-in `law.wasm` broke a rule: it changed its input `u`, which it may only read
