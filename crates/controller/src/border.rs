@@ -15,6 +15,8 @@ use crate::values::Values;
 ///
 /// `message` is NULL or a message of the host.
 unsafe fn guarded(message: *const Message, body: impl FnOnce() -> Outcome) -> Status {
+    #[cfg(target_family = "wasm")]
+    crate::panics::tell(message);
     match catch_unwind(AssertUnwindSafe(body)) {
         Ok(Ok(())) => OK,
         Ok(Err(reason)) => {
@@ -30,7 +32,7 @@ unsafe fn guarded(message: *const Message, body: impl FnOnce() -> Outcome) -> St
     }
 }
 
-fn panic_text(payload: &(dyn Any + Send)) -> &str {
+pub(crate) fn panic_text(payload: &(dyn Any + Send)) -> &str {
     match (payload.downcast_ref::<&str>(), payload.downcast_ref::<String>()) {
         (Some(text), _) => text,
         (_, Some(text)) => text,

@@ -13,6 +13,8 @@ mod context;
 mod controller;
 mod describe;
 mod entry;
+#[cfg(target_family = "wasm")]
+mod panics;
 mod quantity;
 mod values;
 

@@ -20,9 +20,15 @@ pub const CRASH: &str = "plugin_crash";
 /// The block or its parameters are not what the plug-in has.
 pub const PARAMETER: &str = "plugin_parameter";
 
+/// This program was built without what the plug-in needs.
+pub const LEFT_OUT: &str = "left_out";
+
 /// The constant of a code that another process reports.
 pub fn known(code: &str) -> &'static str {
-    [MISSING, BUILD, SYMBOL, PANIC, CRASH, PARAMETER].into_iter().find(|known| *known == code).unwrap_or(ABI)
+    [MISSING, BUILD, SYMBOL, PANIC, CRASH, PARAMETER, LEFT_OUT]
+        .into_iter()
+        .find(|known| *known == code)
+        .unwrap_or(ABI)
 }
 
 /// A fault of what `library` names.

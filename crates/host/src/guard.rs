@@ -13,14 +13,16 @@ use crate::kind::Quantity;
 /// Words before, between and behind the buffers.
 const GUARD: usize = 16;
 /// What stands there: a number that no calculation gives.
-const PATTERN: u64 = 0x7ff4_5afe_b10c_0001;
+pub const PATTERN: u64 = 0x7ff4_5afe_b10c_0001;
 /// What stands in a result before the call.
 const UNWRITTEN: u64 = 0x7ff4_5afe_b10c_0002;
 /// Longer messages of plug-ins are cut.
-const MESSAGE_BYTES: usize = 1024;
+pub const MESSAGE_BYTES: usize = 1024;
 /// Bytes behind the buffer of the message, and what stands there.
 const TAIL: usize = 64;
 const TAIL_BYTE: u8 = 0xa5;
+/// Both.
+pub const TEXT_BYTES: usize = MESSAGE_BYTES + TAIL;
 
 /// Numbers that a function may read.
 #[derive(Debug, Clone, Copy)]
@@ -55,14 +57,37 @@ pub struct Places {
     pub wanted: [*mut f64; 2],
 }
 
+/// What a function sees: buffers with guards around them, and room for a message.
+#[derive(Debug)]
+pub struct Frame<'a> {
+    /// All buffers and guards, one after the other.
+    pub words: &'a mut [u64],
+    /// The message, and the guard behind it.
+    pub text: &'a mut [u8; TEXT_BYTES],
+    /// Where in `words` each buffer that is given begins.
+    pub given: [Option<usize>; 4],
+    /// Where each buffer that is wanted begins.
+    pub wanted: [Option<usize>; 2],
+}
+
+impl Frame<'_> {
+    /// Addresses of the buffers, for functions of this process; `words` must not be used in any other way meanwhile.
+    fn places(&mut self) -> Places {
+        let base = self.words.as_mut_ptr();
+        let place =
+            |at: Option<usize>| at.map_or(std::ptr::null_mut(), |at| base.wrapping_add(at).cast::<f64>());
+        Places { given: self.given.map(|at| place(at).cast_const()), wanted: self.wanted.map(place) }
+    }
+}
+
 struct Buffers {
     words: Vec<u64>,
-    text: [u8; MESSAGE_BYTES + TAIL],
+    text: [u8; TEXT_BYTES],
 }
 
 thread_local! {
     static BUFFERS: RefCell<Buffers> =
-        const { RefCell::new(Buffers { words: Vec::new(), text: [0; MESSAGE_BYTES + TAIL] }) };
+        const { RefCell::new(Buffers { words: Vec::new(), text: [0; TEXT_BYTES] }) };
 }
 
 /// Buffers of earlier calls, where each call is to have others.
@@ -73,6 +98,12 @@ thread_local!(static MOVING: RefCell<Option<Vec<Vec<u64>>>> = const { RefCell::n
 /// a pointer is found.
 pub fn move_buffers() {
     MOVING.set(Some(Vec::new()));
+}
+
+/// Whether each call of this thread has buffers at other places.
+#[cfg(feature = "wasm")]
+pub fn is_moving() -> bool {
+    MOVING.with_borrow(Option::is_some)
 }
 
 /// Puts the buffers of the last call aside.
@@ -99,18 +130,23 @@ fn needed(buffers: usize, numbers: usize) -> usize {
     numbers + GUARD * (buffers + 1)
 }
 
+/// The most words that a call with so many numbers in all needs.
+pub fn most_words(numbers: usize) -> usize {
+    needed(6, numbers)
+}
+
 /// Makes room on this thread for calls with so many numbers in all, so that these allocate nothing.
 pub fn reserve(numbers: usize) {
     BUFFERS.with_borrow_mut(|buffers| {
-        let needed = needed(6, numbers);
+        let needed = most_words(numbers);
         if buffers.words.len() < needed {
             buffers.words.resize(needed, 0);
         }
     });
 }
 
-/// Calls a function on copies, and gives its results if it has kept the rules. Allocates only to report a failure, or where
-/// [`reserve`] has not made room.
+/// Calls a function of this process on copies, and gives its results if it has kept the rules. Allocates only to report a failure,
+/// or where [`reserve`] has not made room.
 ///
 /// # Errors
 /// What the function reported, or which rule it broke.
@@ -118,6 +154,28 @@ pub fn call(
     given: &[Given],
     wanted: &mut [Wanted],
     function: impl FnOnce(&Places, *const Message) -> Status,
+) -> Result<(), Failure> {
+    framed(given, wanted, |frame| {
+        let message = Message::new(&mut frame.text[..MESSAGE_BYTES]);
+        let places = frame.places();
+        let before = Environment::now();
+        let status = function(&places, &message);
+        match before.restore() {
+            Some(changed) => Err(broken_rule(changed)),
+            None => Ok(status),
+        }
+    })
+}
+
+/// The same for a function that is elsewhere: it gets all of the frame, and leaves in it what the function wrote. A function that
+/// did not return gives the reason.
+///
+/// # Errors
+/// What the function reported, that reason, or which rule it broke.
+pub fn framed(
+    given: &[Given],
+    wanted: &mut [Wanted],
+    function: impl FnOnce(&mut Frame) -> Result<Status, Failure>,
 ) -> Result<(), Failure> {
     BUFFERS.with_borrow_mut(|Buffers { words, text }| {
         let numbers = given.iter().map(|given| given.numbers.len());
@@ -128,20 +186,20 @@ pub fn call(
         if words.len() < needed {
             words.resize(needed, 0);
         }
-        let places = lay_out(words, given, wanted);
+        let words = &mut words[..needed];
+        text[0] = 0;
         text[MESSAGE_BYTES..].fill(TAIL_BYTE);
-        let message = Message::new(&mut text[..MESSAGE_BYTES]);
-        let before = Environment::now();
-        let status = function(&places, &message);
-        let changed = before.restore();
-        let broken = changed.map(str::to_owned).or_else(|| broken(words, given, wanted)).or_else(|| {
+        let (places_given, places_wanted) = lay_out(words, given, wanted);
+        let mut frame = Frame { words, text, given: places_given, wanted: places_wanted };
+        let status = function(&mut frame)?;
+        let broken = broken(words, given, wanted).or_else(|| {
             let is_whole = text[MESSAGE_BYTES..].iter().all(|&byte| byte == TAIL_BYTE);
             (!is_whole).then(|| format!("it wrote behind the {MESSAGE_BYTES} bytes of its message"))
         });
         let broken =
             broken.or_else(|| is_old_written().then(|| "it wrote to a buffer of an earlier call".to_owned()));
         if let Some(broken) = broken {
-            return Err(Failure { status: OK, text: format!("the plug-in broke a rule: {broken}") });
+            return Err(broken_rule(&broken));
         }
         if status != OK {
             return Err(Failure { status, text: message::written(&text[..MESSAGE_BYTES]).to_owned() });
@@ -150,20 +208,28 @@ pub fn call(
     })
 }
 
-/// Fills guards and buffers.
-fn lay_out(words: &mut [u64], given: &[Given], wanted: &[Wanted]) -> Places {
-    let mut places = Places { given: [std::ptr::null(); 4], wanted: [std::ptr::null_mut(); 2] };
-    let base = words.as_mut_ptr();
+/// A plug-in that did what it must not.
+pub fn broken_rule(deed: &str) -> Failure {
+    Failure { status: OK, text: format!("the plug-in broke a rule: {deed}") }
+}
+
+/// Fills guards and buffers; gives where the buffers begin.
+fn lay_out(
+    words: &mut [u64],
+    given: &[Given],
+    wanted: &[Wanted],
+) -> ([Option<usize>; 4], [Option<usize>; 2]) {
+    let mut places = ([None; 4], [None; 2]);
     words[..GUARD].fill(PATTERN);
     let mut at = GUARD;
-    for (place, given) in places.given.iter_mut().zip(given) {
+    for (place, given) in places.0.iter_mut().zip(given) {
         let end = at + given.numbers.len();
         words[at..end].iter_mut().zip(given.numbers).for_each(|(word, number)| *word = number.to_bits());
         words[end..end + GUARD].fill(PATTERN);
-        *place = base.wrapping_add(at).cast::<f64>();
+        *place = Some(at);
         at = end + GUARD;
     }
-    for (place, wanted) in places.wanted.iter_mut().zip(wanted) {
+    for (place, wanted) in places.1.iter_mut().zip(wanted) {
         let end = at + wanted.numbers.len();
         if wanted.is_kept {
             words[at..end]
@@ -174,7 +240,7 @@ fn lay_out(words: &mut [u64], given: &[Given], wanted: &[Wanted]) -> Places {
             words[at..end].fill(UNWRITTEN);
         }
         words[end..end + GUARD].fill(PATTERN);
-        *place = base.wrapping_add(at).cast::<f64>();
+        *place = Some(at);
         at = end + GUARD;
     }
     places

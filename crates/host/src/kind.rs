@@ -6,6 +6,8 @@ use blocksim_signal::Dimension;
 use crate::call::Failure;
 use crate::guard::{self, Given, Places, Wanted};
 use crate::isolate::{Op, Remote};
+#[cfg(feature = "wasm")]
+use crate::wasm::Boxed;
 
 /// What states are in messages.
 const CONTINUOUS: &str = "continuous state";
@@ -60,6 +62,9 @@ pub(crate) enum Calls {
     Table(BlockTable),
     /// In another one.
     Remote(Remote),
+    /// In a WebAssembly module.
+    #[cfg(feature = "wasm")]
+    Boxed(Boxed),
 }
 
 impl std::fmt::Debug for Calls {
@@ -68,6 +73,8 @@ impl std::fmt::Debug for Calls {
             Calls::Nowhere => "Nowhere",
             Calls::Table(_) => "Table",
             Calls::Remote(_) => "Remote",
+            #[cfg(feature = "wasm")]
+            Calls::Boxed(_) => "Boxed",
         })
     }
 }
@@ -179,6 +186,8 @@ impl Kind {
         match &self.calls {
             Calls::Nowhere => Err(Failure { status: OK, text: "the plug-in was never loaded".to_owned() }),
             Calls::Remote(remote) => remote.call(op, t, given, wanted),
+            #[cfg(feature = "wasm")]
+            Calls::Boxed(boxed) => boxed.call(op, t, given, wanted),
             Calls::Table(table) => {
                 // SAFETY: `guard` gives places for as many numbers as each buffer has, the callers of this function have
                 // checked these, and the message is valid during the call.

@@ -17,7 +17,7 @@
 //! [`LoadError`](blocksim_block::LoadError) with one of the codes in `fault`.
 //!
 //! What no call returns from, such as a crash or an endless loop, is seen by `watch`; `isolate` keeps plug-ins in processes of
-//! their own.
+//! their own. Those that are WebAssembly (`wasm`) need neither, as they cannot leave the memory that they are given.
 //!
 //! Whether it goes that way is not decided here: `Files::code` says whether a library may be built and loaded. Where it may not,
 //! a block is made of what the plug-in offered when it was loaded last (`offer`), which can be looked at but not run.
@@ -43,13 +43,14 @@ mod open;
 mod parameters;
 mod plugin;
 mod table;
+mod wasm;
 mod watch;
 
 pub use build::{folders, set_build_notice};
 pub use examine::{Examined, Finding, Verdict, examine};
 pub use isolate::{serve, set_isolation, was_interrupted};
 pub use kind::{Kind, Quantity};
-pub use locate::{Source, locate};
+pub use locate::{Source, is_module, locate};
 pub use offer::{merged, offer, recalled};
 pub use open::{Library, open, opened};
 pub use plugin::Plugin;

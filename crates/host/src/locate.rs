@@ -1,4 +1,4 @@
-//! What the parameter `library` names: a built library, or a folder with the sources of one.
+//! What the parameter `library` names: a built library, a WebAssembly module, or a folder with the sources of a library.
 
 use std::path::{Path, PathBuf};
 
@@ -13,6 +13,8 @@ use crate::fault::{self, MISSING};
 pub enum Source {
     /// A built library.
     Library(PathBuf),
+    /// A WebAssembly module.
+    Module(PathBuf),
     /// The folder of a crate.
     Crate(PathBuf),
     /// A folder with sources in C or C++.
@@ -23,9 +25,15 @@ impl Source {
     /// The library or the folder, without links.
     pub fn path(&self) -> &Path {
         match self {
-            Source::Library(path) | Source::Crate(path) | Source::C(path) => path,
+            Source::Library(path) | Source::Module(path) | Source::Crate(path) | Source::C(path) => path,
         }
     }
+}
+
+/// Whether a library is a WebAssembly module: its name ends so. The name alone decides, wherever a link of this name leads, since a
+/// module is loaded without trust and must never turn out to be something else.
+pub fn is_module(library: &str) -> bool {
+    library.ends_with(".wasm")
 }
 
 /// Finds `library`, relative to the folder of the diagram.
@@ -37,6 +45,12 @@ pub fn locate(folder: &Path, library: &str) -> Result<Source, LoadError> {
     let Ok(found) = path.canonicalize() else {
         return Err(absent(&path, library));
     };
+    if is_module(library) {
+        return match found.is_file() {
+            true => Ok(Source::Module(found)),
+            false => Err(fault::library(MISSING, format!("the plug-in `{library}` is not a file"))),
+        };
+    }
     if !found.is_dir() {
         return Ok(Source::Library(found));
     }
@@ -84,6 +98,26 @@ mod tests {
         assert_eq!(locate(&here, "../host").unwrap(), Source::Crate(here.clone()));
         assert_eq!(locate(&here, "Cargo.toml").unwrap(), Source::Library(here.join("Cargo.toml")));
         assert_eq!(locate(&here, "tests/c").unwrap(), Source::C(here.join("tests/c")));
+    }
+
+    #[test]
+    fn a_module_is_known_by_its_name_alone() {
+        let folder = std::env::temp_dir().join(format!("blocksim-locate-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("crate.wasm")).unwrap();
+        std::fs::write(folder.join("crate.wasm/Cargo.toml"), "").unwrap();
+        std::fs::write(folder.join("law.wasm"), "").unwrap();
+        let here = folder.canonicalize().unwrap();
+        assert_eq!(locate(&folder, "law.wasm").unwrap(), Source::Module(here.join("law.wasm")));
+        assert_eq!(
+            locate(&folder, "crate.wasm").unwrap_err().message,
+            "the plug-in `crate.wasm` is not a file"
+        );
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(here.join("law.wasm"), folder.join("a.so")).unwrap();
+            assert_eq!(locate(&folder, "a.so").unwrap(), Source::Library(here.join("law.wasm")));
+        }
+        std::fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]

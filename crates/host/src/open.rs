@@ -13,10 +13,10 @@ use crate::build;
 use crate::environment::Environment;
 use crate::fault::{self, MISSING};
 use crate::kind::Kind;
-use crate::locate::{Source, locate};
+use crate::locate::{Source, is_module, locate};
 use crate::offer::Period;
-use crate::table::{Contents, contents, other_major};
-use crate::{isolate, watch};
+use crate::table::{Contents, contents, in_table, other_major};
+use crate::{isolate, wasm, watch};
 
 /// A loaded plug-in.
 #[derive(Debug)]
@@ -41,8 +41,8 @@ static LOADED: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 static OPENED: Mutex<BTreeMap<Key, &'static Library>> = Mutex::new(BTreeMap::new());
 
-/// The plug-in that `library` names, relative to `folder`: a built library, or the folder of a crate or of C or C++ sources,
-/// which is built first. A library that was loaded before and did not change is not loaded again.
+/// The plug-in that `library` names, relative to `folder`: a built library, a WebAssembly module, or the folder of a crate or of C or
+/// C++ sources, which is built first. A library that was loaded before and did not change is not loaded again.
 ///
 /// # Errors
 /// `plugin_missing`, `plugin_build`, `plugin_symbol` or `plugin_abi`, for the parameter `library`.
@@ -73,7 +73,7 @@ pub fn open(folder: &Path, library: &str) -> Result<&'static Library, LoadError>
 /// `plugin_missing` or `plugin_build`.
 pub(crate) fn library_file(folder: &Path, library: &str) -> Result<PathBuf, LoadError> {
     match locate(folder, library)? {
-        Source::Library(path) => Ok(path),
+        Source::Library(path) | Source::Module(path) => Ok(path),
         Source::Crate(folder) => build::of_crate(&folder, library),
         Source::C(folder) => build::of_sources(&folder, library),
     }
@@ -94,6 +94,10 @@ pub(crate) fn loaded() -> Vec<String> {
 /// # Errors
 /// As for [`open`].
 pub(crate) fn load(path: &Path, named: &str) -> Result<&'static Library, LoadError> {
+    if is_module(named) {
+        let _calling = watch::calling(watch::tag(named, ""), 0, f64::NAN);
+        return Ok(Box::leak(Box::new(wasm::load(path)?)));
+    }
     let shown = fault::shown(path);
     let before = Environment::now();
     let calling = watch::calling(watch::tag(named, ""), 0, f64::NAN);
@@ -134,7 +138,7 @@ fn read(path: &Path, shown: &str, named: &str) -> Result<Contents, LoadError> {
         Err(_) => return Err(no_entry(opened, shown)),
     };
     // SAFETY: a function of the contract, of a library that stays loaded.
-    unsafe { contents(entry(), shown) }
+    unsafe { contents(entry(), shown, &in_table) }
 }
 
 /// A library without the symbol of this version: perhaps it has that of another one.

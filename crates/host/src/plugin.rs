@@ -17,14 +17,15 @@ use crate::watch::{Tag, calling, tag};
 
 /// A controller from a plug-in: a block from another source, in Rust, C, or anything that speaks C.
 ///
-/// `library` is the folder of a crate or of C or C++ sources, which is built first when these are newer, or a built
-/// library (`.so`, `.dylib`, `.dll`). The plug-in declares the ports, parameters and states of its blocks. A parameter
+/// `library` is the folder of a crate or of C or C++ sources, which is built first when these are newer, a built
+/// library (`.so`, `.dylib`, `.dll`), or a WebAssembly module (`.wasm`). The plug-in declares the ports, parameters and states of its blocks. A parameter
 /// without a unit is SI; a number with a unit is checked against the unit that the plug-in states; a vector is a
 /// list.
 ///
 /// A failure of the plug-in, a panic included, ends the run with its message, and so does a result that is not a
 /// finite number. Plug-ins are code: they may do whatever the user who runs them may do. `blocksim run` builds and loads them;
-/// commands that only look at a diagram do so where `blocksim trust` lists the plug-in.
+/// commands that only look at a diagram do so where `blocksim trust` lists the plug-in. A module cannot leave its memory, and needs no
+/// trust.
 ///
 /// ```ron
 /// Plugin(library: "../../plugins/cascade", block: "Cascade", parameters: { "w1": 4.0, "kv": "20 1/s" })
@@ -32,7 +33,7 @@ use crate::watch::{Tag, calling, tag};
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Plug-ins", symbol = Plugin)]
 pub struct Plugin {
-    /// Folder of a crate or of C or C++ sources, or built library, relative to the diagram.
+    /// Folder of a crate or of C or C++ sources, built library, or WebAssembly module, relative to the diagram.
     pub library: String,
     /// Which block of the plug-in.
     pub block: String,

@@ -21,6 +21,21 @@ pub struct Contents {
     pub blocks: Vec<Kind>,
 }
 
+/// Which functions a block has, of those that it may need.
+#[derive(Debug, Clone, Copy)]
+pub struct Functions {
+    pub outputs: bool,
+    pub derivatives: bool,
+}
+
+/// Finds them by the number of the block and its table.
+pub type FindFunctions<'a> = &'a dyn Fn(usize, &BlockTable) -> Functions;
+
+/// Those that stand in the table itself.
+pub fn in_table(_block: usize, table: &BlockTable) -> Functions {
+    Functions { outputs: table.outputs.is_some(), derivatives: table.derivatives.is_some() }
+}
+
 /// Reads the table at `at`; `shown` is the library in messages.
 ///
 /// # Errors
@@ -28,7 +43,11 @@ pub struct Contents {
 ///
 /// # Safety
 /// `at` is NULL or what the exported function of a plug-in returned; the library stays loaded.
-pub unsafe fn contents(at: *const PluginTable, shown: &str) -> Result<Contents, LoadError> {
+pub unsafe fn contents(
+    at: *const PluginTable,
+    shown: &str,
+    functions: FindFunctions,
+) -> Result<Contents, LoadError> {
     if at.is_null() {
         let error = fault::library(SYMBOL, format!("`{shown}` holds no plug-in, or more than one"));
         return Err(fault::help(error, "put what plug-ins share into a crate without `export_plugin!`"));
@@ -46,7 +65,7 @@ pub unsafe fn contents(at: *const PluginTable, shown: &str) -> Result<Contents, 
         return Err(other_major(shown, table.abi_major));
     }
     // SAFETY: as above; magic and version say that the table keeps the contract.
-    unsafe { kinds(&table) }.map_err(|reason| broken(shown, reason))
+    unsafe { kinds(&table, functions) }.map_err(|reason| broken(shown, reason))
 }
 
 /// A plug-in of another major version.
@@ -65,14 +84,14 @@ pub fn other_major(shown: &str, major: u16) -> LoadError {
     fault::help(error, remedy)
 }
 
-fn broken(shown: &str, reason: String) -> LoadError {
+pub fn broken(shown: &str, reason: String) -> LoadError {
     let error = fault::library(ABI, format!("`{shown}` breaks the rules of plug-ins: {reason}"));
     fault::help(error, "fix the plug-in; `blocksim_plugin.h` states the rules")
 }
 
 /// # Safety
 /// The table keeps the contract.
-unsafe fn kinds(table: &PluginTable) -> Result<Contents, String> {
+unsafe fn kinds(table: &PluginTable, functions: FindFunctions) -> Result<Contents, String> {
     if table.block_count == 0 || table.block_count > MOST_ELEMENTS {
         return Err(format!("it claims to have {} blocks", table.block_count));
     }
@@ -82,7 +101,7 @@ unsafe fn kinds(table: &PluginTable) -> Result<Contents, String> {
     for (i, block) in unsafe { elements(table.blocks, table.block_count) }.enumerate() {
         let block = block.ok_or_else(|| format!("block {i} is NULL or has a size that no version has"))?;
         // SAFETY: as above.
-        let kind = unsafe { kind(block, i) }?;
+        let kind = unsafe { kind(block, i, functions) }?;
         if blocks.iter().any(|known| known.name == kind.name) {
             return Err(format!("it has two blocks `{}`", kind.name));
         }
@@ -93,7 +112,7 @@ unsafe fn kinds(table: &PluginTable) -> Result<Contents, String> {
 
 /// # Safety
 /// The table keeps the contract.
-unsafe fn kind(table: BlockTable, i: usize) -> Result<Kind, String> {
+unsafe fn kind(table: BlockTable, i: usize, functions: FindFunctions) -> Result<Kind, String> {
     let name = text(&table.kind, &format!("the name of block {i}"))?;
     if !is_name(name) {
         return Err(format!("`{name}` is not a valid name for a block"));
@@ -116,19 +135,19 @@ unsafe fn kind(table: BlockTable, i: usize) -> Result<Kind, String> {
     };
     let doc = text(&table.doc, &format!("the page of `{name}`"))?;
     let calls = Calls::Table(table);
+    let functions = functions(i, &table);
     let kind = Kind { name, doc, parameters, inputs, outputs, continuous, discrete, calls, sizes };
-    complete(&kind).map_err(|reason| format!("`{name}` {reason}"))?;
+    complete(&kind, functions).map_err(|reason| format!("`{name}` {reason}"))?;
     whole(&kind).map_err(|reason| format!("`{name}` {reason}"))?;
     Ok(kind)
 }
 
 /// Whether there are the functions that the lists need.
-fn complete(kind: &Kind) -> Result<(), String> {
-    let Calls::Table(functions) = &kind.calls else { return Ok(()) };
-    if functions.outputs.is_none() && !kind.outputs.is_empty() {
+fn complete(kind: &Kind, functions: Functions) -> Result<(), String> {
+    if !functions.outputs && !kind.outputs.is_empty() {
         return Err("has outputs, but no function `outputs`".into());
     }
-    if functions.derivatives.is_none() && !kind.continuous.is_empty() {
+    if !functions.derivatives && !kind.continuous.is_empty() {
         return Err("has continuous states, but no function `derivatives`".into());
     }
     Ok(())

@@ -264,6 +264,7 @@ fn heavy_crates_stand_behind_a_feature_of_the_one_that_needs_them() {
         ("rust_xlsxwriter", "params", "xlsx"),
         ("zip", "params", "xlsx"),
         ("resvg", "picture", "png"),
+        ("wasmi", "host", "wasm"),
         ("lsp", "cli", "lsp"),
         ("site", "cli", "site"),
     ];
@@ -288,7 +289,7 @@ fn heavy_crates_stand_behind_a_feature_of_the_one_that_needs_them() {
     for (_, owner, feature) in heavy.iter().filter(|(_, owner, _)| *owner != "cli") {
         assert!(program.contains(&format!("{feature} = [\"blocksim-{owner}/{feature}\"]")), "{feature}");
     }
-    assert!(program.contains("full = [\"lsp\", \"parquet\", \"png\", \"site\", \"xlsx\"]"));
+    assert!(program.contains("full = [\"lsp\", \"parquet\", \"png\", \"site\", \"wasm\", \"xlsx\"]"));
     assert!(
         !program.lines().any(|line| line.starts_with("default =")),
         "all of them are off where a clone first builds"

@@ -69,7 +69,7 @@ pub enum Language {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  blocksim plugin show plugins/pid")]
 pub struct PluginShowArgs {
-    /// A built library, or the folder of its sources, which is built first.
+    /// A built library, a WebAssembly module, or the folder of its sources, which is built first.
     pub library: String,
     #[command(flatten)]
     pub plugins: PluginArgs,
@@ -85,7 +85,7 @@ pub struct PluginShowArgs {
                   Exit codes: 0 all rules are kept, 1 a rule is broken, 4 it does not build or load."
 )]
 pub struct PluginCheckArgs {
-    /// A built library, or the folder of its sources, which is built first.
+    /// A built library, a WebAssembly module, or the folder of its sources, which is built first.
     pub library: String,
     /// Controller to examine; without it all that the plug-in has.
     #[arg(long, value_name = "NAME")]

@@ -101,6 +101,7 @@ fn parts() -> Finding {
         ("xlsx", cfg!(feature = "xlsx")),
         ("parquet", cfg!(feature = "parquet")),
         ("lsp", cfg!(feature = "lsp")),
+        ("wasm", cfg!(feature = "wasm")),
     ];
     let names = |is_there: bool| {
         let names: Vec<&str> =

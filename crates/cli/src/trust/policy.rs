@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use blocksim_block::problem::Problem;
 use blocksim_block::{CodePolicy, Decision, LoadError, UNTRUSTED, untrusted};
-use blocksim_host::{locate, set_call_limit, set_isolation};
+use blocksim_host::{is_module, locate, set_call_limit, set_isolation};
 
 use super::{TrustList, memory};
 use crate::args::model::PluginArgs;
@@ -84,6 +84,10 @@ impl CodePolicy for Plugins {
                 Some(offer) => Decision::Recall { offer, warning: None, refusal },
                 None => Decision::Refuse(refusal),
             };
+        }
+        // What cannot leave its memory is as good as data.
+        if is_module(named) {
+            return Decision::Load;
         }
         if self.purpose == Purpose::Run || self.args.trust {
             note_trust(&code);

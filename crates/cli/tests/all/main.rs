@@ -18,6 +18,7 @@ mod licences;
 #[cfg(unix)]
 mod limits;
 mod linearise;
+mod modules;
 mod mutants;
 mod pages_of_errors;
 mod params;

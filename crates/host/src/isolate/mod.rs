@@ -52,6 +52,19 @@ pub enum Op {
 impl Op {
     const ALL: [Op; 6] = [Op::Check, Op::SampleTime, Op::Reset, Op::Outputs, Op::Update, Op::Derivatives];
 
+    /// The function of the contract.
+    #[cfg(feature = "wasm")]
+    pub fn name(self) -> &'static str {
+        match self {
+            Op::Check => "check",
+            Op::SampleTime => "sample_time",
+            Op::Reset => "reset",
+            Op::Outputs => "outputs",
+            Op::Update => "update",
+            Op::Derivatives => "derivatives",
+        }
+    }
+
     fn of(number: u32) -> Option<Op> {
         Op::ALL.get(number as usize).copied()
     }

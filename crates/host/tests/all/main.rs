@@ -2,6 +2,7 @@
 
 mod common;
 mod library_errors;
+mod modules;
 mod parameter_errors;
 mod reload;
 mod running;

@@ -12,7 +12,7 @@ fn signal(k: usize, inputs: usize) -> Vec<f64> {
 }
 
 /// Bits of outputs and states of 300 samples with inputs that reach all limits.
-fn bits_of_block(block: impl Block, inputs: usize, ts: f64) -> Vec<u64> {
+pub fn bits_of_block(block: impl Block, inputs: usize, ts: f64) -> Vec<u64> {
     let mut bench = Bench::new(block);
     let mut bits = Vec::new();
     for k in 0..300 {
@@ -26,7 +26,7 @@ fn bits_of_block(block: impl Block, inputs: usize, ts: f64) -> Vec<u64> {
     bits
 }
 
-fn bits_built_in(mut bench: BuiltIn, inputs: usize, ts: f64) -> Vec<u64> {
+pub fn bits_built_in(mut bench: BuiltIn, inputs: usize, ts: f64) -> Vec<u64> {
     let mut bits = Vec::new();
     for k in 0..300 {
         let y = bench.sample(ts * k as f64, &signal(k, inputs)).unwrap();
