@@ -316,7 +316,8 @@ fn a_build_with_all_parts_goes_on_from_one_without() {
     let (lean, full) = (features_of_program(&[]), features_of_program(&["--features", "full"]));
     assert!(lean.len() > 60 && full.len() > lean.len() + 30, "{} crates, {} in all", lean.len(), full.len());
     // The parts themselves, and what only these and the pages of runs need.
-    let own = ["blocksim-cli ", "blocksim-params ", "blocksim-picture ", "blocksim-results "];
+    let own =
+        ["blocksim-cli ", "blocksim-host ", "blocksim-params ", "blocksim-picture ", "blocksim-results "];
     let above = ["flate2 ", "simd-adler32 "];
     for (name, features) in &lean {
         if own.iter().chain(&above).all(|own| !name.starts_with(own)) {
