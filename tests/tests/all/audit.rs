@@ -1,12 +1,11 @@
 //! No shipped diagram passes over a change of a condition: every run is looked at on a fine grid. And none has states that the
 //! tolerance ignores.
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use blocksim_block::schedule::Solver;
 use blocksim_sim::{Observer, Simulation};
-use blocksim_tests::{compile_file, root};
+use blocksim_tests::{compile_file, diagrams_below, root};
 
 struct Nobody;
 
@@ -17,22 +16,9 @@ impl Observer for Nobody {
 /// Runs are audited up to this time, s; the robot alone makes thousands of steps in a second.
 const LONGEST: f64 = 0.5;
 
-fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            collect(&path, found);
-        } else if path.extension().is_some_and(|extension| extension == "ron") {
-            found.push(path);
-        }
-    }
-}
-
 #[test]
 fn no_shipped_diagram_passes_over_a_change_of_a_condition() {
-    let mut paths = Vec::new();
-    collect(&root().join("diagrams"), &mut paths);
-    paths.sort();
+    let paths = diagrams_below("diagrams");
     let (mut audited, mut looks, mut wrong) = (0, 0, Vec::new());
     for path in &paths {
         let name = path.strip_prefix(root()).expect("below the root").display().to_string();

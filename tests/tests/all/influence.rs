@@ -1,12 +1,11 @@
 //! What blocks and connections say of which derivatives a state acts on holds: each state is varied, and no other derivative changes.
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use blocksim_block::schedule::Schedule;
 use blocksim_sim::{Observer, Simulation};
 use blocksim_tests::random::{Circuit, Mechanisms, Puzzle, Sampled, Shafts, Signals, Variant};
-use blocksim_tests::{compile_file, compile_text, root};
+use blocksim_tests::{compile_file, compile_text, diagrams_below, root};
 
 struct Nobody;
 
@@ -36,23 +35,9 @@ fn look(name: &str, schedule: Schedule, wrong: &mut Vec<String>) -> usize {
     varied
 }
 
-fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            collect(&path, found);
-        } else if path.extension().is_some_and(|extension| extension == "ron") {
-            found.push(path);
-        }
-    }
-}
-
 #[test]
 fn no_derivative_of_a_shipped_diagram_depends_on_more_than_it_says() {
-    let mut paths = Vec::new();
-    collect(&root().join("diagrams"), &mut paths);
-    collect(&root().join("docs/blocks"), &mut paths);
-    paths.sort();
+    let paths = [diagrams_below("diagrams"), diagrams_below("docs/blocks")].concat();
     let (mut varied, mut wrong) = (0, Vec::new());
     for path in &paths {
         let name = path.strip_prefix(root()).expect("below the root").display().to_string();
