@@ -45,7 +45,7 @@ pub struct State {
     pub name: String,
     /// Its value at the start.
     pub initial: f64,
-    /// Its derivative; it rests where there is none.
+    /// Its derivative; without one the state is constant.
     pub derivative: Option<Id>,
 }
 

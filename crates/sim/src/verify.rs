@@ -15,10 +15,12 @@ use crate::{Control, Counts, Ended, Observer, SimError, Simulation};
 const POINTS: f64 = 1000.37;
 /// Tolerance of the other run as part of that of the run.
 const TIGHTER: f64 = 1e-2;
-/// The tightest that makes sense.
-const TIGHTEST: f64 = 1e-13;
-/// Step of the other run as part of a fixed one.
+/// The tightest of a run that leaves room for another one.
+const TIGHTEST: f64 = 1e-12;
+/// Step of the other run as part of a fixed one, and maximum step as part of that of a run.
 const FINER: f64 = 0.5;
+/// Maximum step where none is given, as a part of the run.
+const DEFAULT: f64 = 1.0 / 50.0;
 /// Part of the largest range of all signals of a dimension below which a range is nothing, and of the magnitude of a signal.
 const NOTHING: f64 = 1e-6;
 
@@ -51,17 +53,24 @@ pub struct Difference {
 /// Runs a model twice, as it says and more exactly, and compares. Nothing if `go_on`, asked now and then, says no.
 ///
 /// # Errors
-/// What ends one of the runs.
+/// What ends one of the runs; a relative tolerance below 1e-12, beside which nothing is more exact.
 pub fn verify(
     schedule: &Schedule,
     go_on: &mut dyn FnMut() -> Control,
 ) -> Result<Option<Verification>, SimError> {
     let spacing = schedule.settings.stop_time / POINTS;
     let mut runs = Vec::with_capacity(2);
-    let method = closer(schedule.settings.solver);
-    for solver in [schedule.settings.solver, method] {
+    if let Solver::Variable { rtol, .. } = schedule.settings.solver
+        && rtol < TIGHTEST
+    {
+        let message = format!("rtol {rtol:e} leaves no room for a run that is more exact");
+        return Err(SimError::new("settings", 0.0, message).help("verify a run at 1e-12 or more"));
+    }
+    let method = closer(schedule.settings.solver, schedule.settings.stop_time);
+    for (solver, part) in [(schedule.settings.solver, 1.0), (method, TIGHTER)] {
         let mut schedule = schedule.clone();
         schedule.settings.solver = solver;
+        schedule.settings.atol.iter_mut().for_each(|tolerance| tolerance.value *= part);
         schedule.settings.output = OutputTimes::Every(spacing);
         let mut samples = Samples::new(&schedule, spacing, go_on);
         let mut simulation = Simulation::new(Arc::new(schedule))?;
@@ -76,15 +85,16 @@ pub fn verify(
     Ok(Some(Verification { method, points: run.0.len(), differences, events: (run.2, other.2) }))
 }
 
-/// A method of the same kind that is more exact.
-fn closer(solver: Solver) -> Solver {
+/// A method of the same kind that is more exact over a run of this length.
+fn closer(solver: Solver, stop: f64) -> Solver {
     match solver {
         Solver::Fixed { method, step } => Solver::Fixed { method, step: FINER * step },
         Solver::Variable { method, rtol, atol, max_step } => Solver::Variable {
             method,
-            rtol: (TIGHTER * rtol).max(TIGHTEST),
+            rtol: TIGHTER * rtol,
             atol: atol.map(|atol| TIGHTER * atol),
-            max_step,
+            // What long steps pass over, others of the same length may pass over as well.
+            max_step: FINER * if max_step.is_finite() { max_step } else { DEFAULT * stop },
         },
     }
 }

@@ -52,7 +52,7 @@ mod at {
 /// Bytes of the struct `message`: its size, the capacity, the address of the text.
 pub const MESSAGE_SIZE: usize = 12;
 
-/// Indices of the functions of a block, in the order of [`Op`](crate::isolate::Op); 0: there is none.
+/// Indices of the functions of a block, in the order of [`Op`](crate::isolate::Op), or 0 for a function that the block does not have.
 pub type Indices = [u32; 6];
 
 /// A table with all that it points to.

@@ -1,7 +1,10 @@
 //! How far a run is from a more exact one.
 
+use std::sync::Arc;
+
 use blocksim_block::schedule::OutputTimes::{Every, Steps};
-use blocksim_block::schedule::{Schedule, Solver, VariableMethod};
+use blocksim_block::schedule::{Schedule, Solver, StateTolerance, VariableMethod};
+use blocksim_signal::Dimension;
 use blocksim_sim::{Control, Simulation, Verification, verify};
 
 use crate::toys::*;
@@ -57,6 +60,33 @@ fn rounding_of_what_is_zero_beside_others_is_no_difference() {
     let toy = toy.with("tiny", Gain(1e-13), &["x"]);
     let found = verified(&toy.schedule(&["x", "zero", "tiny"], 10.0, loose(1e-9), Steps));
     assert!(found.differences.iter().all(|found| found.share < 1e-6), "{found:?}");
+}
+
+#[test]
+fn a_tolerance_of_states_that_hides_them_does_not_hide_them_from_the_other_run() {
+    let blind = |output| {
+        let mut schedule = (*oscillator().schedule(&["x"], 100.0, loose(1e-6), output)).clone();
+        let tolerance = |state: usize| StateTolerance {
+            name: state.to_string(),
+            value: 0.01,
+            dimension: Dimension::NONE,
+            states: vec![state],
+        };
+        schedule.settings.atol = vec![tolerance(0), tolerance(1)];
+        schedule
+    };
+    let found = verified(&blind(Steps));
+    let mut tape = Tape::default();
+    Simulation::new(Arc::new(blind(Every(0.01)))).unwrap().run(&mut tape).unwrap();
+    let error = tape.rows.iter().map(|(t, row)| (row[0] - t.cos()).abs()).fold(0.0, f64::max);
+    assert!(error > 1e-2 && (found.differences[0].amount / error - 1.0).abs() < 0.1, "{error}: {found:?}");
+}
+
+#[test]
+fn beside_the_tightest_tolerance_nothing_is_more_exact() {
+    let schedule = oscillator().schedule(&["x"], 1.0, loose(1e-13), Steps);
+    let refused = verify(&schedule, &mut || Control::Go).unwrap_err();
+    assert!(refused.message.contains("no room") && refused.help.is_some(), "{refused:?}");
 }
 
 #[test]

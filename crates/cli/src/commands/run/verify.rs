@@ -61,11 +61,10 @@ impl Verified {
         match self {
             Verified::Compared(found) => text(found, schedule),
             Verified::Interrupted => "note: not verified, since it was interrupted".to_owned(),
-            Verified::Failed(error) => format!(
-                "error: not verified: a run to compare with failed at t = {} s: {}",
-                short_time(error.t),
-                error.message
-            ),
+            Verified::Failed(error) => {
+                let help = error.help.as_ref().map_or_else(String::new, |help| format!("\n  = help: {help}"));
+                format!("error: not verified, at t = {} s: {}{help}", short_time(error.t), error.message)
+            }
         }
     }
 
