@@ -5,6 +5,7 @@ use std::any::Any;
 use std::fmt::Debug;
 use std::path::Path;
 
+use crate::law::Recording;
 use crate::physical::Component;
 use crate::{CodePolicy, Context, Given, Interface, InterfaceError, NoCode, ParamError, Piece};
 
@@ -50,6 +51,13 @@ pub trait Block: Any + Debug + Send + Sync {
             Some(component) => Ok(component.part(given).interface()),
             None => Ok(Interface::new()),
         }
+    }
+
+    /// Records the law of the block as data, once, when a diagram is compiled: all outputs, derivatives and guards, and the discrete
+    /// states that settle or are updated. Such a block needs none of the functions for these; they are not called. Returns `false`,
+    /// with nothing recorded, if the block, or the block with these parameters, has to be called instead.
+    fn law(&self, _l: &Recording) -> bool {
+        false
     }
 
     /// Scratch space of the block, made once for each simulation and handed back in every evaluation.

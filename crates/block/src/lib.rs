@@ -13,6 +13,7 @@ pub mod event;
 mod given;
 pub mod in_unit;
 mod interface;
+pub mod law;
 pub mod methods;
 mod parameter;
 mod parameters;
@@ -62,6 +63,7 @@ pub mod private {
 /// What a block file needs.
 pub mod prelude {
     pub use crate::event::{Change, Event};
+    pub use crate::law::{Recording, Relation};
     pub use crate::physical::{Component, Energy, Law, Needs, Part, Torque};
     pub use crate::{
         Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Crossing, Discrete, Files, Given, Input,

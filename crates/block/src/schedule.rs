@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use blocksim_signal::{Dimension, Kind, Shape};
 
+use crate::law::BlockLaw;
 use crate::problem::Place;
 use crate::{Block, Interface};
 
@@ -50,6 +51,8 @@ pub struct Instance {
     pub parts: Vec<Part>,
     /// Parameters and functions.
     pub block: Arc<dyn Block>,
+    /// Its law as data, if it records one.
+    pub law: Option<Arc<BlockLaw>>,
     /// Ports and states.
     pub interface: Interface,
     /// Copies that bring the inputs from the signals: from, length; in the order of the input ports.

@@ -1,11 +1,15 @@
 //! A bench for single blocks: what the engine does, for one block, in slow motion.
 
+use std::sync::Arc;
+
+use crate::law::BlockLaw;
 use crate::{Block, Context, Fault, Given, Interface, NODES, ParamUnits, Piece, PortType, Scratch};
 
 /// One block with its buffers.
 #[derive(Debug)]
-pub struct Bench<B> {
-    block: B,
+pub struct Bench {
+    /// The block; if it records its law, one that runs that.
+    block: Arc<dyn Block>,
     /// What the block says of itself.
     pub interface: Interface,
     /// Time, s.
@@ -23,12 +27,12 @@ pub struct Bench<B> {
     fault: Fault,
 }
 
-impl<B: Block> Bench<B> {
+impl Bench {
     /// A block whose inputs are real scalars without unit.
     ///
     /// # Panics
     /// Panics if the parameters or the interface are refused: this is a tool of tests.
-    pub fn new(block: B) -> Self {
+    pub fn new(block: impl Block) -> Self {
         let names = block.interface(&Given::nothing()).expect("an interface").inputs;
         let given = names.into_iter().map(|input| {
             let kind = input.kind.unwrap_or(blocksim_signal::Kind::Real);
@@ -41,7 +45,7 @@ impl<B: Block> Bench<B> {
     ///
     /// # Panics
     /// Panics if the parameters or the interface are refused: this is a tool of tests.
-    pub fn with_inputs(block: B, given: Vec<(String, PortType)>) -> Self {
+    pub fn with_inputs(block: impl Block, given: Vec<(String, PortType)>) -> Self {
         block.check().expect("parameters that make sense");
         let given = Given::new(given, ParamUnits::default());
         let interface = block.interface(&given).expect("an interface");
@@ -67,12 +71,16 @@ impl<B: Block> Bench<B> {
         for (input, (start, end)) in interface.inputs.iter().zip(&inputs) {
             u[*start as usize..*end as usize].fill(input.default.unwrap_or(0.0));
         }
+        let w = block.scratch();
+        let plain: Arc<dyn Block> = Arc::new(block);
+        let law = BlockLaw::record(&plain, &interface, &inputs, &outputs).expect("a law that makes sense");
+        let block = law.map_or(plain, |law| Arc::new(law));
         let mut bench = Self {
             x: interface.states.iter().map(|state| state.initial).collect(),
             d: interface.discrete.iter().map(|state| state.initial).collect(),
             u,
             y: vec![0.0; outputs.last().map_or(0, |span| span.1 as usize)],
-            w: block.scratch(),
+            w,
             inputs,
             outputs,
             evaluation: 0,

@@ -1,6 +1,6 @@
-//! The interpreter: instructions in registers, one after the other.
+//! Some values of one program, ready to be computed from what comes from outside.
 
-use crate::{Domain, Id, Op, Program};
+use crate::{Domain, Id, Leaf, Op, Program, Root, Tape};
 
 /// What comes from outside while a law is evaluated.
 #[derive(Debug, Clone, Copy, Default)]
@@ -30,59 +30,59 @@ pub struct Failure {
     pub value: f64,
 }
 
-/// Some values of a program, ready to be computed: instructions in order, over as few registers as possible.
+/// Some values of a program, ready to be computed: a tape with its sources, over as few registers as possible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Code {
-    steps: Vec<Step>,
+    /// What is brought into the first registers, one each.
+    sources: Vec<Op>,
+    tape: Tape,
     registers: usize,
     results: Vec<u32>,
-}
-
-/// An instruction whose operands are numbers of registers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Step {
-    op: Op,
-    to: u32,
-    from: Id,
+    /// The requirements among what is computed, in the order of the program.
+    requirements: Vec<(Id, Domain)>,
 }
 
 impl Code {
     /// The instructions that these values of a program need. Requirements count among the values: they are met where they stand.
     pub fn new(program: &Program, wanted: &[Id]) -> Self {
-        let n = program.instructions.len();
-        // The last reader of each value; results are read at the end, what is not needed never.
-        let mut last: Vec<Option<usize>> = vec![None; n];
-        wanted.iter().for_each(|id| last[id.at()] = Some(usize::MAX));
-        for at in (0..n).rev() {
-            if last[at].is_some() {
-                for operand in program.instructions[at].op.operands() {
-                    last[operand.at()].get_or_insert(at);
-                }
+        let ops: Vec<Op> = program.instructions.iter().map(|instruction| instruction.op).collect();
+        let mut needed = vec![false; ops.len()];
+        wanted.iter().for_each(|id| needed[id.at()] = true);
+        for at in (0..ops.len()).rev() {
+            if needed[at] {
+                ops[at].operands().for_each(|id| needed[id.at()] = true);
             }
         }
-        let (mut place, mut free, mut registers) = (vec![0_u32; n], Vec::new(), 0_u32);
-        let mut steps = Vec::new();
-        for at in 0..n {
-            let Some(end) = last[at] else { continue };
-            let op = program.instructions[at].op;
-            let read = op.map(|id| Id(place[id.at()]));
-            let mut over: Vec<Id> = op.operands().filter(|id| last[id.at()] == Some(at)).collect();
-            over.sort_unstable();
-            over.dedup();
-            free.extend(over.into_iter().map(|id| place[id.at()]));
-            let to = free.pop().unwrap_or_else(|| {
-                registers += 1;
-                registers - 1
+        let mut sources: Vec<Op> = Vec::new();
+        let mut numbers = std::collections::HashMap::new();
+        for (op, _) in ops.iter().zip(&needed).filter(|(op, needed)| **needed && op.is_leaf()) {
+            numbers.entry(*op).or_insert_with(|| {
+                sources.push(*op);
+                sources.len() as u32 - 1
             });
-            place[at] = to;
-            steps.push(Step { op: read, to, from: Id(at as u32) });
-            // A requirement has no reader.
-            if matches!(op, Op::Require(..)) && end == usize::MAX {
-                free.push(to);
-            }
         }
-        let results = wanted.iter().map(|id| place[id.at()]).collect();
-        Self { steps, registers: registers as usize, results }
+        let requirement = |id: Id| match ops[id.at()] {
+            Op::Require(domain, ..) => Some((id, domain)),
+            _ => None,
+        };
+        let roots: Vec<Root> = wanted
+            .iter()
+            .map(|id| if requirement(*id).is_some() { Root::Met(*id) } else { Root::Anywhere(*id) })
+            .collect();
+        let made = Tape::make(&ops, &roots, &|op| Leaf::Cell(numbers[&op]), sources.len() as u32);
+        let mut places = made.places.into_iter();
+        // A requirement has no value.
+        let results = roots.iter().map(|root| match root {
+            Root::Anywhere(_) => places.next().unwrap_or_default(),
+            _ => 0,
+        });
+        Self {
+            results: results.collect(),
+            requirements: wanted.iter().filter_map(|id| requirement(*id)).collect(),
+            registers: made.end as usize,
+            tape: made.tape,
+            sources,
+        }
     }
 
     /// Number of registers that a run needs.
@@ -92,12 +92,12 @@ impl Code {
 
     /// Number of instructions.
     pub fn len(&self) -> usize {
-        self.steps.len()
+        self.tape.len()
     }
 
     /// Whether nothing is computed.
     pub fn is_empty(&self) -> bool {
-        self.steps.is_empty()
+        self.tape.is_empty()
     }
 
     /// Computes all values. Returns the first requirement that is not met; the values are computed nevertheless.
@@ -105,11 +105,8 @@ impl Code {
     /// # Panics
     /// Panics if there are fewer registers or sources than the program names.
     pub fn run(&self, sources: &Sources, registers: &mut [f64]) -> Option<Failure> {
-        let r = &mut registers[..self.registers];
-        let mut failure = None;
-        for Step { op, to, from } in &self.steps {
-            let read = |id: Id| r[id.0 as usize];
-            let value = match *op {
+        for (to, source) in registers.iter_mut().zip(&self.sources) {
+            *to = match *source {
                 Op::Constant(bits) => f64::from_bits(bits),
                 Op::Time => sources.time,
                 Op::Input(i) => sources.inputs[i as usize],
@@ -117,17 +114,12 @@ impl Code {
                 Op::Parameter(i) => sources.parameters[i as usize],
                 Op::Memory(i) => sources.memories[i as usize],
                 Op::Mode(i) => sources.modes[i as usize],
-                Op::Require(domain, holds, about) => {
-                    if read(holds) == 0.0 {
-                        failure.get_or_insert(Failure { at: *from, domain, value: read(about) });
-                    }
-                    continue;
-                }
-                op => op.value(read).unwrap_or(f64::NAN),
+                _ => f64::NAN,
             };
-            r[*to as usize] = value;
         }
-        failure
+        let (at, value) = self.tape.run(&mut registers[..self.registers], &mut []).failed?;
+        let (_, domain) = self.requirements.iter().find(|(id, _)| *id == at)?;
+        Some(Failure { at, domain: *domain, value })
     }
 
     /// A value, in the order in which they were asked for.

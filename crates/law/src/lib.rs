@@ -25,6 +25,7 @@ mod print;
 mod program;
 mod recorder;
 mod tangent;
+mod tape;
 
 pub mod passes;
 
@@ -33,3 +34,4 @@ pub use op::{Binary, Domain, Id, Op, Relation, Unary};
 pub use program::{Guard, Instruction, Memory, Mode, Program, State};
 pub use recorder::{Condition, Recorder, Value};
 pub use tangent::{slopes, tangent};
+pub use tape::{Leaf, Made, Met, Root, Tape};

@@ -1,5 +1,7 @@
 //! Instructions and what they compute.
 
+use crate::tape::clamp;
+
 /// The number of an instruction, which is that of the value that it computes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Id(pub u32);
@@ -43,6 +45,8 @@ pub enum Op {
     Unary(Unary, Id),
     /// A function of two numbers.
     Binary(Binary, Id, Id),
+    /// The first between the second, its lower limit, and the third, its upper one; what is not a number stays so.
+    Clamp(Id, Id, Id),
     /// A comparison, true or false.
     Compare(Relation, Id, Id),
     /// Whether it is false.
@@ -171,6 +175,20 @@ impl Op {
         if let Op::Constant(bits) = self { Some(f64::from_bits(bits)) } else { None }
     }
 
+    /// Whether its value comes from outside, or never changes.
+    pub fn is_leaf(self) -> bool {
+        matches!(
+            self,
+            Op::Constant(_)
+                | Op::Time
+                | Op::Input(_)
+                | Op::State(_)
+                | Op::Parameter(_)
+                | Op::Memory(_)
+                | Op::Mode(_)
+        )
+    }
+
     /// Whether it is true or false rather than a number; a mode is what its value is.
     pub fn is_truth(self) -> bool {
         matches!(self, Op::Compare(..) | Op::Not(_) | Op::And(..) | Op::Or(..) | Op::Require(..))
@@ -196,7 +214,7 @@ impl Op {
             | Op::And(a, b)
             | Op::Or(a, b)
             | Op::Require(_, a, b) => [Some(a), Some(b), None],
-            Op::Select(a, b, c) => [Some(a), Some(b), Some(c)],
+            Op::Select(a, b, c) | Op::Clamp(a, b, c) => [Some(a), Some(b), Some(c)],
         };
         operands.into_iter().flatten()
     }
@@ -221,6 +239,7 @@ impl Op {
             Op::Mul(a, b) => Op::Mul(f(a), f(b)),
             Op::Div(a, b) => Op::Div(f(a), f(b)),
             Op::Binary(function, a, b) => Op::Binary(function, f(a), f(b)),
+            Op::Clamp(a, lower, upper) => Op::Clamp(f(a), f(lower), f(upper)),
             Op::Compare(relation, a, b) => Op::Compare(relation, f(a), f(b)),
             Op::And(a, b) => Op::And(f(a), f(b)),
             Op::Or(a, b) => Op::Or(f(a), f(b)),
@@ -242,6 +261,7 @@ impl Op {
             Op::Power(a, n) => power(r(a), n),
             Op::Unary(function, a) => function.of(r(a)),
             Op::Binary(function, a, b) => function.of(r(a), r(b)),
+            Op::Clamp(a, lower, upper) => clamp(r(a), r(lower), r(upper)),
             Op::Compare(relation, a, b) => truth(relation.holds(r(a), r(b))),
             Op::Not(a) => truth(r(a) == 0.0),
             Op::And(a, b) => truth(r(a) != 0.0 && r(b) != 0.0),
@@ -264,7 +284,8 @@ impl Op {
     }
 }
 
-fn truth(value: bool) -> f64 {
+#[inline]
+pub(crate) fn truth(value: bool) -> f64 {
     f64::from(u8::from(value))
 }
 

@@ -31,6 +31,7 @@ impl Program {
             Op::Power(a, n) => format!("{a} ^ {n}"),
             Op::Unary(function, a) => format!("{} {a}", word(&function)),
             Op::Binary(function, a, b) => format!("{} {a}, {b}", word(&function)),
+            Op::Clamp(a, lower, upper) => format!("{a} from {lower} to {upper}"),
             Op::Compare(relation, a, b) => {
                 use crate::Relation as R;
                 let sign = match relation {

@@ -369,6 +369,14 @@ impl<'r> Value<'r> {
         self.of.number(Op::Binary(Binary::Max, self.id, other.id))
     }
 
+    /// The value between two limits; what is not a number stays so. The kinks are at `self - lower` and `self - upper`.
+    #[must_use]
+    pub fn clamp(self, lower: Self, upper: Self) -> Self {
+        self.of.kink("clamp", self - lower);
+        self.of.kink("clamp", self - upper);
+        self.of.number(Op::Clamp(self.id, lower.id, upper.id))
+    }
+
     /// The distance of the point from the origin.
     #[must_use]
     pub fn hypot(self, other: Self) -> Self {
@@ -454,6 +462,11 @@ impl<'r> Condition<'r> {
         value.is_nonzero()
     }
 
+    /// 1 where it is true, else 0.
+    pub fn number(self) -> Value<'r> {
+        Value { of: self.of, id: self.id }
+    }
+
     /// Whether both are true.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
@@ -480,6 +493,11 @@ impl<'r> Condition<'r> {
 }
 
 impl<'r> Value<'r> {
+    /// A truth value that is given as 0 or 1.
+    pub fn is_true(self) -> Condition<'r> {
+        self.is_nonzero()
+    }
+
     fn is_nonzero(self) -> Condition<'r> {
         self.compare(Relation::NotEqual, 0.0)
     }

@@ -102,6 +102,15 @@ impl Tangent {
             }
             Op::Binary(function, a, b) => self.binary(function, (a, of(a)), (b, of(b)), y),
             Op::Select(c, a, b) => self.select(c, of(a), of(b), at),
+            Op::Clamp(a, lower, upper) => {
+                if [a, lower, upper].into_iter().all(|id| of(id).is_none()) {
+                    return None;
+                }
+                let above = self.push(Op::Compare(Relation::Greater, a, upper), at);
+                let below = self.push(Op::Compare(Relation::Less, a, lower), at);
+                let inside = self.select(below, of(lower), of(a), at);
+                self.select(above, of(upper), inside, at)
+            }
         }
     }
 

@@ -30,6 +30,28 @@ impl Diagram {
     /// Derivatives of all states. The outputs must be known.
     pub fn derive(&mut self, dx: &mut [f64]) -> Result<(), Failed> {
         dx.fill(0.0);
+        {
+            let Self { plan, now, signals, d, .. } = self;
+            plan.fused.place(now.t, &now.x, signals);
+            if !plan.fused.derivatives.run(signals, d, dx) {
+                return self.derive_one_by_one(dx);
+            }
+        }
+        for i in 0..self.plan.fused.derivatives.called.len() {
+            let block = self.plan.fused.derivatives.called[i];
+            let Self { plan, now, signals, d, scratch, .. } = self;
+            let unit = &plan.units[block];
+            let c = now.context(unit, signals, &d[unit.d.range()]);
+            unit.block.derivatives(&c, &mut scratch[block], &mut dx[unit.x.range()]);
+            self.checked(block)?;
+        }
+        self.now.derived = true;
+        Ok(())
+    }
+
+    /// The same without tapes, where a law has no value.
+    #[cold]
+    fn derive_one_by_one(&mut self, dx: &mut [f64]) -> Result<(), Failed> {
         for i in 0..self.plan.with_states.len() {
             let block = self.plan.with_states[i];
             let Self { plan, now, signals, d, scratch, .. } = self;
@@ -44,8 +66,14 @@ impl Diagram {
 
     /// Values of all guards. The outputs must be known.
     pub fn guards(&mut self, g: &mut [f64]) -> Result<(), Failed> {
-        for i in 0..self.plan.guarded.len() {
-            let block = self.plan.guarded[i];
+        let all_met = {
+            let Self { plan, now, signals, d, .. } = self;
+            plan.fused.place(now.t, &now.x, signals);
+            plan.fused.guards.run(signals, d, g)
+        };
+        let count = if all_met { self.plan.fused.guards.called.len() } else { self.plan.guarded.len() };
+        for i in 0..count {
+            let block = if all_met { self.plan.fused.guards.called[i] } else { self.plan.guarded[i] };
             let Self { plan, now, signals, d, scratch, .. } = self;
             let unit = &plan.units[block];
             let c = now.context(unit, signals, &d[unit.d.range()]);

@@ -6,6 +6,7 @@ use blocksim_block::schedule::{Schedule, When};
 use blocksim_block::{Context, Fault, Scratch};
 use blocksim_solve::Failed;
 
+use crate::fused::Part;
 use crate::looks::Looks;
 use crate::loops::{Loops, Pass};
 use crate::plan::{Call, Plan, Source, Span, Unit};
@@ -127,8 +128,10 @@ impl Diagram {
     pub fn new(schedule: Arc<Schedule>) -> Self {
         let plan = Plan::new(&schedule);
         let (inputs, discrete) = plan.widest;
+        let mut signals = schedule.initial_signals.clone();
+        plan.fused.make_room(&mut signals);
         Self {
-            signals: schedule.initial_signals.clone(),
+            signals,
             d: vec![0.0; schedule.discrete],
             now: Now {
                 t: 0.0,
@@ -157,9 +160,13 @@ impl Diagram {
     /// `first` whether constants are evaluated, too.
     pub fn major(&mut self, t: f64, x: &[f64], due: &[bool], first: bool) -> Result<(), Failed> {
         self.enter(t, x);
-        let mut call = 0;
-        while call < self.plan.major.len() {
-            call = self.call(call, due, first)?;
+        if self.pinned.is_empty() {
+            self.major_parts(due, first)?;
+        } else {
+            let mut call = 0;
+            while call < self.plan.major.len() {
+                call = self.call(call, due, first)?;
+            }
         }
         let Self { plan, now, signals, d, settle, .. } = self;
         for &(block, rate) in &plan.settling {
@@ -172,6 +179,40 @@ impl Diagram {
         }
         // Solutions of loops are found once more, from themselves: as they are by who goes on from a snapshot.
         now.known = if self.loops.rings.is_empty() { Known::Continuous } else { Known::Nothing };
+        Ok(())
+    }
+
+    /// All calls of a major pass, those whose laws are data at once.
+    fn major_parts(&mut self, due: &[bool], first: bool) -> Result<(), Failed> {
+        self.plan.fused.place(self.now.t, &self.now.x, &mut self.signals);
+        let mut call = 0;
+        for part in 0..self.plan.fused.major.len() {
+            match &self.plan.fused.major[part] {
+                Part::Calls(calls) => {
+                    let end = calls.end;
+                    while call < end {
+                        call = self.call(call, due, first)?;
+                    }
+                }
+                Part::Tape(tape, calls, when) => {
+                    let wanted = match *when {
+                        When::Continuous | When::Major => true,
+                        When::Sampled(rate) => due[rate as usize],
+                        When::Constant => first,
+                    };
+                    let end = calls.end;
+                    if wanted {
+                        let met = tape.run(&mut self.signals, &mut self.d);
+                        self.settle.changed |= met.changed;
+                        while met.failed.is_some() && call < end {
+                            // Once more, to find out which block it was.
+                            call = self.call(call, due, first)?;
+                        }
+                    }
+                    call = end;
+                }
+            }
+        }
         Ok(())
     }
 
@@ -221,7 +262,12 @@ impl Diagram {
             return self.continuous(t, x);
         }
         self.enter(t, x);
+        if self.parts(|plan| (&plan.fused.rows, plan.rows.as_deref().unwrap_or_default())) {
+            return Ok(());
+        }
+        // Once more, to find out which block it was.
         let Self { plan, now, signals, d, scratch, .. } = self;
+        now.evaluation += 1;
         for call in plan.rows.iter().flatten() {
             outputs(call, now, signals, d, scratch);
             if now.fault.is_raised() {
@@ -245,14 +291,14 @@ impl Diagram {
         if !self.loops.rings.is_empty() {
             return self.held_with_loops(wanted);
         }
+        let all_met = match wanted {
+            Known::Minor => self.parts(|plan| (&plan.fused.minor, &plan.minor)),
+            _ => self.parts(|plan| (&plan.fused.continuous, &plan.continuous)),
+        };
         let Self { plan, now, signals, d, scratch, .. } = self;
         let calls = if wanted == Known::Minor { &plan.minor } else { &plan.continuous };
-        for call in calls {
-            outputs(call, now, signals, d, scratch);
-        }
-        if now.fault.is_raised() {
+        if !all_met {
             // Once more, to find out which block it was.
-            now.fault.take();
             now.evaluation += 1;
             for call in calls {
                 outputs(call, now, signals, d, scratch);
@@ -264,6 +310,30 @@ impl Diagram {
         }
         now.known = wanted;
         Ok(())
+    }
+
+    /// All calls of a pass between major steps, those whose laws are data at once. Returns whether all could go on.
+    #[inline(always)]
+    fn parts(&mut self, which: impl Fn(&Plan) -> (&[Part], &[Call])) -> bool {
+        let Self { plan, now, signals, d, scratch, .. } = self;
+        plan.fused.place(now.t, &now.x, signals);
+        let (parts, calls) = which(plan);
+        let mut all_met = true;
+        for part in parts {
+            match part {
+                Part::Calls(range) => {
+                    for call in &calls[range.clone()] {
+                        outputs(call, now, signals, d, scratch);
+                    }
+                }
+                Part::Tape(tape, ..) => all_met &= tape.run(signals, d).failed.is_none(),
+            }
+        }
+        let raised = now.fault.is_raised();
+        if raised {
+            now.fault.take();
+        }
+        all_met && !raised
     }
 
     /// The same where there are algebraic loops.

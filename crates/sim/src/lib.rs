@@ -41,6 +41,7 @@ mod error;
 mod evaluate;
 mod events;
 mod frozen;
+mod fused;
 mod graph;
 mod guards;
 mod hops;

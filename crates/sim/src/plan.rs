@@ -8,6 +8,7 @@ use blocksim_block::Block;
 use blocksim_block::schedule::{Instance, Schedule, Step, When};
 
 use crate::early::Early;
+use crate::fused::Fused;
 use crate::graph::Graph;
 
 /// A range of indices in half the space.
@@ -131,6 +132,8 @@ pub(crate) struct Plan {
     pub every_step: bool,
     /// Most input values, and most discrete states, of one block.
     pub widest: (usize, usize),
+    /// The passes with laws that are data.
+    pub fused: Fused,
 }
 
 impl Plan {
@@ -186,6 +189,7 @@ impl Plan {
             stepwise: major.iter().any(|call| call.when == When::Major),
             every_step: false,
             widest: widest(&units),
+            fused: Fused::default(),
             units,
             copies,
             major,
@@ -194,6 +198,7 @@ impl Plan {
         let settles = plan.settling.iter().any(|(_, rate)| rate.is_none())
             || plan.major.iter().any(|call| call.settles && !call.rests());
         plan.every_step = settles || plan.stepwise || !plan.jumping.is_empty() || !plan.accepting.is_empty();
+        plan.fused = Fused::new(schedule, &plan);
         plan
     }
 }
@@ -241,7 +246,10 @@ fn unit(instance: &Instance, copies: Span, layouts: &mut Layouts) -> Unit {
     let interface = &instance.interface;
     let outputs = instance.outputs.iter().map(|port| port.1 as usize).max().unwrap_or(0);
     let mut unit = Unit {
-        block: Arc::clone(&instance.block),
+        block: match &instance.law {
+            Some(law) => Arc::clone(law) as Arc<dyn Block>,
+            None => Arc::clone(&instance.block),
+        },
         source: Source::Scattered,
         copies,
         inputs: layout(&instance.inputs),

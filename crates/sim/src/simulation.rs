@@ -12,6 +12,7 @@ use crate::audit::{Audit, Findings};
 use crate::clock::{Grid, Hits};
 use crate::departure::Departure;
 use crate::evaluate::Diagram;
+use crate::fused::Fused;
 use crate::guards::Guards;
 use crate::ignored_states::Sizes;
 use crate::kinks::Kinks;
@@ -120,6 +121,19 @@ impl Simulation {
     /// `no_steady_state`.
     pub fn new(schedule: Arc<Schedule>) -> Result<Self, SimError> {
         Self::at_start(schedule)
+    }
+
+    /// As [`new`](Self::new), at its initial values, with every block called by itself where else laws that are data run together.
+    /// It gives the same bits, slower: a reference for tests.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new), but for the steady state, which is not sought.
+    pub fn one_by_one(schedule: Arc<Schedule>) -> Result<Self, SimError> {
+        let mut simulation = Self::given(schedule)?;
+        let diagram = &mut simulation.diagram;
+        diagram.plan.fused = Fused::one_by_one(&diagram.schedule, &diagram.plan);
+        diagram.plan.fused.make_room(&mut diagram.signals);
+        Ok(simulation)
     }
 
     /// A simulation at its initial values.

@@ -66,6 +66,7 @@ mod steppers;
 mod stick_slip;
 mod stiction;
 mod stiff;
+mod tapes;
 mod tolerances;
 mod translation;
 mod turning;

@@ -188,6 +188,15 @@ impl Block for Integrator {
         Ok(self.reset.guard(interface, given))
     }
 
+    fn law(&self, l: &Recording) -> bool {
+        if self.jumps() {
+            return false;
+        }
+        l.each(0, |i| l.x()[i]);
+        (0..l.x().len()).for_each(|i| l.derive(i, l.element(0, i)));
+        true
+    }
+
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
         y.copy_from_slice(c.x);
     }

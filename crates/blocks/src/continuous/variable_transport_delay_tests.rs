@@ -7,7 +7,7 @@ fn block() -> VariableTransportDelay {
 }
 
 /// A bench whose history is `u` from 0 to 1, with an input delay of `delay` at its end.
-fn after_a_second(u: impl Fn(f64) -> f64, delay: f64) -> Bench<VariableTransportDelay> {
+fn after_a_second(u: impl Fn(f64) -> f64, delay: f64) -> Bench {
     let mut bench = Bench::new(block());
     for step in 1..=20 {
         bench.remember(f64::from(step) / 20.0, step == 1, |t| vec![u(t), delay]);

@@ -1,4 +1,4 @@
-use crate::math::elements::{clamp, parameters_like};
+use crate::math::elements::parameters_like;
 use blocksim_block::prelude::*;
 
 /// Limits the input to `lower` ... `upper`, element by element.
@@ -34,14 +34,14 @@ impl Block for Saturation {
         Ok(lower.kink_each("upper", n).called("reaches the upper limit", "leaves the upper limit"))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.iter_mut().zip(c.u).for_each(|(y, u)| *y = clamp(*u, self.lower, self.upper));
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        let (lower, upper) = g.split_at_mut(c.u.len());
-        lower.iter_mut().zip(c.u).for_each(|(g, u)| *g = u - self.lower);
-        upper.iter_mut().zip(c.u).for_each(|(g, u)| *g = u - self.upper);
+    fn law(&self, l: &Recording) -> bool {
+        let (lower, upper, n) = (l.constant(self.lower), l.constant(self.upper), l.width(0));
+        l.each(0, |i| l.element(0, i).clamp(lower, upper));
+        for i in 0..n {
+            l.guard(i, l.element(0, i) - lower);
+            l.guard(n + i, l.element(0, i) - upper);
+        }
+        true
     }
 }
 

@@ -128,7 +128,7 @@ mod tests {
     };
     const PERIOD: f64 = 1.0 / 5e3;
 
-    fn bench(pwm: PwmGenerator) -> Bench<PwmGenerator> {
+    fn bench(pwm: PwmGenerator) -> Bench {
         Bench::with_inputs(
             pwm,
             vec![("v".to_owned(), PortType::vector(3)), ("vdc".to_owned(), PortType::scalar())],
@@ -141,7 +141,7 @@ mod tests {
 
     /// Steps from event to event up to `end`, with inputs as functions of time; hands out start, end and outputs.
     fn walk(
-        bench: &mut Bench<PwmGenerator>,
+        bench: &mut Bench,
         end: f64,
         v: impl Fn(f64) -> [f64; 3],
         mut seen: impl FnMut(f64, f64, &[f64]),

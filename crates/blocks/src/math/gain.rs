@@ -26,8 +26,9 @@ impl Block for Gain {
         Ok(Interface::new().input(Input::real("u")).output(Output::like("y", u.of(dimension))))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.iter_mut().zip(c.u).for_each(|(y, u)| *y = self.k * u);
+    fn law(&self, l: &Recording) -> bool {
+        l.each(0, |i| self.k * l.element(0, i));
+        true
     }
 }
 

@@ -215,7 +215,7 @@ mod tests {
     use super::*;
     use blocksim_block::testing::Bench;
 
-    fn bench(n: usize) -> Bench<LinearSolve> {
+    fn bench(n: usize) -> Bench {
         let inputs = vec![("m".to_owned(), PortType::vector(n * n)), ("f".to_owned(), PortType::vector(n))];
         Bench::with_inputs(LinearSolve {}, inputs)
     }

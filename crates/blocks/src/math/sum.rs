@@ -1,4 +1,4 @@
-use super::elements::{borrowed, input_names, operands};
+use super::elements::{borrowed, input_names};
 use blocksim_block::prelude::*;
 
 /// Adds and subtracts: $y = \pm u_1 \pm u_2 \dots$, element by element.
@@ -39,22 +39,21 @@ impl Block for Sum {
         Ok(interface.output(Output::like("y", y)))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let signs = self.signs.as_bytes();
-        let single = c.inputs.len() == 1;
-        if let ([y], false) = (&mut *y, single) {
-            // Scalars lie one behind the other.
-            let terms = signs.iter().zip(c.u).map(|(sign, u)| if *sign == b'-' { -u } else { *u });
-            *y = terms.fold(0.0, |sum, u| sum + u);
-            return;
-        }
-        for (i, y) in y.iter_mut().enumerate() {
-            *y =
-                operands(c, i).enumerate().fold(0.0, |sum, (k, u)| match signs[if single { 0 } else { k }] {
-                    b'-' => sum - u,
-                    _ => sum + u,
-                });
-        }
+    fn law(&self, l: &Recording) -> bool {
+        let single = l.inputs() == 1;
+        l.each(0, |i| {
+            let terms: Vec<_> = match single {
+                true => l.input(0).to_vec(),
+                false => (0..l.inputs()).map(|port| l.element(port, i)).collect(),
+            };
+            // One sign stands for all elements.
+            let mut terms = terms.into_iter().zip(self.signs.bytes().cycle().map(|sign| sign == b'-'));
+            let first = terms.next().map(|(u, minus)| if minus { -u } else { u });
+            let sum =
+                terms.fold(first, |sum, (u, minus)| sum.map(|sum| if minus { sum - u } else { sum + u }));
+            sum.unwrap_or_else(|| l.constant(0.0))
+        });
+        true
     }
 }
 

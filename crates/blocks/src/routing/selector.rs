@@ -46,7 +46,7 @@ mod tests {
     use crate::math::elements::dimension;
     use blocksim_block::testing::Bench;
 
-    fn bench(indices: &[usize]) -> Bench<Selector> {
+    fn bench(indices: &[usize]) -> Bench {
         let u = PortType::vector(3).of(Some(dimension("V")));
         Bench::with_inputs(Selector { indices: indices.to_vec() }, vec![("u".to_owned(), u)])
     }

@@ -77,13 +77,13 @@ impl Block for Constant {
         Ok(Interface::new().output(Output::like("y", y.shaped(shape))).constant())
     }
 
-    fn outputs(&self, _group: usize, _c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (y, item) in y.iter_mut().zip(self.items()) {
-            *y = match item {
-                Value::Bool(value) => f64::from(*value),
-                _ => item.as_number().map_or(f64::NAN, |quantity| quantity.value),
-            };
-        }
+    fn law(&self, l: &Recording) -> bool {
+        let number = |item: &Value| match item {
+            Value::Bool(value) => f64::from(*value),
+            _ => item.as_number().map_or(f64::NAN, |quantity| quantity.value),
+        };
+        self.items().iter().enumerate().for_each(|(i, item)| l.set(0, i, l.constant(number(item))));
+        true
     }
 }
 

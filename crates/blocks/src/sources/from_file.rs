@@ -214,13 +214,13 @@ mod tests {
         FromFile { file: "a.csv".to_owned(), columns, after, table: Table::default() }
     }
 
-    fn bench(text: &'static str, after: After) -> Bench<FromFile> {
+    fn bench(text: &'static str, after: After) -> Bench {
         let mut block = block(&[], after);
         block.load(&Text(text)).unwrap();
         Bench::new(block)
     }
 
-    fn at(bench: &mut Bench<FromFile>, t: f64) -> f64 {
+    fn at(bench: &mut Bench, t: f64) -> f64 {
         bench.t = t;
         bench.major()[0]
     }

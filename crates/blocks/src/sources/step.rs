@@ -38,12 +38,11 @@ impl Block for Step {
             .time_events())
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        d[0] = f64::from(c.t >= self.time);
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y[0] = if c.d[0] == 1.0 { self.after } else { self.before };
+    fn law(&self, l: &Recording) -> bool {
+        let reached = l.time().live(Relation::GreaterEqual, l.constant(self.time));
+        l.settle(0, reached.number());
+        l.set(0, 0, l.d()[0].is_true().select(l.constant(self.after), l.constant(self.before)));
+        true
     }
 
     fn next_event(&self, c: &Context) -> f64 {

@@ -92,6 +92,7 @@ pub(super) fn lay_out(
             place: block.place.clone(),
             parts: block.parts.clone(),
             block: block.block.clone(),
+            law: None,
             interface: interface.clone(),
             gather,
             inputs,

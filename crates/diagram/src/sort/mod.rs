@@ -7,7 +7,10 @@ mod order;
 mod when;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
+use blocksim_block::law::BlockLaw;
+use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{Schedule, Settings};
 
 use crate::flatten::Flat;
@@ -46,7 +49,24 @@ pub(crate) fn sort(
     if problems.any_error() {
         return None;
     }
-    Some(lay_out(title, &order, settings, &sorted, clock, &rates, &when))
+    let mut schedule = lay_out(title, &order, settings, &sorted, clock, &rates, &when);
+    record_laws(&mut schedule, problems);
+    (!problems.any_error()).then_some(schedule)
+}
+
+/// Has all blocks record their laws that can.
+fn record_laws(schedule: &mut Schedule, problems: &mut Problems) {
+    for block in &mut schedule.blocks {
+        match BlockLaw::record(&block.block, &block.interface, &block.inputs, &block.outputs) {
+            Ok(law) => block.law = law.map(Arc::new),
+            Err(wrong) => {
+                let message = format!("the law of the kind {} is wrong: {wrong}", block.kind);
+                let problem =
+                    Problem::error("law", message).help("this is a mistake in the kind, not in the diagram");
+                problems.push(block.place.iter().fold(problem, |problem, place| problem.at(place, "")));
+            }
+        }
+    }
 }
 
 /// The longest time that a block has something to show, for `stop_time: Auto`.

@@ -106,7 +106,7 @@ pub fn assembled(blocks: &[(&str, &str)], connections: &[&str]) -> Result<Networ
 
 /// A network with its buffers.
 pub struct Plant {
-    pub bench: Bench<Network>,
+    pub bench: Bench,
 }
 
 impl Plant {

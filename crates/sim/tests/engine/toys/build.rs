@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use blocksim_block::law::BlockLaw;
 use blocksim_block::schedule::{
     Clock, FixedMethod, Instance, Keep, OutputTimes, Rate, Recorded, Schedule, Settings, Signal, Solver,
     Start, Step, VariableMethod, When,
@@ -158,6 +159,9 @@ impl Toy {
                     dimension: None,
                 });
             }
+            let gather = inputs.iter().map(|name| (cell(name) as u32, 1)).collect();
+            let (inputs, outputs) = (spans(inputs.len()), spans(interface.outputs.len()));
+            let law = BlockLaw::record(block, interface, &inputs, &outputs).expect("a law");
             blocks.push(Instance {
                 path: path.clone(),
                 kind: format!("{block:?}").split([' ', '{', '(']).next().unwrap_or_default().to_owned(),
@@ -165,9 +169,10 @@ impl Toy {
                 parts: Vec::new(),
                 block: Arc::clone(block),
                 interface: interface.clone(),
-                gather: inputs.iter().map(|name| (cell(name) as u32, 1)).collect(),
-                inputs: spans(inputs.len()),
-                outputs: spans(interface.outputs.len()),
+                law: law.map(Arc::new),
+                gather,
+                inputs,
+                outputs,
                 y: starts[i],
                 x,
                 d,

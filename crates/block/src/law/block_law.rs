@@ -1,0 +1,326 @@
+//! The law of a block as data, and a block that runs it.
+
+use std::fmt::{self, Debug};
+use std::sync::{Arc, OnceLock};
+
+use blocksim_law::{Code, Failure, Id, Op, Program, Recorder, Sources};
+
+use super::recording::{self, Recording};
+use crate::physical::Component;
+use crate::problem::Problem;
+use crate::{Block, Bus, Context, Given, Interface, InterfaceError, Piece, Scratch};
+
+/// A block whose law is recorded. As a block it is the one that it was made of, with functions that run the law.
+pub struct BlockLaw {
+    block: Arc<dyn Block>,
+    /// The law. Inputs, states and memories (the discrete states) are numbered as those of the block.
+    pub program: Program,
+    /// What each cell of the outputs is.
+    pub outputs: Vec<Id>,
+    /// Output group of each cell.
+    pub group_of: Vec<usize>,
+    /// What each derivative is.
+    pub derivatives: Vec<Id>,
+    /// What each guard is.
+    pub guards: Vec<Id>,
+    /// Discrete states that are set at major steps, and to what.
+    pub settled: Vec<(usize, Id)>,
+    /// Discrete states that change at sample hits, and what they become.
+    pub updated: Vec<(usize, Id)>,
+    codes: OnceLock<Codes>,
+}
+
+/// What is computed at each occasion, one block at a time.
+#[derive(Debug)]
+struct Codes {
+    groups: Vec<(Vec<usize>, Code)>,
+    derivatives: Code,
+    guards: Code,
+    settled: Code,
+    updated: Code,
+    registers: usize,
+}
+
+/// Registers for which settling has room on the stack.
+const FEW: usize = 128;
+
+impl BlockLaw {
+    /// The law of a block with this interface, whose input and output ports lie so; `None` if the block records none.
+    ///
+    /// # Errors
+    /// What is wrong with the law: an output, derivative or guard that is not said or said twice, an output that reads an
+    /// input of which its group says nothing.
+    pub fn record(
+        block: &Arc<dyn Block>,
+        interface: &Interface,
+        inputs: &[(u32, u32)],
+        outputs: &[(u32, u32)],
+    ) -> Result<Option<Self>, String> {
+        let recorder = Recorder::new();
+        let recording = Recording::new(&recorder, interface, inputs, outputs);
+        if !block.law(&recording) {
+            return Ok(None);
+        }
+        let written = recording.finish()?;
+        let whole = |list: &[Option<Id>], what: &str| match list.iter().position(Option::is_none) {
+            Some(i) => Err(format!("{what} {i} is not set")),
+            None => Ok(list.len()),
+        };
+        let counts = [
+            whole(&written.outputs, "output")?,
+            whole(&written.derivatives, "derivative")?,
+            whole(&written.guards, "guard")?,
+        ];
+        let program = recording::program(recorder, &written).optimised();
+        if !program.modes.is_empty() {
+            return Err("the law has modes of its own".to_owned());
+        }
+        let mut ids = program.outputs.iter().map(|(_, id)| *id);
+        let [y, dx, g] = counts.map(|n| ids.by_ref().take(n).collect::<Vec<Id>>());
+        let mut some = |list: &[Option<Id>]| {
+            let said = list.iter().enumerate().filter(|(_, id)| id.is_some()).map(|(i, _)| i);
+            said.zip(ids.by_ref()).collect::<Vec<_>>()
+        };
+        let (settled, updated) = (some(&written.settled), some(&written.updated));
+        let mut group_of = vec![0; y.len()];
+        for (port, (start, end)) in outputs.iter().enumerate() {
+            group_of[*start as usize..*end as usize].fill(interface.group_of[port]);
+        }
+        let law = Self {
+            block: Arc::clone(block),
+            outputs: y,
+            group_of,
+            derivatives: dx,
+            guards: g,
+            settled,
+            updated,
+            codes: OnceLock::new(),
+            program,
+        };
+        law.reads_what_it_says(interface, inputs)?;
+        Ok(Some(law))
+    }
+
+    /// Whether each output reads inputs of its group alone.
+    fn reads_what_it_says(&self, interface: &Interface, inputs: &[(u32, u32)]) -> Result<(), String> {
+        for (group, reads) in interface.groups.iter().enumerate() {
+            let Some(reads) = reads else { continue };
+            let of_group = self.outputs.iter().zip(&self.group_of).filter(|(_, of)| **of == group);
+            for cell in self.inputs_behind(of_group.map(|(id, _)| *id)) {
+                let port = inputs.iter().position(|(start, end)| (*start..*end).contains(&cell));
+                if let Some(port) = port.filter(|port| !reads.contains(port)) {
+                    let name = &interface.inputs[port].name;
+                    return Err(format!("output group {group} reads `{name}` without saying so"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The input cells that these values depend on.
+    pub fn inputs_behind(&self, ids: impl Iterator<Item = Id>) -> Vec<u32> {
+        let mut seen = vec![false; self.program.instructions.len()];
+        let mut open: Vec<Id> = ids.collect();
+        let mut inputs = Vec::new();
+        while let Some(id) = open.pop() {
+            if std::mem::replace(&mut seen[id.0 as usize], true) {
+                continue;
+            }
+            match self.program.op(id) {
+                Op::Input(cell) => inputs.push(cell),
+                op => open.extend(op.operands()),
+            }
+        }
+        inputs
+    }
+
+    fn codes(&self) -> &Codes {
+        self.codes.get_or_init(|| {
+            let code = |ids: Vec<Id>| {
+                let mut wanted = ids;
+                wanted.extend(self.requirements_of(&wanted));
+                Code::new(&self.program, &wanted)
+            };
+            let seconds = |list: &[(usize, Id)]| list.iter().map(|(_, id)| *id).collect::<Vec<Id>>();
+            let count = self.group_of.iter().max().map_or(0, |group| group + 1);
+            let groups = (0..count).map(|group| {
+                let cells = (0..self.outputs.len()).filter(|cell| self.group_of[*cell] == group);
+                let cells: Vec<usize> = cells.collect();
+                let ids = cells.iter().map(|cell| self.outputs[*cell]).collect();
+                (cells, code(ids))
+            });
+            let mut codes = Codes {
+                groups: groups.collect(),
+                derivatives: code(self.derivatives.clone()),
+                guards: code(self.guards.clone()),
+                settled: code(seconds(&self.settled)),
+                updated: code(seconds(&self.updated)),
+                registers: 0,
+            };
+            let single = [&codes.derivatives, &codes.guards, &codes.settled, &codes.updated];
+            let all = codes.groups.iter().map(|(_, code)| code).chain(single);
+            codes.registers = all.map(Code::registers).max().unwrap_or(0);
+            codes
+        })
+    }
+
+    /// The requirements that what these values need stands under.
+    pub fn requirements_of(&self, wanted: &[Id]) -> Vec<Id> {
+        if self.program.requirements.is_empty() {
+            return Vec::new();
+        }
+        let mut needed = vec![false; self.program.instructions.len()];
+        wanted.iter().for_each(|id| needed[id.0 as usize] = true);
+        for at in (0..needed.len()).rev() {
+            if needed[at] {
+                let operands = self.program.instructions[at].op.operands();
+                operands.for_each(|id| needed[id.0 as usize] = true);
+            }
+        }
+        // One counts where the number that it is about is needed for something that may go wrong by it.
+        let about = |id: &Id| match self.program.op(*id) {
+            Op::Require(_, _, about) => needed[about.0 as usize],
+            _ => false,
+        };
+        self.program.requirements.iter().copied().filter(about).collect()
+    }
+
+    /// Why the law cannot go on.
+    pub fn reason(failure: &Failure) -> String {
+        let Failure { domain, value, .. } = failure;
+        match domain {
+            blocksim_law::Domain::NotZero => "a division by zero".to_owned(),
+            domain => format!("a number is {value:e}, but must be {}", domain.wanted()),
+        }
+    }
+
+    fn run<'w>(&self, code: &Code, c: &Context, w: &'w mut Scratch) -> &'w [f64] {
+        if w.get::<Vec<f64>>().is_none() {
+            *w = Scratch::new(vec![0.0_f64; self.codes().registers]);
+        }
+        let registers = w.get::<Vec<f64>>().map(Vec::as_mut_slice).unwrap_or_default();
+        self.run_in(code, c, c.d, registers);
+        registers
+    }
+
+    fn run_in(&self, code: &Code, c: &Context, d: &[f64], registers: &mut [f64]) {
+        let sources = Sources { time: c.t, inputs: c.u, states: c.x, memories: d, ..Sources::default() };
+        if let Some(failure) = code.run(&sources, registers) {
+            c.fail(Self::reason(&failure));
+        }
+    }
+}
+
+impl Debug for BlockLaw {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_struct("BlockLaw").field("block", &self.block).finish_non_exhaustive()
+    }
+}
+
+impl Block for BlockLaw {
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        self.block.interface(given)
+    }
+
+    fn initialize(&self, c: &Context, x: &mut [f64], d: &mut [f64]) {
+        self.block.initialize(c, x, d);
+    }
+
+    fn settle(&self, c: &Context, d: &mut [f64]) {
+        if self.settled.is_empty() {
+            return self.block.settle(c, d);
+        }
+        let Codes { settled, registers, .. } = self.codes();
+        let mut few = [0.0; FEW];
+        let mut many = Vec::new();
+        let registers = if *registers <= FEW {
+            &mut few[..]
+        } else {
+            many.resize(*registers, 0.0);
+            &mut many[..]
+        };
+        self.run_in(settled, c, d, registers);
+        self.settled.iter().enumerate().for_each(|(k, (i, _))| d[*i] = settled.result(registers, k));
+    }
+
+    fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
+        // A group without outputs has no code.
+        let Some((cells, code)) = self.codes().groups.get(group) else { return };
+        let registers = self.run(code, c, w);
+        cells.iter().enumerate().for_each(|(k, cell)| y[*cell] = code.result(registers, k));
+    }
+
+    fn derivatives(&self, c: &Context, w: &mut Scratch, dx: &mut [f64]) {
+        let code = &self.codes().derivatives;
+        let registers = self.run(code, c, w);
+        dx.iter_mut().enumerate().for_each(|(k, dx)| *dx = code.result(registers, k));
+    }
+
+    fn guards(&self, c: &Context, w: &mut Scratch, g: &mut [f64]) {
+        let code = &self.codes().guards;
+        let registers = self.run(code, c, w);
+        g.iter_mut().enumerate().for_each(|(k, g)| *g = code.result(registers, k));
+    }
+
+    fn update(&self, c: &Context, w: &mut Scratch, d: &mut [f64]) {
+        if self.updated.is_empty() {
+            return self.block.update(c, w, d);
+        }
+        let code = &self.codes().updated;
+        let here = Context { d, ..*c };
+        let registers = self.run(code, &here, w);
+        self.updated.iter().enumerate().for_each(|(k, (i, _))| d[*i] = code.result(registers, k));
+    }
+
+    fn jump(&self, c: &Context, w: &mut Scratch, x: &mut [f64], d: &mut [f64]) -> bool {
+        self.block.jump(c, w, x, d)
+    }
+
+    fn next_event(&self, c: &Context) -> f64 {
+        self.block.next_event(c)
+    }
+
+    fn next_update(&self, c: &Context) -> f64 {
+        self.block.next_update(c)
+    }
+
+    fn tolerate(&self, rtol: f64, d: &mut [f64]) {
+        self.block.tolerate(rtol, d);
+    }
+
+    fn warnings(&self, d: &[f64], rtol: f64) -> Vec<Problem> {
+        self.block.warnings(d, rtol)
+    }
+
+    fn accept(&self, c: &Context, d: &mut [f64]) -> bool {
+        self.block.accept(c, d)
+    }
+
+    fn remember(&self, c: &Context, piece: &Piece, d: &mut [f64]) {
+        self.block.remember(c, piece, d);
+    }
+
+    fn reach(&self, c: &Context, d: &mut [f64]) {
+        self.block.reach(c, d);
+    }
+
+    fn next_kink(&self, c: &Context) -> f64 {
+        self.block.next_kink(c)
+    }
+
+    fn rest(&self, c: &Context, d: &mut [f64]) -> bool {
+        self.block.rest(c, d)
+    }
+
+    fn end_time(&self) -> Option<f64> {
+        self.block.end_time()
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        self.block.component()
+    }
+
+    fn bus(&self) -> Option<Bus> {
+        self.block.bus()
+    }
+}

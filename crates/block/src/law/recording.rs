@@ -1,0 +1,203 @@
+//! What a block is handed to record its law.
+
+use std::cell::RefCell;
+
+pub use blocksim_law::{Condition, Relation, Value};
+use blocksim_law::{Id, Program, Recorder};
+
+use crate::Interface;
+
+/// Where a block records its law: handles on what its functions would be handed, and a place for each number that they
+/// would write. Handles calculate like numbers; nothing is computed yet.
+///
+/// The order of operations is that of the law: the engine changes no bit of it.
+pub struct Recording<'r> {
+    recorder: &'r Recorder,
+    inputs: Vec<Vec<Value<'r>>>,
+    x: Vec<Value<'r>>,
+    d: Vec<Value<'r>>,
+    written: RefCell<Written>,
+}
+
+/// What has been said so far.
+#[derive(Debug, Default)]
+pub(super) struct Written {
+    /// By cell of the outputs.
+    pub outputs: Vec<Option<Id>>,
+    pub derivatives: Vec<Option<Id>>,
+    pub guards: Vec<Option<Id>>,
+    pub settled: Vec<Option<Id>>,
+    pub updated: Vec<Option<Id>>,
+    /// Start of each output port among the cells.
+    starts: Vec<usize>,
+    /// The first thing that is wrong.
+    wrong: Option<String>,
+}
+
+impl<'r> Recording<'r> {
+    pub(super) fn new(
+        recorder: &'r Recorder,
+        interface: &Interface,
+        inputs: &[(u32, u32)],
+        outputs: &[(u32, u32)],
+    ) -> Self {
+        let port = |port: usize, (start, end): (u32, u32)| {
+            let name = &interface.inputs[port].name;
+            (0..end - start).map(|i| recorder.input(&format!("{name}[{i}]"))).collect()
+        };
+        let cells = outputs.iter().map(|span| span.1 as usize).max().unwrap_or(0);
+        let none = |n: usize| vec![None; n];
+        Self {
+            inputs: inputs.iter().enumerate().map(|(k, span)| port(k, *span)).collect(),
+            x: interface.states.iter().map(|state| recorder.state(&state.name, state.initial)).collect(),
+            d: interface.discrete.iter().map(|state| recorder.memory(&state.name, state.initial)).collect(),
+            written: RefCell::new(Written {
+                outputs: none(cells),
+                derivatives: none(interface.states.len()),
+                guards: none(interface.guards.len()),
+                settled: none(interface.discrete.len()),
+                updated: none(interface.discrete.len()),
+                starts: outputs.iter().map(|span| span.0 as usize).collect(),
+                wrong: None,
+            }),
+            recorder,
+        }
+    }
+
+    pub(super) fn finish(self) -> Result<Written, String> {
+        let mut written = self.written.into_inner();
+        match written.wrong.take() {
+            Some(wrong) => Err(wrong),
+            None => Ok(written),
+        }
+    }
+
+    /// All elements of an input port.
+    pub fn input(&self, port: usize) -> &[Value<'r>] {
+        &self.inputs[port]
+    }
+
+    /// The first element of an input port.
+    pub fn u(&self, port: usize) -> Value<'r> {
+        self.inputs[port][0]
+    }
+
+    /// Element `i` of an input port; a scalar stands for every element.
+    pub fn element(&self, port: usize, i: usize) -> Value<'r> {
+        if let [value] = self.inputs[port][..] { value } else { self.inputs[port][i] }
+    }
+
+    /// Number of input ports.
+    pub fn inputs(&self) -> usize {
+        self.inputs.len()
+    }
+
+    /// Number of elements of an output port.
+    pub fn width(&self, port: usize) -> usize {
+        let written = self.written.borrow();
+        let end = written.starts.get(port + 1).copied().unwrap_or(written.outputs.len());
+        end - written.starts[port]
+    }
+
+    /// Continuous states.
+    pub fn x(&self) -> &[Value<'r>] {
+        &self.x
+    }
+
+    /// Discrete states, as they are held.
+    pub fn d(&self) -> &[Value<'r>] {
+        &self.d
+    }
+
+    /// The time, s.
+    pub fn time(&self) -> Value<'r> {
+        self.recorder.time()
+    }
+
+    /// A number that never changes.
+    pub fn constant(&self, value: f64) -> Value<'r> {
+        self.recorder.constant(value)
+    }
+
+    /// A sum in this order; 0 of nothing.
+    pub fn sum(&self, values: impl IntoIterator<Item = Value<'r>>) -> Value<'r> {
+        values.into_iter().reduce(|sum, value| sum + value).unwrap_or_else(|| self.constant(0.0))
+    }
+
+    /// Says what element `i` of an output port is.
+    pub fn set(&self, port: usize, i: usize, value: Value<'r>) {
+        let mut written = self.written.borrow_mut();
+        let at = written.starts[port] + i;
+        written.note(|written| &mut written.outputs, "output", at, value);
+    }
+
+    /// The same of a truth value.
+    pub fn set_truth(&self, port: usize, i: usize, value: Condition<'r>) {
+        self.set(port, i, value.number());
+    }
+
+    /// Says what each element of an output port is.
+    pub fn each(&self, port: usize, mut value: impl FnMut(usize) -> Value<'r>) {
+        (0..self.width(port)).for_each(|i| self.set(port, i, value(i)));
+    }
+
+    /// Says what the derivative of state `i` is.
+    pub fn derive(&self, i: usize, value: Value<'r>) {
+        self.written.borrow_mut().note(|written| &mut written.derivatives, "derivative", i, value);
+    }
+
+    /// Says what guard `i` is.
+    pub fn guard(&self, i: usize, value: Value<'r>) {
+        self.written.borrow_mut().note(|written| &mut written.guards, "guard", i, value);
+    }
+
+    /// Says what discrete state `i` is set to at a major step, just before the outputs; it is held in between.
+    pub fn settle(&self, i: usize, value: Value<'r>) {
+        self.written.borrow_mut().note(|written| &mut written.settled, "settled state", i, value);
+    }
+
+    /// Says what discrete state `i` becomes at a sample hit, after the outputs of that instant.
+    pub fn update(&self, i: usize, value: Value<'r>) {
+        self.written.borrow_mut().note(|written| &mut written.updated, "updated state", i, value);
+    }
+}
+
+impl Written {
+    fn note(
+        &mut self,
+        list: impl Fn(&mut Self) -> &mut Vec<Option<Id>>,
+        what: &str,
+        at: usize,
+        value: Value,
+    ) {
+        let wrong = match list(self).get_mut(at) {
+            None => format!("there is no {what} {at}"),
+            Some(Some(_)) => format!("{what} {at} is set twice"),
+            Some(place) => {
+                *place = Some(value.id());
+                return;
+            }
+        };
+        self.wrong.get_or_insert(wrong);
+    }
+}
+
+/// A program whose outputs are all that was said.
+pub(super) fn program(recorder: Recorder, written: &Written) -> Program {
+    let mut program = recorder.finish();
+    // Blocks name their guards and angles themselves.
+    program.kinks.clear();
+    program.turns.clear();
+    let lists = [
+        ("y", &written.outputs),
+        ("dx", &written.derivatives),
+        ("g", &written.guards),
+        ("settle", &written.settled),
+        ("update", &written.updated),
+    ];
+    for (name, list) in lists {
+        let said = list.iter().enumerate().filter_map(|(i, id)| Some((i, (*id)?)));
+        program.outputs.extend(said.map(|(i, id)| (format!("{name}[{i}]"), id)));
+    }
+    program
+}

@@ -1,0 +1,90 @@
+//! Laws that run together on tapes give the bits of blocks that are called one by one: rows, events and work.
+
+use std::sync::Arc;
+
+use blocksim_block::schedule::{Schedule, Start};
+use blocksim_sim::{Counts, Observer, SimError, Simulation};
+use blocksim_tests::random::{Circuit, Mechanisms, Puzzle, Sampled, Shafts, Signals, Variant};
+use blocksim_tests::{compile_file, compile_text, diagrams_below, root};
+
+/// Runs end at this time, s, at the latest.
+const LONGEST: f64 = 0.5;
+
+/// All that a run says, bit by bit.
+#[derive(Debug, Default, PartialEq)]
+struct Heard {
+    rows: Vec<u64>,
+    events: Vec<String>,
+}
+
+impl Observer for Heard {
+    fn row(&mut self, t: f64, values: &[f64]) {
+        self.rows.push(t.to_bits());
+        self.rows.extend(values.iter().map(|value| value.to_bits()));
+    }
+
+    fn event(&mut self, t: f64, block: &str, what: &str) {
+        self.events.push(format!("{t} {block} {what}"));
+    }
+}
+
+fn run(simulation: Result<Simulation, SimError>, end: f64) -> (Heard, Option<Counts>, Option<String>) {
+    let mut heard = Heard::default();
+    let mut simulation = match simulation {
+        Ok(simulation) => simulation,
+        Err(error) => return (heard, None, Some(error.to_string())),
+    };
+    let error = simulation.run_until(end, &mut heard).err();
+    (heard, Some(simulation.counts()), error.map(|error| error.to_string()))
+}
+
+/// Whether both agree, and how many blocks record their laws.
+fn agree(name: &str, mut schedule: Schedule, wrong: &mut Vec<String>) -> usize {
+    schedule.settings.start = Start::Given;
+    let end = schedule.settings.stop_time.min(LONGEST);
+    let laws = schedule.blocks.iter().filter(|block| block.law.is_some()).count();
+    let schedule = Arc::new(schedule);
+    let together = run(Simulation::new(Arc::clone(&schedule)), end);
+    let one_by_one = run(Simulation::one_by_one(schedule), end);
+    if together != one_by_one {
+        let row = together.0.rows.iter().zip(&one_by_one.0.rows).position(|(a, b)| a != b);
+        wrong.push(format!(
+            "{name}: number {row:?} of the rows; {:?} {:?}, {:?} {:?}",
+            together.1, together.2, one_by_one.1, one_by_one.2
+        ));
+    }
+    laws
+}
+
+#[test]
+fn shipped_diagrams_and_examples_of_blocks_give_the_bits_of_single_calls() {
+    let paths = [diagrams_below("diagrams"), diagrams_below("docs/blocks")].concat();
+    let (mut laws, mut wrong) = (0, Vec::new());
+    for path in &paths {
+        let name = path.strip_prefix(root()).expect("below the root").display().to_string();
+        // Parts of models and files of moves are no runs.
+        let Some(schedule) = compile_file(&name, &[]).0.schedule else { continue };
+        laws += agree(&name, schedule, &mut wrong);
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(laws > 150, "only {laws} blocks have laws");
+}
+
+#[test]
+fn random_models_give_the_bits_of_single_calls() {
+    fn random<P: Puzzle>(class: &str, wrong: &mut Vec<String>) -> usize {
+        let of_seed = |seed: u64| {
+            let (compiled, problems) = compile_text(&P::of(seed).text(&Variant::plain()));
+            compiled.schedule.unwrap_or_else(|| panic!("{class} {seed}: {problems}"))
+        };
+        (1..81).map(|seed| agree(&format!("{class} {seed}"), of_seed(seed), wrong)).sum()
+    }
+    let mut wrong = Vec::new();
+    let laws = random::<Signals>("signals", &mut wrong)
+        + random::<Sampled>("sampled", &mut wrong)
+        + random::<Mechanisms>("mechanisms", &mut wrong)
+        + random::<Shafts>("shafts", &mut wrong)
+        + random::<Circuit>("circuits", &mut wrong);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(laws > 300, "only {laws} blocks have laws");
+}
