@@ -5,7 +5,7 @@ use std::any::Any;
 use std::fmt::Debug;
 use std::path::Path;
 
-use crate::law::Recording;
+use crate::law::{Failure, Recording};
 use crate::physical::Component;
 use crate::{CodePolicy, Context, Given, Interface, InterfaceError, NoCode, ParamError, Piece};
 
@@ -58,6 +58,11 @@ pub trait Block: Any + Debug + Send + Sync {
     /// with nothing recorded, if the block, or the block with these parameters, has to be called instead.
     fn law(&self, _l: &Recording) -> bool {
         false
+    }
+
+    /// Why the recorded law cannot go on, in the words of the block; `None` for words of the engine.
+    fn no_value(&self, _failure: &Failure, _c: &Context) -> Option<String> {
+        None
     }
 
     /// Scratch space of the block, made once for each simulation and handed back in every evaluation.

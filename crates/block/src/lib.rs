@@ -63,7 +63,7 @@ pub mod private {
 /// What a block file needs.
 pub mod prelude {
     pub use crate::event::{Change, Event};
-    pub use crate::law::{Recording, Relation};
+    pub use crate::law::{Condition, Failure, Recording, Relation, Value};
     pub use crate::physical::{Component, Energy, Law, Needs, Part, Torque};
     pub use crate::{
         Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Crossing, Discrete, Files, Given, Input,

@@ -147,16 +147,21 @@ impl Bench {
     /// # Panics
     /// Panics if the block fails.
     pub fn minor(&mut self) -> Vec<f64> {
+        if let Some(reason) = self.failure() {
+            panic!("the block failed: {reason}");
+        }
+        self.y.clone()
+    }
+
+    /// Why the outputs cannot be evaluated; nothing if they can.
+    pub fn failure(&mut self) -> Option<String> {
         self.evaluation += 1;
         let (mut y, mut w) = (std::mem::take(&mut self.y), std::mem::take(&mut self.w));
         for group in 0..self.interface.groups.len() {
             self.block.outputs(group, &self.context(&self.x, &self.d), &mut w, &mut y);
         }
         (self.y, self.w) = (y, w);
-        if let Some(reason) = self.fault.take() {
-            panic!("the block failed: {reason}");
-        }
-        self.y.clone()
+        self.fault.take()
     }
 
     /// Sets the first input, does a major step and returns the first output.

@@ -377,6 +377,35 @@ impl<'r> Value<'r> {
         self.of.number(Op::Clamp(self.id, lower.id, upper.id))
     }
 
+    /// -1, 0 or 1 without an event; what is not a number stays so.
+    #[must_use]
+    pub fn signum(self) -> Self {
+        self.of.number(Op::Unary(Unary::Sign, self.id))
+    }
+
+    /// The next whole number below, without an event: for what is whole, or a remainder of a turn.
+    #[must_use]
+    pub fn below(self) -> Self {
+        self.of.number(Op::Unary(Unary::Floor, self.id))
+    }
+
+    /// `base` to the power of the value.
+    #[must_use]
+    pub fn raise(self, base: f64) -> Self {
+        self.of.constant(base).pow(self)
+    }
+
+    /// Zero, in the same law.
+    #[must_use]
+    pub fn zero(self) -> Self {
+        self.of.constant(0.0)
+    }
+
+    /// Whether it is a number.
+    pub fn is_number(self) -> Condition<'r> {
+        self.live(Relation::Equal, self)
+    }
+
     /// The distance of the point from the origin.
     #[must_use]
     pub fn hypot(self, other: Self) -> Self {
@@ -477,6 +506,12 @@ impl<'r> Condition<'r> {
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         self.of.truth(Op::Or(self.id, other.id))
+    }
+
+    /// Whether one is true and the other is not.
+    #[must_use]
+    pub fn xor(self, other: Self) -> Self {
+        self.of.truth(Op::Compare(Relation::NotEqual, self.id, other.id))
     }
 
     /// The first where it is true, else the second.

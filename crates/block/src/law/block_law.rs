@@ -206,7 +206,7 @@ impl BlockLaw {
     fn run_in(&self, code: &Code, c: &Context, d: &[f64], registers: &mut [f64]) {
         let sources = Sources { time: c.t, inputs: c.u, states: c.x, memories: d, ..Sources::default() };
         if let Some(failure) = code.run(&sources, registers) {
-            c.fail(Self::reason(&failure));
+            c.fail(self.block.no_value(&failure, c).unwrap_or_else(|| Self::reason(&failure)));
         }
     }
 }

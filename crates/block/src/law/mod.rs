@@ -4,4 +4,5 @@ mod block_law;
 mod recording;
 
 pub use block_law::BlockLaw;
+pub use blocksim_law::Failure;
 pub use recording::{Condition, Recording, Relation, Value};

@@ -99,6 +99,16 @@ impl<'r> Recording<'r> {
         end - written.starts[port]
     }
 
+    /// Number of output ports.
+    pub fn outputs(&self) -> usize {
+        self.written.borrow().starts.len()
+    }
+
+    /// Number of guards.
+    pub fn guards(&self) -> usize {
+        self.written.borrow().guards.len()
+    }
+
     /// Continuous states.
     pub fn x(&self) -> &[Value<'r>] {
         &self.x
@@ -119,9 +129,11 @@ impl<'r> Recording<'r> {
         self.recorder.constant(value)
     }
 
-    /// A sum in this order; 0 of nothing.
-    pub fn sum(&self, values: impl IntoIterator<Item = Value<'r>>) -> Value<'r> {
-        values.into_iter().reduce(|sum, value| sum + value).unwrap_or_else(|| self.constant(0.0))
+    /// The sum of `factors[i] * values[i]`, in this order, without those whose factor is zero; 0 of nothing.
+    pub fn dot(&self, factors: &[f64], values: &[Value<'r>]) -> Value<'r> {
+        let products = factors.iter().zip(values).filter(|(factor, _)| **factor != 0.0);
+        let products = products.map(|(factor, value)| *factor * *value);
+        products.reduce(|sum, product| sum + product).unwrap_or_else(|| self.constant(0.0))
     }
 
     /// Says what element `i` of an output port is.

@@ -189,36 +189,38 @@ impl Block for Integrator {
     }
 
     fn law(&self, l: &Recording) -> bool {
-        if self.jumps() {
-            return false;
-        }
+        let n = l.width(0);
         l.each(0, |i| l.x()[i]);
-        (0..l.x().len()).for_each(|i| l.derive(i, l.element(0, i)));
-        true
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.copy_from_slice(c.x);
-    }
-
-    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
-        let u = c.input(0);
-        if c.d.is_empty() {
-            dx.iter_mut().enumerate().for_each(|(i, dx)| *dx = element(u, i));
-            return;
+        if !self.jumps() {
+            (0..n).for_each(|i| l.derive(i, l.element(0, i)));
+            return true;
         }
-        if self.reset.holds(c.d[TRIGGER]) {
-            dx.fill(0.0);
-            return;
-        }
-        for (i, (dx, mode)) in dx.iter_mut().zip(&c.d[FLAGS..]).enumerate() {
+        let (zero, held) = (l.constant(0.0), self.reset.held(l, l.d()[TRIGGER]));
+        let upper = self.upper.or(self.wrap.map(|wrap| wrap.upper));
+        let lower = self.lower.or(self.wrap.map(|wrap| wrap.lower));
+        let mut guards = 0..;
+        let mut guard = |value| guards.next().into_iter().for_each(|i| l.guard(i, value));
+        for i in 0..n {
+            let (u, x, mode) = (l.element(0, i), l.x()[i], l.d()[FLAGS + i]);
+            let [at_upper, at_lower] =
+                [AT_UPPER, AT_LOWER].map(|side| mode.live(Relation::Equal, l.constant(side)));
             // On a limit only an input that leads inwards counts.
-            *dx = match *mode {
-                AT_UPPER => element(u, i).min(0.0),
-                AT_LOWER => element(u, i).max(0.0),
-                _ => element(u, i),
+            let free = match (self.upper, self.lower) {
+                (None, None) => u,
+                _ => at_upper.select(u.min(zero), at_lower.select(u.max(zero), u)),
             };
+            l.derive(i, held.map_or(free, |held| held.select(zero, free)));
+            // Free: distance to the limit. On a limit: the input, whose change of sign frees the state. Both
+            // have the same sign where one follows the other.
+            upper.into_iter().for_each(|upper| guard(at_upper.select(u, x - upper)));
+            lower.into_iter().for_each(|lower| guard(at_lower.select(u, x - lower)));
         }
+        // That of the reset, unless it is true or false.
+        let of_limits = n * (usize::from(upper.is_some()) + usize::from(lower.is_some()));
+        if l.guards() > of_limits {
+            guard(l.u(1));
+        }
+        true
     }
 
     fn jump(&self, c: &Context, _w: &mut Scratch, x: &mut [f64], d: &mut [f64]) -> bool {
@@ -241,27 +243,6 @@ impl Block for Integrator {
             changed |= (*x, *mode) != before && !(x.is_nan() && before.0.is_nan());
         }
         changed
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        let wrap = self.wrap;
-        let upper = self.upper.or(wrap.map(|wrap| wrap.upper));
-        let lower = self.lower.or(wrap.map(|wrap| wrap.lower));
-        let mut slots = g.iter_mut();
-        for (i, (x, mode)) in c.x.iter().zip(c.d.iter().skip(FLAGS)).enumerate() {
-            // Free: distance to the limit. On a limit: the input, whose change of sign frees the state. Both
-            // have the same sign where one follows the other.
-            let u = element(c.input(0), i);
-            if let Some(upper) = upper {
-                slots.next().into_iter().for_each(|g| *g = if *mode == AT_UPPER { u } else { x - upper });
-            }
-            if let Some(lower) = lower {
-                slots.next().into_iter().for_each(|g| *g = if *mode == AT_LOWER { u } else { x - lower });
-            }
-        }
-        if let Some(g) = slots.next() {
-            *g = c.scalar(1);
-        }
     }
 }
 

@@ -38,14 +38,13 @@ impl Block for LowPass {
         Ok(interface)
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.copy_from_slice(c.x);
-    }
-
-    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
-        for ((dx, u), x) in dx.iter_mut().zip(c.u).zip(c.x) {
-            *dx = (u - x) / self.tau;
+    fn law(&self, l: &Recording) -> bool {
+        for i in 0..l.width(0) {
+            let (u, x) = (l.element(0, i), l.x()[i]);
+            l.set(0, i, x);
+            l.derive(i, (u - x) / self.tau);
         }
+        true
     }
 }
 

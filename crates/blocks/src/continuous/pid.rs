@@ -53,13 +53,52 @@ impl Pid {
     }
 
     /// Derivative part, from the state of its filter.
-    fn derivative(&self, e: f64, xf: f64) -> f64 {
+    fn derivative<'r>(&self, e: Value<'r>, xf: Value<'r>) -> Value<'r> {
         self.law.n * (self.law.kd * e - xf)
     }
 
     /// Output before the limits.
-    fn unlimited(&self, e: f64, x: &[f64]) -> f64 {
+    fn unlimited<'r>(&self, e: Value<'r>, x: &[Value<'r>]) -> Value<'r> {
         self.law.sum(e, x[0], self.derivative(e, x[1]))
+    }
+
+    /// Records derivatives, mode and guards of element `i` for this error, and gives the output.
+    pub(crate) fn record<'r>(&self, l: &Recording<'r>, i: usize, e: Value<'r>) -> Value<'r> {
+        let (law, held) = (&self.law, self.reset.held(l, l.d()[TRIGGER]));
+        let (zero, slack) = (l.constant(0.0), l.constant(self.slack()));
+        let free = |value: Value<'r>| held.map_or(value, |held| held.select(zero, value));
+        let x = &l.x()[2 * i..][..2];
+        let v = self.unlimited(e, x);
+        let u = law.saturate(l, v);
+        let mode = law.limited().then(|| l.d()[MODES + i]);
+        let integral = match law.anti_windup {
+            _ if law.ki == 0.0 => zero,
+            AntiWindup::BackCalculation => law.ki * e + law.kb * (u - v),
+            AntiWindup::None => law.ki * e,
+            AntiWindup::Clamping => mode.map_or(law.ki * e, |mode| mode.is_true().select(zero, law.ki * e)),
+        };
+        l.derive(2 * i, free(integral));
+        l.derive(2 * i + 1, free(self.derivative(e, x[1])));
+        let Some(mode) = mode else { return u };
+        if law.anti_windup == AntiWindup::Clamping {
+            let stays = mode.is_true().and(mode.live(Relation::Equal, law.winds_up(l, v, e, slack)));
+            l.settle(MODES + i, stays.select(mode, law.winds_up(l, v, e, zero)));
+        } else {
+            l.settle(MODES + i, mode);
+        }
+        let waits = |side: f64| mode.live(Relation::Equal, l.constant(side)).select(slack, zero);
+        let upper = law.upper.map_or(l.constant(-1.0), |upper| v - (upper - waits(1.0)));
+        let lower = law.lower.map_or(l.constant(1.0), |lower| v - (lower + waits(-1.0)));
+        l.guard(3 * i, upper);
+        l.guard(3 * i + 1, lower);
+        // Positive where the integral winds up: beyond a limit, with an error that leads further. Far from the limits the
+        // error may flicker in rounding.
+        let winds = match law.anti_windup {
+            AntiWindup::Clamping => upper.min(e).max((-lower).min(-e)),
+            _ => l.constant(-1.0),
+        };
+        l.guard(3 * i + 2, winds);
+        u
     }
 }
 
@@ -99,45 +138,14 @@ impl Block for Pid {
         Ok(self.reset.guard(interface, given).jump_called(phrase))
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        if self.law.anti_windup != AntiWindup::Clamping {
-            return;
+    fn law(&self, l: &Recording) -> bool {
+        l.each(0, |i| self.record(l, i, l.element(0, i)));
+        let of_limits = if self.law.limited() { 3 * l.width(0) } else { 0 };
+        // That of the reset, unless it is true or false.
+        if l.guards() > of_limits {
+            l.guard(of_limits, l.u(1));
         }
-        let law = &self.law;
-        for ((mode, e), x) in d[MODES..].iter_mut().zip(c.input(0)).zip(c.x.chunks_exact(2)) {
-            let v = self.unlimited(*e, x);
-            let stays = *mode != 0.0 && *mode == law.winds_up(v, *e, self.slack());
-            if !stays {
-                *mode = law.winds_up(v, *e, 0.0);
-            }
-        }
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for ((u, e), x) in y.iter_mut().zip(c.input(0)).zip(c.x.chunks_exact(2)) {
-            *u = self.law.saturate(self.unlimited(*e, x));
-        }
-    }
-
-    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
-        if self.reset.holds(c.d[TRIGGER]) {
-            dx.fill(0.0);
-            return;
-        }
-        let law = &self.law;
-        let states = dx.chunks_exact_mut(2).zip(c.x.chunks_exact(2));
-        for (i, ((dx, x), e)) in states.zip(c.input(0)).enumerate() {
-            let clamped = c.d.get(MODES + i).is_some_and(|mode| *mode != 0.0);
-            dx[0] = match self.law.anti_windup {
-                _ if self.law.ki == 0.0 || clamped => 0.0,
-                AntiWindup::BackCalculation => {
-                    let v = self.unlimited(*e, x);
-                    self.law.ki * e + self.law.kb * (law.saturate(v) - v)
-                }
-                AntiWindup::None | AntiWindup::Clamping => self.law.ki * e,
-            };
-            dx[1] = self.derivative(*e, x[1]);
-        }
+        true
     }
 
     fn jump(&self, c: &Context, _w: &mut Scratch, x: &mut [f64], d: &mut [f64]) -> bool {
@@ -154,29 +162,6 @@ impl Block for Pid {
         let changed = turned || x.chunks_exact(2).any(|x| x != [self.law.x0, self.law.d0]);
         x.chunks_exact_mut(2).for_each(|x| x.copy_from_slice(&[self.law.x0, self.law.d0]));
         changed
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        if self.law.limited() {
-            let elements = c.input(0).iter().zip(c.x.chunks_exact(2)).zip(&c.d[MODES..]);
-            for (((e, x), mode), g) in elements.zip(g.chunks_exact_mut(3)) {
-                let v = self.unlimited(*e, x);
-                let waits = |side: f64| if *mode == side { self.slack() } else { 0.0 };
-                g[0] = self.law.upper.map_or(-1.0, |upper| v - (upper - waits(1.0)));
-                g[1] = self.law.lower.map_or(1.0, |lower| v - (lower + waits(-1.0)));
-                // Positive where the integral winds up: beyond a limit, with an error that leads further. Far from the limits the
-                // error may flicker in rounding.
-                g[2] = match self.law.anti_windup {
-                    AntiWindup::Clamping => g[0].min(*e).max((-g[1]).min(-*e)),
-                    _ => -1.0,
-                };
-            }
-        }
-        if self.reset != Reset::None
-            && let Some(g) = g.get_mut(3 * (c.d.len() - MODES))
-        {
-            *g = c.scalar(1);
-        }
     }
 }
 

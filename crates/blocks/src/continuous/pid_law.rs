@@ -1,5 +1,7 @@
 //! What the continuous and the discrete PID controller have in common.
 
+use std::ops::{Add, Mul};
+
 use blocksim_block::prelude::*;
 
 use super::units::{SECOND, agrees};
@@ -109,7 +111,11 @@ impl PidLaw {
     }
 
     /// Output before the limits, from the error and the integral and derivative parts.
-    pub(crate) fn sum(&self, e: f64, integral: f64, derivative: f64) -> f64 {
+    pub(crate) fn sum<N>(&self, e: N, integral: N, derivative: N) -> N
+    where
+        N: Add<N, Output = N>,
+        f64: Mul<N, Output = N>,
+    {
         match self.form {
             Form::Parallel => self.kp * e + integral + derivative,
             Form::Ideal => self.kp * (e + integral + derivative),
@@ -129,20 +135,23 @@ impl PidLaw {
     }
 
     /// The output within its limits.
-    pub(crate) fn saturate(&self, v: f64) -> f64 {
-        v.clamp(self.lower(), self.upper())
+    pub(crate) fn saturate<'r>(&self, l: &Recording<'r>, v: Value<'r>) -> Value<'r> {
+        v.clamp(l.constant(self.lower()), l.constant(self.upper()))
     }
 
     /// Where the integral part would lead the output further out: 1 above the upper limit, -1 below the lower
     /// one, 0 elsewhere. `slack` shifts the limits inwards.
-    pub(crate) fn winds_up(&self, v: f64, e: f64, slack: f64) -> f64 {
+    pub(crate) fn winds_up<'r>(
+        &self,
+        l: &Recording<'r>,
+        v: Value<'r>,
+        e: Value<'r>,
+        slack: Value<'r>,
+    ) -> Value<'r> {
         let drive = self.per_integral() * self.ki * e;
-        if v > self.upper() - slack && drive > 0.0 {
-            1.0
-        } else if v < self.lower() + slack && drive < 0.0 {
-            -1.0
-        } else {
-            0.0
-        }
+        let zero = l.constant(0.0);
+        let above = v.live(Relation::Greater, self.upper() - slack).and(drive.live(Relation::Greater, zero));
+        let below = v.live(Relation::Less, self.lower() + slack).and(drive.live(Relation::Less, zero));
+        above.select(l.constant(1.0), below.select(l.constant(-1.0), zero))
     }
 }

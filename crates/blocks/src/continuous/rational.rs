@@ -77,24 +77,36 @@ impl<'a> Rational<'a> {
     }
 
     /// What drives the first state, where state i counts from 1 and is `pace`^i times that of the canonical form.
-    pub(crate) fn drive(&self, x: &[f64], u: f64, pace: f64) -> f64 {
+    pub(crate) fn drive<'r>(&self, x: &[Value<'r>], u: Value<'r>, pace: f64) -> Value<'r> {
         let (mut w, mut share) = (u, 1.0);
         for (i, x) in x.iter().enumerate() {
             share /= pace;
-            w -= self.denominator(i + 1) * share * x;
+            let a = self.denominator(i + 1) * share;
+            if a != 0.0 {
+                w = w - a * *x;
+            }
         }
         w
     }
 
     /// The output from the same states. `u` is not looked at unless there is feedthrough.
-    pub(crate) fn output(&self, x: &[f64], u: f64, pace: f64) -> f64 {
+    pub(crate) fn output<'r>(
+        &self,
+        l: &Recording<'r>,
+        x: &[Value<'r>],
+        u: Value<'r>,
+        pace: f64,
+    ) -> Value<'r> {
         let b0 = self.feedthrough();
-        let (mut y, mut share) = (0.0, 1.0);
-        for (i, x) in x.iter().enumerate() {
-            share /= pace;
-            y += (self.numerator(i + 1) - self.denominator(i + 1) * b0) * share * x;
-        }
-        if b0 == 0.0 { y } else { b0 * u + y }
+        let mut share = 1.0;
+        let factors: Vec<f64> = (1..=x.len())
+            .map(|i| {
+                share /= pace;
+                (self.numerator(i) - self.denominator(i) * b0) * share
+            })
+            .collect();
+        let free = l.dot(&factors, x);
+        if b0 == 0.0 { free } else { b0 * u + free }
     }
 
     /// A power of two near the largest magnitude of the poles, 1/s: the largest of $|a_i|^{1/i}$, of exponents

@@ -78,6 +78,11 @@ impl Reset {
     pub(crate) fn holds(self, memory: f64) -> bool {
         self == Self::Level && memory == 1.0
     }
+
+    /// The same as a law; nothing where they are never held.
+    pub(crate) fn held<'r>(self, l: &Recording<'r>, memory: Value<'r>) -> Option<Condition<'r>> {
+        (self == Self::Level).then(|| memory.live(Relation::Equal, l.constant(1.0)))
+    }
 }
 
 #[cfg(test)]

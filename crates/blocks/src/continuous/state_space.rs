@@ -118,17 +118,17 @@ impl Block for StateSpace {
         Ok(interface)
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.iter_mut().zip(&self.c).for_each(|(y, row)| *y = dot(row, c.x));
-        if self.feeds_through() {
-            y.iter_mut().zip(&self.d).for_each(|(y, row)| *y += dot(row, c.u));
+    fn law(&self, l: &Recording) -> bool {
+        let (x, u) = (l.x(), l.input(0));
+        for (i, c) in self.c.iter().enumerate() {
+            let free = l.dot(c, x);
+            let y = if self.feeds_through() { free + l.dot(&self.d[i], u) } else { free };
+            l.set(0, i, y);
         }
-    }
-
-    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
-        for ((dx, a), b) in dx.iter_mut().zip(&self.a).zip(&self.b) {
-            *dx = dot(a, c.x) + dot(b, c.u);
+        for (i, (a, b)) in self.a.iter().zip(&self.b).enumerate() {
+            l.derive(i, l.dot(a, x) + l.dot(b, u));
         }
+        true
     }
 }
 

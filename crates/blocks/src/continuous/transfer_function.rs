@@ -1,7 +1,6 @@
 use blocksim_block::prelude::*;
 
 use super::rational::Rational;
-use super::units::element;
 
 /// Transfer function of one input and one output, as polynomials in s.
 ///
@@ -49,21 +48,18 @@ impl Block for TransferFunction {
         Ok(self.ratio().interface(given, 0.0))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let (ratio, u) = (self.ratio(), c.input(0));
+    fn law(&self, l: &Recording) -> bool {
+        let ratio = self.ratio();
         let (n, pace) = (ratio.order(), ratio.pace());
-        for (i, y) in y.iter_mut().enumerate() {
-            *y = self.k * ratio.output(&c.x[i * n..][..n], element(u, i), pace);
+        for i in 0..l.width(0) {
+            let (u, x) = (l.element(0, i), &l.x()[i * n..][..n]);
+            l.set(0, i, self.k * ratio.output(l, x, u, pace));
+            for k in 0..n {
+                let drive = if k == 0 { ratio.drive(x, u, pace) } else { x[k - 1] };
+                l.derive(i * n + k, pace * drive);
+            }
         }
-    }
-
-    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
-        let (ratio, u) = (self.ratio(), c.input(0));
-        let (n, pace) = (ratio.order().max(1), ratio.pace());
-        for (i, (dx, x)) in dx.chunks_exact_mut(n).zip(c.x.chunks_exact(n)).enumerate() {
-            dx[0] = pace * ratio.drive(x, element(u, i), pace);
-            dx[1..].iter_mut().zip(x).for_each(|(dx, x)| *dx = pace * x);
-        }
+        true
     }
 }
 

@@ -1,4 +1,4 @@
-use crate::math::elements::{clamp, parameters_like};
+use crate::math::elements::parameters_like;
 use blocksim_block::prelude::*;
 
 /// No output while the input is between `start` and `end`, beyond that the distance to the zone; element by element.
@@ -36,14 +36,15 @@ impl Block for DeadZone {
         Ok(start.kink_each("end", n).called("leaves the dead zone upwards", "enters the dead zone"))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.iter_mut().zip(c.u).for_each(|(y, u)| *y = u - clamp(*u, self.start, self.end));
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        let (start, end) = g.split_at_mut(c.u.len());
-        start.iter_mut().zip(c.u).for_each(|(g, u)| *g = u - self.start);
-        end.iter_mut().zip(c.u).for_each(|(g, u)| *g = u - self.end);
+    fn law(&self, l: &Recording) -> bool {
+        let (start, end, n) = (l.constant(self.start), l.constant(self.end), l.width(0));
+        for i in 0..n {
+            let u = l.element(0, i);
+            l.set(0, i, u - u.clamp(start, end));
+            l.guard(i, u - start);
+            l.guard(n + i, u - end);
+        }
+        true
     }
 }
 

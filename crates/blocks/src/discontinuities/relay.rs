@@ -54,32 +54,17 @@ impl Block for Relay {
         Ok(interface.guard_each("switches", n).called_by_mode())
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        for (on, u) in d.iter_mut().zip(c.u) {
-            if *u >= self.on_at {
-                *on = 1.0;
-            } else if *u <= self.off_at {
-                *on = 0.0;
-            }
+    fn law(&self, l: &Recording) -> bool {
+        let [on, off, on_at, off_at] =
+            [self.on, self.off, self.on_at, self.off_at].map(|value| l.constant(value));
+        for i in 0..l.width(0) {
+            let (u, held) = (l.element(0, i), l.d()[i]);
+            let stays = u.live(Relation::LessEqual, off_at).select(l.constant(0.0), held);
+            l.settle(i, u.live(Relation::GreaterEqual, on_at).select(l.constant(1.0), stays));
+            l.set(0, i, u.is_number().select(held.is_true().select(on, off), u));
+            l.guard(i, u - held.is_true().select(off_at, on_at));
         }
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for ((y, on), u) in y.iter_mut().zip(c.d).zip(c.u) {
-            *y = if u.is_nan() {
-                *u
-            } else if *on == 1.0 {
-                self.on
-            } else {
-                self.off
-            };
-        }
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        for ((g, on), u) in g.iter_mut().zip(c.d).zip(c.u) {
-            *g = u - if *on == 1.0 { self.off_at } else { self.on_at };
-        }
+        true
     }
 }
 

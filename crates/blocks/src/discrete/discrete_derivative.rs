@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::continuous::units::{SECOND, agrees, element};
+use crate::continuous::units::{SECOND, agrees};
 
 /// Difference quotient of a sampled signal, element by element.
 ///
@@ -43,14 +43,13 @@ impl Block for DiscreteDerivative {
             .sampled(self.ts))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (i, (y, before)) in y.iter_mut().zip(c.d).enumerate() {
-            *y = self.gain * (element(c.u, i) - before) / self.ts;
+    fn law(&self, l: &Recording) -> bool {
+        for i in 0..l.width(0) {
+            let (u, before) = (l.element(0, i), l.d()[i]);
+            l.set(0, i, self.gain * (u - before) / self.ts);
+            l.update(i, u);
         }
-    }
-
-    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
-        d.iter_mut().enumerate().for_each(|(i, before)| *before = element(c.u, i));
+        true
     }
 }
 

@@ -1,7 +1,7 @@
 use blocksim_block::prelude::*;
 
 use super::method::Method;
-use crate::continuous::units::{SECOND, agrees, element};
+use crate::continuous::units::{SECOND, agrees};
 
 /// Sums up samples as an integral, element by element.
 ///
@@ -50,9 +50,9 @@ impl DiscreteIntegrator {
     }
 
     /// `x` plus a share of the sample, within the limits.
-    fn advanced(&self, x: f64, share: f64, u: f64) -> f64 {
+    fn advanced<'r>(&self, l: &Recording<'r>, x: Value<'r>, share: f64, u: Value<'r>) -> Value<'r> {
         let sum = if share == 0.0 { x } else { x + share * self.gain * self.ts * u };
-        sum.clamp(self.lower(), self.upper())
+        sum.clamp(l.constant(self.lower()), l.constant(self.upper()))
     }
 }
 
@@ -84,18 +84,15 @@ impl Block for DiscreteIntegrator {
         Ok(interface.memory("x", u.shape.len(), self.x0).sampled(self.ts))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (i, (y, x)) in y.iter_mut().zip(c.d).enumerate() {
-            *y = self.advanced(*x, self.method.share(), element(c.u, i));
-        }
-    }
-
-    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
+    fn law(&self, l: &Recording) -> bool {
         let share = self.method.share();
-        for (i, x) in d.iter_mut().enumerate() {
-            let y = self.advanced(*x, share, element(c.u, i));
-            *x = self.advanced(y, 1.0 - share, element(c.u, i));
+        for i in 0..l.width(0) {
+            let u = l.element(0, i);
+            let y = self.advanced(l, l.d()[i], share, u);
+            l.set(0, i, y);
+            l.update(i, self.advanced(l, y, 1.0 - share, u));
         }
+        true
     }
 }
 

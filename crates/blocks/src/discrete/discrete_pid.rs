@@ -38,15 +38,15 @@ pub struct DiscretePid {
 }
 
 /// One sample: the output, and what the states grow by, over the sample time.
-struct Sample {
-    u: f64,
-    w: f64,
-    derivative: f64,
+struct Sample<'r> {
+    u: Value<'r>,
+    w: Value<'r>,
+    derivative: Value<'r>,
 }
 
 impl DiscretePid {
     /// From the error and the states of the integral part and of the filter.
-    fn sample(&self, e: f64, xi: f64, xf: f64) -> Sample {
+    fn sample<'r>(&self, l: &Recording<'r>, e: Value<'r>, xi: Value<'r>, xf: Value<'r>) -> Sample<'r> {
         let law = &self.law;
         let at_once = self.integrator.share() * self.ts;
         let derivative =
@@ -55,19 +55,20 @@ impl DiscretePid {
         let v = law.sum(e, xi + at_once * free, derivative);
         let w = match self.law.anti_windup {
             // Without integral gain there is nothing that could wind up.
-            _ if self.law.ki == 0.0 => 0.0,
+            _ if self.law.ki == 0.0 => l.constant(0.0),
             AntiWindup::None => free,
-            AntiWindup::Clamping if law.winds_up(v, e, 0.0) != 0.0 => 0.0,
-            AntiWindup::Clamping => free,
+            AntiWindup::Clamping => {
+                law.winds_up(l, v, e, l.constant(0.0)).is_true().select(l.constant(0.0), free)
+            }
             // a = kb (u - v_a) with v_a = v + p at_once a. The correction is never so large that v_a would come
             // inside the limits, therefore u = sat(v) for both.
             AntiWindup::BackCalculation => {
                 let loop_gain = self.law.kb * law.per_integral() * at_once;
-                free + self.law.kb * (law.saturate(v) - v) / (1.0 + loop_gain)
+                free + self.law.kb * (law.saturate(l, v) - v) / (1.0 + loop_gain)
             }
         };
         let v = law.sum(e, xi + at_once * w, derivative);
-        Sample { u: law.saturate(v), w, derivative }
+        Sample { u: law.saturate(l, v), w, derivative }
     }
 }
 
@@ -96,18 +97,15 @@ impl Block for DiscretePid {
         Ok(interface)
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for ((u, e), x) in y.iter_mut().zip(c.u).zip(c.d.chunks_exact(2)) {
-            *u = self.sample(*e, x[0], x[1]).u;
+    fn law(&self, l: &Recording) -> bool {
+        for i in 0..l.width(0) {
+            let (xi, xf) = (l.d()[2 * i], l.d()[2 * i + 1]);
+            let Sample { u, w, derivative } = self.sample(l, l.element(0, i), xi, xf);
+            l.set(0, i, u);
+            l.update(2 * i, xi + self.ts * w);
+            l.update(2 * i + 1, xf + self.ts * derivative);
         }
-    }
-
-    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
-        for (e, x) in c.u.iter().zip(d.chunks_exact_mut(2)) {
-            let Sample { w, derivative, .. } = self.sample(*e, x[0], x[1]);
-            x[0] += self.ts * w;
-            x[1] += self.ts * derivative;
-        }
+        true
     }
 }
 

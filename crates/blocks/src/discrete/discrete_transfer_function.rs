@@ -1,7 +1,6 @@
 use blocksim_block::prelude::*;
 
 use crate::continuous::rational::Rational;
-use crate::continuous::units::element;
 
 /// Transfer function of a sampled system, as polynomials in z.
 ///
@@ -56,21 +55,17 @@ impl Block for DiscreteTransferFunction {
         Ok(interface)
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+    fn law(&self, l: &Recording) -> bool {
         let ratio = self.ratio();
         let n = ratio.order();
-        for (i, y) in y.iter_mut().enumerate() {
-            *y = self.k * ratio.output(&c.d[i * n..][..n], element(c.u, i), 1.0);
+        for i in 0..l.width(0) {
+            let (u, x) = (l.element(0, i), &l.d()[i * n..][..n]);
+            l.set(0, i, self.k * ratio.output(l, x, u, 1.0));
+            for k in 0..n {
+                l.update(i * n + k, if k == 0 { ratio.drive(x, u, 1.0) } else { x[k - 1] });
+            }
         }
-    }
-
-    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
-        let ratio = self.ratio();
-        for (i, x) in d.chunks_exact_mut(ratio.order().max(1)).enumerate() {
-            let w = ratio.drive(x, element(c.u, i), 1.0);
-            x.rotate_right(1);
-            x[0] = w;
-        }
+        true
     }
 }
 

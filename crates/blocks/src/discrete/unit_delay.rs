@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::continuous::units::{agrees, element};
+use crate::continuous::units::agrees;
 
 /// Delays by one sample: $y_k = u_{k-1}$.
 ///
@@ -38,12 +38,12 @@ impl Block for UnitDelay {
             .sampled(self.ts))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.copy_from_slice(c.d);
-    }
-
-    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
-        d.iter_mut().enumerate().for_each(|(i, x)| *x = element(c.u, i));
+    fn law(&self, l: &Recording) -> bool {
+        for i in 0..l.width(0) {
+            l.set(0, i, l.d()[i]);
+            l.update(i, l.element(0, i));
+        }
+        true
     }
 }
 

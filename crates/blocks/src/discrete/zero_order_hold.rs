@@ -1,7 +1,5 @@
 use blocksim_block::prelude::*;
 
-use crate::continuous::units::element;
-
 /// Samples a signal and holds it until the next sample: $y(t) = u(t_k)$ for $t_k \le t < t_{k+1}$.
 ///
 /// Direct feedthrough at the samples. Takes signals of every kind, vectors element by element.
@@ -27,8 +25,9 @@ impl Block for ZeroOrderHold {
         Ok(Interface::new().input(Input::any("u")).output(Output::like("y", u)).sampled(self.ts))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.iter_mut().enumerate().for_each(|(i, y)| *y = element(c.u, i));
+    fn law(&self, l: &Recording) -> bool {
+        l.each(0, |i| l.element(0, i));
+        true
     }
 }
 

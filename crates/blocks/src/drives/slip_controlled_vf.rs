@@ -44,9 +44,6 @@ const W: usize = 1;
 const F: usize = 0;
 const SLIP: usize = 1;
 
-/// Where the controller has its input and its output.
-const ALONE: &[(u32, u32)] = &[(0, 1)];
-
 impl SlipControlledVf {
     /// The controller of the slip frequency.
     fn pi(&self) -> Pid {
@@ -65,16 +62,6 @@ impl SlipControlledVf {
         };
         Pid { law, reset: Reset::None }
     }
-}
-
-/// The error of the speed.
-fn error(c: &Context) -> [f64; 1] {
-    [c.scalar(W_REF) - c.scalar(W)]
-}
-
-/// What the controller sees.
-fn inner<'a>(c: &Context<'a>, e: &'a [f64; 1]) -> Context<'a> {
-    Context { u: e, inputs: ALONE, outputs: ALONE, ..*c }
 }
 
 impl Block for SlipControlledVf {
@@ -108,23 +95,11 @@ impl Block for SlipControlledVf {
         })
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        self.pi().settle(&inner(c, &error(c)), d);
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
-        let mut slip = [0.0];
-        self.pi().outputs(0, &inner(c, &error(c)), w, &mut slip);
-        y[SLIP] = slip[0];
-        y[F] = f64::from(self.pole_pairs) * c.scalar(W) / TAU + slip[0];
-    }
-
-    fn derivatives(&self, c: &Context, w: &mut Scratch, dx: &mut [f64]) {
-        self.pi().derivatives(&inner(c, &error(c)), w, dx);
-    }
-
-    fn guards(&self, c: &Context, w: &mut Scratch, g: &mut [f64]) {
-        self.pi().guards(&inner(c, &error(c)), w, g);
+    fn law(&self, l: &Recording) -> bool {
+        let slip = self.pi().record(l, 0, l.u(W_REF) - l.u(W));
+        l.set(SLIP, 0, slip);
+        l.set(F, 0, f64::from(self.pole_pairs) * l.u(W) / TAU + slip);
+        true
     }
 }
 

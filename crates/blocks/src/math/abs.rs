@@ -18,12 +18,10 @@ impl Block for Abs {
         Ok(interface.kink_each("zero", u.shape.len()).called("turns positive", "turns negative"))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.iter_mut().zip(c.u).for_each(|(y, u)| *y = u.abs());
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        g.copy_from_slice(c.u);
+    fn law(&self, l: &Recording) -> bool {
+        l.each(0, |i| l.element(0, i).abs());
+        (0..l.width(0)).for_each(|i| l.guard(i, l.element(0, i)));
+        true
     }
 }
 

@@ -1,4 +1,5 @@
-use super::elements::{at, parameters_like};
+use super::elements::parameters_like;
+use blocksim_block::law;
 use blocksim_block::prelude::*;
 
 /// Compares two signals, or one with a constant: `y` is true where the relation holds; element by element.
@@ -39,22 +40,15 @@ pub enum Relation {
 }
 
 impl Relation {
-    fn holds(self, a: f64, b: f64) -> bool {
+    fn recorded(self) -> law::Relation {
         match self {
-            Relation::Less => a < b,
-            Relation::LessEqual => a <= b,
-            Relation::Greater => a > b,
-            Relation::GreaterEqual => a >= b,
-            Relation::Equal => a == b,
-            Relation::NotEqual => a != b,
+            Relation::Less => law::Relation::Less,
+            Relation::LessEqual => law::Relation::LessEqual,
+            Relation::Greater => law::Relation::Greater,
+            Relation::GreaterEqual => law::Relation::GreaterEqual,
+            Relation::Equal => law::Relation::Equal,
+            Relation::NotEqual => law::Relation::NotEqual,
         }
-    }
-}
-
-impl Compare {
-    fn sides(&self, c: &Context, i: usize) -> (f64, f64) {
-        let a = at(c.input(0), i);
-        (a, self.constant.unwrap_or_else(|| at(c.input(1), i)))
     }
 }
 
@@ -88,22 +82,14 @@ impl Block for Compare {
         Ok(interface.guard_each("difference", shape.len()).called_by_mode())
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        for (i, d) in d.iter_mut().enumerate() {
-            let (a, b) = self.sides(c, i);
-            *d = f64::from(self.operator.holds(a, b));
+    fn law(&self, l: &Recording) -> bool {
+        for i in 0..l.width(0) {
+            let (a, b) = (l.element(0, i), self.constant.map_or_else(|| l.element(1, i), |b| l.constant(b)));
+            l.settle(i, a.live(self.operator.recorded(), b).number());
+            l.set(0, i, l.d()[i]);
+            l.guard(i, a - b);
         }
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.copy_from_slice(c.d);
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        for (i, g) in g.iter_mut().enumerate() {
-            let (a, b) = self.sides(c, i);
-            *g = a - b;
-        }
+        true
     }
 }
 

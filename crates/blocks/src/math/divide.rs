@@ -27,16 +27,19 @@ impl Block for Divide {
             .output(Output::like("y", y)))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (i, y) in y.iter_mut().enumerate() {
-            let (above, below) = (at(c.input(0), i), at(c.input(1), i));
-            if below == 0.0 {
-                c.fail(format!(
-                    "division by zero: u1 = {above}, u2 = {below}: keep `u2` away from zero, as with a Switch before it"
-                ));
-            }
-            *y = above / below;
-        }
+    fn law(&self, l: &Recording) -> bool {
+        l.each(0, |i| l.element(0, i) / l.element(1, i));
+        true
+    }
+
+    fn no_value(&self, _failure: &Failure, c: &Context) -> Option<String> {
+        let (above, below) = (c.input(0), c.input(1));
+        let i = (0..above.len().max(below.len())).find(|i| at(below, *i) == 0.0)?;
+        Some(format!(
+            "division by zero: u1 = {}, u2 = {}: keep `u2` away from zero, as with a Switch before it",
+            at(above, i),
+            at(below, i)
+        ))
     }
 }
 

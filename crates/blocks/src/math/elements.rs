@@ -1,7 +1,7 @@
 //! What blocks share that work element by element: names of inputs, elements, guards, units of parameters.
 
 use blocksim_block::event::Change;
-use blocksim_block::{Context, Given, InterfaceError};
+use blocksim_block::{Given, InterfaceError};
 use blocksim_signal::Dimension;
 
 /// The dimension of a time, s.
@@ -26,15 +26,6 @@ pub(crate) fn borrowed(names: &[String]) -> Vec<&str> {
 #[inline]
 pub(crate) fn at(values: &[f64], i: usize) -> f64 {
     if let [value] = values { *value } else { values[i] }
-}
-
-/// What is combined to output element `i`: element `i` of each input, or, if there is one input only, all its
-/// elements.
-pub(crate) fn operands<'a>(c: &'a Context, i: usize) -> impl Iterator<Item = f64> + 'a {
-    // Elements of one input, or scalars alone, lie one behind the other: most diagrams have nothing else.
-    let joined = c.inputs.len() == 1 || c.u.len() == c.inputs.len();
-    let n = if joined { c.u.len() } else { c.inputs.len() };
-    (0..n).map(move |k| if joined { c.u[k] } else { at(c.input(k), i) })
 }
 
 /// `u` between the limits; NaN stays NaN.

@@ -65,7 +65,7 @@ use FunctionName::{
 };
 
 impl FunctionName {
-    fn of(self, u: f64) -> f64 {
+    fn of<'r>(self, u: Value<'r>) -> Value<'r> {
         match self {
             Sin => u.sin(),
             Cos => u.cos(),
@@ -79,22 +79,14 @@ impl FunctionName {
             Exp => u.exp(),
             Ln => u.ln(),
             Log10 => u.log10(),
-            Pow10 => 10.0_f64.powf(u),
+            Pow10 => u.raise(10.0),
             Sqrt => u.sqrt(),
-            SignedSqrt => u.abs().sqrt().copysign(u),
+            SignedSqrt => {
+                let root = u.abs().sqrt();
+                u.live(Relation::Less, u.zero()).select(-root, root)
+            }
             Square => u * u,
             Reciprocal => 1.0 / u,
-        }
-    }
-
-    /// What an argument must be that has no value, if it has none. NaN is let through.
-    fn objection(self, u: f64) -> Option<&'static str> {
-        match self {
-            Asin | Acos if u.abs() > 1.0 => Some("between -1 and 1"),
-            Ln | Log10 if u <= 0.0 => Some("positive"),
-            Sqrt if u < 0.0 => Some("not negative"),
-            Reciprocal if u == 0.0 => Some("other than 0"),
-            _ => None,
         }
     }
 
@@ -126,22 +118,23 @@ impl Block for Function {
         Ok(interface.guard_each("zero", guards).called("turns positive", "turns negative"))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (y, u) in y.iter_mut().zip(c.u) {
-            if let Some(wanted) = self.function.objection(*u) {
-                let plain = *u == 0.0 || (1e-4..1e7).contains(&u.abs());
-                let u = if plain { u.to_string() } else { format!("{u:e}") };
-                c.fail(format!(
-                    "{:?} has no value at u = {u}; u must be {wanted} (MinMax or Saturation can keep it there)",
-                    self.function,
-                ));
-            }
-            *y = self.function.of(*u);
+    fn law(&self, l: &Recording) -> bool {
+        l.each(0, |i| self.function.of(l.element(0, i)));
+        if self.function == SignedSqrt {
+            (0..l.width(0)).for_each(|i| l.guard(i, l.element(0, i)));
         }
+        true
     }
 
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        g.iter_mut().zip(c.u).for_each(|(g, u)| *g = *u);
+    fn no_value(&self, failure: &Failure, _c: &Context) -> Option<String> {
+        let u = failure.value;
+        let plain = u == 0.0 || (1e-4..1e7).contains(&u.abs());
+        let u = if plain { u.to_string() } else { format!("{u:e}") };
+        Some(format!(
+            "{:?} has no value at u = {u}; u must be {} (MinMax or Saturation can keep it there)",
+            self.function,
+            failure.domain.wanted()
+        ))
     }
 }
 
@@ -236,8 +229,9 @@ mod tests {
             (Sqrt, -1e-300, 0.0),
             (Reciprocal, 0.0, -1e-3),
         ] {
-            assert!(function.objection(bad).is_some(), "{function:?}({bad})");
-            assert!(function.objection(good).is_none(), "{function:?}({good})");
+            let fails = |u: f64| Bench::new(Function { function }).set(0, &[u]).failure();
+            assert!(fails(bad).is_some(), "{function:?}({bad})");
+            assert_eq!(fails(good), None, "{function:?}({good})");
         }
     }
 

@@ -1,4 +1,4 @@
-use super::elements::{at, borrowed, input_names};
+use super::elements::{borrowed, input_names};
 use blocksim_block::prelude::*;
 
 /// Combines truth values, element by element.
@@ -37,13 +37,13 @@ pub enum Gate {
 }
 
 impl Gate {
-    fn of(self, mut inputs: impl Iterator<Item = bool>) -> bool {
+    fn of<'r>(self, inputs: impl Iterator<Item = Condition<'r>>) -> Option<Condition<'r>> {
         match self {
-            Gate::And => inputs.all(|u| u),
-            Gate::Nand => !inputs.all(|u| u),
-            Gate::Or => inputs.any(|u| u),
-            Gate::Nor | Gate::Not => !inputs.any(|u| u),
-            Gate::Xor => inputs.fold(false, |odd, u| odd ^ u),
+            Gate::And => inputs.reduce(Condition::and),
+            Gate::Nand => inputs.reduce(Condition::and).map(|all| !all),
+            Gate::Or => inputs.reduce(Condition::or),
+            Gate::Nor | Gate::Not => inputs.reduce(Condition::or).map(|any| !any),
+            Gate::Xor => inputs.reduce(Condition::xor),
         }
     }
 }
@@ -62,11 +62,14 @@ impl Block for Logic {
         Ok(interface.output(Output::boolean("y").shape(shape)))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (i, y) in y.iter_mut().enumerate() {
-            let inputs = (0..c.inputs.len()).map(|port| at(c.input(port), i) != 0.0);
-            *y = f64::from(self.operator.of(inputs));
+    fn law(&self, l: &Recording) -> bool {
+        for i in 0..l.width(0) {
+            let inputs = (0..l.inputs()).map(|port| l.element(port, i).is_true());
+            if let Some(value) = self.operator.of(inputs) {
+                l.set_truth(0, i, value);
+            }
         }
+        true
     }
 }
 

@@ -1,4 +1,4 @@
-use super::elements::{borrowed, input_names, operands};
+use super::elements::{borrowed, input_names};
 use blocksim_block::prelude::*;
 
 /// The least or the greatest of the inputs, element by element.
@@ -29,16 +29,6 @@ pub enum Extremum {
     Max,
 }
 
-impl Extremum {
-    fn of(self, a: f64, b: f64) -> f64 {
-        let takes_b = match self {
-            Extremum::Min => b < a,
-            Extremum::Max => b > a,
-        };
-        if takes_b || b.is_nan() { b } else { a }
-    }
-}
-
 impl Block for MinMax {
     fn check(&self) -> Result<(), ParamError> {
         count("inputs", self.inputs, 1, MOST_PORTS)
@@ -59,23 +49,24 @@ impl Block for MinMax {
         Ok(interface.called("passes another input", "passes another input"))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (i, y) in y.iter_mut().enumerate() {
-            *y = operands(c, i).reduce(|a, b| self.function.of(a, b)).unwrap_or(f64::NAN);
-        }
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        let (n, mut i) = (operands(c, 0).count().saturating_sub(1).max(1), 0);
-        for g in g.chunks_mut(n) {
-            let mut operands = operands(c, i);
-            let mut leader = operands.next().unwrap_or(f64::NAN);
-            for (g, u) in g.iter_mut().zip(operands) {
-                *g = leader - u;
-                leader = self.function.of(leader, u);
+    fn law(&self, l: &Recording) -> bool {
+        let mut guards = 0..;
+        l.each(0, |i| {
+            let mut operands = match l.inputs() {
+                1 => l.input(0).to_vec(),
+                n => (0..n).map(|port| l.element(port, i)).collect(),
             }
-            i += 1;
-        }
+            .into_iter();
+            let first = operands.next().unwrap_or_else(|| l.constant(f64::NAN));
+            operands.fold(first, |leader, u| {
+                guards.next().into_iter().for_each(|guard| l.guard(guard, leader - u));
+                match self.function {
+                    Extremum::Min => leader.min(u),
+                    Extremum::Max => leader.max(u),
+                }
+            })
+        });
+        true
     }
 }
 

@@ -48,13 +48,13 @@ impl Block for Power {
         Ok(Interface::new().input(Input::real("u")).output(Output::like("y", u.of(dimension))))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (y, u) in y.iter_mut().zip(c.u) {
-            *y = u.powf(self.exponent);
-            if (y.is_nan() && !u.is_nan()) || (*u == 0.0 && self.exponent < 0.0) {
-                c.fail(format!("u to the power of {} has no value at u = {u}", self.exponent));
-            }
-        }
+    fn law(&self, l: &Recording) -> bool {
+        l.each(0, |i| l.element(0, i).pow(l.constant(self.exponent)));
+        true
+    }
+
+    fn no_value(&self, failure: &Failure, _c: &Context) -> Option<String> {
+        Some(format!("u to the power of {} has no value at u = {}", self.exponent, failure.value))
     }
 }
 

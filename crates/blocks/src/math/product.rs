@@ -1,4 +1,4 @@
-use super::elements::{borrowed, input_names, operands};
+use super::elements::{borrowed, input_names};
 use blocksim_block::prelude::*;
 
 /// Multiplies: $y = u_1 u_2 \dots$, element by element.
@@ -43,10 +43,15 @@ impl Block for Product {
         Ok(interface.output(Output::like("y", PortType::UNKNOWN.of(dimension).shaped(shape))))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (i, y) in y.iter_mut().enumerate() {
-            *y = operands(c, i).product();
-        }
+    fn law(&self, l: &Recording) -> bool {
+        l.each(0, |i| {
+            let factors = match l.inputs() {
+                1 => l.input(0).to_vec(),
+                n => (0..n).map(|port| l.element(port, i)).collect(),
+            };
+            factors.into_iter().reduce(|product, u| product * u).unwrap_or_else(|| l.constant(1.0))
+        });
+        true
     }
 }
 

@@ -22,18 +22,13 @@ impl Block for Sign {
         Ok(interface.guard_each("zero", shape.len()).called("turns positive", "turns negative"))
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        for (d, u) in d.iter_mut().zip(c.u) {
-            *d = if *u == 0.0 || u.is_nan() { *u } else { u.signum() };
+    fn law(&self, l: &Recording) -> bool {
+        for i in 0..l.width(0) {
+            l.settle(i, l.element(0, i).signum());
+            l.set(0, i, l.d()[i]);
+            l.guard(i, l.element(0, i));
         }
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.copy_from_slice(c.d);
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        g.copy_from_slice(c.u);
+        true
     }
 }
 

@@ -1,4 +1,4 @@
-use super::elements::{at, parameters_like};
+use super::elements::parameters_like;
 use blocksim_block::prelude::*;
 
 /// Passes `u1` while the control input is true or at least the threshold, else `u3`; element by element.
@@ -54,21 +54,22 @@ impl Block for Switch {
         Ok(interface.guard_each("threshold", guards).called("passes `u1`", "passes `u3`"))
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        for (d, control) in d.iter_mut().zip(c.input(1)) {
-            *d = if control.is_nan() { f64::NAN } else { f64::from(*control >= self.threshold) };
+    fn law(&self, l: &Recording) -> bool {
+        let control = l.input(1);
+        for (i, control) in control.iter().enumerate() {
+            let first = control.live(Relation::GreaterEqual, l.constant(self.threshold));
+            // What is not a number passes neither.
+            l.settle(i, control.is_number().select(first.number(), *control));
+            if l.guards() > 0 {
+                l.guard(i, *control - self.threshold);
+            }
         }
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (i, y) in y.iter_mut().enumerate() {
-            let first = at(c.d, i);
-            *y = if first.is_nan() { first } else { at(c.input(if first == 1.0 { 0 } else { 2 }), i) };
-        }
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        g.iter_mut().zip(c.input(1)).for_each(|(g, control)| *g = control - self.threshold);
+        l.each(0, |i| {
+            let first = if let [first] = l.d() { *first } else { l.d()[i] };
+            let passed = first.is_true().select(l.element(0, i), l.element(2, i));
+            first.is_number().select(passed, first)
+        });
+        true
     }
 }
 

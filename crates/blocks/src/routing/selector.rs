@@ -33,10 +33,9 @@ impl Block for Selector {
         Ok(Interface::new().input(Input::any("u")).output(Output::like("y", u.shaped(shape))))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (y, index) in y.iter_mut().zip(&self.indices) {
-            *y = c.u.get(*index).copied().unwrap_or(f64::NAN);
-        }
+    fn law(&self, l: &Recording) -> bool {
+        l.each(0, |i| l.input(0).get(self.indices[i]).copied().unwrap_or_else(|| l.constant(f64::NAN)));
+        true
     }
 }
 

@@ -72,8 +72,11 @@ impl Block for Pulse {
         d[0] = self.edges_until(c.t);
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y[0] = if c.d[0] % 2.0 == 1.0 { self.amplitude } else { 0.0 };
+    fn law(&self, l: &Recording) -> bool {
+        let edges = l.d()[0];
+        let high = (edges - (edges * 0.5).below() * 2.0).is_true();
+        l.set(0, 0, high.select(l.constant(self.amplitude), l.constant(0.0)));
+        true
     }
 
     fn next_event(&self, c: &Context) -> f64 {

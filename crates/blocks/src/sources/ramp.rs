@@ -49,8 +49,10 @@ impl Block for Ramp {
         Ok(Interface::new().output(output).uses_time().time_events())
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y[0] = self.initial + self.slope * (c.t - self.start).max(0.0);
+    fn law(&self, l: &Recording) -> bool {
+        let since = (l.time() - self.start).max(l.constant(0.0));
+        l.set(0, 0, self.initial + self.slope * since);
+        true
     }
 
     fn next_event(&self, c: &Context) -> f64 {

@@ -39,10 +39,12 @@ impl Block for Sine {
             .period(1.0 / self.frequency))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+    fn law(&self, l: &Recording) -> bool {
         // Whole turns are taken off before the product with pi is rounded, so that late times lose nothing.
-        let turns = (self.frequency * c.t).fract();
-        y[0] = self.bias + self.amplitude * (std::f64::consts::TAU * turns + self.phase).sin();
+        let turns = self.frequency * l.time();
+        let angle = std::f64::consts::TAU * (turns - turns.below()) + self.phase;
+        l.set(0, 0, self.bias + self.amplitude * angle.sin());
+        true
     }
 }
 
