@@ -1,5 +1,6 @@
 //! Some values of one program, ready to be computed from what comes from outside.
 
+use crate::passes::Map;
 use crate::{Domain, Id, Leaf, Op, Program, Root, Tape};
 
 /// What comes from outside while a law is evaluated.
@@ -54,7 +55,7 @@ impl Code {
             }
         }
         let mut sources: Vec<Op> = Vec::new();
-        let mut numbers = std::collections::HashMap::new();
+        let mut numbers = Map::default();
         for (op, _) in ops.iter().zip(&needed).filter(|(op, needed)| **needed && op.is_leaf()) {
             numbers.entry(*op).or_insert_with(|| {
                 sources.push(*op);

@@ -33,5 +33,5 @@ pub use code::{Code, Failure, Sources};
 pub use op::{Binary, Domain, Id, Op, Relation, Unary};
 pub use program::{Guard, Instruction, Memory, Mode, Program, State};
 pub use recorder::{Condition, Recorder, Value};
-pub use tangent::{slopes, tangent};
+pub use tangent::{rates, slopes, tangent};
 pub use tape::{Leaf, Made, Met, Root, Tape};

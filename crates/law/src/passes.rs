@@ -3,6 +3,10 @@
 use crate::{Id, Instruction, Op, Program};
 use std::collections::{HashMap, HashSet};
 
+/// A map of what is made by compilers, which needs no protection against numbers chosen to collide.
+pub type Map<K, V> = HashMap<K, V, foldhash::fast::FixedState>;
+pub(crate) type Set<K> = HashSet<K, foldhash::fast::FixedState>;
+
 /// Makes a program anew: `place` takes each instruction, with its operands renamed already, and says which value stands for it.
 fn rewritten(program: &Program, mut place: impl FnMut(Instruction, &mut Vec<Instruction>) -> Id) -> Program {
     let mut instructions = Vec::with_capacity(program.instructions.len());
@@ -98,8 +102,8 @@ fn folded(
 /// Computes equal expressions once; the place is that of the first. Modes that choose the same become one.
 #[must_use]
 pub fn share_equal(program: &Program) -> Program {
-    let mut known: HashMap<Op, Id> = HashMap::new();
-    let mut held: HashMap<Id, Id> = HashMap::new();
+    let mut known: Map<Op, Id> = Map::default();
+    let mut held: Map<Id, Id> = Map::default();
     let mut names: Vec<Id> = Vec::with_capacity(program.instructions.len());
     let mut shared = rewritten(program, |instruction, instructions| {
         let op = instruction.op;
@@ -113,7 +117,7 @@ pub fn share_equal(program: &Program) -> Program {
         names.push(id);
         id
     });
-    let mut seen = HashSet::new();
+    let mut seen = Set::default();
     shared.requirements.retain(|id| seen.insert(*id));
     seen.clear();
     shared.kinks.retain(|kink| seen.insert(kink.value));

@@ -7,19 +7,15 @@ use crate::{Binary, Code, Id, Instruction, Op, Program, Relation, Sources, Unary
 /// What modes hold does not change. Rates at a kink are those of the side on which the value is computed.
 #[must_use]
 pub fn tangent(program: &Program) -> Program {
-    let mut t = Tangent { instructions: program.instructions.clone(), inputs: program.inputs.clone() };
-    let rate_names = program.inputs.iter().chain(program.states.iter().map(|state| &state.name));
-    t.inputs.extend(rate_names.map(|name| format!("d {name}")));
     let first = program.inputs.len() as u32;
-    let mut rates: Vec<Option<Id>> = Vec::with_capacity(program.instructions.len());
-    for (at, Instruction { op, .. }) in program.instructions.iter().enumerate() {
-        let rate = match *op {
-            Op::Input(i) => Some(t.push(Op::Input(first + i), at)),
-            Op::State(i) => Some(t.push(Op::Input(2 * first + i), at)),
-            op => t.rate(op, Id(at as u32), &rates),
-        };
-        rates.push(rate);
-    }
+    let (mut t, rates) = Tangent::of(program, &|op| match op {
+        Op::Input(i) => Some(Op::Input(first + i)),
+        Op::State(i) => Some(Op::Input(2 * first + i)),
+        _ => None,
+    });
+    let rate_names = program.inputs.iter().chain(program.states.iter().map(|state| &state.name));
+    let rate_names = rate_names.map(|name| format!("d {name}"));
+    let inputs = program.inputs.iter().cloned().chain(rate_names).collect();
     let mut outputs = program.outputs.clone();
     let derivatives = program.states.iter().filter_map(|state| {
         let derivative = state.derivative?;
@@ -29,15 +25,40 @@ pub fn tangent(program: &Program) -> Program {
         let rate = rates[id.at()].unwrap_or_else(|| t.push(Op::constant(0.0), id.at()));
         outputs.push((format!("d {name}"), rate));
     }
-    Program { instructions: t.instructions, inputs: t.inputs, outputs, ..program.clone() }
+    Program { instructions: t.instructions, inputs, outputs, ..program.clone() }
+}
+
+/// A program of the rates of the outputs alone. `seed` is the rate of what comes from outside; without one it does not change.
+#[must_use]
+pub fn rates(program: &Program, seed: &dyn Fn(Op) -> Option<Op>) -> Program {
+    let (mut t, rates) = Tangent::of(program, seed);
+    let outputs = program.outputs.iter().map(|(name, id)| {
+        let rate = rates[id.at()].unwrap_or_else(|| t.push(Op::constant(0.0), id.at()));
+        (name.clone(), rate)
+    });
+    let outputs = outputs.collect();
+    Program { instructions: t.instructions, outputs, ..program.clone() }
 }
 
 struct Tangent {
     instructions: Vec<Instruction>,
-    inputs: Vec<String>,
 }
 
 impl Tangent {
+    /// The instructions of a program with those of the rates of all values, and where these are.
+    fn of(program: &Program, seed: &dyn Fn(Op) -> Option<Op>) -> (Self, Vec<Option<Id>>) {
+        let mut t = Self { instructions: program.instructions.clone() };
+        let mut rates: Vec<Option<Id>> = Vec::with_capacity(program.instructions.len());
+        for (at, Instruction { op, .. }) in program.instructions.iter().enumerate() {
+            let rate = match *op {
+                leaf if leaf.is_leaf() => seed(leaf).map(|op| t.push(op, at)),
+                op => t.rate(op, Id(at as u32), &rates),
+            };
+            rates.push(rate);
+        }
+        (t, rates)
+    }
+
     /// Adds an instruction that has the place of another one.
     fn push(&mut self, op: Op, of: usize) -> Id {
         let place = self.instructions[of].place.clone();

@@ -1,8 +1,8 @@
 //! The interpreter: a tape of short instructions over one array of numbers, one `match` an instruction.
 
 use crate::op::{power, truth};
+use crate::passes::Set;
 use crate::{Binary, Id, Op, Relation, Unary};
-use std::collections::HashSet;
 
 /// Values of a program, ready to be computed over one array of numbers, its *cells*. Where what comes from outside lies, and where
 /// results go, is up to whoever makes the tape.
@@ -282,7 +282,7 @@ impl<'o> Maker<'o> {
     fn make(mut self, roots: &[Root], leaf: &dyn Fn(Op) -> Leaf, temporaries: u32) -> Made {
         (self.temporaries, self.made.end) = (temporaries, temporaries);
         let mut targets: Vec<Option<u32>> = vec![None; self.ops.len()];
-        let mut written = HashSet::new();
+        let mut written = Set::default();
         for root in roots {
             if let Root::Cell(id, cell) = *root {
                 targets[id.at()].get_or_insert(cell);

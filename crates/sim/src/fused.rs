@@ -4,11 +4,11 @@
 //! Each tape leaves the bits in every cell that its blocks would have left there one by one, so who reads signals need not know.
 //! Where a requirement of a law is not met, the pass is done again block by block, which finds out whose it is.
 
-use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use blocksim_block::law::BlockLaw;
 use blocksim_block::schedule::{Schedule, When};
+use blocksim_law::passes::Map;
 use blocksim_law::{Id, Instruction, Leaf, Met, Op, Program, Root, Tape};
 
 use crate::plan::{Call, Plan, Unit};
@@ -22,6 +22,8 @@ pub(crate) struct Fused {
     pub rows: Vec<Part>,
     pub derivatives: Gathered,
     pub guards: Gathered,
+    /// Exact slopes of the derivatives, where all that these depend on is data.
+    pub slopes: Option<Slopes>,
     layout: Layout,
 }
 
@@ -44,12 +46,22 @@ pub(crate) struct Gathered {
     pub called: Vec<usize>,
 }
 
+/// How the derivatives change along a direction in the space of the states.
+#[derive(Debug)]
+pub(crate) struct Slopes {
+    rates: Gathered,
+    /// First cell of the direction.
+    direction: usize,
+}
+
 /// Where tapes find what is no signal: behind the signals, among whose cells they work.
 #[derive(Debug, Default)]
 struct Layout {
     states: usize,
     time: usize,
-    constants: HashMap<u64, u32>,
+    /// A direction in the space of the states.
+    direction: usize,
+    constants: Map<u64, u32>,
     /// First cell that is free for what a tape computes on its way.
     temporaries: u32,
     /// Number of cells with all that tapes need.
@@ -65,24 +77,21 @@ impl Fused {
             *first = (*first).min(call.number);
         }
         let laws = laws;
-        let ring = |call: &Call| {
-            let number = call.number as usize;
-            schedule.loops.iter().any(|found| (found.first..found.first + found.count).contains(&number))
-        };
-        let in_ring: HashSet<u32> =
-            plan.major.iter().filter(|call| ring(call)).map(|call| call.number).collect();
+        let mut in_ring = vec![false; plan.major.len()];
+        for found in &schedule.loops {
+            in_ring[found.first..found.first + found.count].fill(true);
+        }
         let mut drafts = Vec::new();
         let mut parts = |calls: &[Call], major: bool| {
-            let is_free = |call: &Call| !in_ring.contains(&call.number) && laws.is_recorded(call, major);
+            let is_free = |call: &Call| !in_ring[call.number as usize] && laws.is_recorded(call, major);
             let mut parts: Vec<Part> = Vec::new();
             let mut at = 0;
             while at < calls.len() {
                 let first = &calls[at];
-                let alike = |call: &Call| {
-                    is_free(call) == is_free(first) && (!is_free(first) || call.when == first.when)
-                };
+                let free = is_free(first);
+                let alike = |call: &Call| is_free(call) == free && (!free || call.when == first.when);
                 let end = at + calls[at..].iter().take_while(|call| alike(call)).count();
-                parts.push(if is_free(first) {
+                parts.push(if free {
                     drafts.push(laws.pass(&calls[at..end], major));
                     Part::Tape(Tape::default(), at..end, first.when)
                 } else {
@@ -101,8 +110,9 @@ impl Fused {
         };
         let derivatives = laws.gathered(&plan.with_states, |law| &law.derivatives, |unit| unit.x.range());
         let guards = laws.gathered(&plan.guarded, |law| &law.guards, |unit| unit.g.range());
+        let slopes = laws.slopes();
         // Where anything lies depends on the constants of all.
-        let gathered = [&derivatives.0, &guards.0];
+        let gathered = [&derivatives.0, &guards.0].into_iter().chain(&slopes);
         let mut layout = Layout::new(schedule, drafts.iter().chain(gathered).map(|draft| &draft.program));
         let lists = [&mut fused.major, &mut fused.continuous, &mut fused.minor, &mut fused.rows];
         let tapes = lists.into_iter().flatten().filter_map(|part| match part {
@@ -112,6 +122,10 @@ impl Fused {
         tapes.zip(&drafts).for_each(|(tape, draft)| *tape = layout.made(draft).0);
         fused.derivatives = layout.gathered(derivatives);
         fused.guards = layout.gathered(guards);
+        fused.slopes = slopes.map(|draft| {
+            let to = (0..schedule.states as u32).collect();
+            Slopes { rates: layout.gathered((draft, to, Vec::new())), direction: layout.direction }
+        });
         fused.layout = layout;
         fused
     }
@@ -127,6 +141,7 @@ impl Fused {
             rows: plan.rows.as_deref().map(all).unwrap_or_default(),
             derivatives: called(&plan.with_states),
             guards: called(&plan.guarded),
+            slopes: None,
             layout: Layout::new(schedule, std::iter::empty()),
         }
     }
@@ -160,18 +175,28 @@ impl Gathered {
     }
 }
 
+impl Slopes {
+    /// Writes how the derivatives change. Returns whether that is known here.
+    pub fn run(&self, signals: &mut [f64], d: &mut [f64], direction: &[f64], change: &mut [f64]) -> bool {
+        signals[self.direction..self.direction + direction.len()].copy_from_slice(direction);
+        self.rates.run(signals, d, change)
+    }
+}
+
 impl Layout {
     fn new<'p>(schedule: &Schedule, programs: impl Iterator<Item = &'p Program>) -> Self {
         let states = schedule.initial_signals.len();
         let time = states + schedule.states;
-        let mut layout = Self { states, time, ..Self::default() };
+        let direction = time + 1;
+        let first = direction + schedule.states;
+        let mut layout = Self { states, time, direction, ..Self::default() };
         for instruction in programs.flat_map(|program| &program.instructions) {
             if let Op::Constant(bits) = instruction.op {
-                let next = (time + 1 + layout.constants.len()) as u32;
+                let next = (first + layout.constants.len()) as u32;
                 layout.constants.entry(bits).or_insert(next);
             }
         }
-        layout.temporaries = (time + 1 + layout.constants.len()) as u32;
+        layout.temporaries = (first + layout.constants.len()) as u32;
         layout.end = layout.temporaries;
         layout
     }
@@ -184,6 +209,7 @@ impl Layout {
             Op::Time => Leaf::Cell(self.time as u32),
             Op::Constant(bits) => Leaf::Cell(self.constants[&bits]),
             Op::Input(cell) => Leaf::Cell(cell),
+            Op::Parameter(i) => Leaf::Cell(self.direction as u32 + i),
             Op::Memory(i) => Leaf::Held(i),
             other => unreachable!("{other:?} is in no law of a block"),
         };
@@ -226,6 +252,11 @@ impl Laws<'_> {
     /// Calls that follow each other. In a major pass blocks settle before their first outputs.
     fn pass(&self, calls: &[Call], major: bool) -> Draft {
         let mut joined = Joined::default();
+        self.join(calls, major, &mut joined);
+        joined.finish()
+    }
+
+    fn join(&self, calls: &[Call], major: bool, joined: &mut Joined) {
         for call in calls {
             let unit = &call.unit;
             let Some(law) = self.law(call.block as usize) else { continue };
@@ -235,11 +266,11 @@ impl Laws<'_> {
             if settles {
                 for (i, id) in &law.settled {
                     let held = unit.d.start + *i as u32;
-                    let value = inlined.value(*id, &mut joined);
+                    let value = inlined.value(*id, joined);
                     joined.want(Root::Held(value, held));
                 }
                 for (i, id) in &law.settled {
-                    let value = inlined.value(*id, &mut joined);
+                    let value = inlined.value(*id, joined);
                     joined.settled.insert(unit.d.start + *i as u32, value);
                 }
                 inlined.forget();
@@ -248,7 +279,7 @@ impl Laws<'_> {
             let mut wanted: Vec<Id> = Vec::new();
             for (cell, (id, of)) in law.outputs.iter().zip(&law.group_of).enumerate() {
                 if *of == group {
-                    let value = inlined.value(*id, &mut joined);
+                    let value = inlined.value(*id, joined);
                     let cell = unit.y.start + cell as u32;
                     joined.want(Root::Cell(value, cell));
                     wanted.push(*id);
@@ -261,7 +292,38 @@ impl Laws<'_> {
             joined.require(law, &wanted, &mut inlined);
             joined.cells.extend(inlined.written);
         }
-        joined.finish()
+    }
+
+    /// The rates of all derivatives along a direction of the states, which stands for parameters of the program; nothing unless all
+    /// that derivatives depend on between major steps is data.
+    fn slopes(&self) -> Option<Draft> {
+        let plan = self.plan;
+        let is_law = |call: &Call| self.is_recorded(call, false);
+        let laws: Option<Vec<&BlockLaw>> = plan.with_states.iter().map(|block| self.law(*block)).collect();
+        let laws = laws.filter(|laws| {
+            !laws.is_empty() && self.schedule.loops.is_empty() && plan.minor.iter().all(is_law)
+        })?;
+        let mut joined = Joined::default();
+        self.join(&plan.minor, false, &mut joined);
+        joined.roots.clear();
+        for (&block, law) in plan.with_states.iter().zip(laws) {
+            let unit = &plan.units[block];
+            let mut inlined = Inlined::new(law, unit, &plan.copies[unit.copies.range()]);
+            for id in &law.derivatives {
+                let value = inlined.value(*id, &mut joined);
+                joined.want(Root::Anywhere(value));
+            }
+            joined.require(law, &law.derivatives, &mut inlined);
+        }
+        let Draft { program, .. } = joined.finish();
+        let program = blocksim_law::rates(&program, &|op| match op {
+            Op::State(i) => Some(Op::Parameter(i)),
+            _ => None,
+        });
+        let program = program.optimised();
+        let mut roots: Vec<Root> = program.outputs.iter().map(|(_, id)| Root::Anywhere(*id)).collect();
+        roots.extend(program.requirements.iter().map(|id| Root::Met(*id)));
+        Some(Draft { program, roots })
     }
 
     /// What blocks write together: how, where each number goes, and who has to be called.
@@ -296,9 +358,9 @@ struct Joined {
     program: Program,
     roots: Vec<Root>,
     /// What stands in cells that are written already.
-    cells: HashMap<u32, Id>,
+    cells: Map<u32, Id>,
     /// What discrete states have been set to.
-    settled: HashMap<u32, Id>,
+    settled: Map<u32, Id>,
 }
 
 impl Joined {
@@ -341,64 +403,70 @@ impl Joined {
 /// The law of one block on its way into a program of several.
 struct Inlined<'l> {
     law: &'l BlockLaw,
-    /// Where its inputs lie among the signals.
-    inputs: Vec<u32>,
-    x: u32,
-    d: u32,
-    /// What stands for each of its values.
-    values: Vec<Option<Id>>,
+    unit: &'l Unit,
+    copies: &'l [(u32, u32)],
+    /// What stands for each of its values; nothing until it is asked for.
+    values: Vec<Id>,
     /// Cells that it has written, which it does not read itself.
     written: Vec<(u32, Id)>,
 }
 
 impl<'l> Inlined<'l> {
-    fn new(law: &'l BlockLaw, unit: &Unit, copies: &[(u32, u32)]) -> Self {
-        let inputs = copies.iter().flat_map(|&(from, len)| from..from + len).collect();
-        let values = vec![None; law.program.instructions.len()];
-        Self { law, inputs, x: unit.x.start, d: unit.d.start, values, written: Vec::new() }
+    fn new(law: &'l BlockLaw, unit: &'l Unit, copies: &'l [(u32, u32)]) -> Self {
+        Self { law, unit, copies, values: Vec::new(), written: Vec::new() }
     }
 
     /// Discrete states are others from here.
     fn forget(&mut self) {
         if !self.law.settled.is_empty() {
-            self.values.fill(None);
+            self.values.clear();
         }
     }
 
-    /// What stands for a value of the law, with all that it needs.
+    /// The cell of an input.
+    fn cell(&self, input: u32) -> u32 {
+        let mut left = input;
+        for &(from, len) in self.copies {
+            if left < len {
+                return from + left;
+            }
+            left -= len;
+        }
+        unreachable!("a law reads inputs that it has")
+    }
+
+    /// What stands for a value of the law. The whole law comes with it; who wants less drops the rest.
     fn value(&mut self, id: Id, joined: &mut Joined) -> Id {
-        // Operands come before those who need them.
-        let mut needed = vec![id];
-        let mut at = 0;
-        while let Some(next) = needed.get(at).copied() {
-            at += 1;
-            if self.values[next.0 as usize].is_none() {
-                needed.extend(self.law.program.op(next).operands());
+        if self.values.is_empty() {
+            let instructions = &self.law.program.instructions;
+            self.values.reserve(instructions.len());
+            for instruction in instructions {
+                let value = self.joined_value(instruction.op, joined);
+                self.values.push(value);
             }
         }
-        needed.sort_unstable();
-        needed.dedup();
-        for id in needed {
-            if self.values[id.0 as usize].is_some() {
-                continue;
+        self.values[id.0 as usize]
+    }
+
+    fn joined_value(&self, op: Op, joined: &mut Joined) -> Id {
+        let op = match op {
+            Op::Input(i) => {
+                let cell = self.cell(i);
+                if let Some(known) = joined.cells.get(&cell) {
+                    return *known;
+                }
+                Op::Input(cell)
             }
-            let op = self.law.program.op(id);
-            let known = match op {
-                Op::Input(i) => joined.cells.get(&self.inputs[i as usize]).copied(),
-                Op::Memory(i) => joined.settled.get(&(self.d + i)).copied(),
-                _ => None,
-            };
-            let value = known.unwrap_or_else(|| {
-                let op = match op {
-                    Op::Input(i) => Op::Input(self.inputs[i as usize]),
-                    Op::State(i) => Op::State(self.x + i),
-                    Op::Memory(i) => Op::Memory(self.d + i),
-                    op => op.map(|operand| self.values[operand.0 as usize].unwrap_or(operand)),
-                };
-                joined.push(op)
-            });
-            self.values[id.0 as usize] = Some(value);
-        }
-        self.values[id.0 as usize].unwrap_or(id)
+            Op::Memory(i) => {
+                let number = self.unit.d.start + i;
+                if let Some(known) = joined.settled.get(&number) {
+                    return *known;
+                }
+                Op::Memory(number)
+            }
+            Op::State(i) => Op::State(self.unit.x.start + i),
+            op => op.map(|operand| self.values[operand.0 as usize]),
+        };
+        joined.push(op)
     }
 }

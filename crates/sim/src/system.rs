@@ -21,6 +21,13 @@ impl System for Diagram {
         influence(&self.schedule)
     }
 
+    fn along(&mut self, t: f64, x: &[f64], direction: &[f64], change: &mut [f64]) -> bool {
+        let Self { plan, signals, d, .. } = self;
+        let Some(slopes) = &plan.fused.slopes else { return false };
+        plan.fused.place(t, x, signals);
+        slopes.run(signals, d, direction, change)
+    }
+
     fn prepare(&mut self, t: f64, x: &[f64], hg: f64) -> Result<(), Failed> {
         self.minor(t, x)?;
         if !self.now.derived {

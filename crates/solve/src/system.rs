@@ -25,6 +25,12 @@ pub trait System {
         None
     }
 
+    /// Writes J `direction` to `change`, exactly: how the derivatives change along a direction in the space of the states, with J =
+    /// df/dx at (t, x), and returns true; or returns false where that is not known. All slices have length n.
+    fn along(&mut self, _t: f64, _x: &[f64], _direction: &[f64], _change: &mut [f64]) -> bool {
+        false
+    }
+
     /// Prepares [`solve`](System::solve): an approximation J of the Jacobian df/dx at (t, x), as rough as is cheap,
     /// and the factorisation of I - hg J. Asked for by W-methods only, once per trial step. Default: J = 0.
     ///

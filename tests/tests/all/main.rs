@@ -24,6 +24,7 @@ mod energy;
 mod energy_of_components;
 mod energy_of_networks;
 mod events;
+mod exact_slopes;
 mod examples;
 mod flagship;
 mod formatting;

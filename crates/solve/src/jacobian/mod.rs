@@ -1,4 +1,5 @@
-//! The Jacobian df/dx by forward differences, and the factors of I - g J.
+//! The Jacobian df/dx, exact where the system knows it ([`System::along`](crate::System::along)), else by forward differences; and the
+//! factors of I - g J.
 //!
 //! Small systems, and those in which most states act on most others, have a dense one. Columns that share no row are varied
 //! together. Which rows a column has follows from what the system says of its states ([`System::influence`](crate::System::influence)).
@@ -192,6 +193,14 @@ impl Jacobian {
         }
     }
 
+    /// The exact slopes over these states together, in `f`. Returns whether the system knows them.
+    fn exact(&mut self, work: &mut Work, t: f64, states: &[usize]) -> bool {
+        let Self { x, f, direction, .. } = self;
+        direction.fill(0.0);
+        states.iter().for_each(|&j| direction[j] = 1.0);
+        work.system.along(t, x, direction, f) && f.iter().all(|slope| slope.is_finite())
+    }
+
     /// Varies these states and evaluates; `direction` says by how much. Those at the edge of the domain are varied inwards.
     fn vary(&mut self, work: &mut Work, t: f64, f0: &[f64], h: f64, states: &[usize]) -> Result<(), Fault> {
         self.vary_by(work, t, f0, h, states, |_| 1.0)
@@ -240,11 +249,17 @@ impl Jacobian {
         let n = self.n;
         self.values.fill(0.0);
         for group in &influence.groups {
-            self.vary(work, t, f0, h, group)?;
+            let exact = self.exact(work, t, group);
+            if !exact {
+                self.vary(work, t, f0, h, group)?;
+            }
             let Self { f, values, direction, .. } = self;
             for &j in group {
                 let mut set = |i: usize| {
-                    values[i * n + j] = work.weights.difference(i, f[i], f0[i]) / direction[j];
+                    values[i * n + j] = match exact {
+                        true => f[i],
+                        false => work.weights.difference(i, f[i], f0[i]) / direction[j],
+                    };
                 };
                 match &influence.rows {
                     Some(pattern) => pattern.columns()[j].iter().for_each(|&i| set(i)),
@@ -259,12 +274,18 @@ impl Jacobian {
     fn grouped(&mut self, work: &mut Work, t: f64, f0: &[f64], h: f64) -> Result<(), Fault> {
         let groups = std::mem::take(&mut self.groups);
         let evaluated = groups.iter().try_for_each(|group| {
-            self.vary(work, t, f0, h, group)?;
+            let exact = self.exact(work, t, group);
+            if !exact {
+                self.vary(work, t, f0, h, group)?;
+            }
             let Self { pattern, f, values, direction, starts, .. } = self;
             for &j in group {
                 let rows = pattern.iter().flat_map(|pattern| &pattern.columns()[j]);
                 for (value, &i) in values[starts[j]..].iter_mut().zip(rows) {
-                    *value = work.weights.difference(i, f[i], f0[i]) / direction[j];
+                    *value = match exact {
+                        true => f[i],
+                        false => work.weights.difference(i, f[i], f0[i]) / direction[j],
+                    };
                 }
             }
             Ok(())
