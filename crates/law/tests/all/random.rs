@@ -1,6 +1,6 @@
 //! Random expressions: the program against a walk over the tree, bit by bit, and its slopes against differences.
 
-use blocksim_law::{Code, Program, Recorder, Relation, Sources, Value, passes, slopes};
+use blocksim_law::{Code, Leaf, Op, Program, Recorder, Relation, Root, Sources, Tape, Value, passes, slopes};
 
 /// Numbers from a seed (xorshift).
 pub struct Dice(pub u64);
@@ -337,4 +337,76 @@ fn slopes_agree_with_differences_where_the_law_is_smooth() {
         }
     }
     assert!(compared > 3000, "{compared}");
+}
+
+#[test]
+fn tapes_write_where_they_are_told_also_over_what_they_read() {
+    let mut dice = Dice(0x51_7C_C1_B7_27_22_0A_95);
+    let mut overwritten = 0;
+    for case in 0..1000 {
+        let recorder = Recorder::new();
+        let u = ["u1", "u2", "u3"].map(|name| recorder.input(name));
+        let held = [recorder.memory("d1", 0.0), recorder.memory("d2", 0.0)];
+        let count = 1 + dice.below(5);
+        for k in 0..count {
+            let tree = tree(&mut dice, 1 + case % 5);
+            recorder.output(&format!("y{k}"), record(&tree, &u, &held, &recorder));
+        }
+        let program = passes::release_modes(&recorder.finish()).optimised();
+        let (inputs, memories) = ([(); 3].map(|()| dice.number()), [(); 2].map(|()| dice.number()));
+        let code = Code::new(&program, &program.output_values());
+        let mut registers = vec![f64::NAN; code.registers()];
+        let sources = Sources { inputs: &inputs, memories: &memories, ..Sources::default() };
+        code.run(&sources, &mut registers);
+
+        // Cells 0 to 2 are the inputs, 3 to 9 are free, 10 and up hold constants and what is computed on the way.
+        let ops: Vec<Op> = program.instructions.iter().map(|instruction| instruction.op).collect();
+        let mut constants: Vec<u64> = Vec::new();
+        for op in &ops {
+            if let Op::Constant(bits) = op
+                && !constants.contains(bits)
+            {
+                constants.push(*bits);
+            }
+        }
+        let place =
+            |bits: u64| 10 + constants.iter().position(|known| *known == bits).expect("a constant") as u32;
+        let leaf = |op: Op| match op {
+            Op::Input(i) => Leaf::Cell(i),
+            Op::Memory(i) => Leaf::Held(i),
+            Op::Constant(bits) => Leaf::Cell(place(bits)),
+            other => panic!("{other:?} comes from nowhere"),
+        };
+        let mut free: Vec<u32> = (0..10).collect();
+        let mut roots: Vec<Root> = Vec::new();
+        let mut to_held = vec![0, 1];
+        for id in program.output_values() {
+            roots.push(match dice.below(4) {
+                0 if !to_held.is_empty() => Root::Held(id, to_held.remove(0)),
+                1 => Root::Anywhere(id),
+                _ => Root::Cell(id, free.remove(dice.below(free.len() as u64) as usize)),
+            });
+        }
+        overwritten += roots.iter().filter(|root| matches!(root, Root::Cell(_, 0..3))).count();
+        let made = Tape::make(&ops, &roots, &leaf, 10 + constants.len() as u32);
+        let mut cells = vec![f64::NAN; made.end as usize];
+        cells[..3].copy_from_slice(&inputs);
+        constants.iter().for_each(|bits| cells[place(*bits) as usize] = f64::from_bits(*bits));
+        let mut now = memories;
+        made.tape.run(&mut cells, &mut now);
+        let mut anywhere = made.places.iter();
+        for (k, root) in roots.iter().enumerate() {
+            let found = match root {
+                Root::Cell(_, cell) => cells[*cell as usize],
+                Root::Held(_, number) => now[*number as usize],
+                Root::Anywhere(_) | Root::Met(_) => cells[*anywhere.next().expect("a place") as usize],
+            };
+            let wanted = code.result(&registers, k);
+            assert!(
+                same(found, wanted),
+                "case {case}, {root:?}: {found} in the place of {wanted}\n{program}"
+            );
+        }
+    }
+    assert!(overwritten > 300, "only {overwritten} inputs were overwritten");
 }
