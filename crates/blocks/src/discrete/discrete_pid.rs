@@ -45,12 +45,19 @@ struct Sample {
 }
 
 impl DiscretePid {
+    /// Whether the filter of the derivative does anything. Where it does not, it may be unstable, and its state stays zero.
+    fn filters(&self) -> bool {
+        self.law.kd != 0.0 || self.law.d0 != 0.0
+    }
+
     /// From the error and the states of the integral part and of the filter.
     fn sample(&self, e: f64, xi: f64, xf: f64) -> Sample {
         let law = &self.law;
         let at_once = self.integrator.share() * self.ts;
-        let derivative =
-            self.law.n * (self.law.kd * e - xf) / (1.0 + self.filter.share() * self.law.n * self.ts);
+        let derivative = match self.filters() {
+            true => self.law.n * (self.law.kd * e - xf) / (1.0 + self.filter.share() * self.law.n * self.ts),
+            false => 0.0,
+        };
         let free = self.law.ki * e;
         let v = law.sum(e, xi + at_once * free, derivative);
         let w = match self.law.anti_windup {
@@ -75,8 +82,7 @@ impl Block for DiscretePid {
     fn check(&self) -> Result<(), ParamError> {
         positive("ts", self.ts)?;
         self.law.check()?;
-        let filters = self.law.kd != 0.0 || self.law.d0 != 0.0;
-        if self.filter == Method::ForwardEuler && filters && self.law.n * self.ts >= 2.0 {
+        if self.filter == Method::ForwardEuler && self.filters() && self.law.n * self.ts >= 2.0 {
             let (n, limit) = (self.law.n, 2.0 / self.ts);
             let message = format!("`n` is {n}, but the filter is stable only below 2 / ts = {limit}");
             return Err(ParamError::new("n", message)
@@ -106,7 +112,7 @@ impl Block for DiscretePid {
         for (e, x) in c.u.iter().zip(d.chunks_exact_mut(2)) {
             let Sample { w, derivative, .. } = self.sample(*e, x[0], x[1]);
             x[0] += self.ts * w;
-            x[1] += self.ts * derivative;
+            x[1] = if self.filters() { x[1] + self.ts * derivative } else { 0.0 };
         }
     }
 }
