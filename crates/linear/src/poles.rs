@@ -11,6 +11,9 @@ const ROUNDS: usize = 200;
 /// Of a singular matrix, eigenvalues below this part of the largest are zero.
 const SPREAD: f64 = 1e-7;
 
+/// Poles of sampled systems this near to 1 are integrators.
+pub(crate) const INTEGRATES: f64 = 1e-11;
+
 /// A pole in words of control.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
@@ -115,6 +118,8 @@ fn mode(pole: Complex<f64>, period: Option<f64>) -> Mode {
         None => pole,
         // A pole at z = 0 has died out after a sample.
         Some(_) if pole.norm() == 0.0 => Complex::new(f64::NEG_INFINITY, 0.0),
+        // An integrator is as near to 1 as slopes that are measured let it be.
+        Some(_) if (pole - 1.0).norm() <= INTEGRATES => Complex::new(0.0, 0.0),
         Some(period) => pole.ln() / period,
     };
     let frequency = s.re.hypot(s.im);
