@@ -17,6 +17,8 @@ const MOST: usize = 20_000;
 /// Change of an argument in a step along the axis that is believed, rad, and halvings of a step that turns by more.
 const SURE: f64 = 0.4;
 const HALVINGS: u32 = 40;
+/// Steps in which what passes at once fades away.
+const FADING: u32 = 64;
 /// Most steps along the axis.
 const MOST_STEPS: usize = 400_000;
 
@@ -170,7 +172,7 @@ impl Delayed {
         let c = DMatrix::from_fn(c.nrows(), n, |i, j| c[(i, j)] * scale[j]);
         let mut m = complex(&-a);
         (0..n).for_each(|i| m[(i, i)] += s);
-        let Some(x) = m.lu().solve(&complex(&b)) else { return infinite };
+        let Some(x) = solved(m, complex(&b)) else { return infinite };
         let g = complex(&c) * x + complex(d);
         let count = self.times.len();
         // w = e v, v = g21 u + g22 w.
@@ -179,7 +181,7 @@ impl Delayed {
             Complex::new(f64::from(u8::from(i == j)), 0.0) - e(i) * g[(i + 1, j + 1)]
         });
         let from = DMatrix::from_fn(count, 1, |i, _| e(i) * g[(i + 1, 0)]);
-        let Some(w) = joined.lu().solve(&from) else { return infinite };
+        let Some(w) = solved(joined, from) else { return infinite };
         let out = g[(0, 0)] + (0..count).map(|i| g[(0, i + 1)] * w[(i, 0)]).sum::<Complex<f64>>();
         if out.re.is_finite() && out.im.is_finite() { out } else { infinite }
     }
@@ -271,33 +273,45 @@ impl Delayed {
     pub fn unstable(&self) -> Result<Option<usize>, LinearError> {
         let StateSpace { a, b, c, d, .. } = &self.system;
         let (n, m) = (a.nrows(), self.times.len());
-        let neutral = d.view((1, 1), (m, m)).norm();
+        let around = d.view((1, 1), (m, m)).into_owned();
+        // A bound of what passes dead times in a circle, whatever their phases are.
+        let neutral = poles(&around.abs())?.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
         if neutral >= 1.0 {
             return Ok(None);
+        }
+        if n == 0 {
+            return Ok(Some(0));
         }
         let (a, scale) = balanced(a.clone());
         let b = DMatrix::from_fn(n, m, |i, j| b[(i, j + 1)] / scale[i]);
         let c = DMatrix::from_fn(m, n, |i, j| c[(i + 1, j)] * scale[j]);
-        let d = d.view((1, 1), (m, m)).into_owned();
-        let size = a.norm().max(b.norm() * c.norm() / (1.0 - neutral)).max(f64::MIN_POSITIVE);
+        let d = around;
+        let passing = |e: &[Complex<f64>], share: f64| {
+            DMatrix::from_fn(m, m, |i, j| {
+                Complex::new(f64::from(u8::from(i == j)), 0.0) - Complex::new(share * d[(i, j)], 0.0) * e[j]
+            })
+        };
+        let ends = |w: f64| -> Vec<Complex<f64>> {
+            self.times.iter().map(|time| (Complex::new(0.0, -w * time)).exp()).collect()
+        };
+        let size = a
+            .norm()
+            .max(b.norm() * c.norm() * (1.0 + d.norm()).powi(m as i32) / (1.0 - neutral))
+            .max(f64::MIN_POSITIVE);
         // Of det(s I - A - B e (I - D e)^-1 C) det(I - D e) / (s + size)^n.
         let argument = |w: f64| -> Option<f64> {
             let s = Complex::new(0.0, w);
-            let e: Vec<Complex<f64>> = self.times.iter().map(|time| (-s * *time).exp()).collect();
+            let e = ends(w);
             let zero = Complex::new(0.0, 0.0);
-            let passing = DMatrix::from_fn(m, m, |i, j| {
-                Complex::new(f64::from(u8::from(i == j)), 0.0) - Complex::new(d[(i, j)], 0.0) * e[j]
-            });
-            let passing = passing.lu();
-            let c = c.map(|x| Complex::new(x, 0.0));
-            let back = passing.solve(&c)?;
+            let passing = passing(&e, 1.0);
+            let lead = determinant(&passing);
+            let back = solved(passing, c.map(|x| Complex::new(x, 0.0)))?;
             let joined = DMatrix::from_fn(n, n, |i, j| {
                 let around = (0..m).map(|k| e[k] * back[(k, j)] * b[(i, k)]).sum::<Complex<f64>>();
                 let own = Complex::new(-a[(i, j)], 0.0) - around;
                 own + if i == j { s } else { zero }
             });
             let joined = joined.lu();
-            let lead: Complex<f64> = passing.determinant();
             let mut sum = lead.arg();
             let upper = joined.u();
             for i in 0..n {
@@ -330,7 +344,7 @@ impl Delayed {
             let mut halvings = 0;
             let (change, there) = loop {
                 let there = argument(next).ok_or_else(border)?;
-                let change = (there - last + PI).rem_euclid(2.0 * PI) - PI;
+                let change = wrapped(there - last);
                 if change.abs() <= SURE {
                     break (change, there);
                 }
@@ -344,9 +358,165 @@ impl Delayed {
             step = 1.5 * (next - w);
             (w, last) = (next, there);
         }
-        // Back to the real axis far to the right.
-        let rest = (last + PI).rem_euclid(2.0 * PI) - PI;
+        // Back to the real axis far to the right: what passes at once shrinks to nothing on the way.
+        let end = ends(w);
+        let mut through = 0.0;
+        for k in 1..=FADING {
+            let at = |k: u32| determinant(&passing(&end, f64::from(k) / f64::from(FADING))).arg();
+            through += wrapped(at(k) - at(k - 1));
+        }
+        let rest = through + wrapped(last - through);
         let count = (rest - turned) / PI;
         Ok(Some(count.round().max(0.0) as usize))
+    }
+}
+
+/// An angle within -pi and pi.
+fn wrapped(angle: f64) -> f64 {
+    (angle + PI).rem_euclid(2.0 * PI) - PI
+}
+
+fn determinant(m: &DMatrix<Complex<f64>>) -> Complex<f64> {
+    if m.is_empty() { Complex::new(1.0, 0.0) } else { m.clone().lu().determinant() }
+}
+
+/// The solution of linear equations, if there is one; of no equations nothing.
+fn solved(m: DMatrix<Complex<f64>>, right: DMatrix<Complex<f64>>) -> Option<DMatrix<Complex<f64>>> {
+    if m.is_empty() { Some(right) } else { m.lu().solve(&right) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{bandwidth_delayed, margins_delayed};
+
+    /// States, then from (u, w...) to (y, v...).
+    fn system(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> StateSpace {
+        let n = a.len().isqrt();
+        let m = d.len().isqrt();
+        let matrix = DMatrix::from_row_slice;
+        StateSpace::new(matrix(n, n, a), matrix(n, m, b), matrix(m, n, c), matrix(m, m, d), None).unwrap()
+    }
+
+    /// y = k exp(-s T) / (tau s + 1) u.
+    fn lag(k: f64, tau: f64, time: f64) -> Delayed {
+        let around = system(&[-1.0 / tau], &[k / tau, 0.0], &[0.0, 1.0], &[0.0, 1.0, 0.0, 0.0]);
+        Delayed::new(&around, 0, &[time])
+    }
+
+    /// x' = u - k x(t - T), y = x.
+    fn circle(k: f64, time: f64) -> Delayed {
+        Delayed::new(&system(&[0.0], &[1.0, -k], &[1.0, 1.0], &[0.0; 4]), 0, &[time])
+    }
+
+    fn near(a: f64, b: f64) {
+        assert!((a - b).abs() <= 1e-9 * b.abs().max(1e-3), "{a} is not {b}");
+    }
+
+    #[test]
+    fn a_dead_time_behind_a_lag_has_the_response_and_the_margins_of_the_formula() {
+        let (k, tau, time) = (3.0, 2.0, 0.7);
+        let way = lag(k, tau, time);
+        assert!(!way.is_circular() && way.order() == 1 && way.times() == [time]);
+        near(way.poles().unwrap().unwrap()[0].re, -1.0 / tau);
+        for w in [0.01, 0.3, 2.0, 50.0, 1e4] {
+            let exact = k * Complex::from_polar(1.0, -w * time) / Complex::new(1.0, w * tau);
+            assert!((way.at(w) - exact).norm() < 1e-12 * exact.norm(), "at {w}");
+        }
+        let found = margins_delayed(&way).unwrap();
+        // atan(w tau) + w T = pi.
+        let (mut low, mut high) = (0.5, 10.0);
+        for _ in 0..100 {
+            let middle = (low + high) / 2.0;
+            if f64::atan(middle * tau) + middle * time < PI { low = middle } else { high = middle }
+        }
+        let gain = found.least_gain().unwrap();
+        near(gain.frequency, low);
+        near(gain.value, (low * tau).hypot(1.0) / k);
+        let crossover = (k * k - 1.0).sqrt() / tau;
+        let phase = found.least_phase().unwrap();
+        near(phase.frequency, crossover);
+        near(phase.value, PI - (crossover * tau).atan() - crossover * time);
+        near(found.delay.unwrap().value, phase.value / crossover);
+        assert!(found.stable && found.growing == Some(0) && found.closed.is_empty());
+        // Beyond the margin, by a hair.
+        let more = margins_delayed(&lag(k * gain.value * 1.0001, tau, time)).unwrap();
+        assert_eq!((more.growing, more.stable, more.delay), (Some(2), false, None));
+        assert!(margins_delayed(&lag(k * gain.value * 0.9999, tau, time)).unwrap().stable);
+        near(bandwidth_delayed(&way).unwrap().unwrap(), 1.0 / tau);
+        assert_eq!(way.static_gain().unwrap(), Gain::Finite(k));
+    }
+
+    #[test]
+    fn an_integrator_around_a_dead_time_is_stable_up_to_half_of_pi_and_loses_two_poles_with_each_turn() {
+        for (product, growing) in [(0.1, 0), (1.57, 0), (1.572, 2), (7.8, 2), (7.9, 4), (14.2, 6)] {
+            for time in [1e-3, 1.0, 40.0] {
+                let way = circle(product / time, time);
+                assert!(way.is_circular() && way.poles().unwrap().is_none());
+                assert_eq!(way.unstable().unwrap(), Some(growing), "{product} {time}");
+            }
+        }
+        let way = circle(0.5, 1.0);
+        let s = Complex::new(0.0, 0.8);
+        let exact: Complex<f64> = (s + (-s).exp() * 0.5).inv();
+        assert!((way.at(0.8) - exact).norm() < 1e-14);
+        assert_eq!(way.static_gain().unwrap(), Gain::Finite(2.0));
+        let integrates =
+            Delayed::new(&system(&[0.0], &[1.0, 0.0], &[0.0, 1.0], &[0.0, 1.0, 0.0, 0.0]), 0, &[1.0]);
+        assert_eq!(integrates.static_gain().unwrap(), Gain::Infinite);
+    }
+
+    #[test]
+    fn what_passes_dead_times_at_once_is_stable_below_a_gain_of_one_and_undecided_beyond() {
+        let pure = |k: f64| {
+            let around = StateSpace {
+                a: DMatrix::zeros(0, 0),
+                b: DMatrix::zeros(0, 2),
+                c: DMatrix::zeros(2, 0),
+                d: DMatrix::from_row_slice(2, 2, &[0.0, 1.0, k, 0.0]),
+                period: None,
+            };
+            Delayed::new(&around, 0, &[0.3])
+        };
+        for (k, growing) in [(0.9, Some(0)), (-0.9, Some(0)), (1.1, None)] {
+            let found = margins_delayed(&pure(k)).unwrap();
+            assert_eq!((found.growing, found.stable), (growing, growing.is_some()), "{k}");
+        }
+        // A lag beside it: y = 0.5 exp(-s T) y + ..., with a pole of its own that grows.
+        let grows = system(&[2.0], &[1.0, 0.0], &[1.0, 1.0], &[0.0, 1.0, 0.0, 0.5]);
+        assert_eq!(Delayed::new(&grows, 0, &[0.3]).unstable().unwrap(), Some(1));
+    }
+
+    #[test]
+    fn two_dead_times_in_a_row_are_their_sum_and_those_that_lead_nowhere_are_left_away() {
+        // u -> 0.2 s -> lag -> 0.5 s -> y; a third one looks at the lag alone.
+        let a = [-1.0];
+        let b = [0.0, 1.0, 0.0, 0.0];
+        let c = [0.0, 0.0, 1.0, 1.0];
+        let mut d = [0.0; 16];
+        (d[2], d[4]) = (1.0, 1.0);
+        let all = system(&a, &b, &c, &d);
+        let way = Delayed::new(&all, 0, &[0.2, 0.5, 9.0]);
+        assert_eq!(way.times(), [0.2, 0.5]);
+        for w in [0.1, 3.0, 40.0] {
+            let exact = Complex::from_polar(1.0, -0.7 * w) / Complex::new(1.0, w);
+            assert!((way.at(w) - exact).norm() < 1e-13, "at {w}");
+        }
+        assert_eq!(Delayed::whole(&all, &[0.2, 0.5, 9.0]).unstable().unwrap(), Some(0));
+        assert_eq!(lag(1.0, 1.0, 1.0).unstable().unwrap(), Some(0));
+    }
+
+    #[test]
+    fn a_pole_on_the_border_is_no_number_of_growing_ones() {
+        let border = system(&[0.0], &[1.0, 0.0], &[0.0, 1.0], &[0.0, 1.0, 0.0, 0.0]);
+        let told = Delayed::new(&border, 0, &[1.0]).unstable().unwrap_err();
+        assert_eq!(told.to_string(), "a pole lies on the border of stability");
+    }
+
+    #[test]
+    fn frequencies_follow_the_phase_of_the_longest_dead_time() {
+        let grid = lag(1.0, 1e-2, 5.0).frequencies().unwrap();
+        assert!(grid.len() <= MOST && grid.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(grid.windows(2).all(|pair| (pair[1] - pair[0]) * 5.0 <= TURN * 1.0001));
     }
 }
