@@ -12,6 +12,8 @@ use crate::terminal::format::short_time;
 
 /// Rows of poles that are told of one way.
 const ROWS: usize = 24;
+/// Distance from the unit circle below which no measured slope tells on which side a pole is.
+const BORDER: f64 = 1e-6;
 /// Entries of other lists.
 const FEW: usize = 6;
 
@@ -288,6 +290,10 @@ fn of_margins(facts: &mut Table, margins: &Margins, is_sampled: bool) {
         false => match (margins.growing, worst(margins, is_sampled)) {
             (Some(1), _) => "not stable: a pole grows".to_owned(),
             (Some(count), _) => format!("not stable: {count} poles grow"),
+            (None, Some(pole)) if is_sampled && pole.norm() < 1.0 + BORDER => format!(
+                "at its border: a pole at {}, as near to the unit circle as slopes can tell",
+                complex(pole)
+            ),
             (None, Some(pole)) => format!("not stable: a pole at {}", complex(pole)),
             (None, None) => "not stable: infinitely many poles may grow".to_owned(),
         },
