@@ -291,7 +291,7 @@ fn of_margins(facts: &mut Table, margins: &Margins, is_sampled: bool) {
             (Some(1), _) => "not stable: a pole grows".to_owned(),
             (Some(count), _) => format!("not stable: {count} poles grow"),
             (None, Some(pole)) if is_sampled && pole.norm() < 1.0 + BORDER => format!(
-                "at its border: a pole at {}, as near to the unit circle as slopes can tell",
+                "at its border: a pole at {}, closer to the unit circle than slopes are exact",
                 complex(pole)
             ),
             (None, Some(pole)) => format!("not stable: a pole at {}", complex(pole)),
