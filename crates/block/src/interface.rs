@@ -112,6 +112,18 @@ impl Crossing {
     }
 }
 
+/// Discrete states that are written one after the other, and from the first again, so that which of them is the oldest is a
+/// discrete state itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ring {
+    /// Which discrete state holds the number of the oldest entry.
+    pub next: usize,
+    /// Where the entries begin; they go on to the last discrete state.
+    pub first: usize,
+    /// Number of discrete states of one entry.
+    pub width: usize,
+}
+
 /// Outputs whose values the engine finds, so that something else becomes zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constraint {
@@ -178,6 +190,10 @@ pub struct Interface {
     pub accepts: bool,
     /// Has `remember`, and gives what it notes back after this time at the earliest, s.
     pub remembers: Option<f64>,
+    /// The output is the input this much earlier, s, in all frequencies.
+    pub dead_time: Option<f64>,
+    /// Discrete states whose meaning moves round.
+    pub ring: Option<Ring>,
     /// Has `next_event`.
     pub time_events: bool,
     /// Has `next_update` and `tolerate`.
@@ -374,6 +390,18 @@ impl Interface {
     /// Has `jump`.
     pub fn jumps(mut self) -> Self {
         self.jumps = true;
+        self
+    }
+
+    /// The output is the input `time` earlier, s.
+    pub fn delays(mut self, time: f64) -> Self {
+        self.dead_time = Some(time);
+        self
+    }
+
+    /// Some discrete states are a ring.
+    pub fn turns(mut self, ring: Ring) -> Self {
+        self.ring = Some(ring);
         self
     }
 

@@ -37,7 +37,7 @@ pub use defaults::in_diagram;
 pub use given::{Given, ParamUnits};
 pub use interface::{
     Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, JumpPhrase, MOST_MEMORY, Recorded,
-    State,
+    Ring, State,
 };
 pub use parameter::{
     MOST_PORTS, ParamError, ParamValue, VALUE_ENUM, at_least, count, finite, hand_over, not_negative,
@@ -68,7 +68,7 @@ pub mod prelude {
     pub use crate::{
         Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Crossing, Discrete, Files, Given, Input,
         Interface, InterfaceError, LoadError, MOST_PORTS, Output, ParamError, ParamValue, Parameters, Piece,
-        PortType, Scratch, Shapes, State, at_least, count, finite, not_negative, ordered, positive,
+        PortType, Ring, Scratch, Shapes, State, at_least, count, finite, not_negative, ordered, positive,
     };
     pub use blocksim_signal::{Dimension, Kind, SampleTime, Shape};
     pub use serde::Deserialize;

@@ -12,9 +12,11 @@
 //! | `parts` | which states depend on each other in a circle |
 //! | `poles`, `zeros` | eigenvalues with damping and frequency; invariant zeros |
 //! | `response`, `course` | over frequency; over time |
+//! | `delayed` | dead times as they are, in a system of one input and output |
 //! | `grid`, `margins` | frequencies worth looking at; gain, phase and delay margins, bandwidth |
 
 mod course;
+mod delayed;
 mod differences;
 mod error;
 mod grid;
@@ -27,10 +29,11 @@ mod system;
 mod zeros;
 
 pub use course::{StepInfo, step_info, step_response};
+pub use delayed::Delayed;
 pub use differences::{Jacobian, Kink, jacobian, sparse_jacobian};
 pub use error::LinearError;
 pub use grid::frequencies;
-pub use margins::{Margin, Margins, bandwidth, margins};
+pub use margins::{Margin, Margins, bandwidth, bandwidth_delayed, margins, margins_delayed};
 pub use minimal::{Reduced, minimal, reduced};
 pub use nalgebra::Complex;
 pub use nalgebra::DMatrix;

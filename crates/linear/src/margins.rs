@@ -4,7 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Complex;
 
-use crate::{Channel, Gain, LinearError, Response, frequencies, is_stable, poles, static_gain, zeros};
+use crate::{
+    Channel, Delayed, Gain, LinearError, Response, frequencies, is_stable, poles, static_gain, zeros,
+};
 
 /// Halvings of an interval between two frequencies.
 const HALVINGS: usize = 60;
@@ -29,8 +31,10 @@ pub struct Margins {
     pub delay: Option<Margin>,
     /// The largest factor by which the loop amplifies disturbances at its output, `max |1 / (1 + L)|`.
     pub sensitivity: Margin,
-    /// Poles of the closed loop.
+    /// Poles of the closed loop; nothing where a dead time makes infinitely many of them.
     pub closed: Vec<Complex<f64>>,
+    /// How many of infinitely many poles grow; nothing where they are known, or infinitely many do.
+    pub growing: Option<usize>,
     /// Whether all of them die out.
     pub stable: bool,
 }
@@ -63,12 +67,51 @@ pub fn margins(channel: &Channel) -> Result<Margins, LinearError> {
     let all: Vec<Complex<f64>> = open_poles.iter().chain(&closed).copied().collect();
     let grid = frequencies(&all, &zeros, channel.period);
     let response = Response::new(channel);
-    let at = |w: f64| response.at(w);
-    let values: Vec<Complex<f64>> = grid.iter().map(|&w| at(w)).collect();
+    let rest = static_gain(channel, &open_poles);
+    Ok(of_response(
+        |w| response.at(w),
+        &grid,
+        rest,
+        channel.period,
+        Closed { poles: closed, growing: None, stable },
+    ))
+}
 
+/// The margins of a loop gain with dead times in it.
+///
+/// # Errors
+/// [`LinearError`] of the eigenvalues; [`LinearError::Shape`] if the loop has no solution, as its gain is -1 at once, if it is at its
+/// border of stability, or if its stability cannot be decided.
+pub fn margins_delayed(delayed: &Delayed) -> Result<Margins, LinearError> {
+    let closed = delayed.closed().ok_or_else(|| {
+        LinearError::Shape("the loop passes -1 at once, so that it has no solution when closed".to_owned())
+    })?;
+    let growing = closed.unstable()?;
+    let grid = delayed.frequencies()?;
+    let rest = delayed.static_gain()?;
+    let closed = Closed { poles: Vec::new(), stable: growing == Some(0), growing };
+    Ok(of_response(|w| delayed.at(w), &grid, rest, None, closed))
+}
+
+/// What is known of the closed loop.
+struct Closed {
+    poles: Vec<Complex<f64>>,
+    growing: Option<usize>,
+    stable: bool,
+}
+
+/// The margins of a response, over frequencies between which nothing happens.
+fn of_response(
+    at: impl Fn(f64) -> Complex<f64>,
+    grid: &[f64],
+    rest: Gain,
+    period: Option<f64>,
+    closed: Closed,
+) -> Margins {
+    let values: Vec<Complex<f64>> = grid.iter().map(|&w| at(w)).collect();
     let mut gain = Vec::new();
     let mut phase = Vec::new();
-    if let Gain::Finite(rest) = static_gain(channel, &open_poles)
+    if let Gain::Finite(rest) = rest
         && rest < 0.0
     {
         gain.push(Margin { value: -1.0 / rest, frequency: 0.0 });
@@ -91,7 +134,7 @@ pub fn margins(channel: &Channel) -> Result<Margins, LinearError> {
         }
     }
     // At half of the rate L is real.
-    if let (Some(period), Some(last)) = (channel.period, values.last())
+    if let (Some(period), Some(last)) = (period, values.last())
         && last.re < 0.0
         && gain.last().is_none_or(|margin| margin.frequency < (1.0 - 1e-9) * PI / period)
     {
@@ -101,9 +144,10 @@ pub fn margins(channel: &Channel) -> Result<Margins, LinearError> {
         value: margin.value.rem_euclid(TAU) / margin.frequency,
         frequency: margin.frequency,
     });
-    let delay = delays.min_by(|a, b| a.value.total_cmp(&b.value)).filter(|_| stable);
-    let sensitivity = peak(&grid, |w| 1.0 / (1.0 + at(w)).norm());
-    Ok(Margins { gain, phase, delay, sensitivity, closed, stable })
+    let delay = delays.min_by(|a, b| a.value.total_cmp(&b.value)).filter(|_| closed.stable);
+    let sensitivity = peak(grid, |w| 1.0 / (1.0 + at(w)).norm());
+    let Closed { poles, growing, stable } = closed;
+    Margins { gain, phase, delay, sensitivity, closed: poles, growing, stable }
 }
 
 /// The lowest frequency, rad/s, at which a [`minimal`](crate::minimal) channel has lost 3 dB (a factor of the root of 2) against rest. None if it
@@ -121,9 +165,26 @@ pub fn bandwidth(channel: &Channel) -> Result<Option<f64>, LinearError> {
     let zeros = zeros(channel)?.unwrap_or_default();
     let grid = frequencies(&poles, &zeros, channel.period);
     let response = Response::new(channel);
-    let passes = |w: f64| response.at(w).norm() > border;
+    Ok(lost(&grid, |w| response.at(w).norm() > border))
+}
+
+/// The same of a system with dead times in it.
+///
+/// # Errors
+/// [`LinearError`] of the eigenvalues.
+pub fn bandwidth_delayed(delayed: &Delayed) -> Result<Option<f64>, LinearError> {
+    let Gain::Finite(rest) = delayed.static_gain()? else { return Ok(None) };
+    let border = rest.abs() / 2.0_f64.sqrt();
+    if border == 0.0 {
+        return Ok(None);
+    }
+    Ok(lost(&delayed.frequencies()?, |w| delayed.at(w).norm() > border))
+}
+
+/// The first frequency from which on something no longer passes.
+fn lost(grid: &[f64], passes: impl Fn(f64) -> bool) -> Option<f64> {
     let found = grid.windows(2).find(|pair| passes(pair[0]) && !passes(pair[1]));
-    Ok(found.map(|pair| halved((pair[0], pair[1]), passes)))
+    found.map(|pair| halved((pair[0], pair[1]), passes))
 }
 
 /// Where something changes between two frequencies.

@@ -8,8 +8,13 @@ use crate::parts::parts;
 
 /// Rounds of the QR iteration for each row after which it is given up.
 const ROUNDS: usize = 200;
+/// Parts of the entries on the diagonal below which one beside them is nothing, from the most careful on.
+const SMALL: [f64; 4] = [f64::EPSILON, 1e-14, 1e-13, 1e-12];
 /// Of a singular matrix, eigenvalues below this part of the largest are zero.
 const SPREAD: f64 = 1e-7;
+
+/// Poles of sampled systems this near to 1 are integrators.
+pub(crate) const INTEGRATES: f64 = 1e-11;
 
 /// A pole in words of control.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,12 +60,23 @@ pub fn poles(a: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, LinearError> {
 
 /// The eigenvalues of a part of a matrix in which everything depends on everything.
 fn of_part(a: DMatrix<f64>) -> Result<Vec<Complex<f64>>, LinearError> {
+    let n = a.nrows();
     let (a, _) = balanced(a);
-    let schur = Schur::try_new(a.clone(), f64::EPSILON, ROUNDS * a.nrows())
-        // Some matrices, such as permutations, look the same after a step of the iteration; turned a little they do not.
-        .or_else(|| Schur::try_new(turned(&a), f64::EPSILON, ROUNDS * a.nrows()))
-        .ok_or(LinearError::NoConvergence)?;
-    let mut poles: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
+    // What is small enough to be nothing is measured by the diagonal beside it. Where that is zero, as with poles that a delay
+    // of samples has, nothing is, unless all are moved away from zero. Some matrices, such as permutations, look the same after
+    // a step of the iteration; turned a little they do not. And of some the last digits never come to rest.
+    let size = a.norm();
+    let tries = SMALL
+        .iter()
+        .flat_map(|small| [(0.0, false), (0.0, true), (size, true)].map(|(by, turns)| (*small, by, turns)));
+    let found = tries.into_iter().find_map(|(small, by, turns)| {
+        let moved = if by == 0.0 { a.clone() } else { &a + DMatrix::identity(n, n) * by };
+        let moved = if turns { turned(&moved) } else { moved };
+        Some((Schur::try_new(moved, small, ROUNDS * n)?, by))
+    });
+    let (schur, moved_by) = found.ok_or(LinearError::NoConvergence)?;
+    let mut poles: Vec<Complex<f64>> =
+        schur.complex_eigenvalues().iter().map(|pole| pole - moved_by).collect();
     if poles.iter().any(|pole| !pole.re.is_finite() || !pole.im.is_finite()) {
         return Err(LinearError::NoConvergence);
     }
@@ -115,6 +131,8 @@ fn mode(pole: Complex<f64>, period: Option<f64>) -> Mode {
         None => pole,
         // A pole at z = 0 has died out after a sample.
         Some(_) if pole.norm() == 0.0 => Complex::new(f64::NEG_INFINITY, 0.0),
+        // An integrator is as near to 1 as slopes that are measured let it be.
+        Some(_) if (pole - 1.0).norm() <= INTEGRATES => Complex::new(0.0, 0.0),
         Some(period) => pole.ln() / period,
     };
     let frequency = s.re.hypot(s.im);

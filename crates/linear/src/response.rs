@@ -4,7 +4,7 @@ use nalgebra::linalg::Hessenberg;
 use nalgebra::{Complex, DMatrix, DVector, RowDVector};
 
 use crate::Channel;
-use crate::poles::balanced;
+use crate::poles::{INTEGRATES, balanced};
 
 /// A channel prepared for answers at many frequencies: with A as a Hessenberg matrix each takes n^2 operations
 /// (A. Laub, Efficient multivariable frequency response computations, IEEE Trans. Automatic Control 26 (1981) 407).
@@ -96,8 +96,8 @@ impl Response {
 /// What a constant input leads to, of a [`minimal`](crate::minimal) channel with these poles.
 pub fn static_gain(channel: &Channel, poles: &[Complex<f64>]) -> Gain {
     let rest = Complex::new(if channel.period.is_some() { 1.0 } else { 0.0 }, 0.0);
-    // Integrators are at zero exactly; that of a sampled system is as near to 1 as rounding lets it be.
-    let near = if channel.period.is_some() { 1e-12 } else { 0.0 };
+    // Integrators are at zero exactly; that of a sampled system is as near to 1 as slopes let it be.
+    let near = if channel.period.is_some() { INTEGRATES } else { 0.0 };
     if poles.iter().any(|pole| (pole - rest).norm() <= near) {
         return Gain::Infinite;
     }

@@ -12,23 +12,23 @@ use crate::straighten::straightened;
 use crate::units::pretty_unit;
 
 /// Font of titles, numbers and names; the last one is what pictures in PNG are drawn with.
-const FONT: &str = "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif";
+pub(crate) const FONT: &str = "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif";
 /// Font sizes, dots.
-const TITLE: f64 = 13.0;
-const NUMBER: f64 = 10.5;
+pub(crate) const TITLE: f64 = 13.0;
+pub(crate) const NUMBER: f64 = 10.5;
 /// Heights of a panel, of a strip and of the gap between them, dots.
 const HIGH: f64 = 150.0;
 const LOW: f64 = 46.0;
 const GAP: f64 = 17.0;
 /// Room around the whole and between panels, dots.
-const MARGIN: f64 = 14.0;
+pub(crate) const MARGIN: f64 = 14.0;
 /// Room below a panel for the numbers of the time axis, dots.
 const FOOT: f64 = 34.0;
 /// Dots of height for a number of the vertical axis, of width for one of the time axis.
-const PER_Y_TICK: f64 = 30.0;
-const PER_X_TICK: f64 = 70.0;
+pub(crate) const PER_Y_TICK: f64 = 30.0;
+pub(crate) const PER_X_TICK: f64 = 70.0;
 /// How far a line may lie beside a point that is left out, dots.
-const ERROR: f64 = 0.06;
+pub(crate) const ERROR: f64 = 0.06;
 
 /// The figure as a drawing in SVG 1.1 with literal colours. Texts are escaped: no name can add anything to it.
 pub fn svg(figure: &Figure, theme: Theme) -> String {
@@ -387,14 +387,14 @@ impl Pen<'_> {
 }
 
 /// A place on the drawing with two decimals at most, within what drawing programs can take.
-fn round(x: f64) -> f64 {
+pub(crate) fn round(x: f64) -> f64 {
     let rounded = (x.clamp(-1e6, 1e6) * 100.0).round() / 100.0;
     // No `-0`.
     rounded + 0.0
 }
 
 /// A text for use between tags or in an attribute; signs that XML cannot hold are left out.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for sign in text.chars() {
         match sign {

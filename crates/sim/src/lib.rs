@@ -25,6 +25,7 @@
 //! | `influence` | which derivatives a state can act on, and whether that is so |
 //! | `kinks` | steps that have looked beyond a kink, once more |
 //! | `past` | what blocks remember of steps |
+//! | `taps`, `period` | signals that can be changed from outside; the map of a model from one sample hit to another |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
 //! | `steady` | where nothing moves, and where signals have given values |
 //! | `methods`, `error`, `diagnose`, `snapshot` | choice of the solver; what can go wrong and why; save and restore |
@@ -57,6 +58,7 @@ mod modes;
 mod pace;
 mod past;
 mod peaks;
+mod period;
 mod plan;
 mod record;
 mod refine;
@@ -70,6 +72,7 @@ mod spread;
 mod steady;
 mod stepwise;
 mod system;
+mod taps;
 mod turn;
 mod verify;
 
@@ -79,6 +82,7 @@ pub use error::SimError;
 pub use exact_slopes::Slope;
 pub use frozen::{Frozen, Tap};
 pub use influence::Undeclared;
+pub use period::{Period, PeriodMap};
 pub use record::{Control, Observer};
 pub use simulation::{Counts, Ended, Simulation};
 pub use snapshot::Snapshot;

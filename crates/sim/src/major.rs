@@ -84,6 +84,23 @@ impl Simulation {
         Ok(())
     }
 
+    /// The present instant once more, with other states or signals: modes are chosen and outputs evaluated anew, but the rates
+    /// that are hit stay hit. Returns whether anything jumped.
+    pub(crate) fn repeat_instant(&mut self, observer: &mut dyn Observer) -> Result<bool, SimError> {
+        self.diagram.settle.changed = false;
+        self.diagram.hold_steps();
+        let reset = self.jump_early(false, observer)?;
+        self.pass(false)?;
+        let jumped = self.jump(true, observer)?;
+        self.guards.known = false;
+        self.guards.turns.forget();
+        self.guards.turns.forget_slopes();
+        self.past.fresh = true;
+        self.relearnt = false;
+        self.stepper.iter_mut().for_each(|stepper| stepper.restart());
+        Ok(jumped || reset)
+    }
+
     /// Whether derivatives just behind this instant may differ from those just before it.
     fn is_discontinuous(&self) -> bool {
         let plan = &self.diagram.plan;

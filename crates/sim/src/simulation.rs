@@ -258,7 +258,7 @@ impl Simulation {
     }
 
     /// When the next major step must be, at the latest, and why.
-    fn next_stop(&mut self, end: f64) -> Result<Stop, SimError> {
+    pub(crate) fn next_stop(&mut self, end: f64) -> Result<Stop, SimError> {
         self.diagram
             .next_events(&mut self.event_times)
             .map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))?;

@@ -37,6 +37,13 @@ pub struct Snapshot {
     interrupted: bool,
 }
 
+impl Snapshot {
+    /// Discrete states of all blocks.
+    pub(crate) fn discrete(&self) -> &[f64] {
+        &self.d
+    }
+}
+
 impl Simulation {
     /// What this simulation remembers.
     pub fn snapshot(&self) -> Snapshot {

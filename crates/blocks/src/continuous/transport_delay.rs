@@ -42,7 +42,7 @@ impl Block for TransportDelay {
         agrees(given, "y0", "u", u.dimension)?;
         let ports = Interface::new().input(Input::real("u")).output_from_state(Output::like("y", u));
         let states = history::states(ports, u.shape.len(), self.buffer)?;
-        Ok(states.uses_time().time_events().remembers(self.delay))
+        Ok(states.uses_time().time_events().remembers(self.delay).delays(self.delay))
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {

@@ -61,6 +61,7 @@ impl Block for Delay {
             .output_from_state(Output::like("y", u))
             .discrete("next", 0.0)
             .memory("past", steps * n, self.x0)
+            .turns(Ring { next: NEXT, first: CELLS, width: n })
             .sampled(self.ts))
     }
 

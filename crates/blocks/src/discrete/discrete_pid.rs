@@ -45,12 +45,19 @@ struct Sample<'r> {
 }
 
 impl DiscretePid {
+    /// Whether the filter of the derivative does anything. Where it does not, it may be unstable, and its state stays zero.
+    fn filters(&self) -> bool {
+        self.law.kd != 0.0 || self.law.d0 != 0.0
+    }
+
     /// From the error and the states of the integral part and of the filter.
     fn sample<'r>(&self, l: &Recording<'r>, e: Value<'r>, xi: Value<'r>, xf: Value<'r>) -> Sample<'r> {
         let law = &self.law;
         let at_once = self.integrator.share() * self.ts;
-        let derivative =
-            self.law.n * (self.law.kd * e - xf) / (1.0 + self.filter.share() * self.law.n * self.ts);
+        let derivative = match self.filters() {
+            true => self.law.n * (self.law.kd * e - xf) / (1.0 + self.filter.share() * self.law.n * self.ts),
+            false => l.constant(0.0),
+        };
         let free = self.law.ki * e;
         let v = law.sum(e, xi + at_once * free, derivative);
         let w = match self.law.anti_windup {
@@ -76,8 +83,7 @@ impl Block for DiscretePid {
     fn check(&self) -> Result<(), ParamError> {
         positive("ts", self.ts)?;
         self.law.check()?;
-        let filters = self.law.kd != 0.0 || self.law.d0 != 0.0;
-        if self.filter == Method::ForwardEuler && filters && self.law.n * self.ts >= 2.0 {
+        if self.filter == Method::ForwardEuler && self.filters() && self.law.n * self.ts >= 2.0 {
             let (n, limit) = (self.law.n, 2.0 / self.ts);
             let message = format!("`n` is {n}, but the filter is stable only below 2 / ts = {limit}");
             return Err(ParamError::new("n", message)
@@ -103,7 +109,7 @@ impl Block for DiscretePid {
             let Sample { u, w, derivative } = self.sample(l, l.element(0, i), xi, xf);
             l.set(0, i, u);
             l.update(2 * i, xi + self.ts * w);
-            l.update(2 * i + 1, xf + self.ts * derivative);
+            l.update(2 * i + 1, if self.filters() { xf + self.ts * derivative } else { l.constant(0.0) });
         }
         true
     }

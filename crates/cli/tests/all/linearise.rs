@@ -42,21 +42,21 @@ const LAGS: &str = r#"Diagram(
 "#;
 
 /// A folder with a model that is removed at the end.
-struct Desk(PathBuf);
+pub struct Desk(pub PathBuf);
 
 impl Desk {
-    fn new(name: &str) -> Desk {
+    pub fn new(name: &str) -> Desk {
         let path = std::env::temp_dir().join(format!("blocksim-linearise-{}-{name}", std::process::id()));
         std::fs::create_dir_all(&path).expect("a folder");
         std::fs::write(path.join("lags.ron"), LAGS).expect("a model");
         Desk(path)
     }
 
-    fn linearise(&self, words: &[&str]) -> Output {
+    pub fn linearise(&self, words: &[&str]) -> Output {
         linearise(&self.0, words)
     }
 
-    fn json(&self, words: &[&str]) -> Value {
+    pub fn json(&self, words: &[&str]) -> Value {
         json(&self.linearise(&[words, &["--json"]].concat()))
     }
 }
@@ -67,26 +67,26 @@ impl Drop for Desk {
     }
 }
 
-fn linearise(folder: &Path, words: &[&str]) -> Output {
+pub fn linearise(folder: &Path, words: &[&str]) -> Output {
     let mut command = program();
     command.current_dir(folder).env("NO_COLOR", "1").env_remove("COLUMNS").arg("linearise").args(words);
     command.output().expect("the program runs")
 }
 
-fn said(output: &Output) -> String {
+pub fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-fn json(output: &Output) -> Value {
+pub fn json(output: &Output) -> Value {
     assert_eq!(output.status.code(), Some(0), "{}", said(output));
     serde_json::from_slice(&output.stdout).expect("data")
 }
 
-fn number(value: &Value) -> f64 {
+pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
 
-fn near(value: &Value, expected: f64) {
+pub fn near(value: &Value, expected: f64) {
     let value = number(value);
     assert!((value - expected).abs() <= 1e-6 * expected.abs().max(1e-3), "{value} is not {expected}");
 }
@@ -204,7 +204,10 @@ fn limits_and_samples_are_told_where_nothing_comes_through() {
     let desk = Desk::new("held");
     let held = desk.linearise(&["lags.ron", "--from", "c.y", "--to", "slow.y", "--no-plot"]);
     let text = String::from_utf8_lossy(&held.stdout).into_owned();
-    assert!(text.contains("held between samples, so that no change passes: `hold` (0.1 s)"), "{text}");
+    assert!(
+        text.contains("so that no change passes (--sampled takes the samples as they are): `hold` (0.1 s)"),
+        "{text}"
+    );
     assert!(text.contains("begin or end at its output"), "{text}");
     let from_there = desk.json(&["lags.ron", "--from", "hold.y", "--to", "slow.y"]);
     near(&from_there["ways"][0]["static_gain"], 1.0);
@@ -227,7 +230,7 @@ fn mistakes_are_told_with_a_remedy() {
         (&["--open", "gain.y", "--at", "21s"], 2, "the run is over at 20 s"),
         (&["--open", "gain.y", "--at=-1s"], 2, "begins at 0 s"),
         (&["--from", "gain.y"], 2, "--to"),
-        (&[], 2, "--open"),
+        (&["--to", "gain.y"], 2, "--from"),
         (&["--open", "gain.y", "--set", "gain=x"], 3, "x"),
     ] {
         let output = desk.linearise(&[&["lags.ron"], words].concat());

@@ -18,6 +18,9 @@ mod licences;
 #[cfg(unix)]
 mod limits;
 mod linearise;
+mod linearise_charts;
+mod linearise_dead_times;
+mod linearise_sampled;
 mod modules;
 mod mutants;
 mod pages_of_errors;

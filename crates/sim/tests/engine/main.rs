@@ -4,6 +4,7 @@ mod errors;
 mod events;
 mod freezing;
 mod looking;
+mod periods;
 mod recording;
 mod sampling;
 mod solvers;

@@ -67,20 +67,20 @@ pub fn drawing(found: &Found, theme: Theme) -> String {
     svg(&figure, theme)
 }
 
-fn title(found: &Found, margins: &str) -> String {
+pub(super) fn title(found: &Found, margins: &str) -> String {
     let question = &found.question;
     match question.is_loop {
-        true => format!("Loop through {}{margins}", question.from.name),
+        true => format!("Loop through {}{margins}", question.name()),
         false => match &question.to[..] {
-            [to] => format!("From {} to {}", question.from.name, to.name),
-            _ => format!("From {}", question.from.name),
+            [to] => format!("From {} to {}", question.name(), to.name),
+            _ => format!("From {}", question.name()),
         },
     }
 }
 
-fn said(margins: &Margins) -> String {
+pub(super) fn said(margins: &Margins) -> String {
     if !margins.stable {
-        return ": not stable when closed".to_owned();
+        return ": unstable when closed".to_owned();
     }
     let phase =
         margins.least_phase().map(|margin| format!("phase margin {}°", fixed(margin.value.to_degrees(), 1)));

@@ -4,14 +4,14 @@ use blocksim_linear::{Complex, DMatrix, Gain, Margin, Mode};
 use serde_json::{Value, json};
 
 use super::Found;
-use super::facts::{Way, decibels, degrees};
+use super::facts::{Law, Way, decibels, degrees};
 use super::matrices::{Hold, Stays};
 
 /// Everything with all digits, in SI units.
 pub fn json(found: &Found) -> Value {
     let (question, system) = (&found.question, &found.linearised);
     let open = question.open.iter().map(|place| json!({ "name": place.name, "unit": place.unit() }));
-    let to = question.to.iter().zip(&system.values[1..]);
+    let to = question.to.iter().zip(&system.values);
     let to = to.map(|(place, y)| json!({ "name": place.name, "unit": place.unit(), "value": y }));
     let held = system.held.iter().map(|(path, hold)| match hold {
         Hold::Sampled(period) => json!({ "path": path, "period": period }),
@@ -29,7 +29,13 @@ pub fn json(found: &Found) -> Value {
         "steady": found.steady,
         "adrift": found.adrift,
         "loop": question.is_loop,
-        "from": { "name": question.from.name, "unit": question.from.unit(), "value": system.values[0] },
+        "period": system.system.period,
+        "from": question.from.as_ref().map(|from| json!({
+            "name": from.name, "unit": from.unit(), "value": system.value,
+        })),
+        "dead_times": system.dead.iter().map(|(path, time)| json!({ "path": path, "time": time })).collect::<Vec<_>>(),
+        "growing": found.growing,
+        "constant": found.constant,
         "to": to.collect::<Vec<_>>(),
         "open": open.collect::<Vec<_>>(),
         "states": system.names.iter().zip(&system.x).map(|(name, x)| json!({ "name": name, "value": x })).collect::<Vec<_>>(),
@@ -44,6 +50,7 @@ pub fn json(found: &Found) -> Value {
         "held": held.collect::<Vec<_>>(),
         "poles": found.modes.iter().map(mode).collect::<Vec<_>>(),
         "ways": ways.collect::<Vec<_>>(),
+        "locus": found.locus.as_ref().map(|locus| locus.json()),
     })
 }
 
@@ -56,14 +63,25 @@ fn of_way(way: &Way, to: &str) -> Value {
             "delay": margins.delay.as_ref().map(margin),
             "sensitivity": margin(&margins.sensitivity),
             "closed_poles": margins.closed.iter().map(complex).collect::<Vec<_>>(),
+            "growing": margins.growing,
             "stable": margins.stable,
         })
     });
+    let dead = match &way.law {
+        Law::Rational(_) => None,
+        Law::Dead(dead) => Some(dead),
+    };
+    // Those of a way with dead times are not known.
+    let zeros = way.zeros.as_ref().filter(|_| dead.is_none());
+    let zeros = zeros.map(|zeros| zeros.iter().map(complex).collect::<Vec<_>>());
     json!({
         "to": to,
-        "order": way.channel.order(),
+        "order": way.order(),
         "poles": way.modes.iter().map(mode).collect::<Vec<_>>(),
-        "zeros": way.zeros.as_ref().map(|zeros| zeros.iter().map(complex).collect::<Vec<_>>()),
+        "zeros": zeros,
+        "dead_times": dead.map_or(&[][..], |dead| dead.delayed.times()),
+        "infinitely_many_poles": dead.is_some_and(|dead| dead.is_circular),
+        "growing": dead.and_then(|dead| dead.growing),
         "static_gain": match way.gain { Gain::Finite(gain) => Some(gain), Gain::Infinite => None },
         "bandwidth": way.bandwidth,
         "step": way.step.map(|step| json!({
@@ -78,7 +96,7 @@ fn matrix(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
-fn complex(z: &Complex<f64>) -> Value {
+pub(super) fn complex(z: &Complex<f64>) -> Value {
     json!([z.re, z.im])
 }
 

@@ -1,8 +1,9 @@
 //! What is told of each way from the input to an output.
 
 use blocksim_linear::{
-    Channel, Complex, Gain, LinearError, Margins, Mode, Reduced, Response, StepInfo, bandwidth, frequencies,
-    is_stable, margins, modes, poles, reduced, static_gain, step_info, zeros,
+    Channel, Complex, Delayed, Gain, LinearError, Margins, Mode, Reduced, Response, StateSpace, StepInfo,
+    bandwidth, bandwidth_delayed, frequencies, is_stable, margins, margins_delayed, modes, poles, reduced,
+    static_gain, step_info, zeros,
 };
 
 use super::matrices::Linearised;
@@ -10,8 +11,8 @@ use super::matrices::Linearised;
 /// One way from the input to an output, without the states that have no part in it.
 #[derive(Debug)]
 pub struct Way {
-    /// The channel itself.
-    pub channel: Channel,
+    /// The channel itself; of one with dead times nothing but its rational part is a channel.
+    pub law: Law,
     /// By how much, relative to its size, the response changed when states were left away.
     pub reduction: f64,
     /// Its poles.
@@ -32,12 +33,67 @@ pub struct Way {
     pub response: Vec<Complex<f64>>,
 }
 
-/// All poles of the system, with those of no way.
+/// What passes from the input to an output.
+#[derive(Debug, Clone)]
+pub enum Law {
+    /// A rational function.
+    Rational(Channel),
+    /// Dead times are on the way.
+    Dead(Dead),
+}
+
+/// A way with dead times on it.
+#[derive(Debug, Clone)]
+pub struct Dead {
+    /// The way.
+    pub delayed: Delayed,
+    /// Whether one of them feeds itself, which makes infinitely many poles.
+    pub is_circular: bool,
+    /// How many of these grow, where that is asked for and can be known.
+    pub growing: Option<usize>,
+}
+
+impl Way {
+    /// Time between two samples, s; none in continuous time.
+    pub fn period(&self) -> Option<f64> {
+        match &self.law {
+            Law::Rational(channel) => channel.period,
+            Law::Dead(_) => None,
+        }
+    }
+
+    /// Number of states that take part, besides what is in dead times.
+    pub fn order(&self) -> usize {
+        match &self.law {
+            Law::Rational(channel) => channel.order(),
+            Law::Dead(dead) => dead.delayed.order(),
+        }
+    }
+}
+
+/// All poles of the system, with those of no way, and the numbers of the states that nothing acts on: these are as constant as
+/// parameters, and no poles of the dynamics.
 ///
 /// # Errors
 /// If the eigenvalues cannot be computed.
-pub fn all_modes(linearised: &Linearised) -> Result<Vec<Mode>, LinearError> {
-    Ok(modes(&poles(&linearised.system.a)?, linearised.system.period))
+pub fn all_modes(linearised: &Linearised) -> Result<(Vec<Mode>, Vec<usize>), LinearError> {
+    let StateSpace { a, b, period, .. } = &linearised.system;
+    let n = a.nrows();
+    let stays = if period.is_some() { 1.0 } else { 0.0 };
+    let is_constant =
+        |&i: &usize| b.row(i).amax() == 0.0 && (0..n).all(|j| a[(i, j)] == if i == j { stays } else { 0.0 });
+    let (constant, moving): (Vec<usize>, Vec<usize>) = (0..n).partition(is_constant);
+    let own = a.select_rows(&moving).select_columns(&moving);
+    Ok((modes(&poles(&own)?, *period), constant))
+}
+
+/// How many poles of a model with dead times grow, if that can be known.
+///
+/// # Errors
+/// As [`Delayed::unstable`].
+pub fn all_growing(linearised: &Linearised) -> Result<Option<usize>, LinearError> {
+    let times: Vec<f64> = linearised.dead.iter().map(|dead| dead.1).collect();
+    Delayed::whole(&linearised.system, &times).unstable()
 }
 
 /// What is told of the ways to all outputs.
@@ -45,7 +101,40 @@ pub fn all_modes(linearised: &Linearised) -> Result<Vec<Mode>, LinearError> {
 /// # Errors
 /// If the eigenvalues cannot be computed.
 pub fn ways(linearised: &Linearised, is_loop: bool) -> Result<Vec<Way>, LinearError> {
-    (0..linearised.system.c.nrows()).map(|output| way(linearised, output, is_loop)).collect()
+    let outputs = linearised.system.c.nrows() - linearised.dead.len();
+    let times: Vec<f64> = linearised.dead.iter().map(|dead| dead.1).collect();
+    (0..outputs)
+        .map(|output| {
+            if times.is_empty() {
+                return way(linearised, output, is_loop);
+            }
+            let delayed = Delayed::new(&linearised.system, output, &times);
+            if delayed.is_rational() { way(linearised, output, is_loop) } else { dead_way(delayed, is_loop) }
+        })
+        .collect()
+}
+
+/// A way on which dead times are.
+fn dead_way(delayed: Delayed, is_loop: bool) -> Result<Way, LinearError> {
+    let poles = delayed.poles()?;
+    let frequencies = delayed.frequencies()?;
+    let response: Vec<Complex<f64>> = frequencies.iter().map(|&w| delayed.at(w)).collect();
+    let passes = response.iter().any(|l| l.norm() > 0.0);
+    // Of a loop that is not closed nobody asks.
+    let growing = if is_loop { None } else { delayed.unstable().unwrap_or(None) };
+    let is_stable = growing == Some(0);
+    Ok(Way {
+        modes: modes(&poles.clone().unwrap_or_default(), None),
+        gain: delayed.static_gain()?,
+        bandwidth: if is_stable { bandwidth_delayed(&delayed)? } else { None },
+        step: None,
+        margins: if is_loop { Some(margins_delayed(&delayed)?) } else { None },
+        response,
+        frequencies,
+        zeros: passes.then(Vec::new),
+        reduction: 0.0,
+        law: Law::Dead(Dead { is_circular: poles.is_none(), growing, delayed }),
+    })
 }
 
 fn way(linearised: &Linearised, output: usize, is_loop: bool) -> Result<Way, LinearError> {
@@ -68,7 +157,7 @@ fn way(linearised: &Linearised, output: usize, is_loop: bool) -> Result<Way, Lin
         frequencies,
         zeros,
         reduction: error,
-        channel,
+        law: Law::Rational(channel),
     })
 }
 

@@ -9,12 +9,13 @@ use blocksim_sim::{Frozen, SimError, Tap, state_names};
 use super::signals::Place;
 use crate::exit::Exit;
 use crate::failure::Failure;
+use crate::running::interrupt;
 
 /// What is asked for.
 #[derive(Debug, Clone)]
 pub struct Question {
-    /// The signal that is changed.
-    pub from: Place,
+    /// The signal that is changed; none where only poles are asked for.
+    pub from: Option<Place>,
     /// Those that answer; of a loop the signal itself.
     pub to: Vec<Place>,
     /// Where signals are cut.
@@ -23,16 +24,28 @@ pub struct Question {
     pub is_loop: bool,
 }
 
+impl Question {
+    /// What the signal that is changed is called.
+    pub fn name(&self) -> &str {
+        self.from.as_ref().map_or("", |from| &from.name)
+    }
+}
+
 /// A linear system and how it was made.
 #[derive(Debug)]
 pub struct Linearised {
-    /// From the one input to all outputs; the loop with the sign of a negative feedback.
+    /// From the one input to all outputs; the loop with the sign of a negative feedback. Behind them, what comes out of dead times as
+    /// inputs, and what goes into them as outputs.
     pub system: StateSpace,
+    /// The dead times: path and s.
+    pub dead: Vec<(String, f64)>,
     /// Names of the states.
     pub names: Vec<String>,
     /// States of the operating point.
     pub x: Vec<f64>,
-    /// Values there: of the input, then of the outputs.
+    /// Value of the input there, if there is one.
+    pub value: Option<f64>,
+    /// Values of the outputs there.
     pub values: Vec<f64>,
     /// Largest error of an entry, relative to the largest of its row.
     pub accuracy: f64,
@@ -69,6 +82,8 @@ pub enum NoMatrices {
     Simulation(SimError),
     /// There are none there.
     Said(Failure),
+    /// Ctrl-C.
+    Interrupted,
 }
 
 impl From<SimError> for NoMatrices {
@@ -83,87 +98,81 @@ impl From<LinearError> for NoMatrices {
     }
 }
 
+/// The dead times between the input and an output, element by element.
+struct DeadTime {
+    path: String,
+    time: f64,
+    /// Cells of what goes in and of what comes out.
+    begin: usize,
+    end: usize,
+}
+
 /// The linear system around an operating point.
 ///
 /// # Errors
 /// [`NoMatrices`].
 pub fn linearise(frozen: Frozen, question: &Question) -> Result<Linearised, NoMatrices> {
-    let first = Tap {
-        cell: question.from.cell,
-        open: question.is_loop || question.open.iter().any(|o| o.cell == question.from.cell),
-    };
-    let others = question.open.iter().filter(|open| open.cell != first.cell);
-    let taps: Vec<Tap> =
-        std::iter::once(first).chain(others.map(|open| Tap { cell: open.cell, open: true })).collect();
-    let mut frozen = frozen.with_taps(taps.clone())?;
     let schedule = frozen.simulation().schedule().clone();
-    let (x, n) = (frozen.states().to_vec(), frozen.states().len());
-    let input = frozen.signal(question.from.cell);
     let between = between(&schedule, question);
+    let dead = dead_times(&schedule, &between);
+    let taps = taps(question, dead.iter().map(|dead| dead.end));
+    let cut: Vec<bool> = taps.iter().map(|tap| tap.open).collect();
+    let delayed = |tap: &Tap| dead.iter().position(|dead| dead.end == tap.cell);
+    let opened = taps.iter().map(|tap| Tap { open: tap.open || delayed(tap).is_some(), ..*tap }).collect();
+    let mut frozen = frozen.with_taps(opened)?;
+    let (x, n) = (frozen.states().to_vec(), frozen.states().len());
+    let inputs = usize::from(question.from.is_some());
+    let value = question.from.as_ref().map(|from| frozen.signal(from.cell));
     let modes = modes(&schedule, &between, frozen.discrete());
     let mut change = vec![0.0; taps.len()];
-    let rows = n + question.to.len();
-    let mut evaluate = |z: &[f64], out: &mut [f64]| -> Result<(), SimError> {
-        change[0] = z[n];
+    let (outputs, rows) = (question.to.len(), n + question.to.len() + dead.len());
+    let mut evaluate = |z: &[f64], out: &mut [f64]| -> Result<(), NoMatrices> {
+        if interrupt::is_requested() {
+            return Err(NoMatrices::Interrupted);
+        }
+        let (input, ends) = z[n..].split_at(inputs);
+        for (place, tap) in taps.iter().enumerate() {
+            let own = question.from.as_ref().filter(|from| from.cell == tap.cell).map_or(0.0, |_| input[0]);
+            // Behind a cut nothing comes out of a dead time.
+            let end = delayed(tap).filter(|_| !cut[place]).map_or(0.0, |dead| ends[dead]);
+            change[place] = own + end;
+        }
         let (dx, y) = out.split_at_mut(n);
         frozen.evaluate(&z[..n], &change, dx)?;
         for (y, to) in y.iter_mut().zip(&question.to) {
             // In front of a cut stands what comes to it.
-            let cut = taps.iter().position(|tap| tap.open && tap.cell == to.cell);
-            *y = match cut {
-                Some(_) if question.is_loop => -frozen.given()[0],
-                Some(cut) => frozen.given()[cut],
+            let place = taps.iter().position(|tap| tap.open && tap.cell == to.cell);
+            let given = |place: usize| delayed(&taps[place]).map_or(frozen.given()[place], |dead| ends[dead]);
+            *y = match place {
+                Some(place) if question.is_loop => -given(place),
+                Some(place) => given(place),
                 None => frozen.signal(to.cell),
             };
         }
+        y[outputs..].iter_mut().zip(&dead).for_each(|(y, dead)| *y = frozen.signal(dead.begin));
         Ok(())
     };
-    let point: Vec<f64> = x.iter().copied().chain([0.0]).collect();
+    let point: Vec<f64> = x.iter().copied().chain(vec![0.0; inputs + dead.len()]).collect();
     let mut there = vec![0.0; rows];
     evaluate(&point, &mut there)?;
     let names = state_names(&schedule);
-    let row_name = |row: usize| match names.get(row) {
-        Some(state) => format!("the derivative of `{state}`"),
-        None => format!("`{}`", question.to[row - n].name),
+    let ends = dead.iter().map(|dead| format!("`{}`", dead.path));
+    let rows_named: Vec<String> = names.iter().map(|state| format!("the derivative of `{state}`")).collect();
+    let outputs_named = question.to.iter().map(|to| format!("`{}`", to.name)).chain(ends.clone());
+    let inputs_named = question.from.iter().map(|from| format!("`{}`", from.name)).chain(ends);
+    let labels = Labels {
+        rows: rows_named.into_iter().chain(outputs_named).collect(),
+        columns: names.iter().map(|state| format!("`{state}`")).chain(inputs_named).collect(),
     };
-    if let Some(row) = there.iter().position(|value| !value.is_finite()) {
-        let said = format!("{} is {} at the operating point", row_name(row), there[row]);
-        let failure = Failure::new(Exit::Failed, "linearise", said);
-        return Err(NoMatrices::Said(failure.help("choose another instant with --at")));
-    }
-    let slopes = jacobian(&point, rows, evaluate)?;
-    let column_name = |column: usize| names.get(column).unwrap_or(&question.from.name);
-    if let Some(at) = slopes.value.iter().position(|value| !value.is_finite()) {
-        let (row, column) = (at % rows, at / rows);
-        let said = format!("{} has no finite slope over `{}`", row_name(row), column_name(column));
-        let failure = Failure::new(Exit::Failed, "linearise", said);
-        return Err(NoMatrices::Said(
-            failure.help("the law has a jump or a pole there; choose another instant with --at"),
-        ));
-    }
-    let part = |row: usize, column: usize, rows: usize, columns: usize| {
-        slopes.value.view((row, column), (rows, columns)).into_owned()
-    };
-    let m = question.to.len();
-    let system =
-        StateSpace::new(part(0, 0, n, n), part(0, n, n, 1), part(n, 0, m, n), part(n, n, m, 1), None)?;
-    let kinks = slopes.kinks.iter().map(|kink| {
-        let Kink { row, column, left, right } = *kink;
-        format!(
-            "{} over `{}`: {} below, {} above",
-            row_name(row),
-            column_name(column),
-            blocksim_results::format::significant(left, 4),
-            blocksim_results::format::significant(right, 4)
-        )
-    });
+    let Slopes { system, accuracy, kinks } = slopes((&point, &there, n), None, &labels, evaluate)?;
     let sign = if question.is_loop { -1.0 } else { 1.0 };
-    let values = std::iter::once(input).chain(there[n..].iter().map(|y| sign * y));
     Ok(Linearised {
-        accuracy: slopes.accuracy(),
-        kinks: kinks.collect(),
-        values: values.collect(),
+        accuracy,
+        kinks,
+        value,
+        values: there[n..n + outputs].iter().map(|y| sign * y).collect(),
         held: held(&schedule, &between),
+        dead: dead.into_iter().map(|dead| (dead.path, dead.time)).collect(),
         modes,
         names,
         x,
@@ -171,8 +180,95 @@ pub fn linearise(frozen: Frozen, question: &Question) -> Result<Linearised, NoMa
     })
 }
 
-/// Blocks between the input and an output, by index.
-fn between(schedule: &Schedule, question: &Question) -> Vec<usize> {
+/// Where signals are changed or cut, and at these cells besides.
+pub(super) fn taps(question: &Question, others: impl Iterator<Item = usize>) -> Vec<Tap> {
+    let is_open = |cell: usize| question.open.iter().any(|open| open.cell == cell);
+    let named = question.from.iter().chain(&question.open).map(|place| place.cell);
+    let mut taps: Vec<Tap> = Vec::new();
+    for cell in named.chain(others) {
+        if taps.iter().all(|tap| tap.cell != cell) {
+            taps.push(Tap { cell, open: is_open(cell) });
+        }
+    }
+    taps
+}
+
+/// What rows and columns of slopes are called.
+pub(super) struct Labels {
+    pub rows: Vec<String>,
+    pub columns: Vec<String>,
+}
+
+/// Slopes as the matrices of a system.
+pub(super) struct Slopes {
+    pub system: StateSpace,
+    pub accuracy: f64,
+    pub kinks: Vec<String>,
+}
+
+/// The slopes of a function of `n` states and of inputs, which gives as many states or derivatives and then outputs, at a point with its values
+/// `there`.
+pub(super) fn slopes(
+    (point, there, n): (&[f64], &[f64], usize),
+    period: Option<f64>,
+    labels: &Labels,
+    evaluate: impl FnMut(&[f64], &mut [f64]) -> Result<(), NoMatrices>,
+) -> Result<Slopes, NoMatrices> {
+    let (rows, m) = (there.len(), point.len() - n);
+    let outputs = rows - n;
+    let said =
+        |text: String, help: &str| NoMatrices::Said(Failure::new(Exit::Failed, "linearise", text).help(help));
+    if let Some(row) = there.iter().position(|value| !value.is_finite()) {
+        let text = format!("{} is {} at the operating point", labels.rows[row], there[row]);
+        return Err(said(text, "choose another instant with --at"));
+    }
+    let slopes = jacobian(point, rows, evaluate)?;
+    if let Some(at) = slopes.value.iter().position(|value| !value.is_finite()) {
+        let text =
+            format!("{} has no finite slope over {}", labels.rows[at % rows], labels.columns[at / rows]);
+        return Err(said(text, "the law has a jump or a pole there; choose another instant with --at"));
+    }
+    let part = |row: usize, column: usize, rows: usize, columns: usize| {
+        slopes.value.view((row, column), (rows, columns)).into_owned()
+    };
+    let system = StateSpace::new(
+        part(0, 0, n, n),
+        part(0, n, n, m),
+        part(n, 0, outputs, n),
+        part(n, n, outputs, m),
+        period,
+    )?;
+    let kinks = slopes.kinks.iter().map(|kink| {
+        let Kink { row, column, left, right } = *kink;
+        format!(
+            "{} over {}: {} below, {} above",
+            labels.rows[row],
+            labels.columns[column],
+            blocksim_results::format::significant(left, 4),
+            blocksim_results::format::significant(right, 4)
+        )
+    });
+    Ok(Slopes { system, accuracy: slopes.accuracy(), kinks: kinks.collect() })
+}
+
+/// The dead times among some blocks.
+fn dead_times(schedule: &Schedule, between: &[usize]) -> Vec<DeadTime> {
+    let blocks = between.iter().map(|&block| &schedule.blocks[block]);
+    let dead = blocks.filter_map(|block| Some((block, block.interface.dead_time?, block.gather.first()?)));
+    dead.flat_map(|(block, time, &(from, count))| {
+        (0..count as usize).map(move |element| DeadTime {
+            path: block.path.clone(),
+            time,
+            begin: from as usize + element,
+            end: block.y + element,
+        })
+    })
+    .collect()
+}
+
+/// Blocks between the input and an output, by index; without an input all.
+pub(super) fn between(schedule: &Schedule, question: &Question) -> Vec<usize> {
+    let Some(input) = &question.from else { return (0..schedule.blocks.len()).collect() };
     let cut: BTreeSet<usize> = question.open.iter().map(|open| open.cell).collect();
     let reads = |block: usize, cells: &BTreeSet<usize>| {
         let mut spans = schedule.blocks[block].gather.iter();
@@ -184,7 +280,7 @@ fn between(schedule: &Schedule, question: &Question) -> Vec<usize> {
         block.y..block.y + width
     };
     // Forwards from the input, through everything.
-    let mut cells = BTreeSet::from([question.from.cell]);
+    let mut cells = BTreeSet::from([input.cell]);
     let mut reached: BTreeSet<usize> = BTreeSet::new();
     let mut grows = true;
     while grows {
@@ -225,6 +321,7 @@ fn held(schedule: &Schedule, between: &[usize]) -> Vec<(String, Hold)> {
     let held = between.iter().map(|&block| &schedule.blocks[block]).filter_map(|block| {
         let hold = match block.rate {
             Some(rate) => Hold::Sampled(clock.time(clock.rates.get(rate)?.period)),
+            None if block.interface.dead_time.is_some() => return None,
             None if block.interface.accepts || block.interface.remembers.is_some() => Hold::Remembers,
             None => return None,
         };
@@ -235,7 +332,7 @@ fn held(schedule: &Schedule, between: &[usize]) -> Vec<(String, Hold)> {
 
 /// Those whose modes keep them from moving freely: dry friction of a network whose mode is 0 holds, and a mode of any other
 /// block that is not 0 is a limit.
-fn modes(schedule: &Schedule, between: &[usize], values: &[f64]) -> Vec<(String, Stays)> {
+pub(super) fn modes(schedule: &Schedule, between: &[usize], values: &[f64]) -> Vec<(String, Stays)> {
     let mut found: Vec<(String, Stays)> = Vec::new();
     for block in between.iter().map(|&block| &schedule.blocks[block]) {
         for (state, value) in block.interface.discrete.iter().zip(&values[block.d..]) {

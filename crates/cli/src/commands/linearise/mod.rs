@@ -1,11 +1,15 @@
-//! `blocksim linearise`: the linear system around an operating point of a model, and what is told of it.
+//! `blocksim linearise`: the linear system around an operating point of a model, and what follows from it.
 
 mod bode;
 mod data;
 mod facts;
+mod locus;
 mod matrices;
+mod nyquist;
 mod point;
+mod pole_map;
 mod report;
+mod sampled;
 mod signals;
 
 use std::sync::Arc;
@@ -13,10 +17,11 @@ use std::sync::Arc;
 use blocksim_block::schedule::Schedule;
 use blocksim_linear::{LinearError, Mode};
 
-use self::facts::{Way, all_modes, ways};
+use self::facts::{Law, Way, all_growing, all_modes, ways};
+use self::locus::Locus;
 use self::matrices::{Linearised, NoMatrices, Question};
 use self::point::Lost;
-use crate::args::linearise::LineariseArgs;
+use crate::args::linearise::{Chart, LineariseArgs};
 use crate::disk::{free, write_file};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
@@ -42,10 +47,16 @@ pub struct Found {
     pub adrift: Vec<String>,
     /// The matrices.
     pub linearised: Linearised,
-    /// All poles of the system.
+    /// States that nothing acts on, by name.
+    pub constant: Vec<String>,
+    /// All poles of the system, without those of these states.
     pub modes: Vec<Mode>,
+    /// How many of infinitely many poles grow, where dead times are in a model of which nothing but poles is asked.
+    pub growing: Option<usize>,
     /// To each output.
     pub ways: Vec<Way>,
+    /// Where the poles go, if that is asked for.
+    pub locus: Option<Locus>,
 }
 
 /// Linearises a model and tells poles, zeros, margins and frequency responses.
@@ -65,18 +76,58 @@ pub fn linearise(args: &LineariseArgs, console: Console) -> Outcome {
     let schedule = Arc::new(schedule);
     let question = asked(args, &schedule)?;
     interrupt::take_over();
-    let found = found(args, &schedule, question, &loaded)?;
+    let mut found = found(args, &schedule, question, &loaded)?;
+    found.locus = match &args.locus {
+        None => None,
+        Some(None) => Some(locus::of_gain(&found)?),
+        Some(Some(over)) => Some(locus::of_parameter(args, over, console)?),
+    };
+    let chart = chart(args, &found)?;
     if args.json {
         console.data(&format!("{}\n", data::json(&found)))?;
     } else {
         console.data(&report::text(&found, console, !args.no_plot))?;
     }
-    write(args, &found, console)?;
+    write(args, &found, chart, console)?;
     Ok(Exit::Done)
 }
 
+/// What is drawn.
+fn chart(args: &LineariseArgs, found: &Found) -> Result<Chart, Failure> {
+    let is_drawn = args.svg.is_some() || args.png.is_some();
+    let fits = match args.chart {
+        None if found.locus.is_some() => return Ok(Chart::Locus),
+        None if found.question.from.is_none() => return Ok(Chart::Poles),
+        None => return Ok(Chart::Bode),
+        Some(chart) => chart,
+    };
+    if !is_drawn {
+        return Err(Failure::usage("--chart needs a file").help("name one with --svg FILE or --png FILE"));
+    }
+    let has_signals = found.question.from.is_some();
+    match fits {
+        Chart::Locus if found.locus.is_none() => {
+            Err(Failure::usage("a root locus needs to know what is varied").help(
+                "add --locus for the gain of a loop, or --locus=TARGET=VALUES for a parameter, as in \
+                 --locus=pid.kp=1..100/60log",
+            ))
+        }
+        Chart::Bode | Chart::Nyquist if !has_signals => {
+            Err(Failure::usage("there is no response without a signal")
+                .help("name a loop to cut, --open, or a signal to begin at, --from and --to"))
+        }
+        Chart::Poles
+            if found.ways.iter().any(|way| matches!(&way.law, Law::Dead(dead) if dead.is_circular)) =>
+        {
+            Err(Failure::usage("there are infinitely many poles, because of a dead time in a loop")
+                .help("draw the response instead, --chart bode or --chart nyquist"))
+        }
+        chart => Ok(chart),
+    }
+}
+
 /// Writes the files that were asked for.
-fn write(args: &LineariseArgs, found: &Found, console: Console) -> Result<(), Failure> {
+fn write(args: &LineariseArgs, found: &Found, chart: Chart, console: Console) -> Result<(), Failure> {
     if let Some(file) = &args.csv {
         write_file(file, data::csv(found).as_bytes(), args.yes)?;
         console.say(&format!("the frequency response is in {}", file.display()));
@@ -84,7 +135,13 @@ fn write(args: &LineariseArgs, found: &Found, console: Console) -> Result<(), Fa
     if args.svg.is_none() && args.png.is_none() {
         return Ok(());
     }
-    let drawing = bode::drawing(found, args.theme.into());
+    let theme = args.theme.into();
+    let drawing = match chart {
+        Chart::Bode => bode::drawing(found, theme),
+        Chart::Nyquist => nyquist::drawing(found, theme),
+        Chart::Poles => pole_map::drawing(found, theme),
+        Chart::Locus => locus::drawing(found, theme),
+    };
     for file in write_pictures(&drawing, args.svg.as_deref(), args.png.as_deref(), args.scale, args.yes)? {
         console.say(&format!("the drawing is in {}", file.display()));
     }
@@ -98,23 +155,41 @@ fn found(
     loaded: &Loaded,
 ) -> Result<Found, Failure> {
     let simulation = |error| Failure::of(Exit::Failed, vec![failure(&error, schedule)], loaded.files.clone());
-    let (frozen, adrift) = point::at(schedule, args.at, args.steady).map_err(|lost| match lost {
-        Lost::Simulation(error) => simulation(error),
-        Lost::Interrupted => Failure::interrupted("nothing was linearised"),
-    })?;
-    let linearised = matrices::linearise(frozen, &question).map_err(|none| match none {
+    let none = |none: NoMatrices| match none {
         NoMatrices::Simulation(error) => simulation(error),
         NoMatrices::Said(failure) => failure,
-    })?;
+        NoMatrices::Interrupted => Failure::interrupted("nothing was linearised"),
+    };
+    let (linearised, t, adrift) = match args.sampled {
+        Some(period) => {
+            let when = sampled::When { at: args.at, period, steady: args.steady };
+            sampled::linearise(schedule, &question, when).map_err(none)?
+        }
+        None => {
+            let (frozen, adrift) = point::at(schedule, args.at, args.steady).map_err(|lost| match lost {
+                Lost::Simulation(error) => simulation(error),
+                Lost::Interrupted => Failure::interrupted("nothing was linearised"),
+            })?;
+            (matrices::linearise(frozen, &question).map_err(none)?, args.at, adrift)
+        }
+    };
     let wrong = |error: LinearError| Failure::new(Exit::Failed, "linearise", error.to_string());
-    let modes = all_modes(&linearised).map_err(wrong)?;
+    if question.from.is_none() && linearised.names.is_empty() {
+        return Err(Failure::usage("the model has no states, and so no poles")
+            .help("name a signal to begin at, --from, and some that answer, --to"));
+    }
+    let (modes, constant) = all_modes(&linearised).map_err(wrong)?;
+    let constant = constant.into_iter().map(|state| linearised.names[state].clone()).collect();
+    let is_bare = question.from.is_none() && !linearised.dead.is_empty();
+    let growing = if is_bare { all_growing(&linearised).map_err(wrong)? } else { None };
     let ways = ways(&linearised, question.is_loop).map_err(wrong)?;
     let title = if schedule.title.is_empty() {
         args.model.model.file_stem().unwrap_or_default().to_string_lossy().into_owned()
     } else {
         schedule.title.clone()
     };
-    Ok(Found { title, question, t: args.at, steady: args.steady, adrift, linearised, modes, ways })
+    let steady = args.steady;
+    Ok(Found { title, question, t, steady, adrift, linearised, constant, modes, growing, ways, locus: None })
 }
 
 /// What the command line asks for, in terms of the model.
@@ -134,8 +209,10 @@ fn asked(args: &LineariseArgs, schedule: &Schedule) -> Result<Question, Failure>
     let to = args.to.iter().map(find).collect::<Result<Vec<_>, _>>()?;
     let from = args.from.as_ref().map(find).transpose()?;
     match (from, open.first().cloned()) {
-        (Some(from), _) => Ok(Question { from, to, open, is_loop: false }),
-        (None, Some(first)) => Ok(Question { to: vec![first.clone()], from: first, open, is_loop: true }),
-        (None, None) => Err(Failure::usage("name a signal to begin at, --from, or a loop to cut, --open")),
+        (Some(from), _) => Ok(Question { from: Some(from), to, open, is_loop: false }),
+        (None, Some(first)) => {
+            Ok(Question { to: vec![first.clone()], from: Some(first), open, is_loop: true })
+        }
+        (None, None) => Ok(Question { from: None, to, open, is_loop: false }),
     }
 }

@@ -40,8 +40,8 @@ pub fn at(schedule: &Arc<Schedule>, t: f64, steady: bool) -> Result<(Frozen, Vec
     Ok((Frozen::new(simulation, Vec::new())?, adrift))
 }
 
-/// Looks at nothing, but heeds Ctrl-C.
-struct Patient;
+/// Looks at nothing, but respects Ctrl-C.
+pub struct Patient;
 
 impl Observer for Patient {
     fn row(&mut self, _t: f64, _values: &[f64]) {}

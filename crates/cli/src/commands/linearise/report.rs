@@ -5,19 +5,28 @@ use blocksim_results::format::{fixed, significant};
 use blocksim_results::{Align, PlotOptions, Series, Table, plot};
 
 use super::Found;
-use super::facts::{Way, decibels, degrees};
+use super::facts::{Dead, Law, Way, decibels, degrees};
 use super::matrices::{Hold, Stays};
 use crate::terminal::console::Console;
 use crate::terminal::format::short_time;
 
 /// Rows of poles that are told of one way.
 const ROWS: usize = 24;
+/// Distance from the unit circle below which no measured slope tells on which side a pole is.
+const BORDER: f64 = 1e-6;
 /// Entries of other lists.
 const FEW: usize = 6;
 
 /// All about a linear system.
 pub fn text(found: &Found, console: Console, draws: bool) -> String {
     let mut text = heading(found);
+    if found.question.from.is_none() {
+        text.push_str(&of_model(found));
+    }
+    if let Some(locus) = &found.locus {
+        text.push_str(&locus.text());
+        return text;
+    }
     for (n, way) in found.ways.iter().enumerate() {
         text.push('\n');
         text.push_str(&of_way(found, way, n));
@@ -35,14 +44,20 @@ fn heading(found: &Found) -> String {
         true => "at rest".to_owned(),
         false => format!("at {} s", short_time(found.t)),
     };
-    let what = match question.is_loop {
-        true => format!("loop through `{}`, once around", question.from.name),
-        false => format!("from `{}`", question.from.name),
+    let period = found.linearised.system.period;
+    let instant = match period {
+        Some(period) => format!("{instant}, from hit to hit of {} s", short_time(period)),
+        None => instant,
+    };
+    let what = match (&question.from, question.is_loop) {
+        (None, _) => "poles".to_owned(),
+        (Some(from), true) => format!("loop through `{}`, once around", from.name),
+        (Some(from), false) => format!("from `{}`", from.name),
     };
     let cut: Vec<String> = question
         .open
         .iter()
-        .filter(|open| !question.is_loop || open.cell != question.from.cell)
+        .filter(|open| !question.is_loop || question.from.as_ref().is_none_or(|from| open.cell != from.cell))
         .map(|open| format!("`{}`", open.name))
         .collect();
     let cut = if cut.is_empty() { String::new() } else { format!(", cut at {}", cut.join(", ")) };
@@ -76,7 +91,9 @@ fn heading(found: &Found) -> String {
     });
     let remembers = told(&|how| (how == Hold::Remembers).then(String::new));
     if !sampled.is_empty() {
-        text.push_str(&format!("held between samples, so that no change passes: {sampled}\n"));
+        text.push_str(&format!(
+            "held between samples, so that no change passes (--sampled takes the samples as they are): {sampled}\n"
+        ));
     }
     if !remembers.is_empty() {
         text.push_str(&format!("held, as they answer from memory: {remembers}\n"));
@@ -114,7 +131,8 @@ fn of_way(found: &Found, way: &Way, output: usize) -> String {
     let to = &question.to[output];
     let mut text = String::new();
     if !question.is_loop {
-        let unit = match (to.unit().as_str(), question.from.unit().as_str()) {
+        let from = question.from.as_ref().map_or_else(String::new, |from| from.unit());
+        let unit = match (to.unit().as_str(), from.as_str()) {
             ("1", "1") => String::new(),
             (to, from) if to == from => String::new(),
             (to, from) => format!(", in {to} for a {from}"),
@@ -126,13 +144,16 @@ fn of_way(found: &Found, way: &Way, output: usize) -> String {
         0.0 => String::new(),
         change => format!("; leaving the others away changes the response by {}", changed(change)),
     };
-    text.push_str(&format!("{} of {states} states take part{left}\n", way.channel.order()));
+    text.push_str(&format!("{} of {states} states take part{left}\n", way.order()));
     if way.zeros.is_none() {
         text.push_str(&nothing(found));
         return text;
     }
+    if let Law::Dead(dead) = &way.law {
+        text.push_str(&dead_times(dead, question.is_loop));
+    }
     if !way.modes.is_empty() {
-        text.push_str(&poles(&way.modes, way.channel.period.is_some()));
+        text.push_str(&poles(&way.modes, way.period().is_some()));
     }
     if let Some(zeros) = way.zeros.as_ref().filter(|zeros| !zeros.is_empty()) {
         let shown: Vec<String> = pairs(zeros).iter().take(FEW).map(|zero| complex(*zero)).collect();
@@ -159,10 +180,65 @@ fn of_way(found: &Found, way: &Way, output: usize) -> String {
         facts.row(["step", &step]);
     }
     if let Some(margins) = &way.margins {
-        of_margins(&mut facts, margins);
+        of_margins(&mut facts, margins, way.period().is_some());
     }
     text.push_str(&facts.render());
     text
+}
+
+/// All poles of a model.
+fn of_model(found: &Found) -> String {
+    let system = &found.linearised;
+    let mut text = "\n".to_owned();
+    if !system.dead.is_empty() {
+        let all: Vec<String> = system.dead.iter().take(FEW).map(|(path, _)| format!("`{path}`")).collect();
+        let growing = match found.growing {
+            Some(0) => "none of them grows".to_owned(),
+            Some(count) => format!("{count} of them grow"),
+            None => "whether any of them grows cannot be decided".to_owned(),
+        };
+        text.push_str(&format!(
+            "with dead times, {}, there are infinitely many poles: {growing}; those below are of the model with what comes out of \
+             the dead times held\n",
+            all.join(", ")
+        ));
+    }
+    if !found.constant.is_empty() {
+        let names: Vec<String> = found.constant.iter().take(FEW).map(|name| format!("`{name}`")).collect();
+        let more = found.constant.len().saturating_sub(FEW);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        text.push_str(&format!("constant, as nothing acts on it: {}{more}\n", names.join(", ")));
+    }
+    text.push_str(&poles(&found.modes, system.system.period.is_some()));
+    if system.dead.is_empty() {
+        let is_stable =
+            found.modes.iter().all(|mode| mode.time_constant >= 0.0 && mode.time_constant.is_finite());
+        let grows = found.modes.iter().any(|mode| mode.time_constant < 0.0);
+        text.push_str(match (is_stable, grows) {
+            (true, _) => "stable\n",
+            (_, true) => "not stable: what has a negative damping grows\n",
+            _ => "at the border of stability: what has an infinite time constant stays\n",
+        });
+    }
+    text
+}
+
+/// Dead times on a way, and what they do to its poles.
+fn dead_times(dead: &Dead, is_loop: bool) -> String {
+    let times: Vec<String> =
+        dead.delayed.times().iter().take(FEW).map(|time| format!("{} s", short_time(*time))).collect();
+    let more = dead.delayed.times().len().saturating_sub(FEW);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let what = match (dead.is_circular, dead.growing) {
+        (false, _) => "; poles are those of the rest",
+        (true, _) if is_loop => "; poles are infinitely many, as one of them feeds itself",
+        (true, Some(0)) => "; poles are infinitely many, as one of them feeds itself, and none grows",
+        (true, Some(_)) => "; poles are infinitely many, as one of them feeds itself, and some grow",
+        (true, None) => {
+            "; poles are infinitely many, as one of them feeds itself; whether any grows is not known"
+        }
+    };
+    format!("dead time {}{more}, exact in the response{what}\n", times.join(", "))
 }
 
 /// Why nothing comes through, as far as it is known.
@@ -170,7 +246,7 @@ fn nothing(found: &Found) -> String {
     match found.linearised.held.first() {
         Some((path, Hold::Sampled(_))) => format!(
             "nothing comes through: the way leads through `{path}`, which is held between its samples; begin or end at its \
-             output\n"
+             output, or linearise from hit to hit, --sampled\n"
         ),
         Some((path, Hold::Remembers)) => {
             format!("nothing comes through: the way leads through `{path}`, which answers from memory\n")
@@ -180,7 +256,13 @@ fn nothing(found: &Found) -> String {
     }
 }
 
-fn of_margins(facts: &mut Table, margins: &Margins) {
+/// The pole of a closed loop that grows fastest.
+fn worst(margins: &Margins, is_sampled: bool) -> Option<Complex<f64>> {
+    let growth = |pole: &Complex<f64>| if is_sampled { pole.norm() } else { pole.re };
+    margins.closed.iter().copied().max_by(|a, b| growth(a).total_cmp(&growth(b)))
+}
+
+fn of_margins(facts: &mut Table, margins: &Margins, is_sampled: bool) {
     let none = |what: &str| format!("infinite, the {what} is nowhere");
     let at = |margin: Margin, value: String| format!("{value} at {}", frequency(margin.frequency));
     let gain = margins.least_gain().map_or(none("phase of -180 deg"), |margin| {
@@ -205,10 +287,16 @@ fn of_margins(facts: &mut Table, margins: &Margins) {
     facts.row(["sensitivity", &at(peak, format!("up to {}", significant(peak.value, 4)))]);
     let closed = match margins.stable {
         true => "stable".to_owned(),
-        false => {
-            let worst = margins.closed.iter().max_by(|a, b| a.re.total_cmp(&b.re));
-            format!("not stable: a pole at {}", worst.map_or_else(String::new, |pole| complex(*pole)))
-        }
+        false => match (margins.growing, worst(margins, is_sampled)) {
+            (Some(1), _) => "not stable: a pole grows".to_owned(),
+            (Some(count), _) => format!("not stable: {count} poles grow"),
+            (None, Some(pole)) if is_sampled && pole.norm() < 1.0 + BORDER => format!(
+                "at its border: a pole at {}, closer to the unit circle than slopes are exact",
+                complex(pole)
+            ),
+            (None, Some(pole)) => format!("not stable: a pole at {}", complex(pole)),
+            (None, None) => "not stable: infinitely many poles may grow".to_owned(),
+        },
     };
     facts.row(["closed loop", &closed]);
 }
@@ -218,7 +306,7 @@ fn frequency(rad: f64) -> String {
 }
 
 /// A table of poles, a pair in one row.
-fn poles(modes: &[Mode], is_sampled: bool) -> String {
+pub(super) fn poles(modes: &[Mode], is_sampled: bool) -> String {
     let heading = if is_sampled { "poles, z" } else { "poles [rad/s]" };
     let mut table = Table::new(&[
         (heading, Align::Right),
@@ -226,7 +314,13 @@ fn poles(modes: &[Mode], is_sampled: bool) -> String {
         ("damping", Align::Right),
         ("time constant [s]", Align::Right),
     ]);
-    let shown: Vec<&Mode> = modes.iter().filter(|mode| mode.pole.im >= 0.0).collect();
+    // What has died out after a sample or a few says little, and there may be many of them.
+    let (over, rest): (Vec<&Mode>, Vec<&Mode>) =
+        modes.iter().partition(|mode| is_sampled && mode.pole.norm() == 0.0);
+    let mut shown: Vec<&Mode> = rest.into_iter().filter(|mode| mode.pole.im >= 0.0).collect();
+    if is_sampled {
+        shown.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+    }
     for mode in shown.iter().take(ROWS) {
         table.row([
             complex(mode.pole),
@@ -237,7 +331,12 @@ fn poles(modes: &[Mode], is_sampled: bool) -> String {
     }
     let more = shown.len().saturating_sub(ROWS);
     let more = if more > 0 { format!("and {more} more\n") } else { String::new() };
-    format!("{}{more}", table.render())
+    let over = match over.len() {
+        0 => String::new(),
+        count => format!("and {count} at z = 0, which die out within as many samples\n"),
+    };
+    let table = if shown.is_empty() { String::new() } else { table.render() };
+    format!("{table}{more}{over}")
 }
 
 /// Of two that mirror each other the one above the axis.
@@ -246,7 +345,7 @@ fn pairs(all: &[Complex<f64>]) -> Vec<Complex<f64>> {
 }
 
 /// `-3.2`, `-1.5 ± 20j`.
-fn complex(z: Complex<f64>) -> String {
+pub(super) fn complex(z: Complex<f64>) -> String {
     match z.im {
         im if im.abs() <= 1e-12 * z.norm() => significant(z.re, 4),
         im if z.re.abs() <= 1e-12 * z.norm() => format!("±{}j", significant(im.abs(), 4)),

@@ -1,6 +1,7 @@
 //! One block for each thing that a block can do.
 
 use blocksim_block::{Block, Context, Crossing, Given, Input, Interface, InterfaceError, Output, Scratch};
+use blocksim_signal::SampleTime;
 
 type Result = std::result::Result<Interface, InterfaceError>;
 
@@ -394,6 +395,22 @@ pub struct Hold(pub f64);
 impl Block for Hold {
     fn interface(&self, _: &Given) -> Result {
         Ok(inputs(&["u"]).output(Output::real("y")).sampled(self.0))
+    }
+
+    fn outputs(&self, _: usize, c: &Context, _: &mut Scratch, y: &mut [f64]) {
+        y[0] = c.scalar(0);
+    }
+}
+
+/// As [`Hold`], with hits in the middle between those of it.
+#[derive(Debug)]
+pub struct Late(pub f64);
+
+impl Block for Late {
+    fn interface(&self, _: &Given) -> Result {
+        let mut interface = inputs(&["u"]).output(Output::real("y"));
+        interface.sample_time = Some(SampleTime::Discrete { period: self.0, offset: self.0 / 2.0 });
+        Ok(interface)
     }
 
     fn outputs(&self, _: usize, c: &Context, _: &mut Scratch, y: &mut [f64]) {
