@@ -46,6 +46,8 @@ impl Answer {
             _ if has("memory allocation of") => Some("memory"),
             _ if has("This is a bug in blocksim") || has("panicked at") => Some("panic"),
             Some(0..=4) => None,
+            // The loader of the system found a damaged library to be impossible, and has ended the process itself.
+            Some(127) if has("Inconsistency detected by ld.so") => None,
             Some(152 | 137) => Some("hang"),
             Some(134) => Some("abort"),
             Some(_) => Some("exit code"),
