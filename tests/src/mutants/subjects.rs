@@ -37,7 +37,7 @@ fn subject(kind: &'static str, file: impl Into<PathBuf>, form: Form, lines: &[St
 
 /// Commands that make what is damaged besides the files of the project, in a folder like it; `ROOT` is the project. Each is for the
 /// kinds that are named with it, or for all.
-pub const PREPARATION: [(&[&str], &str); 17] = [
+pub const PREPARATION: [(&[&str], &str); 19] = [
     (&[], "trust ."),
     (&[], "run diagrams/servo.ron --out run --quiet --no-plot --csv --until 0.2s"),
     (&[], "run diagrams/scara/scara.ron --out moving --quiet --no-plot --no-csv --until 0.05s"),
@@ -54,6 +54,9 @@ pub const PREPARATION: [(&[&str], &str); 17] = [
     (&["C source", "plugin.toml", "stamp"], "plugin show law"),
     (&["crate source", "Cargo.toml", "stamp of a crate"], "plugin new unit --blocksim ROOT"),
     (&["crate source", "Cargo.toml", "stamp of a crate"], "plugin show unit"),
+    // Sources that were written just before get no stamp at first.
+    (&["stamp"], "plugin show law"),
+    (&["stamp of a crate"], "plugin show unit"),
     // What it offers is remembered, and it is trusted no more.
     (&["offer"], "run strange/model.ron --out strange/run --quiet --no-plot"),
 ];
