@@ -365,6 +365,8 @@ fn a_file_that_is_no_module_is_refused() {
 
 #[test]
 fn a_module_that_fails_in_a_run_is_named_with_its_deed() {
+    // The work of a module is limited, and on a busy computer that much takes longer than a call may.
+    blocksim_host::set_call_limit(std::time::Duration::from_secs(600));
     let cases: &[(&str, Change)] = &[
         ("good", |_| ()),
         ("endless loop", |m| m.outputs = "(loop br 0) i32.const 0".to_owned()),
