@@ -1,5 +1,8 @@
 //! The kinds of block that are linked into the program.
 
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
 use crate::{Block, ParameterInfo, Symbol};
 
 /// A kind of block that can be read from a diagram. `#[derive(BlockMeta)]` implements it.
@@ -41,7 +44,11 @@ pub fn kinds() -> Vec<&'static BlockInfo> {
 impl BlockInfo {
     /// The kind of this name.
     pub fn find(kind: &str) -> Option<&'static BlockInfo> {
-        inventory::iter::<BlockInfo>.into_iter().find(|info| info.kind == kind)
+        // Compilers ask for every block of a diagram, editors at every keystroke.
+        static KINDS: LazyLock<HashMap<&str, &BlockInfo>> = LazyLock::new(|| {
+            inventory::iter::<BlockInfo>.into_iter().map(|info| (info.kind, info)).collect()
+        });
+        KINDS.get(kind).copied()
     }
 
     /// The `ron` examples in the comment of the kind.

@@ -9,7 +9,8 @@ use blocksim_block::{LoadError, ParamValue};
 use crate::finite::all_finite;
 use crate::isolate;
 use crate::kind::{At, Kind};
-use crate::open::{Library, library_file};
+use crate::locate::Target;
+use crate::open::{Binary, Library, built};
 use crate::parameters;
 use crate::plugin::unknown_block;
 
@@ -67,18 +68,19 @@ struct Trace {
     times: (f64, f64),
 }
 
-/// Builds a plug-in if it needs to be, and examines each of its controllers, or the one of this name, with these parameters.
+/// Builds a plug-in for a target if it needs to be, and examines each of its controllers, or the one of this name, with these parameters.
 ///
 /// # Errors
 /// It does not build or load, or has no such controller.
 pub fn examine(
     folder: &Path,
     named: &str,
+    target: Target,
     block: Option<&str>,
     given: &BTreeMap<String, ParamValue>,
 ) -> Result<Vec<Examined>, LoadError> {
-    let path = library_file(folder, named)?;
-    let first = isolate::open(&path, named, false)?;
+    let binary = built(folder, named, target)?;
+    let first = isolate::open(&binary, named, false)?;
     let wanted = |kind: &&Kind| block.is_none_or(|block| kind.name == block);
     let kinds: Vec<&Kind> = first.blocks.iter().filter(wanted).collect();
     if let (Some(block), true) = (block, kinds.is_empty()) {
@@ -91,13 +93,13 @@ pub fn examine(
     {
         parameters::numbers(kind, given)?;
     }
-    kinds.iter().map(|kind| examined(&first, kind, &path, named, given)).collect()
+    kinds.iter().map(|kind| examined(&first, kind, &binary, named, given)).collect()
 }
 
 fn examined(
     library: &Library,
     kind: &Kind,
-    path: &Path,
+    binary: &Binary,
     named: &str,
     given: &BTreeMap<String, ParamValue>,
 ) -> Result<Examined, LoadError> {
@@ -119,7 +121,7 @@ fn examined(
                 times = Some(trace.times);
                 book.note("finite", finite(&trace));
                 // Another process that has called nothing before.
-                let other = isolate::open(path, named, false)?;
+                let other = isolate::open(binary, named, false)?;
                 let same = |library: &Library| -> Result<Trace, String> {
                     let other = library.blocks.iter().find(|other| other.name == kind.name);
                     run(other.ok_or("the controller is gone")?, 1)
@@ -135,7 +137,7 @@ fn examined(
                 let back = trace_back(kind, &params, period, &begin);
                 book.note("stateless", stateless.and(back));
                 // One in which every call has buffers of its own, and the old ones hold no numbers.
-                let moving = isolate::open(path, named, true)?;
+                let moving = isolate::open(binary, named, true)?;
                 book.note(
                     "pointers",
                     same(&moving).and_then(|again| {

@@ -50,7 +50,7 @@ pub use build::{folders, set_build_notice};
 pub use examine::{Examined, Finding, Verdict, examine};
 pub use isolate::{serve, set_isolation, was_interrupted};
 pub use kind::{Kind, Quantity};
-pub use locate::{Source, is_module, locate};
+pub use locate::{Source, Target, is_module, locate};
 pub use offer::{merged, offer, recalled};
 pub use open::{Library, open, opened};
 pub use plugin::Plugin;

@@ -4,9 +4,20 @@ use std::path::{Path, PathBuf};
 
 use blocksim_block::LoadError;
 use blocksim_signal::closest;
+use serde::Deserialize;
 
 use crate::build::{SETTINGS, is_source};
 use crate::fault::{self, MISSING};
+
+/// What the sources of a plug-in are built for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Deserialize)]
+pub enum Target {
+    /// A library for this computer.
+    #[default]
+    Native,
+    /// A WebAssembly module.
+    Wasm,
+}
 
 /// Where a plug-in comes from; both paths are absolute.
 #[derive(Debug, PartialEq)]

@@ -11,9 +11,9 @@ use blocksim_block::LoadError;
 
 use crate::build;
 use crate::environment::Environment;
-use crate::fault::{self, MISSING};
+use crate::fault::{self, BUILD, MISSING};
 use crate::kind::Kind;
-use crate::locate::{Source, is_module, locate};
+use crate::locate::{Source, Target, is_module, locate};
 use crate::offer::Period;
 use crate::table::{Contents, contents, in_table, other_major};
 use crate::{isolate, wasm, watch};
@@ -33,6 +33,15 @@ pub struct Library {
     pub(crate) periods: Mutex<Vec<Period>>,
 }
 
+/// What can be loaded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Binary {
+    /// Its file.
+    pub path: PathBuf,
+    /// Whether it is a WebAssembly module, and not a library.
+    pub is_module: bool,
+}
+
 /// A file at one point of its history: a rebuilt library is another one. And whether it is served by another process.
 type Key = (PathBuf, Option<SystemTime>, u64, bool);
 
@@ -42,40 +51,62 @@ static LOADED: Mutex<Vec<String>> = Mutex::new(Vec::new());
 static OPENED: Mutex<BTreeMap<Key, &'static Library>> = Mutex::new(BTreeMap::new());
 
 /// The plug-in that `library` names, relative to `folder`: a built library, a WebAssembly module, or the folder of a crate or of C or
-/// C++ sources, which is built first. A library that was loaded before and did not change is not loaded again.
+/// C++ sources, which is built for `target` first. A library that was loaded before and did not change is not loaded again.
 ///
 /// # Errors
-/// `plugin_missing`, `plugin_build`, `plugin_symbol` or `plugin_abi`, for the parameter `library`.
-pub fn open(folder: &Path, library: &str) -> Result<&'static Library, LoadError> {
-    let path = library_file(folder, library)?;
-    let unreadable =
-        |e: std::io::Error| fault::library(MISSING, format!("`{}` cannot be read: {e}", fault::shown(&path)));
-    let data = std::fs::metadata(&path).map_err(unreadable)?;
+/// `plugin_missing`, `plugin_build`, `plugin_symbol`, `plugin_abi` or `left_out`, for the parameter `library`.
+pub fn open(folder: &Path, library: &str, target: Target) -> Result<&'static Library, LoadError> {
+    let binary = built(folder, library, target)?;
+    let unreadable = |e: std::io::Error| {
+        fault::library(MISSING, format!("`{}` cannot be read: {e}", fault::shown(&binary.path)))
+    };
+    let data = std::fs::metadata(&binary.path).map_err(unreadable)?;
     let is_isolated = isolate::is_isolated();
-    let key = (path.clone(), data.modified().ok(), data.len(), is_isolated);
+    let key = (binary.path.clone(), data.modified().ok(), data.len(), is_isolated);
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(known) = opened.get(&key) {
         return Ok(known);
     }
     let loaded = if is_isolated {
-        Box::leak(Box::new(isolate::open(&path, library, false)?))
+        Box::leak(Box::new(isolate::open(&binary, library, false)?))
     } else {
         watch::start();
-        load(&path, library)?
+        load(&binary, library)?
     };
     opened.insert(key, loaded);
     Ok(loaded)
 }
 
-/// The file of a library, built first if `library` names its sources.
+/// What `library` names, built for `target` first if these are sources.
 ///
 /// # Errors
-/// `plugin_missing` or `plugin_build`.
-pub(crate) fn library_file(folder: &Path, library: &str) -> Result<PathBuf, LoadError> {
-    match locate(folder, library)? {
-        Source::Library(path) | Source::Module(path) => Ok(path),
-        Source::Crate(folder) => build::of_crate(&folder, library),
-        Source::C(folder) => build::of_sources(&folder, library),
+/// `plugin_missing`, `plugin_build` or `left_out`.
+pub(crate) fn built(folder: &Path, library: &str, target: Target) -> Result<Binary, LoadError> {
+    let native = |path: PathBuf| Binary { path, is_module: false };
+    let module = |path: PathBuf| Binary { path, is_module: true };
+    match (locate(folder, library)?, target) {
+        (Source::Module(path), _) => Ok(module(path)),
+        (Source::Library(path), Target::Native) => Ok(native(path)),
+        (Source::Crate(folder), Target::Native) => build::of_crate(&folder, library, target).map(native),
+        (Source::Crate(folder), Target::Wasm) => {
+            // Nobody waits for a module that cannot be run.
+            wasm::usable(library)?;
+            build::of_crate(&folder, library, target).map(module)
+        }
+        (Source::C(folder), Target::Native) => build::of_sources(&folder, library).map(native),
+        (Source::Library(_), Target::Wasm) => {
+            let message = format!("the plug-in `{library}` is a built library and cannot become a module");
+            let help = "name the folder of its crate, or a module (`.wasm`), or leave out `target: Wasm`";
+            Err(fault::help(fault::library(BUILD, message), help))
+        }
+        (Source::C(_), Target::Wasm) => {
+            let message = format!(
+                "the plug-in `{library}` is written in C or C++, which blocksim does not build as a module"
+            );
+            let help = "leave out `target: Wasm`, or build it with clang as in `blocksim manual plugins` and name the \
+                        module: `library: \"law.wasm\"`";
+            Err(fault::help(fault::library(BUILD, message), help))
+        }
     }
 }
 
@@ -93,8 +124,9 @@ pub(crate) fn loaded() -> Vec<String> {
 ///
 /// # Errors
 /// As for [`open`].
-pub(crate) fn load(path: &Path, named: &str) -> Result<&'static Library, LoadError> {
-    if is_module(named) {
+pub(crate) fn load(binary: &Binary, named: &str) -> Result<&'static Library, LoadError> {
+    let path = &binary.path;
+    if binary.is_module || is_module(named) {
         let _calling = watch::calling(watch::tag(named, ""), 0, f64::NAN);
         return Ok(Box::leak(Box::new(wasm::load(path)?)));
     }
@@ -114,13 +146,7 @@ pub(crate) fn load(path: &Path, named: &str) -> Result<&'static Library, LoadErr
     let contents = contents?;
     let (name, version) = (contents.name, contents.version);
     let periods = Mutex::default();
-    Ok(Box::leak(Box::new(Library {
-        path: path.to_owned(),
-        name,
-        version,
-        blocks: contents.blocks,
-        periods,
-    })))
+    Ok(Box::leak(Box::new(Library { path: path.clone(), name, version, blocks: contents.blocks, periods })))
 }
 
 /// Opens a library and reads its table.

@@ -10,6 +10,7 @@ use crate::fault;
 use crate::finite::{all_finite, culprit, element, values};
 use crate::guard;
 use crate::kind::{At, Kind as PluginKind, Quantity};
+use crate::locate::Target;
 use crate::offer::{Period, note_period, offer, period, recalled};
 use crate::open::{Library, open};
 use crate::parameters::numbers;
@@ -40,6 +41,9 @@ pub struct Plugin {
     /// Parameters of that block by name: numbers, numbers with units, lists of them.
     #[block(default = BTreeMap::new())]
     pub parameters: BTreeMap<String, ParamValue>,
+    /// What a crate is built for: a library (`Native`), or a WebAssembly module (`Wasm`), which is confined to its memory.
+    #[block(default = Target::Native)]
+    pub target: Target,
     #[block(skip)]
     loaded: Option<Arc<Loaded>>,
 }
@@ -57,7 +61,13 @@ struct Loaded {
 impl Plugin {
     /// A block of a plug-in with these parameters; `load` comes next.
     pub fn new(library: &str, block: &str, parameters: BTreeMap<String, ParamValue>) -> Self {
-        Self { library: library.to_owned(), block: block.to_owned(), parameters, loaded: None }
+        Self {
+            library: library.to_owned(),
+            block: block.to_owned(),
+            parameters,
+            target: Target::Native,
+            loaded: None,
+        }
     }
 
     /// The kind of block, once it is loaded.
@@ -145,7 +155,7 @@ impl Block for Plugin {
         let (folder, code) = (files.folder(), files.code());
         match code.decide(folder, &self.library) {
             Decision::Load => {
-                let library = open(folder, &self.library)?;
+                let library = open(folder, &self.library, self.target)?;
                 let taken = self.take(library);
                 code.remember(folder, &self.library, &offer(library));
                 taken

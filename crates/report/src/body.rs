@@ -16,7 +16,7 @@ pub fn body(report: &Report, thinned: bool) -> String {
         ("scopes", "Scopes", !report.panels.is_empty()),
         ("diagram", "Diagram", !report.diagram.levels.is_empty()),
         ("compared", "Compared", report.compared.is_some()),
-        ("numbers", "Following", !report.metrics.rows.is_empty()),
+        ("numbers", "Tracking", !report.metrics.rows.is_empty()),
         ("parameters", "Parameters", !report.parameters.rows.is_empty() || !report.tables.is_empty()),
         ("events", "Events", !report.events.is_empty()),
     ];
@@ -77,7 +77,7 @@ pub fn body(report: &Report, thinned: bool) -> String {
             table(&other.rows)
         ));
     }
-    out.push_str(&section("numbers", "Following", &report.metrics));
+    out.push_str(&section("numbers", "Tracking", &report.metrics));
     if !report.parameters.rows.is_empty() || !report.tables.is_empty() {
         out.push_str("<section id=\"parameters\"><h2>Parameters</h2>");
         if report.parameters.rows.is_empty() {

@@ -9,6 +9,9 @@ pub enum Align {
     Right,
 }
 
+/// Widest column that others are aligned behind. A longer cell, such as a damaged text, stands out whole.
+const WIDEST: usize = 300;
+
 /// Rows under headings, two spaces between columns, no lines.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Table {
@@ -39,7 +42,8 @@ impl Table {
     pub fn render(&self) -> String {
         let headings: Vec<String> = self.columns.iter().map(|(heading, _)| heading.clone()).collect();
         let lines = || std::iter::once(&headings).chain(&self.rows);
-        let width = |column: usize| lines().map(|row| row[column].chars().count()).max().unwrap_or(0);
+        let width =
+            |column: usize| lines().map(|row| row[column].chars().count()).max().unwrap_or(0).min(WIDEST);
         let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
 
         let mut text = String::new();
@@ -88,6 +92,18 @@ mod tests {
         table.gap();
         table.row(["b", "12"]);
         assert_eq!(table.render(), "a   1\n\nb  12\n");
+    }
+
+    #[test]
+    fn a_very_long_cell_is_printed_whole_and_the_others_stay_short() {
+        let mut table = Table::new(&[("", Align::Left), ("", Align::Right), ("", Align::Left)]);
+        let long = "x".repeat(100_000);
+        table.row([long.as_str(), long.as_str(), "end"]);
+        table.row(["a", "1", "end"]);
+        let text = table.render();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], format!("{long}  {long}  end"));
+        assert_eq!(lines[1].len(), 2 * WIDEST + 4 + 3);
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! The units that are known, and the prefixes they take.
 
 use crate::Dimension;
+use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 /// A unit, or a product of units: the value in SI is `number * above / below + offset`. Both sides of the scale are
 /// kept apart so that powers of ten stay exact: 9 ms is 9 / 1000 s, which `9 * 0.001` misses.
@@ -124,14 +126,16 @@ pub(crate) fn find(symbol: &str) -> Option<Factor> {
         let kelvin = find("K")?;
         return Some(Factor { offset: 273.15, ..kelvin });
     }
-    let matches = |entry: &Entry, rest: &str| entry.symbols.contains(&rest);
-    if let Some(entry) = TABLE.iter().find(|entry| matches(entry, symbol)) {
+    static SYMBOLS: LazyLock<HashMap<&str, &Entry>> = LazyLock::new(|| {
+        TABLE.iter().flat_map(|entry| entry.symbols.iter().map(move |symbol| (*symbol, entry))).collect()
+    });
+    if let Some(entry) = SYMBOLS.get(symbol) {
         return Some(factor(entry, 1.0, 1.0));
     }
     let prefix = symbol.chars().next()?;
     let rest = &symbol[prefix.len_utf8()..];
     let prefix = if matches!(prefix, 'µ' | 'μ') { 'u' } else { prefix };
-    let entry = TABLE.iter().find(|entry| entry.prefixes.contains(prefix) && matches(entry, rest))?;
+    let entry = SYMBOLS.get(rest).filter(|entry| entry.prefixes.contains(prefix))?;
     let (above, below) = prefix_scale(prefix);
     Some(factor(entry, above, below))
 }

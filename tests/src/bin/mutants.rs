@@ -4,16 +4,18 @@
 //! | flag | meaning |
 //! |---|---|
 //! | `--program FILE` | the program; it should be built with all of its parts |
-//! | `--kinds A,B` | kinds of files, such as `diagram,move`, `signals.rec` or `parts` (of workbooks); all but diagrams and moves with `others`; all if absent |
+//! | `--kinds A,B` | kinds of files, such as `diagram,move`, `signals.rec` or `parts` (of workbooks); all but diagrams, moves and what needs cargo with `others`; all if absent |
+//! | `--each` | prints the kinds, and tries nothing |
+//! | `--valid` | sends the files through their commands as they are, and shows what each takes |
 //! | `--seed N` | first seed, 1 if absent |
 //! | `--count N` | number of mutants, 1000 if absent |
-//! | `--all` | every command of each mutant, and not three of them |
+//! | `--commands N` | at most so many commands of each mutant, 3 if absent |
 //! | `--workers N` | processes at a time, 2 if absent |
 //! | `--keep DIR` | where mutants that make the program fail are kept; `mutants` if absent |
 //!
 //! A fault is a panic, an abort, a signal, more than 5 s of computing time or more than 1 GB. The exit code is 1 if there is any.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -23,7 +25,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use blocksim_tests::mutants::{Answer, Desk, Subject, subjects};
+use blocksim_tests::mutants::{Answer, Desk, SLOW, Subject, subjects};
 use blocksim_tests::root;
 
 /// Prints a line for whoever waits.
@@ -42,6 +44,11 @@ macro_rules! show {
 
 fn main() -> io::Result<ExitCode> {
     let orders = Orders { arguments: std::env::args().skip(1).collect() };
+    if orders.has("--each") {
+        let kinds: BTreeSet<&str> = subjects(&root()).iter().map(|subject| subject.kind).collect();
+        kinds.iter().for_each(|kind| show!("{kind}"));
+        return Ok(ExitCode::SUCCESS);
+    }
     let Some(program) = orders.word("--program") else {
         say!("--program is missing: the program to try");
         return Ok(ExitCode::from(2));
@@ -52,13 +59,24 @@ fn main() -> io::Result<ExitCode> {
     let all: Vec<Subject> = subjects(&root())
         .into_iter()
         .filter(|subject| {
-            let is_model = ["diagram", "move"].contains(&subject.kind);
-            chosen.is_empty() || chosen.contains(&subject.kind) || chosen.contains(&"others") && !is_model
+            let is_other = !["diagram", "move"].contains(&subject.kind) && !SLOW.contains(&subject.kind);
+            chosen.is_empty() || chosen.contains(&subject.kind) || chosen.contains(&"others") && is_other
         })
         .collect();
     if all.is_empty() {
         say!("no subject is of the kinds that --kinds names");
         return Ok(ExitCode::from(2));
+    }
+    if orders.has("--valid") {
+        let desk = Desk::new(&program, base.clone(), &all)?;
+        desk.try_valid(&all, |words, answer| {
+            show!("{:?} in {:.2} s: blocksim {}", answer.code, answer.took.as_secs_f64(), words.join(" "));
+            if !matches!(answer.code, Some(0 | 1)) {
+                show!("{}", answer.text);
+            }
+        })?;
+        fs::remove_dir_all(&base).ok();
+        return Ok(ExitCode::SUCCESS);
     }
     let (first, count) = (orders.number("--seed", 1), orders.number("--count", 1000));
     let (next, tally) = (AtomicU64::new(first), Mutex::new(Tally::default()));
@@ -67,26 +85,23 @@ fn main() -> io::Result<ExitCode> {
         for worker in 0..orders.number("--workers", 2) {
             let (program, folder, all, next, tally, keep) =
                 (&program, base.join(worker.to_string()), &all, &next, &tally, &keep);
-            let every = orders.has("--all");
+            let most = usize::try_from(orders.number("--commands", 3)).unwrap_or(usize::MAX);
             scope.spawn(move || {
-                let result = Desk::new(program, folder).and_then(|desk| {
+                let result = Desk::new(program, folder, all).and_then(|desk| {
                     while let Some(seed) =
                         Some(next.fetch_add(1, Ordering::Relaxed)).filter(|seed| *seed < first + count)
                     {
-                        let subject =
-                            desk.try_seed(seed, all, every, |subject, words, answer, damaged| {
-                                let mut tally = tally.lock().unwrap_or_else(PoisonError::into_inner);
-                                tally.note(seed, subject, words, answer);
-                                if answer.fault().is_some() {
-                                    let name = subject.file.file_name().unwrap_or_default().to_string_lossy();
-                                    fs::create_dir_all(keep)?;
-                                    fs::write(keep.join(format!("{seed}-{name}")), damaged)?;
-                                }
-                                Ok(())
-                            })?;
-                        if let Some(subject) = subject {
-                            tally.lock().unwrap_or_else(PoisonError::into_inner).count(subject);
-                        }
+                        let subject = desk.try_seed(seed, all, most, |subject, words, answer, damaged| {
+                            let mut tally = tally.lock().unwrap_or_else(PoisonError::into_inner);
+                            tally.note(seed, subject, words, answer);
+                            if answer.fault().is_some() {
+                                let name = subject.file.file_name().unwrap_or_default().to_string_lossy();
+                                fs::create_dir_all(keep)?;
+                                fs::write(keep.join(format!("{seed}-{name}")), damaged)?;
+                            }
+                            Ok(())
+                        })?;
+                        tally.lock().unwrap_or_else(PoisonError::into_inner).count(subject);
                     }
                     Ok(())
                 });
@@ -147,7 +162,7 @@ impl Tally {
     fn print(&self, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "{} mutants, {} commands, {} faults", self.mutants, self.commands, self.faults)?;
         for (kind, count) in &self.by_kind {
-            writeln!(out, "  {kind:14} {count}")?;
+            writeln!(out, "  {kind:16} {count}")?;
         }
         for (code, count) in &self.by_code {
             writeln!(out, "  exit code {code:4} {count}")?;

@@ -6,11 +6,12 @@
 mod binary;
 mod parts;
 mod runner;
+mod samples;
 mod subjects;
 mod text;
 
 pub use runner::{Answer, Desk};
-pub use subjects::{PREPARATION, Subject, subjects};
+pub use subjects::{PREPARATION, SLOW, Subject, subjects};
 
 /// Numbers that look random (splitmix64).
 #[derive(Debug, Clone)]

@@ -1,5 +1,6 @@
 //! Sends mutants through the commands that read them, in processes with limits.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -7,7 +8,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{Dice, PREPARATION, Subject, mutant};
+use super::{Dice, PREPARATION, Subject, mutant, samples};
 use crate::root;
 
 /// Computing time that a command may take, s.
@@ -16,8 +17,6 @@ const SECONDS: u32 = 5;
 const MEMORY: u32 = 1 << 20;
 /// Time on the wall that it may take: others use the computer, too.
 const PATIENCE: Duration = Duration::from_secs(120);
-/// Commands of each mutant, unless all are requested.
-const COMMANDS: usize = 3;
 
 /// A folder like that of the project, in which one worker tries mutants.
 #[derive(Debug)]
@@ -47,6 +46,8 @@ impl Answer {
             _ if has("memory allocation of") => Some("memory"),
             _ if has("This is a bug in blocksim") || has("panicked at") => Some("panic"),
             Some(0..=4) => None,
+            // The loader of the system found a damaged library to be impossible, and has ended the process itself.
+            Some(127) if has("Inconsistency detected by ld.so") => None,
             Some(152 | 137) => Some("hang"),
             Some(134) => Some("abort"),
             Some(_) => Some("exit code"),
@@ -56,11 +57,11 @@ impl Answer {
 }
 
 impl<'a> Desk<'a> {
-    /// Copies what mutants are made of to `folder`, and makes the rest with the program.
+    /// Copies what mutants of these subjects are made of to `folder`, and makes the rest with the program.
     ///
     /// # Errors
     /// A file that cannot be copied, or a command that fails.
-    pub fn new(program: &'a Path, folder: PathBuf) -> io::Result<Self> {
+    pub fn new(program: &'a Path, folder: PathBuf, all: &[Subject]) -> io::Result<Self> {
         let _ = fs::remove_dir_all(&folder);
         fs::create_dir_all(folder.join("plugins"))?;
         for part in ["diagrams", "params"] {
@@ -75,22 +76,27 @@ impl<'a> Desk<'a> {
             #[cfg(unix)]
             std::os::unix::fs::symlink(entry.path(), folder.join("plugins").join(entry.file_name()))?;
         }
+        samples::write(&folder)?;
+        fs::copy(root().join("params/irb2600.ron"), folder.join("same.ron"))?;
+        // Tests build it among what they need, and leave it there.
+        let beside = program.parent().unwrap_or(Path::new("."));
+        let places =
+            [beside.to_owned(), beside.join("deps")].map(|place| place.join("libblocksim_plugin_pid.so"));
+        let built = places.iter().find(|place| place.exists()).unwrap_or(&places[0]);
+        fs::copy(built, folder.join("plugins/libpid.so")).map_err(|error| {
+            io::Error::other(format!("the plug-in pid is not built beside the program: {error}"))
+        })?;
         let desk = Desk { program, folder };
-        for line in PREPARATION {
+        let is_needed =
+            |kinds: &[&str]| kinds.is_empty() || all.iter().any(|subject| kinds.contains(&subject.kind));
+        for (_, line) in PREPARATION.iter().filter(|(kinds, _)| is_needed(kinds)) {
+            let line = line.replace("ROOT", &root().canonicalize()?.display().to_string());
             let words: Vec<String> = line.split(' ').map(str::to_owned).collect();
             let answer = desk.call(&words, false)?;
             if answer.code != Some(0) {
                 return Err(io::Error::other(format!("{line}: {}", answer.text)));
             }
         }
-        // Tests build it among what they need, and leave it there.
-        let beside = program.parent().unwrap_or(Path::new("."));
-        let places =
-            [beside.to_owned(), beside.join("deps")].map(|place| place.join("libblocksim_plugin_pid.so"));
-        let built = places.iter().find(|place| place.exists()).unwrap_or(&places[0]);
-        fs::copy(built, desk.folder.join("plugins/libpid.so")).map_err(|error| {
-            io::Error::other(format!("the plug-in pid is not built beside the program: {error}"))
-        })?;
         Ok(desk)
     }
 
@@ -100,15 +106,16 @@ impl<'a> Desk<'a> {
             true => format!("ulimit -t {SECONDS}; ulimit -v {MEMORY}; "),
             false => String::new(),
         };
+        let input = self.input(words.last().map_or("", String::as_str))?;
         let began = Instant::now();
         let mut child = Command::new("sh")
             .args(["-c", &format!("ulimit -c 0; {limits}exec \"$0\" \"$@\"")])
             .arg(self.program)
-            .args(words)
+            .args(words.iter().filter(|word| !word.starts_with('<')))
             .current_dir(&self.folder)
             .env("BLOCKSIM_HOME", self.folder.join("home"))
             .env("NO_COLOR", "1")
-            .stdin(Stdio::null())
+            .stdin(input)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()?;
@@ -122,7 +129,52 @@ impl<'a> Desk<'a> {
         Ok(Answer { code: status.code().or(signal), text, took: began.elapsed(), late })
     }
 
-    /// Sends the mutant of a seed through the commands that read it: `report` gets each answer, with the command and the
+    /// What a command reads from its input, by its last word.
+    fn input(&self, word: &str) -> io::Result<Stdio> {
+        let Some(name) = word.strip_prefix('<') else { return Ok(Stdio::null()) };
+        let file = match name.strip_prefix('<') {
+            None => self.folder.join(name),
+            Some(lines) => {
+                let messages = self.folder.join("messages");
+                fs::write(&messages, samples::framed(&fs::read(self.folder.join(lines))?))?;
+                messages
+            }
+        };
+        Ok(fs::File::open(file)?.into())
+    }
+
+    /// The file of a subject: a name with a `*` at its end is completed.
+    fn place(&self, file: &Path) -> Option<PathBuf> {
+        let place = self.folder.join(file);
+        let name = place.file_name()?.to_str()?;
+        let Some(start) = name.strip_suffix('*') else { return Some(place) };
+        let entries = fs::read_dir(place.parent()?).ok()?.flatten();
+        entries.map(|entry| entry.path()).find(|path| {
+            path.file_name().and_then(|name| name.to_str()).is_some_and(|name| name.starts_with(start))
+        })
+    }
+
+    /// Sends the valid files through all commands that read them; `report` gets each answer, with the command.
+    ///
+    /// # Errors
+    /// A file that cannot be written, or a program that does not start.
+    pub fn try_valid(&self, all: &[Subject], mut report: impl FnMut(&[String], &Answer)) -> io::Result<()> {
+        let commands: BTreeSet<&Vec<String>> = all.iter().flat_map(|subject| &subject.commands).collect();
+        for words in commands {
+            self.clear()?;
+            report(words, &self.call(words, true)?);
+        }
+        Ok(())
+    }
+
+    /// Empties the folder for what commands write.
+    fn clear(&self) -> io::Result<()> {
+        let out = self.folder.join("out");
+        let _ = fs::remove_dir_all(&out);
+        fs::create_dir_all(&out)
+    }
+
+    /// Sends the mutant of a seed through the commands that read it, at most so many of them: `report` gets each answer, with the command and the
     /// mutant. Returns its subject.
     ///
     /// # Errors
@@ -131,28 +183,27 @@ impl<'a> Desk<'a> {
         &self,
         seed: u64,
         all: &'s [Subject],
-        every: bool,
+        most: usize,
         mut report: impl FnMut(&Subject, &[String], &Answer, &[u8]) -> io::Result<()>,
-    ) -> io::Result<Option<&'s Subject>> {
+    ) -> io::Result<&'s Subject> {
         let mut dice = Dice::new(seed ^ 0xD1CE);
         let subject = dice.one(all);
-        let place = self.folder.join(&subject.file);
-        let Ok(valid) = fs::read(&place) else { return Ok(None) };
+        let absent = || io::Error::other(format!("{} was not made", subject.file.display()));
+        let place = self.place(&subject.file).ok_or_else(absent)?;
+        let valid = fs::read(&place).map_err(|_| absent())?;
         let damaged = mutant(&valid, subject.form, seed);
         let mut commands: Vec<&Vec<String>> = subject.commands.iter().collect();
-        while !every && commands.len() > COMMANDS {
+        while commands.len() > most {
             commands.remove(dice.below(commands.len()));
         }
         for words in commands {
             // A command may change the file, as `--fix` does.
             replace(&place, &damaged)?;
-            let out = self.folder.join("out");
-            let _ = fs::remove_dir_all(&out);
-            fs::create_dir_all(&out)?;
+            self.clear()?;
             report(subject, words, &self.call(words, true)?, &damaged)?;
         }
         replace(&place, &valid)?;
-        Ok(Some(subject))
+        Ok(subject)
     }
 }
 
@@ -185,7 +236,7 @@ fn wait(child: &mut Child) -> io::Result<(ExitStatus, bool)> {
             child.kill()?;
             return Ok((child.wait()?, true));
         }
-        thread::sleep(Duration::from_millis(5));
+        thread::sleep(Duration::from_millis(2));
     }
 }
 

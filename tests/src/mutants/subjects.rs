@@ -35,101 +35,214 @@ fn subject(kind: &'static str, file: impl Into<PathBuf>, form: Form, lines: &[St
     Subject { kind, file: file.into(), form, commands: lines.iter().map(|line| words(line)).collect() }
 }
 
-/// Commands that make what is damaged besides the files of the project, in a folder like it.
-pub const PREPARATION: [&str; 7] = [
-    "run diagrams/servo.ron --out run --quiet --no-plot --csv --until 0.2s",
-    "run diagrams/scara/scara.ron --out moving --quiet --no-plot --no-csv --until 0.05s",
-    "params export params/irb2600.ron --out book.xlsx",
-    "params export diagrams/servo.ron --out servo.xlsx",
-    "export run --csv table.csv",
-    "export run --csv same.csv",
-    "trust .",
+/// Commands that make what is damaged besides the files of the project, in a folder like it; `ROOT` is the project. Each is for the
+/// kinds that are named with it, or for all.
+pub const PREPARATION: [(&[&str], &str); 19] = [
+    (&[], "trust ."),
+    (&[], "run diagrams/servo.ron --out run --quiet --no-plot --csv --until 0.2s"),
+    (&[], "run diagrams/scara/scara.ron --out moving --quiet --no-plot --no-csv --until 0.05s"),
+    (&[], "params export params/irb2600.ron --out book.xlsx"),
+    (&[], "params export diagrams/servo.ron --out servo.xlsx"),
+    (&[], "export run --csv table.csv"),
+    (&[], "export run --csv same.csv"),
+    (&["mesh of a run"], "import rods.urdf --out rods"),
+    (&["mesh of a run"], "run rods/rods.ron --out meshed --quiet --no-plot --until 0.01s"),
+    (&["imported"], "import kinds.urdf --out arm"),
+    (&["log.csv"], "run diagrams/irb2600/irb2600.ron --set drive=torque --out log --quiet --no-plot"),
+    (&["log.csv"], "export log --csv log.csv --every 50ms"),
+    (&["C source", "plugin.toml", "stamp"], "plugin new law --language c"),
+    (&["C source", "plugin.toml", "stamp"], "plugin show law"),
+    (&["crate source", "Cargo.toml", "stamp of a crate"], "plugin new unit --blocksim ROOT"),
+    (&["crate source", "Cargo.toml", "stamp of a crate"], "plugin show unit"),
+    // Sources that were written just before get no stamp at first.
+    (&["stamp"], "plugin show law"),
+    (&["stamp of a crate"], "plugin show unit"),
+    // What it offers is remembered, and it is trusted no more.
+    (&["offer"], "run strange/model.ron --out strange/run --quiet --no-plot"),
 ];
 
 /// All subjects; `root` is the folder of the project.
 pub fn subjects(root: &Path) -> Vec<Subject> {
     let mut all = diagrams(root);
-    let run = |file: &str, form, lines: &[&str]| {
+    for (kind, file, form, lines) in OTHERS {
         let lines: Vec<String> = lines.iter().map(|line| (*line).to_owned()).collect();
-        let kind = file.rsplit('/').next().unwrap_or(file);
-        let kind = KINDS.iter().find(|known| **known == kind).copied().unwrap_or("other");
-        subject(kind, file, form, &lines)
-    };
-    let parts = |file: &str, lines: &[&str]| {
-        let lines: Vec<String> = lines.iter().map(|line| (*line).to_owned()).collect();
-        subject(PARTS, file, Form::Parts, &lines)
-    };
-    let of_run = [
-        "plot run",
-        "report run --out out/page.html --yes",
-        "export run --csv out/t.csv",
-        "compare run same.csv",
-    ];
-    let of_scene = ["report moving --out out/page.html --yes", "collisions moving", "plot moving"];
-    all.extend([
-        run("run/signals.rec", Form::Binary, &of_run),
-        run("run/signals.csv", Form::Text, &["plot run", "compare run/signals.csv same.csv"]),
-        run("run/manifest.json", Form::Text, &["report run --out out/page.html --yes", "plot run", "runs ."]),
-        run("run/model.json", Form::Text, &["report run --out out/page.html --yes"]),
-        run("run/events.csv", Form::Text, &["report run --out out/page.html --yes"]),
-        run("moving/scene.json", Form::Text, &of_scene),
-        run("moving/signals.rec", Form::Binary, &of_scene),
-        run("moving/model.json", Form::Text, &of_scene),
-        run(
-            "table.csv",
-            Form::Text,
-            &[
-                "plot table.csv",
-                "compare table.csv same.csv",
-                "report run --overlay table.csv --out out/page.html --yes",
-            ],
-        ),
-        run(
-            "book.xlsx",
-            Form::Binary,
-            &["params check book.xlsx params/irb2600.ron", "params import book.xlsx params/irb2600.ron"],
-        ),
-        run("servo.xlsx", Form::Binary, &["params import servo.xlsx diagrams/servo.ron"]),
-        parts(
-            "book.xlsx",
-            &["params check book.xlsx params/irb2600.ron", "params import book.xlsx params/irb2600.ron"],
-        ),
-        parts(
-            "servo.xlsx",
-            &["params check servo.xlsx diagrams/servo.ron", "params import servo.xlsx diagrams/servo.ron"],
-        ),
-        run("irb2600.urdf", Form::Text, &["import irb2600.urdf --out out/arm"]),
-        run("kinds.urdf", Form::Text, &["import kinds.urdf --out out/arm"]),
-        run("crane.xml", Form::Text, &["import crane.xml --out out/crane"]),
-        run(
-            "plugins/libpid.so",
-            Form::Binary,
-            &["plugin show plugins/libpid.so", "plugin check plugins/libpid.so"],
-        ),
-        run("home/trusted.json", Form::Text, &["trust", "check diagrams/servo.ron"]),
-    ]);
+        all.push(subject(kind, *file, *form, &lines));
+    }
     all
 }
 
-/// The kind of a workbook that is damaged inside of its parts.
-const PARTS: &str = "parts";
+/// Kinds whose commands start cargo, which takes a second for each.
+pub const SLOW: [&str; 3] = ["crate source", "Cargo.toml", "stamp of a crate"];
 
-/// Names of kinds besides diagrams and moves.
-const KINDS: [&str; 14] = [
-    "signals.rec",
-    "signals.csv",
-    "manifest.json",
-    "model.json",
-    "events.csv",
-    "scene.json",
-    "table.csv",
-    "book.xlsx",
-    "servo.xlsx",
-    "irb2600.urdf",
-    "kinds.urdf",
-    "crane.xml",
-    "libpid.so",
-    "trusted.json",
+const REPORT: &str = "report run --out out/page.html --yes";
+const OF_RUN: &[&str] = &[REPORT, "plot run", "export run --csv out/t.csv", "compare run same.csv"];
+const OF_SCENE: &[&str] = &["report moving --out out/page.html --yes", "collisions moving", "plot moving"];
+const OF_BOOK: &[&str] =
+    &["params check book.xlsx params/irb2600.ron", "params import book.xlsx params/irb2600.ron"];
+const OF_SERVO: &[&str] =
+    &["params check servo.xlsx diagrams/servo.ron", "params import servo.xlsx diagrams/servo.ron"];
+const OF_MODULE: &[&str] = &[
+    "plugin show law.wasm",
+    "plugin check law.wasm",
+    "check boxed.ron",
+    "run boxed.ron --out out/run --quiet --no-plot",
+];
+
+/// Everything but diagrams and moves: kind, file, form, commands. A `*` stands for the rest of the only name that begins so; a last
+/// word `<FILE` is what the command reads from its input, and `<<FILE` the same as messages, one of each line.
+const OTHERS: &[(&str, &str, Form, &[&str])] = &[
+    // Runs.
+    ("signals.rec", "run/signals.rec", Form::Binary, OF_RUN),
+    ("signals.rec", "moving/signals.rec", Form::Binary, OF_SCENE),
+    (
+        "signals.csv",
+        "run/signals.csv",
+        Form::Text,
+        &["plot run/signals.csv", "compare run/signals.csv same.csv"],
+    ),
+    ("manifest.json", "run/manifest.json", Form::Text, &[REPORT, "plot run", "runs ."]),
+    ("model.json", "run/model.json", Form::Text, &[REPORT]),
+    ("model.json", "moving/model.json", Form::Text, OF_SCENE),
+    ("events.csv", "run/events.csv", Form::Text, &[REPORT, "plot run"]),
+    ("scene.json", "moving/scene.json", Form::Text, OF_SCENE),
+    (
+        "mesh of a run",
+        "meshed/mesh-*",
+        Form::Text,
+        &["report meshed --out out/page.html --yes", "collisions meshed"],
+    ),
+    // Tables of others.
+    (
+        "table.csv",
+        "table.csv",
+        Form::Text,
+        &[
+            "plot table.csv",
+            "compare table.csv same.csv",
+            "report run --overlay table.csv --out out/page.html --yes",
+        ],
+    ),
+    (
+        "names of columns",
+        "names.txt",
+        Form::Text,
+        &["plot table.csv --map names.txt", "compare run table.csv --map names.txt"],
+    ),
+    (
+        "log.csv",
+        "log.csv",
+        Form::Text,
+        &["identify dynamics --from log.csv --json", "identify friction --from log.csv --json"],
+    ),
+    // Parameters.
+    ("workbook", "book.xlsx", Form::Binary, OF_BOOK),
+    ("workbook", "servo.xlsx", Form::Binary, OF_SERVO),
+    ("parts", "book.xlsx", Form::Parts, OF_BOOK),
+    ("parts", "servo.xlsx", Form::Parts, OF_SERVO),
+    (
+        "sheets",
+        "params/irb2600.sheets.ron",
+        Form::Text,
+        &[
+            "params export params/irb2600.ron --out out/book.xlsx",
+            "params check book.xlsx params/irb2600.ron",
+        ],
+    ),
+    (
+        "set",
+        "params/irb2600.ron",
+        Form::Text,
+        &[
+            "params export params/irb2600.ron --out out/book.xlsx",
+            "params check book.xlsx params/irb2600.ron",
+            "params diff params/irb2600.ron same.ron",
+        ],
+    ),
+    // Mechanisms of others.
+    ("URDF", "irb2600.urdf", Form::Text, &["import irb2600.urdf --out out/arm"]),
+    ("URDF", "kinds.urdf", Form::Text, &["import kinds.urdf --out out/arm"]),
+    ("Simscape", "crane.xml", Form::Text, &["import crane.xml --out out/crane"]),
+    (
+        "smiData",
+        "crane_DataFile.m",
+        Form::Text,
+        &[
+            "import crane.xml --data crane_DataFile.m --out out/crane",
+            "import crane_DataFile.m --as smidata --out out/crane",
+        ],
+    ),
+    (
+        "mesh",
+        "rod.stl",
+        Form::Text,
+        &["import rods.urdf --out out/rods", "import weightless.urdf --density 2700 --out out/rods"],
+    ),
+    ("mesh", "block.stl", Form::Binary, &["import block.urdf --density 2700 --out out/block"]),
+    (
+        "imported",
+        "arm/kinds_parameters.ron",
+        Form::Text,
+        &["import kinds.urdf --out arm --yes", "check arm/kinds.ron"],
+    ),
+    ("imported", "arm/kinds.ron", Form::Text, &["import kinds.urdf --out arm", "check arm/kinds.ron"]),
+    // Robots and what stands around them.
+    (
+        "robot",
+        "diagrams/scara/manipulator.ron",
+        Form::Text,
+        &[
+            "plan joint --robot diagrams/scara/manipulator.ron --to '0 deg,10 deg,-20 mm,30 deg' --out out/move.ron",
+            "plan linear --robot diagrams/scara/manipulator.ron --from '20 deg,60 deg,-20 mm,45 deg' --to 380,415,50",
+            "plan sequence diagrams/scara/pick.ron --robot diagrams/scara/manipulator.ron",
+        ],
+    ),
+    (
+        "surroundings",
+        "diagrams/scara/cell.ron",
+        Form::Text,
+        &[
+            "collisions moving --surroundings diagrams/scara/cell.ron",
+            "report moving --surroundings diagrams/scara/cell.ron --out out/page.html --yes",
+        ],
+    ),
+    (
+        "sequence",
+        "diagrams/scara/pick.ron",
+        Form::Text,
+        &["plan sequence diagrams/scara/pick.ron --robot diagrams/scara/manipulator.ron"],
+    ),
+    // Plug-ins.
+    (
+        "library",
+        "plugins/libpid.so",
+        Form::Binary,
+        &["plugin show plugins/libpid.so", "plugin check plugins/libpid.so"],
+    ),
+    ("module", "law.wasm", Form::Binary, OF_MODULE),
+    ("plugin.toml", "settings/plugin.toml", Form::Text, &["plugin show settings"]),
+    ("C source", "law/controller.c", Form::Text, &["plugin show law"]),
+    ("stamp", "law/target/blocksim/liblaw.blocksim", Form::Text, &["plugin show law"]),
+    ("crate source", "unit/src/lib.rs", Form::Text, &["plugin show unit"]),
+    ("Cargo.toml", "unit/Cargo.toml", Form::Text, &["plugin show unit", "doctor"]),
+    ("stamp of a crate", "unit/target/release/libunit.blocksim", Form::Text, &["plugin show unit"]),
+    ("stamp of a crate", "unit/target/release/libunit.d", Form::Text, &["plugin show unit"]),
+    // What the program keeps.
+    (
+        "trusted.json",
+        "home/trusted.json",
+        Form::Text,
+        &["trust", "check diagrams/servo.ron", "plugin show plugins/libpid.so"],
+    ),
+    (
+        "offer",
+        "home/plugins/*",
+        Form::Text,
+        &["check strange/model.ron --no-plugins", "graph strange/model.ron --no-plugins"],
+    ),
+    // Editors.
+    ("message", "session.txt", Form::Text, &["lsp <session.txt"]),
+    ("message", "session.jsonl", Form::Text, &["lsp <<session.jsonl"]),
+    ("text", "diagrams/servo.ron", Form::Text, &["fmt --stdin <diagrams/servo.ron"]),
 ];
 
 /// Diagrams, moves and sets of parameters, with the model that reads them.
@@ -189,10 +302,10 @@ mod tests {
         let all = subjects(&crate::root());
         let diagrams = all.iter().filter(|subject| subject.kind == "diagram").count();
         assert!(diagrams > 50, "{diagrams}");
-        for kind in KINDS.iter().chain(&["move", PARTS]) {
-            assert!(all.iter().any(|subject| subject.kind == *kind), "{kind}");
-        }
-        assert!(all.iter().all(|subject| subject.kind != "other"));
+        let kinds: std::collections::BTreeSet<&str> = all.iter().map(|subject| subject.kind).collect();
+        assert!(kinds.len() > 30 && kinds.contains("move"), "{kinds:?}");
+        let prepared = PREPARATION.iter().flat_map(|(kinds, _)| kinds.iter()).chain(&SLOW);
+        assert!(prepared.clone().all(|kind| kinds.contains(kind)));
         assert_eq!(words("a 'b c' d"), ["a", "b c", "d"]);
     }
 }

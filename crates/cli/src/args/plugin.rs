@@ -65,12 +65,33 @@ pub enum Language {
     Cpp,
 }
 
+/// What a crate is built for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TargetName {
+    /// A library for this computer.
+    Native,
+    /// A WebAssembly module.
+    Wasm,
+}
+
+impl From<TargetName> for blocksim_host::Target {
+    fn from(name: TargetName) -> blocksim_host::Target {
+        match name {
+            TargetName::Native => blocksim_host::Target::Native,
+            TargetName::Wasm => blocksim_host::Target::Wasm,
+        }
+    }
+}
+
 /// `blocksim plugin show`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  blocksim plugin show plugins/pid")]
 pub struct PluginShowArgs {
     /// A built library, a WebAssembly module, or the folder of its sources, which is built first.
     pub library: String,
+    /// What a crate is built for, as `target` in a diagram.
+    #[arg(long, value_enum, default_value_t = TargetName::Native, value_name = "TARGET")]
+    pub target: TargetName,
     #[command(flatten)]
     pub plugins: PluginArgs,
     /// As JSON, an object for each controller.
@@ -87,6 +108,9 @@ pub struct PluginShowArgs {
 pub struct PluginCheckArgs {
     /// A built library, a WebAssembly module, or the folder of its sources, which is built first.
     pub library: String,
+    /// What a crate is built for, as `target` in a diagram.
+    #[arg(long, value_enum, default_value_t = TargetName::Native, value_name = "TARGET")]
+    pub target: TargetName,
     /// Controller to examine; without it all that the plug-in has.
     #[arg(long, value_name = "NAME")]
     pub block: Option<String>,

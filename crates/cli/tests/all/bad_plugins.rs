@@ -332,13 +332,19 @@ fn the_command_that_serves_is_for_the_program_alone() {
 }
 
 /// What a library does at the end of the program: its name, the code of its destructor, and what is said of it.
-const ENDS: [(&str, &str, &str); 5] = [
+const ENDS: [(&str, &str, &str); 10] = [
     ("crashes", "*null = 1;", "crashed"),
     ("aborts", "abort();", "crashed"),
     ("recurses", "zero = deep(0);", "crashed"),
     ("loops", "while (!zero) { }", "does not return"),
     // What C has not written to its file yet must not be lost.
     ("writes", "fputs(\"the end\\n\", fopen(\"end.txt\", \"w\"));", ""),
+    // A destructor that waits for a thread of its own.
+    ("waits", "zero = 1; pthread_join(thread, 0); fputs(\"the end\\n\", fopen(\"end.txt\", \"w\"));", ""),
+    ("leaves", "_exit(7);", "called `_exit`"),
+    ("leaves quickly", "quick_exit(0);", "called `_exit`"),
+    ("is killed", "kill(getpid(), SIGKILL);", "was ended by a signal"),
+    ("signals itself", "raise(SIGUSR1);", "was ended by a signal"),
 ];
 
 /// Every command that loads a plug-in has its own exit code, whatever the plug-in does when the program ends.
@@ -354,7 +360,7 @@ fn a_plug_in_cannot_change_the_exit_code_when_the_program_ends() {
         (&["sweep", "model.ron", "--over", "control.k=1,2", "--metric", "peak:seen.y"], 0),
         (&["plugin", "check", "law"], 0),
     ];
-    for (name, code, deed) in ENDS {
+    for (at, (name, code, deed)) in ENDS.into_iter().enumerate() {
         let failing =
             MODEL.replace("stop_time: \"1 s\"", "stop_time: \"1 s\", solver: Ode45(max_step: \"1 s\")");
         let wrong = MODEL.replace("\"y\"])", "\"z\"])");
@@ -362,8 +368,31 @@ fn a_plug_in_cannot_change_the_exit_code_when_the_program_ends() {
         let desk = Desk::with(&[("model.ron", MODEL), ("failing.ron", &failing), ("wrong.ron", &wrong)]);
         fs::create_dir(desk.0.join("law")).unwrap();
         let source = SOURCE.replace("/*outputs*/", "if (u[0] > 5.0) return say(\"too much\", m);");
-        let source =
-            format!("{source}__attribute__((destructor)) static void unloaded(void)\n{{\n    {code}\n}}\n");
+        // Half of them in a destructor, half in a function of `atexit`; a log that C has not written yet must not be lost either.
+        let (last, registered) = match at % 2 {
+            0 => ("__attribute__((destructor)) static", ""),
+            _ => ("static", "atexit(unloaded);"),
+        };
+        let begun = if name == "waits" { "pthread_create(&thread, 0, until_told, 0);" } else { "" };
+        let source = format!(
+            "{source}static pthread_t thread;
+static void *until_told(void *none)
+{{
+    while (!zero) usleep(1000);
+    return none;
+}}
+{last} void unloaded(void)
+{{
+    {code}
+}}
+__attribute__((constructor)) static void begins(void)
+{{
+    fputs(\"begun\\n\", fopen(\"log.txt\", \"w\"));
+    {registered}
+    {begun}
+}}
+"
+        );
         fs::write(desk.0.join("law/law.c"), &source).unwrap();
         fs::write(desk.0.join("law/plugin.toml"), "flags = [\"-w\"]\n").unwrap();
         // A library that is not a plug-in, but does the same.
@@ -388,13 +417,16 @@ fn a_plug_in_cannot_change_the_exit_code_when_the_program_ends() {
             if words.last() == Some(&"--out") {
                 words.push(&out);
             }
-            let _ = fs::remove_file(desk.0.join("end.txt"));
+            for file in ["end.txt", "log.txt"] {
+                let _ = fs::remove_file(desk.0.join(file));
+            }
             let answer = desk.call(&words);
             assert_eq!(answer.code, Some(*exit), "{name}: {words:?}: {}", answer.text());
             // A process of its own is ended by the one that has started it.
             if words[..2] == ["plugin", "check"] {
                 continue;
             }
+            assert_eq!(desk.read("log.txt"), "begun\n", "{name}: {words:?}");
             let warned = answer.err.lines().filter(|line| line.starts_with("warning: the plug-in `"));
             let warned: Vec<&str> = warned.collect();
             if deed.is_empty() {

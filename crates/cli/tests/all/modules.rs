@@ -147,3 +147,23 @@ fn a_library_under_the_name_of_a_module_is_not_loaded() {
     fs::write(desk.0.join("model.ron"), MODEL.replace("law.wasm", "law.so")).expect("written");
     assert!(says(&desk, &["check", "model.ron"], 3).contains("plugin_untrusted"));
 }
+
+/// Building a crate runs its build script, so that a module of it needs trust like a library.
+#[test]
+fn a_crate_that_would_be_built_as_a_module_needs_trust() {
+    let model = MODEL.replace("library: \"law.wasm\"", "library: \"law\", target: Wasm");
+    let desk = Desk::with(&[("model.ron", &model)]);
+    fs::create_dir_all(desk.0.join("law/src")).expect("a folder");
+    fs::write(desk.0.join("law/Cargo.toml"), "[package]\nname = \"law\"\nedition = \"2024\"\n[workspace]\n")
+        .expect("written");
+    fs::write(desk.0.join("law/src/lib.rs"), "").expect("written");
+    fs::write(desk.0.join("law/build.rs"), "fn main() { std::fs::write(\"ran.txt\", \"\").unwrap(); }")
+        .expect("written");
+    let refused = says(&desk, &["check", "model.ron"], 3);
+    assert!(refused.contains("error[plugin_untrusted]: the plug-in `law` is not trusted"), "{refused}");
+    assert!(!desk.0.join("law/ran.txt").exists() && !desk.0.join("law/target").exists());
+    let unknown = model.replace("target: Wasm", "target: Wsm");
+    fs::write(desk.0.join("model.ron"), unknown).expect("written");
+    let refused = says(&desk, &["check", "model.ron"], 3);
+    assert!(refused.contains("`Wasm`"), "{refused}");
+}

@@ -43,7 +43,7 @@ fn a_run_becomes_a_page_in_its_folder_with_its_scopes_and_numbers() {
     let report = call(&folder, &["report", "r", "--overlay", "m.csv"]);
     assert!(report.status.success(), "{}", said(&report));
     let page = fs::read_to_string(folder.join("r/report.html")).unwrap();
-    for part in ["<h1>servo</h1>", "\"title\":\"angle\"", "\"unit\":\"°\"", "Following", "m.csv", "servo.ron"]
+    for part in ["<h1>servo</h1>", "\"title\":\"angle\"", "\"unit\":\"°\"", "Tracking", "m.csv", "servo.ron"]
     {
         assert!(page.contains(part), "{part}");
     }

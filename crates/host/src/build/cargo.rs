@@ -9,23 +9,39 @@ use std::time::SystemTime;
 
 use super::{Answer, SHOWN_LINES, crate_files, fresh, notify};
 use crate::fault::{self, BUILD, MISSING};
+use crate::locate::Target;
+
+/// What modules are built for.
+const WASM: &str = "wasm32-unknown-unknown";
+/// What cargo and the compiler say where they have not got it.
+const NO_TARGET: &str = "target may not be installed";
 
 /// The cargo that is asked.
 pub fn program() -> OsString {
     std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"))
 }
 
-/// The library of the crate in `folder`, as this cargo builds it.
-pub fn built(cargo: &OsStr, folder: &Path, named: &str) -> Answer {
+/// The library of the crate in `folder`, or the module if that is the target, as this cargo builds it.
+pub fn built(cargo: &OsStr, folder: &Path, named: &str, target: Target) -> Answer {
     let recipe = crate_files::variables(std::env::vars_os());
-    if let Some(library) = built_before(folder).filter(|library| fresh::is_fresh(library, &recipe)) {
+    if let Some(library) = built_before(folder, target).filter(|library| fresh::is_fresh(library, &recipe)) {
         return Ok(library);
     }
     let (asked, manifest) = (SystemTime::now(), folder.join("Cargo.toml"));
+    let (verb, behind): (&[&str], &[&str]) = match target {
+        Target::Native => (&["build"], &[]),
+        // Without its table nobody could call the functions of a module.
+        Target::Wasm => (
+            &["rustc", "--lib", "--target", WASM],
+            &["--", "--crate-type", "cdylib", "-C", "link-arg=--export-table"],
+        ),
+    };
     let child = Command::new(cargo)
-        .args(["build", "--release", "--color=never", "--message-format=json-render-diagnostics"])
+        .args(verb)
+        .args(["--release", "--color=never", "--message-format=json-render-diagnostics"])
         .arg("--manifest-path")
         .arg(&manifest)
+        .args(behind)
         // Where cargo looks for its settings and for the toolchain of the crate.
         .current_dir(folder)
         .stdin(Stdio::null())
@@ -34,10 +50,10 @@ pub fn built(cargo: &OsStr, folder: &Path, named: &str) -> Answer {
         .spawn();
     let answer = match child {
         Ok(child) => match finished(child, named) {
-            Ok(built) => library_of(&built, &manifest, named),
+            Ok(built) => library_of(&built, &manifest, named, target),
             Err(e) => Err(fault::library(BUILD, format!("cargo could not build `{named}`: {e}"))),
         },
-        Err(e) => return without_cargo(folder, named, &e),
+        Err(e) => return without_cargo(folder, named, target, &e),
     };
     if let Ok(library) = &answer
         && let Some(files) = crate_files::read(folder, library)
@@ -105,14 +121,27 @@ fn progress(line: &str) -> Option<&'static str> {
 }
 
 /// Finds the library in what cargo reported.
-fn library_of(built: &Built, manifest: &Path, named: &str) -> Answer {
+fn library_of(built: &Built, manifest: &Path, named: &str, target: Target) -> Answer {
+    if !built.status.success()
+        && target == Target::Wasm
+        && built.said.iter().any(|line| line.contains(NO_TARGET))
+    {
+        let message =
+            format!("the plug-in `{named}` cannot be built as a module: this Rust has no target `{WASM}`");
+        let help = format!("install it with `rustup target add {WASM}`, or leave out `target: Wasm`");
+        return Err(fault::help(fault::library(BUILD, message), help));
+    }
     if !built.status.success() {
         let said = last_lines(&built.said.join("\n"));
         let error = fault::library(BUILD, format!("the plug-in `{named}` does not build:\n{said}"));
         let shown = fault::shown(manifest);
-        return Err(fault::help(error, format!("see `cargo build --release --manifest-path {shown}`")));
+        let options = if target == Target::Wasm { format!(" --target {WASM}") } else { String::new() };
+        return Err(fault::help(
+            error,
+            format!("see `cargo build --release{options} --manifest-path {shown}`"),
+        ));
     }
-    built.messages.lines().find_map(|line| cdylib(line, manifest)).ok_or_else(|| {
+    built.messages.lines().find_map(|line| cdylib(line, manifest, target)).ok_or_else(|| {
         let error =
             fault::library(BUILD, format!("the crate `{named}` builds no library that can be loaded"));
         fault::help(error, "write `[lib]` and `crate-type = [\"cdylib\", \"rlib\"]` into its `Cargo.toml`")
@@ -120,7 +149,7 @@ fn library_of(built: &Built, manifest: &Path, named: &str) -> Answer {
 }
 
 /// The file of a cargo message that says: this crate has become this dynamic library.
-fn cdylib(line: &str, manifest: &Path) -> Option<PathBuf> {
+fn cdylib(line: &str, manifest: &Path, target: Target) -> Option<PathBuf> {
     let message: serde_json::Value = serde_json::from_str(line).ok()?;
     if message["reason"] != "compiler-artifact" {
         return None;
@@ -131,7 +160,7 @@ fn cdylib(line: &str, manifest: &Path) -> Option<PathBuf> {
         return None;
     }
     let files = message["filenames"].as_array()?.iter().filter_map(|file| file.as_str());
-    files.map(PathBuf::from).find(|file| file.to_string_lossy().ends_with(std::env::consts::DLL_SUFFIX))
+    files.map(PathBuf::from).find(|file| file.to_string_lossy().ends_with(affixes(target).1))
 }
 
 fn last_lines(text: &str) -> String {
@@ -142,8 +171,8 @@ fn last_lines(text: &str) -> String {
 }
 
 /// What was built before.
-fn without_cargo(folder: &Path, named: &str, e: &std::io::Error) -> Answer {
-    built_before(folder).ok_or_else(|| {
+fn without_cargo(folder: &Path, named: &str, target: Target, e: &std::io::Error) -> Answer {
+    built_before(folder, target).ok_or_else(|| {
         let error = fault::library(
             MISSING,
             format!("the plug-in `{named}` is not built, and cargo cannot be run: {e}"),
@@ -155,13 +184,23 @@ fn without_cargo(folder: &Path, named: &str, e: &std::io::Error) -> Answer {
     })
 }
 
+/// What stands before and behind the name of a library.
+fn affixes(target: Target) -> (&'static str, &'static str) {
+    match target {
+        Target::Native => (std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX),
+        Target::Wasm => ("", ".wasm"),
+    }
+}
+
 /// The library of a crate where cargo would have put it, if it is there.
-fn built_before(folder: &Path) -> Option<PathBuf> {
+fn built_before(folder: &Path, target: Target) -> Option<PathBuf> {
     let name = library_name(&std::fs::read_to_string(folder.join("Cargo.toml")).ok()?)?;
-    let file = format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let (prefix, suffix) = affixes(target);
+    let file = format!("{prefix}{name}{suffix}");
+    let of = if target == Target::Wasm { WASM } else { "" };
     let named = std::env::var_os("CARGO_TARGET_DIR").map(|target| folder.join(target));
     let targets = named.into_iter().chain(folder.ancestors().map(|folder| folder.join("target")));
-    targets.map(|target| target.join("release").join(&file)).find(|library| library.is_file())
+    targets.map(|target| target.join(of).join("release").join(&file)).find(|library| library.is_file())
 }
 
 /// The name of a crate's library: that of `[lib]`, else that of `[package]` with underscores.
@@ -202,13 +241,13 @@ mod tests {
         std::fs::write(folder.join("Cargo.toml"), "[package]\nname = \"no-cargo-here\"\n").unwrap();
         let nowhere = OsStr::new("/no/such/cargo");
 
-        let error = built(nowhere, &folder, "here").unwrap_err();
+        let error = built(nowhere, &folder, "here", Target::Native).unwrap_err();
         assert_eq!(error.code, MISSING);
         assert!(error.message.starts_with("the plug-in `here` is not built, and cargo cannot be run"));
 
         let name = format!("{}no_cargo_here{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
         std::fs::write(release.join(&name), "").unwrap();
-        assert_eq!(built(nowhere, &folder, "here"), Ok(release.join(&name)));
+        assert_eq!(built(nowhere, &folder, "here", Target::Native), Ok(release.join(&name)));
         std::fs::remove_dir_all(folder).unwrap();
     }
 
@@ -222,7 +261,7 @@ mod tests {
         let library = |answer: u32| {
             let code = format!("#[unsafe(no_mangle)]\npub extern \"C\" fn answer() -> u32 {{ {answer} }}\n");
             std::fs::write(folder.join("src/lib.rs"), code).unwrap();
-            std::fs::read(built(&program(), &folder, "edited").unwrap()).unwrap()
+            std::fs::read(built(&program(), &folder, "edited", Target::Native).unwrap()).unwrap()
         };
         assert!(library(41) != library(42));
         std::fs::remove_dir_all(&folder).unwrap();
@@ -249,9 +288,32 @@ mod tests {
         crate::set_build_notice(|text| {
             TOLD.lock().unwrap().extend(text.contains("`slow`").then(|| text.to_owned()));
         });
-        let error = built(slow.as_os_str(), &folder, "slow").unwrap_err();
+        let error = built(slow.as_os_str(), &folder, "slow", Target::Native).unwrap_err();
         assert_eq!(error.message, "the plug-in `slow` does not build:\nerror: no space left");
         assert_eq!(*TOLD.lock().unwrap(), ["building the plug-in `slow` with cargo"]);
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_target_that_rust_has_not_got_is_named_with_the_line_that_installs_it() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = std::env::temp_dir().join(format!("blocksim-no-target-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (text, poor) = (folder.join("text"), folder.join("cargo"));
+        // What cargo 1.88 prints.
+        let said = "error[E0463]: can't find crate for `core`\n  |\n  \
+                    = note: the `wasm32-unknown-unknown` target may not be installed\n";
+        std::fs::write(&text, format!("#!/bin/sh\ncat >&2 <<'END'\n{said}END\nexit 101\n")).unwrap();
+        std::fs::set_permissions(&text, std::fs::Permissions::from_mode(0o755)).unwrap();
+        assert!(Command::new("cp").arg(&text).arg(&poor).status().unwrap().success());
+        let error = built(poor.as_os_str(), &folder, "law", Target::Wasm).unwrap_err();
+        assert_eq!(
+            error.message,
+            "the plug-in `law` cannot be built as a module: this Rust has no target `wasm32-unknown-unknown`"
+        );
+        let help = "install it with `rustup target add wasm32-unknown-unknown`, or leave out `target: Wasm`";
+        assert_eq!(error.help.as_deref(), Some(help));
         std::fs::remove_dir_all(folder).unwrap();
     }
 

@@ -18,6 +18,8 @@ use blocksim_block::LoadError;
 pub use c::is_source;
 pub use settings::SETTINGS;
 
+use crate::locate::Target;
+
 /// Blocks of one diagram that name one folder share an answer; a diagram that is read again later, say after an edit, asks
 /// again.
 const ANSWER_HOLDS: Duration = Duration::from_secs(2);
@@ -25,10 +27,10 @@ const ANSWER_HOLDS: Duration = Duration::from_secs(2);
 const SHOWN_LINES: usize = 20;
 
 type Answer = Result<PathBuf, LoadError>;
-/// The last answer for one folder; locked while it is built.
+/// The last answer for one folder and target; locked while it is built.
 type Slot = Arc<Mutex<Option<(Instant, Answer)>>>;
 
-static SLOTS: Mutex<BTreeMap<PathBuf, Slot>> = Mutex::new(BTreeMap::new());
+static SLOTS: Mutex<BTreeMap<(PathBuf, Target), Slot>> = Mutex::new(BTreeMap::new());
 static NOTICE: RwLock<Option<fn(&str)>> = RwLock::new(None);
 
 /// Sets who is told that a plug-in is compiled, what its compiler warns of, or that cargo waits for another cargo. Nobody is
@@ -45,15 +47,15 @@ fn notify(text: &str) {
 
 /// Folders of all plug-ins that this process has built, whether they could be built or not.
 pub fn folders() -> Vec<PathBuf> {
-    SLOTS.lock().unwrap_or_else(PoisonError::into_inner).keys().cloned().collect()
+    SLOTS.lock().unwrap_or_else(PoisonError::into_inner).keys().map(|(folder, _)| folder.clone()).collect()
 }
 
-/// The library of the crate in `folder`, up to date. `named` is how the diagram calls it.
+/// The library of the crate in `folder`, or the module if that is the target, up to date. `named` is how the diagram calls it.
 ///
 /// # Errors
-/// The crate does not build, or builds no library; there is no cargo and no built library.
-pub fn of_crate(folder: &Path, named: &str) -> Answer {
-    once(folder, || cargo::built(&cargo::program(), folder, named))
+/// The crate does not build, or builds no library; there is no cargo and no built library; Rust has not got the target.
+pub fn of_crate(folder: &Path, named: &str, target: Target) -> Answer {
+    once(folder, target, || cargo::built(&cargo::program(), folder, named, target))
 }
 
 /// The library of the C or C++ sources in `folder`, up to date. `named` is how the diagram calls it.
@@ -61,13 +63,13 @@ pub fn of_crate(folder: &Path, named: &str) -> Answer {
 /// # Errors
 /// The sources do not compile, the settings are wrong, or there is no compiler.
 pub fn of_sources(folder: &Path, named: &str) -> Answer {
-    once(folder, || c::built(&c::Compilers::of_environment(), folder, named))
+    once(folder, Target::Native, || c::built(&c::Compilers::of_environment(), folder, named))
 }
 
-fn once(folder: &Path, build: impl FnOnce() -> Answer) -> Answer {
+fn once(folder: &Path, target: Target, build: impl FnOnce() -> Answer) -> Answer {
     let slot = {
         let mut slots = SLOTS.lock().unwrap_or_else(PoisonError::into_inner);
-        Arc::clone(slots.entry(folder.to_owned()).or_default())
+        Arc::clone(slots.entry((folder.to_owned(), target)).or_default())
     };
     let mut last = slot.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((asked, answer)) = last.as_ref()

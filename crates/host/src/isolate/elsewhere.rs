@@ -1,14 +1,12 @@
 //! Where there are no sockets between processes: plug-ins cannot be kept apart.
 
-use std::path::Path;
-
 use blocksim_block::LoadError;
 
 use super::Op;
 use crate::call::Failure;
 use crate::fault::{self, MISSING};
 use crate::guard::{Given, Wanted};
-use crate::open::Library;
+use crate::open::{Binary, Library};
 
 /// A block of a plug-in in another process, which cannot exist on this system.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +26,7 @@ impl Remote {
 ///
 /// # Errors
 /// Always.
-pub fn open(_path: &Path, named: &str, _is_moving: bool) -> Result<Library, LoadError> {
+pub fn open(_binary: &Binary, named: &str, _is_moving: bool) -> Result<Library, LoadError> {
     let message = format!("the plug-in `{named}` cannot be run in a process of its own on this system");
     Err(fault::library(MISSING, message))
 }

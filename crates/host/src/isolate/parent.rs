@@ -5,7 +5,6 @@ use std::io::{self, Read, Write};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::PoisonError;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,7 +19,7 @@ use crate::fault::{self, CRASH, MISSING};
 use crate::guard::{Given, Wanted};
 use crate::kind::Calls;
 use crate::offer::served;
-use crate::open::Library;
+use crate::open::{Binary, Library};
 use crate::watch::{Cause, DIED, Record, call_limit, is_interrupted};
 
 /// How often Ctrl-C is looked for while an answer is awaited.
@@ -36,7 +35,7 @@ pub fn was_interrupted() -> bool {
 /// A library that is served. There is one for each state of a file.
 #[derive(Debug)]
 struct Place {
-    path: PathBuf,
+    binary: Binary,
     /// What the diagram calls it.
     named: String,
     /// Whether each call is to have buffers at other places.
@@ -82,12 +81,12 @@ pub fn last_duration() -> f64 {
 ///
 /// # Errors
 /// As if it were loaded here, or that it died of being loaded.
-pub fn open(path: &Path, named: &str, is_moving: bool) -> Result<Library, LoadError> {
+pub fn open(binary: &Binary, named: &str, is_moving: bool) -> Result<Library, LoadError> {
     let place: &'static Place =
-        Box::leak(Box::new(Place { path: path.to_owned(), named: named.to_owned(), is_moving }));
+        Box::leak(Box::new(Place { binary: binary.clone(), named: named.to_owned(), is_moving }));
     let (server, offer) = start(place)?;
     let broken = |reason: String| fault::library(fault::ABI, format!("the plug-in `{named}`: {reason}"));
-    let mut library = served(&fault::shown(path), &offer).map_err(broken)?;
+    let mut library = served(&fault::shown(&binary.path), &offer).map_err(broken)?;
     for (at, kind) in library.blocks.iter_mut().enumerate() {
         kind.calls = Calls::Remote(Remote { place, block: at as u32 });
     }
@@ -97,7 +96,7 @@ pub fn open(path: &Path, named: &str, is_moving: bool) -> Result<Library, LoadEr
 
 /// Starts a process and lets it load a library; gives what this offers.
 fn start(place: &Place) -> Result<(Server, String), LoadError> {
-    let Place { path, named, is_moving } = place;
+    let Place { binary, named, is_moving } = place;
     let cannot = |what: &str, e: &dyn std::fmt::Display| {
         fault::library(
             MISSING,
@@ -122,8 +121,8 @@ fn start(place: &Place) -> Result<(Server, String), LoadError> {
     timeouts(&server.stream).map_err(|e| cannot("no socket", &e))?;
     begin(&mut server.message);
     server.message.extend(named.as_bytes());
-    server.message.extend([0, u8::from(*is_moving)]);
-    server.message.extend(path.as_os_str().as_encoded_bytes());
+    server.message.extend([0, u8::from(*is_moving), u8::from(binary.is_module)]);
+    server.message.extend(binary.path.as_os_str().as_encoded_bytes());
     let status = server.exchange().map_err(|reason| {
         let error = fault::library(CRASH, format!("the plug-in `{named}` {reason} while it was loaded"));
         fault::help(error, "nothing runs then but initialisers and `blocksim_plugin_v1`")

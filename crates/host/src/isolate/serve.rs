@@ -13,7 +13,7 @@ use crate::call::Failure;
 use crate::guard::move_buffers;
 use crate::kind::{At, Kind};
 use crate::offer::offer;
-use crate::open::{Library, load};
+use crate::open::{Binary, Library, load};
 use crate::watch::{calling, report_to, tag};
 
 /// First word of an answer: results, or a text.
@@ -47,11 +47,11 @@ pub fn serve() -> io::Result<()> {
     if !receive(&mut stream, &mut message)? {
         return Ok(());
     }
-    let (named, is_moving, path) = split(&message);
+    let (named, is_moving, binary) = split(&message);
     if is_moving {
         move_buffers();
     }
-    let library = match load(&path, &named) {
+    let library = match load(&binary, &named) {
         Ok(library) => {
             let offer = offer(library);
             answer(&mut stream, &mut message, TEXT, OK, offer.as_bytes())?;
@@ -85,14 +85,14 @@ pub fn serve() -> io::Result<()> {
 }
 
 /// The name, whether buffers move, and the path, from the first message.
-fn split(message: &[u8]) -> (String, bool, PathBuf) {
+fn split(message: &[u8]) -> (String, bool, Binary) {
     use std::os::unix::ffi::OsStrExt;
     let end = message.iter().position(|&byte| byte == 0).unwrap_or(message.len());
-    let path = std::ffi::OsStr::from_bytes(message.get(end + 2..).unwrap_or_default());
+    let path = std::ffi::OsStr::from_bytes(message.get(end + 3..).unwrap_or_default());
     (
         String::from_utf8_lossy(&message[..end]).into_owned(),
         message.get(end + 1) == Some(&1),
-        PathBuf::from(path),
+        Binary { path: PathBuf::from(path), is_module: message.get(end + 2) == Some(&1) },
     )
 }
 

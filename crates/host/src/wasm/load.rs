@@ -169,6 +169,15 @@ fn code(bytes: &[u8]) -> Result<Code, String> {
     Code::new(engine(), bytes).map_err(|error| error.to_string())
 }
 
+/// Whether a crate may be built as a module: this program runs them.
+///
+/// # Errors
+/// None.
+#[expect(clippy::unnecessary_wraps, reason = "as where modules cannot be run")]
+pub fn usable(_named: &str) -> Result<(), LoadError> {
+    Ok(())
+}
+
 /// The bytes of a file.
 fn bytes(path: &Path, shown: &str) -> Result<Vec<u8>, LoadError> {
     let cannot = |reason: String| fault::library(MISSING, format!("`{shown}` cannot be read: {reason}"));

@@ -24,6 +24,6 @@ mod layout;
 mod load;
 
 #[cfg(not(feature = "wasm"))]
-pub use absent::load;
+pub use absent::{load, usable};
 #[cfg(feature = "wasm")]
-pub use load::{Boxed, load};
+pub use load::{Boxed, load, usable};

@@ -4,10 +4,10 @@ use std::os::fd::RawFd;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicPtr, Ordering};
 use std::time::Duration;
 
-use super::{Cause, Death, ENDING, Ending, SLOT, Slot, Tag};
+use super::{Cause, Death, SLOT, Slot, Tag, ending};
 
 /// Signals that a crash raises.
-const SIGNALS: [i32; 6] =
+pub(super) const SIGNALS: [i32; 6] =
     [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT, libc::SIGTRAP];
 /// How near to the top of the stack an address is that a stack without room has been extended to.
 const NEAR: u64 = 1 << 16;
@@ -101,6 +101,18 @@ fn install() {
     unsafe { libc::atexit(on_exit) };
 }
 
+/// Lets crashes end the process, as if there were no handlers, and without a file of its memory: for a copy that is waited for.
+pub(super) fn release() {
+    let none = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
+    // SAFETY: a whole struct, and the handlers of the system.
+    unsafe {
+        libc::setrlimit(libc::RLIMIT_CORE, &raw const none);
+        for signal in SIGNALS {
+            libc::signal(signal, libc::SIG_DFL);
+        }
+    }
+}
+
 /// The slot of this thread, if it is calling a plug-in.
 fn calling() -> Option<&'static Slot> {
     SLOT.try_with(std::cell::Cell::get)
@@ -111,8 +123,8 @@ fn calling() -> Option<&'static Slot> {
 
 extern "C" fn on_signal(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
     let Some(slot) = calling() else {
-        if let Some(end) = ENDING.get() {
-            end_anyway(end, "crashed");
+        if let Some(end) = ending::begun() {
+            ending::end_anyway(end, "crashed");
         }
         // Somebody else's crash: as if this handler were not there. The instruction that failed is tried again.
         let old = SIGNALS.iter().position(|known| *known == signal).map(|at| OLD[at].load(Ordering::Acquire));
@@ -193,13 +205,8 @@ pub(super) fn last_words(tag: Option<&Tag>, deed: &str) -> ! {
     print_and_end(&["\n", head, name, "` ", deed, end], code)
 }
 
-/// Ends the program where a function that a plug-in has left for its end does not let it.
-pub(super) fn end_anyway(end: &Ending, deed: &str) -> ! {
-    let rest = " when the program ended; all results were written before\n";
-    print_and_end(&["warning: ", &end.whose, " ", deed, rest], end.code)
-}
-
-fn print_and_end(texts: &[&str], code: i32) -> ! {
+/// Prints texts as a handler may, and ends the process.
+pub(super) fn print_and_end(texts: &[&str], code: i32) -> ! {
     for text in texts {
         // SAFETY: bytes of a text.
         unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };

@@ -5,13 +5,15 @@
 //! told ([`set_death_notice`]), once. The thread that was calling never goes on: nothing is known of the state of the plug-in.
 
 #[cfg(unix)]
+mod ending;
+#[cfg(unix)]
 mod fatal;
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::atomic::{AtomicPtr, AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Mutex, Once, OnceLock, PoisonError, RwLock};
+use std::sync::{Mutex, Once, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
 #[cfg(unix)]
@@ -158,19 +160,8 @@ pub(crate) fn is_interrupted() -> bool {
     interrupt.is_some_and(|is_requested| is_requested())
 }
 
-/// The end of the program, while plug-ins may still act on it.
-#[cfg(unix)]
-struct Ending {
-    code: i32,
-    /// Who may act.
-    whose: String,
-}
-
-#[cfg(unix)]
-static ENDING: OnceLock<Ending> = OnceLock::new();
-
 /// Ends the program with an exit code, if a plug-in was loaded into it: functions that plug-ins have left for the end, such as
-/// destructors and what flushes the files of C, are called, and whether they crash or do not return, the exit code is this one.
+/// destructors and what flushes the files of C, are called, and whatever they do, the exit code is this one.
 pub fn end(code: u8) {
     let libraries = open::loaded();
     if libraries.is_empty() {
@@ -189,12 +180,9 @@ pub fn end(code: u8) {
             several => format!("one of the plug-ins `{}`", several.join("`, `")),
         };
         let _ = std::io::stdout().flush();
-        if ENDING.set(Ending { code, whose }).is_ok() {
-            // SAFETY: the main thread calls it once, and does nothing else then. The library's own way to the end would take
-            // away the stack for handlers of signals first.
-            unsafe { libc::exit(code) }
-        }
+        ending::end(code, whose)
     }
+    #[cfg(not(unix))]
     std::process::exit(code)
 }
 
@@ -299,10 +287,10 @@ pub(crate) fn start() {
                 let passed = now.duration_since(last).min(4 * EVERY);
                 last = now;
                 #[cfg(unix)]
-                if let Some(end) = ENDING.get() {
+                if let Some(end) = ending::begun() {
                     ending += passed;
                     if ending >= call_limit() || ending >= GRACE && is_interrupted() {
-                        fatal::end_anyway(end, "does not return");
+                        ending::end_anyway(end, "does not return");
                     }
                 }
                 if let Some(death) = died.or_else(|| overdue(&mut seen, passed)) {

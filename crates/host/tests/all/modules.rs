@@ -6,7 +6,9 @@ use std::path::Path;
 use std::process::Command;
 
 use blocksim_block::testing::Bench;
+use blocksim_block::{Block, LoadError};
 use blocksim_controller::testing::Bench as BuiltIn;
+use blocksim_host::{Plugin, Target};
 use expect_test::{Expect, expect};
 
 use crate::common::{Folder, What, bare, failure, fresh, load, set};
@@ -363,6 +365,8 @@ fn a_file_that_is_no_module_is_refused() {
 
 #[test]
 fn a_module_that_fails_in_a_run_is_named_with_its_deed() {
+    // The work of a module is limited, and on a busy computer that much takes longer than a call may.
+    blocksim_host::set_call_limit(std::time::Duration::from_secs(600));
     let cases: &[(&str, Change)] = &[
         ("good", |_| ()),
         ("endless loop", |m| m.outputs = "(loop br 0) i32.const 0".to_owned()),
@@ -436,11 +440,20 @@ fn a_module_that_fails_in_a_run_is_named_with_its_deed() {
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
+/// Whether Rust has the target; where not, the tests of crates end.
+fn has_target() -> bool {
+    let rustc = Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]).output();
+    let is_there =
+        rustc.is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir());
+    if !is_there {
+        eprintln!("not tested: the target {TARGET} is not installed");
+    }
+    is_there
+}
+
 /// Builds the crate in a folder as a module, with the crates that this computer has; `None` where the target is not installed.
 fn module(folder: &Path, file: &str) -> Option<String> {
-    let rustc = Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]).output().ok()?;
-    if !Path::new(String::from_utf8_lossy(&rustc.stdout).trim()).is_dir() {
-        eprintln!("not tested: the target {TARGET} is not installed");
+    if !has_target() {
         return None;
     }
     let products = Path::new(env!("CARGO_TARGET_TMPDIR")).join("modules");
@@ -462,9 +475,8 @@ fn shipped(name: &str) -> Option<String> {
     module(&folder, &format!("blocksim_plugin_{name}.wasm"))
 }
 
-#[test]
-fn a_panic_in_rust_arrives_with_its_text() {
-    let folder = fresh("module-panic");
+/// Writes the crate of a controller `Gain` that wants inputs below 1.
+fn write_crate(folder: &Path) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap();
     let manifest = format!(
         "[package]\nname = \"law\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\"]\n[dependencies]\n\
@@ -491,11 +503,17 @@ fn a_panic_in_rust_arrives_with_its_text() {
         }
         export_plugin!("law", [Gain]);
     "#;
-    std::fs::create_dir(folder.0.join("src")).unwrap();
-    std::fs::write(folder.0.join("Cargo.toml"), manifest).unwrap();
-    std::fs::write(folder.0.join("src/lib.rs"), law).unwrap();
+    std::fs::create_dir(folder.join("src")).unwrap();
+    std::fs::write(folder.join("Cargo.toml"), manifest).unwrap();
+    std::fs::write(folder.join("src/lib.rs"), law).unwrap();
     // The versions that are on this computer.
-    std::fs::copy(root.join("Cargo.lock"), folder.0.join("Cargo.lock")).unwrap();
+    std::fs::copy(root.join("Cargo.lock"), folder.join("Cargo.lock")).unwrap();
+}
+
+#[test]
+fn a_panic_in_rust_arrives_with_its_text() {
+    let folder = fresh("module-panic");
+    write_crate(&folder.0);
     let Some(file) = module(&folder.0, "law.wasm") else { return };
     std::fs::copy(file, folder.0.join("law.wasm")).unwrap();
     let plugin = gain(&folder).unwrap();
@@ -504,6 +522,58 @@ fn a_panic_in_rust_arrives_with_its_text() {
     assert_eq!(outcome(7.0).unwrap(), "the plug-in `law.wasm` panicked: u is 7");
     assert_eq!(outcome(0.5), None);
     assert_eq!(outcome(8.0).unwrap(), "the plug-in `law.wasm` panicked: u is 8");
+}
+
+/// A block of what `library` names, built as a module.
+fn built_as_module(folder: &Folder, library: &str) -> Result<Plugin, LoadError> {
+    let mut plugin = Plugin::new(library, "Gain", set([("k", bare(3.0))]));
+    plugin.target = Target::Wasm;
+    plugin.load(folder).map(|()| plugin)
+}
+
+#[test]
+fn a_crate_is_built_as_a_module_where_the_diagram_says_so() {
+    if !has_target() {
+        return;
+    }
+    let folder = fresh("module-crate");
+    let law = folder.0.join("law");
+    std::fs::create_dir(&law).unwrap();
+    write_crate(&law);
+    let plugin = built_as_module(&folder, "law").unwrap();
+    let outcome = |plugin: &Plugin, u: f64| failure(plugin, &[u], &mut [], What::Outputs);
+    assert_eq!(outcome(&plugin, 0.5), None);
+    assert_eq!(outcome(&plugin, 7.0).unwrap(), "the plug-in `law` panicked: u is 7");
+    let file = law.join("target").join(TARGET).join("release/law.wasm");
+    let built = std::fs::metadata(&file).unwrap().modified().unwrap();
+    // What has not changed is not built once more; what has is.
+    built_as_module(&folder, "law").unwrap();
+    assert_eq!(std::fs::metadata(&file).unwrap().modified().unwrap(), built);
+    let source = law.join("src/lib.rs");
+    let text = std::fs::read_to_string(&source).unwrap();
+    std::fs::write(&source, text.replace("c[U] < 1.0", "c[U] < 9.0")).unwrap();
+    // Blocks of one diagram share an answer for so long.
+    std::thread::sleep(std::time::Duration::from_millis(2100));
+    assert_eq!(outcome(&built_as_module(&folder, "law").unwrap(), 7.0), None);
+}
+
+#[test]
+fn what_cannot_be_built_as_a_module_is_refused_with_a_remedy() {
+    let folder = fresh("module-of-others");
+    std::fs::write(folder.0.join("law.so"), "").unwrap();
+    std::fs::create_dir(folder.0.join("law")).unwrap();
+    std::fs::write(folder.0.join("law/law.c"), "").unwrap();
+    let said = |library: &str| {
+        let error = built_as_module(&folder, library).unwrap_err();
+        format!("[{}] {}: {}\nhelp: {}\n", error.code, error.param, error.message, error.help.unwrap())
+    };
+    expect![[r#"
+        [plugin_build] library: the plug-in `law.so` is a built library and cannot become a module
+        help: name the folder of its crate, or a module (`.wasm`), or leave out `target: Wasm`
+        [plugin_build] library: the plug-in `law` is written in C or C++, which blocksim does not build as a module
+        help: leave out `target: Wasm`, or build it with clang as in `blocksim manual plugins` and name the module: `library: "law.wasm"`
+    "#]]
+    .assert_eq(&[said("law.so"), said("law")].concat());
 }
 
 #[test]

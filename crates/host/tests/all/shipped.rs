@@ -4,7 +4,7 @@ use crate::common::{bare, built, here, load, set, with_unit};
 use blocksim_block::testing::Bench;
 use blocksim_block::{Block, BlockKind, Given, Interface};
 use blocksim_controller::testing::Bench as BuiltIn;
-use blocksim_host::open;
+use blocksim_host::{Target, open};
 use expect_test::expect;
 
 fn signal(k: usize, inputs: usize) -> Vec<f64> {
@@ -159,14 +159,14 @@ fn blocks_that_name_one_library_share_it() {
     let threads: Vec<_> = (0..6)
         .map(|_| {
             std::thread::spawn(|| {
-                std::ptr::from_ref(open(&here().0, "../../plugins/cascade").unwrap()).addr()
+                std::ptr::from_ref(open(&here().0, "../../plugins/cascade", Target::Native).unwrap()).addr()
             })
         })
         .collect();
     let mut addresses: Vec<_> = threads.into_iter().map(|thread| thread.join().unwrap()).collect();
     addresses.dedup();
     assert_eq!(addresses.len(), 1);
-    let library = open(&here().0, "../../plugins/cascade/../cascade").unwrap();
+    let library = open(&here().0, "../../plugins/cascade/../cascade", Target::Native).unwrap();
     assert_eq!(std::ptr::from_ref(library).addr(), addresses[0], "two ways to one folder");
     assert_eq!((library.name, library.version), ("cascade", env!("CARGO_PKG_VERSION")));
 }

@@ -25,7 +25,7 @@ pub fn check(args: &PluginCheckArgs, console: Console) -> Outcome {
     isolate();
     let mut given: BTreeMap<String, ParamValue> = BTreeMap::new();
     given.extend(args.set.iter().cloned());
-    let examined = examine(Path::new("."), &args.library, args.block.as_deref(), &given)
+    let examined = examine(Path::new("."), &args.library, args.target.into(), args.block.as_deref(), &given)
         .map_err(|error| Failure::new(Exit::Files, error.code, error.message).perhaps_help(error.help))?;
     let text = |one: &Examined| if args.json { format!("{}\n", data(one, &args.library)) } else { text(one) };
     console.data(&examined.iter().map(text).collect::<Vec<_>>().join(if args.json { "" } else { "\n" }))?;

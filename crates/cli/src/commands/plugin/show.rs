@@ -8,7 +8,7 @@ use blocksim_results::format::significant;
 use blocksim_results::{Align, Table};
 use serde_json::{Value, json};
 
-use crate::args::plugin::PluginShowArgs;
+use crate::args::plugin::{PluginShowArgs, TargetName};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::loaded::tell_builds;
@@ -26,7 +26,7 @@ pub fn show(args: &PluginShowArgs, console: Console) -> Outcome {
         .map_err(|error| Failure::new(Exit::Files, error.code, error.message).perhaps_help(error.help))?;
     console.data(&match args.json {
         true => library.blocks.iter().map(|kind| format!("{}\n", data(library, kind))).collect(),
-        false => text(library, &args.library),
+        false => text(library, args),
     })?;
     Ok(Exit::Done)
 }
@@ -35,7 +35,7 @@ fn library(args: &PluginShowArgs, console: Console) -> Result<&'static Library, 
     let (plugins, here) = (Plugins::of(args.plugins, Purpose::Look), Path::new("."));
     match plugins.decide(here, &args.library) {
         Decision::Load => {
-            let library = open(here, &args.library)?;
+            let library = open(here, &args.library, args.target.into())?;
             plugins.remember(here, &args.library, &offer(library));
             Ok(library)
         }
@@ -51,7 +51,7 @@ fn library(args: &PluginShowArgs, console: Console) -> Result<&'static Library, 
     }
 }
 
-fn text(library: &Library, named: &str) -> String {
+fn text(library: &Library, args: &PluginShowArgs) -> String {
     let mut text = format!("{} {}, from {}\n", library.name, library.version, library.path.display());
     for kind in &library.blocks {
         text.push_str(&format!("\n{}\n\n{}\n", kind.name, prose(kind.doc.trim()).trim_end()));
@@ -62,7 +62,7 @@ fn text(library: &Library, named: &str) -> String {
         let states = [(&kind.continuous, "continuous"), (&kind.discrete, "sampled")];
         let rows = states.iter().flat_map(|(list, side)| list.iter().map(|quantity| (quantity, *side)));
         text.push_str(&table("States", rows));
-        text.push_str(&format!("\nIn a diagram\n  {}\n", call(kind, named)));
+        text.push_str(&format!("\nIn a diagram\n  {}\n", call(kind, args)));
     }
     text
 }
@@ -106,14 +106,15 @@ fn short(x: f64) -> String {
 }
 
 /// The line of a diagram that makes this block; parameters without a default must be filled in.
-fn call(kind: &Kind, named: &str) -> String {
+fn call(kind: &Kind, args: &PluginShowArgs) -> String {
     let needed = kind.parameters.iter().filter(|parameter| parameter.default.is_none());
     let needed: Vec<String> = needed.map(|parameter| format!("{:?}: ...", parameter.name)).collect();
     let parameters = match needed.is_empty() {
         true => String::new(),
         false => format!(", parameters: {{ {} }}", needed.join(", ")),
     };
-    format!("Plugin(library: {named:?}, block: {:?}{parameters})", kind.name)
+    let target = if args.target == TargetName::Wasm { ", target: Wasm" } else { "" };
+    format!("Plugin(library: {:?}, block: {:?}{parameters}{target})", args.library, kind.name)
 }
 
 fn data(library: &Library, kind: &Kind) -> Value {
