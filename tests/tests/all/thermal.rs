@@ -152,7 +152,7 @@ fn a_resistor_heats_itself_and_its_resistance_follows() {
 fn a_resistor_without_capacity_finds_its_temperature() {
     let run = network(r#"stop_time: "1 s""#, HEATER, HEATED, r#""i", "q""#);
     // x = T - T_a: x (1 + alpha (x + T_a - T_ref)) = 1.5 V^2 / r.
-    let (a, b, c) = (3.93e-3, 1.0 + 3.93e-3 * 10.0, -1.5 * 24.0 * 24.0 / 4.0);
+    let (a, b, c): (f64, f64, f64) = (3.93e-3, 1.0 + 3.93e-3 * 10.0, -1.5 * 24.0 * 24.0 / 4.0);
     let rise = (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a);
     assert!((run.last("s.q") - rise / 1.5).abs() < 1e-9, "{} for {}", run.last("s.q"), rise / 1.5);
     assert!((run.last("s.i") - rise / 1.5 / 24.0).abs() < 1e-11);

@@ -71,8 +71,8 @@ impl Component for ExponentialDiode {
         } else {
             part.element(Element::Junction { p, n: Pin::Inner(0) })
         };
-        // That of a junction which carries some milliamperes.
-        let junction = Element::Characteristic { p: Pin::Inner(0), n, conductance: 0.1, guess: 0.0 };
+        // Between that of a junction which conducts and that of the leakage: rounding harms neither much.
+        let junction = Element::Characteristic { p: Pin::Inner(0), n, conductance: 1e-4, guess: 0.0 };
         part.named(JUNCTION, junction)
             .named(WHOLE, Element::VoltageProbe { p, n })
             .measures("i", "A", Needs::Electrics, "current from p (anode) to n (cathode)")

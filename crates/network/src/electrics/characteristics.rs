@@ -11,7 +11,7 @@
 //! where `o` is what sources, states and currents of windings give. Beside them stand the two given values of each transformer whose
 //! ratio varies, which are linear. Newton's method with the exact slopes of the laws finds all of them together; a step is
 //! halved until what is left of the equations decreases. It begins at the voltages of the last major step, which are
-//! discrete states, and ends at rounding: an evaluation is a function of time, states and inputs, whatever was tried before.
+//! discrete states, and ends where what is left is rounding: an evaluation is a function of time, states and inputs, whatever was tried before.
 
 use std::ops::Range;
 
@@ -34,6 +34,11 @@ const QUIET: f64 = 1e-6;
 /// Steps of Newton's method, and halvings of one.
 const STEPS: usize = 200;
 const HALVINGS: usize = 60;
+/// What is left of an equation below this part of its terms is rounding; and below that, where no step makes it less.
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
+const NEARLY: f64 = 1e-12;
+/// Terms of an equation count as this at least, V.
+const NOTHING: f64 = 1e-290;
 /// What is left must decrease by this part of what a step without curvature would take.
 const DECREASE: f64 = 1e-4;
 
@@ -139,6 +144,9 @@ impl Network {
             return Err(NotFound::NotFinite);
         }
         for _ in 0..STEPS {
+            if room.noise <= ROUNDED {
+                return Ok(());
+            }
             room.note(n);
             self.jacobian(island, room);
             let pivots = &mut room.pivots[..n];
@@ -156,7 +164,7 @@ impl Network {
                 }
                 let trial = self.evaluate(island, c, w, room);
                 let decreases = trial <= left * (1.0 - DECREASE * factor);
-                if decreases || size <= LAST && trial.is_finite() {
+                if decreases || (size <= LAST || room.noise <= ROUNDED) && trial.is_finite() {
                     (left, accepted) = (trial, true);
                     break;
                 }
@@ -169,14 +177,17 @@ impl Network {
                 factor *= 0.5;
             }
             if !accepted {
-                return Err(NotFound::Stuck);
+                let (trial, at) = (&mut room.trial[..n], &room.unknown[..n]);
+                trial.copy_from_slice(at);
+                let left = self.evaluate(island, c, w, room);
+                return if left.is_finite() && room.noise <= NEARLY { Ok(()) } else { Err(NotFound::Stuck) };
             }
             room.unknown[..n].copy_from_slice(&room.trial[..n]);
             if size <= LAST || factor == 0.0 {
                 return Ok(());
             }
         }
-        Err(NotFound::TooLong)
+        if room.noise <= NEARLY { Ok(()) } else { Err(NotFound::TooLong) }
     }
 
     /// Evaluates the laws at `room.trial`: fills currents, slopes and what is left of the equations, whose length it returns.
@@ -204,6 +215,8 @@ impl Network {
                 let at = (first + row) * n + first;
                 room.slopes[at..at + m].copy_from_slice(&room.slope[row * m..(row + 1) * m]);
                 room.slopes[at + row] -= conductance;
+                room.terms[first + row] =
+                    room.current[number].abs() + (conductance * room.trial[first + row]).abs();
                 room.given[first + row] = room.current[number] - conductance * room.trial[first + row];
             }
             first += m;
@@ -211,12 +224,17 @@ impl Network {
         for k in curves..n {
             room.slopes[k * n + k] = 1.0;
             room.given[k] = room.trial[k];
+            room.terms[k] = room.trial[k].abs();
         }
         let mut sum = 0.0;
+        room.noise = 0.0;
         for k in 0..n {
             let row = &room.coupling[k * n..(k + 1) * n];
             let by: f64 = row.iter().zip(&room.given).map(|(c, z)| c * z).sum();
             let left = room.trial[k] - by - room.offset[k];
+            let terms: f64 = row.iter().zip(&room.terms).map(|(c, z)| c.abs() * z).sum();
+            let size = room.trial[k].abs() + terms + room.offset[k].abs();
+            room.noise = room.noise.max(left.abs() / (size + NOTHING));
             room.residual[k] = left;
             sum += left * left;
         }

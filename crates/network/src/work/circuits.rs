@@ -44,6 +44,10 @@ pub(crate) struct CharacteristicRoom {
     pub residual: Vec<f64>,
     /// Given values at the voltages that are tried.
     pub given: Vec<f64>,
+    /// Sizes of the terms that the given values are differences of.
+    pub terms: Vec<f64>,
+    /// The greatest part of its terms that is left of an equation at the voltages that are tried.
+    pub noise: f64,
     pub step: Vec<f64>,
     pub jacobian: Vec<f64>,
     /// Slopes of given values over unknowns, by rows.
@@ -87,6 +91,8 @@ impl CharacteristicRoom {
             trial: vector(),
             residual: vector(),
             given: vector(),
+            terms: vector(),
+            noise: f64::INFINITY,
             step: vector(),
             jacobian: square(),
             slopes: square(),
