@@ -32,6 +32,8 @@ pub enum Symbol {
     Plugin,
     /// A resistor.
     Resistor,
+    /// A resistor whose resistance depends on its voltage.
+    Varistor,
     /// A capacitor.
     Capacitor,
     /// An inductor.

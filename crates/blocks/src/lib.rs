@@ -23,5 +23,6 @@ pub mod rotational;
 pub mod routing;
 pub mod sinks;
 pub mod sources;
+pub mod thermal;
 pub mod three_phase;
 pub mod translational;

@@ -36,6 +36,9 @@ fn way_between(one: Domain, other: Domain) -> &'static str {
         (Domain::Rotational, Domain::Translational) | (Domain::Translational, Domain::Rotational) => {
             "a WheelAndAxle, a RackAndPinion or a LeadScrew leads from one to the other"
         }
+        (Domain::Electrical, Domain::Thermal) | (Domain::Thermal, Domain::Electrical) => {
+            "join ports of one kind; the thermal port `h` of a Resistor(heat_port: true) leads from one to the other"
+        }
         _ => "join ports of one kind; motors, joints and sensors lead from one to the other",
     }
 }

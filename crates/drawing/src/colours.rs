@@ -32,6 +32,7 @@ impl Colour {
             Colour::Of(Domain::Rotational) => "turning",
             Colour::Of(Domain::Electrical) => "electric",
             Colour::Of(Domain::Translational) => "sliding",
+            Colour::Of(Domain::Thermal) => "thermal",
         }
     }
 }
@@ -49,12 +50,12 @@ pub(crate) enum Fill {
 }
 
 /// Names of the variables of a page and the colours of a theme, in the order of the rules below.
-fn roles(theme: Theme) -> [(&'static str, &'static str); 9] {
+fn roles(theme: Theme) -> [(&'static str, &'static str); 10] {
     let Palette { ground, text, quiet, grid, series, .. } = Palette::of(theme);
     // Thin lines on a dark ground want brighter colours than plots have.
-    let (inside, frames, electric, sliding) = match theme {
-        Theme::Light => ("#F1F5F9", series[0], series[4], series[5]),
-        Theme::Dark => (grid, "#B69CFF", "#1E9BFF", "#FF8A5C"),
+    let (inside, frames, electric, sliding, thermal) = match theme {
+        Theme::Light => ("#F1F5F9", series[0], series[4], series[5], "#BE123C"),
+        Theme::Dark => (grid, "#B69CFF", "#1E9BFF", "#FF8A5C", "#FB7185"),
     };
     [
         ("ground", ground),
@@ -66,6 +67,7 @@ fn roles(theme: Theme) -> [(&'static str, &'static str); 9] {
         ("turning", series[2]),
         ("electric", electric),
         ("sliding", sliding),
+        ("thermal", thermal),
     ]
 }
 
@@ -84,7 +86,7 @@ fn rules(colour: impl Fn(&str) -> String) -> String {
         colour("ground"),
         colour("inside")
     );
-    for role in ["quiet", "frames", "phases", "turning", "electric", "sliding"] {
+    for role in ["quiet", "frames", "phases", "turning", "electric", "sliding", "thermal"] {
         out.push_str(&format!(".diagram .{role}{{color:{}}}", colour(role)));
     }
     out
@@ -100,7 +102,7 @@ pub(crate) fn fixed(theme: Theme) -> String {
 
 /// The style sheet for a page that holds drawings made by [`inline`](crate::inline). Each colour is a variable of the
 /// page, `--diagram-ink`, `--diagram-ground`, `--diagram-quiet`, `--diagram-inside`, `--diagram-frames`,
-/// `--diagram-phases`, `--diagram-turning`, `--diagram-electric`, `--diagram-sliding`; see [`style_variables`].
+/// `--diagram-phases`, `--diagram-turning`, `--diagram-electric`, `--diagram-sliding`, `--diagram-thermal`; see [`style_variables`].
 pub fn style_sheet() -> String {
     rules(|role| format!("var(--diagram-{role})"))
 }

@@ -119,6 +119,7 @@ impl Block for Network {
             jumped |= self.take_gates(*island, &Context { x: &*x, ..here }, w, d);
             jumped |= self.commutate(*island, &here, w, x, d);
         }
+        self.keep_guesses(w, d);
         self.after_jump(&here, jumped, w, x, d);
         jumped |= booked;
         if jumped {

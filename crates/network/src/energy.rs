@@ -12,7 +12,7 @@
 //! A network without an account never comes here.
 
 use blocksim_block::Context;
-use blocksim_block::physical::{Component, Energy, LossModel};
+use blocksim_block::physical::{Component, Domain, Energy, LossModel};
 use blocksim_multibody::{kinetic_energy, potential_energy};
 
 use crate::accounts::{Account, GRAVITY, LISTS, MOTION, OPEN, OWN, TURNED};
@@ -80,7 +80,8 @@ impl Network {
 
     fn electrical_flows(&self, w: &Work, sum: &mut Energy) {
         for island in self.electrics.islands.iter().filter(|island| island.separate.is_none()) {
-            for pin in &island.two_pins {
+            // Heat is not booked again on its way.
+            for pin in island.two_pins.iter().filter(|pin| pin.domain != Domain::Thermal) {
                 let power = w.voltage[pin.index] * w.current[pin.index];
                 match pin.branch {
                     branch if self.electrics.capacitance(&branch).is_some() => {}
@@ -91,7 +92,9 @@ impl Network {
                         }
                     }
                     Branch::Conductance(_) | Branch::Valve { .. } => sum.dissipated += power,
-                    Branch::Wire
+                    // Only the component knows what becomes of it.
+                    Branch::Characteristic(..)
+                    | Branch::Wire
                     | Branch::Probe
                     | Branch::Primary(_)
                     | Branch::Secondary

@@ -29,6 +29,7 @@ impl Network {
         if !seat.two_pins.is_empty() {
             law.voltage = &w.voltage[seat.two_pins.clone()];
             law.current = &w.current[seat.two_pins.clone()];
+            law.places = &seat.places;
         }
         if let Some(i) = seat.supply {
             law.supply = &w.supply[i];

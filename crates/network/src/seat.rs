@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use blocksim_block::physical::{Component, Needs};
+use blocksim_block::physical::{Component, Needs, Place};
 use blocksim_block::{Block, Context};
 
 use crate::electrics::{Island, Joined};
@@ -43,6 +43,8 @@ pub(crate) struct Seat {
     pub sources: Range<usize>,
     pub windings: Range<usize>,
     pub valves: Range<usize>,
+    /// Elements that have a name.
+    pub places: Vec<Place>,
     /// Two-pins of the windings whose currents are states.
     pub winding_pins: Vec<usize>,
     pub speed_sources: Range<usize>,

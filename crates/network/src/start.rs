@@ -1,11 +1,11 @@
 //! What must hold before a network can run.
 
-use blocksim_block::physical::Law;
+use blocksim_block::physical::{Domain, Law};
 use blocksim_block::{Context, Fault};
 use nalgebra::{DMatrix, DVector};
 
 use crate::electrics::commutation::REMAINDER;
-use crate::electrics::{Branch, Crossing, Floating, loops};
+use crate::electrics::{Branch, Capacitance, Crossing, Floating, loops};
 use crate::network::Network;
 use crate::problem::NetworkProblem;
 use crate::seat::Role;
@@ -182,7 +182,7 @@ impl Network {
             self.prescribed_voltages(index, &c, &mut work);
             let of = |position: &usize| self.electrics.capacitance(&island.two_pins[*position].branch);
             let capacitances: Vec<_> = law.capacitances.iter().filter_map(of).collect();
-            let own = capacitances.iter().map(|c| c.start.unwrap_or(0.0));
+            let own = capacitances.iter().map(|c| c.start.unwrap_or_else(|| self.begins(c)));
             let y = DVector::from_iterator(capacitances.len(), own);
             let others = law.others.iter().map(|position| match island.two_pins[*position].branch {
                 Branch::Source(index) => work.given[index],
@@ -206,26 +206,47 @@ impl Network {
         if problems.is_empty() { Ok(()) } else { Err(problems) }
     }
 
+    /// What a component says of its state at the start, where it may follow from others.
+    fn begins(&self, c: &Capacitance) -> f64 {
+        let seat = &self.seats[c.member];
+        let states = self.interface.states.get(seat.x.start + c.state).filter(|_| seat.held.is_none());
+        states.map_or(0.0, |state| state.initial)
+    }
+
     /// Start values that do not obey Kirchhoff's law of loops.
     fn voltages_conflict(&self, island: usize, law: &loops::Law, left: &DVector<f64>) -> NetworkProblem {
         let circuit = &self.electrics.islands[island];
         let worst = left.iamax();
-        let problem = NetworkProblem::new(
-            "start_conflict",
-            format!(
-                "the voltages at the start do not obey Kirchhoff's law: around a loop of capacitors they miss zero by {} V",
-                left[worst].abs()
-            ),
-            "leave out `v0` of one of them, or give values that fit; what comes as a signal counts as zero before the start",
-        );
+        let thermal = law.capacitances.iter().any(|i| circuit.two_pins[*i].domain == Domain::Thermal);
+        let misses = left[worst].abs();
+        let problem = if thermal {
+            NetworkProblem::new(
+                "start_conflict",
+                format!(
+                    "the temperatures at the start do not fit each other: of what is directly connected they differ by {misses} K"
+                ),
+                "leave out `t0` of one of the heat capacities, or give all of them the same; what comes as a signal counts as 0 K before \
+                 the start: put a ThermalResistance between",
+            )
+        } else {
+            NetworkProblem::new(
+                "start_conflict",
+                format!(
+                    "the voltages at the start do not obey Kirchhoff's law: around a loop of capacitors they miss zero by {misses} V"
+                ),
+                "leave out `v0` of one of them, or give values that fit; what comes as a signal counts as zero before the start",
+            )
+        };
         let list = law.capacitances.iter().enumerate().map(|(k, i)| (i, law.b[(worst, k)]));
         let others = law.others.iter().enumerate().map(|(k, i)| (i, law.d[(worst, k)]));
         let mut named = Vec::new();
         for (position, _) in list.chain(others).filter(|(_, factor)| *factor != 0.0) {
             let pin = &circuit.two_pins[*position];
             let role = match self.electrics.capacitance(&pin.branch) {
+                Some(c) if c.start.is_some() && thermal => "has a temperature at the start",
                 Some(c) if c.start.is_some() => "has a voltage at the start",
                 Some(_) => "belongs to the loop",
+                None if thermal => "gives a temperature",
                 None => "gives a voltage",
             };
             if !named.contains(&(pin.member, role)) && matches!(pin.branch, Branch::Source(_)) {

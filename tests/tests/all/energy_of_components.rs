@@ -5,14 +5,16 @@
 use std::sync::Arc;
 
 use blocksim_block::physical::{
-    Element, Energy, FrameMotion, Freedom, JointMotion, Law, Supply, Torque, Wrench,
+    Characteristics, Domain, Element, Energy, FrameMotion, Freedom, JointMotion, Law, Place, Supply, Torque,
+    Wrench,
 };
 use blocksim_block::{Block, Given, kinds};
 use blocksim_blocks as _;
 use blocksim_diagram::example_block;
 
 /// Texts beside the examples: parameters that open another branch of a law.
-const MORE: [&str; 37] = [
+const MORE: [&str; 38] = [
+    r#"Resistor(r: 2.0, heat_port: true, alpha: 1e-3)"#,
     r#"DcMotor(r: 1.5, l: 0.0, k: 0.22, j: 5e-5, damping: 1e-4)"#,
     r#"DcMotor(r: 1.5, l: 2.5e-3, k: 0.22, j: 5e-5, damping: 1e-4)"#,
     r#"UniversalMotor(r: 4.0, l: 0.04, l_af: 0.15, j: 1e-3, damping: 1e-3)"#,
@@ -117,6 +119,7 @@ fn two_pins(element: &Element) -> usize {
         | Element::Winding { .. }
         | Element::CurrentSource { .. }
         | Element::Resistance { .. }
+        | Element::Characteristic { .. }
         | Element::Valve { .. }
         | Element::VoltageProbe { .. }
         | Element::CurrentProbe { .. } => 1,
@@ -140,6 +143,9 @@ fn has_speed(element: &Element) -> bool {
 struct Point {
     block: Arc<dyn Block>,
     elements: Vec<Element>,
+    /// Whether what flows through an element at its across quantity is power.
+    is_power: Vec<bool>,
+    places: Vec<Place>,
     t: f64,
     x: Vec<f64>,
     d: Vec<f64>,
@@ -168,6 +174,15 @@ impl Point {
             inputs.push((cells as u32, (cells + length) as u32));
             cells += length;
         }
+        let is_power = part.elements.iter().map(|e| part.domain_of(e) != Domain::Thermal).collect();
+        let is_law = |e: &&Element| matches!(e, Element::Characteristic { .. });
+        let place = |(handle, index): &(_, usize)| Place {
+            handle: *handle,
+            two_pin: part.elements[..*index].iter().map(two_pins).sum(),
+            characteristic: is_law(&&part.elements[*index])
+                .then(|| part.elements[..*index].iter().filter(is_law).count()),
+        };
+        let places = part.handles.iter().map(place).collect();
         let elements = part.elements;
         let pins = elements.iter().filter(|e| has_speed(e)).count();
         let frames =
@@ -217,6 +232,8 @@ impl Point {
                 .collect(),
             turned,
             elements,
+            is_power,
+            places,
         };
         point.electrics();
         point
@@ -233,6 +250,7 @@ impl Point {
             mode: &self.mode,
             voltage: &self.voltage,
             current: &self.current,
+            places: &self.places,
             supply: &self.supply,
             line_current: &self.line_current,
             joint: &self.joint,
@@ -258,6 +276,18 @@ impl Point {
         if !i.is_empty() {
             component.currents(&self.law(), &mut i);
         }
+        let law = |e: &Element| matches!(e, Element::Characteristic { .. });
+        let mut at = 0;
+        let mut laws = Vec::new();
+        for element in &self.elements {
+            laws.extend(law(element).then_some(at));
+            at += two_pins(element);
+        }
+        let across: Vec<f64> = laws.iter().map(|at| self.voltage[*at]).collect();
+        let (mut through, mut slope) = (vec![0.0; laws.len()], vec![0.0; laws.len() * laws.len()]);
+        let mut view = Characteristics::new(&self.places, &across, &mut through, &mut slope);
+        component.characteristics(&self.law(), &mut view);
+        laws.iter().zip(through).for_each(|(at, through)| self.current[*at] = through);
         self.line_current = component.line_current(&self.law());
         let (mut at, mut v, mut i) = (0, v.into_iter(), i.into_iter());
         for element in &self.elements {
@@ -280,11 +310,14 @@ impl Point {
             component.torques(&law, &mut tau);
         }
         let (mut branch, mut pin, mut two_pin) = (tau.into_iter(), 0, 0);
-        for element in &self.elements {
+        for (element, is_power) in self.elements.iter().zip(&self.is_power) {
+            if matches!(element, Element::Characteristic { .. }) && *is_power {
+                powers.push(self.voltage[two_pin] * self.current[two_pin]);
+            }
             if matches!(element, Element::Branch { .. }) {
                 powers.push(branch.next().expect("a torque").value * self.speed[pin]);
             }
-            if matches!(element, Element::Winding { .. } | Element::Capacitance { .. }) {
+            if matches!(element, Element::Winding { .. } | Element::Capacitance { .. }) && *is_power {
                 powers.push(self.voltage[two_pin] * self.current[two_pin]);
             }
             if matches!(element, Element::Machine { .. }) {
@@ -347,6 +380,8 @@ impl Point {
         Self {
             block: self.block.clone(),
             elements: self.elements.clone(),
+            is_power: self.is_power.clone(),
+            places: self.places.clone(),
             t: self.t + h,
             x: self.x.iter().zip(&dx).map(|(x, dx)| x + h * dx).collect(),
             d: self.d.clone(),

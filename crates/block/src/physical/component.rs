@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use super::{DryMesh, Energy, Grip, Law, Needs, Part, Supply, Torque, Wrench};
+use super::{Characteristics, DryMesh, Energy, Grip, Law, Needs, Part, Supply, Torque, Wrench};
 use crate::Given;
 
 /// The law of a block that belongs to a physical network. All functions are pure.
@@ -30,6 +30,11 @@ pub trait Component: Debug + Send + Sync {
 
     /// Derivative of the current of each current source, A/s. Only when the part says [`Part::rates`].
     fn current_rates(&self, _c: &Law, _di: &mut [f64]) {}
+
+    /// Current of each [`Element::Characteristic`](super::Element::Characteristic) and its exact slopes, at the voltages that
+    /// `curves` shows. Time, inputs, states and speeds are known. The network calls it several times at an instant, until all
+    /// voltages and currents fit.
+    fn characteristics(&self, _c: &Law, _curves: &mut Characteristics) {}
 
     /// Ratio of each variable transformer; from time, inputs and states.
     fn ratios(&self, _c: &Law, _ratio: &mut [f64]) {}

@@ -15,6 +15,30 @@ pub enum ValveKind {
     Thyristor,
 }
 
+impl Element {
+    /// Where it ends, if it is electrical, or of a domain with the same assembly.
+    pub fn pins(&self) -> Vec<Pin> {
+        match *self {
+            Element::VoltageSource { p, n }
+            | Element::Winding { p, n, .. }
+            | Element::CurrentSource { p, n }
+            | Element::Capacitance { p, n, .. }
+            | Element::Resistance { p, n, .. }
+            | Element::Characteristic { p, n, .. }
+            | Element::Valve { p, n, .. }
+            | Element::Junction { p, n }
+            | Element::VoltageProbe { p, n }
+            | Element::CurrentProbe { p, n } => vec![p, n],
+            Element::IdealTransformer { primary, secondary, .. }
+            | Element::VariableTransformer { primary, secondary } => {
+                vec![primary.0, primary.1, secondary.0, secondary.1]
+            }
+            Element::Supply { n, .. } => vec![n],
+            _ => Vec::new(),
+        }
+    }
+}
+
 /// What a component contributes to a network. Ports are numbered as in [`Part::ports`](super::Part::ports).
 #[derive(Debug, Clone, PartialEq)]
 pub enum Element {
@@ -150,6 +174,20 @@ pub enum Element {
         n: Pin,
         /// Resistance, Ohm; positive.
         resistance: f64,
+    },
+    /// A current that [`Component::characteristics`](super::Component::characteristics) gives as a function of voltages at the same
+    /// instant, with its exact slopes: its own voltage and those of the other characteristics of the part, states and inputs. Give it a
+    /// name with [`Part::named`](super::Part::named).
+    Characteristic {
+        /// Positive pin.
+        p: Pin,
+        /// Negative pin.
+        n: Pin,
+        /// A slope of its current over its voltage as it occurs in use, S: the circuit is solved around it. Only how rounding spreads
+        /// depends on it. Zero where the current does not follow from its own voltage, as a flow of heat.
+        conductance: f64,
+        /// Voltage where the first search for an operating point begins, V; later ones begin at the last major step.
+        guess: f64,
     },
     /// Conducts or not, by a gate, by itself or both.
     Valve {

@@ -1,6 +1,8 @@
 //! What a component sees when a network asks for its law.
 
-use super::Supply;
+use super::{Handle, Place, Supply};
+
+use super::characteristic::find;
 
 /// Motion of a frame in the axes of the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,8 +37,9 @@ pub struct JointMotion {
 /// What a component sees. Lists are numbered by the elements of one kind in the order of [`Part::elements`](super::Part::elements):
 /// `speed`, `acceleration` and `torque` count branches, frictions, rigid couplings, speed sources and speed probes
 /// together;
-/// `voltage` and `current` count all two-pins (sources, capacitances, windings, resistances, valves, both probes)
-/// together; a transformer, ideal or variable, counts as two, primary and secondary.
+/// `voltage` and `current` count all two-pins (sources, capacitances, windings, resistances, characteristics, valves, both probes)
+/// together; a transformer, ideal or variable, counts as two, primary and secondary. Elements that have a name are found by it:
+/// [`voltage`](Self::voltage()), [`current`](Self::current()).
 #[derive(Debug, Clone, Copy)]
 pub struct Law<'a> {
     /// Time, s.
@@ -64,6 +67,8 @@ pub struct Law<'a> {
     pub voltage: &'a [f64],
     /// Currents, A; not in `voltages` and `currents`.
     pub current: &'a [f64],
+    /// Where the named elements of the part lie.
+    pub places: &'a [Place],
     /// The three-phase supply that the component is connected to (or is).
     pub supply: &'a Supply,
     /// Current drawn from the supply as a space vector in its frame and zero sequence, A; for the supply in `measure`.
@@ -93,12 +98,25 @@ impl<'a> Law<'a> {
             mode: &[],
             voltage: &[],
             current: &[],
+            places: &[],
             supply: &Supply::NONE,
             line_current: &[0.0; 3],
             joint: &[],
             orientation: &[1.0, 0.0, 0.0, 0.0],
             frames: &[],
         }
+    }
+
+    /// Voltage of a named element, V; the across quantity in other domains. Not a number if the part has no such element.
+    #[inline]
+    pub fn voltage(&self, handle: Handle) -> f64 {
+        find(self.places, handle).map_or(f64::NAN, |place| self.voltage[place.two_pin])
+    }
+
+    /// Current of a named element, A; the through quantity in other domains. Not a number if the part has no such element.
+    #[inline]
+    pub fn current(&self, handle: Handle) -> f64 {
+        find(self.places, handle).map_or(f64::NAN, |place| self.current[place.two_pin])
     }
 
     /// The first element of an input port.

@@ -11,6 +11,7 @@
 //! power at positive speed: it acts as `-tau` on `r` and `+tau` on `c`. A two-pin between `p` and `n` has the
 //! voltage `v_p - v_n`; its current is counted positive from `p` through the element to `n`.
 
+mod characteristic;
 mod component;
 mod effort;
 mod element;
@@ -22,6 +23,7 @@ mod part;
 mod port;
 mod supply;
 
+pub use characteristic::{Characteristics, Handle, Place};
 pub use component::Component;
 pub use effort::{Grip, Stop, Torque, Wrench};
 pub use element::{Element, ValveKind};

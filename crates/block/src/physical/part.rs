@@ -3,7 +3,7 @@
 use blocksim_scene::Shape;
 use blocksim_signal::Unit;
 
-use super::{Domain, Element, PhysicalPort};
+use super::{Domain, Element, Handle, PhysicalPort, Pin};
 use crate::event::{Change, Event, FRICTION};
 use crate::{Crossing, Discrete, Guard, Input, Interface, Output, State};
 
@@ -69,6 +69,8 @@ pub struct Part {
     pub currents_follow: bool,
     /// What the component contributes.
     pub elements: Vec<Element>,
+    /// Names of elements, with their indices in `elements`.
+    pub handles: Vec<(Handle, usize)>,
     /// What is seen of the component: a frame port and a shape fixed to it. It acts on nothing.
     pub shapes: Vec<(usize, Shape)>,
     /// The electrical circuit that the component belongs to is integrated by the network itself, between the edges of
@@ -258,6 +260,21 @@ impl Part {
     pub fn element(mut self, element: Element) -> Self {
         self.elements.push(element);
         self
+    }
+
+    /// Adds an element with a name, by which laws find its values.
+    pub fn named(mut self, handle: Handle, element: Element) -> Self {
+        self.handles.push((handle, self.elements.len()));
+        self.element(element)
+    }
+
+    /// The domain of an electrical element, or of one with the same assembly: that of the ports it ends at.
+    pub fn domain_of(&self, element: &Element) -> Domain {
+        let port = |pin: Pin| match pin {
+            Pin::Port(port) => self.ports.get(port).map(|port| port.domain),
+            Pin::Phase(..) | Pin::Inner(_) | Pin::Ground => None,
+        };
+        element.pins().into_iter().find_map(port).unwrap_or(Domain::Electrical)
     }
 
     /// Adds a shape that is fixed to a frame port.

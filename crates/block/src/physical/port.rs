@@ -11,6 +11,8 @@ pub enum Domain {
     Electrical,
     /// Three potentials and currents, phases a, b, c.
     ThreePhase,
+    /// Temperature (K) and heat flow (W).
+    Thermal,
     /// A frame of a rigid body: pose and wrench.
     Frame,
 }
@@ -22,6 +24,7 @@ impl std::fmt::Display for Domain {
             Domain::Translational => "translational",
             Domain::Electrical => "electrical",
             Domain::ThreePhase => "three-phase",
+            Domain::Thermal => "thermal",
             Domain::Frame => "frame",
         })
     }

@@ -192,6 +192,7 @@ pub(super) fn draw(pen: &mut Pen, symbol: Symbol) {
         Symbol::Inductor => {
             pen.shape("M-14 0a3.5 4 0 0 1 7 0a3.5 4 0 0 1 7 0a3.5 4 0 0 1 7 0a3.5 4 0 0 1 7 0", bold);
         }
+        Symbol::Varistor => pen.shape("M-14 -5H14V5H-14ZM-14 10H-8L10 -10", bold),
         Symbol::Resistor => pen.shape("M-14 -5H14V5H-14Z", bold),
         Symbol::AcSource => {
             pen.disc(0.0, 0.0, 14.0, Paint { width: 1.6, ..hollow });

@@ -19,6 +19,7 @@ pub(crate) fn draws(symbol: Symbol, figure: &Figure) -> bool {
         && matches!(
             symbol,
             Symbol::Resistor
+                | Symbol::Varistor
                 | Symbol::Capacitor
                 | Symbol::Inductor
                 | Symbol::VoltageSource
@@ -83,6 +84,9 @@ fn sign(pen: &mut Pen, symbol: Symbol, turn: &str, paint: Paint) {
     let filled = Paint { fill: Fill::Solid, ..paint };
     match symbol {
         Symbol::Resistor => pen.turned("M-17 0H-13M13 0H17M-13 -5H13V5H-13Z", paint, turn),
+        Symbol::Varistor => {
+            pen.turned("M-17 0H-13M13 0H17M-13 -5H13V5H-13ZM-14 10H-8L10 -10", paint, turn);
+        }
         Symbol::Capacitor => pen.turned("M-17 0H-3M3 0H17M-3 -9V9M3 -9V9", paint, turn),
         Symbol::Inductor => {
             pen.turned(

@@ -110,6 +110,7 @@ impl Network {
                         | Element::Supply { .. }
                         | Element::Valve { .. }
                         | Element::VariableTransformer { .. }
+                        | Element::Characteristic { .. }
                 )
             });
             let mut inputs = Vec::new();
@@ -163,6 +164,7 @@ impl Network {
                 sources: places.sources.clone(),
                 windings: places.windings.clone(),
                 valves: places.valves.clone(),
+                places: places.named.clone(),
                 winding_pins,
                 joint: frames.user_range(index),
                 ball: frames.balls.iter().position(|ball| ball.member == index),
@@ -240,12 +242,21 @@ impl Network {
             electrics.capacitances[capacitance].jumps = Some(interface.discrete.len());
             interface.discrete.push(Discrete::jumps(name, subject, "V"));
         }
+        for island in electrics.islands.iter().filter(|island| island.separate.is_none()) {
+            for (position, number) in &island.characteristics {
+                let path = &seats[island.two_pins[*position].member].member.path;
+                electrics.characteristics[*number].guess = Some(interface.discrete.len());
+                let first = electrics.characteristics[*number].first_guess;
+                interface = interface.discrete(format!("{path}.guess{number}"), first);
+            }
+        }
         if !natural.is_empty() {
             let steps = seats.iter().filter_map(|seat| seat.member.part.max_step);
             interface.max_step = steps.reduce(f64::min);
         }
         interface.uses_time = seats.iter().any(|seat| seat.member.part.uses_time);
         interface.jumps |= !with_valves(&electrics).is_empty();
+        interface.jumps |= electrics.characteristics.iter().any(|c| c.guess.is_some());
         if let Some(step) = separate.iter().map(|s| s.step).reduce(f64::min) {
             interface = interface.sampled(step).subdivides();
         }

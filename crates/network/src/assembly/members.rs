@@ -14,10 +14,10 @@ pub(crate) struct Members<'a> {
     /// Node of each port of each member.
     node_of: Vec<Vec<usize>>,
     /// Terminals of each node of each domain.
-    terminals: [Vec<Vec<Terminal>>; 4],
+    terminals: [Vec<Vec<Terminal>>; 5],
     /// Nodes of rotational and translational ports.
     pub rotational_nodes: usize,
-    /// Nodes of electrical ports, then three of each three-phase node, then those inside components.
+    /// Nodes of electrical ports, then three of each three-phase node, then those of thermal ports, then those inside components.
     pub electrical_nodes: usize,
     pub three_phase_nodes: usize,
     pub frame_nodes: usize,
@@ -35,34 +35,14 @@ fn index_of(domain: Domain) -> usize {
         Domain::Electrical => 1,
         Domain::ThreePhase => 2,
         Domain::Frame => 3,
+        Domain::Thermal => 4,
     }
 }
 
 /// Number of nodes inside a component.
 fn inner_nodes(elements: &[Element]) -> usize {
     let inner = |pin: &Pin| if let Pin::Inner(index) = pin { index + 1 } else { 0 };
-    elements.iter().flat_map(pins).map(|pin| inner(&pin)).max().unwrap_or(0)
-}
-
-/// Where an electrical element ends.
-fn pins(element: &Element) -> Vec<Pin> {
-    match *element {
-        Element::VoltageSource { p, n }
-        | Element::Winding { p, n, .. }
-        | Element::CurrentSource { p, n }
-        | Element::Capacitance { p, n, .. }
-        | Element::Resistance { p, n, .. }
-        | Element::Valve { p, n, .. }
-        | Element::Junction { p, n }
-        | Element::VoltageProbe { p, n }
-        | Element::CurrentProbe { p, n } => vec![p, n],
-        Element::IdealTransformer { primary, secondary, .. }
-        | Element::VariableTransformer { primary, secondary } => {
-            vec![primary.0, primary.1, secondary.0, secondary.1]
-        }
-        Element::Supply { n, .. } => vec![n],
-        _ => Vec::new(),
-    }
+    elements.iter().flat_map(Element::pins).map(|pin| inner(&pin)).max().unwrap_or(0)
 }
 
 impl<'a> Members<'a> {
@@ -70,7 +50,7 @@ impl<'a> Members<'a> {
         let unset = usize::MAX;
         let mut node_of: Vec<Vec<usize>> =
             list.iter().map(|member| vec![unset; member.part.ports.len()]).collect();
-        let mut terminals: [Vec<Vec<Terminal>>; 4] = Default::default();
+        let mut terminals: [Vec<Vec<Terminal>>; 5] = Default::default();
         let domain = |t: &Terminal| list[t.member].part.ports[t.port].domain;
         // Accounts look at the network without being part of it.
         let joined = joined.iter().map(|set| {
@@ -92,7 +72,7 @@ impl<'a> Members<'a> {
                 nodes.push(vec![t]);
             }
         }
-        let mut electrical_nodes = terminals[1].len() + 3 * terminals[2].len();
+        let mut electrical_nodes = terminals[1].len() + 3 * terminals[2].len() + terminals[4].len();
         let mut inner = Vec::new();
         for member in list {
             inner.push(electrical_nodes);
@@ -155,9 +135,17 @@ impl<'a> Members<'a> {
         match pin {
             Pin::Ground => None,
             Pin::Inner(index) => Some(self.inner[member] + index),
-            Pin::Port(port) => Some(self.node(member, port)),
+            Pin::Port(port) => {
+                let of_domain = self.node(member, port);
+                let thermal = self.list[member].part.ports[port].domain == Domain::Thermal;
+                Some(if thermal { self.first_thermal() + of_domain } else { of_domain })
+            }
             Pin::Phase(port, phase) => Some(self.terminals[1].len() + 3 * self.node(member, port) + phase),
         }
+    }
+
+    fn first_thermal(&self) -> usize {
+        self.terminals[1].len() + 3 * self.three_phase_nodes
     }
 
     /// Whether an electrical node is a phase of a three-phase node.
@@ -192,11 +180,13 @@ impl<'a> Members<'a> {
 
     pub(crate) fn electrical_node_name(&self, node: usize) -> String {
         let ports = self.terminals[1].len();
-        let phases = ports + 3 * self.three_phase_nodes;
+        let phases = self.first_thermal();
         if node < ports {
             self.name(Domain::Electrical, node)
         } else if node < phases {
             self.name(Domain::ThreePhase, (node - ports) / 3)
+        } else if node < phases + self.terminals[4].len() {
+            self.name(Domain::Thermal, node - phases)
         } else {
             self.path(self.any_electrical_member_at(node)).to_owned()
         }
@@ -208,6 +198,8 @@ impl<'a> Members<'a> {
             self.terminals[1][node][0].member
         } else if node < ports + 3 * self.three_phase_nodes {
             self.terminals[2][(node - ports) / 3][0].member
+        } else if node < self.first_thermal() + self.terminals[4].len() {
+            self.terminals[4][node - self.first_thermal()][0].member
         } else {
             self.inner.partition_point(|first| *first <= node) - 1
         }
@@ -264,10 +256,10 @@ impl<'a> Members<'a> {
         }
     }
 
-    /// Electrical and three-phase ports that nothing is connected to.
+    /// Electrical, three-phase and thermal ports that nothing is connected to.
     pub(crate) fn unconnected(&self) -> Vec<NetworkProblem> {
         let mut problems = Vec::new();
-        for domain in [Domain::Electrical, Domain::ThreePhase] {
+        for domain in [Domain::Electrical, Domain::ThreePhase, Domain::Thermal] {
             for (node, terminals) in self.terminals[index_of(domain)].iter().enumerate() {
                 let open = |t: &Terminal| self.list[t.member].part.ports[t.port].open;
                 if let [only] = terminals[..]

@@ -1,7 +1,9 @@
 //! From members and joined ports to a network: `members` numbers the nodes, `eliminate` solves linear relations exactly,
-//! `closing` finds start values that close loops, `layout` gives every value its place, `words` names things for messages.
+//! `closing` finds start values that close loops, `layout` gives every value its place, `words` names things for messages, `domains` those of domains
+//! with nodal analysis.
 
 pub(crate) mod closing;
+pub(crate) mod domains;
 pub(crate) mod eliminate;
 pub(crate) mod layout;
 pub(crate) mod members;

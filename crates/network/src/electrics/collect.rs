@@ -1,9 +1,11 @@
 //! From the elements of all members to islands of two-pins.
 
-use blocksim_block::physical::{Element, Pin};
+use blocksim_block::physical::{Domain, Element, Handle, Pin, Place};
 use petgraph::unionfind::UnionFind;
 
-use super::{Branch, Capacitance, Electrics, GivenBy, Island, Joined, Places, TwoPin, Valve, Variable};
+use super::{
+    Branch, Capacitance, Characteristic, Electrics, GivenBy, Island, Joined, Places, TwoPin, Valve, Variable,
+};
 use crate::assembly::members::Members;
 
 /// What an element contributes, before islands are known.
@@ -12,6 +14,7 @@ struct Piece {
     p: Pin,
     n: Pin,
     branch: Branch,
+    domain: Domain,
 }
 
 pub(super) fn collect(m: &Members, fed: &[bool]) -> Electrics {
@@ -21,8 +24,18 @@ pub(super) fn collect(m: &Members, fed: &[bool]) -> Electrics {
         let (two_pins, sources) = (pieces.len(), electrics.sources);
         let (windings, valves) = (electrics.windings.len(), electrics.valves.len());
         let transformers = electrics.transformers.len();
-        for element in &of_member.part.elements {
+        let characteristics = electrics.characteristics.len();
+        let mut named = Vec::new();
+        for (index, element) in of_member.part.elements.iter().enumerate() {
+            let characteristic = matches!(element, Element::Characteristic { .. })
+                .then(|| electrics.characteristics.len() - characteristics);
+            let place = |handle: Handle| Place { handle, two_pin: pieces.len() - two_pins, characteristic };
+            let names = of_member.part.handles.iter().filter(|(_, of)| *of == index);
+            named.extend(names.map(|(handle, _)| place(*handle)));
+            let first = pieces.len();
             add(member, element, fed[member], &mut electrics, &mut pieces);
+            let domain = of_member.part.domain_of(element);
+            pieces[first..].iter_mut().for_each(|piece| piece.domain = domain);
         }
         let places = &mut electrics.places[member];
         places.two_pins = two_pins..pieces.len();
@@ -30,6 +43,8 @@ pub(super) fn collect(m: &Members, fed: &[bool]) -> Electrics {
         places.windings = windings..electrics.windings.len();
         places.valves = valves..electrics.valves.len();
         places.transformers = transformers..electrics.transformers.len();
+        places.characteristics = characteristics..electrics.characteristics.len();
+        places.named = named;
     }
     // What no component gives comes behind what components give.
     for transformer in &mut electrics.transformers {
@@ -38,6 +53,12 @@ pub(super) fn collect(m: &Members, fed: &[bool]) -> Electrics {
         electrics.windings.push(GivenBy::Ratio);
         pieces[transformer.two_pin].branch = Branch::Variable(transformer.voltage);
         pieces[transformer.two_pin + 1].branch = Branch::Given(electrics.windings.len() - 1);
+    }
+    for characteristic in &mut electrics.characteristics {
+        characteristic.rest = electrics.sources + electrics.windings.len();
+        electrics.windings.push(GivenBy::Characteristic);
+        pieces[characteristic.two_pin].branch =
+            Branch::Characteristic(characteristic.conductance, characteristic.rest);
     }
     electrics.two_pins = pieces.len();
     // Currents come behind the voltages, whose number is known only now.
@@ -67,7 +88,7 @@ fn refer(m: &Members, island: &mut Island) {
             _ => false,
         })
     };
-    let mut pins = island.two_pins.iter();
+    let mut pins = island.two_pins.iter().filter(|pin| pin.domain != Domain::Thermal);
     if pins.clone().any(|pin| pin.p.is_none() || pin.n.is_none()) {
         return;
     }
@@ -87,7 +108,9 @@ fn add(member: usize, element: &Element, fed: bool, electrics: &mut Electrics, p
         electrics.windings.push(by);
         Branch::Given(electrics.windings.len() - 1)
     };
-    let mut piece = |p: Pin, n: Pin, branch: Branch| pieces.push(Piece { member, p, n, branch });
+    let mut piece = |p: Pin, n: Pin, branch: Branch| {
+        pieces.push(Piece { member, p, n, branch, domain: Domain::Electrical })
+    };
     match *element {
         Element::VoltageSource { p, n } => piece(p, n, source(electrics)),
         Element::Capacitance { p, n, capacitance, state, start } => {
@@ -103,6 +126,14 @@ fn add(member: usize, element: &Element, fed: bool, electrics: &mut Electrics, p
         }
         Element::CurrentSource { p, n } => piece(p, n, given(electrics, GivenBy::Input)),
         Element::Resistance { p, n, resistance } => piece(p, n, Branch::Conductance(1.0 / resistance)),
+        Element::Characteristic { p, n, conductance, guess: first_guess } => {
+            // Their given values are numbered when all others are known.
+            let two_pin = pieces.len();
+            let unknown = Characteristic { two_pin, rest: 0, conductance, first_guess, guess: None };
+            electrics.characteristics.push(unknown);
+            let branch = Branch::Characteristic(conductance, 0);
+            pieces.push(Piece { member, p, n, branch, domain: Domain::Electrical });
+        }
         Element::IdealTransformer { primary, secondary, ratio } => {
             piece(primary.0, primary.1, Branch::Primary(ratio));
             piece(secondary.0, secondary.1, Branch::Secondary);
@@ -111,7 +142,7 @@ fn add(member: usize, element: &Element, fed: bool, electrics: &mut Electrics, p
             // Their given values are numbered when all others are known.
             electrics.transformers.push(Variable { two_pin: pieces.len(), voltage: 0, current: 0 });
             for (p, n) in [primary, secondary] {
-                pieces.push(Piece { member, p, n, branch: Branch::Variable(0) });
+                pieces.push(Piece { member, p, n, branch: Branch::Variable(0), domain: Domain::Electrical });
             }
         }
         Element::Valve { p, n, kind, on_resistance, forward_voltage, off_conductance } => {
@@ -183,6 +214,7 @@ fn islands(m: &Members, electrics: &mut Electrics, pieces: &[Piece]) {
                         | Element::CurrentSource { .. }
                         | Element::Supply { .. }
                         | Element::VariableTransformer { .. }
+                        | Element::Characteristic { .. }
                 )
             };
             island.holds = (island.holds || island.members.len() == 1)
@@ -214,8 +246,13 @@ fn islands(m: &Members, electrics: &mut Electrics, pieces: &[Piece]) {
                 island.transformers.extend(number.map(|number| (island.two_pins.len(), number)));
                 Branch::Variable(voltage)
             }
+            Branch::Characteristic(conductance, rest) => {
+                let number = electrics.characteristics.iter().position(|c| c.rest == rest);
+                island.characteristics.extend(number.map(|number| (island.two_pins.len(), number)));
+                Branch::Characteristic(conductance, rest)
+            }
             branch => branch,
         };
-        island.two_pins.push(TwoPin { member: piece.member, index, p, n, branch });
+        island.two_pins.push(TwoPin { member: piece.member, index, p, n, branch, domain: piece.domain });
     }
 }

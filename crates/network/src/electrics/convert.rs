@@ -28,13 +28,7 @@ impl Network {
             return Ok(());
         }
         let mut room = std::mem::take(&mut w.convert);
-        for member in &circuit.members {
-            let own = &mut room.ratio[self.electrics.places[*member].transformers.clone()];
-            let seat = &self.seats[*member];
-            if let Some(component) = seat.member.block.component().filter(|_| !own.is_empty()) {
-                component.ratios(&self.law(c, seat, w), own);
-            }
-        }
+        self.ratios(island, c, w, &mut room.ratio);
         self.assemble(island, w, &mut room);
         let solved = solve(&mut room.matrix, &mut room.right);
         for (k, (_, number)) in circuit.transformers.iter().enumerate() {
@@ -56,6 +50,17 @@ impl Network {
             names.join("`, `")
         ));
         Err(Faulty)
+    }
+
+    /// Ratios of the variable transformers of an island, by the number of a transformer.
+    pub(crate) fn ratios(&self, island: usize, c: &Context, w: &Work, ratio: &mut [f64]) {
+        for member in &self.electrics.islands[island].members {
+            let own = &mut ratio[self.electrics.places[*member].transformers.clone()];
+            let seat = &self.seats[*member];
+            if let Some(component) = seat.member.block.component().filter(|_| !own.is_empty()) {
+                component.ratios(&self.law(c, seat, w), own);
+            }
+        }
     }
 
     fn assemble(&self, island: usize, w: &mut Work, room: &mut Convert) {

@@ -162,14 +162,14 @@ impl Network {
         if !self.electrics.islands[island].in_cuts.is_empty() {
             self.follow_sources(island, c, w);
         }
-        self.convert(island, c, w)?;
+        self.find_unknown(island, c, w)?;
         self.voltages(island, w);
         self.float(island, c, w);
         if self.electrics.islands[island].waits {
             let mut given = std::mem::take(&mut w.given);
             self.given_currents(c, w, &mut given, members, |by| by == GivenBy::Voltage);
             w.given = given;
-            self.convert(island, c, w)?;
+            self.find_unknown(island, c, w)?;
             self.voltages(island, w);
         }
         let Work { circuits, given, current, .. } = w;
@@ -177,10 +177,20 @@ impl Network {
         for (pin, form) in self.electrics.islands[island].two_pins.iter().zip(solved) {
             current[pin.index] = form.of(given);
         }
+        self.show_characteristics(island, w);
         for seat in self.active.islands[island].vectors.iter().map(|i| &self.seats[*i]) {
             self.vectors(seat, w);
         }
         Ok(())
+    }
+
+    /// Given values that follow from the circuit itself.
+    fn find_unknown(&self, island: usize, c: &Context, w: &mut Work) -> Result<(), Faulty> {
+        if self.electrics.islands[island].characteristics.is_empty() {
+            self.convert(island, c, w)
+        } else {
+            self.solve_characteristics(island, c, w)
+        }
     }
 
     fn voltages(&self, island: usize, w: &mut Work) {

@@ -1,8 +1,11 @@
 //! What is wrong with a circuit, in words.
 
+use blocksim_block::physical::Domain;
+
 use super::conducting::Unsolvable;
 use super::solved::solve;
 use super::{Branch, Electrics, Island, loops};
+use crate::assembly::domains::Nodal;
 use crate::assembly::eliminate::Relations;
 use crate::assembly::members::Members;
 use crate::problem::NetworkProblem;
@@ -91,12 +94,14 @@ fn conflict(
     let owner = |row: usize| {
         let pin = &island.two_pins[owners[row]];
         let what = match pin.branch {
+            Branch::Source(_) if pin.domain == Domain::Thermal => "prescribes the temperature",
             Branch::Source(_) => "prescribes the voltage",
             Branch::Primary(_) | Branch::Variable(_) => "couples two voltages",
             _ => "is a wire",
         };
         (pin.member, what)
     };
+    let words = Nodal::of(island.two_pins[owners[row]].domain);
     let alone = relations.row(row).iter().all(|a| *a == 0.0);
     let problem = if fights && alone {
         NetworkProblem::new(
@@ -107,8 +112,8 @@ fn conflict(
     } else if fights {
         NetworkProblem::new(
             "voltage_conflict",
-            "two parts prescribe the same voltage",
-            "remove one of them, or connect them through a resistance",
+            format!("two parts prescribe the same {}", words.across),
+            words.between,
         )
     } else {
         NetworkProblem::new(
@@ -139,6 +144,17 @@ fn closed(island: &Island, two_pins: &[usize]) -> NetworkProblem {
 
 /// A current that contains the slope of a voltage that nothing tells, or a voltage that contains that of a current.
 fn unknown_slope(island: &Island, looks: usize, source: usize) -> NetworkProblem {
+    if island.two_pins[source].domain == Domain::Thermal {
+        let (looks, source) = (island.two_pins[looks].member, island.two_pins[source].member);
+        return NetworkProblem::new(
+            "unknown_slope",
+            "a heat capacity has a temperature that comes as a signal: the heat flow into it contains the slope of that signal, \
+             which is unknown",
+            "put a ThermalResistance between both, or leave out what measures the heat flow",
+        )
+        .with(source, "gives this temperature")
+        .with(looks, "looks at the heat flow");
+    }
     let of_current = matches!(island.two_pins[source].branch, Branch::Given(_));
     let (looks, source) = (island.two_pins[looks].member, island.two_pins[source].member);
     if of_current {
@@ -167,15 +183,24 @@ fn unknown_slope(island: &Island, looks: usize, source: usize) -> NetworkProblem
 fn no_path(m: &Members, island: &Island, two_pins: &[usize]) -> NetworkProblem {
     let first = &island.two_pins[two_pins[0]];
     let node = first.p.or(first.n).map_or(0, |node| island.nodes[node]);
+    let words = Nodal::of(first.domain);
     let problem = NetworkProblem::new(
         "no_current_path",
-        format!(
-            "a prescribed current has no path at `{}`: only other prescribed currents and windings that cannot follow it meet there",
-            m.electrical_node_name(node)
-        ),
-        "connect a resistance or a capacitance there, in parallel to the source",
+        if first.domain == Domain::Thermal {
+            format!(
+                "the heat that flows into `{}` has no path: nothing there takes it",
+                m.electrical_node_name(node)
+            )
+        } else {
+            format!(
+                "a prescribed current has no path at `{}`: only other prescribed currents and windings that cannot follow it meet there",
+                m.electrical_node_name(node)
+            )
+        },
+        words.path,
     );
-    two_pins.iter().fold(problem, |p, i| p.with(island.two_pins[*i].member, "prescribes the current"))
+    let what = format!("prescribes the {}", words.through);
+    two_pins.iter().fold(problem, |p, i| p.with(island.two_pins[*i].member, what.clone()))
 }
 
 fn too_many(island: &Island) -> Vec<NetworkProblem> {
@@ -205,7 +230,9 @@ fn currents_in_a_loop(electrics: &Electrics, island: &Island, solved: &super::So
             .is_some_and(|i| electrics.windings.get(i) == Some(&super::GivenBy::Voltage))
     };
     let follows = |given: usize| {
-        waits(given) || island.waits && electrics.transformers.iter().any(|t| t.current == given)
+        let ratio = || electrics.transformers.iter().any(|t| t.current == given);
+        let law = || electrics.characteristics.iter().any(|c| c.rest == given);
+        waits(given) || island.waits && (ratio() || law())
     };
     let pins = island.two_pins.iter().zip(&solved.voltages);
     pins.filter(|(pin, _)| matches!(pin.branch, Branch::Given(index) if follows(index)))
@@ -222,7 +249,11 @@ fn currents_in_a_loop(electrics: &Electrics, island: &Island, solved: &super::So
 }
 
 fn undetermined(m: &Members, island: &Island, node: Option<usize>) -> NetworkProblem {
-    let node = island.nodes[node.unwrap_or(0)];
+    let local = node.unwrap_or(0);
+    let node = island.nodes[local];
+    let at_node = |pin: &&super::TwoPin| pin.p == Some(local) || pin.n == Some(local);
+    let domain = island.two_pins.iter().find(at_node).map_or(Domain::Electrical, |pin| pin.domain);
+    let words = Nodal::of(domain);
     let source =
         island.two_pins.iter().find(|pin| matches!(pin.branch, Branch::Source(_) | Branch::Variable(_)));
     if source.is_none() && m.is_phase(node) {
@@ -232,12 +263,12 @@ fn undetermined(m: &Members, island: &Island, node: Option<usize>) -> NetworkPro
             "connect a three-phase source or an inverter",
         );
         island.members.iter().fold(problem, |problem, member| problem.with(*member, "is connected to it"))
-    } else if m.is_grounded() {
+    } else if m.is_grounded() || domain == Domain::Thermal {
         let member = m.any_electrical_member_at(node);
         NetworkProblem::new(
             "floating_node",
-            format!("nothing determines the potential at `{}`", m.electrical_node_name(node)),
-            "connect it to a source or to a reference",
+            format!("nothing determines the {} at `{}`", words.at_node, m.electrical_node_name(node)),
+            words.determine,
         )
         .with(member, "is connected to it")
     } else {

@@ -99,6 +99,10 @@ impl Floating {
         let mut together = UnionFind::new(parts);
         let mut sources = Vec::new();
         for (position, pin) in island.two_pins.iter().enumerate() {
+            if matches!(pin.branch, Branch::Characteristic(..)) && signs(pin).iter().any(|sign| *sign != 0.0)
+            {
+                return Err(Unsolvable::Cut(vec![position]));
+            }
             let Branch::Given(index) = pin.branch else { continue };
             let signs: Vec<(usize, f64)> =
                 signs(pin).into_iter().enumerate().filter(|(_, sign)| *sign != 0.0).collect();
@@ -115,7 +119,9 @@ impl Floating {
                     signs.iter().for_each(|(i, sign)| driven[*i].push((index, *sign)));
                 }
                 // It follows from the potential that is looked for.
-                GivenBy::Voltage | GivenBy::Ratio => return Err(Unsolvable::Cut(vec![position])),
+                GivenBy::Voltage | GivenBy::Ratio | GivenBy::Characteristic => {
+                    return Err(Unsolvable::Cut(vec![position]));
+                }
             }
             signs.into_iter().for_each(|(i, sign)| leaving[i].push((index, sign)));
         }

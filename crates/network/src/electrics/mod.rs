@@ -24,6 +24,7 @@
 //! | `circuits` | the solutions that are kept, one for each set of conducting valves |
 //! | `float` | potentials of the parts that float |
 //! | `convert` | transformers whose ratio varies |
+//! | `characteristics` | currents that follow from voltages by a law of their own |
 //! | `commutation` | which valves conduct, chosen at events |
 //! | `margin` | how far a valve is from having to change: verdict and guard |
 //! | `cuts` | currents of inductances that current sources decide |
@@ -34,6 +35,7 @@
 //! | `coupling` | how they and the mechanics fit together |
 
 pub(crate) mod arc;
+pub(crate) mod characteristics;
 pub(crate) mod charges;
 pub(crate) mod circuits;
 pub(crate) mod commutation;
@@ -58,7 +60,7 @@ mod sparse;
 
 use std::ops::Range;
 
-use blocksim_block::physical::ValveKind;
+use blocksim_block::physical::{Domain, Place, ValveKind};
 
 use crate::assembly::eliminate::Form;
 use crate::assembly::members::Members;
@@ -79,6 +81,8 @@ pub(crate) enum GivenBy {
     Voltage,
     /// The ratio of a variable transformer: it is the current of its secondary.
     Ratio,
+    /// Voltages at the same instant, by a law that the network solves.
+    Characteristic,
 }
 
 /// Where the electrical values of a member lie.
@@ -92,6 +96,10 @@ pub(crate) struct Places {
     pub valves: Range<usize>,
     /// Variable transformers.
     pub transformers: Range<usize>,
+    /// Characteristics.
+    pub characteristics: Range<usize>,
+    /// Elements that have a name.
+    pub named: Vec<Place>,
     /// The island, if it has electrical elements.
     pub island: Option<usize>,
     /// How the three phases of a machine are connected, unless a source feeds it directly.
@@ -130,6 +138,21 @@ pub(crate) struct Variable {
     pub current: usize,
 }
 
+/// A current that follows from voltages by the law of a component. It is divided: `conductance` times its voltage is part of the
+/// equations of the circuit, the rest is a given value.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Characteristic {
+    /// Two-pin.
+    pub two_pin: usize,
+    /// Index of the rest of its current among the given values.
+    pub rest: usize,
+    /// S.
+    pub conductance: f64,
+    /// Where the first search for its voltage begins, and the discrete state with that of the last major step, where others do.
+    pub first_guess: f64,
+    pub guess: Option<usize>,
+}
+
 /// Where the current of a two-pin comes from.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Branch {
@@ -141,6 +164,8 @@ pub(crate) enum Branch {
     Given(usize),
     /// Conductance, S.
     Conductance(f64),
+    /// A conductance, S, and beside it a given value: index among them.
+    Characteristic(f64, usize),
     /// Index among the valves of the island.
     Valve { index: usize, on_resistance: f64, forward_voltage: f64, off_conductance: f64 },
     /// Only looks at the voltage.
@@ -162,6 +187,7 @@ pub(crate) struct TwoPin {
     pub p: Option<usize>,
     pub n: Option<usize>,
     pub branch: Branch,
+    pub domain: Domain,
 }
 
 /// A voltage that is a state.
@@ -204,6 +230,8 @@ pub(crate) struct Island {
     pub valves: Vec<usize>,
     /// Variable transformers: position of the primary among the two-pins of the island, and index among all of them.
     pub transformers: Vec<(usize, usize)>,
+    /// Characteristics: position among the two-pins of the island, and index among all of them.
+    pub characteristics: Vec<(usize, usize)>,
     /// Voltages of capacitances that sources in their loops add to.
     pub shifts: Vec<Shift>,
     /// Members that tell how fast their voltages or currents change.
@@ -245,6 +273,7 @@ pub(crate) struct Electrics {
     pub two_pins: usize,
     pub valves: Vec<Valve>,
     pub transformers: Vec<Variable>,
+    pub characteristics: Vec<Characteristic>,
     pub islands: Vec<Island>,
     /// Voltage or current of each two-pin that is a sensor whose reading follows from states alone.
     pub early: Vec<Option<Early>>,

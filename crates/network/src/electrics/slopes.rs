@@ -100,7 +100,7 @@ fn looked(m: &Members, electrics: &Electrics) -> Vec<bool> {
         let sensor = matches!(pin.branch, Branch::Probe | Branch::Wire);
         let needed = |e: &Element| match e {
             Element::Valve { kind, .. } => *kind != ValveKind::Switch,
-            Element::VariableTransformer { .. } => true,
+            Element::VariableTransformer { .. } | Element::Characteristic { .. } => true,
             _ => false,
         };
         let member = &m.list[pin.member];

@@ -48,6 +48,8 @@ enum Now {
     /// Resistance above zero, and the voltage that remains: index of a given value and its factor.
     Resistance(f64, Option<(usize, f64)>),
     Conductance(f64),
+    /// A conductance and a given current beside it.
+    Characteristic(f64, usize),
     Given(usize),
     Open,
     Primary(f64),
@@ -62,6 +64,7 @@ fn now(branch: Branch, conducting: Conducting, one: usize) -> Now {
         Branch::Wire => Now::Row(None),
         Branch::Given(index) => Now::Given(index),
         Branch::Conductance(g) => Now::Conductance(g),
+        Branch::Characteristic(g, rest) => Now::Characteristic(g, rest),
         Branch::Probe => Now::Open,
         Branch::Primary(ratio) => Now::Primary(ratio),
         Branch::Secondary => Now::Secondary,
@@ -123,12 +126,12 @@ pub(crate) fn solve(
                 row_of[i + 1] = Some((row, -ratio));
                 row += 1;
             }
-            Now::Conductance(g) => {
-                for (a, sign_a) in ends(pin) {
-                    for (b, sign_b) in ends(pin) {
-                        system.add(a, b, g * sign_a * sign_b);
-                    }
+            Now::Conductance(g) => conduct(&mut system, pin, g),
+            Now::Characteristic(g, rest) => {
+                if g != 0.0 {
+                    conduct(&mut system, pin, g);
                 }
+                ends(pin).for_each(|(node, sign)| system.add_right(node, rest, -sign));
             }
             Now::Given(index) => ends(pin).for_each(|(node, sign)| system.add_right(node, index, -sign)),
             Now::Chord => {
@@ -174,6 +177,7 @@ pub(crate) fn solve(
         let current = match (*branch, row_of[i]) {
             (_, Some((row, factor))) => plus(&nothing, &solution[row], factor),
             (Now::Conductance(g), _) => plus(&nothing, &voltage, g),
+            (Now::Characteristic(g, rest), _) => plus(&[(rest as u32, 1.0)], &voltage, g),
             (Now::Given(index), _) => vec![(index as u32, 1.0)],
             _ => Row::new(),
         };
@@ -293,6 +297,14 @@ fn ends(pin: &TwoPin) -> impl Iterator<Item = (usize, f64)> + use<> {
     [(pin.p, 1.0), (pin.n, -1.0)].into_iter().filter_map(|(node, sign)| node.map(|node| (node, sign)))
 }
 
+fn conduct(system: &mut System, pin: &TwoPin, g: f64) {
+    for (a, sign_a) in ends(pin) {
+        for (b, sign_b) in ends(pin) {
+            system.add(a, b, g * sign_a * sign_b);
+        }
+    }
+}
+
 fn couple(system: &mut System, row: usize, pin: &TwoPin, factor: f64) {
     for (node, sign) in ends(pin) {
         system.add(row, node, sign * factor);
@@ -318,7 +330,8 @@ fn parts(island: &Island, branches: &[Now]) -> Vec<usize> {
     let ground = island.nodes.len();
     let mut joined = UnionFind::new(ground + 1);
     for (pin, branch) in island.two_pins.iter().zip(branches) {
-        if !matches!(branch, Now::Given(_) | Now::Open | Now::Primary(_) | Now::Secondary) {
+        let apart = matches!(branch, Now::Given(_) | Now::Open | Now::Primary(_) | Now::Secondary);
+        if !apart && !matches!(branch, Now::Characteristic(0.0, _)) {
             joined.union(pin.p.unwrap_or(ground), pin.n.unwrap_or(ground));
         }
     }

@@ -2,7 +2,7 @@
 
 use blocksim_block::physical::Torque;
 
-use crate::electrics::Electrics;
+use crate::electrics::{Electrics, Island};
 use crate::network::Network;
 
 /// Room for the variable transformers of an island.
@@ -21,6 +21,84 @@ impl Convert {
             ratio: vec![0.0; electrics.transformers.len()],
             matrix: Vec::with_capacity(n * n),
             right: Vec::with_capacity(n),
+        }
+    }
+}
+
+/// Room for characteristics. What is unknown in an island are their voltages, then two values for each variable transformer.
+#[derive(Debug, Default)]
+pub(crate) struct CharacteristicRoom {
+    /// Voltage and current of all characteristics, by their numbers, as they were found last.
+    pub voltage: Vec<f64>,
+    pub current: Vec<f64>,
+    /// Slopes of the currents of one member.
+    pub slope: Vec<f64>,
+    /// Which unknown each given value follows from; [`u32::MAX`] for none.
+    pub unknown_of: Vec<u32>,
+    /// How what the equations say changes with the given values that follow from unknowns, by rows.
+    pub coupling: Vec<f64>,
+    /// What the equations say apart from these.
+    pub offset: Vec<f64>,
+    pub unknown: Vec<f64>,
+    pub trial: Vec<f64>,
+    pub residual: Vec<f64>,
+    /// Given values at the voltages that are tried.
+    pub given: Vec<f64>,
+    /// Sizes of the terms that the given values are differences of.
+    pub terms: Vec<f64>,
+    /// The greatest part of its terms that is left of an equation at the voltages that are tried.
+    pub noise: f64,
+    pub step: Vec<f64>,
+    pub jacobian: Vec<f64>,
+    /// Slopes of given values over unknowns, by rows.
+    pub slopes: Vec<f64>,
+    pub pivots: Vec<usize>,
+    pub ratio: Vec<f64>,
+    /// Voltages on the way, for a message.
+    pub way: Vec<f64>,
+}
+
+impl CharacteristicRoom {
+    pub(crate) fn new(electrics: &Electrics) -> Self {
+        let all = electrics.characteristics.len();
+        if all == 0 {
+            return Self::default();
+        }
+        let unknowns = |island: &Island| match island.characteristics.len() {
+            0 => 0,
+            n => n + 2 * island.transformers.len(),
+        };
+        let n = electrics.islands.iter().map(unknowns).max().unwrap_or(0);
+        let most = electrics.places.iter().map(|places| places.characteristics.len()).max().unwrap_or(0);
+        let (vector, square) = (|| vec![0.0; n], || vec![0.0; n * n]);
+        let mut unknown_of = vec![u32::MAX; electrics.given()];
+        for island in electrics.islands.iter().filter(|island| !island.characteristics.is_empty()) {
+            let rest = island.characteristics.iter().map(|(_, i)| electrics.characteristics[*i].rest);
+            let ratio = island.transformers.iter().flat_map(|(_, i)| {
+                let transformer = &electrics.transformers[*i];
+                [transformer.voltage, transformer.current]
+            });
+            rest.chain(ratio).enumerate().for_each(|(k, given)| unknown_of[given] = k as u32);
+        }
+        Self {
+            voltage: vec![0.0; all],
+            current: vec![0.0; all],
+            slope: Vec::with_capacity(most * most),
+            unknown_of,
+            coupling: square(),
+            offset: vector(),
+            unknown: vector(),
+            trial: vector(),
+            residual: vector(),
+            given: vector(),
+            terms: vector(),
+            noise: f64::INFINITY,
+            step: vector(),
+            jacobian: square(),
+            slopes: square(),
+            pivots: vec![0; n],
+            ratio: vec![0.0; electrics.transformers.len()],
+            way: Vec::with_capacity(8 * n),
         }
     }
 }

@@ -8,7 +8,7 @@ mod loops;
 use blocksim_block::physical::{DryMesh, FrameMotion, Grip, JointMotion, Supply, Torque, Wrench};
 use blocksim_multibody::{Data, Model};
 
-use self::circuits::{Convert, FloatRoom, Room};
+use self::circuits::{CharacteristicRoom, Convert, FloatRoom, Room};
 use self::energies::Energies;
 use self::linear::Linear;
 use self::loops::LoopWork;
@@ -69,6 +69,7 @@ pub(crate) struct Work {
     pub ahead: Ahead,
     pub float: FloatRoom,
     pub convert: Convert,
+    pub characteristics: CharacteristicRoom,
     pub room: Room,
     /// Evaluation in which circuits that the network integrates by itself were looked at.
     pub held_evaluation: u64,
@@ -182,6 +183,7 @@ impl Work {
             ahead: Ahead::new(network),
             float: FloatRoom::new(&network.electrics),
             convert: Convert::new(&network.electrics),
+            characteristics: CharacteristicRoom::new(&network.electrics),
             room: Room::new(network),
             held_evaluation: u64::MAX,
             flux: Vec::with_capacity(network.electrics.two_pins),

@@ -1,0 +1,57 @@
+use blocksim_block::physical::{Domain, Element, Handle, Pin};
+use blocksim_block::prelude::*;
+
+/// What is given.
+const GIVEN: Handle = Handle::new("given");
+
+/// Surroundings of a constant temperature, whatever heat flows into them.
+///
+/// ```ron
+/// Ambient(t: "25 degC")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Thermal", symbol = Value("t"))]
+pub struct Ambient {
+    /// Temperature, not below absolute zero.
+    #[block(unit = "K", default = 293.15)]
+    pub t: f64,
+}
+
+impl Block for Ambient {
+    fn check(&self) -> Result<(), ParamError> {
+        not_negative("t", self.t)
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for Ambient {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("h", Domain::Thermal, "thermal port")
+            .holds()
+            .named(GIVEN, Element::VoltageSource { p: Pin::Port(0), n: Pin::Ground })
+            .measures("q", "W", Needs::Electrics, "heat flow into the surroundings")
+    }
+
+    fn voltages(&self, _c: &Law, v: &mut [f64]) {
+        v[0] = self.t;
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.current(GIVEN);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_colder_than_absolute_zero() {
+        assert_eq!(Ambient { t: -1.0 }.check().unwrap_err().param, "t");
+        assert_eq!(Ambient { t: 0.0 }.check(), Ok(()));
+    }
+}

@@ -1,0 +1,89 @@
+use blocksim_block::physical::{Domain, Element, Handle, Pin};
+use blocksim_block::prelude::*;
+
+/// The body.
+const BODY: Handle = Handle::new("body");
+
+/// Heat capacity of a body of one temperature: $C \frac{dT}{dt} = q$. Its temperature is a state.
+///
+/// A body with a temperature that differs from place to place is a chain of capacities and resistances. Capacities at one node
+/// have one temperature.
+///
+/// ```ron
+/// HeatCapacity(c: "120 J/K", t0: "20 degC")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Thermal", symbol = Capacitor)]
+pub struct HeatCapacity {
+    /// Heat capacity, positive: mass times specific heat capacity.
+    #[block(unit = "J/K")]
+    pub c: f64,
+    /// Temperature at the start. Where none is given it follows from given temperatures at the same node, else it is 20 degC.
+    #[block(unit = "K", default = None)]
+    pub t0: Option<f64>,
+}
+
+impl Block for HeatCapacity {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("c", self.c).map_err(|error| match self.c {
+            0.0 => error.help("without heat capacity it stores nothing: leave it out"),
+            _ => error,
+        })?;
+        not_negative("t0", self.t0.unwrap_or(0.0))
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for HeatCapacity {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("h", Domain::Thermal, "thermal port")
+            .state_in("t", self.t0.unwrap_or(ROOM), "K")
+            .named(
+                BODY,
+                Element::Capacitance {
+                    p: Pin::Port(0),
+                    n: Pin::Ground,
+                    capacitance: self.c,
+                    state: 0,
+                    start: self.t0,
+                },
+            )
+            .measures("t", "K", Needs::State, "temperature")
+    }
+
+    fn voltages(&self, c: &Law, v: &mut [f64]) {
+        v[0] = c.x[0];
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = c.current(BODY) / self.c;
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.x[0];
+    }
+}
+
+/// 20 degC in K.
+const ROOM: f64 = 293.15;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_temperature_at_the_start_is_that_of_a_room_unless_given() {
+        let start = |t0| HeatCapacity { c: 1.0, t0 }.part(&Given::nothing()).states[0].initial;
+        assert_eq!((start(None), start(Some(350.0))), (293.15, 350.0));
+    }
+
+    #[test]
+    fn capacities_that_are_none_are_refused() {
+        assert!(HeatCapacity { c: 0.0, t0: None }.check().unwrap_err().help.is_some());
+        assert_eq!(HeatCapacity { c: 1.0, t0: Some(-3.0) }.check().unwrap_err().param, "t0");
+    }
+}

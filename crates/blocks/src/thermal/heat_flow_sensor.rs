@@ -1,0 +1,34 @@
+use blocksim_block::physical::{Domain, Element, Handle, Pin};
+use blocksim_block::prelude::*;
+
+/// What is looked at.
+const PROBE: Handle = Handle::new("probe");
+
+/// Measures the heat flow from `a` to `b`; both have one temperature.
+///
+/// ```ron
+/// HeatFlowSensor
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Thermal", symbol = Meter("q"))]
+pub struct HeatFlowSensor;
+
+impl Block for HeatFlowSensor {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for HeatFlowSensor {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("a", Domain::Thermal, "thermal port that heat enters by")
+            .port("b", Domain::Thermal, "thermal port that it leaves by")
+            .named(PROBE, Element::CurrentProbe { p: Pin::Port(0), n: Pin::Port(1) })
+            .measures("q", "W", Needs::Electrics, "heat flow from a to b")
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.current(PROBE);
+    }
+}

@@ -1,0 +1,43 @@
+use blocksim_block::physical::{Domain, Element, Pin};
+use blocksim_block::prelude::*;
+
+/// Source of a heat flow that a signal commands: $q$ flows into what is connected; below zero it takes heat away.
+///
+/// ```ron
+/// HeatSource
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Thermal", symbol = MotionSource("q"))]
+pub struct HeatSource;
+
+impl Block for HeatSource {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for HeatSource {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("h", Domain::Thermal, "thermal port")
+            .input(Input::real("q").scalar().unit("W").doc("heat flow out of the port"))
+            .element(Element::CurrentSource { p: Pin::Ground, n: Pin::Port(0) })
+    }
+
+    fn currents(&self, c: &Law, i: &mut [f64]) {
+        i[0] = c.scalar(0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::testing::law;
+
+    #[test]
+    fn the_heat_is_the_input() {
+        let mut q = [0.0];
+        HeatSource.currents(&Law { u: &[-5.0], ..law() }, &mut q);
+        assert_eq!(q, [-5.0]);
+    }
+}

@@ -1,0 +1,33 @@
+use blocksim_block::physical::{Domain, Element, Handle, Pin};
+use blocksim_block::prelude::*;
+
+/// What is looked at.
+const PROBE: Handle = Handle::new("probe");
+
+/// Measures the temperature of a node, in K, without taking heat.
+///
+/// ```ron
+/// TemperatureSensor
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Thermal", symbol = Meter("T"))]
+pub struct TemperatureSensor;
+
+impl Block for TemperatureSensor {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for TemperatureSensor {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("h", Domain::Thermal, "thermal port")
+            .named(PROBE, Element::VoltageProbe { p: Pin::Port(0), n: Pin::Ground })
+            .measures("t", "K", Needs::Electrics, "temperature")
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.voltage(PROBE);
+    }
+}

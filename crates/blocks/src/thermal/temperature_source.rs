@@ -1,0 +1,43 @@
+use blocksim_block::physical::{Domain, Element, Pin};
+use blocksim_block::prelude::*;
+
+/// Source of a temperature that a signal commands, whatever heat flow that takes.
+///
+/// ```ron
+/// TemperatureSource
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Thermal", symbol = MotionSource("T"))]
+pub struct TemperatureSource;
+
+impl Block for TemperatureSource {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for TemperatureSource {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("h", Domain::Thermal, "thermal port")
+            .input(Input::real("t").scalar().unit("K").doc("temperature"))
+            .element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Ground })
+    }
+
+    fn voltages(&self, c: &Law, v: &mut [f64]) {
+        v[0] = c.scalar(0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::testing::law;
+
+    #[test]
+    fn the_temperature_is_the_input() {
+        let mut t = [0.0];
+        TemperatureSource.voltages(&Law { u: &[310.0], ..law() }, &mut t);
+        assert_eq!(t, [310.0]);
+    }
+}

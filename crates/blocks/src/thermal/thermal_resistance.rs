@@ -1,0 +1,62 @@
+use blocksim_block::physical::{Domain, Element, Handle, Pin};
+use blocksim_block::prelude::*;
+
+/// What conducts.
+const BODY: Handle = Handle::new("body");
+
+/// Thermal resistance: $T_a - T_b = R q$.
+///
+/// Conduction through a wall of the thickness $d$, area $A$ and conductivity $\lambda$ has $R = d / (\lambda A)$, convection at a
+/// surface with the heat transfer coefficient $h$ has $R = 1 / (h A)$: `r: "1 / (25 * 0.04) K/W"`. Radiation between surfaces is
+/// `ThermalRadiation`.
+///
+/// ```ron
+/// ThermalResistance(r: "0.5 K/W")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Thermal", symbol = Resistor)]
+pub struct ThermalResistance {
+    /// Thermal resistance, positive: for zero join the ports, for infinity leave it out.
+    #[block(unit = "K/W")]
+    pub r: f64,
+}
+
+impl Block for ThermalResistance {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("r", self.r).map_err(|error| match self.r {
+            0.0 => {
+                error.help("without resistance both sides have one temperature: join the two nodes instead")
+            }
+            _ => error,
+        })
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for ThermalResistance {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .port("a", Domain::Thermal, "thermal port that heat enters by")
+            .port("b", Domain::Thermal, "thermal port that it leaves by")
+            .named(BODY, Element::Resistance { p: Pin::Port(0), n: Pin::Port(1), resistance: self.r })
+            .measures("q", "W", Needs::Electrics, "heat flow from a to b")
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.current(BODY);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn resistances_that_are_none_are_refused() {
+        assert!(ThermalResistance { r: 0.0 }.check().unwrap_err().help.is_some());
+        assert_eq!(ThermalResistance { r: f64::INFINITY }.check().unwrap_err().param, "r");
+    }
+}

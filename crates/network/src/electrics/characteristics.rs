@@ -1,0 +1,335 @@
+//! Currents that follow from voltages by a law of their own: diodes, varistors, resistances that depend on their temperature.
+//!
+//! The current of a characteristic is `i = g v + z` with a conductance `g` that the solution of the circuit contains, so that
+//! its node hangs together with the rest whatever the law says, and a given value `z`. All voltages are linear forms over the given
+//! values, so the voltages `v` of the characteristics of a circuit satisfy
+//!
+//! ```text
+//! v = C z + o,    z = f(v) - g v
+//! ```
+//!
+//! where `o` is what sources, states and currents of windings give. Beside them stand the two given values of each transformer whose
+//! ratio varies, which are linear. Newton's method with the exact slopes of the laws finds all of them together; a step is
+//! halved until what is left of the equations decreases. It begins at the voltages of the last major step, which are
+//! discrete states, and ends where what is left is rounding: an evaluation is a function of time, states and inputs, whatever was tried before.
+
+use std::ops::Range;
+
+use blocksim_block::Context;
+use blocksim_block::physical::Characteristics;
+use blocksim_solve::linear::{lu_factor, lu_solve};
+
+use crate::assembly::domains::Nodal;
+use crate::electrics::currents::Faulty;
+use crate::network::Network;
+use crate::work::Work;
+use crate::work::circuits::CharacteristicRoom;
+
+/// A step below this, relative to the voltages, is the last one: what is left then is its square.
+const LAST: f64 = 1e-9;
+/// A step below this, relative to the voltages, may be the last one where rounding hides whether it helps.
+const ROUNDING: f64 = 1e-7;
+/// Voltages count as this part of the largest one of the circuit at least.
+const QUIET: f64 = 1e-6;
+/// Steps of Newton's method, and halvings of one.
+const STEPS: usize = 200;
+const HALVINGS: usize = 60;
+/// What is left of an equation below this part of its terms is rounding; and below that, where no step makes it less.
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
+const NEARLY: f64 = 1e-12;
+/// Terms of an equation count as this at least, V.
+const NOTHING: f64 = 1e-290;
+/// What is left must decrease by this part of what a step without curvature would take.
+const DECREASE: f64 = 1e-4;
+
+impl Network {
+    /// Finds the given values of the characteristics and of the variable transformers of an island.
+    pub(crate) fn solve_characteristics(
+        &self,
+        island: usize,
+        c: &Context,
+        w: &mut Work,
+    ) -> Result<(), Faulty> {
+        let mut room = std::mem::take(&mut w.characteristics);
+        self.ratios(island, c, w, &mut room.ratio);
+        self.equations(island, w, &mut room);
+        let found = self.search(island, c, w, &mut room);
+        if found.is_ok() {
+            let circuit = &self.electrics.islands[island];
+            let n = circuit.characteristics.len();
+            for (k, (_, number)) in circuit.characteristics.iter().enumerate() {
+                room.voltage[*number] = room.unknown[k];
+                w.given[self.electrics.characteristics[*number].rest] = self.rest(*number, &room);
+            }
+            for (k, (_, number)) in circuit.transformers.iter().enumerate() {
+                let transformer = &self.electrics.transformers[*number];
+                w.given[transformer.voltage] = room.unknown[n + 2 * k];
+                w.given[transformer.current] = room.unknown[n + 2 * k + 1];
+            }
+        }
+        if let Err(why) = &found {
+            c.fail(self.not_found(island, c.t, why, &room));
+        }
+        w.characteristics = room;
+        found.map_err(|_| Faulty)
+    }
+
+    /// What the current of a characteristic is more than its conductance tells, at the voltage that was found.
+    fn rest(&self, number: usize, room: &CharacteristicRoom) -> f64 {
+        room.current[number] - self.electrics.characteristics[number].conductance * room.voltage[number]
+    }
+
+    /// Writes `C` and `o`.
+    fn equations(&self, island: usize, w: &Work, room: &mut CharacteristicRoom) {
+        let circuit = &self.electrics.islands[island];
+        let (curves, all) = (circuit.characteristics.len(), self.unknowns(island));
+        let solved = w.circuits[island].now();
+        room.coupling[..all * all].fill(0.0);
+        for k in 0..all {
+            let (form, factor) = match k.checked_sub(curves) {
+                None => (&solved.voltages[circuit.characteristics[k].0], 1.0),
+                Some(k) => {
+                    let (position, number) = circuit.transformers[k / 2];
+                    let ratio = room.ratio[number];
+                    match k % 2 {
+                        0 => (&solved.voltages[position + 1], ratio),
+                        _ => (&solved.currents[position], -ratio),
+                    }
+                }
+            };
+            let mut offset = 0.0;
+            for (i, by) in form.terms() {
+                match room.unknown_of[*i as usize] {
+                    u32::MAX => offset += by * w.given[*i as usize],
+                    unknown => room.coupling[k * all + unknown as usize] += factor * by,
+                }
+            }
+            room.offset[k] = factor * offset;
+        }
+    }
+
+    fn unknowns(&self, island: usize) -> usize {
+        let circuit = &self.electrics.islands[island];
+        circuit.characteristics.len() + 2 * circuit.transformers.len()
+    }
+
+    /// Newton's method; leaves voltages and what transformers give in `room.unknown`, and currents in `room.current`.
+    fn search(
+        &self,
+        island: usize,
+        c: &Context,
+        w: &Work,
+        room: &mut CharacteristicRoom,
+    ) -> Result<(), NotFound> {
+        let circuit = &self.electrics.islands[island];
+        let n = self.unknowns(island);
+        room.way.clear();
+        room.unknown[..n].fill(0.0);
+        for (k, (_, number)) in circuit.characteristics.iter().enumerate() {
+            let characteristic = &self.electrics.characteristics[*number];
+            let kept = characteristic.guess.and_then(|cell| c.d.get(cell)).copied();
+            room.unknown[k] = kept.unwrap_or(characteristic.first_guess);
+        }
+        room.trial[..n].copy_from_slice(&room.unknown[..n]);
+        let mut left = self.evaluate(island, c, w, room);
+        if !left.is_finite() {
+            // What was right before may be out of the question after a jump.
+            for (k, (_, number)) in circuit.characteristics.iter().enumerate() {
+                room.unknown[k] = self.electrics.characteristics[*number].first_guess;
+            }
+            room.trial[..n].copy_from_slice(&room.unknown[..n]);
+            left = self.evaluate(island, c, w, room);
+        }
+        if !left.is_finite() {
+            return Err(NotFound::NotFinite);
+        }
+        for _ in 0..STEPS {
+            if room.noise <= ROUNDED {
+                return Ok(());
+            }
+            room.note(n);
+            self.jacobian(island, room);
+            let pivots = &mut room.pivots[..n];
+            if lu_factor(&mut room.jacobian[..n * n], pivots).is_err() {
+                return Err(NotFound::Singular);
+            }
+            room.step[..n].copy_from_slice(&room.residual[..n]);
+            lu_solve(&room.jacobian[..n * n], pivots, &mut room.step[..n]);
+            let size = room.relative_step(n);
+            let mut factor = 1.0;
+            let mut accepted = false;
+            for _ in 0..HALVINGS {
+                for ((trial, at), step) in room.trial.iter_mut().zip(&room.unknown).zip(&room.step).take(n) {
+                    *trial = at - factor * step;
+                }
+                let trial = self.evaluate(island, c, w, room);
+                let decreases = trial <= left * (1.0 - DECREASE * factor);
+                if decreases || (size <= LAST || room.noise <= ROUNDED) && trial.is_finite() {
+                    (left, accepted) = (trial, true);
+                    break;
+                }
+                if size <= ROUNDING && trial.is_finite() {
+                    // Rounding is all that is left.
+                    (left, accepted) = (trial, true);
+                    factor = 0.0;
+                    break;
+                }
+                factor *= 0.5;
+            }
+            if !accepted {
+                let (trial, at) = (&mut room.trial[..n], &room.unknown[..n]);
+                trial.copy_from_slice(at);
+                let left = self.evaluate(island, c, w, room);
+                return if left.is_finite() && room.noise <= NEARLY { Ok(()) } else { Err(NotFound::Stuck) };
+            }
+            room.unknown[..n].copy_from_slice(&room.trial[..n]);
+            if size <= LAST || factor == 0.0 {
+                return Ok(());
+            }
+        }
+        if room.noise <= NEARLY { Ok(()) } else { Err(NotFound::TooLong) }
+    }
+
+    /// Evaluates the laws at `room.trial`: fills currents, slopes and what is left of the equations, whose length it returns.
+    fn evaluate(&self, island: usize, c: &Context, w: &Work, room: &mut CharacteristicRoom) -> f64 {
+        let circuit = &self.electrics.islands[island];
+        let (curves, n) = (circuit.characteristics.len(), self.unknowns(island));
+        room.slopes[..n * n].fill(0.0);
+        let mut first = 0;
+        while first < curves {
+            let (position, _) = circuit.characteristics[first];
+            let seat = &self.seats[circuit.two_pins[position].member];
+            let own: Range<usize> =
+                self.electrics.places[circuit.two_pins[position].member].characteristics.clone();
+            let m = own.len();
+            room.slope.clear();
+            room.slope.resize(m * m, 0.0);
+            if let Some(component) = seat.component() {
+                let voltage = &room.trial[first..first + m];
+                let current = &mut room.current[own.clone()];
+                let mut view = Characteristics::new(&seat.places, voltage, current, &mut room.slope);
+                component.characteristics(&self.law(c, seat, w), &mut view);
+            }
+            for (row, number) in own.clone().enumerate() {
+                let conductance = self.electrics.characteristics[number].conductance;
+                let at = (first + row) * n + first;
+                room.slopes[at..at + m].copy_from_slice(&room.slope[row * m..(row + 1) * m]);
+                room.slopes[at + row] -= conductance;
+                room.terms[first + row] =
+                    room.current[number].abs() + (conductance * room.trial[first + row]).abs();
+                room.given[first + row] = room.current[number] - conductance * room.trial[first + row];
+            }
+            first += m;
+        }
+        for k in curves..n {
+            room.slopes[k * n + k] = 1.0;
+            room.given[k] = room.trial[k];
+            room.terms[k] = room.trial[k].abs();
+        }
+        let mut sum = 0.0;
+        room.noise = 0.0;
+        for k in 0..n {
+            let row = &room.coupling[k * n..(k + 1) * n];
+            let by: f64 = row.iter().zip(&room.given).map(|(c, z)| c * z).sum();
+            let left = room.trial[k] - by - room.offset[k];
+            let terms: f64 = row.iter().zip(&room.terms).map(|(c, z)| c.abs() * z).sum();
+            let size = room.trial[k].abs() + terms + room.offset[k].abs();
+            room.noise = room.noise.max(left.abs() / (size + NOTHING));
+            room.residual[k] = left;
+            sum += left * left;
+        }
+        sum.sqrt()
+    }
+
+    /// `1 - C dz/dx`.
+    fn jacobian(&self, island: usize, room: &mut CharacteristicRoom) {
+        let n = self.unknowns(island);
+        for row in 0..n {
+            let to = &mut room.jacobian[row * n..(row + 1) * n];
+            to.fill(0.0);
+            to[row] = 1.0;
+            for (k, by) in room.coupling[row * n..(row + 1) * n].iter().enumerate() {
+                if *by != 0.0 {
+                    let slopes = &room.slopes[k * n..(k + 1) * n];
+                    to.iter_mut().zip(slopes).for_each(|(to, slope)| *to -= by * slope);
+                }
+            }
+        }
+    }
+
+    /// Shows the currents of characteristics as their laws give them.
+    pub(crate) fn show_characteristics(&self, island: usize, w: &mut Work) {
+        for (_, number) in &self.electrics.islands[island].characteristics {
+            let two_pin = self.electrics.characteristics[*number].two_pin;
+            w.current[two_pin] = w.characteristics.current[*number];
+        }
+    }
+
+    /// Keeps the voltages of this major step: the next search begins there.
+    pub(crate) fn keep_guesses(&self, w: &Work, d: &mut [f64]) {
+        for (characteristic, voltage) in self.electrics.characteristics.iter().zip(&w.characteristics.voltage)
+        {
+            if let Some(guess) = characteristic.guess.and_then(|cell| d.get_mut(cell)) {
+                *guess = *voltage;
+            }
+        }
+    }
+
+    fn not_found(&self, island: usize, t: f64, why: &NotFound, room: &CharacteristicRoom) -> String {
+        let circuit = &self.electrics.islands[island];
+        let n = self.unknowns(island);
+        let worst = (0..circuit.characteristics.len())
+            .max_by(|a, b| room.residual[*a].abs().total_cmp(&room.residual[*b].abs()))
+            .unwrap_or(0);
+        let (position, _) = circuit.characteristics[worst];
+        let words = Nodal::of(circuit.two_pins[position].domain);
+        let path = &self.seats[circuit.two_pins[position].member].member.path;
+        let steps = room.way.len() / n.max(1);
+        let shown = steps.saturating_sub(SHOWN)..steps;
+        let way: Vec<String> = shown.map(|step| format!("{:.4e}", room.way[step * n + worst])).collect();
+        let why = match why {
+            NotFound::NotFinite => "its current is not a finite number where the search starts",
+            NotFound::Singular => "nothing determines it: the slopes of the circuit are singular",
+            NotFound::Stuck => "no step brings it closer to a solution",
+            NotFound::TooLong => "the search does not end",
+        };
+        format!(
+            "at {t} s no operating point was found for `{path}` in its circuit: {why} (the {} went {} {}); check its \
+             parameters and the sources, or connect a resistance in parallel to it, for instance Resistor(r: \"1 MOhm\")",
+            words.across,
+            way.join(", "),
+            words.unit
+        )
+    }
+}
+
+/// Iterates that a message shows.
+const SHOWN: usize = 6;
+
+/// Why the search has ended without voltages.
+enum NotFound {
+    NotFinite,
+    Singular,
+    Stuck,
+    TooLong,
+}
+
+impl CharacteristicRoom {
+    /// Notes where the search is; the oldest notes go first.
+    fn note(&mut self, n: usize) {
+        if self.way.len() >= SHOWN * n {
+            self.way.drain(..n);
+        }
+        self.way.extend_from_slice(&self.unknown[..n]);
+    }
+
+    /// The step relative to the unknowns.
+    fn relative_step(&self, n: usize) -> f64 {
+        let largest = self.unknown[..n].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let sizes = self.unknown.iter().zip(&self.step).take(n).map(|(x, step)| {
+            let size = x.abs().max((x - step).abs()).max(QUIET * largest);
+            if *step == 0.0 { 0.0 } else { step.abs() / size }
+        });
+        sizes.fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,162 @@
+//! Parts whose current follows from their voltage by a law of their own, against closed forms.
+
+use blocksim_tests::{Run, compile_text, run, run_text};
+
+/// Voltage over which the current of the diode of the tests grows by e, V: `k T / q` at 300 K.
+const SCALE: f64 = 1.380_649e-23 * 300.0 / 1.602_176_634e-19;
+
+fn text(settings: &str, blocks: &str, connections: &str, shown: &str) -> String {
+    format!(
+        r#"Diagram(
+    simulation: ({settings}),
+    blocks: {{ "g": ElectricalReference, {blocks}, "s": Scope(inputs: [{shown}]) }},
+    connections: [{connections}],
+)"#
+    )
+}
+
+fn circuit(settings: &str, blocks: &str, connections: &str, shown: &str) -> Run {
+    run_text(&text(settings, blocks, connections, shown))
+}
+
+/// `ln W(e^y)`, for Lambert's W on its main branch: `w + ln w = y`.
+fn lambert(y: f64) -> f64 {
+    let mut w = if y > 1.0 { y } else { y.exp() };
+    for _ in 0..60 {
+        // Halley's method for w e^w = e^y, divided by e^w.
+        let f = w - (y - w).exp();
+        w -= f / (1.0 + w - (w + 2.0) * f / (2.0 * w + 2.0));
+    }
+    w
+}
+
+/// Current of a diode behind a resistance at a voltage; T. C. Banwell and A. Jayakumar, Electron. Lett. 36 (2000).
+fn behind(v: f64, r: f64, i_s: f64) -> f64 {
+    let y = (i_s * r / SCALE).ln() + (v + i_s * r) / SCALE;
+    SCALE / r * lambert(y) - i_s
+}
+
+#[test]
+fn a_diode_behind_a_resistance_carries_what_lamberts_function_tells() {
+    let (i_s, r) = (1e-12, 100.0);
+    let run = circuit(
+        r#"stop_time: "50 ms""#,
+        r#""u": AcVoltageSource(amplitude: Peak("8 V"), frequency: "50 Hz"), "r": Resistor(r: "80 ohm"),
+           "d": ExponentialDiode(i_s: "1 pA", temperature: "300 K", r_s: "20 ohm", g: 0.0), "v": VoltageSensor"#,
+        r#""u.p <-> r.p <-> v.p", "r.n <-> d.p", "u.n <-> v.n <-> d.n <-> g.p", "v.v -> s.v", "d.i -> s.i""#,
+        r#""v", "i""#,
+    );
+    assert!(run.time.len() > 40);
+    let (mut forward, mut backward) = (0, 0);
+    for (v, i) in run.column("s.v").iter().zip(run.column("s.i")) {
+        let expected = behind(*v, r, i_s);
+        assert!((i - expected).abs() < 1e-12 * expected.abs() + 1e-15, "{i} for {expected} at {v} V");
+        forward += usize::from(*i > 1e-3);
+        backward += usize::from(*i < -0.9e-12);
+    }
+    assert!(forward > 5 && backward > 5, "{forward}, {backward}");
+}
+
+#[test]
+fn a_varistor_that_a_current_drives_has_the_root_of_it_as_voltage() {
+    let run = circuit(
+        r#"stop_time: "0.2 s""#,
+        r#""w": Sine(amplitude: "50 A", frequency: "10 Hz"), "i": ControlledCurrentSource,
+           "z": Varistor(v_1: "20 V", alpha: 25.0, r: "1e15 ohm")"#,
+        r#""w.y -> i.i", "i.n <-> z.p", "i.p <-> z.n <-> g.p", "z.v -> s.v", "w.y -> s.i""#,
+        r#""v", "i""#,
+    );
+    assert!(run.time.len() > 40);
+    // Below, the leakage counts.
+    for (v, i) in run.column("s.v").iter().zip(run.column("s.i")).filter(|(_, i)| i.abs() > 1e-5) {
+        let expected = 20.0 * (i.abs() / 1e-3).powf(1.0 / 25.0) * i.signum();
+        assert!((v - expected).abs() < 1e-8, "{v} for {expected} at {i} A");
+    }
+}
+
+/// A capacitor that empties itself through a diode: `1 - exp(-v / s)` decays with `C s / I_s`.
+#[test]
+fn a_capacitor_empties_itself_through_a_diode_with_every_kind_of_method() {
+    let (i_s, c, v0) = (1e-9, 1e-6, 0.6);
+    for solver in [
+        "Ode45(rtol: 1e-9)",
+        "Rodas4(rtol: 1e-8)",
+        "Radau5(rtol: 1e-8)",
+        "Ode15s(rtol: 1e-8)",
+        "Auto(rtol: 1e-8)",
+    ] {
+        let run = circuit(
+            &format!(r#"stop_time: "50 s", solver: {solver}"#),
+            r#""c": Capacitor(c: "1 uF", v0: "0.6 V"), "d": ExponentialDiode(i_s: "1 nA", temperature: "300 K", g: 0.0),
+               "account": EnergyAccount(at: Electrical, tolerance: 1e-5)"#,
+            r#""c.p <-> d.p", "c.n <-> d.n <-> g.p <-> account.node", "c.v -> s.v", "d.i -> s.i", "account.relative -> s.e""#,
+            r#""v", "i", "e""#,
+        );
+        let tau = c * SCALE / i_s;
+        for (t, v) in run.time.iter().zip(run.column("s.v")) {
+            let expected = -SCALE * (-(1.0 - (-v0 / SCALE).exp()) * (-t / tau).exp()).ln_1p();
+            assert!((v - expected).abs() < 2e-6, "{v} for {expected} at {t} s with {solver}");
+        }
+        assert!(run.last("s.e").abs() < 1e-5, "{} with {solver}", run.last("s.e"));
+    }
+}
+
+#[test]
+fn diodes_in_series_share_and_a_bridge_of_them_balances_its_energy() {
+    let diode = r#"ExponentialDiode(i_s: "1 nA", n: 1.8, r_s: "20 mOhm")"#;
+    let run = circuit(
+        r#"stop_time: "60 ms", solver: Rodas4(rtol: 1e-6)"#,
+        &format!(
+            r#""u": AcVoltageSource(amplitude: Peak("20 V"), frequency: "50 Hz"), "r": Resistor(r: "0.5 ohm"),
+               "a": {diode}, "b": {diode}, "c": {diode}, "d": {diode}, "e": {diode}, "f": {diode},
+               "cap": Capacitor(c: "1 mF"), "load": Resistor(r: "30 ohm"),
+               "account": EnergyAccount(at: Electrical, tolerance: 1e-3)"#
+        ),
+        r#""u.p <-> r.p", "r.n <-> a.p <-> b.n", "u.n <-> c.p <-> d.n", "a.n <-> c.n <-> e.p", "e.n <-> f.p",
+           "f.n <-> cap.p <-> load.p", "b.p <-> d.p <-> cap.n <-> load.n <-> g.p <-> account.node", "e.v -> s.e", "f.v -> s.f",
+           "cap.v -> s.v", "account.relative -> s.off""#,
+        r#""e", "f", "v", "off""#,
+    );
+    // Where both block, what each takes follows from a leakage that is lost in the rounding of the circuit.
+    let conducting = run.column("s.e").iter().zip(run.column("s.f")).filter(|(e, _)| **e > 0.5);
+    let mut rows = 0;
+    for (e, f) in conducting {
+        assert!((e - f).abs() < 1e-8, "{e} and {f}");
+        rows += 1;
+    }
+    assert!(rows > 5, "{rows}");
+    assert!(run.last("s.v") > 13.0 && run.last("s.v") < 18.0, "{}", run.last("s.v"));
+    assert!(run.last("s.off").abs() < 1e-4, "{}", run.last("s.off"));
+}
+
+#[test]
+fn a_diode_takes_over_the_current_of_an_inductance_when_a_contact_opens() {
+    let run = circuit(
+        r#"stop_time: "20 ms", solver: Auto(rtol: 1e-7)"#,
+        r#""u": VoltageSource(v: "12 V"), "on": Step(time: "10 ms", before: 1.0, after: 0.0),
+           "closed": Compare(operator: Greater, constant: 0.5), "switch": IdealSwitch(r_on: "10 mOhm"),
+           "l": Inductor(l: "10 mH"), "r": Resistor(r: "2 ohm"), "d": ExponentialDiode(i_s: "1 nA", n: 1.8),
+           "account": EnergyAccount(at: Electrical, tolerance: 1e-4)"#,
+        r#""on.y -> closed.u", "closed.y -> switch.gate", "u.p <-> switch.p", "switch.n <-> l.p <-> d.n",
+           "l.n <-> r.p", "u.n <-> r.n <-> d.p <-> g.p <-> account.node", "l.i -> s.i", "d.i -> s.d", "account.relative -> s.e""#,
+        r#""i", "d", "e""#,
+    );
+    let after = run.time.iter().position(|t| *t > 10.0e-3).expect("a row");
+    let (i, d) = (run.column("s.i"), run.column("s.d"));
+    assert!((i[after] - d[after]).abs() < 1e-9 && d[after] > 4.9, "{} and {}", i[after], d[after]);
+    assert!(run.last("s.i") > 0.0 && run.last("s.i") < 0.8, "{}", run.last("s.i"));
+}
+
+#[test]
+fn a_current_that_no_voltage_fits_ends_the_run_with_the_way_of_the_search() {
+    let text = text(
+        r#"stop_time: "1 s""#,
+        r#""w": Ramp(slope: "-1 uA/s"), "i": ControlledCurrentSource, "d": ExponentialDiode(i_s: "1 nA", g: 0.0)"#,
+        r#""w.y -> i.i", "i.n <-> d.p", "i.p <-> d.n <-> g.p", "d.v -> s.v""#,
+        r#""v""#,
+    );
+    let (compiled, problems) = compile_text(&text);
+    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+    let message = run.error.expect("a failure").to_string();
+    assert!(message.contains("no operating point was found for `d`"), "{message}");
+}
