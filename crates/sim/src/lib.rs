@@ -43,6 +43,7 @@ mod events;
 mod frozen;
 mod graph;
 mod guards;
+mod hold;
 mod hops;
 mod ignored_states;
 mod influence;
