@@ -56,7 +56,7 @@ impl Conditional {
         let by_itself =
             interface.uses_time || interface.accepts || interface.time_events || interface.settles;
         // What is reset while nobody sees it must not be seen.
-        let stands = !sampled && !by_itself && !triggered && !(resets && pauses);
+        let stands = !(sampled || by_itself || triggered || resets && pauses);
         let reads_nothing = |reads: &Option<Vec<usize>>| reads.as_ref().is_some_and(Vec::is_empty);
         let groups = interface.groups.iter();
         let shows_states: Vec<bool> = groups.map(|reads| !by_itself && reads_nothing(reads)).collect();
