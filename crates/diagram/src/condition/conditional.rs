@@ -11,7 +11,9 @@ use super::gate::{State, gate_input};
 /// it gave last, which the engine keeps for it ([`Interface::holds`]).
 ///
 /// Its discrete states are those of the block, the held outputs, then, if states are reset, the initial values of the continuous and
-/// the discrete states and the time of the last reset, and, if there is a trigger, the time of the last update.
+/// the discrete states and the time of the last reset, and, if there is a trigger, the time of the last update. A block that measures
+/// the time since the last step has a time of its own, which stands still with it and begins anew with its states: there follow
+/// how far it is behind, and when it stopped.
 #[derive(Debug)]
 pub(crate) struct Conditional {
     inner: Arc<dyn Block>,
@@ -26,7 +28,12 @@ pub(crate) struct Conditional {
     ports: Vec<Vec<usize>>,
     /// First discrete state of the block itself that holds its outputs, if it has some.
     holds: Option<usize>,
+    /// Whether the block measures the time since the last step.
+    own_time: bool,
 }
+
+/// The time at which a block stopped that runs.
+const RUNNING: f64 = -1.0;
 
 /// Where the discrete states of a block lie.
 struct Layout {
@@ -40,6 +47,8 @@ struct Layout {
     reset: usize,
     /// The time of the last update.
     updated: usize,
+    /// How far the time of the block is behind, and then when it stopped.
+    behind: usize,
 }
 
 impl Conditional {
@@ -66,36 +75,62 @@ impl Conditional {
             ports.map(|(port, _)| port).collect()
         };
         let ports = (0..interface.groups.len()).map(of).collect();
-        Self { free, shows_states, ports, holds: interface.holds, inner, triggered, resets }
+        let own_time = interface.accepts && interface.uses_time;
+        Self { free, shows_states, ports, own_time, holds: interface.holds, inner, triggered, resets }
     }
 
     fn layout(&self, c: &Context, states: usize, all: usize) -> Layout {
         let outputs = c.outputs.iter().map(|port| port.1 as usize).max().unwrap_or(0);
         let held = if self.holds.is_some() { 0 } else { outputs };
-        let marks = if self.resets { states + 1 } else { 0 } + usize::from(self.triggered);
+        let marks = if self.resets { states + 1 } else { 0 }
+            + usize::from(self.triggered)
+            + 2 * usize::from(self.own_time);
         let own = (all - held - marks) / if self.resets { 2 } else { 1 };
         let initial = own + held;
         let reset = initial + if self.resets { states + own } else { 0 };
+        let updated = reset + usize::from(self.resets);
         Layout {
             own,
             held: self.holds.unwrap_or(own),
             initial,
             reset,
-            updated: reset + usize::from(self.resets),
+            updated,
+            behind: updated + usize::from(self.triggered),
         }
     }
 
     /// What the block itself sees.
-    fn inside<'a>(&self, c: &Context<'a>, d: &'a [f64]) -> Context<'a> {
+    fn inside<'a>(&self, c: &Context<'a>, d: &'a [f64], t: f64) -> Context<'a> {
         let inputs = &c.inputs[..c.inputs.len() - 1];
         let width = inputs.iter().map(|port| port.1 as usize).max().unwrap_or(0);
-        Context { d, u: &c.u[..width], inputs, ..*c }
+        Context { t, d, u: &c.u[..width], inputs, ..*c }
     }
 
     /// The same where nothing is handed mutably.
     fn looking<'a>(&self, c: &Context<'a>) -> Context<'a> {
-        let own = self.layout(c, c.x.len(), c.d.len()).own;
-        self.inside(c, &c.d[..own])
+        let layout = self.layout(c, c.x.len(), c.d.len());
+        self.inside(c, &c.d[..layout.own], self.time(c, c.d, &layout))
+    }
+
+    /// The time as the block itself knows it; `all` are all discrete states.
+    fn time(&self, c: &Context, all: &[f64], layout: &Layout) -> f64 {
+        if self.own_time { c.t - all[layout.behind] } else { c.t }
+    }
+
+    /// Stops the time of the block while it does not run.
+    fn keep_time(&self, c: &Context, d: &mut [f64], layout: &Layout) {
+        if !self.own_time {
+            return;
+        }
+        let [behind, stopped] = [layout.behind, layout.behind + 1];
+        if !Self::runs(c) {
+            if d[stopped] == RUNNING {
+                d[stopped] = c.t;
+            }
+        } else if d[stopped] != RUNNING {
+            d[behind] += c.t - d[stopped];
+            d[stopped] = RUNNING;
+        }
     }
 
     fn gate(c: &Context) -> State {
@@ -145,6 +180,10 @@ impl Block for Conditional {
             interface.period = None;
             interface.turning_inputs.clear();
         }
+        if self.own_time {
+            interface.settles = true;
+            interface = interface.discrete("behind", 0.0).discrete("stopped", RUNNING);
+        }
         Ok(interface)
     }
 
@@ -154,7 +193,7 @@ impl Block for Conditional {
 
     fn initialize(&self, c: &Context, x: &mut [f64], d: &mut [f64]) {
         let layout = self.layout(c, x.len(), d.len());
-        self.inner.initialize(&self.inside(c, &[]), x, &mut d[..layout.own]);
+        self.inner.initialize(&self.inside(c, &[], c.t), x, &mut d[..layout.own]);
         if self.resets {
             d[layout.initial..][..x.len()].copy_from_slice(x);
             d.copy_within(..layout.own, layout.initial + x.len());
@@ -162,7 +201,7 @@ impl Block for Conditional {
         if self.holds.is_none() && self.shows_states.contains(&true) {
             let (own, rest) = d.split_at_mut(layout.own);
             let outputs = c.outputs.iter().map(|port| port.1 as usize).max().unwrap_or(0);
-            let (mut w, now) = (self.inner.scratch(), Context { x, ..self.inside(c, own) });
+            let (mut w, now) = (self.inner.scratch(), Context { x, ..self.inside(c, own, c.t) });
             for (group, _) in self.shows_states.iter().enumerate().filter(|(_, shows)| **shows) {
                 self.inner.outputs(group, &now, &mut w, &mut rest[..outputs]);
             }
@@ -170,9 +209,11 @@ impl Block for Conditional {
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {
+        let layout = self.layout(c, c.x.len(), d.len());
+        self.keep_time(c, d, &layout);
         if Self::runs(c) {
-            let own = self.layout(c, c.x.len(), d.len()).own;
-            self.inner.settle(&self.inside(c, &[]), &mut d[..own]);
+            let t = self.time(c, d, &layout);
+            self.inner.settle(&self.inside(c, &[], t), &mut d[..layout.own]);
         }
     }
 
@@ -204,7 +245,7 @@ impl Block for Conditional {
         if self.triggered {
             d[layout.updated] = Self::gate(c).trigger();
         }
-        self.inner.update(&self.inside(c, &[]), w, &mut d[..layout.own]);
+        self.inner.update(&self.inside(c, &[], self.time(c, d, &layout)), w, &mut d[..layout.own]);
     }
 
     fn next_update(&self, c: &Context) -> f64 {
@@ -224,9 +265,15 @@ impl Block for Conditional {
             jumped = x != &initial[..x.len()] || own != &initial[x.len()..];
             x.copy_from_slice(&initial[..x.len()]);
             own.copy_from_slice(&initial[x.len()..]);
+            if self.own_time {
+                // Its time begins anew, and stands if it does not run.
+                d[layout.behind] = c.t;
+                d[layout.behind + 1] = if gate.runs(c.t) { RUNNING } else { c.t };
+            }
         }
         if gate.runs(c.t) {
-            jumped |= self.inner.jump(&self.inside(c, &[]), w, x, &mut d[..layout.own]);
+            jumped |=
+                self.inner.jump(&self.inside(c, &[], self.time(c, d, &layout)), w, x, &mut d[..layout.own]);
         }
         jumped
     }
@@ -244,8 +291,12 @@ impl Block for Conditional {
     }
 
     fn accept(&self, c: &Context, d: &mut [f64]) -> bool {
-        let own = self.layout(c, c.x.len(), d.len()).own;
-        Self::runs(c) && self.inner.accept(&self.inside(c, &[]), &mut d[..own])
+        if !Self::runs(c) {
+            return false;
+        }
+        let layout = self.layout(c, c.x.len(), d.len());
+        let t = self.time(c, d, &layout);
+        self.inner.accept(&self.inside(c, &[], t), &mut d[..layout.own])
     }
 
     fn end_time(&self) -> Option<f64> {

@@ -392,6 +392,41 @@ fn a_condition_that_always_holds_changes_nothing() {
     }
 }
 
+/// A limiter of the rate has not moved while it was disabled, and begins anew where it is reset: what has passed meanwhile does not count.
+#[test]
+fn a_rate_limiter_does_not_catch_up() {
+    let inside = r#"Diagram(inputs: { "u": () }, outputs: { "y": "r.y" },
+        blocks: { "r": RateLimiter(rising: 1, falling: -1) }, connections: ["in.u -> r.u"])"#;
+    for solver in ["Ode45", "Ode4(step: \"10 ms\")"] {
+        for (parameters, input, expected) in [
+            ("enable: Held", "enable", [0.5, 0.5, 0.75, 1.0, 1.25]),
+            ("enable: Reset", "enable", [0.5, 0.5, 0.25, 0.5, 0.25]),
+            ("reset: Rising", "reset", [0.5, 1.0, 0.25, 1.0, 0.25]),
+        ] {
+            // On from 0 s to 0.5 s, from 1 s to 1.5 s, and from 2 s.
+            let model = format!(
+                r#"Diagram(
+                    simulation: (stop_time: "2.25 s", solver: {solver}),
+                    blocks: {{ "u": Constant(value: 9), "on": Pulse(period: "1 s", width: 0.5),
+                        "sub": Subsystem(file: "sub.ron", {parameters}), "show": Scope(inputs: ["y"]) }},
+                    connections: ["u.y -> sub.u", "on.y -> sub.{input}", "sub.y -> show.y"],
+                )"#
+            );
+            let run = run(&[("model.ron", &model), ("sub.ron", inside)]);
+            let rows = run.column("show.y");
+            for (t, expected) in [0.5, 1.0 - 1e-9, 1.25, 2.0 - 1e-9, 2.25].into_iter().zip(expected) {
+                let after = rows.partition_point(|(time, _)| *time < t).min(rows.len() - 1);
+                let [(t0, y0), (t1, y1)] = [rows[after - 1], rows[after]];
+                let y = if t1 > t0 { y0 + (y1 - y0) * (t - t0) / (t1 - t0) } else { y1 };
+                assert!(
+                    (y - expected).abs() < 1e-6,
+                    "{solver} {parameters}: {y} at {t} s instead of {expected}"
+                );
+            }
+        }
+    }
+}
+
 /// The subsystem within runs at the triggers of its own that come while the one around is enabled.
 #[test]
 fn a_trigger_counts_while_the_subsystem_around_is_enabled() {
