@@ -65,8 +65,8 @@ fn compiled(files: &[(&str, &str)]) -> Result<blocksim_block::schedule::Schedule
 
 fn run(files: &[(&str, &str)]) -> Run {
     let schedule = compiled(files).unwrap_or_else(|problems| panic!("{problems}"));
-    let mut run = Run::default();
-    run.names = schedule.recorded.iter().map(|recorded| recorded.path.clone()).collect();
+    let names = schedule.recorded.iter().map(|recorded| recorded.path.clone()).collect();
+    let mut run = Run { names, ..Run::default() };
     let mut simulation = Simulation::new(Arc::new(schedule)).expect("a simulation");
     simulation.run(&mut run).unwrap_or_else(|error| panic!("{error:?}"));
     run
@@ -143,7 +143,7 @@ fn an_output_holds_what_it_was_at_the_very_time_of_disabling() {
         let run = in_sine(solver, "enable: Held", GAIN, ENABLE);
         for (t, y) in run.column("show.y") {
             let phase = t.fract();
-            if phase > OFF + 2e-3 || phase < ON - 2e-3 {
+            if !(ON - 2e-3..=OFF + 2e-3).contains(&phase) {
                 let held = if t < ON { 0.0 } else { 2.0 * (windows(t).len() as f64 - 1.0 + OFF) };
                 assert!((y - held).abs() < slack, "{solver}: {y} at {t} s instead of {held}");
             } else if phase > ON + 2e-3 && phase < OFF - 2e-3 {
