@@ -212,6 +212,9 @@ pub struct Interface {
     pub recorded: Option<Recorded>,
     /// Outputs that the engine finds.
     pub constraint: Option<Constraint>,
+    /// The discrete states from this one on are a copy of the outputs, which the engine makes at the end of each step, before
+    /// anything of the next major step, and at the end of each major step: what the block gave when it last ran.
+    pub holds: Option<usize>,
 }
 
 impl Interface {

@@ -352,9 +352,7 @@ impl<'a> Level<'a> {
                     .iter()
                     .map(|input| (input.name.clone(), input.default.is_some()))
                     .collect(),
-                Content::Diagram(inside) => {
-                    inside.ast.inputs.iter().map(|(name, _)| (name.text.clone(), false)).collect()
-                }
+                Content::Diagram(inside) => inside.inputs().map(|name| (name.to_owned(), false)).collect(),
                 Content::Unknown => Vec::new(),
             };
             for (input, _) in needed.iter().filter(|(_, has_default)| !has_default) {

@@ -6,7 +6,7 @@ use blocksim_signal::{Dimension, Kind};
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
-use crate::flatten::{Declared, Flat, Source};
+use crate::flatten::{Declared, Flat, FlatBlock, Source};
 use crate::problems::Problems;
 
 /// Interfaces of all blocks, with the types of all outputs.
@@ -20,6 +20,14 @@ impl Typed {
     /// Type of the signal that an input takes.
     pub fn of(&self, source: &Source) -> PortType {
         self.interfaces[source.block].outputs[source.output].port_type
+    }
+
+    /// What is known of the inputs and parameters of a block.
+    pub fn given(&self, block: &FlatBlock) -> Given {
+        let inputs = block.interface.inputs.iter().zip(&block.inputs);
+        let known =
+            inputs.filter_map(|(input, source)| Some((input.name.clone(), self.of(source.as_ref()?))));
+        Given::new(known.collect(), block.units.clone())
     }
 }
 

@@ -9,6 +9,7 @@
 //! they reach across subsystems. The library of blocks is found through the registry alone.
 
 mod ast;
+mod condition;
 mod connect;
 mod de;
 mod elaborate;
@@ -44,6 +45,7 @@ use blocksim_block::schedule::{Schedule, Start};
 use blocksim_scene::Scene;
 
 pub use ast::{Ast, BlockAst, ConnectionAst, RATES, RecordAst, Reference};
+pub use condition::{Condition, SetOutput, WhenEnabled};
 pub use emit::{Stage, Stages};
 pub use example::{example_block, example_interface};
 pub use fingerprint::fingerprint;

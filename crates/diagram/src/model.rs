@@ -8,6 +8,7 @@ use blocksim_block::problem::Place;
 use blocksim_block::{Block, Interface, ParamUnits};
 
 use crate::ast::Ast;
+use crate::condition::Condition;
 
 /// A diagram as it was instantiated: the top, or the inside of a subsystem.
 #[derive(Debug, Clone)]
@@ -18,6 +19,8 @@ pub struct Model {
     pub ast: Rc<Ast>,
     /// The blocks, in the order of the file.
     pub blocks: Vec<ModelBlock>,
+    /// When it runs, if not always.
+    pub condition: Option<Condition>,
 }
 
 /// A block of a model.
@@ -91,6 +94,13 @@ impl Model {
         self.blocks.iter().find(|block| block.name == name)
     }
 
+    /// Names of the signal inputs, those of its condition first.
+    pub fn inputs(&self) -> impl Iterator<Item = &str> {
+        let mut names: Vec<&str> = self.condition.iter().flat_map(Condition::inputs).collect();
+        names.extend(self.ast.inputs.iter().map(|(name, _)| name.text.as_str()));
+        names.into_iter()
+    }
+
     /// The domain of a conserving port of this diagram, found at the block inside that it belongs to.
     pub fn port_domain(&self, port: &str) -> Option<Domain> {
         let (_, inside) = self.ast.ports.iter().find(|(name, _)| name.text == port)?;
@@ -108,7 +118,7 @@ impl ModelBlock {
             Content::Block { interface, .. } => {
                 interface.inputs.iter().map(|input| input.name.clone()).collect()
             }
-            Content::Diagram(model) => model.ast.inputs.iter().map(|(name, _)| name.text.clone()).collect(),
+            Content::Diagram(model) => model.inputs().map(str::to_owned).collect(),
             Content::Unknown => Vec::new(),
         }
     }
@@ -153,7 +163,7 @@ impl ModelBlock {
                 if model.ast.outputs.iter().any(|(output, _)| output.text == name) {
                     return Some(PortKind::Output);
                 }
-                if model.ast.inputs.iter().any(|(input, _)| input.text == name) {
+                if model.inputs().any(|input| input == name) {
                     return Some(PortKind::Input);
                 }
                 model.ast.ports.iter().find(|(port, _)| port.text == name)?;

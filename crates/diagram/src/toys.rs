@@ -87,7 +87,7 @@ fn toy(ast: &Ast, block: &BlockAst) -> ModelBlock {
 pub(crate) fn model(blocks: &str, connections: &str) -> Model {
     let ast = Rc::new(ast(blocks, connections));
     let blocks = ast.blocks.iter().map(|block| toy(&ast, block)).collect();
-    Model { path: String::new(), ast, blocks }
+    Model { path: String::new(), ast, blocks, condition: None }
 }
 
 /// The same as a list of blocks.

@@ -267,11 +267,12 @@ impl Simulation {
 
     /// Tells blocks that a step was accepted, with their inputs at its end.
     fn accept(&mut self) -> Result<(), SimError> {
-        if self.diagram.plan.accepting.is_empty() {
+        if self.diagram.plan.accepting.is_empty() && self.diagram.plan.holding.is_empty() {
             return Ok(());
         }
         let evaluated = self.diagram.continuous(self.t, &self.x);
         self.held(evaluated)?;
+        self.diagram.hold_outputs();
         let accepted = self.diagram.accept();
         // What they remember now may stand in their guards.
         self.guards.known = false;

@@ -46,6 +46,7 @@ mod frozen;
 mod fused;
 mod graph;
 mod guards;
+mod hold;
 mod hops;
 mod ignored_states;
 mod influence;

@@ -57,6 +57,7 @@ impl Simulation {
             told = true;
         }
         let jumped = self.jump(told, observer)? || reset;
+        self.diagram.hold_outputs();
         self.report_modes(first, observer);
         if self.rows.are_due(self.t) || why.event || why.end || jumped {
             observer.row(self.t, &self.rows.values);

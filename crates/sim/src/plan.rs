@@ -119,6 +119,8 @@ pub(crate) struct Plan {
     /// Those of them that jump before the rest of the diagram is evaluated.
     pub early: Early,
     pub accepting: Vec<usize>,
+    /// Blocks that keep a copy of their outputs.
+    pub holding: Vec<usize>,
     pub remembering: Vec<usize>,
     pub timed: Vec<usize>,
     pub updated: Vec<Updated>,
@@ -181,6 +183,7 @@ impl Plan {
             jumping: chosen(&|b| b.interface.jumps),
             early: Early::new(schedule),
             accepting: chosen(&|b| b.interface.accepts),
+            holding: chosen(&|b| b.interface.holds.is_some()),
             remembering: chosen(&|b| b.interface.remembers.is_some()),
             subdividing: chosen(&|b| b.interface.subdivides),
             timed: chosen(&|b| b.interface.time_events),

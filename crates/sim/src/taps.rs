@@ -111,6 +111,7 @@ fn insert(
         place: None,
         parts: Vec::new(),
         block: Arc::new(Change { element }),
+        law: None,
         interface,
         gather: vec![(home as u32, n as u32), (first as u32, CELLS as u32)],
         inputs: vec![(0, n as u32), (n as u32, (n + CELLS) as u32)],

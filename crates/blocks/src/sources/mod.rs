@@ -1,5 +1,6 @@
 //! Blocks: sources.
 
+mod chirp;
 mod clock;
 mod constant;
 mod from_file;
@@ -9,6 +10,7 @@ mod sine;
 mod step;
 mod table;
 
+pub use chirp::Chirp;
 pub use clock::Clock;
 pub use constant::Constant;
 pub use from_file::{After, FromFile};

@@ -1,12 +1,12 @@
 //! From a tree of diagrams to one list of blocks: hierarchy and buses are names, and names end here.
 
+mod conditions;
 mod input_units;
 mod nodes;
 mod origins;
 pub(crate) mod record;
 mod view;
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use blocksim_block::problem::Place;
@@ -88,7 +88,7 @@ pub struct Source {
 
 /// Flattens a checked model.
 pub(crate) fn flatten(model: &Model, problems: &mut Problems) -> Flat {
-    let mut view = View { levels: Vec::new(), inside: HashMap::new(), index: HashMap::new() };
+    let mut view = View::default();
     let mut flat = Flat::default();
     let mut found: Vec<(usize, &ModelBlock)> = Vec::new();
     view.add(model, None, &mut found);
@@ -97,6 +97,8 @@ pub(crate) fn flatten(model: &Model, problems: &mut Problems) -> Flat {
     for (index, (level, block)) in executed.iter().enumerate() {
         view.index.insert((*level, block.name.clone()), index);
     }
+    let levels: Vec<usize> = executed.iter().map(|(level, _)| *level).collect();
+    let conditions = view.conditions(&levels, problems);
     for (level, block) in executed {
         let Content::Block { block: built, units, interface, plain, .. } = &block.content else { continue };
         let mut inputs = Vec::new();
@@ -121,6 +123,7 @@ pub(crate) fn flatten(model: &Model, problems: &mut Problems) -> Flat {
                 .collect(),
         });
     }
+    view.apply(&conditions, &levels, &mut flat, problems);
     flat.nodes = view.nodes(&flat);
     flat.declared = view.declared(problems);
     record(model, &view, &found, &mut flat, problems);

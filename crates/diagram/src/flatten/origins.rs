@@ -1,6 +1,6 @@
 //! Which output stands behind each name of a model, for those who show values beside a drawing.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use super::executed;
 use super::record::name_leaves;
@@ -11,7 +11,7 @@ use crate::model::{Model, ModelBlock};
 /// on all levels, and the elements of buses behind them (`arm.signals.Joint1.Angle`). Names that lead to nothing are
 /// left out, as those of a model with mistakes may.
 pub fn origins(model: &Model) -> BTreeMap<String, String> {
-    let mut view = View { levels: Vec::new(), inside: HashMap::new(), index: HashMap::new() };
+    let mut view = View::default();
     let mut found: Vec<(usize, &ModelBlock)> = Vec::new();
     view.add(model, None, &mut found);
     for (at, (level, block)) in found.iter().enumerate() {

@@ -23,12 +23,15 @@ pub(super) enum Tree {
     Unknown,
 }
 
+#[derive(Default)]
 pub(super) struct View<'m> {
     pub levels: Vec<Level<'m>>,
     /// Level inside a subsystem: outer level and name.
     pub inside: HashMap<(usize, String), usize>,
     /// Index in the flat list.
     pub index: HashMap<(usize, String), usize>,
+    /// Outputs of conditional subsystems that have a block of their own: level inside and name, index in the flat list.
+    pub outlets: HashMap<(usize, String), usize>,
 }
 
 pub(super) struct Level<'m> {
@@ -205,6 +208,11 @@ impl<'m> View<'m> {
                 let Some(inner_level) = self.inside.get(&(level, block.to_owned())) else {
                     return Ok(Tree::Unknown);
                 };
+                if let (Some(outlet), None) =
+                    (self.outlets.get(&(*inner_level, port.to_owned())), elements.first())
+                {
+                    return Ok(Tree::Leaf { block: *outlet, output: 0 });
+                }
                 let path: Vec<String> = inside.elements.iter().chain(elements).cloned().collect();
                 self.tree(*inner_level, &inside.block, &inside.port, &path, asked)
             }

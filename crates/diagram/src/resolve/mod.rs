@@ -1,5 +1,6 @@
 //! From written diagrams to blocks: kinds are looked up, parameters computed, subsystems and variants built.
 
+mod condition;
 mod hierarchy;
 mod names;
 mod overridden;
@@ -196,7 +197,7 @@ impl<'a> Resolver<'a> {
                 self.block(ast, block, scope, path, stack)
             })
             .collect();
-        Model { path: path.to_owned(), ast: ast.clone(), blocks }
+        Model { path: path.to_owned(), ast: ast.clone(), blocks, condition: None }
     }
 
     fn block(

@@ -7,7 +7,7 @@ use blocksim_block::problem::{FileId, Problem};
 use super::{Giver, HIERARCHY, Instance, Resolver};
 use crate::ast::{Ast, BlockAst};
 use crate::mentions::Event;
-use crate::model::Content;
+use crate::model::{Content, Model};
 use crate::scope::{Scope, missing_file};
 use crate::tree::{Node, Shape};
 
@@ -68,6 +68,8 @@ impl<'a> Resolver<'a> {
                 }
             }
         }
+        let condition = self.condition(ast, block, scope, &inside);
+        let Ok(condition) = condition else { return Content::Unknown };
         self.override_parameters(&inside, &inner, path);
         for (parameter, node) in &inside.parameters {
             let required = matches!(&node.value, Shape::Word(word) if word == "Required");
@@ -99,6 +101,7 @@ impl<'a> Resolver<'a> {
         });
         let mut stack = stack.to_vec();
         stack.push(file);
-        Content::Diagram(Box::new(self.model(&inside, &inner, path, &stack)))
+        let model = self.model(&inside, &inner, path, &stack);
+        Content::Diagram(Box::new(Model { condition, ..model }))
     }
 }

@@ -6,6 +6,7 @@ mod loops;
 mod order;
 mod when;
 
+use std::any::Any;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -13,6 +14,7 @@ use blocksim_block::law::BlockLaw;
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{Schedule, Settings};
 
+use crate::condition::Conditional;
 use crate::flatten::Flat;
 use crate::infer::Typed;
 use crate::problems::Problems;
@@ -50,15 +52,25 @@ pub(crate) fn sort(
         return None;
     }
     let mut schedule = lay_out(title, &order, settings, &sorted, clock, &rates, &when);
-    record_laws(&mut schedule, problems);
+    record_laws(flat, typed, &mut schedule, problems);
     (!problems.any_error()).then_some(schedule)
 }
 
-/// Has all blocks record their laws that can.
-fn record_laws(schedule: &mut Schedule, problems: &mut Problems) {
-    for block in &mut schedule.blocks {
-        match BlockLaw::record(&block.block, &block.interface, &block.inputs, &block.outputs) {
-            Ok(law) => block.law = law.map(Arc::new),
+/// Has all blocks record their laws that can. Those of conditional subsystems run the laws of the blocks within them.
+fn record_laws(flat: &Flat, typed: &Typed, schedule: &mut Schedule, problems: &mut Problems) {
+    for (block, instance) in flat.blocks.iter().zip(&mut schedule.blocks) {
+        let recorded = match (&*block.block as &dyn Any).downcast_ref::<Conditional>() {
+            Some(conditional) => {
+                let law = conditional.with_law(&typed.given(block), &instance.inputs, &instance.outputs);
+                law.map(|law| {
+                    law.into_iter().for_each(|block| instance.block = Arc::new(block));
+                    None
+                })
+            }
+            None => BlockLaw::record(&block.block, &instance.interface, &instance.inputs, &instance.outputs),
+        };
+        match recorded {
+            Ok(law) => instance.law = law.map(Arc::new),
             Err(wrong) => {
                 let message = format!("the law of the kind {} is wrong: {wrong}", block.kind);
                 let problem =

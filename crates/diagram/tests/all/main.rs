@@ -1,4 +1,6 @@
-//! The examples run, and what they print is right.
+//! The examples run, and what they print is right; conditional subsystems.
+
+mod conditional;
 
 #[allow(dead_code)]
 #[path = "../../examples/own_controller.rs"]

@@ -48,6 +48,16 @@ impl Simulation {
         strict: bool,
         go: &mut dyn FnMut() -> bool,
     ) -> Result<Rest, SimError> {
+        // Whether what stands still is enabled at rest would have to be found, too.
+        if let Some(held) = self.schedule.blocks.iter().find(|block| block.interface.holds.is_some()) {
+            let message = format!(
+                "`{}` is inside a conditional subsystem, for which no steady state is sought",
+                held.path
+            );
+            return Err(SimError::new("no_steady_state", self.t, message)
+                .at(&held.path)
+                .help("begin at given initial values, or remove `enable`, `trigger` and `reset` from the subsystem for the search"));
+        }
         if !self.started {
             self.start(&mut Nobody)?;
         }

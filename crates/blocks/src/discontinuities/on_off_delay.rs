@@ -1,0 +1,107 @@
+use blocksim_block::prelude::*;
+
+/// A timer: `y` becomes true once `u` has been true for `on`, and false once `u` has been false for `off`.
+///
+/// A `u` that changes back before its time has passed changes nothing. The times are hit exactly. At the start, `y` is as `u` is.
+///
+/// ```ron
+/// OnOffDelay(on: "200 ms", off: "50 ms")
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Discontinuities", symbol = Text("t on/off"))]
+pub struct OnOffDelay {
+    /// Time for which `u` must be true.
+    #[block(unit = "s", default = 0.0)]
+    pub on: f64,
+    /// Time for which `u` must be false.
+    #[block(unit = "s", default = 0.0)]
+    pub off: f64,
+}
+
+const SWITCHED: &[Change] = &[Change::to(1.0, "switches on"), Change::to(0.0, "switches off")];
+
+/// Places of the discrete states: `y`, the time at which it changes unless `u` changes back, and whether there was a start.
+const Y: usize = 0;
+const DUE: usize = 1;
+const STARTED: usize = 2;
+
+impl Block for OnOffDelay {
+    fn check(&self) -> Result<(), ParamError> {
+        not_negative("on", self.on)?;
+        not_negative("off", self.off)
+    }
+
+    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+        Ok(Interface::new()
+            .input(Input::boolean("u").scalar())
+            .output(Output::boolean("y"))
+            .modes("y", 1, 0.0, SWITCHED)
+            .discrete("due", -1.0)
+            .discrete("started", 0.0)
+            .settles()
+            .time_events())
+    }
+
+    fn settle(&self, c: &Context, d: &mut [f64]) {
+        let u = c.scalar(0);
+        if d[STARTED] == 0.0 {
+            d.copy_from_slice(&[u, -1.0, 1.0]);
+        } else if u == d[Y] {
+            d[DUE] = -1.0;
+        } else {
+            if d[DUE] < 0.0 {
+                d[DUE] = c.t + if u == 1.0 { self.on } else { self.off };
+            }
+            if c.t >= d[DUE] {
+                (d[Y], d[DUE]) = (u, -1.0);
+            }
+        }
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        y[0] = c.d[Y];
+    }
+
+    fn next_event(&self, c: &Context) -> f64 {
+        if c.d[DUE] > c.t { c.d[DUE] } else { f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use blocksim_block::testing::Bench;
+
+    #[test]
+    fn short_pulses_and_gaps_do_not_pass() {
+        let mut bench = Bench::new(OnOffDelay { on: 2.0, off: 1.0 });
+        for (t, u, y) in [
+            (0.0, 0.0, 0.0),
+            (1.0, 1.0, 0.0),
+            (2.5, 0.0, 0.0),
+            (3.0, 1.0, 0.0),
+            (4.5, 1.0, 0.0),
+            (5.0, 1.0, 1.0),
+            (6.0, 0.0, 1.0),
+            (6.5, 1.0, 1.0),
+            (7.0, 0.0, 1.0),
+            (8.0, 0.0, 0.0),
+        ] {
+            bench.t = t;
+            assert_eq!(bench.set(0, &[u]).major(), [y], "at {t} s");
+        }
+    }
+
+    #[test]
+    fn the_end_of_a_delay_is_an_event_and_without_delay_it_follows_at_once() {
+        let mut bench = Bench::new(OnOffDelay { on: 0.3, off: 0.0 });
+        bench.set(0, &[0.0]).major();
+        bench.t = 1.0;
+        bench.set(0, &[1.0]).major();
+        assert_eq!(bench.d[DUE], 1.3);
+        bench.t = 1.3;
+        assert_eq!(bench.major(), [1.0]);
+        assert_eq!(bench.set(0, &[0.0]).major(), [0.0]);
+        assert_eq!(OnOffDelay { on: -1.0, off: 0.0 }.check().unwrap_err().param, "on");
+    }
+}

@@ -1,0 +1,61 @@
+use blocksim_block::prelude::*;
+
+/// A polynomial of a signal: $y = a_n u^n + \dots + a_1 u + a_0$; element by element.
+///
+/// It is computed by Horner's rule. Input and output have no unit: make a number of a quantity with `Gain(k: "1 1/V")` and the like.
+///
+/// ```ron
+/// Polynomial(coefficients: [0.5, 0, -2, 1])
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Math", symbol = Text("P(u)"))]
+pub struct Polynomial {
+    /// Coefficients $a_n, \dots, a_1, a_0$, highest power first.
+    pub coefficients: Vec<f64>,
+}
+
+impl Block for Polynomial {
+    fn check(&self) -> Result<(), ParamError> {
+        if self.coefficients.is_empty() {
+            return Err(ParamError::new("coefficients", "a polynomial has at least one coefficient")
+                .help("write them from the highest power on: `[2, 0, 1]` is 2 u^2 + 1"));
+        }
+        self.coefficients.iter().try_for_each(|a| finite("coefficients", *a))
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let u = given.input_or_unknown("u");
+        Ok(Interface::new()
+            .input(Input::real("u").dimension(Some(Dimension::NONE)))
+            .output(Output::real("y").shape(u.shape)))
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+        for (y, u) in y.iter_mut().zip(c.u) {
+            *y = self.coefficients.iter().fold(0.0, |sum, a| sum * u + a);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use blocksim_block::testing::Bench;
+
+    #[test]
+    fn the_roots_are_where_the_factors_have_them() {
+        // 2 (u - 1) (u + 3) (u - 0.5)
+        let polynomial = Polynomial { coefficients: vec![2.0, 3.0, -8.0, 3.0] };
+        let inputs = vec![("u".to_owned(), PortType::vector(4))];
+        let mut bench = Bench::with_inputs(polynomial, inputs);
+        assert_eq!(bench.set(0, &[1.0, -3.0, 0.5, 2.0]).minor(), [0.0, 0.0, 0.0, 15.0]);
+        assert_eq!(Bench::new(Polynomial { coefficients: vec![7.0] }).respond(1e9), 7.0);
+    }
+
+    #[test]
+    fn coefficients_must_be_there_and_finite() {
+        for coefficients in [vec![], vec![1.0, f64::INFINITY]] {
+            assert_eq!(Polynomial { coefficients }.check().unwrap_err().param, "coefficients");
+        }
+    }
+}

@@ -1,0 +1,366 @@
+//! A block inside a conditional subsystem.
+
+use std::sync::Arc;
+
+use blocksim_block::law::BlockLaw;
+use blocksim_block::{Block, Context, Discrete, Given, Interface, InterfaceError, JumpPhrase, Scratch};
+use blocksim_signal::SampleTime;
+
+use super::gate::{State, gate_input};
+
+/// A block that is called while its subsystem runs. Meanwhile its states stand still, its conditions are not watched, and it gives what
+/// it gave last, which the engine keeps for it ([`Interface::holds`]).
+///
+/// Its discrete states are those of the block, the held outputs, then, if states are reset, the initial values of the continuous and
+/// the discrete states and the time of the last reset, and, if there is a trigger, the time of the last update. A block that measures
+/// the time since the last step has a time of its own, which stands still with it and begins anew with its states: there follow
+/// how far it is behind, and when it stopped.
+#[derive(Debug, Clone)]
+pub(crate) struct Conditional {
+    inner: Arc<dyn Block>,
+    /// Whether a subsystem around it has a trigger, sets states back, or does not always run.
+    triggered: bool,
+    resets: bool,
+    /// Output groups that need not ask the gate: they show states, which stand still.
+    free: Vec<bool>,
+    /// Output groups that show states alone, so that they have a value before the block has run.
+    shows_states: Vec<bool>,
+    /// The output ports of each group.
+    ports: Vec<Vec<usize>>,
+    /// First discrete state of the block itself that holds its outputs, if it has some.
+    holds: Option<usize>,
+    /// Whether the block measures the time since the last step.
+    own_time: bool,
+}
+
+/// The time at which a block stopped that runs.
+const RUNNING: f64 = -1.0;
+
+/// Where the discrete states of a block lie.
+struct Layout {
+    /// Number of those of the block itself.
+    own: usize,
+    /// First of the held outputs.
+    held: usize,
+    /// First of the initial values: continuous states, then discrete ones.
+    initial: usize,
+    /// The time of the last reset.
+    reset: usize,
+    /// The time of the last update.
+    updated: usize,
+    /// How far the time of the block is behind, and then when it stopped.
+    behind: usize,
+}
+
+impl Conditional {
+    /// A block within subsystems of which one may have a trigger, set states back, or pause. `interface` is what is known of its
+    /// ports before those of others are.
+    pub fn new(
+        inner: Arc<dyn Block>,
+        interface: &Interface,
+        triggered: bool,
+        resets: bool,
+        pauses: bool,
+    ) -> Self {
+        let sampled = matches!(interface.sample_time, Some(SampleTime::Discrete { .. }));
+        let by_itself =
+            interface.uses_time || interface.accepts || interface.time_events || interface.settles;
+        // What is reset while nobody sees it must not be seen.
+        let stands = !(sampled || by_itself || triggered || resets && pauses);
+        let reads_nothing = |reads: &Option<Vec<usize>>| reads.as_ref().is_some_and(Vec::is_empty);
+        let groups = interface.groups.iter();
+        let shows_states: Vec<bool> = groups.map(|reads| !by_itself && reads_nothing(reads)).collect();
+        let free = shows_states.iter().map(|shows| stands && *shows).collect();
+        let of = |group: usize| {
+            let ports = interface.group_of.iter().enumerate().filter(move |(_, of)| **of == group);
+            ports.map(|(port, _)| port).collect()
+        };
+        let ports = (0..interface.groups.len()).map(of).collect();
+        let own_time = interface.accepts && interface.uses_time;
+        Self { free, shows_states, ports, own_time, holds: interface.holds, inner, triggered, resets }
+    }
+
+    /// The same with the law of the block inside, if that records one; `given` is what is known of the inputs, which lie so.
+    ///
+    /// # Errors
+    /// What is wrong with the law.
+    pub fn with_law(
+        &self,
+        given: &Given,
+        inputs: &[(u32, u32)],
+        outputs: &[(u32, u32)],
+    ) -> Result<Option<Self>, String> {
+        // Who has mistakes of its own has reported them.
+        let Ok(interface) = self.inner.interface(given) else { return Ok(None) };
+        let own = &inputs[..inputs.len().saturating_sub(1)];
+        let law = BlockLaw::record(&self.inner, &interface, own, outputs)?;
+        Ok(law.map(|law| Self { inner: Arc::new(law), ..self.clone() }))
+    }
+
+    fn layout(&self, c: &Context, states: usize, all: usize) -> Layout {
+        let outputs = c.outputs.iter().map(|port| port.1 as usize).max().unwrap_or(0);
+        let held = if self.holds.is_some() { 0 } else { outputs };
+        let marks = if self.resets { states + 1 } else { 0 }
+            + usize::from(self.triggered)
+            + 2 * usize::from(self.own_time);
+        let own = (all - held - marks) / if self.resets { 2 } else { 1 };
+        let initial = own + held;
+        let reset = initial + if self.resets { states + own } else { 0 };
+        let updated = reset + usize::from(self.resets);
+        Layout {
+            own,
+            held: self.holds.unwrap_or(own),
+            initial,
+            reset,
+            updated,
+            behind: updated + usize::from(self.triggered),
+        }
+    }
+
+    /// What the block itself sees.
+    fn inside<'a>(&self, c: &Context<'a>, d: &'a [f64], t: f64) -> Context<'a> {
+        let inputs = &c.inputs[..c.inputs.len() - 1];
+        let width = inputs.iter().map(|port| port.1 as usize).max().unwrap_or(0);
+        Context { t, d, u: &c.u[..width], inputs, ..*c }
+    }
+
+    /// The same where nothing is handed mutably.
+    fn looking<'a>(&self, c: &Context<'a>) -> Context<'a> {
+        let layout = self.layout(c, c.x.len(), c.d.len());
+        self.inside(c, &c.d[..layout.own], self.time(c, c.d, &layout))
+    }
+
+    /// The time as the block itself knows it; `all` are all discrete states.
+    fn time(&self, c: &Context, all: &[f64], layout: &Layout) -> f64 {
+        if self.own_time { c.t - all[layout.behind] } else { c.t }
+    }
+
+    /// Stops the time of the block while it does not run.
+    fn keep_time(&self, c: &Context, d: &mut [f64], layout: &Layout) {
+        if !self.own_time {
+            return;
+        }
+        let [behind, stopped] = [layout.behind, layout.behind + 1];
+        if !Self::runs(c) {
+            if d[stopped] == RUNNING {
+                d[stopped] = c.t;
+            }
+        } else if d[stopped] != RUNNING {
+            d[behind] += c.t - d[stopped];
+            d[stopped] = RUNNING;
+        }
+    }
+
+    fn gate(c: &Context) -> State {
+        State::new(c.input(c.inputs.len() - 1))
+    }
+
+    fn runs(c: &Context) -> bool {
+        Self::gate(c).runs(c.t)
+    }
+}
+
+impl Block for Conditional {
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let mut interface = self.inner.interface(given)?;
+        self.refuse(&interface)?;
+        let gate = interface.inputs.len();
+        interface.inputs.push(gate_input());
+        for (group, reads) in interface.groups.iter_mut().enumerate() {
+            if let Some(reads) = reads
+                && !self.free.get(group).copied().unwrap_or(false)
+            {
+                reads.push(gate);
+            }
+        }
+        let (own, states) = (interface.discrete.len(), interface.states.len());
+        let outputs = interface.outputs.iter().map(|output| output.port_type.shape.len()).sum();
+        if self.holds.is_none() {
+            interface.holds = (outputs > 0).then_some(own);
+            interface = interface.memory("held", outputs, 0.0);
+        }
+        if self.resets {
+            interface = interface.memory("initial", states + own, 0.0).discrete("reset", -1.0);
+            if states + own > 0 && !interface.jumps {
+                interface.jumps = true;
+                interface.jump_phrase = JumpPhrase("");
+            }
+        }
+        if self.triggered {
+            interface.discrete.push(Discrete::new("updated", -1.0));
+            // Updates come with the trigger, and there is no time in between that anything could be watched in.
+            if matches!(interface.sample_time, Some(SampleTime::Discrete { .. })) {
+                interface.sample_time = None;
+                interface.subdivides = true;
+            }
+            interface.guards.clear();
+            interface.time_events = false;
+            interface.period = None;
+            interface.turning_inputs.clear();
+        }
+        if self.own_time {
+            interface.settles = true;
+            interface = interface.discrete("behind", 0.0).discrete("stopped", RUNNING);
+        }
+        Ok(interface)
+    }
+
+    fn scratch(&self) -> Scratch {
+        self.inner.scratch()
+    }
+
+    fn initialize(&self, c: &Context, x: &mut [f64], d: &mut [f64]) {
+        let layout = self.layout(c, x.len(), d.len());
+        self.inner.initialize(&self.inside(c, &[], c.t), x, &mut d[..layout.own]);
+        if self.resets {
+            d[layout.initial..][..x.len()].copy_from_slice(x);
+            d.copy_within(..layout.own, layout.initial + x.len());
+        }
+        if self.holds.is_none() && self.shows_states.contains(&true) {
+            let (own, rest) = d.split_at_mut(layout.own);
+            let outputs = c.outputs.iter().map(|port| port.1 as usize).max().unwrap_or(0);
+            let (mut w, now) = (self.inner.scratch(), Context { x, ..self.inside(c, own, c.t) });
+            for (group, _) in self.shows_states.iter().enumerate().filter(|(_, shows)| **shows) {
+                self.inner.outputs(group, &now, &mut w, &mut rest[..outputs]);
+            }
+        }
+    }
+
+    fn settle(&self, c: &Context, d: &mut [f64]) {
+        let layout = self.layout(c, c.x.len(), d.len());
+        self.keep_time(c, d, &layout);
+        if Self::runs(c) {
+            let t = self.time(c, d, &layout);
+            self.inner.settle(&self.inside(c, &[], t), &mut d[..layout.own]);
+        }
+    }
+
+    fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
+        if self.free.get(group).copied().unwrap_or(false) || Self::runs(c) {
+            self.inner.outputs(group, &self.looking(c), w, y);
+        } else {
+            let held = &c.d[self.layout(c, c.x.len(), c.d.len()).held..];
+            for port in self.ports.get(group).into_iter().flatten() {
+                let cells = c.output(*port);
+                y[cells.clone()].copy_from_slice(&held[cells]);
+            }
+        }
+    }
+
+    fn derivatives(&self, c: &Context, w: &mut Scratch, dx: &mut [f64]) {
+        if Self::runs(c) {
+            self.inner.derivatives(&self.looking(c), w, dx);
+        } else {
+            dx.fill(0.0);
+        }
+    }
+
+    fn update(&self, c: &Context, w: &mut Scratch, d: &mut [f64]) {
+        if !Self::runs(c) {
+            return;
+        }
+        let layout = self.layout(c, c.x.len(), d.len());
+        if self.triggered {
+            d[layout.updated] = Self::gate(c).trigger();
+        }
+        self.inner.update(&self.inside(c, &[], self.time(c, d, &layout)), w, &mut d[..layout.own]);
+    }
+
+    fn next_update(&self, c: &Context) -> f64 {
+        let updated = self.layout(c, c.x.len(), c.d.len()).updated;
+        let waits = self.triggered && Self::runs(c) && c.d[updated] != Self::gate(c).trigger();
+        if waits { c.t } else { f64::INFINITY }
+    }
+
+    fn jump(&self, c: &Context, w: &mut Scratch, x: &mut [f64], d: &mut [f64]) -> bool {
+        let layout = self.layout(c, x.len(), d.len());
+        let gate = Self::gate(c);
+        let mut jumped = false;
+        if self.resets && gate.reset >= 0.0 && d[layout.reset] != gate.reset {
+            d[layout.reset] = gate.reset;
+            let (own, rest) = d.split_at_mut(layout.own);
+            let initial = &rest[layout.initial - layout.own..][..x.len() + layout.own];
+            jumped = x != &initial[..x.len()] || own != &initial[x.len()..];
+            x.copy_from_slice(&initial[..x.len()]);
+            own.copy_from_slice(&initial[x.len()..]);
+            if self.own_time {
+                // Its time begins anew, and stands if it does not run.
+                d[layout.behind] = c.t;
+                d[layout.behind + 1] = if gate.runs(c.t) { RUNNING } else { c.t };
+            }
+        }
+        if gate.runs(c.t) {
+            jumped |=
+                self.inner.jump(&self.inside(c, &[], self.time(c, d, &layout)), w, x, &mut d[..layout.own]);
+        }
+        jumped
+    }
+
+    fn guards(&self, c: &Context, w: &mut Scratch, g: &mut [f64]) {
+        if Self::runs(c) {
+            self.inner.guards(&self.looking(c), w, g);
+        } else {
+            g.fill(1.0);
+        }
+    }
+
+    fn next_event(&self, c: &Context) -> f64 {
+        if Self::runs(c) { self.inner.next_event(&self.looking(c)) } else { f64::INFINITY }
+    }
+
+    fn accept(&self, c: &Context, d: &mut [f64]) -> bool {
+        if !Self::runs(c) {
+            return false;
+        }
+        let layout = self.layout(c, c.x.len(), d.len());
+        let t = self.time(c, d, &layout);
+        self.inner.accept(&self.inside(c, &[], t), &mut d[..layout.own])
+    }
+
+    fn end_time(&self) -> Option<f64> {
+        self.inner.end_time()
+    }
+}
+
+impl Conditional {
+    /// Blocks that cannot stand still, or have no meaning at instants.
+    fn refuse(&self, interface: &Interface) -> Result<(), InterfaceError> {
+        let refused = |why: &str, help: &str| {
+            Err(InterfaceError {
+                code: "conditional",
+                ports: Vec::new(),
+                message: format!("it {why}"),
+                help: Some(help.to_owned()),
+            })
+        };
+        let outside = "place the block outside, and bring its signal in as an input of the subsystem";
+        if interface.remembers.is_some() {
+            return refused(
+                "remembers a signal over time, which a subsystem that does not always run cannot do",
+                outside,
+            );
+        }
+        if interface.constraint.is_some() {
+            return refused(
+                "has outputs that are solved for, which a subsystem that does not always run cannot hold",
+                outside,
+            );
+        }
+        if interface.implicit || interface.subdivides {
+            return refused(
+                "chooses its own steps, which a subsystem that does not always run cannot do",
+                outside,
+            );
+        }
+        if self.triggered && !interface.states.is_empty() {
+            return refused(
+                "has continuous states, which do not change at the instants of a trigger",
+                "use a sampled block such as DiscreteIntegrator, which is updated at each trigger, or `enable` in place of `trigger`",
+            );
+        }
+        if self.triggered && interface.accepts {
+            return refused("follows its input over time, but between triggers it sees none", outside);
+        }
+        Ok(())
+    }
+}
