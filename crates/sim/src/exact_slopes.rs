@@ -1,6 +1,6 @@
 //! Exact slopes of the derivatives beside those of differences.
 
-use blocksim_solve::System;
+use blocksim_solve::{Failed, System};
 
 use crate::diagnose::{failed, state_names};
 use crate::evaluate::Diagram;
@@ -17,6 +17,8 @@ pub struct Slope {
     pub exact: f64,
     /// The same by central differences over a distance and half of it, extrapolated.
     pub difference: f64,
+    /// By how much both differ: nearly nothing, unless there is a kink nearby.
+    pub spread: f64,
 }
 
 /// Distance, as a part of a state or of one, over which differences are taken.
@@ -41,13 +43,14 @@ impl Simulation {
             direction[j] = 0.0;
             let difference = self.diagram.difference(self.t, &self.x, j);
             let difference = difference.map_err(|_| failed(&self.schedule, &mut self.diagram))?;
-            let pairs =
-                exact.iter().zip(difference).enumerate().filter(|(_, (a, b))| (**a, *b) != (0.0, 0.0));
-            slopes.extend(pairs.map(|(i, (exact, difference))| Slope {
+            let pairs = exact.iter().zip(difference).enumerate();
+            let pairs = pairs.filter(|(_, (a, (b, _)))| (**a, *b) != (0.0, 0.0));
+            slopes.extend(pairs.map(|(i, (exact, (difference, spread)))| Slope {
                 derivative: names[i].clone(),
                 state: names[j].clone(),
                 exact: *exact,
                 difference,
+                spread,
             }));
         }
         Ok(Some(slopes))
@@ -55,9 +58,9 @@ impl Simulation {
 }
 
 impl Diagram {
-    /// Slopes of all derivatives over state `j` by differences.
-    fn difference(&mut self, t: f64, x: &[f64], j: usize) -> Result<Vec<f64>, blocksim_solve::Failed> {
-        let mut central = |h: f64| -> Result<Vec<f64>, blocksim_solve::Failed> {
+    /// Slopes of all derivatives over state `j` by differences, and by how much those over two distances differ.
+    fn difference(&mut self, t: f64, x: &[f64], j: usize) -> Result<Vec<(f64, f64)>, Failed> {
+        let mut central = |h: f64| -> Result<Vec<f64>, Failed> {
             let mut sides = [vec![0.0; x.len()], vec![0.0; x.len()]];
             let mut at = x.to_vec();
             for (side, dx) in [h, -h].into_iter().zip(&mut sides) {
@@ -70,6 +73,7 @@ impl Diagram {
         };
         let h = DISTANCE * x[j].abs().max(1.0);
         let (wide, narrow) = (central(h)?, central(h / 2.0)?);
-        Ok(wide.iter().zip(narrow).map(|(wide, narrow)| (4.0 * narrow - wide) / 3.0).collect())
+        let both = wide.iter().zip(narrow);
+        Ok(both.map(|(wide, narrow)| ((4.0 * narrow - wide) / 3.0, (wide - narrow).abs())).collect())
     }
 }

@@ -134,6 +134,8 @@ impl Fused {
     pub fn one_by_one(schedule: &Schedule, plan: &Plan) -> Self {
         let all = |calls: &[Call]| vec![Part::Calls(0..calls.len())];
         let called = |called: &[usize]| Gathered { called: called.to_vec(), ..Gathered::default() };
+        // Exact slopes are no matter of how blocks are called.
+        let Self { slopes, layout, .. } = Self::new(schedule, plan);
         Self {
             major: all(&plan.major),
             continuous: all(&plan.continuous),
@@ -141,8 +143,8 @@ impl Fused {
             rows: plan.rows.as_deref().map(all).unwrap_or_default(),
             derivatives: called(&plan.with_states),
             guards: called(&plan.guarded),
-            slopes: None,
-            layout: Layout::new(schedule, std::iter::empty()),
+            slopes,
+            layout,
         }
     }
 
