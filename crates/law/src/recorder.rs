@@ -427,6 +427,12 @@ impl<'r> Value<'r> {
         risen.select(angle - turn, fallen.select(angle + turn, angle))
     }
 
+    /// The angle of the point `(x, self)`, from -pi to pi, without an event at its cut.
+    #[must_use]
+    pub fn angle(self, x: Self) -> Self {
+        self.of.number(Op::Binary(Binary::Atan2, self.id, x.id))
+    }
+
     /// -1, 0 or 1, held between major steps.
     #[must_use]
     pub fn sign(self) -> Self {

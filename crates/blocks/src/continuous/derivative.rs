@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use super::units::{SECOND, agrees, element};
+use super::units::{SECOND, agrees};
 
 /// Derivative of a signal, filtered so that it exists.
 ///
@@ -41,20 +41,13 @@ impl Block for Derivative {
         Ok(interface)
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        self.rate(c, y);
-    }
-
-    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
-        self.rate(c, dx);
-    }
-}
-
-impl Derivative {
-    fn rate(&self, c: &Context, rate: &mut [f64]) {
-        for (i, (rate, x)) in rate.iter_mut().zip(c.x).enumerate() {
-            *rate = self.n * (element(c.u, i) - x);
+    fn law(&self, l: &Recording) -> bool {
+        for (i, x) in l.x().iter().enumerate() {
+            let rate = self.n * (l.element(0, i) - *x);
+            l.set(0, i, rate);
+            l.derive(i, rate);
         }
+        true
     }
 }
 

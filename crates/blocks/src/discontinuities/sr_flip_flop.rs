@@ -48,17 +48,19 @@ impl Block for SrFlipFlop {
             .settles())
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        d[0] = match (c.scalar(0) != 0.0, c.scalar(1) != 0.0) {
-            (true, true) => f64::from(self.priority == Priority::Set),
-            (true, false) => 1.0,
-            (false, true) => 0.0,
-            (false, false) => d[0],
-        };
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.copy_from_slice(&[c.d[0], 1.0 - c.d[0]]);
+    fn law(&self, l: &Recording) -> bool {
+        let (set, reset, q) = (l.u(0).is_true(), l.u(1).is_true(), l.d()[0]);
+        let (one, zero) = (l.constant(1.0), l.constant(0.0));
+        l.settle(
+            0,
+            match self.priority {
+                Priority::Set => set.select(one, reset.select(zero, q)),
+                Priority::Reset => reset.select(zero, set.select(one, q)),
+            },
+        );
+        l.set(0, 0, q);
+        l.set(1, 0, 1.0 - q);
+        true
     }
 }
 

@@ -26,9 +26,13 @@ impl Block for PhaseSwap {
             .output(Output::like("y", u)))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let [a, b, third] = [c.u[0], c.u[1], c.u[2]];
-        y.copy_from_slice(&if c.scalar(REVERSE) == 0.0 { [a, b, third] } else { [a, third, b] });
+    fn law(&self, l: &Recording) -> bool {
+        let reverse = l.u(REVERSE).is_true();
+        let [a, b, c] = [0, 1, 2].map(|i| l.input(0)[i]);
+        l.set(0, 0, a);
+        l.set(0, 1, reverse.select(c, b));
+        l.set(0, 2, reverse.select(b, c));
+        true
     }
 }
 

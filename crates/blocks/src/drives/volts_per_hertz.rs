@@ -47,9 +47,10 @@ impl Block for VoltsPerHertz {
             .output(Output::real("v").unit("V").doc("amplitude: peak phase voltage")))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let share = (c.scalar(0).abs() / self.f_rated).min(1.0);
-        y[0] = (2.0_f64 / 3.0).sqrt() * self.v_rated * (self.boost + (1.0 - self.boost) * share);
+    fn law(&self, l: &Recording) -> bool {
+        let share = (l.u(0).abs() / self.f_rated).min(l.constant(1.0));
+        l.set(0, 0, (2.0_f64 / 3.0).sqrt() * self.v_rated * (self.boost + (1.0 - self.boost) * share));
+        true
     }
 }
 

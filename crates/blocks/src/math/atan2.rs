@@ -1,4 +1,3 @@
-use super::elements::at;
 use blocksim_block::prelude::*;
 
 /// Angle of the point $(u_2, u_1)$: $y = \operatorname{atan2}(u_1, u_2)$, from $-\pi$ to $\pi$, element by element.
@@ -24,14 +23,13 @@ impl Block for Atan2 {
         Ok(interface.guard_each("cut", shape.len()).called("turns positive", "turns negative"))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (i, y) in y.iter_mut().enumerate() {
-            *y = at(c.input(0), i).atan2(at(c.input(1), i));
+    fn law(&self, l: &Recording) -> bool {
+        for i in 0..l.width(0) {
+            let ordinate = l.element(0, i);
+            l.set(0, i, ordinate.angle(l.element(1, i)));
+            l.guard(i, ordinate);
         }
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        g.iter_mut().enumerate().for_each(|(i, g)| *g = at(c.input(0), i));
+        true
     }
 }
 

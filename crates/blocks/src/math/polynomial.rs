@@ -30,10 +30,13 @@ impl Block for Polynomial {
             .output(Output::real("y").shape(u.shape)))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (y, u) in y.iter_mut().zip(c.u) {
-            *y = self.coefficients.iter().fold(0.0, |sum, a| sum * u + a);
-        }
+    fn law(&self, l: &Recording) -> bool {
+        l.each(0, |i| {
+            let u = l.element(0, i);
+            let first = l.constant(self.coefficients[0]);
+            self.coefficients[1..].iter().fold(first, |sum, a| sum * u + *a)
+        });
+        true
     }
 }
 

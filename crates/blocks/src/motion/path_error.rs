@@ -38,16 +38,17 @@ impl Block for PathError {
             .output(Output::real("across").unit("m").doc("part across the way")))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let (set, v, actual) = (c.input(0), c.input(1), c.input(2));
+    fn law<'r>(&self, l: &Recording<'r>) -> bool {
+        let (set, v, actual) = (l.input(0), l.input(1), l.input(2));
         let e = [0, 1, 2].map(|i| actual[i] - set[i]);
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let dot = |a: &[Value<'r>], b: &[Value<'r>]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let square = dot(v, v) + self.slow * self.slow;
         let share = dot(&e, v) / square;
         let across = [0, 1, 2].map(|i| e[i] - share * v[i]);
-        y[0] = dot(&e, &e).sqrt();
-        y[1] = share * square.sqrt();
-        y[2] = dot(&across, &across).sqrt();
+        l.set(0, 0, dot(&e, &e).sqrt());
+        l.set(1, 0, share * square.sqrt());
+        l.set(2, 0, dot(&across, &across).sqrt());
+        true
     }
 }
 
