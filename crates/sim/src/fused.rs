@@ -7,9 +7,9 @@
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-use blocksim_block::law::BlockLaw;
+use blocksim_block::law::{BlockLaw, Draft, Joined, Placed};
 use blocksim_block::schedule::{Schedule, When};
-use blocksim_law::{Id, Instruction, Leaf, Met, Op, Program, Root, Tape};
+use blocksim_law::{Id, Leaf, Met, Op, Program, Tape};
 
 use crate::plan::{Call, Plan, Unit};
 
@@ -59,38 +59,17 @@ struct Layout {
 impl Fused {
     /// The tapes of a plan. Calls within algebraic loops are left as they are.
     pub fn new(schedule: &Schedule, plan: &Plan) -> Self {
-        let mut laws = Laws { schedule, plan, first: vec![u32::MAX; schedule.blocks.len()] };
-        for call in &plan.major {
-            let first = &mut laws.first[call.block as usize];
-            *first = (*first).min(call.number);
-        }
-        let laws = laws;
-        let ring = |call: &Call| {
-            let number = call.number as usize;
-            schedule.loops.iter().any(|found| (found.first..found.first + found.count).contains(&number))
-        };
-        let in_ring: HashSet<u32> =
-            plan.major.iter().filter(|call| ring(call)).map(|call| call.number).collect();
+        let laws = Laws::new(schedule, plan);
         let mut drafts = Vec::new();
-        let mut parts = |calls: &[Call], major: bool| {
-            let is_free = |call: &Call| !in_ring.contains(&call.number) && laws.is_recorded(call, major);
-            let mut parts: Vec<Part> = Vec::new();
-            let mut at = 0;
-            while at < calls.len() {
-                let first = &calls[at];
-                let alike = |call: &Call| {
-                    is_free(call) == is_free(first) && (!is_free(first) || call.when == first.when)
-                };
-                let end = at + calls[at..].iter().take_while(|call| alike(call)).count();
-                parts.push(if is_free(first) {
-                    drafts.push(laws.pass(&calls[at..end], major));
-                    Part::Tape(Tape::default(), at..end, first.when)
-                } else {
-                    Part::Calls(at..end)
-                });
-                at = end;
-            }
-            parts
+        let mut parts = |calls: &[Call], major: bool| -> Vec<Part> {
+            let joined = laws.parts(calls, major).into_iter().map(|(calls, joined)| match joined {
+                Some((draft, when)) => {
+                    drafts.push(draft);
+                    Part::Tape(Tape::default(), calls, when)
+                }
+                None => Part::Calls(calls),
+            });
+            joined.collect()
         };
         let mut fused = Self {
             major: parts(&plan.major, true),
@@ -99,8 +78,7 @@ impl Fused {
             rows: plan.rows.as_ref().map(|rows| parts(rows, false)).unwrap_or_default(),
             ..Self::default()
         };
-        let derivatives = laws.gathered(&plan.with_states, |law| &law.derivatives, |unit| unit.x.range());
-        let guards = laws.gathered(&plan.guarded, |law| &law.guards, |unit| unit.g.range());
+        let (derivatives, guards) = (laws.derivatives(), laws.guards());
         // Where anything lies depends on the constants of all.
         let gathered = [&derivatives.0, &guards.0];
         let mut layout = Layout::new(schedule, drafts.iter().chain(gathered).map(|draft| &draft.program));
@@ -198,22 +176,56 @@ impl Layout {
     }
 }
 
-/// A program and what is wanted of it.
-struct Draft {
-    program: Program,
-    roots: Vec<Root>,
-}
-
 /// The laws of the blocks of a plan.
-struct Laws<'p> {
+pub(crate) struct Laws<'p> {
     schedule: &'p Schedule,
     plan: &'p Plan,
     /// The first call of each block in a major pass.
     first: Vec<u32>,
+    /// Calls of a major pass that belong to algebraic loops.
+    in_ring: HashSet<u32>,
 }
 
-impl Laws<'_> {
-    fn law(&self, block: usize) -> Option<&BlockLaw> {
+impl<'p> Laws<'p> {
+    pub fn new(schedule: &'p Schedule, plan: &'p Plan) -> Self {
+        let mut first = vec![u32::MAX; schedule.blocks.len()];
+        for call in &plan.major {
+            let first = &mut first[call.block as usize];
+            *first = (*first).min(call.number);
+        }
+        let rings = schedule.loops.iter().flat_map(|found| found.first..found.first + found.count);
+        Self { schedule, plan, first, in_ring: rings.map(|number| number as u32).collect() }
+    }
+
+    /// The calls of a pass cut into ranges: those that run as one program, with when it is due, and those that are called.
+    pub fn parts(&self, calls: &[Call], major: bool) -> Vec<(Range<usize>, Option<(Draft, When)>)> {
+        let is_free =
+            |call: &Call| !self.in_ring.contains(&call.number) && self.is_recorded(call, major);
+        let mut parts = Vec::new();
+        let mut at = 0;
+        while at < calls.len() {
+            let first = &calls[at];
+            let alike =
+                |call: &Call| is_free(call) == is_free(first) && (!is_free(first) || call.when == first.when);
+            let end = at + calls[at..].iter().take_while(|call| alike(call)).count();
+            let joined = is_free(first).then(|| (self.pass(&calls[at..end], major), first.when));
+            parts.push((at..end, joined));
+            at = end;
+        }
+        parts
+    }
+
+    /// The derivatives of all states, and whose blocks have to be called.
+    pub fn derivatives(&self) -> (Draft, Vec<u32>, Vec<usize>) {
+        self.gathered(&self.plan.with_states, |law| &law.derivatives, |unit| unit.x.range())
+    }
+
+    /// The same of the guards.
+    pub fn guards(&self) -> (Draft, Vec<u32>, Vec<usize>) {
+        self.gathered(&self.plan.guarded, |law| &law.guards, |unit| unit.g.range())
+    }
+
+    fn law(&self, block: usize) -> Option<&'p BlockLaw> {
         self.schedule.blocks[block].law.as_deref()
     }
 
@@ -227,41 +239,15 @@ impl Laws<'_> {
     fn pass(&self, calls: &[Call], major: bool) -> Draft {
         let mut joined = Joined::default();
         for call in calls {
-            let unit = &call.unit;
             let Some(law) = self.law(call.block as usize) else { continue };
-            let copies = &self.plan.copies[unit.copies.range()];
-            let mut inlined = Inlined::new(law, unit, copies);
             let settles = major && self.first[call.block as usize] == call.number;
-            if settles {
-                for (i, id) in &law.settled {
-                    let held = unit.d.start + *i as u32;
-                    let value = inlined.value(*id, &mut joined);
-                    joined.want(Root::Held(value, held));
-                }
-                for (i, id) in &law.settled {
-                    let value = inlined.value(*id, &mut joined);
-                    joined.settled.insert(unit.d.start + *i as u32, value);
-                }
-                inlined.forget();
-            }
-            let group = call.group as usize;
-            let mut wanted: Vec<Id> = Vec::new();
-            for (cell, (id, of)) in law.outputs.iter().zip(&law.group_of).enumerate() {
-                if *of == group {
-                    let value = inlined.value(*id, &mut joined);
-                    let cell = unit.y.start + cell as u32;
-                    joined.want(Root::Cell(value, cell));
-                    wanted.push(*id);
-                    inlined.written.push((cell, value));
-                }
-            }
-            if settles {
-                wanted.extend(law.settled.iter().map(|(_, id)| *id));
-            }
-            joined.require(law, &wanted, &mut inlined);
-            joined.cells.extend(inlined.written);
+            joined.call(self.placed(call.block as usize, law), call.group as usize, settles);
         }
         joined.finish()
+    }
+
+    fn placed(&self, block: usize, law: &'p BlockLaw) -> Placed<'p> {
+        Placed::new(law, block, &self.schedule.blocks[block])
     }
 
     /// What blocks write together: how, where each number goes, and who has to be called.
@@ -277,128 +263,9 @@ impl Laws<'_> {
                 called.push(block);
                 continue;
             };
-            let unit = &self.plan.units[block];
-            let mut inlined = Inlined::new(law, unit, &self.plan.copies[unit.copies.range()]);
-            for (at, id) in place(unit).zip(written(law)) {
-                let value = inlined.value(*id, &mut joined);
-                joined.want(Root::Anywhere(value));
-                to.push(at as u32);
-            }
-            joined.require(law, written(law), &mut inlined);
+            to.extend(place(&self.plan.units[block]).map(|at| at as u32));
+            joined.values(self.placed(block, law), written(law));
         }
         (joined.finish(), to, called)
-    }
-}
-
-/// Laws of several blocks as one program: inputs are cells of signals, states and memories those of the whole diagram.
-#[derive(Default)]
-struct Joined {
-    program: Program,
-    roots: Vec<Root>,
-    /// What stands in cells that are written already.
-    cells: HashMap<u32, Id>,
-    /// What discrete states have been set to.
-    settled: HashMap<u32, Id>,
-}
-
-impl Joined {
-    fn want(&mut self, root: Root) {
-        self.roots.push(root);
-    }
-
-    fn push(&mut self, op: Op) -> Id {
-        self.program.instructions.push(Instruction { op, place: None });
-        Id(self.program.instructions.len() as u32 - 1)
-    }
-
-    fn require(&mut self, law: &BlockLaw, wanted: &[Id], inlined: &mut Inlined) {
-        for id in law.requirements_of(wanted) {
-            let value = inlined.value(id, self);
-            self.program.requirements.push(value);
-        }
-    }
-
-    /// The program without what is there twice, and what is wanted of it.
-    fn finish(mut self) -> Draft {
-        let value = |root: &Root| match *root {
-            Root::Cell(id, _) | Root::Held(id, _) | Root::Anywhere(id) | Root::Met(id) => id,
-        };
-        self.program.outputs = self.roots.iter().map(|root| (String::new(), value(root))).collect();
-        let program = self.program.optimised();
-        let ids = program.outputs.iter().map(|(_, id)| *id);
-        let moved = self.roots.iter().zip(ids).map(|(root, id)| match *root {
-            Root::Cell(_, cell) => Root::Cell(id, cell),
-            Root::Held(_, number) => Root::Held(id, number),
-            Root::Anywhere(_) => Root::Anywhere(id),
-            Root::Met(_) => Root::Met(id),
-        });
-        let mut roots: Vec<Root> = moved.collect();
-        roots.extend(program.requirements.iter().map(|id| Root::Met(*id)));
-        Draft { program, roots }
-    }
-}
-
-/// The law of one block on its way into a program of several.
-struct Inlined<'l> {
-    law: &'l BlockLaw,
-    /// Where its inputs lie among the signals.
-    inputs: Vec<u32>,
-    x: u32,
-    d: u32,
-    /// What stands for each of its values.
-    values: Vec<Option<Id>>,
-    /// Cells that it has written, which it does not read itself.
-    written: Vec<(u32, Id)>,
-}
-
-impl<'l> Inlined<'l> {
-    fn new(law: &'l BlockLaw, unit: &Unit, copies: &[(u32, u32)]) -> Self {
-        let inputs = copies.iter().flat_map(|&(from, len)| from..from + len).collect();
-        let values = vec![None; law.program.instructions.len()];
-        Self { law, inputs, x: unit.x.start, d: unit.d.start, values, written: Vec::new() }
-    }
-
-    /// Discrete states are others from here.
-    fn forget(&mut self) {
-        if !self.law.settled.is_empty() {
-            self.values.fill(None);
-        }
-    }
-
-    /// What stands for a value of the law, with all that it needs.
-    fn value(&mut self, id: Id, joined: &mut Joined) -> Id {
-        // Operands come before those who need them.
-        let mut needed = vec![id];
-        let mut at = 0;
-        while let Some(next) = needed.get(at).copied() {
-            at += 1;
-            if self.values[next.0 as usize].is_none() {
-                needed.extend(self.law.program.op(next).operands());
-            }
-        }
-        needed.sort_unstable();
-        needed.dedup();
-        for id in needed {
-            if self.values[id.0 as usize].is_some() {
-                continue;
-            }
-            let op = self.law.program.op(id);
-            let known = match op {
-                Op::Input(i) => joined.cells.get(&self.inputs[i as usize]).copied(),
-                Op::Memory(i) => joined.settled.get(&(self.d + i)).copied(),
-                _ => None,
-            };
-            let value = known.unwrap_or_else(|| {
-                let op = match op {
-                    Op::Input(i) => Op::Input(self.inputs[i as usize]),
-                    Op::State(i) => Op::State(self.x + i),
-                    Op::Memory(i) => Op::Memory(self.d + i),
-                    op => op.map(|operand| self.values[operand.0 as usize].unwrap_or(operand)),
-                };
-                joined.push(op)
-            });
-            self.values[id.0 as usize] = Some(value);
-        }
-        self.values[id.0 as usize].unwrap_or(id)
     }
 }

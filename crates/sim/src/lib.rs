@@ -24,6 +24,7 @@
 //! | `graph`, `spread` | which output depends on which at the same time; what depends at once on some signals |
 //! | `influence` | which derivatives a state can act on, and whether that is so |
 //! | `kinks` | steps that have looked beyond a kink, once more |
+//! | `fused`, `listing` | laws that are data, run as one; what is run, for those who print it |
 //! | `past` | what blocks remember of steps |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
 //! | `steady` | where nothing moves, and where signals have given values |
@@ -48,6 +49,7 @@ mod hops;
 mod ignored_states;
 mod influence;
 mod kinks;
+mod listing;
 mod looks;
 mod loops;
 mod major;
@@ -77,6 +79,7 @@ pub use diagnose::state_names;
 pub use error::SimError;
 pub use frozen::{Frozen, Tap};
 pub use influence::Undeclared;
+pub use listing::{Pass, PassKind, PassPart, passes};
 pub use record::{Control, Observer};
 pub use simulation::{Counts, Ended, Simulation};
 pub use snapshot::Snapshot;
