@@ -153,7 +153,8 @@ impl<'s> Selected<'s> {
     /// Finds when output groups are due.
     fn sort(&mut self, inside: &BTreeSet<usize>) {
         let schedule = self.schedule;
-        let tail = schedule.signals.iter().map(|signal| signal.offset + signal.shape.len()).max().unwrap_or(0);
+        let tail =
+            schedule.signals.iter().map(|signal| signal.offset + signal.shape.len()).max().unwrap_or(0);
         // What changes while the part runs, because of its inputs.
         let mut live: BTreeSet<usize> = self.inputs.keys().copied().collect();
         for step in schedule.steps.iter().filter(|step| self.blocks.contains(&(step.block as usize))) {
@@ -238,6 +239,7 @@ fn read_cells(block: &Instance, group: Option<usize>) -> impl Iterator<Item = us
 
 /// The cells that an output group of a block writes.
 fn written_cells(block: &Instance, group: usize) -> impl Iterator<Item = usize> {
-    let ports = block.outputs.iter().enumerate().filter(move |(port, _)| block.interface.group_of[*port] == group);
+    let ports =
+        block.outputs.iter().enumerate().filter(move |(port, _)| block.interface.group_of[*port] == group);
     ports.flat_map(|(_, span)| block.y + span.0 as usize..block.y + span.1 as usize)
 }

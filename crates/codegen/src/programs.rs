@@ -29,21 +29,23 @@ impl Programs {
         let mut joining = Joining { selected, start, steps: Vec::new(), open: None };
         let mut seen = vec![false; selected.schedule.blocks.len()];
         for step in &selected.steps {
-            let due = match step.when {
+            let when = match step.when {
                 When::Constant => continue,
-                When::Sampled(rate) => Due::Rate(rate as usize),
+                When::Sampled(rate) => due(selected, rate as usize),
                 When::Major | When::Continuous => Due::Always,
             };
             let at = step.block as usize;
             let first = !std::mem::replace(&mut seen[at], true);
             if let Some(placed) = placed(selected, at) {
-                joining.at(due).call(placed, step.group as usize, first);
+                joining.at(when).call(placed, step.group as usize, first);
             }
         }
         for &at in selected.blocks.iter().filter(|at| selected.block(**at).interface.settles && !seen[**at]) {
             let is_evaluated = selected.steps.iter().any(|step| step.block as usize == at);
             if let Some(placed) = placed(selected, at).filter(|_| !is_evaluated) {
-                joining.at(selected.block(at).rate.map_or(Due::Always, Due::Rate)).settle(placed);
+                joining
+                    .at(selected.block(at).rate.map_or(Due::Always, |rate| due(selected, rate)))
+                    .settle(placed);
             }
         }
         // Behind the outputs of the same rate first, so that they can be one program.
@@ -52,14 +54,14 @@ impl Programs {
         rates.sort_unstable();
         rates.dedup();
         let last = joining.open.as_ref().map(|(due, _)| *due);
-        rates.sort_by_key(|rate| Some(Due::Rate(*rate)) != last);
+        rates.sort_by_key(|rate| Some(due(selected, *rate)) != last);
         for rate in rates {
             for &at in selected.blocks.iter().filter(|at| selected.block(**at).rate == Some(rate)) {
                 let changes = |law: &BlockLaw| !law.updated.is_empty();
                 if selected.block(at).law.as_deref().is_some_and(changes)
                     && let Some(placed) = placed(selected, at)
                 {
-                    joining.at(Due::Rate(rate)).update(placed);
+                    joining.at(due(selected, rate)).update(placed);
                 }
             }
         }
@@ -72,6 +74,11 @@ impl Programs {
         let steps = self.steps.iter().map(|(_, draft)| draft);
         steps.chain(self.derivatives.iter().map(|(draft, _)| draft))
     }
+}
+
+/// When what samples at a rate is due.
+fn due(selected: &Selected, rate: usize) -> Due {
+    if selected.divisor(rate) == Some((1, 0)) { Due::Always } else { Due::Rate(rate) }
 }
 
 fn placed<'s>(selected: &Selected<'s>, at: usize) -> Option<Placed<'s>> {

@@ -32,7 +32,10 @@ fn ports(selected: &Selected, problems: &mut Vec<Problem>) {
                 "the inputs `{other}` and `{}` of `{}` are both driven by `{}`, so that the code could not keep them apart",
                 port.name, part.path, port.signal
             );
-            let help = format!("put a `Gain(k: 1)` between `{}` and one of them, outside of `{}`", port.signal, part.path);
+            let help = format!(
+                "put a `Gain(k: 1)` between `{}` and one of them, outside of `{}`",
+                port.signal, part.path
+            );
             problems.push(refusal(message, &help));
         }
     }
@@ -56,7 +59,10 @@ fn ports(selected: &Selected, problems: &mut Vec<Problem>) {
     }
     if part.outputs.is_empty() {
         let (message, help) = if part.path.is_empty() {
-            ("nothing is recorded, so the code would have no outputs".to_owned(), "add a Scope, or name the signals under `record`")
+            (
+                "nothing is recorded, so the code would have no outputs".to_owned(),
+                "add a Scope, or name the signals under `record`",
+            )
         } else {
             (format!("`{}` has no outputs", part.path), "give the subsystem an output, or name another one")
         };
@@ -77,7 +83,10 @@ fn loops(selected: &Selected, problems: &mut Vec<Problem>) {
         inside.dedup();
         if !inside.is_empty() {
             problems.push(refusal(
-                format!("an algebraic loop goes through {}: it would have to be solved at each step", list(&inside)),
+                format!(
+                    "an algebraic loop goes through {}: it would have to be solved at each step",
+                    list(&inside)
+                ),
                 "break it with a UnitDelay where the loop can wait a step, or solve it by hand",
             ));
         }
@@ -108,9 +117,18 @@ fn reason(selected: &Selected, at: usize) -> Option<(String, String)> {
         ));
     }
     if block.kind == "Plugin" {
-        return say("is a plug-in: its law is code already", "call that code on the target, and export what is around it");
+        return say(
+            "is a plug-in: its law is code already",
+            "call that code on the target, and export what is around it",
+        );
     }
     let interface = &block.interface;
+    if interface.remembers.is_some() {
+        return say(
+            "remembers what it saw over time",
+            "use a chain of UnitDelay blocks for a dead time of whole steps",
+        );
+    }
     if interface.time_events {
         return say(
             "changes by itself at times of its own, which need not be steps of the target",
@@ -123,9 +141,6 @@ fn reason(selected: &Selected, at: usize) -> Option<(String, String)> {
             "take a form without jumps (an Integrator without limits and reset, a DiscreteIntegrator), or leave it outside",
         );
     }
-    if interface.remembers.is_some() {
-        return say("remembers what it saw over time", "use a chain of UnitDelay blocks for a dead time of whole steps");
-    }
     if interface.constraint.is_some() {
         return say("is a constraint whose unknowns the engine finds", "solve it by hand for the unknown");
     }
@@ -135,7 +150,7 @@ fn reason(selected: &Selected, at: usize) -> Option<(String, String)> {
     let Some(law) = &block.law else {
         return Some((
             "records no law that could be translated".to_owned(),
-            format!("replace it by blocks that do, such as `Expression`, or {leave_out}"),
+            format!("replace it by blocks of the signal library that do, or {leave_out}"),
         ));
     };
     if interface.settles && law.settled.is_empty() {
@@ -167,7 +182,10 @@ fn rate(selected: &Selected, block: &Instance) -> Option<(String, String)> {
     let (period, offset) = (clock.time(clock.rates[rate].period), clock.time(clock.rates[rate].offset));
     let offset = if offset == 0.0 { String::new() } else { format!(" from {offset} s") };
     Some((
-        format!("samples every {period} s{offset}, which is no multiple of the step of {} s", selected.target.step),
+        format!(
+            "samples every {period} s{offset}, which is no multiple of the step of {} s",
+            selected.target.step
+        ),
         "choose a rate of which all sample times are multiples".to_owned(),
     ))
 }

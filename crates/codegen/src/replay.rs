@@ -119,7 +119,12 @@ fn alone(selected: &Selected, start: &Start, inputs: &[Vec<f64>]) -> Schedule {
         if selected.inputs.contains_key(&port.cell) {
             let values = inputs.iter().map(|row| row[column..column + width].to_vec()).collect();
             let player = Player { step: selected.target.step, values };
-            steps.push(Step { block: blocks.len() as u32, group: 0, when: When::Sampled(own_rate as u32), minor: false });
+            steps.push(Step {
+                block: blocks.len() as u32,
+                group: 0,
+                when: When::Sampled(own_rate as u32),
+                minor: false,
+            });
             blocks.push(player.instance(port.cell, width, &port.signal, own_rate));
         }
         column += width;

@@ -199,8 +199,7 @@ impl<'p> Laws<'p> {
 
     /// The calls of a pass cut into ranges: those that run as one program, with when it is due, and those that are called.
     pub fn parts(&self, calls: &[Call], major: bool) -> Vec<(Range<usize>, Option<(Draft, When)>)> {
-        let is_free =
-            |call: &Call| !self.in_ring.contains(&call.number) && self.is_recorded(call, major);
+        let is_free = |call: &Call| !self.in_ring.contains(&call.number) && self.is_recorded(call, major);
         let mut parts = Vec::new();
         let mut at = 0;
         while at < calls.len() {

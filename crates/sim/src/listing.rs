@@ -64,9 +64,9 @@ pub fn passes(schedule: &Schedule) -> Vec<Pass> {
                     when: Some(when),
                     places: Vec::new(),
                 },
-                None => {
-                    PassPart::Calls(calls.iter().map(|call| (call.block as usize, Some(call.group))).collect())
-                }
+                None => PassPart::Calls(
+                    calls.iter().map(|call| (call.block as usize, Some(call.group))).collect(),
+                ),
             }
         });
         Pass { kind, parts: parts.collect() }

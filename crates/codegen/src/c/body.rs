@@ -75,20 +75,17 @@ impl Place<'_> {
                     let _ = writeln!(text, "{}/* {} */", self.indent, self.layout.title(of as usize));
                 }
             }
-            if let Op::Require(domain, holds, about) = ops[at] {
+            if let Op::Require(domain, holds, _) = ops[at] {
                 let path = of.map_or(String::new(), |of| self.layout.path(of as usize));
                 requirements.0.push(format!("{path}: {}", wanted_of(domain)));
                 let number = requirements.0.len();
                 let holds = values.truth(holds);
-                let _ = about;
-                let _ = writeln!(text, "{}if (!{holds} && status == 0) {{ status = {number}; }}", self.indent);
+                let _ =
+                    writeln!(text, "{}if (!{holds} && status == 0) {{ status = {number}; }}", self.indent);
                 continue;
             }
-            let (kind, expression) = if is_copied {
-                (self.layout.real, values.leaf(ops[at]))
-            } else {
-                values.expression(ops[at])
-            };
+            let (kind, expression) =
+                if is_copied { (self.layout.real, values.leaf(ops[at])) } else { values.expression(ops[at]) };
             let name = format!("v{next}");
             next += 1;
             let _ = writeln!(text, "{}const {kind} {name} = {expression};", self.indent);
@@ -112,6 +109,7 @@ impl Place<'_> {
     fn is_kept(&self, root: &Root) -> bool {
         match *root {
             Root::Cell(_, cell) => self.layout.keeps(cell as usize),
+            Root::Held(_, number) => self.layout.memories.contains_key(&(number as usize)),
             _ => true,
         }
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use blocksim_block::law::{Op, Root};
+use blocksim_block::law::Op;
 use blocksim_signal::{Dimension, Kind, Shape};
 
 use super::names::Names;
@@ -22,7 +22,7 @@ pub(super) struct Layout<'l> {
     pub outputs: Vec<(String, usize)>,
     /// Continuous states by their numbers in the diagram, in the order of their array.
     pub states: Vec<usize>,
-    /// Fields of discrete states, by their numbers in the diagram.
+    /// Fields of discrete states that are read, by their numbers in the diagram.
     pub memories: BTreeMap<usize, String>,
     /// Fields of signals that one program writes and another reads, or that go out, by their cells.
     pub signals: BTreeMap<usize, String>,
@@ -42,7 +42,6 @@ impl<'l> Layout<'l> {
         let mut counters = BTreeMap::new();
         for (due, _) in &programs.steps {
             if let crate::programs::Due::Rate(rate) = due
-                && selected.divisor(*rate) != Some((1, 0))
                 && !counters.contains_key(rate)
             {
                 let clock = &selected.schedule.clock;
@@ -70,10 +69,6 @@ impl<'l> Layout<'l> {
                     _ => {}
                 }
             }
-            memories.extend(draft.roots.iter().filter_map(|root| match root {
-                Root::Held(_, number) => Some(*number as usize),
-                _ => None,
-            }));
         }
         cells.extend(part.outputs.iter().flat_map(Port::cells));
         memories.sort_unstable();
@@ -163,20 +158,24 @@ impl<'l> Layout<'l> {
     /// Path and name of a discrete state.
     pub fn memory_path(&self, number: usize) -> String {
         let blocks = self.selected.blocks.iter().map(|at| self.selected.block(*at));
-        let own = blocks.filter(|block| !block.interface.discrete.is_empty()).find(|block| {
-            (block.d..block.d + block.interface.discrete.len()).contains(&number)
-        });
+        let own = blocks
+            .filter(|block| !block.interface.discrete.is_empty())
+            .find(|block| (block.d..block.d + block.interface.discrete.len()).contains(&number));
         own.map_or(String::new(), |block| {
-            format!("{}.{}", self.selected.short(&block.path), block.interface.discrete[number - block.d].name)
+            format!(
+                "{}.{}",
+                self.selected.short(&block.path),
+                block.interface.discrete[number - block.d].name
+            )
         })
     }
 
     /// Path and name of a continuous state.
     pub fn state_path(&self, number: usize) -> String {
         let blocks = self.selected.blocks.iter().map(|at| self.selected.block(*at));
-        let own = blocks.filter(|block| !block.interface.states.is_empty()).find(|block| {
-            (block.x..block.x + block.interface.states.len()).contains(&number)
-        });
+        let own = blocks
+            .filter(|block| !block.interface.states.is_empty())
+            .find(|block| (block.x..block.x + block.interface.states.len()).contains(&number));
         own.map_or(String::new(), |block| {
             format!("{}.{}", self.selected.short(&block.path), block.interface.states[number - block.x].name)
         })
@@ -201,7 +200,8 @@ impl<'l> Layout<'l> {
     /// Type, field and comment of a port.
     pub fn field(&self, name: &str, port: &Port) -> String {
         let kind = if port.kind == Kind::Bool { "bool" } else { self.real };
-        let size = if port.shape == Shape::Scalar { String::new() } else { format!("[{}]", port.shape.len()) };
+        let size =
+            if port.shape == Shape::Scalar { String::new() } else { format!("[{}]", port.shape.len()) };
         let mut words = vec![unit(port)];
         if let Shape::Matrix(rows, columns) = port.shape {
             words.push(format!("{rows} x {columns}, row by row"));

@@ -10,10 +10,12 @@ use body::{Needs, Place, Requirements, helper};
 use layout::{Layout, comment};
 use names::identifier;
 
+use blocksim_signal::{Kind, Shape};
+
 use crate::part::Selected;
 use crate::programs::{Due, Programs};
 use crate::replay::{Record, Start};
-use crate::{Generated, Method};
+use crate::{Generated, Method, Port};
 
 /// What is written in several files.
 struct Writer<'w> {
@@ -26,12 +28,7 @@ struct Writer<'w> {
 }
 
 /// The files of a part.
-pub(crate) fn write(
-    selected: &Selected,
-    start: &Start,
-    programs: &Programs,
-    record: &Record,
-) -> Generated {
+pub(crate) fn write(selected: &Selected, start: &Start, programs: &Programs, record: &Record) -> Generated {
     let name = identifier(&selected.target.name);
     let layout = Layout::new(selected, start, programs);
     let mut writer =
@@ -46,7 +43,7 @@ pub(crate) fn write(
             (format!("{name}.h"), header),
             (format!("{name}.c"), source),
             (format!("{name}_test.c"), test),
-            ("README.md".to_owned(), readme),
+            (format!("{name}.md"), readme),
         ],
         test_steps: record.outputs.len(),
         functions: writer.needs.functions.iter().cloned().collect(),
@@ -104,7 +101,8 @@ impl Writer<'_> {
         for (field, port) in &layout.outputs {
             text += &layout.field(field, &self.selected().part.outputs[*port]);
         }
-        let _ = write!(text, "}} {name}_Outputs;\n\n/* What is kept from step to step. */\ntypedef struct {{\n");
+        let _ =
+            write!(text, "}} {name}_Outputs;\n\n/* What is kept from step to step. */\ntypedef struct {{\n");
         text += "    uint64_t step; /* number of steps made */\n";
         for field in layout.counters.values() {
             let _ = writeln!(text, "    uint32_t {field}; /* steps to the next sample */");
@@ -115,12 +113,25 @@ impl Writer<'_> {
             let _ = writeln!(text, "    {} x[{}]; /* {} */", layout.real, paths.len(), paths.join(", "));
         }
         for (number, field) in &layout.memories {
-            let _ = writeln!(text, "    {} {field}; /* {} */", layout.real, comment(&layout.memory_path(*number)));
+            let _ = writeln!(
+                text,
+                "    {} {field}; /* {} */",
+                layout.real,
+                comment(&layout.memory_path(*number))
+            );
         }
         for (cell, field) in &layout.signals {
-            let _ = writeln!(text, "    {} {field}; /* signal {} */", layout.real, comment(&layout.signal_path(*cell)));
+            let _ = writeln!(
+                text,
+                "    {} {field}; /* signal {} */",
+                layout.real,
+                comment(&layout.signal_path(*cell))
+            );
         }
-        let _ = write!(text, "}} {name}_State;\n\n/* The state at the start. */\nvoid {name}_init({name}_State *self);\n\n");
+        let _ = write!(
+            text,
+            "}} {name}_State;\n\n/* The state at the start. */\nvoid {name}_init({name}_State *self);\n\n"
+        );
         text += "/* One step: outputs from inputs and state, then the state of the next step. Returns 0";
         if self.requirements.0.is_empty() {
             text += ". */\n";
@@ -185,13 +196,14 @@ impl Writer<'_> {
         let Self { layout, programs, needs, requirements, name } = self;
         let Some((draft, states)) = &programs.derivatives else { return String::new() };
         let places: Vec<String> = (0..states.len()).map(|i| format!("dx[{i}]")).collect();
-        let before = (needs.time, requirements.0.len());
-        needs.time = false;
+        let reads_time = std::mem::replace(&mut needs.time, false);
         let place = Place { layout, states: "x", indent: "    " };
         let body = place.write(draft, &places, needs, requirements);
         let real = layout.real;
         let reads = |word: &str| body.contains(word);
-        let mut text = format!("/* Derivatives of the continuous states. */\nstatic int derivatives(const {name}_State *self, ");
+        let mut text = format!(
+            "/* Derivatives of the continuous states. */\nstatic int derivatives(const {name}_State *self, "
+        );
         let has_inputs = !layout.inputs.is_empty();
         if has_inputs {
             let _ = write!(text, "const {name}_Inputs *in, ");
@@ -209,7 +221,7 @@ impl Writer<'_> {
         }
         text += &body;
         text += "    return status;\n}\n";
-        needs.time = before.0;
+        needs.time = reads_time;
         text
     }
 
@@ -247,8 +259,8 @@ impl Writer<'_> {
         text += "    self->step += 1u;\n    return status;\n}\n";
         let mut before = String::new();
         if self.needs.time || !self.layout.states.is_empty() {
-            let cast = if single { "(float)" } else { "" };
-            let _ = writeln!(before, "    const {} t = {cast}({});", self.layout.real, self.time("self->step"));
+            let time = cast(self.time("self->step"), single);
+            let _ = writeln!(before, "    const {} t = {time};", self.layout.real);
         }
         if self.has_inputs() && !text.contains("in->") && self.layout.states.is_empty() {
             before += "    (void)in;\n";
@@ -274,14 +286,10 @@ impl Writer<'_> {
         for (field, number) in &layout.outputs {
             let port = &self.selected().part.outputs[*number];
             for (element, cell) in port.cells().enumerate() {
-                let at = if port.shape.len() == 1 && port.shape == blocksim_signal::Shape::Scalar {
-                    String::new()
-                } else {
-                    format!("[{element}]")
-                };
+                let at = index(port, element);
                 let value = layout.read(cell);
                 let value = match port.kind {
-                    blocksim_signal::Kind::Bool => format!("({value} != {})", layout.literal(0.0)),
+                    Kind::Bool => format!("({value} != {})", layout.literal(0.0)),
                     _ => value,
                 };
                 let _ = writeln!(text, "    out->{field}{at} = {value};");
@@ -294,10 +302,10 @@ impl Writer<'_> {
     fn integration(&self) -> String {
         let layout = &self.layout;
         let (n, real) = (layout.states.len(), layout.real);
-        let cast = if layout.is_single() { "(float)" } else { "" };
         let inputs = if self.has_inputs() { "in, " } else { "" };
-        let next = self.time("(self->step + 1u)");
-        let mut text = format!("    {{\n        const {real} t1 = {cast}({next});\n        const {real} h = t1 - t;\n");
+        let next = cast(self.time("(self->step + 1u)"), layout.is_single());
+        let mut text =
+            format!("    {{\n        const {real} t1 = {next};\n        const {real} h = t1 - t;\n");
         match self.selected().target.method.unwrap_or(Method::Euler) {
             Method::Euler => {
                 let _ = write!(
@@ -364,18 +372,27 @@ impl Writer<'_> {
         }
         if self.has_inputs() {
             let mut picked = record.inputs.iter().map(|row| columns.iter().map(|at| row[*at]).collect());
-            let _ = write!(text, "static const double inputs[{steps}][{}] = {{\n{}}};\n\n", columns.len(), rows(&mut picked));
+            let _ = write!(
+                text,
+                "static const double inputs[{steps}][{}] = {{\n{}}};\n\n",
+                columns.len(),
+                rows(&mut picked)
+            );
         }
         let width: usize = part.outputs.iter().map(|port| port.shape.len()).sum();
-        let _ = write!(text, "static const double outputs[{steps}][{width}] = {{\n{}}};\n\n", rows(&mut record.outputs.iter().cloned()));
+        let _ = write!(
+            text,
+            "static const double outputs[{steps}][{width}] = {{\n{}}};\n\n",
+            rows(&mut record.outputs.iter().cloned())
+        );
         let mut set = String::new();
         let mut at = 0;
         for (field, number) in &layout.inputs {
             let port = &part.inputs[*number];
             for element in 0..port.shape.len() {
-                let place = if port.shape == blocksim_signal::Shape::Scalar { String::new() } else { format!("[{element}]") };
+                let place = index(port, element);
                 let value = match port.kind {
-                    blocksim_signal::Kind::Bool => format!("inputs[k][{at}] != 0.0"),
+                    Kind::Bool => format!("inputs[k][{at}] != 0.0"),
                     _ => format!("({})inputs[k][{at}]", layout.real),
                 };
                 let _ = writeln!(set, "        in.{field}{place} = {value};");
@@ -386,13 +403,18 @@ impl Writer<'_> {
         for (field, number) in &layout.outputs {
             let port = &part.outputs[*number];
             for element in 0..port.shape.len() {
-                let place = if port.shape == blocksim_signal::Shape::Scalar { String::new() } else { format!("[{element}]") };
+                let place = index(port, element);
                 get.push(format!("(double)out.{field}{place}"));
             }
         }
-        let names: Vec<String> = part.outputs.iter().flat_map(|port| {
-            (0..port.shape.len()).map(move |_| format!("\"{}\"", port.name.replace('\\', "\\\\").replace('"', "\\\"")))
-        }).collect();
+        let names: Vec<String> = part
+            .outputs
+            .iter()
+            .flat_map(|port| {
+                (0..port.shape.len())
+                    .map(move |_| format!("\"{}\"", port.name.replace('\\', "\\\\").replace('"', "\\\"")))
+            })
+            .collect();
         let (declare, pass) = if self.has_inputs() {
             (format!("    {name}_Inputs in;\n"), "&in, ")
         } else {
@@ -409,7 +431,11 @@ impl Writer<'_> {
              const bool same = (got[i] == outputs[k][i] && !signbit(got[i]) == !signbit(outputs[k][i]))\n                \
              || (isnan(got[i]) && isnan(outputs[k][i]));\n"
         };
-        let largest = if layout.is_single() { format!("    double largest[{width}] = {{0.0}};\n") } else { String::new() };
+        let largest = if layout.is_single() {
+            format!("    double largest[{width}] = {{0.0}};\n")
+        } else {
+            String::new()
+        };
         let _ = write!(
             text,
             "static const char *const names[{width}] = {{{}}};\n\n\
@@ -432,7 +458,8 @@ impl Writer<'_> {
 
     fn readme(&self, record: &Record) -> String {
         let Self { name, .. } = self;
-        let functions: Vec<String> = self.needs.functions.iter().map(|function| format!("`{function}`")).collect();
+        let functions: Vec<String> =
+            self.needs.functions.iter().map(|function| format!("`{function}`")).collect();
         let accuracy = if self.layout.is_single() {
             "The code is in single precision and follows the simulation, which is in double precision, to about a thousandth of the \
              size of each output."
@@ -458,6 +485,16 @@ impl Writer<'_> {
             compile_line(name),
         )
     }
+}
+
+/// A number of double precision in the precision of the code.
+fn cast(text: String, is_single: bool) -> String {
+    if is_single { format!("(float)({text})") } else { text }
+}
+
+/// The element of a port that is an array.
+fn index(port: &Port, element: usize) -> String {
+    if port.shape == Shape::Scalar { String::new() } else { format!("[{element}]") }
 }
 
 fn compile_line(name: &str) -> String {

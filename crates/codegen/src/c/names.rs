@@ -4,17 +4,75 @@ use std::collections::HashSet;
 
 /// Words that C99 or the header files included have taken.
 const TAKEN: &[&str] = &[
-    "auto", "bool", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern", "false",
-    "float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed", "sizeof", "static",
-    "struct", "switch", "true", "typedef", "union", "unsigned", "void", "volatile", "while", "INFINITY", "NAN", "main", "asm",
-    "and", "or", "not", "xor", "class", "new", "delete", "this", "template", "namespace", "private", "public", "protected", "try",
-    "catch", "throw", "virtual", "operator", "linux", "unix", "near", "far",
+    "auto",
+    "bool",
+    "break",
+    "case",
+    "char",
+    "const",
+    "continue",
+    "default",
+    "do",
+    "double",
+    "else",
+    "enum",
+    "extern",
+    "false",
+    "float",
+    "for",
+    "goto",
+    "if",
+    "inline",
+    "int",
+    "long",
+    "register",
+    "restrict",
+    "return",
+    "short",
+    "signed",
+    "sizeof",
+    "static",
+    "struct",
+    "switch",
+    "true",
+    "typedef",
+    "union",
+    "unsigned",
+    "void",
+    "volatile",
+    "while",
+    "INFINITY",
+    "NAN",
+    "main",
+    "asm",
+    "and",
+    "or",
+    "not",
+    "xor",
+    "class",
+    "new",
+    "delete",
+    "this",
+    "template",
+    "namespace",
+    "private",
+    "public",
+    "protected",
+    "try",
+    "catch",
+    "throw",
+    "virtual",
+    "operator",
+    "linux",
+    "unix",
+    "near",
+    "far",
 ];
 
 /// A name of letters, digits and underscores that is no word of the language.
 pub(super) fn identifier(name: &str) -> String {
-    let mut text: String =
-        name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    let mut text: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    text.truncate(text.trim_end_matches('_').len());
     // Names that begin with an underscore belong to the language.
     if !text.starts_with(|c: char| c.is_ascii_alphabetic()) {
         text.insert(0, 'n');
@@ -56,7 +114,12 @@ mod tests {
     fn names_are_valid_and_unique() {
         let mut names = Names::with(&["step"]);
         let made: Vec<String> =
-            ["motor.w", "motor/w", "3rd", "\u{3c9}", "double", "_x", "step", "", "motor_w_2"].map(|name| names.add(name)).to_vec();
-        assert_eq!(made, ["motor_w", "motor_w_2", "n3rd", "n_", "double_", "n_x", "step_2", "n", "motor_w_2_2"]);
+            ["motor.w", "motor/w", "3rd", "\u{3c9}", "double", "_x", "step", "", "motor_w_2"]
+                .map(|name| names.add(name))
+                .to_vec();
+        assert_eq!(
+            made,
+            ["motor_w", "motor_w_2", "n3rd", "n", "double_", "n_x", "step_2", "n_2", "motor_w_2_2"]
+        );
     }
 }

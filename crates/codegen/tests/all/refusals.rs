@@ -39,12 +39,22 @@ fn continuous_states_without_a_method() {
 #[test]
 fn all_blocks_that_stand_against_it_are_listed() {
     refuses(
-        r#""delay": Delay(time: "10 ms"), "step": Step(time: "0.5 s"), "table": Lookup1d(x: [0.0, 1.0], y: [0.0, 2.0]),
+        r#""delay": TransportDelay(delay: "10 ms"), "step": Step(time: "0.5 s"),
+           "table": LookupTable1D(breakpoints: [0.0, 1.0], table: [0.0, 2.0]),
            "held": Integrator(reset: Rising), "sum": Sum(signs: "+++"), "last": Sum(signs: "++")"#,
         r#""in.u -> delay.u, table.u, held.u, held.reset", "delay.y -> sum.u1", "step.y -> sum.u2", "table.y -> sum.u3",
            "sum.y -> last.u1", "held.y -> last.u2""#,
         &Target { method: Some(Method::Rk4), ..every(1e-3) },
-        &expect![[r""]],
+        &expect![[r#"
+            `control/delay` (TransportDelay) changes by itself at times of its own, which need not be steps of the target
+              keep it outside of the subsystem and lead its output in through an input
+            `control/held` (Integrator) has states that jump at events
+              take a form without jumps (an Integrator without limits and reset, a DiscreteIntegrator), or leave it outside
+            `control/step` (Step) changes by itself at times of its own, which need not be steps of the target
+              keep it outside of the subsystem and lead its output in through an input
+            `control/table` (LookupTable1D) records no law that could be translated
+              replace it by blocks of the signal library that do, or put what runs on the target into a subsystem of its own, without this block, and name it by `--subsystem`
+        "#]],
     );
 }
 
@@ -78,8 +88,11 @@ fn an_algebraic_loop() {
 fn a_physical_network() {
     refuses(
         r#""source": ControlledVoltageSource, "r": Resistor(r: "2 Ohm"), "ground": ElectricalReference, "amps": CurrentSensor, "last": Gain(k: 1.0)"#,
-        r#""in.u -> source.v", "source.p -- r.p", "r.n -- amps.p", "amps.n -- source.n -- ground.p", "amps.i -> last.u""#,
+        r#""in.u -> source.v", "source.p <-> r.p", "r.n <-> amps.p", "amps.n <-> source.n <-> ground.p", "amps.i -> last.u""#,
         &every(1e-3),
-        &expect![[r""]],
+        &expect![[r#"
+            `network(control/amps)` (Network) is a physical network, of `control/amps`, `control/ground`, `control/r`, `control/source`, whose laws are not recorded
+              put what runs on the target into a subsystem of its own, without this block, and name it by `--subsystem`
+        "#]],
     );
 }

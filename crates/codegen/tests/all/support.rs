@@ -56,7 +56,10 @@ pub fn every(step: f64) -> Target {
 
 /// Messages and remedies.
 pub fn told(problems: &[Problem]) -> String {
-    problems.iter().map(|problem| format!("{}\n  {}\n", problem.message, problem.help.as_deref().unwrap_or(""))).collect()
+    problems
+        .iter()
+        .map(|problem| format!("{}\n  {}\n", problem.message, problem.help.as_deref().unwrap_or("")))
+        .collect()
 }
 
 static FOLDERS: AtomicUsize = AtomicUsize::new(0);
@@ -78,7 +81,12 @@ pub fn run(generated: &Generated) -> String {
             .current_dir(&folder)
             .output()
             .expect("a compiler of C named cc");
-        assert!(compiled.status.success(), "{}\n{}", text_of(generated, ".c"), String::from_utf8_lossy(&compiled.stderr));
+        assert!(
+            compiled.status.success(),
+            "{}\n{}",
+            text_of(generated, ".c"),
+            String::from_utf8_lossy(&compiled.stderr)
+        );
         let ran = Command::new(folder.join("checked")).output().expect("a program");
         let printed = String::from_utf8_lossy(&ran.stdout).into_owned();
         if !ran.status.success() || optimised == "-O2" {
@@ -91,6 +99,9 @@ pub fn run(generated: &Generated) -> String {
 
 /// The file whose name ends so.
 pub fn text_of(generated: &Generated, ending: &str) -> String {
-    let file = generated.files.iter().find(|(name, _)| name.ends_with(ending) && !name.ends_with(&format!("_test{ending}")));
+    let file = generated
+        .files
+        .iter()
+        .find(|(name, _)| name.ends_with(ending) && !name.ends_with(&format!("_test{ending}")));
     file.map(|(_, text)| text.clone()).expect("a file")
 }

@@ -27,7 +27,9 @@ fn a_small_part() {
     connections: ["in.voltage -> late.u, high.u", "late.y -> limit.u"],
 )"#
     .replace("is high", "is_high");
-    let made = Loop::new(main, &control).export(&every(1e-3)).unwrap_or_else(|problems| panic!("{}", told(&problems)));
+    let made = Loop::new(main, &control)
+        .export(&every(1e-3))
+        .unwrap_or_else(|problems| panic!("{}", told(&problems)));
     expect![[r#"
         /* control of the diagram "Small", a step of 0.001 s.
          *
@@ -52,8 +54,7 @@ fn a_small_part() {
         typedef struct {
             uint64_t step; /* number of steps made */
             uint32_t wait_0_002_s; /* steps to the next sample */
-            double high_holds_0_; /* high.holds[0] */
-            double late_x_0_; /* late.x[0] */
+            double late_x_0; /* late.x[0] */
             double high_y; /* signal high.y */
             double late_y; /* signal late.y */
             double limit_y; /* signal limit.y */
@@ -82,8 +83,7 @@ fn a_small_part() {
         {
             self->step = 0u;
             self->wait_0_002_s = 0u;
-            self->high_holds_0_ = 0.0;
-            self->late_x_0_ = 0.0;
+            self->late_x_0 = 0.0;
             self->high_y = 0.0;
             self->late_y = 0.0;
             self->limit_y = 0.0;
@@ -93,7 +93,7 @@ fn a_small_part() {
         {
             int status = 0;
             if (self->wait_0_002_s == 0u) {
-                self->late_y = self->late_x_0_;
+                self->late_y = self->late_x_0;
             }
             {
                 /* limit (Saturation) */
@@ -101,11 +101,10 @@ fn a_small_part() {
                 /* high (Compare) */
                 const bool v1 = in->voltage > 1.0;
                 self->limit_y = v0;
-                self->high_holds_0_ = (double)v1;
                 self->high_y = (double)v1;
             }
             if (self->wait_0_002_s == 0u) {
-                self->late_x_0_ = in->voltage;
+                self->late_x_0 = in->voltage;
             }
             out->y = self->limit_y;
             out->is_high = (self->high_y != 0.0);
