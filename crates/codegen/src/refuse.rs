@@ -183,7 +183,7 @@ fn rate(selected: &Selected, block: &Instance) -> Option<(String, String)> {
     let offset = if offset == 0.0 { String::new() } else { format!(" from {offset} s") };
     Some((
         format!(
-            "samples every {period} s{offset}, which is no multiple of the step of {} s",
+            "samples every {period} s{offset}, which is not a multiple of the step of {} s",
             selected.target.step
         ),
         "choose a rate of which all sample times are multiples".to_owned(),

@@ -176,6 +176,9 @@ impl Layout {
     }
 }
 
+/// Calls of a pass that follow each other, with their program and when it is due, unless they are called.
+pub(crate) type Stretch = (Range<usize>, Option<(Draft, When)>);
+
 /// The laws of the blocks of a plan.
 pub(crate) struct Laws<'p> {
     schedule: &'p Schedule,
@@ -198,7 +201,7 @@ impl<'p> Laws<'p> {
     }
 
     /// The calls of a pass cut into ranges: those that run as one program, with when it is due, and those that are called.
-    pub fn parts(&self, calls: &[Call], major: bool) -> Vec<(Range<usize>, Option<(Draft, When)>)> {
+    pub fn parts(&self, calls: &[Call], major: bool) -> Vec<Stretch> {
         let is_free = |call: &Call| !self.in_ring.contains(&call.number) && self.is_recorded(call, major);
         let mut parts = Vec::new();
         let mut at = 0;

@@ -38,7 +38,7 @@ pub enum PassPart {
     /// The laws of several blocks as one program.
     Program {
         /// The program and where its values go.
-        draft: Draft,
+        draft: Box<Draft>,
         /// The blocks whose laws these are, as numbers in the schedule.
         blocks: Vec<usize>,
         /// When it is due.
@@ -59,7 +59,7 @@ pub fn passes(schedule: &Schedule) -> Vec<Pass> {
             let calls = &calls[range];
             match joined {
                 Some((draft, when)) => PassPart::Program {
-                    draft,
+                    draft: Box::new(draft),
                     blocks: calls.iter().map(|call| call.block as usize).collect(),
                     when: Some(when),
                     places: Vec::new(),
@@ -76,7 +76,7 @@ pub fn passes(schedule: &Schedule) -> Vec<Pass> {
         let blocks: Vec<usize> = blocks.iter().copied().filter(|block| !called.contains(block)).collect();
         let mut parts = Vec::new();
         if !blocks.is_empty() {
-            parts.push(PassPart::Program { draft, blocks, when: None, places });
+            parts.push(PassPart::Program { draft: Box::new(draft), blocks, when: None, places });
         }
         if !called.is_empty() {
             parts.push(PassPart::Calls(called.into_iter().map(|block| (block, None)).collect()));

@@ -67,7 +67,11 @@ fn all_that_cannot_leave_is_listed_and_nothing_written() {
     assert_eq!(answer.code, Some(3), "{answer:?}");
     let messages: String =
         answer.err.lines().filter(|line| line.starts_with("error")).map(|line| format!("{line}\n")).collect();
-    expect![[r""]].assert_eq(&messages);
+    expect![[r#"
+        error[export]: `control/sum` (DiscreteIntegrator) samples every 0.01 s, which is not a multiple of the step of 0.004 s
+        error[export]: `late` (TransportDelay) remembers what it saw over time
+        error[export]: `plant` (LowPass) has a continuous state
+    "#]].assert_eq(&messages);
     assert!(!desk.0.join("code").exists());
     let unknown =
         desk.call(&["export", "c", "loop.ron", "--subsystem", "contrl", "--rate", "1ms", "--out", "code"]);
@@ -79,7 +83,7 @@ fn all_that_cannot_leave_is_listed_and_nothing_written() {
     );
     let block =
         desk.call(&["export", "c", "loop.ron", "--subsystem", "plant", "--rate", "1ms", "--out", "code"]);
-    assert!(block.err.contains("`plant` is no subsystem but one block (LowPass)"), "{}", block.err);
+    assert!(block.err.contains("`plant` is not a subsystem but a single block (LowPass)"), "{}", block.err);
 }
 
 #[test]
@@ -97,5 +101,58 @@ fn what_the_engine_runs_is_printed() {
     let desk = desk();
     let answer = desk.call(&["emit", "program", "loop.ron"]);
     assert_eq!(answer.code, Some(0), "{answer:?}");
-    expect![[r""]].assert_eq(&answer.out);
+    expect![[r#"
+        major step
+          program every 0.01 s, of control/sum
+            %0: real = memory control/sum.x[0]           // control/sum
+            %1: real = -inf                              // control/sum
+            %2: real = inf                               // control/sum
+            %3: real = %0 from %1 to %2                  // control/sum
+            control/sum.y = %3
+          program at each major step, of control/limit
+            %0: real = input control/sum.y               // control/limit
+            %1: real = -2.0                              // control/limit
+            %2: real = 2.0                               // control/limit
+            %3: real = %0 from %1 to %2                  // control/limit
+            control/limit.y = %3
+          call late (TransportDelay, records no law)
+          program, of plant
+            %0: real = state plant.x                     // plant
+            plant.y = %0
+          program at the start, of set
+            %0: real = 1.0                               // set
+            set.y = %0
+          program, of control/error
+            %0: real = input set.y                       // control/error
+            %1: real = input late.y                      // control/error
+            %2: real = %0 - %1                           // control/error
+            control/error.y = %2
+
+        outputs between major steps
+          call late (TransportDelay, records no law)
+          program, of plant, control/error
+            %0: real = state plant.x                     // plant
+            %1: real = input set.y                       // control/error
+            %2: real = input late.y                      // control/error
+            %3: real = %1 - %2                           // control/error
+            plant.y = %0
+            control/error.y = %3
+
+        outputs for derivatives and guards: nothing
+
+        derivatives
+          program, of plant
+            %0: real = input control/limit.y             // plant
+            %1: real = state plant.x                     // plant
+            %2: real = %0 - %1                           // plant
+            %3: real = 0.2                               // plant
+            %4: real = %2 / %3                           // plant
+            d plant.x = %4
+
+        guards: nothing
+
+        updates at sample hits
+          call control/sum (DiscreteIntegrator)
+    "#]]
+    .assert_eq(&answer.out);
 }

@@ -220,3 +220,60 @@ fn every_function_has_the_bits_of_the_engine() {
 )"#;
     agrees(main, &control, &every(1e-3));
 }
+
+#[test]
+fn vectors_truth_values_and_buses_are_ports() {
+    let control = r#"Diagram(
+    inputs: { "all": (), "enable": (), "bus": () },
+    outputs: { "y": "kept.y", "on": "both.y", "sum": "sum.y" },
+    blocks: {
+        "pick": BusSelector(elements: ["Joint.Velo"]),
+        "scaled": Gain(k: 3.0),
+        "kept": DiscreteTransferFunction(ts: "3 ms", num: [0.3], den: [1.0, -0.7], k: "1"),
+        "high": Compare(operator: Greater, constant: 0.0),
+        "both": Logic(operator: Or, inputs: 2),
+        "first": Demux(sizes: [1, 2]),
+        "sum": Sum(signs: "+-"),
+    },
+    connections: [
+        "in.bus -> pick.u", "in.all -> scaled.u, first.u", "first.y1 -> kept.u", "pick.Velo -> high.u, sum.u1", "scaled.y -> sum.u2",
+        "in.enable -> both.u1", "high.y -> both.u2",
+    ],
+)"#;
+    let main = r#"Diagram(
+    simulation: (stop_time: "3 s"),
+    blocks: {
+        "a": Sine(amplitude: 1.7, frequency: "0.83 Hz"), "b": Sine(amplitude: 0.7, frequency: "1.3 Hz"), "c": Clock,
+        "three": Mux(inputs: 3), "enable": Compare(operator: Less, constant: -0.5),
+        "joint": BusCreator(elements: ["Angle", "Velo"]), "arm": BusCreator(elements: ["Joint"]),
+        "control": Subsystem(file: "control.ron"),
+        "show": Scope(inputs: ["y"]),
+    },
+    connections: [
+        "a.y -> three.u1, enable.u, joint.Angle", "b.y -> three.u2, joint.Velo", "c.y -> three.u3", "three.y -> control.all",
+        "enable.y -> control.enable", "joint.y -> arm.Joint", "arm.y -> control.bus", "control.y -> show.y",
+    ],
+)"#;
+    agrees(main, control, &every(1e-3));
+    let made = Loop::new(main, control)
+        .export(&every(1e-3))
+        .unwrap_or_else(|problems| panic!("{}", told(&problems)));
+    let header = crate::support::text_of(&made, ".h");
+    for field in ["double all[3];", "bool enable;", "double bus_Joint_Velo;", "bool on;", "double sum[3];"] {
+        assert!(header.contains(field), "{field} in\n{header}");
+    }
+}
+
+#[test]
+fn inputs_that_one_signal_drives_are_refused() {
+    let main = around().replace(
+        "\"plant.y -> control.actual, show.actual\"",
+        "\"set.y -> control.actual\", \"plant.y -> show.actual\"",
+    );
+    let problems = Loop::new(&main, PID).export(&every(1e-3)).expect_err("a refusal");
+    assert_eq!(
+        told(&problems),
+        "the inputs `set` and `actual` of `control` are both driven by `set.y`, so that the code could not keep them apart\n  \
+         put a `Gain(k: 1)` between `set.y` and one of them, outside of `control`\n"
+    );
+}

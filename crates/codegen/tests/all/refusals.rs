@@ -46,8 +46,8 @@ fn all_blocks_that_stand_against_it_are_listed() {
            "sum.y -> last.u1", "held.y -> last.u2""#,
         &Target { method: Some(Method::Rk4), ..every(1e-3) },
         &expect![[r#"
-            `control/delay` (TransportDelay) changes by itself at times of its own, which need not be steps of the target
-              keep it outside of the subsystem and lead its output in through an input
+            `control/delay` (TransportDelay) remembers what it saw over time
+              use a chain of UnitDelay blocks for a dead time of whole steps
             `control/held` (Integrator) has states that jump at events
               take a form without jumps (an Integrator without limits and reset, a DiscreteIntegrator), or leave it outside
             `control/step` (Step) changes by itself at times of its own, which need not be steps of the target
@@ -65,7 +65,7 @@ fn a_sample_time_that_is_no_multiple_of_the_step() {
         r#""in.u -> last.u""#,
         &every(1e-3),
         &expect![[r#"
-            `control/last` (UnitDelay) samples every 0.0015 s, which is no multiple of the step of 0.001 s
+            `control/last` (UnitDelay) samples every 0.0015 s, which is not a multiple of the step of 0.001 s
               choose a rate of which all sample times are multiples
         "#]],
     );

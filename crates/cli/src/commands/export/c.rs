@@ -49,7 +49,7 @@ pub(super) fn export(args: &ExportCArgs, console: Console) -> Outcome {
     files.iter().try_for_each(|(path, text)| write_file(path, text.as_bytes(), args.yes))?;
     console.data(&files.iter().map(|(path, _)| format!("{}\n", path.display())).collect::<String>())?;
     console.say(&format!(
-        "{} and {} every {:?} s; {}.md says how to compile the test, which has {}",
+        "{} and {} every {:?} s; {}.md shows how to compile the test, which has {}",
         plural(part.inputs.len(), "input"),
         plural(part.outputs.len(), "output"),
         args.rate,
@@ -77,7 +77,7 @@ fn part(args: &ExportCArgs, schedule: &Schedule) -> Result<Part, Failure> {
             Ok(Part::subsystem(schedule, path, &block.inputs(), &block.outputs(), &origins(model)))
         }
         Some((block, _)) => {
-            Err(Failure::usage(format!("`{path}` is no subsystem but one block ({})", block.kind))
+            Err(Failure::usage(format!("`{path}` is not a subsystem but a single block ({})", block.kind))
                 .help("name the subsystem around it, or put it into one"))
         }
         None => {
