@@ -27,6 +27,7 @@ mod events;
 mod examples;
 mod flagship;
 mod formatting;
+mod generated_code;
 mod impacts;
 mod import;
 mod induction;
