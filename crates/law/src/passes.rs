@@ -11,9 +11,9 @@ pub(crate) type Set<K> = HashSet<K, foldhash::fast::FixedState>;
 fn rewritten(program: &Program, mut place: impl FnMut(Instruction, &mut Vec<Instruction>) -> Id) -> Program {
     let mut instructions = Vec::with_capacity(program.instructions.len());
     let mut names: Vec<Id> = Vec::with_capacity(program.instructions.len());
-    for Instruction { op, place: text } in &program.instructions {
-        let op = op.map(|id| names[id.at()]);
-        names.push(place(Instruction { op, place: text.clone() }, &mut instructions));
+    for instruction in &program.instructions {
+        let op = instruction.op.map(|id| names[id.at()]);
+        names.push(place(Instruction { op, ..instruction.clone() }, &mut instructions));
     }
     let mut program = Program { instructions, ..program.clone() };
     program.each_root(|id| *id = names[id.at()]);

@@ -10,7 +10,8 @@ impl fmt::Display for Id {
 }
 
 impl Program {
-    fn instruction(&self, op: Op) -> String {
+    /// An operation as text, with the names of what comes from outside.
+    pub fn instruction(&self, op: Op) -> String {
         let name = |kind: &str, list: Option<&str>| format!("{kind} {}", list.unwrap_or("?"));
         let word = |of: &dyn fmt::Debug| format!("{of:?}").to_lowercase();
         match op {

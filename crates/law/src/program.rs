@@ -36,6 +36,8 @@ pub struct Instruction {
     pub op: Op,
     /// The bytes of the text that it came from, where there is one.
     pub place: Option<Range<usize>>,
+    /// In a program of several laws, the number of the block whose law it came from.
+    pub block: Option<u32>,
 }
 
 /// A continuous state.

@@ -51,7 +51,7 @@ impl Recorder {
     fn push(&self, op: Op) -> Id {
         let mut inner = self.inner.borrow_mut();
         let place = inner.place.clone();
-        inner.program.instructions.push(Instruction { op, place });
+        inner.program.instructions.push(Instruction { op, place, block: None });
         Id(inner.program.instructions.len() as u32 - 1)
     }
 

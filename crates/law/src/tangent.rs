@@ -61,8 +61,8 @@ impl Tangent {
 
     /// Adds an instruction that has the place of another one.
     fn push(&mut self, op: Op, of: usize) -> Id {
-        let place = self.instructions[of].place.clone();
-        self.instructions.push(Instruction { op, place });
+        let instruction = Instruction { op, ..self.instructions[of].clone() };
+        self.instructions.push(instruction);
         Id(self.instructions.len() as u32 - 1)
     }
 

@@ -6,10 +6,10 @@
 
 use std::ops::Range;
 
-use blocksim_block::law::BlockLaw;
+use blocksim_block::law::{BlockLaw, Draft, Joined, Placed};
 use blocksim_block::schedule::{Schedule, When};
 use blocksim_law::passes::Map;
-use blocksim_law::{Id, Instruction, Leaf, Met, Op, Program, Root, Tape};
+use blocksim_law::{Id, Leaf, Met, Op, Program, Tape};
 
 use crate::plan::{Call, Plan, Unit};
 
@@ -71,35 +71,17 @@ struct Layout {
 impl Fused {
     /// The tapes of a plan. Calls within algebraic loops are left as they are.
     pub fn new(schedule: &Schedule, plan: &Plan) -> Self {
-        let mut laws = Laws { schedule, plan, first: vec![u32::MAX; schedule.blocks.len()] };
-        for call in &plan.major {
-            let first = &mut laws.first[call.block as usize];
-            *first = (*first).min(call.number);
-        }
-        let laws = laws;
-        let mut in_ring = vec![false; plan.major.len()];
-        for found in &schedule.loops {
-            in_ring[found.first..found.first + found.count].fill(true);
-        }
+        let laws = Laws::new(schedule, plan);
         let mut drafts = Vec::new();
-        let mut parts = |calls: &[Call], major: bool| {
-            let is_free = |call: &Call| !in_ring[call.number as usize] && laws.is_recorded(call, major);
-            let mut parts: Vec<Part> = Vec::new();
-            let mut at = 0;
-            while at < calls.len() {
-                let first = &calls[at];
-                let free = is_free(first);
-                let alike = |call: &Call| is_free(call) == free && (!free || call.when == first.when);
-                let end = at + calls[at..].iter().take_while(|call| alike(call)).count();
-                parts.push(if free {
-                    drafts.push(laws.pass(&calls[at..end], major));
-                    Part::Tape(Tape::default(), at..end, first.when)
-                } else {
-                    Part::Calls(at..end)
-                });
-                at = end;
-            }
-            parts
+        let mut parts = |calls: &[Call], major: bool| -> Vec<Part> {
+            let joined = laws.parts(calls, major).into_iter().map(|(calls, joined)| match joined {
+                Some((draft, when)) => {
+                    drafts.push(draft);
+                    Part::Tape(Tape::default(), calls, when)
+                }
+                None => Part::Calls(calls),
+            });
+            joined.collect()
         };
         let mut fused = Self {
             major: parts(&plan.major, true),
@@ -108,9 +90,7 @@ impl Fused {
             rows: plan.rows.as_ref().map(|rows| parts(rows, false)).unwrap_or_default(),
             ..Self::default()
         };
-        let derivatives = laws.gathered(&plan.with_states, |law| &law.derivatives, |unit| unit.x.range());
-        let guards = laws.gathered(&plan.guarded, |law| &law.guards, |unit| unit.g.range());
-        let slopes = laws.slopes();
+        let (derivatives, guards, slopes) = (laws.derivatives(), laws.guards(), laws.slopes());
         // Where anything lies depends on the constants of all.
         let gathered = [&derivatives.0, &guards.0].into_iter().chain(&slopes);
         let mut layout = Layout::new(schedule, drafts.iter().chain(gathered).map(|draft| &draft.program));
@@ -226,22 +206,82 @@ impl Layout {
     }
 }
 
-/// A program and what is wanted of it.
-struct Draft {
-    program: Program,
-    roots: Vec<Root>,
-}
+/// Calls of a pass that follow each other, with their program and when it is due, unless they are called.
+pub(crate) type Stretch = (Range<usize>, Option<(Draft, When)>);
 
 /// The laws of the blocks of a plan.
-struct Laws<'p> {
+pub(crate) struct Laws<'p> {
     schedule: &'p Schedule,
     plan: &'p Plan,
     /// The first call of each block in a major pass.
     first: Vec<u32>,
+    /// Calls of a major pass that belong to algebraic loops.
+    in_ring: Vec<bool>,
 }
 
-impl Laws<'_> {
-    fn law(&self, block: usize) -> Option<&BlockLaw> {
+impl<'p> Laws<'p> {
+    pub fn new(schedule: &'p Schedule, plan: &'p Plan) -> Self {
+        let mut first = vec![u32::MAX; schedule.blocks.len()];
+        for call in &plan.major {
+            let first = &mut first[call.block as usize];
+            *first = (*first).min(call.number);
+        }
+        let mut in_ring = vec![false; plan.major.len()];
+        for found in &schedule.loops {
+            in_ring[found.first..found.first + found.count].fill(true);
+        }
+        Self { schedule, plan, first, in_ring }
+    }
+
+    /// The calls of a pass cut into ranges: those that run as one program, with when it is due, and those that are called.
+    pub fn parts(&self, calls: &[Call], major: bool) -> Vec<Stretch> {
+        let is_free = |call: &Call| !self.in_ring[call.number as usize] && self.is_recorded(call, major);
+        let mut parts = Vec::new();
+        let mut at = 0;
+        while at < calls.len() {
+            let first = &calls[at];
+            let free = is_free(first);
+            let alike = |call: &Call| is_free(call) == free && (!free || call.when == first.when);
+            let end = at + calls[at..].iter().take_while(|call| alike(call)).count();
+            let joined = free.then(|| (self.pass(&calls[at..end], major), first.when));
+            parts.push((at..end, joined));
+            at = end;
+        }
+        parts
+    }
+
+    /// The derivatives of all states, and whose blocks have to be called.
+    pub fn derivatives(&self) -> (Draft, Vec<u32>, Vec<usize>) {
+        self.gathered(&self.plan.with_states, |law| &law.derivatives, |unit| unit.x.range())
+    }
+
+    /// The same of the guards.
+    pub fn guards(&self) -> (Draft, Vec<u32>, Vec<usize>) {
+        self.gathered(&self.plan.guarded, |law| &law.guards, |unit| unit.g.range())
+    }
+
+    /// The rates of all derivatives along a direction of the states; nothing unless all that derivatives depend on between major
+    /// steps is data.
+    pub fn slopes(&self) -> Option<Draft> {
+        let plan = self.plan;
+        let are_laws = plan.with_states.iter().all(|block| self.law(*block).is_some())
+            && plan.minor.iter().all(|call| self.is_recorded(call, false));
+        if plan.with_states.is_empty() || !self.schedule.loops.is_empty() || !are_laws {
+            return None;
+        }
+        let mut joined = Joined::default();
+        for call in &plan.minor {
+            let block = call.block as usize;
+            joined.call(self.placed(block, self.law(block)?), call.group as usize, false);
+        }
+        for &block in &plan.with_states {
+            let law = self.law(block)?;
+            joined.values(self.placed(block, law), &law.derivatives);
+        }
+        Some(joined.rates())
+    }
+
+    fn law(&self, block: usize) -> Option<&'p BlockLaw> {
         self.schedule.blocks[block].law.as_deref()
     }
 
@@ -254,78 +294,16 @@ impl Laws<'_> {
     /// Calls that follow each other. In a major pass blocks settle before their first outputs.
     fn pass(&self, calls: &[Call], major: bool) -> Draft {
         let mut joined = Joined::default();
-        self.join(calls, major, &mut joined);
+        for call in calls {
+            let Some(law) = self.law(call.block as usize) else { continue };
+            let settles = major && self.first[call.block as usize] == call.number;
+            joined.call(self.placed(call.block as usize, law), call.group as usize, settles);
+        }
         joined.finish()
     }
 
-    fn join(&self, calls: &[Call], major: bool, joined: &mut Joined) {
-        for call in calls {
-            let unit = &call.unit;
-            let Some(law) = self.law(call.block as usize) else { continue };
-            let copies = &self.plan.copies[unit.copies.range()];
-            let mut inlined = Inlined::new(law, unit, copies);
-            let settles = major && self.first[call.block as usize] == call.number;
-            if settles {
-                for (i, id) in &law.settled {
-                    let held = unit.d.start + *i as u32;
-                    let value = inlined.value(*id, joined);
-                    joined.want(Root::Held(value, held));
-                }
-                for (i, id) in &law.settled {
-                    let value = inlined.value(*id, joined);
-                    joined.settled.insert(unit.d.start + *i as u32, value);
-                }
-                inlined.forget();
-            }
-            let group = call.group as usize;
-            let mut wanted: Vec<Id> = Vec::new();
-            for (cell, (id, of)) in law.outputs.iter().zip(&law.group_of).enumerate() {
-                if *of == group {
-                    let value = inlined.value(*id, joined);
-                    let cell = unit.y.start + cell as u32;
-                    joined.want(Root::Cell(value, cell));
-                    wanted.push(*id);
-                    inlined.written.push((cell, value));
-                }
-            }
-            if settles {
-                wanted.extend(law.settled.iter().map(|(_, id)| *id));
-            }
-            joined.require(law, &wanted, &mut inlined);
-            joined.cells.extend(inlined.written);
-        }
-    }
-
-    /// The rates of all derivatives along a direction of the states, which stands for parameters of the program; nothing unless all
-    /// that derivatives depend on between major steps is data.
-    fn slopes(&self) -> Option<Draft> {
-        let plan = self.plan;
-        let is_law = |call: &Call| self.is_recorded(call, false);
-        let laws: Option<Vec<&BlockLaw>> = plan.with_states.iter().map(|block| self.law(*block)).collect();
-        let laws = laws.filter(|laws| {
-            !laws.is_empty() && self.schedule.loops.is_empty() && plan.minor.iter().all(is_law)
-        })?;
-        let mut joined = Joined::default();
-        self.join(&plan.minor, false, &mut joined);
-        joined.roots.clear();
-        for (&block, law) in plan.with_states.iter().zip(laws) {
-            let unit = &plan.units[block];
-            let mut inlined = Inlined::new(law, unit, &plan.copies[unit.copies.range()]);
-            for id in &law.derivatives {
-                let value = inlined.value(*id, &mut joined);
-                joined.want(Root::Anywhere(value));
-            }
-            joined.require(law, &law.derivatives, &mut inlined);
-        }
-        let Draft { program, .. } = joined.finish();
-        let program = blocksim_law::rates(&program, &|op| match op {
-            Op::State(i) => Some(Op::Parameter(i)),
-            _ => None,
-        });
-        let program = program.optimised();
-        let mut roots: Vec<Root> = program.outputs.iter().map(|(_, id)| Root::Anywhere(*id)).collect();
-        roots.extend(program.requirements.iter().map(|id| Root::Met(*id)));
-        Some(Draft { program, roots })
+    fn placed(&self, block: usize, law: &'p BlockLaw) -> Placed<'p> {
+        Placed::new(law, block, &self.schedule.blocks[block])
     }
 
     /// What blocks write together: how, where each number goes, and who has to be called.
@@ -341,134 +319,9 @@ impl Laws<'_> {
                 called.push(block);
                 continue;
             };
-            let unit = &self.plan.units[block];
-            let mut inlined = Inlined::new(law, unit, &self.plan.copies[unit.copies.range()]);
-            for (at, id) in place(unit).zip(written(law)) {
-                let value = inlined.value(*id, &mut joined);
-                joined.want(Root::Anywhere(value));
-                to.push(at as u32);
-            }
-            joined.require(law, written(law), &mut inlined);
+            to.extend(place(&self.plan.units[block]).map(|at| at as u32));
+            joined.values(self.placed(block, law), written(law));
         }
         (joined.finish(), to, called)
-    }
-}
-
-/// Laws of several blocks as one program: inputs are cells of signals, states and memories those of the whole diagram.
-#[derive(Default)]
-struct Joined {
-    program: Program,
-    roots: Vec<Root>,
-    /// What stands in cells that are written already.
-    cells: Map<u32, Id>,
-    /// What discrete states have been set to.
-    settled: Map<u32, Id>,
-}
-
-impl Joined {
-    fn want(&mut self, root: Root) {
-        self.roots.push(root);
-    }
-
-    fn push(&mut self, op: Op) -> Id {
-        self.program.instructions.push(Instruction { op, place: None });
-        Id(self.program.instructions.len() as u32 - 1)
-    }
-
-    fn require(&mut self, law: &BlockLaw, wanted: &[Id], inlined: &mut Inlined) {
-        for id in law.requirements_of(wanted) {
-            let value = inlined.value(id, self);
-            self.program.requirements.push(value);
-        }
-    }
-
-    /// The program without what is there twice, and what is wanted of it.
-    fn finish(mut self) -> Draft {
-        let value = |root: &Root| match *root {
-            Root::Cell(id, _) | Root::Held(id, _) | Root::Anywhere(id) | Root::Met(id) => id,
-        };
-        self.program.outputs = self.roots.iter().map(|root| (String::new(), value(root))).collect();
-        let program = self.program.optimised();
-        let ids = program.outputs.iter().map(|(_, id)| *id);
-        let moved = self.roots.iter().zip(ids).map(|(root, id)| match *root {
-            Root::Cell(_, cell) => Root::Cell(id, cell),
-            Root::Held(_, number) => Root::Held(id, number),
-            Root::Anywhere(_) => Root::Anywhere(id),
-            Root::Met(_) => Root::Met(id),
-        });
-        let mut roots: Vec<Root> = moved.collect();
-        roots.extend(program.requirements.iter().map(|id| Root::Met(*id)));
-        Draft { program, roots }
-    }
-}
-
-/// The law of one block on its way into a program of several.
-struct Inlined<'l> {
-    law: &'l BlockLaw,
-    unit: &'l Unit,
-    copies: &'l [(u32, u32)],
-    /// What stands for each of its values; nothing until it is asked for.
-    values: Vec<Id>,
-    /// Cells that it has written, which it does not read itself.
-    written: Vec<(u32, Id)>,
-}
-
-impl<'l> Inlined<'l> {
-    fn new(law: &'l BlockLaw, unit: &'l Unit, copies: &'l [(u32, u32)]) -> Self {
-        Self { law, unit, copies, values: Vec::new(), written: Vec::new() }
-    }
-
-    /// Discrete states are others from here.
-    fn forget(&mut self) {
-        if !self.law.settled.is_empty() {
-            self.values.clear();
-        }
-    }
-
-    /// The cell of an input.
-    fn cell(&self, input: u32) -> u32 {
-        let mut left = input;
-        for &(from, len) in self.copies {
-            if left < len {
-                return from + left;
-            }
-            left -= len;
-        }
-        unreachable!("a law reads inputs that it has")
-    }
-
-    /// What stands for a value of the law. The whole law comes with it; who wants less drops the rest.
-    fn value(&mut self, id: Id, joined: &mut Joined) -> Id {
-        if self.values.is_empty() {
-            let instructions = &self.law.program.instructions;
-            self.values.reserve(instructions.len());
-            for instruction in instructions {
-                let value = self.joined_value(instruction.op, joined);
-                self.values.push(value);
-            }
-        }
-        self.values[id.0 as usize]
-    }
-
-    fn joined_value(&self, op: Op, joined: &mut Joined) -> Id {
-        let op = match op {
-            Op::Input(i) => {
-                let cell = self.cell(i);
-                if let Some(known) = joined.cells.get(&cell) {
-                    return *known;
-                }
-                Op::Input(cell)
-            }
-            Op::Memory(i) => {
-                let number = self.unit.d.start + i;
-                if let Some(known) = joined.settled.get(&number) {
-                    return *known;
-                }
-                Op::Memory(number)
-            }
-            Op::State(i) => Op::State(self.unit.x.start + i),
-            op => op.map(|operand| self.values[operand.0 as usize]),
-        };
-        joined.push(op)
     }
 }

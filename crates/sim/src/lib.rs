@@ -24,6 +24,7 @@
 //! | `graph`, `spread` | which output depends on which at the same time; what depends at once on some signals |
 //! | `influence` | which derivatives a state can act on, and whether that is so |
 //! | `kinks` | steps that have looked beyond a kink, once more |
+//! | `fused`, `listing` | laws that are data, run as one; what is run, for those who print it |
 //! | `past` | what blocks remember of steps |
 //! | `taps`, `period` | signals that can be changed from outside; the map of a model from one sample hit to another |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
@@ -51,6 +52,7 @@ mod hops;
 mod ignored_states;
 mod influence;
 mod kinks;
+mod listing;
 mod looks;
 mod loops;
 mod major;
@@ -83,6 +85,7 @@ pub use error::SimError;
 pub use exact_slopes::Slope;
 pub use frozen::{Frozen, Tap};
 pub use influence::Undeclared;
+pub use listing::{Pass, PassKind, PassPart, passes};
 pub use period::{Period, PeriodMap};
 pub use record::{Control, Observer};
 pub use simulation::{Counts, Ended, Simulation};

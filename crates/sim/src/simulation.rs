@@ -316,6 +316,16 @@ impl Simulation {
         &self.x
     }
 
+    /// Discrete states of all blocks.
+    pub fn discrete_states(&self) -> &[f64] {
+        &self.diagram.d
+    }
+
+    /// Values of all signals by their cells, as of the last evaluation; what lies behind those of the schedule is scratch space.
+    pub fn signals(&self) -> &[f64] {
+        &self.diagram.signals
+    }
+
     /// Values of an output by its path (`arm/base/joint.q`), as of the last evaluation; none if there is no such output.
     /// Of an output of a physical network that the diagram neither reads nor records it is exact only if it was named when the diagram
     /// was compiled (`compile_to_watch`).

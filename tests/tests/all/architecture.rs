@@ -222,6 +222,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("network", &["ron", "diagram", "blocks"]),
         ("diagram", &["blocks", "sim", "host", "results"]),
         ("sim", &["ron", "diagram", "blocks", "network", "results"]),
+        ("codegen", &["blocks", "diagram", "ron", "network", "results"]),
         ("abi", &["*"]),
         ("controller", &["host", "block", "diagram"]),
         ("host", &["diagram", "blocks", "sim"]),

@@ -29,6 +29,7 @@ mod exact_slopes;
 mod examples;
 mod flagship;
 mod formatting;
+mod generated_code;
 mod impacts;
 mod import;
 mod induction;

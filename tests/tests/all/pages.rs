@@ -10,7 +10,7 @@ use blocksim_sim::Simulation;
 use blocksim_tests::{Desk, root, run};
 
 /// Pages without a diagram that could fail here, and why.
-const WITHOUT_DIAGRAM: [(&str, &str); 24] = [
+const WITHOUT_DIAGRAM: [(&str, &str); 25] = [
     ("bare_number", "is an error by an option; the tests of the program run it"),
     ("coupling_error", "is told at the end of a run, and tested with inverters"),
     ("exists", "comes from a command; the tests of the program run it"),
@@ -19,6 +19,7 @@ const WITHOUT_DIAGRAM: [(&str, &str); 24] = [
     ("import", "comes from a command; the tests of the program run it"),
     ("law", "a mistake that no block of the library makes"),
     ("left_out", "needs a program that was built without a part"),
+    ("export", "comes from a command; the tutorial about C code shows one"),
     ("linearise", "comes from a command, at points that the blocks of the library refuse before"),
     ("plugin_abi", "needs a plug-in of another version"),
     ("plugin_build", "needs a crate that does not build"),

@@ -1,8 +1,10 @@
 //! Laws as data: what a block records instead of computing it, and how the engine runs that.
 
 mod block_law;
+mod joined;
 mod recording;
 
 pub use block_law::BlockLaw;
-pub use blocksim_law::Failure;
+pub use blocksim_law::{Binary, Domain, Failure, Id, Op, Program, Root, Unary};
+pub use joined::{Draft, Joined, Placed};
 pub use recording::{Condition, Recording, Relation, Value};

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::export_c::ExportCArgs;
 use super::values::{RUNS, moment, time};
 
 /// `blocksim runs`.
@@ -23,11 +24,16 @@ pub struct RunsArgs {
 #[command(after_help = "Values are in SI units. An existing file is not overwritten.\n\nExamples:\n  \
                   blocksim export latest --csv arm.csv --signals 'arm/**' --every 10ms\n  \
                   blocksim export servo --mat servo.mat\n  \
-                  blocksim export servo --parquet servo.parquet")]
+                  blocksim export servo --parquet servo.parquet\n  \
+                  blocksim export c loop.ron --subsystem control --rate 1ms --out control_c")]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(group(clap::ArgGroup::new("format").required(true).args(["csv", "mat", "parquet"])))]
 pub struct ExportArgs {
+    #[command(subcommand)]
+    pub what: Option<ExportWhat>,
     /// Folder or recording of the run, part of the name of a run in `runs/`, or `latest`.
-    pub run: String,
+    #[arg(required = true)]
+    pub run: Option<String>,
     /// A table with decimal points, the first column time; signals of other rates go to files of their own.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
@@ -49,4 +55,11 @@ pub struct ExportArgs {
     /// Leave out what was after this time.
     #[arg(long, value_name = "TIME", value_parser = moment)]
     pub to: Option<f64>,
+}
+
+/// What is exported that is no run.
+#[derive(Debug, clap::Subcommand)]
+pub enum ExportWhat {
+    /// C99 of a subsystem or of a whole model, for a target, with a test against the simulation.
+    C(ExportCArgs),
 }

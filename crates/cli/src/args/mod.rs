@@ -2,6 +2,7 @@
 
 pub mod collisions;
 pub mod export;
+pub mod export_c;
 pub mod fmt;
 pub mod graph;
 pub mod identify;

@@ -184,8 +184,10 @@ pub enum StageName {
     Flat,
     /// Types and sample times of all ports.
     Types,
-    /// What the engine runs.
+    /// The order of evaluation, and where every value lies.
     Schedule,
+    /// What the engine runs: the laws of blocks joined to programs, pass by pass, and what it calls.
+    Program,
     /// What is seen of mechanisms, as JSON: bodies, joints, shapes, masses, frames.
     Scene,
 }

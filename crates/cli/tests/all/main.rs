@@ -7,6 +7,7 @@ mod commands;
 mod data;
 mod desk;
 #[cfg(unix)]
+mod export_c;
 mod faults;
 mod fix;
 mod fmt;

@@ -1,10 +1,12 @@
+mod c;
+
 use std::io::{self, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use blocksim_results::{ResultsError, Run, locate, resampled, write_mat, write_run_csv, write_whole};
 
-use crate::args::export::ExportArgs;
+use crate::args::export::{ExportArgs, ExportWhat};
 use crate::args::values::RUNS;
 use crate::disk::unwritable;
 use crate::exit::Exit;
@@ -18,13 +20,18 @@ use crate::terminal::render::plural;
 /// # Errors
 /// What cannot be read or written.
 pub fn export(args: &ExportArgs, console: Console) -> Outcome {
+    if let Some(ExportWhat::C(args)) = &args.what {
+        return c::export(args, console);
+    }
     #[cfg(not(feature = "parquet"))]
     if let Some(file) = &args.parquet {
         let done = format!("cannot write `{}`", file.display());
         return Err(crate::left_out::failure(&done, "Parquet (CSV and MAT are there)", "parquet"));
     }
+    // Required where nothing else is exported.
+    let name = args.run.as_deref().unwrap_or("latest");
     let run =
-        locate(&args.run, Path::new(RUNS)).and_then(|path| Run::open(&path)).map_err(|error| told(&error))?;
+        locate(name, Path::new(RUNS)).and_then(|path| Run::open(&path)).map_err(|error| told(&error))?;
     let signals = chosen(&run, &args.signals)?;
     if let Some(shortfall) = run.shortfall() {
         console.say(&format!("note: the run is not complete: {shortfall}"));

@@ -1,3 +1,5 @@
+mod program;
+
 use std::collections::HashMap;
 
 use blocksim_diagram::{Options, Stage};
@@ -27,6 +29,7 @@ pub fn emit(args: &EmitArgs, console: Console) -> Outcome {
         StageName::Flat => stages.emit(Stage::Flat),
         StageName::Types => stages.emit(Stage::Types),
         StageName::Schedule => stages.emit(Stage::Schedule),
+        StageName::Program => loaded.compiled.schedule.as_ref().map(program::text),
         StageName::Scene => loaded.compiled.scene.as_ref().map(|scene| scene::json(scene, &HashMap::new())),
     };
     match text {
