@@ -143,7 +143,7 @@ impl Diagram {
                 known: Known::Nothing,
                 derived: false,
             },
-            scratch: schedule.blocks.iter().map(|instance| instance.block.scratch()).collect(),
+            scratch: plan.scratch(&schedule),
             settle: Settling { last: vec![0; plan.units.len()], before: vec![0.0; discrete], changed: false },
             loops: Loops::new(&schedule),
             looks: Looks::default(),

@@ -17,12 +17,14 @@ pub struct Slope {
     pub exact: f64,
     /// The same by central differences over a distance and half of it, extrapolated.
     pub difference: f64,
-    /// By how much both differ: nearly nothing, unless there is a kink nearby.
+    /// By how much both differ, or the slopes on both sides: nearly nothing, unless there is a kink nearby.
     pub spread: f64,
 }
 
 /// Distance, as a part of a state or of one, over which differences are taken.
 const DISTANCE: f64 = 1e-3;
+/// Part of a slope by which those on both sides of a point differ at a kink.
+const KINK: f64 = 0.1;
 
 impl Simulation {
     /// The slopes of all derivatives over all states at the present time that are not zero; `None` where something that the
@@ -58,22 +60,26 @@ impl Simulation {
 }
 
 impl Diagram {
-    /// Slopes of all derivatives over state `j` by differences, and by how much those over two distances differ.
+    /// Slopes of all derivatives over state `j` by differences, and by how much those over two distances, or on both sides, differ.
     fn difference(&mut self, t: f64, x: &[f64], j: usize) -> Result<Vec<(f64, f64)>, Failed> {
-        let mut central = |h: f64| -> Result<Vec<f64>, Failed> {
-            let mut sides = [vec![0.0; x.len()], vec![0.0; x.len()]];
-            let mut at = x.to_vec();
-            for (side, dx) in [h, -h].into_iter().zip(&mut sides) {
-                at[j] = x[j] + side;
-                self.forget();
-                self.derivatives(t, &at, dx)?;
-            }
-            let [above, below] = sides;
-            Ok(above.iter().zip(below).map(|(a, b)| (a - b) / (2.0 * h)).collect())
+        let mut at = x.to_vec();
+        let mut moved = |by: f64| -> Result<Vec<f64>, Failed> {
+            let mut dx = vec![0.0; x.len()];
+            at[j] = x[j] + by;
+            self.forget();
+            self.derivatives(t, &at, &mut dx)?;
+            Ok(dx)
         };
         let h = DISTANCE * x[j].abs().max(1.0);
-        let (wide, narrow) = (central(h)?, central(h / 2.0)?);
-        let both = wide.iter().zip(narrow);
-        Ok(both.map(|(wide, narrow)| ((4.0 * narrow - wide) / 3.0, (wide - narrow).abs())).collect())
+        let here = moved(0.0)?;
+        let (far, near) = ([moved(-h)?, moved(h)?], [moved(-h / 2.0)?, moved(h / 2.0)?]);
+        let slope = |i: usize| {
+            let (wide, narrow) = ((far[1][i] - far[0][i]) / (2.0 * h), (near[1][i] - near[0][i]) / h);
+            let sides = [(here[i] - near[0][i]) / (h / 2.0), (near[1][i] - here[i]) / (h / 2.0)];
+            let bend = (sides[1] - sides[0]).abs();
+            let is_kink = bend > KINK * sides[0].abs().max(sides[1].abs());
+            ((4.0 * narrow - wide) / 3.0, if is_kink { bend } else { (wide - narrow).abs() })
+        };
+        Ok((0..x.len()).map(slope).collect())
     }
 }

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-use blocksim_block::Block;
 use blocksim_block::schedule::{Instance, Schedule, Step, When};
+use blocksim_block::{Block, Scratch};
 
 use crate::early::Early;
 use crate::fused::Fused;
@@ -203,6 +203,21 @@ impl Plan {
         plan.every_step = settles || plan.stepwise || !plan.jumping.is_empty() || !plan.accepting.is_empty();
         plan.fused = Fused::new(schedule, &plan);
         plan
+    }
+}
+
+impl Plan {
+    /// Scratch space of all blocks. Of those whose laws are data only some are ever called by themselves.
+    pub fn scratch(&self, schedule: &Schedule) -> Vec<Scratch> {
+        // Where there are loops, passes between major steps call everything.
+        let all = !schedule.loops.is_empty();
+        let is_called =
+            |block: &Instance| block.law.as_ref().is_none_or(|law| all || !law.updated.is_empty());
+        let mut alone: Vec<bool> = schedule.blocks.iter().map(is_called).collect();
+        self.early.calls.iter().for_each(|&call| alone[self.major[call].block as usize] = true);
+        self.settling.iter().for_each(|(block, _)| alone[*block] = true);
+        let units = self.units.iter().zip(alone);
+        units.map(|(unit, alone)| if alone { unit.block.scratch() } else { Scratch::default() }).collect()
     }
 }
 

