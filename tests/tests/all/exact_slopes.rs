@@ -35,9 +35,10 @@ fn compare(name: &str, mut schedule: Schedule, wrong: &mut Vec<String>, kinked: 
         compared += slopes.len();
         for slope in slopes {
             let (a, b) = (slope.exact, slope.difference);
+            let agrees = (a - b).abs() <= CLOSE.0 * a.abs().max(b.abs()) + CLOSE.1 * largest;
             if slope.spread > KINKED * a.abs().max(b.abs()) {
                 *kinked += 1;
-            } else if !((a - b).abs() <= CLOSE.0 * a.abs().max(b.abs()) + CLOSE.1 * largest) {
+            } else if !agrees {
                 wrong.push(format!(
                     "{name}, {} s: d {} / d {}: {a}, but {b}",
                     part * end,

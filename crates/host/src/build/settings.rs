@@ -1,5 +1,6 @@
 //! `plugin.toml`: how the C or C++ sources of a folder are built, where the defaults do not do.
 
+use std::io::Read;
 use std::path::Path;
 
 /// The file beside the sources.
@@ -25,11 +26,27 @@ pub struct Settings {
 /// # Errors
 /// What is wrong, with file and line.
 pub fn read(folder: &Path) -> Result<Settings, String> {
-    match std::fs::read_to_string(folder.join(SETTINGS)) {
+    match text(&folder.join(SETTINGS)) {
         Ok(text) => parse(&text),
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(Settings::default()),
         Err(e) => Err(format!("{SETTINGS} cannot be read: {e}")),
     }
+}
+
+/// Most bytes of the settings of a folder.
+const MOST: u64 = 1 << 20;
+
+/// The text of a regular file that is not too long: a pipe might never end.
+fn text(path: &Path) -> std::io::Result<String> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(std::io::Error::other("it is not a regular file"));
+    }
+    let mut text = String::new();
+    std::fs::File::open(path)?.take(MOST + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > MOST {
+        return Err(std::io::Error::other("it has more than 1 MiB"));
+    }
+    Ok(text)
 }
 
 /// The part of TOML that is needed: `key = "text"` and `key = ["text", "text"]`, a list also on several lines.
@@ -103,6 +120,22 @@ fn without_comment(line: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_that_is_too_long_or_none_is_refused() {
+        let folder = std::env::temp_dir().join(format!("blocksim-settings-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        assert_eq!(read(&folder), Ok(Settings::default()));
+        std::fs::write(folder.join(SETTINGS), "# x\n".repeat(1 << 18)).unwrap();
+        assert_eq!(read(&folder), Ok(Settings::default()));
+        std::fs::write(folder.join(SETTINGS), "# xx\n".repeat(1 << 18)).unwrap();
+        assert!(read(&folder).unwrap_err().contains("more than 1 MiB"));
+        std::fs::remove_file(folder.join(SETTINGS)).unwrap();
+        std::fs::create_dir(folder.join(SETTINGS)).unwrap();
+        assert!(read(&folder).unwrap_err().contains("not a regular file"));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 
     #[test]
     fn settings_are_read() {

@@ -11,7 +11,7 @@ use blocksim_import::{
     Chain, Differences, Files, Mechanism, MeshFile, Provenance, diagram, differences, file_name, named_in,
     parameters, robot,
 };
-use blocksim_results::{clock::iso, write_whole};
+use blocksim_results::{MOST_TEXT, clock::iso, limited_text, write_whole};
 
 use crate::args::import::ImportArgs;
 use crate::disk::unwritable;
@@ -185,7 +185,7 @@ fn put(folder: &Path, name: &str, text: &str) -> Result<String, Failure> {
 
 /// The text of a file; `None` if there is none.
 fn existing(path: &PathBuf) -> Result<Option<String>, Failure> {
-    match fs::read_to_string(path) {
+    match limited_text(path, MOST_TEXT) {
         Ok(text) => Ok(Some(text)),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(Failure::unreadable(format!("cannot read `{}`: {error}", path.display()))),
