@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::SystemTime;
 
 use blocksim_diagram::fingerprint;
@@ -184,7 +184,7 @@ fn put(folder: &Path, name: &str, text: &str) -> Result<String, Failure> {
 }
 
 /// The text of a file; `None` if there is none.
-fn existing(path: &PathBuf) -> Result<Option<String>, Failure> {
+fn existing(path: &Path) -> Result<Option<String>, Failure> {
     match limited_text(path, MOST_TEXT) {
         Ok(text) => Ok(Some(text)),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
@@ -193,7 +193,7 @@ fn existing(path: &PathBuf) -> Result<Option<String>, Failure> {
 }
 
 /// The parameter file of the last import, unless somebody has changed it since.
-fn old(path: &PathBuf, replace: bool) -> Result<Option<String>, Failure> {
+fn old(path: &Path, replace: bool) -> Result<Option<String>, Failure> {
     let Some(text) = existing(path)? else { return Ok(None) };
     let why = match sealed(&text) {
         Seal::Whole => return Ok(Some(text)),
