@@ -1,6 +1,6 @@
 //! C99 of a part of a compiled diagram, for targets: the laws that the engine runs, joined to programs and written down.
 //!
-//! A [`Part`] is some blocks of a [`Schedule`](blocksim_block::schedule::Schedule) with what goes in and out. [`generate`] turns it
+//! A [`Part`] is some blocks of a [`Schedule`] with what goes in and out. [`generate`] turns it
 //! into a header, a source, and a test with the inputs and outputs of a simulation of the part alone, which the code reproduces bit by
 //! bit in double precision. What cannot be translated is refused with the block, the reason and a remedy.
 //!
