@@ -127,14 +127,13 @@ impl Joined {
     /// The rates of values that are wanted anywhere, along a direction in the space of the states, which stands for parameters.
     pub fn rates(mut self) -> Draft {
         self.roots.retain(|root| matches!(root, Root::Anywhere(_)));
-        let Draft { program, roots } = self.finish();
+        let Draft { program, .. } = self.finish();
         let program = blocksim_law::rates(&program, &|op| match op {
             Op::State(i) => Some(Op::Parameter(i)),
             _ => None,
         });
         let program = program.optimised();
-        let wanted = roots.len() - roots.iter().filter(|root| matches!(root, Root::Met(_))).count();
-        let values = program.outputs.iter().take(wanted).map(|(_, id)| Root::Anywhere(*id));
+        let values = program.outputs.iter().map(|(_, id)| Root::Anywhere(*id));
         let met = program.requirements.iter().map(|id| Root::Met(*id));
         let roots = values.chain(met).collect();
         Draft { program, roots }
