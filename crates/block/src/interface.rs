@@ -1,5 +1,8 @@
 //! What a block looks like from outside: ports, states, dependencies. Pure data.
 
+use std::borrow::Cow;
+use std::sync::Arc;
+
 use blocksim_signal::{Dimension, SampleTime};
 
 use crate::event::{Change, Changes, Event, JUMP, Subject};
@@ -23,8 +26,9 @@ pub struct State {
 /// One discrete state: a sampled state, a mode or a cell of a memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Discrete {
-    /// Name below the block, for messages.
-    pub name: String,
+    // Of a memory, which may have millions of cells, all share one.
+    stem: Arc<str>,
+    cell: Option<u32>,
     /// Value at the start.
     pub initial: f64,
     /// What its changes are called, where they are events.
@@ -34,7 +38,15 @@ pub struct Discrete {
 impl Discrete {
     /// A discrete state whose changes are no events.
     pub fn new(name: impl Into<String>, initial: f64) -> Self {
-        Self { name: name.into(), initial, changes: None }
+        Self { stem: name.into().into(), cell: None, initial, changes: None }
+    }
+
+    /// Name below the block, for messages.
+    pub fn name(&self) -> Cow<'_, str> {
+        match self.cell {
+            Some(cell) => format!("{}[{cell}]", self.stem).into(),
+            None => (&*self.stem).into(),
+        }
     }
 
     /// The same with names for its changes, which are events.
@@ -46,7 +58,7 @@ impl Discrete {
     /// A discrete state whose changes are jumps of something else by as much, in this unit, which are events.
     pub fn jumps(name: impl Into<String>, subject: Subject, unit: &'static str) -> Self {
         let changes = Changes { table: JUMP, subject, unit: Some(unit) };
-        Self { name: name.into(), initial: 0.0, changes: Some(Box::new(changes)) }
+        Self { changes: Some(Box::new(changes)), ..Self::new(name, 0.0) }
     }
 }
 
@@ -291,7 +303,9 @@ impl Interface {
 
     /// Adds `n` discrete states of one name.
     pub fn memory(mut self, name: &str, n: usize, initial: f64) -> Self {
-        self.discrete.extend((0..n).map(|i| Discrete::new(format!("{name}[{i}]"), initial)));
+        let stem: Arc<str> = name.into();
+        let cell = |i| Discrete { stem: Arc::clone(&stem), cell: Some(i as u32), initial, changes: None };
+        self.discrete.extend((0..n).map(cell));
         self
     }
 
@@ -504,8 +518,8 @@ pub struct InterfaceError {
     pub help: Option<String>,
 }
 
-/// Most numbers that all blocks of a model together may remember: 1 GB with their names.
-pub const MOST_MEMORY: usize = 1 << 24;
+/// Most numbers that all blocks of a model together may remember.
+pub const MOST_MEMORY: usize = 1 << 22;
 
 impl InterfaceError {
     /// Whether a block may remember `cells` numbers, which `why` explains: `1000 samples of 3 elements`.

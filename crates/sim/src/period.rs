@@ -392,7 +392,7 @@ fn places(simulation: &Simulation, involved: &[usize]) -> (Vec<Place>, Vec<Strin
         }
         let count = block.interface.discrete.len();
         let ring = block.interface.ring;
-        let named = |n: usize| state_name(block, &block.interface.discrete[n].name);
+        let named = |n: usize| state_name(block, &block.interface.discrete[n].name());
         for n in 0..ring.map_or(count, |ring| ring.next.min(ring.first)) {
             places.push(Place::Discrete(block.d + n));
             names.push(named(n));
@@ -442,7 +442,7 @@ fn modes(schedule: &Schedule, places: &[Place]) -> Vec<usize> {
     let of_block = |block: &Instance| -> Vec<usize> {
         let settles = block.interface.settles && !block.interface.time_events;
         let states = block.interface.discrete.iter().enumerate().filter(|_| settles);
-        let modes = states.filter(|(_, state)| state.changes.is_some() || state.name.contains("mode"));
+        let modes = states.filter(|(_, state)| state.changes.is_some() || state.name().contains("mode"));
         modes.map(|(n, _)| block.d + n).collect()
     };
     let all = schedule.blocks.iter().flat_map(of_block);
@@ -453,7 +453,7 @@ fn modes(schedule: &Schedule, places: &[Place]) -> Vec<usize> {
 fn mode_name(schedule: &Schedule, mode: usize) -> String {
     let found = schedule.blocks.iter().find_map(|block| {
         let state = block.interface.discrete.get(mode.checked_sub(block.d)?)?;
-        Some(state_name(block, &state.name))
+        Some(state_name(block, &state.name()))
     });
     format!("`{}` changes", found.unwrap_or_else(|| "a mode".to_owned()))
 }

@@ -90,7 +90,8 @@ fn conditions(block: &dyn Block) -> Option<(Interface, bool)> {
             let mut interface = part.clone().interface();
             if sticks {
                 let changes = Changes { table: part.friction.0, ..Changes::default() };
-                let mode = Discrete { changes: Some(Box::new(changes)), ..Discrete::new("mode", 0.0) };
+                let mut mode = Discrete::new("mode", 0.0);
+                mode.changes = Some(Box::new(changes));
                 interface.discrete.push(mode);
             }
             Some((interface, sticks))

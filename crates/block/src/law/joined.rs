@@ -37,7 +37,7 @@ impl Draft {
                 program.states[block.x + i] = state(format!("{}.{}", block.path, of.name), of.initial);
             }
             for (i, of) in block.interface.discrete.iter().enumerate() {
-                program.memories[block.d + i] = memory(format!("{}.{}", block.path, of.name), of.initial);
+                program.memories[block.d + i] = memory(format!("{}.{}", block.path, of.name()), of.initial);
             }
         }
         program

@@ -1,11 +1,11 @@
 //! What a block is handed to record its law.
 
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 
 pub use blocksim_law::{Condition, Relation, Value};
 use blocksim_law::{Id, Program, Recorder};
 
-use crate::Interface;
+use crate::{Discrete, Interface};
 
 /// Where a block records its law: handles on what its functions would be handed, and a place for each number that they
 /// would write. Handles calculate like numbers; nothing is computed yet.
@@ -15,7 +15,8 @@ pub struct Recording<'r> {
     recorder: &'r Recorder,
     inputs: Vec<Vec<Value<'r>>>,
     x: Vec<Value<'r>>,
-    d: Vec<Value<'r>>,
+    discrete: &'r [Discrete],
+    d: OnceCell<Vec<Value<'r>>>,
     written: RefCell<Written>,
 }
 
@@ -37,7 +38,7 @@ pub(super) struct Written {
 impl<'r> Recording<'r> {
     pub(super) fn new(
         recorder: &'r Recorder,
-        interface: &Interface,
+        interface: &'r Interface,
         inputs: &[(u32, u32)],
         outputs: &[(u32, u32)],
     ) -> Self {
@@ -50,7 +51,8 @@ impl<'r> Recording<'r> {
         Self {
             inputs: inputs.iter().enumerate().map(|(k, span)| port(k, *span)).collect(),
             x: interface.states.iter().map(|state| recorder.state(&state.name, state.initial)).collect(),
-            d: interface.discrete.iter().map(|state| recorder.memory(&state.name, state.initial)).collect(),
+            discrete: &interface.discrete,
+            d: OnceCell::new(),
             written: RefCell::new(Written {
                 outputs: none(cells),
                 derivatives: none(interface.states.len()),
@@ -116,7 +118,9 @@ impl<'r> Recording<'r> {
 
     /// Discrete states, as they are held.
     pub fn d(&self) -> &[Value<'r>] {
-        &self.d
+        // A memory may have millions of cells, and what only copies it records no law.
+        let memory = |state: &Discrete| self.recorder.memory(&state.name(), state.initial);
+        self.d.get_or_init(|| self.discrete.iter().map(memory).collect())
     }
 
     /// The time, s.

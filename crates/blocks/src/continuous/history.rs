@@ -47,7 +47,7 @@ pub(crate) fn states(interface: Interface, n: usize, pieces: usize) -> Result<In
 }
 
 /// Most pieces that a block may ask for.
-pub(crate) const MOST_PIECES: usize = 1_000_000;
+pub(crate) const MOST_PIECES: usize = 500_000;
 
 /// Cells that a piece takes.
 fn cells(n: usize) -> usize {

@@ -67,7 +67,7 @@ fn numbers_of_ports_and_memories_are_limited() {
         ),
         (
             "TransportDelay(delay: \"1 s\", buffer: 1000000000000000)",
-            "`buffer` is 1000000000000000, but must be from 16 to 1000000",
+            "`buffer` is 1000000000000000, but must be from 16 to 500000",
         ),
         (
             "Delay(steps: 1000000000000000, ts: \"1 ms\")",
@@ -78,11 +78,11 @@ fn numbers_of_ports_and_memories_are_limited() {
     }
     folder.write(
         "long.ron",
-        "Diagram(blocks: { \"one\": Constant(value: [1, 2, 3, 4, 5, 6]), \"b\": TransportDelay(delay: \"1 s\", buffer: 1000000), \
+        "Diagram(blocks: { \"one\": Constant(value: [1, 2, 3, 4, 5, 6]), \"b\": TransportDelay(delay: \"1 s\", buffer: 500000), \
          \"t\": Terminator }, connections: [\"one.y -> b.u\", \"b.y -> t.u\"])",
     );
     let said = folder.says(&["check", "long.ron"], 3);
-    assert!(said.contains("error[too_large]") && said.contains("1000000 steps of 6 elements"), "{said}");
+    assert!(said.contains("error[too_large]") && said.contains("500000 steps of 6 elements"), "{said}");
 }
 
 #[test]

@@ -165,7 +165,7 @@ impl<'l> Layout<'l> {
             format!(
                 "{}.{}",
                 self.selected.short(&block.path),
-                block.interface.discrete[number - block.d].name
+                block.interface.discrete[number - block.d].name()
             )
         })
     }

@@ -151,12 +151,12 @@ fn owns_states(block: &Instance) -> bool {
 /// Names of all continuous and sampled states. Those of a network carry the path of the member they belong to.
 fn states(schedule: &Schedule) -> Vec<String> {
     let of_block = |block: &Instance| -> Vec<String> {
-        let continuous = block.interface.states.iter().map(|state| &state.name);
+        let continuous = block.interface.states.iter().map(|state| state.name.clone());
         if !block.parts.is_empty() {
-            return continuous.cloned().collect();
+            return continuous.collect();
         }
-        let sampled =
-            block.interface.discrete.iter().filter(|_| block.rate.is_some()).map(|state| &state.name);
+        let sampled = block.interface.discrete.iter().filter(|_| block.rate.is_some());
+        let sampled = sampled.map(|state| state.name().into_owned());
         continuous.chain(sampled).map(|name| format!("{}.{name}", block.path)).collect()
     };
     schedule.blocks.iter().flat_map(of_block).collect()

@@ -87,7 +87,7 @@ fn described(interface: &Interface) -> String {
         text += &format!("out {}: {shape}, {unit}, reads {}\n", output.name, reads.join(" "));
     }
     interface.states.iter().for_each(|state| text += &format!("x {} = {}\n", state.name, state.initial));
-    interface.discrete.iter().for_each(|state| text += &format!("xd {} = {}\n", state.name, state.initial));
+    interface.discrete.iter().for_each(|state| text += &format!("xd {} = {}\n", state.name(), state.initial));
     text + &format!("{:?}, uses time: {}\n", interface.sample_time, interface.uses_time)
 }
 

@@ -385,7 +385,7 @@ fn free(
     }
     for memory in &part.discrete {
         *interface =
-            std::mem::take(interface).discrete(format!("{}.{}", member.path, memory.name), memory.initial);
+            std::mem::take(interface).discrete(format!("{}.{}", member.path, memory.name()), memory.initial);
     }
     for guard in &part.guards {
         let name = format!("{}.{}", member.path, guard.name);
@@ -413,7 +413,7 @@ fn hold(
             *interface = std::mem::take(interface).discrete(name, state.initial);
         }
         for memory in &part.discrete {
-            let name = format!("{}.{}{suffix}", member.path, memory.name);
+            let name = format!("{}.{}{suffix}", member.path, memory.name());
             *interface = std::mem::take(interface).discrete(name, memory.initial);
         }
         (take(&mut next.d, part.states.len()), take(&mut next.d, part.discrete.len()))

@@ -65,7 +65,7 @@ fn a_crank_turns_through_its_dead_centres_against_dry_friction_on_the_slide() {
             plant.bench.major();
             let expected = outward * r * w * w * (1.0 - outward * r / l);
             close(plant.get("slide.a"), expected, 1e-9 * expected.abs());
-            let mode = plant.bench.interface.discrete.iter().position(|state| state.name == "guide.mode");
+            let mode = plant.bench.interface.discrete.iter().position(|state| state.name() == "guide.mode");
             assert_eq!(plant.bench.d[mode.expect("a mode")], outward);
             close(plant.get("crank.w"), turns * w, 1e-12);
         }

@@ -82,7 +82,7 @@ impl<'s> Conditions<'s> {
             let clock = &schedule.clock;
             rates.extend(d.map(|_| 1.0 / clock.time(clock.rates[updated.rate].period)));
             let own = instance.interface.discrete.iter();
-            names.extend(own.map(|state| format!("{}.{}", instance.path, state.name)));
+            names.extend(own.map(|state| format!("{}.{}", instance.path, state.name())));
         }
         let mut memories = memories;
         for memory in &mut memories {

@@ -336,7 +336,8 @@ pub(super) fn modes(schedule: &Schedule, between: &[usize], values: &[f64]) -> V
     let mut found: Vec<(String, Stays)> = Vec::new();
     for block in between.iter().map(|&block| &schedule.blocks[block]) {
         for (state, value) in block.interface.discrete.iter().zip(&values[block.d..]) {
-            let (owner, name) = state.name.rsplit_once('.').unwrap_or((&block.path, &state.name));
+            let name = state.name();
+            let (owner, name) = name.rsplit_once('.').unwrap_or((&block.path, &name));
             let stays = match name.strip_prefix("mode") {
                 Some(_) if owner != block.path => (*value == 0.0).then_some(Stays::Stuck),
                 Some("") => (*value != 0.0).then_some(Stays::Limited),
