@@ -1,13 +1,14 @@
 //! What an evaluation of simple blocks costs: rings of integrators and gains, a cascaded servo of 24 blocks beside the same loop
 //! written by hand, and the oscillator of van der Pol.
 //!
-//! `cargo bench -p blocksim-tests --bench laws`.
+//! `cargo bench -p blocksim-tests --bench laws`; one of them alone with ` -- ring`, ` -- servo` or ` -- oscillator`.
 
 use std::fmt::Write;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use blocksim_host::machines;
 use blocksim_sim::{Observer, Simulation};
 use blocksim_tests::compile_text;
 
@@ -86,30 +87,48 @@ const OSCILLATOR: &str = r#"Diagram(simulation: (stop_time: "20 s", solver: Ode4
   connections: ["v.y -> x.u", "x.y -> square.u1", "x.y -> square.u2", "one.y -> less.u1", "square.y -> less.u2", "less.y -> damp.u1",
     "v.y -> damp.u2", "damp.y -> mu.u", "mu.y -> a.u1", "x.y -> a.u2", "a.y -> v.u", "x.y -> s.x"])"#;
 
-/// Fastest time of a run, its evaluations and its last row.
-fn run(text: &str) -> (Duration, u64, Vec<f64>) {
+/// Fastest time of a run, its evaluations and its last row; by the interpreter and by machine code.
+fn run(text: &str) -> [(Duration, u64, Vec<f64>); 2] {
     let (compiled, problems) = compile_text(text);
     let schedule = Arc::new(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
-    let mut best = (Duration::MAX, 0, Vec::new());
-    for _ in 0..RUNS {
-        let mut simulation = Simulation::new(Arc::clone(&schedule)).expect("a start");
-        let mut last = Last::default();
-        let start = Instant::now();
-        simulation.run(&mut last).expect("a run");
-        best = (best.0.min(start.elapsed()), simulation.counts().evaluations, last.0);
-    }
-    best
+    let made = machines(&Simulation::new(Arc::clone(&schedule)).expect("a start").tapes(), None);
+    let made = made.expect("a compiler").machines;
+    [false, true].map(|is_native| {
+        let mut best = (Duration::MAX, 0, Vec::new());
+        for _ in 0..RUNS {
+            let mut simulation = Simulation::new(Arc::clone(&schedule)).expect("a start");
+            if is_native {
+                simulation.run_by(&made).expect("the same bits");
+            }
+            let mut last = Last::default();
+            let start = Instant::now();
+            simulation.run(&mut last).expect("a run");
+            best = (best.0.min(start.elapsed()), simulation.counts().evaluations, last.0);
+        }
+        best
+    })
+}
+
+fn main() {
+    let asked = std::env::args().skip(1).find(|word| !word.starts_with('-'));
+    let is_asked = |name: &str| asked.as_deref().is_none_or(|asked| asked == name);
+    let models: [(&str, fn()); 3] = [("ring", rings), ("servo", servo), ("oscillator", oscillator)];
+    models.iter().filter(|(name, _)| is_asked(name)).for_each(|(_, model)| model());
 }
 
 #[expect(clippy::print_stdout, reason = "a benchmark shows its figures")]
-fn main() {
+fn rings() {
     for n in [50, 500, 5_000, 50_000] {
         let steps = (2_000_000 / n).max(20);
-        let (time, evaluations, _) = run(&ring(n, steps));
-        let each = time.as_secs_f64() * 1e9 / evaluations as f64 / (2 * n) as f64;
-        println!("ring of {:6} blocks {each:10.2} ns a block and evaluation", 2 * n);
+        let [each, native] = run(&ring(n, steps))
+            .map(|(time, evaluations, _)| time.as_secs_f64() * 1e9 / evaluations as f64 / (2 * n) as f64);
+        println!("ring of {:6} blocks {each:10.2} ns a block and evaluation, native {native:.2} ns", 2 * n);
         println!("time laws/ring/{} {:.6} ms", 2 * n, each * 1e-6);
     }
+}
+
+#[expect(clippy::print_stdout, reason = "a benchmark shows its figures")]
+fn servo() {
     let mut hand = Duration::MAX;
     let mut end = 0.0;
     for _ in 0..RUNS {
@@ -117,18 +136,25 @@ fn main() {
         end = by_hand(black_box(STEPS), 1e-4);
         hand = hand.min(start.elapsed());
     }
-    let (servo, _, last) = run(SERVO);
+    let [(servo, _, last), (native, ..)] = run(SERVO);
     assert!((last[0] - end).abs() < 1e-9, "{last:?} and {end}");
     let step = |time: Duration| time.as_secs_f64() * 1e9 / STEPS as f64;
     println!(
-        "servo {:.0} ns a step, by hand {:.0} ns, ratio {:.2}",
+        "servo {:.0} ns a step, native {:.0} ns, by hand {:.0} ns, ratios {:.2} and {:.2}",
         step(servo),
+        step(native),
         step(hand),
-        step(servo) / step(hand)
+        step(servo) / step(hand),
+        step(native) / step(hand)
     );
     println!("time laws/servo {:.4} ms", servo.as_secs_f64() * 1e3);
     println!("time laws/by_hand {:.4} ms", hand.as_secs_f64() * 1e3);
-    let (oscillator, evaluations, _) = run(OSCILLATOR);
-    println!("van der Pol {:.3} ms, {evaluations} evaluations", oscillator.as_secs_f64() * 1e3);
+}
+
+#[expect(clippy::print_stdout, reason = "a benchmark shows its figures")]
+fn oscillator() {
+    let [(oscillator, evaluations, _), (native, ..)] = run(OSCILLATOR);
+    let ms = |time: Duration| time.as_secs_f64() * 1e3;
+    println!("van der Pol {:.3} ms, native {:.3} ms, {evaluations} evaluations", ms(oscillator), ms(native));
     println!("time laws/van_der_pol {:.4} ms", oscillator.as_secs_f64() * 1e3);
 }

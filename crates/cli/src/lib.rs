@@ -13,6 +13,7 @@ mod commands;
 mod disk;
 mod exit;
 mod failure;
+mod home;
 #[cfg_attr(
     all(feature = "lsp", feature = "parquet", feature = "png", feature = "xlsx", not(test)),
     expect(dead_code, reason = "nothing is left out")

@@ -34,4 +34,4 @@ pub use op::{Binary, Domain, Id, Op, Relation, Unary};
 pub use program::{Guard, Instruction, Memory, Mode, Program, State};
 pub use recorder::{Condition, Recorder, Value};
 pub use tangent::{rates, slopes, tangent};
-pub use tape::{Leaf, Made, Met, Root, Tape};
+pub use tape::{Leaf, Machine, Made, Met, Ran, Root, Tape, Word, WordCode};

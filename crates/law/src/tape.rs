@@ -1,30 +1,52 @@
 //! The interpreter: a tape of short instructions over one array of numbers, one `match` an instruction.
 
+use std::fmt::Debug;
+use std::sync::Arc;
+
 use crate::op::{power, truth};
 use crate::passes::Set;
 use crate::{Binary, Id, Op, Relation, Unary};
 
 /// Values of a program, ready to be computed over one array of numbers, its *cells*. Where what comes from outside lies, and where
 /// results go, is up to whoever makes the tape.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Tape {
     words: Vec<Word>,
     /// The instruction that each word came from.
     from: Vec<Id>,
+    /// What runs in its place.
+    machine: Option<Arc<dyn Machine>>,
+}
+
+/// Two tapes are equal if they compute the same, by whatever means.
+impl PartialEq for Tape {
+    fn eq(&self, other: &Self) -> bool {
+        self.words == other.words && self.from == other.from
+    }
 }
 
 /// An instruction whose operands are numbers of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Word {
-    code: Code,
-    to: u32,
-    a: u32,
-    b: u32,
-    c: u32,
+pub struct Word {
+    /// What it does.
+    pub code: WordCode,
+    /// The cell that its result goes to.
+    pub to: u32,
+    /// First operand.
+    pub a: u32,
+    /// Second operand.
+    pub b: u32,
+    /// Third operand.
+    pub c: u32,
 }
 
+use WordCode as Code;
+
+/// What an instruction of a tape does. Operands that nothing is said of are cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Code {
+#[expect(missing_docs, reason = "operations are called as in mathematics")]
+pub enum WordCode {
+    /// Copies cell `a`.
     Copy,
     /// From number `a` of what is held.
     Load,
@@ -41,8 +63,9 @@ enum Code {
     MulSub,
     /// `c - a * b`, rounded twice.
     SubMul,
-    /// Exponent `b`, as bits.
+    /// `a` to the whole exponent `b`, which is no cell but the bits of an `i32`.
     Power,
+    /// `a` between `b` and `c`; see [`Op::Clamp`].
     Clamp,
     Unary(Unary),
     Binary(Binary),
@@ -50,8 +73,25 @@ enum Code {
     Not,
     And,
     Or,
+    /// `b` where `a` is not 0, otherwise `c`.
     Select,
+    /// Fails, about the number in `b`, where `a` is 0.
     Require,
+}
+
+/// Something that computes what a tape does, to the bit, and more quickly: machine code of it.
+pub trait Machine: Debug + Send + Sync {
+    /// Computes everything.
+    fn run(&self, cells: &mut [f64], held: &mut [f64]) -> Ran;
+}
+
+/// What a run of a [`Machine`] has met.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Ran {
+    /// The first word whose requirement does not hold, and the number that it is about.
+    pub failed: Option<(usize, f64)>,
+    /// Whether something that is held is another number now.
+    pub changed: bool,
 }
 
 /// Where a number from outside is found.
@@ -123,11 +163,52 @@ impl Tape {
         self.words.is_empty()
     }
 
+    /// Its instructions.
+    pub fn words(&self) -> &[Word] {
+        &self.words
+    }
+
+    /// How many cells and held numbers a run needs.
+    pub fn extent(&self) -> (usize, usize) {
+        let (mut cells, mut held) = (0, 0);
+        for word in &self.words {
+            let Word { code, to, a, b, c } = *word;
+            match code {
+                Code::Load => (cells, held) = (cells.max(to + 1), held.max(a + 1)),
+                Code::Hold => (cells, held) = (cells.max(a + 1), held.max(to + 1)),
+                Code::Power => cells = cells.max(to + 1).max(a + 1),
+                // Operands that are not used are the first cell.
+                _ => cells = [to, a, b, c].into_iter().fold(cells, |cells, at| cells.max(at + 1)),
+            }
+        }
+        (cells as usize, held as usize)
+    }
+
+    /// Has a machine compute what the tape says from now on.
+    pub fn run_by(&mut self, machine: Arc<dyn Machine>) {
+        self.machine = Some(machine);
+    }
+
     /// Computes everything.
     ///
     /// # Panics
     /// Panics if there are fewer cells or held numbers than the tape was made for.
+    #[inline]
     pub fn run(&self, cells: &mut [f64], held: &mut [f64]) -> Met {
+        match &self.machine {
+            None => self.interpret(cells, held),
+            Some(machine) => {
+                let Ran { failed, changed } = machine.run(cells, held);
+                Met { failed: failed.map(|(word, about)| (self.from[word], about)), changed }
+            }
+        }
+    }
+
+    /// The same, always by the interpreter.
+    ///
+    /// # Panics
+    /// Panics if there are fewer cells or held numbers than the tape was made for.
+    pub fn interpret(&self, cells: &mut [f64], held: &mut [f64]) -> Met {
         let mut met = Met::default();
         for (number, word) in self.words.iter().enumerate() {
             let r = |cell: u32| cells[cell as usize];

@@ -36,6 +36,16 @@ pub(crate) enum Part {
     Tape(Tape, Range<usize>, When),
 }
 
+impl Part {
+    fn tape(&self) -> Option<&Tape> {
+        if let Part::Tape(tape, ..) = self { Some(tape) } else { None }
+    }
+
+    fn tape_mut(&mut self) -> Option<&mut Tape> {
+        if let Part::Tape(tape, ..) = self { Some(tape) } else { None }
+    }
+}
+
 /// What many blocks write, each some of it: derivatives or guards.
 #[derive(Debug, Default)]
 pub(crate) struct Gathered {
@@ -95,11 +105,12 @@ impl Fused {
         let gathered = [&derivatives.0, &guards.0].into_iter().chain(&slopes);
         let mut layout = Layout::new(schedule, drafts.iter().chain(gathered).map(|draft| &draft.program));
         let lists = [&mut fused.major, &mut fused.continuous, &mut fused.minor, &mut fused.rows];
-        let tapes = lists.into_iter().flatten().filter_map(|part| match part {
-            Part::Tape(tape, ..) => Some(tape),
-            Part::Calls(_) => None,
-        });
-        tapes.zip(&drafts).for_each(|(tape, draft)| *tape = layout.made(draft).0);
+        lists
+            .into_iter()
+            .flatten()
+            .filter_map(Part::tape_mut)
+            .zip(&drafts)
+            .for_each(|(tape, draft)| *tape = layout.made(draft).0);
         fused.derivatives = layout.gathered(derivatives);
         fused.guards = layout.gathered(guards);
         fused.slopes = slopes.map(|draft| {
@@ -126,6 +137,21 @@ impl Fused {
             slopes,
             layout,
         }
+    }
+
+    /// All tapes.
+    pub fn tapes(&self) -> impl Iterator<Item = &Tape> {
+        let parts = [&self.major, &self.continuous, &self.minor, &self.rows].into_iter().flatten();
+        let slopes = self.slopes.iter().map(|slopes| &slopes.rates.tape);
+        parts.filter_map(Part::tape).chain([&self.derivatives.tape, &self.guards.tape]).chain(slopes)
+    }
+
+    /// All tapes, for what is to run in their place.
+    pub fn tapes_mut(&mut self) -> impl Iterator<Item = &mut Tape> {
+        let Self { major, continuous, minor, rows, derivatives, guards, slopes, .. } = self;
+        let parts = [major, continuous, minor, rows].into_iter().flatten();
+        let slopes = slopes.iter_mut().map(|slopes| &mut slopes.rates.tape);
+        parts.filter_map(Part::tape_mut).chain([&mut derivatives.tape, &mut guards.tape]).chain(slopes)
     }
 
     /// Makes room for the tapes behind the signals, and puts constants there.

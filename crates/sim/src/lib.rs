@@ -25,6 +25,7 @@
 //! | `influence` | which derivatives a state can act on, and whether that is so |
 //! | `kinks` | steps that have looked beyond a kink, once more |
 //! | `fused`, `listing` | laws that are data, run as one; what is run, for those who print it |
+//! | `native` | machine code in the place of what runs them |
 //! | `past` | what blocks remember of steps |
 //! | `taps`, `period` | signals that can be changed from outside; the map of a model from one sample hit to another |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
@@ -58,6 +59,7 @@ mod loops;
 mod major;
 mod methods;
 mod modes;
+mod native;
 mod pace;
 mod past;
 mod peaks;

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+use blocksim_block::law::{Machine, Ran};
 use blocksim_block::schedule::{Schedule, Start};
+use blocksim_host::machines;
 use blocksim_sim::{Counts, Observer, SimError, Simulation};
 use blocksim_tests::random::{Circuit, Mechanisms, Puzzle, Sampled, Shafts, Signals, Variant};
 use blocksim_tests::{compile_file, compile_text, diagrams_below, root};
@@ -87,4 +89,63 @@ fn random_models_give_the_bits_of_single_calls() {
         + random::<Circuit>("circuits", &mut wrong);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(laws > 300, "only {laws} blocks have laws");
+}
+
+/// One source holds the tapes of all models, so that the compiler is started once.
+#[test]
+fn machine_code_gives_the_bits_of_the_interpreter() {
+    let examples = diagrams_below("docs/blocks").into_iter().filter_map(|path| {
+        let name = path.strip_prefix(root()).expect("below the root").display().to_string();
+        Some((compile_file(&name, &[]).0.schedule?, name))
+    });
+    let random = (1..21).flat_map(|seed| {
+        let texts = [Signals::of(seed).text(&Variant::plain()), Sampled::of(seed).text(&Variant::plain())];
+        texts.map(|text| (compile_text(&text).0.schedule.expect("a model"), format!("random {seed}")))
+    });
+    let mut models: Vec<_> = examples
+        .chain(random)
+        .filter_map(|(mut schedule, name)| {
+            schedule.settings.start = Start::Given;
+            let schedule = Arc::new(schedule);
+            let native = Simulation::new(Arc::clone(&schedule)).ok()?;
+            (!native.tapes().is_empty()).then_some((schedule, native, name))
+        })
+        .collect();
+    let tapes: Vec<_> = models.iter().flat_map(|(_, native, _)| native.tapes()).cloned().collect();
+    let made = machines(&tapes.iter().collect::<Vec<_>>(), None).expect("a compiler");
+    assert!(models.len() > 100 && made.machines.len() == tapes.len(), "{} models", models.len());
+    let mut next = 0;
+    for (_, native, name) in &mut models {
+        let count = native.tapes().len();
+        assert_eq!(native.run_by(&made.machines[next..next + count]), Ok(()), "{name}");
+        next += count;
+    }
+    for (schedule, native, name) in models {
+        let end = schedule.settings.stop_time.min(LONGEST);
+        assert!(run(Ok(native), end) == run(Simulation::new(schedule), end), "{name}");
+    }
+}
+
+/// A machine that is as good as its tape but for the last bit of one number.
+#[derive(Debug)]
+struct Inexact(Arc<dyn Machine>);
+
+impl Machine for Inexact {
+    fn run(&self, cells: &mut [f64], held: &mut [f64]) -> Ran {
+        let ran = self.0.run(cells, held);
+        cells[0] = f64::from_bits(cells[0].to_bits() ^ 1);
+        ran
+    }
+}
+
+#[test]
+fn a_machine_that_leaves_another_bit_is_refused_and_its_tape_goes_on() {
+    let (compiled, _) = compile_text(&Signals::of(3).text(&Variant::plain()));
+    let schedule = Arc::new(compiled.schedule.expect("a model"));
+    let mut simulation = Simulation::new(Arc::clone(&schedule)).expect("a start");
+    let mut made = machines(&simulation.tapes(), None).expect("a compiler").machines;
+    let last = made.len() - 1;
+    made[last] = Arc::new(Inexact(Arc::clone(&made[last])));
+    assert_eq!(simulation.run_by(&made), Err(last));
+    assert!(run(Ok(simulation), LONGEST) == run(Simulation::new(schedule), LONGEST));
 }

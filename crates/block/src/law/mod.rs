@@ -5,6 +5,8 @@ mod joined;
 mod recording;
 
 pub use block_law::BlockLaw;
-pub use blocksim_law::{Binary, Domain, Failure, Id, Op, Program, Root, Unary};
+pub use blocksim_law::{
+    Binary, Domain, Failure, Id, Machine, Op, Program, Ran, Root, Tape, Unary, Word, WordCode,
+};
 pub use joined::{Draft, Joined, Placed};
 pub use recording::{Condition, Recording, Relation, Value};

@@ -7,6 +7,7 @@ pub mod keep;
 pub mod manifest;
 mod meshes;
 pub mod model_text;
+pub mod native;
 pub mod parallel;
 pub mod recorder;
 pub mod report;

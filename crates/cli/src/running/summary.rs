@@ -129,7 +129,7 @@ fn times(factor: f64) -> String {
 }
 
 /// A duration on the clock on the wall; milliseconds below a tenth of a second.
-fn short(seconds: f64) -> String {
+pub fn short(seconds: f64) -> String {
     if seconds < 0.1 { format!("{} ms", significant(seconds * 1e3, 2)) } else { duration(seconds) }
 }
 

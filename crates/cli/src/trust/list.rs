@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use blocksim_results::{limited_text, write_whole};
 use serde_json::{Value, json};
 
-use super::places;
 use crate::disk;
+use crate::home;
 
 /// Name of the file.
 const FILE: &str = "trusted.json";
@@ -93,8 +93,7 @@ impl TrustList {
 
 /// The folder of the list, made where it is missing.
 fn folder() -> Result<PathBuf, String> {
-    let folder =
-        places::config().ok_or("this system has no folder for settings; name one in BLOCKSIM_HOME")?;
+    let folder = home::config().ok_or("this system has no folder for settings; name one in BLOCKSIM_HOME")?;
     fs::create_dir_all(&folder)
         .map_err(|error| format!("`{}` cannot be created: {error}", folder.display()))?;
     Ok(folder)
@@ -131,7 +130,7 @@ impl Drop for Alone {
 
 /// Where the list is.
 fn file() -> Option<PathBuf> {
-    Some(places::config()?.join(FILE))
+    Some(home::config()?.join(FILE))
 }
 
 fn read_from(file: &Path) -> Result<TrustList, String> {

@@ -9,7 +9,7 @@ use blocksim_diagram::fingerprint;
 use blocksim_results::{limited_text, write_whole};
 use serde_json::{Value, json};
 
-use super::places;
+use crate::home;
 
 /// Most bytes of a file.
 const LARGEST: u64 = 16 << 20;
@@ -54,5 +54,5 @@ fn keep(code: &Path, offer: &str) -> bool {
 fn place(code: &Path) -> Option<(PathBuf, String)> {
     let sum = fingerprint(code.to_str()?.as_bytes());
     let sum = sum.rsplit(':').next().unwrap_or_default();
-    Some((places::cache()?.join("plugins"), format!("{sum}.json")))
+    Some((home::cache()?.join("plugins"), format!("{sum}.json")))
 }

@@ -4,14 +4,12 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `places` | where the program keeps its own files |
 //! | `list` | what is trusted |
 //! | `memory` | what plug-ins offered when they were loaded last |
 //! | `policy` | what becomes of a plug-in |
 
 mod list;
 mod memory;
-mod places;
 mod policy;
 
 pub use list::TrustList;

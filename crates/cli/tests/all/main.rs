@@ -24,6 +24,8 @@ mod linearise_dead_times;
 mod linearise_sampled;
 mod modules;
 mod mutants;
+#[cfg(unix)]
+mod native;
 mod pages_of_errors;
 mod params;
 mod plan;

@@ -53,7 +53,8 @@ impl Compilers {
         Compilers { c: named("CC", "cc"), cpp: named("CXX", "c++") }
     }
 
-    fn of(&self, is_cpp: bool) -> &[String] {
+    /// The one for C++, or for C.
+    pub fn of(&self, is_cpp: bool) -> &[String] {
         if is_cpp { &self.cpp } else { &self.c }
     }
 }

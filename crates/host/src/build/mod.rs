@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use blocksim_block::LoadError;
 
-pub use c::is_source;
+pub use c::{Compilers, is_source};
 pub use settings::SETTINGS;
 
 use crate::locate::Target;

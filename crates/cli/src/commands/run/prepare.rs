@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::loaded::{Loaded, load};
 use crate::running::blame::failure;
 use crate::running::selection::{Selection, select};
-use crate::running::{interrupt, solver};
+use crate::running::{interrupt, native, solver};
 use crate::terminal::console::Console;
 use crate::trust::Purpose;
 
@@ -64,6 +64,9 @@ pub fn prepare(args: &RunArgs, console: Console) -> Result<(Setup, Simulation), 
     };
     if args.audit && !simulation.audit() {
         return Err(Failure::usage(FIXED[0]).help(FIXED[1]));
+    }
+    if args.native {
+        native::speed_up(&mut simulation, args.quiet || args.json, console);
     }
     Ok((Setup { loaded, schedule, selection, folder, started }, simulation))
 }
