@@ -1,5 +1,7 @@
 use std::path::PathBuf;
 
+use blocksim_results::limited_text;
+
 use crate::disk::models;
 use crate::exit::Exit;
 use crate::failure::Outcome;
@@ -46,7 +48,5 @@ pub fn hints(console: Console) -> Outcome {
 
 /// Whether a text is a model rather than a part of one.
 fn is_whole(path: &PathBuf) -> bool {
-    std::fs::metadata(path).is_ok_and(|about| about.len() < 1 << 20)
-        && std::fs::read_to_string(path)
-            .is_ok_and(|text| text.contains("Diagram(") && text.contains("simulation:"))
+    limited_text(path, 1 << 20).is_ok_and(|text| text.contains("Diagram(") && text.contains("simulation:"))
 }
