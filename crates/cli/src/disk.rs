@@ -172,7 +172,7 @@ pub fn models(folder: &Path) -> Vec<PathBuf> {
 /// That there is one.
 pub fn free(path: &Path, replace: bool) -> Result<(), Failure> {
     if path.symlink_metadata().is_ok() && !replace {
-        let said = format!("`{}` is there already", path.display());
+        let said = format!("`{}` already exists", path.display());
         return Err(
             Failure::new(Exit::Files, "exists", said).help("name another file, or add --yes to replace it")
         );

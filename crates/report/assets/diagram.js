@@ -160,7 +160,7 @@ R.Diagram = (() => {
     }), R.make('span', { class: 'note' }, level.title && level.title !== parts[parts.length - 1] ? ` – ${level.title}` : ''));
     chosen = wire = -1;
     lines = [];
-    place.side.replaceChildren(R.make('p', { class: 'note' }, 'A click on a block or a wire tells what it is; a double click or Enter goes inside, Backspace out again, arrows along the wires, W from wire to wire.'));
+    place.side.replaceChildren(R.make('p', { class: 'note' }, 'Click a block or a wire for its details. A double click or Enter goes inside, Backspace out again; arrows move along the wires, W from wire to wire.'));
     const all = [...nodes.keys()], at = all.find((n) => from !== undefined && level.blocks[n]?.[0] === from) ?? all.find((n) => level.blocks[n]);
     if (at !== undefined && (focus || from !== undefined)) choose(at, focus);
     else if (at !== undefined) { chosen = at; nodes.get(at)?.setAttribute('tabindex', '0'); }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::SystemTime;
 
+use blocksim_results::{MOST_TEXT, limited_text};
 use serde_json::json;
 
 use crate::args::start::DoctorArgs;
@@ -254,7 +255,7 @@ fn plugins(folder: &Path) -> Vec<Finding> {
 }
 
 fn is_plugin(folder: &Path) -> bool {
-    fs::read_to_string(folder.join("Cargo.toml"))
+    limited_text(&folder.join("Cargo.toml"), MOST_TEXT)
         .is_ok_and(|text| text.contains("blocksim-controller") && text.contains("cdylib"))
 }
 

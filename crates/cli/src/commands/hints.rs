@@ -1,4 +1,6 @@
-use std::path::PathBuf;
+use std::path::Path;
+
+use blocksim_results::limited_text;
 
 use crate::disk::models;
 use crate::exit::Exit;
@@ -13,7 +15,7 @@ const MOST: usize = 50;
 /// # Errors
 /// If the standard output cannot be written.
 pub fn hints(console: Console) -> Outcome {
-    let found = models(".".as_ref()).into_iter().take(MOST).find(is_whole);
+    let found = models(".".as_ref()).into_iter().take(MOST).find(|path| is_whole(path));
     let name =
         found.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
     let start = name.is_none().then(|| ("blocksim new lab".to_owned(), "make a project that runs at once"));
@@ -45,8 +47,6 @@ pub fn hints(console: Console) -> Outcome {
 }
 
 /// Whether a text is a model rather than a part of one.
-fn is_whole(path: &PathBuf) -> bool {
-    std::fs::metadata(path).is_ok_and(|about| about.len() < 1 << 20)
-        && std::fs::read_to_string(path)
-            .is_ok_and(|text| text.contains("Diagram(") && text.contains("simulation:"))
+fn is_whole(path: &Path) -> bool {
+    limited_text(path, 1 << 20).is_ok_and(|text| text.contains("Diagram(") && text.contains("simulation:"))
 }

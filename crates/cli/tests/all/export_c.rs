@@ -53,7 +53,7 @@ fn files_are_written_once_and_replaced_when_that_is_said() {
     std::fs::write(desk.0.join("code/control.c"), "mine").expect("a file");
     let again = desk.call(&export);
     assert_eq!(again.code, Some(4), "{again:?}");
-    assert!(again.err.contains("error[exists]: `code/control.h` is there already"), "{}", again.err);
+    assert!(again.err.contains("error[exists]: `code/control.h` already exists"), "{}", again.err);
     assert_eq!(desk.read("code/control.c"), "mine");
     let replaced = desk.call(&[&export[..], &["--yes"]].concat());
     assert_eq!(replaced.code, Some(0), "{replaced:?}");

@@ -141,7 +141,7 @@ fn requests_that_make_no_sense_are_refused_with_a_remedy() {
         (&["friction", "--axis", "2", "--speeds", "170 deg/s"][..], 2, "where gravity is balanced"),
         (&["friction", "--speeds", "3 m"][..], 2, "a unit such as deg/s"),
         (&["friction", &lag][..], 3, "the model has no arm of bodies and joints"),
-        (&["dynamics", "--out", &there][..], 4, "is there already"),
+        (&["dynamics", "--out", &there][..], 4, "already exists"),
         (&["dynamics", "--out", "result.txt"][..], 2, "endings: .csv"),
         (&["dynamics", "--harmonics", "1"][..], 2, "2 to 50"),
         (&["friction", "nowhere.ron"][..], 4, "the file does not exist"),

@@ -57,7 +57,7 @@ fn a_line_is_written_once_and_planned_again_from_its_file() {
     assert!(text.contains("result: (planner:"), "{text}");
 
     let (code, _, err) = plan(&asked);
-    assert!(code == 4 && err.contains("is there already"), "{code}: {err}");
+    assert!(code == 4 && err.contains("already exists"), "{code}: {err}");
     assert_eq!(std::fs::read_to_string(file.path()).unwrap(), text, "and it is left as it was");
 
     let (code, again, err) = plan(&["sequence", file.path()]);

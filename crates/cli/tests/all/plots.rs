@@ -178,7 +178,7 @@ fn drawings_and_pictures_are_written_and_never_replaced_silently() {
     assert!(fs::read(desk.0.join("a.png")).unwrap().starts_with(b"\x89PNG"));
     assert_eq!(
         desk.said(&["plot", "latest", "--png", "a.png"]),
-        "error[exists]: `a.png` is there already\n  = help: name another file, or add --yes to replace it\nexit code 4\n"
+        "error[exists]: `a.png` already exists\n  = help: name another file, or add --yes to replace it\nexit code 4\n"
     );
     assert_eq!(desk.call(&["plot", "latest", "--png", "a.png", "--yes", "--theme", "dark"]).0, 0);
     let lost = desk.said(&["plot", "latest", "--svg", "no/such/a.svg"]);

@@ -69,7 +69,7 @@ fn a_new_controller_is_built_run_tested_and_shown() {
 
     let again = blocksim(&folder.0, &["plugin", "new", "cruise_control"]);
     assert_eq!(again.status.code(), Some(4));
-    assert!(said(&again).contains("is there already"), "{}", said(&again));
+    assert!(said(&again).contains("already exists"), "{}", said(&again));
 }
 
 /// Names that the code of a controller uses itself: those of the prelude, of its constants, of Rust.
@@ -262,7 +262,7 @@ fn mistakes_are_answered_with_the_remedy_and_nothing_is_written() {
     for (words, code, expected) in [
         (&["plugin", "new", "My-Controller"][..], 2, "is not a valid name for a plug-in"),
         (&["plugin", "new", "ok", "--kind", "pid"], 2, "is not a valid name for a controller"),
-        (&["plugin", "new", "full"], 4, "is there already"),
+        (&["plugin", "new", "full"], 4, "already exists"),
         (&["plugin", "new", "ok", "--blocksim", "full"], 2, "not a clone of blocksim"),
         (&["plugin", "show", "ful"], 4, "did you mean `full`"),
         (&["plugin", "show", "full"], 4, "holds no `Cargo.toml`"),

@@ -12,7 +12,6 @@ use crate::support::{in_shell, root};
 
 /// What a page takes for granted: commands of a shell in the folder of the project.
 const SETUP: &[(&str, &[&str])] = &[
-    ("README.md", &["blocksim run diagrams/servo.ron --out RUN --quiet"]),
     ("docs/drawing.md", &["blocksim trust ."]),
     (
         "docs/import.md",

@@ -59,7 +59,7 @@ fn what_is_wrong_is_said_and_nothing_is_overwritten() {
     fs::write(folder.join("mine.html"), "mine").unwrap();
     let there = call(&folder, &["report", "r", "-o", "mine.html"]);
     assert_eq!(there.status.code(), Some(4));
-    assert!(said(&there).contains("it is there already"), "{}", said(&there));
+    assert!(said(&there).contains("it already exists"), "{}", said(&there));
     assert_eq!(fs::read_to_string(folder.join("mine.html")).unwrap(), "mine");
     for (arguments, part) in [
         (&["report", "nothing"][..], "nothing"),
@@ -136,7 +136,7 @@ fn two_runs_stand_in_one_page_with_a_verdict_on_each_signal() {
     }
     let again = call(&folder, &["compare", "a", "b", "--html", "both.html"]);
     assert_eq!(again.status.code(), Some(4));
-    assert!(said(&again).contains("it is there already"), "{}", said(&again));
+    assert!(said(&again).contains("it already exists"), "{}", said(&again));
     fs::remove_dir_all(folder).unwrap();
 }
 

@@ -82,7 +82,7 @@ fn nothing_that_is_there_is_replaced_by_a_project() {
     let desk = Desk::with(&[("lab", "a file")]);
     let answer = desk.call(&["new", "lab"]);
     assert_eq!((answer.code, desk.read("lab").as_str()), (Some(4), "a file"));
-    assert!(answer.err.contains("`lab` is there already"), "{}", answer.err);
+    assert!(answer.err.contains("`lab` already exists"), "{}", answer.err);
     std::fs::create_dir(desk.0.join("empty")).expect("a folder");
     assert_eq!(desk.call(&["new", "empty"]).code, Some(0), "an empty folder is as good as none");
     assert_eq!(desk.call(&["new", "empty"]).code, Some(4));

@@ -90,7 +90,7 @@ fn a_value_that_the_model_refuses_leaves_the_other_runs_alone() {
 
     let again = desk.sweep(&["lag.ron", "--over", "tau=0.1 s", "--out", "table.csv"]);
     assert_eq!(again.status.code(), Some(4));
-    assert!(said(&again).contains("is there already"), "{}", said(&again));
+    assert!(said(&again).contains("already exists"), "{}", said(&again));
     assert_eq!(std::fs::read_to_string(desk.0.join("table.csv")).expect("the table"), table);
     let replaced = desk.sweep(&["lag.ron", "--over", "tau=0.1 s", "--out", "table.csv", "--yes"]);
     assert_eq!(replaced.status.code(), Some(0), "{}", said(&replaced));

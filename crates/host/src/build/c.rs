@@ -12,6 +12,7 @@ use blocksim_abi::HEADER;
 use blocksim_block::LoadError;
 
 use super::settings::{self, SETTINGS};
+use super::text::text;
 use super::{Answer, SHOWN_LINES, fresh, notify};
 use crate::fault::{self, BUILD, MISSING};
 
@@ -178,7 +179,7 @@ fn compile(
             return Err(refused(&output, named, &format!("`{}` does not compile", source.display())));
         }
         warnings += &String::from_utf8_lossy(&output.stderr);
-        let read = fs::read_to_string(&rule).ok().as_deref().and_then(fresh::rule_files);
+        let read = text(&rule).ok().as_deref().and_then(fresh::rule_files);
         let read = read.map(|read| read.into_iter().map(|file| folder.join(file)).collect::<Vec<_>>());
         // A name that a rule writes in another way is a file that is not found: nothing is known then.
         files = match (files, read) {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::SystemTime;
 
+use super::text::text;
 use super::{Answer, SHOWN_LINES, crate_files, fresh, notify};
 use crate::fault::{self, BUILD, MISSING};
 use crate::locate::Target;
@@ -194,7 +195,7 @@ fn affixes(target: Target) -> (&'static str, &'static str) {
 
 /// The library of a crate where cargo would have put it, if it is there.
 fn built_before(folder: &Path, target: Target) -> Option<PathBuf> {
-    let name = library_name(&std::fs::read_to_string(folder.join("Cargo.toml")).ok()?)?;
+    let name = library_name(&text(&folder.join("Cargo.toml")).ok()?)?;
     let (prefix, suffix) = affixes(target);
     let file = format!("{prefix}{name}{suffix}");
     let of = if target == Target::Wasm { WASM } else { "" };

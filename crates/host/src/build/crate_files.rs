@@ -3,10 +3,10 @@
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::fresh::rule_files;
+use super::text::text;
 
 /// Files that may stand in any folder around a crate and change what cargo makes of it.
 const AROUND: [&str; 6] = [
@@ -22,7 +22,7 @@ const VARIABLES: [&str; 4] = ["RUST", "CARGO_BUILD_", "CARGO_PROFILE_", "CARGO_T
 
 /// All files that the library of the crate in `folder` was built from, or would be if they were there.
 pub fn read(folder: &Path, library: &Path) -> Option<BTreeSet<PathBuf>> {
-    let listed = fs::read_to_string(library.with_extension("d")).ok()?;
+    let listed = text(&library.with_extension("d")).ok()?;
     let sources = sources(&listed)?;
     let mut files: BTreeSet<PathBuf> = around(folder).collect();
     for source in &sources {

@@ -9,6 +9,8 @@ use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use super::text::text;
+
 /// First line of a stamp; another version has another one.
 const HEAD: &str = "blocksim plug-in 1";
 /// Nanoseconds before the build in which a file may change once more without another time: the grain of clocks.
@@ -16,7 +18,7 @@ const GRAIN: i128 = 20_000_000;
 
 /// Whether a library, the recipe (one line) that it was built by and all that it was built from are as they were.
 pub fn is_fresh(library: &Path, recipe: &str) -> bool {
-    let Ok(stamp) = fs::read_to_string(place(library)) else { return false };
+    let Ok(stamp) = text(&place(library)) else { return false };
     let mut lines = stamp.lines();
     lines.next() == Some(HEAD)
         && lines.next() == Some(recipe)
@@ -28,7 +30,12 @@ pub fn is_fresh(library: &Path, recipe: &str) -> bool {
 /// build was asked for may have come too late for it: there is no stamp then, and it is built again.
 pub fn remember(library: &Path, recipe: &str, files: &BTreeSet<PathBuf>, asked: SystemTime) {
     if let Some(stamp) = stamp(library, recipe, files, asked) {
-        let _ = fs::write(place(library), stamp);
+        // Renamed into its place: it is whole, whatever has been there.
+        let (new, place) = (library.with_extension("blocksim.new"), place(library));
+        let _ = fs::remove_file(&new);
+        if fs::write(&new, stamp).and_then(|()| fs::rename(&new, &place)).is_err() {
+            let _ = fs::remove_file(&new);
+        }
     }
 }
 
@@ -169,6 +176,24 @@ mod tests {
         let folder = Folder::new("now");
         remember(&folder.library(), RECIPE, &folder.files(), asked);
         assert!(!is_fresh(&folder.library(), RECIPE));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_stamp_that_never_ends_is_none_and_is_replaced() {
+        let folder = Folder::new("endless");
+        let stamp = place(&folder.library());
+        std::os::unix::fs::symlink("/dev/zero", &stamp).unwrap();
+        assert!(!is_fresh(&folder.library(), RECIPE));
+        folder.remember();
+        assert!(is_fresh(&folder.library(), RECIPE) && stamp.symlink_metadata().unwrap().is_file());
+        fs::remove_file(&stamp).unwrap();
+        let made = std::process::Command::new("mkfifo").arg(&stamp).status().unwrap();
+        assert!(made.success() && !is_fresh(&folder.library(), RECIPE));
+        folder.remember();
+        assert!(is_fresh(&folder.library(), RECIPE));
+        fs::write(&stamp, vec![b' '; 2 << 20]).unwrap();
+        assert!(!is_fresh(&folder.library(), RECIPE), "too long");
     }
 
     #[test]

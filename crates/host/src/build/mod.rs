@@ -7,6 +7,7 @@ mod cargo;
 mod crate_files;
 mod fresh;
 mod settings;
+mod text;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,8 @@
 //! `plugin.toml`: how the C or C++ sources of a folder are built, where the defaults do not do.
 
-use std::io::Read;
 use std::path::Path;
+
+use super::text::text;
 
 /// The file beside the sources.
 pub const SETTINGS: &str = "plugin.toml";
@@ -31,22 +32,6 @@ pub fn read(folder: &Path) -> Result<Settings, String> {
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(Settings::default()),
         Err(e) => Err(format!("{SETTINGS} cannot be read: {e}")),
     }
-}
-
-/// Most bytes of the settings of a folder.
-const MOST: u64 = 1 << 20;
-
-/// The text of a regular file that is not too long: a pipe might never end.
-fn text(path: &Path) -> std::io::Result<String> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(std::io::Error::other("it is not a regular file"));
-    }
-    let mut text = String::new();
-    std::fs::File::open(path)?.take(MOST + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > MOST {
-        return Err(std::io::Error::other("it has more than 1 MiB"));
-    }
-    Ok(text)
 }
 
 /// The part of TOML that is needed: `key = "text"` and `key = ["text", "text"]`, a list also on several lines.

@@ -6,12 +6,21 @@ const fs = require("node:fs/promises");
 const os = require("node:os");
 const path = require("node:path");
 const vscode = require("vscode");
-const { LanguageClient } = require("vscode-languageclient/node");
+const { CloseAction, LanguageClient } = require("vscode-languageclient/node");
 const { commandLines, drawing } = require("./commands");
-const { serverOptions } = require("./server");
+const { notice, startServer } = require("./server");
 
 /** @type {LanguageClient | undefined} */
 let client;
+
+/** A client that shows no errors of its own before the server has run once: `start` shows the reason, which the client lacks. */
+class Client extends LanguageClient {
+    hasRun = false;
+
+    error(/** @type {string} */ message, /** @type {any} */ data, /** @type {boolean | "force" | undefined} */ show) {
+        super.error(message, data, this.hasRun ? show : false);
+    }
+}
 
 function program() {
     return vscode.workspace.getConfiguration("blocksim").get("path", "blocksim");
@@ -22,26 +31,66 @@ function firstFolder() {
 }
 
 async function start() {
-    const options = {
+    // The server is started before its client, which would hide why that fails.
+    /** @type {Awaited<ReturnType<typeof startServer>> | undefined} */
+    let first;
+    try {
+        first = await startServer(program(), firstFolder());
+    } catch (error) {
+        showFailure(error instanceof Error ? error.message : String(error));
+        return;
+    }
+    const { ended } = first;
+    const server = async () => {
+        const started = first ?? (await startServer(program(), firstFolder()));
+        first = undefined;
+        return started.server;
+    };
+    const starting = new Client("blocksim", "blocksim", server, {
         documentSelector: [{ scheme: "file", language: "ron" }],
         // Files that another program writes may belong to an open model.
         synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/*.{ron,csv}") },
-    };
-    client = new LanguageClient("blocksim", "blocksim", serverOptions(program(), firstFolder()), options);
+        initializationFailedHandler: () => false,
+        errorHandler: {
+            error: (error, message, count) => restarts.error(error, message, count),
+            // Before it has run, a server that ends would end again.
+            closed: () => (starting.hasRun ? restarts.closed() : { action: CloseAction.DoNotRestart, handled: true }),
+        },
+    });
+    const restarts = starting.createDefaultErrorHandler();
+    client = starting;
+    // What the server prints explains more than what the client notices first, such as a broken pipe.
+    const early = ended.then((errors) => {
+        throw new Error(notice(errors) || "it ended at once");
+    });
+    const started = starting.start().catch((error) => Promise.race([early, rejectLater(error)]));
     try {
-        await client.start();
+        await Promise.race([started, early]);
+        starting.hasRun = true;
     } catch (error) {
-        client = undefined;
-        const settings = "Open Settings";
-        const reason = error instanceof Error ? error.message : String(error);
-        const text = `The language server does not start: \`${program()} lsp\`: ${reason}. Set \`blocksim.path\` to the program blocksim.`;
-        // Not awaited: the commands work without the server.
-        vscode.window.showErrorMessage(text, settings).then((chosen) => {
-            if (chosen === settings) {
-                vscode.commands.executeCommand("workbench.action.openSettings", "blocksim.path");
-            }
-        });
+        // A client that has been replaced or stopped meanwhile has nothing to report.
+        if (client === starting) {
+            client = undefined;
+            showFailure(error instanceof Error ? error.message : String(error));
+        }
     }
+}
+
+/** @param {unknown} error */
+function rejectLater(error) {
+    return new Promise((_, reject) => setTimeout(reject, 2000, error));
+}
+
+/** Shows why there is no language server. @param {string} reason */
+function showFailure(reason) {
+    const settings = "Open Settings";
+    const text = `The language server \`${program()} lsp\` does not start: ${reason}. The setting \`blocksim.path\` names the program.`;
+    // Not awaited: the commands work without the server.
+    vscode.window.showErrorMessage(text, settings).then((chosen) => {
+        if (chosen === settings) {
+            vscode.commands.executeCommand("workbench.action.openSettings", "blocksim.path");
+        }
+    });
 }
 
 async function stop() {
@@ -98,8 +147,9 @@ async function draw() {
     const file = document.uri.fsPath;
     let panel = drawings.get(file);
     if (!panel) {
-        const title = path.basename(file);
-        panel = vscode.window.createWebviewPanel("blocksim.drawing", title, vscode.ViewColumn.Beside, {});
+        const title = `Drawing of ${path.basename(file)}`;
+        const place = { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true };
+        panel = vscode.window.createWebviewPanel("blocksim.drawing", title, place, {});
         drawings.set(file, panel);
         panel.onDidDispose(() => drawings.delete(file));
     }

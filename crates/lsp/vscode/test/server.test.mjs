@@ -10,12 +10,22 @@ import { fileURLToPath, pathToFileURL } from "node:url";
 
 const require = createRequire(import.meta.url);
 const rpc = require("vscode-jsonrpc/node");
-const { serverOptions } = require("../src/server.js");
+const { notice, serverOptions, startServer } = require("../src/server.js");
 const { commandLines, drawing } = require("../src/commands.js");
 const manifest = require("../package.json");
 
 const root = fileURLToPath(new URL("../../../../", import.meta.url));
 const program = path.resolve(process.env.BLOCKSIM ?? path.join(root, "target/debug/blocksim"));
+
+test("a server that does not start says why", { timeout: 60_000 }, async () => {
+    await assert.rejects(startServer(path.join(root, "nosuch/blocksim"), root), /there is no such program/);
+    // A program that ends at once, as one without a language server does.
+    const { ended } = await startServer(process.execPath, path.join(root, "docs"));
+    const errors = await ended;
+    assert.match(errors, /Cannot find module .*lsp/);
+    const text = "error[left_out]: cannot serve an editor\n  = help: build it with `--features lsp`\n";
+    assert.equal(notice(text), "cannot serve an editor; build it with `--features lsp`");
+});
 
 test("the server is started, completes, renames and stops", { timeout: 60_000 }, async () => {
     const home = await mkdtemp(path.join(tmpdir(), "blocksim-client-"));

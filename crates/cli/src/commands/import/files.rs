@@ -11,7 +11,7 @@ use blocksim_import::{
     Chain, Differences, Files, Mechanism, MeshFile, Provenance, diagram, differences, file_name, named_in,
     parameters, robot,
 };
-use blocksim_results::{MOST_TEXT, clock::iso, limited_text, write_whole};
+use blocksim_results::{MOST_TEXT, clock::iso, limited_bytes, limited_text, write_whole};
 
 use crate::args::import::ImportArgs;
 use crate::disk::unwritable;
@@ -145,10 +145,11 @@ fn put_meshes(out: &Path, files: &[MeshFile]) -> Result<String, Failure> {
         let (folder, name) = file.name.split_once('/').unwrap_or(("", &file.name));
         let folder = out.join(folder);
         fs::create_dir_all(&folder).map_err(|error| uncreated(&folder, &error))?;
-        match fs::read(folder.join(name)) {
+        let place = folder.join(name);
+        match limited_bytes(&place, file.bytes.len() as u64) {
             Ok(there) if there == file.bytes => continue,
-            Ok(_) => replaced += 1,
-            Err(_) => new += 1,
+            _ if place.exists() => replaced += 1,
+            _ => new += 1,
         }
         write_whole(&folder, name, |out| out.write_all(&file.bytes))
             .map_err(|error| unwritable(&folder.join(name), &error))?;

@@ -74,7 +74,7 @@ fn made(folder: &Path, template: &Template, args: &NewArgs) -> Result<(), Failur
             .help("name a folder elsewhere")
     };
     if fs::read_dir(folder).map_or(folder.exists(), |mut entries| entries.next().is_some()) {
-        let said = format!("`{}` is there already", folder.display());
+        let said = format!("`{}` already exists", folder.display());
         return Err(Failure::new(Exit::Files, "exists", said).help("name a new folder; nothing was changed"));
     }
     let Some(name) = folder.file_name().map(|name| name.to_string_lossy().into_owned()) else {

@@ -106,7 +106,7 @@ pub fn made(args: &PluginNewArgs, name: &str, kind: &str) -> Result<(), Failure>
             .help("name a folder elsewhere")
     };
     if fs::read_dir(folder).map_or(folder.exists(), |mut entries| entries.next().is_some()) {
-        let said = format!("`{}` is there already", folder.display());
+        let said = format!("`{}` already exists", folder.display());
         return Err(Failure::new(Exit::Files, "exists", said).help("name a new folder; nothing was changed"));
     }
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -121,7 +121,7 @@ fn target(args: &ReportArgs, run: &Path) -> Result<(PathBuf, String), Failure> {
     }
     // The report in the folder of its run is made of nothing but the run; a new one replaces no work.
     if file.exists() && !args.yes && args.out.is_some() {
-        return refused("it is there already", "choose another name, or replace it with --yes");
+        return refused("it already exists", "choose another name, or replace it with --yes");
     }
     Ok((folder.to_owned(), name.to_string_lossy().into_owned()))
 }

@@ -75,7 +75,7 @@ fn check_place(folder: &Path, replace: bool) -> Result<(), Failure> {
     if is_empty || (replace && folder.join(MARK).is_file()) {
         return Ok(());
     }
-    let said = format!("`{}` is there already", folder.display());
+    let said = format!("`{}` already exists", folder.display());
     let help = match folder.join(MARK).is_file() {
         true => "name another folder, or add --yes to replace the site in it",
         false => "name a new folder: what is in this one is not a manual, and is left alone",
