@@ -377,6 +377,11 @@ impl<'r> Value<'r> {
         self.of.number(Op::Clamp(self.id, lower.id, upper.id))
     }
 
+    /// The law ends where the value is needed and less than `least`. Whoever records it has the words for that.
+    pub fn must_reach(self, least: Self) {
+        self.of.require(Domain::NotNegative, !self.live(Relation::Less, least), self);
+    }
+
     /// -1, 0 or 1 without an event; what is not a number stays so.
     #[must_use]
     pub fn signum(self) -> Self {

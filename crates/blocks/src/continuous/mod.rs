@@ -17,7 +17,7 @@ pub use pid::Pid;
 pub(crate) mod pid_law;
 pub use pid_law::{AntiWindup, Form, PidLaw};
 pub(crate) mod rational;
-mod reset;
+pub(crate) mod reset;
 pub use reset::Reset;
 pub(crate) use reset::UNSEEN;
 mod state_space;

@@ -18,4 +18,5 @@ pub use quantizer::Quantizer;
 pub use rate_limiter::RateLimiter;
 pub use relay::Relay;
 pub use saturation::Saturation;
+pub(crate) use saturation::crossed;
 pub use sr_flip_flop::{Priority, SrFlipFlop};
