@@ -170,7 +170,7 @@ impl PidLaw {
         }
         let port = l.inputs() - 2;
         let limits = Limits { lower: l.element(port, i), upper: l.element(port + 1, i) };
-        limits.upper.must_reach(limits.lower);
+        limits.upper.only_where(!limits.upper.live(Relation::Less, limits.lower));
         limits
     }
 

@@ -1,6 +1,7 @@
 //! Blocks: discontinuities.
 
 mod backlash;
+mod counter;
 mod dead_zone;
 mod hit_crossing;
 mod on_off_delay;
@@ -11,6 +12,7 @@ mod saturation;
 mod sr_flip_flop;
 
 pub use backlash::Backlash;
+pub use counter::{AtLimit, Counter};
 pub use dead_zone::DeadZone;
 pub use hit_crossing::HitCrossing;
 pub use on_off_delay::OnOffDelay;

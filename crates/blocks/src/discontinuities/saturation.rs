@@ -90,7 +90,7 @@ impl Block for Saturation {
         }
         for i in 0..n {
             let (u, lower, upper) = (l.element(0, i), l.element(LOWER, i), l.element(UPPER, i));
-            upper.must_reach(lower);
+            upper.only_where(!upper.live(Relation::Less, lower));
             l.set(0, i, u.clamp(lower, upper));
             l.guard(i, u - lower);
             l.guard(n + i, u - upper);
