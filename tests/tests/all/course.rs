@@ -95,7 +95,7 @@ fn equations_in_text_switch_at_the_zeros_of_their_conditions() {
 #[test]
 fn equations_in_text_close_a_loop_as_blocks_do() {
     let run = run_text(&diagram(
-        r#"stop_time: "4 s", solver: Ode45(rtol: 1e-9)"#,
+        r#"stop_time: "4 s", output: Every("10 ms"), solver: Ode45(rtol: 1e-9)"#,
         r#""plant": OdeSystem(law: "
                angle' = speed
                speed' = (torque - d*speed) / j
