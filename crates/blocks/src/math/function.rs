@@ -2,7 +2,7 @@ use blocksim_block::prelude::*;
 
 /// An elementary function of each element: $y = f(u)$, or of two signals: $y = f(u_1, u_2)$.
 ///
-/// `Mod` and `Rem` are remainders, $u_1 - u_2 \lfloor u_1 / u_2 \rfloor$ with the sign of $u_2$ and
+/// `Mod` and `Rem` are remainders, $u_1 - u_2 \operatorname{floor}(u_1 / u_2)$ with the sign of $u_2$ and
 /// $u_1 - u_2 \operatorname{trunc}(u_1 / u_2)$ with the sign of $u_1$; `Hypot` is $\sqrt{u_1^2 + u_2^2}$. These have both inputs
 /// in one unit, which is that of the output. `Pow` is $u_1^{u_2}$ of plain numbers; a constant exponent, also with units, is `Power`.
 ///
