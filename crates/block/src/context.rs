@@ -46,30 +46,54 @@ impl<'a> Context<'a> {
         start as usize..end as usize
     }
 
+    /// Ends the simulation at this instant, once all of it is known, with a sentence that says why. This is no failure.
+    pub fn finish(&self, reason: impl Into<String>) {
+        self.fault.finish(reason.into());
+    }
+
     /// Stops the simulation with a sentence that says why; the engine adds the block and the time.
     pub fn fail(&self, reason: impl Into<String>) {
         self.fault.raise(reason.into());
     }
 }
 
-/// Holds the first failure of an evaluation. Costs nothing while nothing fails.
+/// Holds the first failure of an evaluation, and why the run is to end. Costs nothing while nothing fails.
 #[derive(Debug, Default)]
-pub struct Fault(RefCell<Option<String>>);
+pub struct Fault {
+    failure: RefCell<Option<String>>,
+    end: RefCell<Option<String>>,
+}
 
 impl Fault {
     /// Notes a failure unless one is noted already.
     pub fn raise(&self, reason: String) {
-        self.0.borrow_mut().get_or_insert(reason);
+        self.failure.borrow_mut().get_or_insert(reason);
     }
 
     /// Whether something failed.
     #[inline]
     pub fn is_raised(&self) -> bool {
-        self.0.borrow().is_some()
+        self.failure.borrow().is_some()
+    }
+
+    /// Notes that the run is to end, unless that is noted already.
+    pub fn finish(&self, reason: String) {
+        self.end.borrow_mut().get_or_insert(reason);
+    }
+
+    /// Why the run is to end, if it is.
+    pub fn end(&self) -> Option<String> {
+        self.end.borrow().clone()
+    }
+
+    /// Whether the run is to end.
+    #[inline]
+    pub fn ends(&self) -> bool {
+        self.end.borrow().is_some()
     }
 
     /// Takes the failure, if any.
     pub fn take(&self) -> Option<String> {
-        self.0.borrow_mut().take()
+        self.failure.borrow_mut().take()
     }
 }

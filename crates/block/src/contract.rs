@@ -32,6 +32,9 @@ pub trait Block: Any + Debug + Send + Sync {
         Ok(())
     }
 
+    /// Says where the block is in the model, `control/noise`: once, behind `load`.
+    fn place(&mut self, _path: &str) {}
+
     /// Whether the parameters make sense.
     ///
     /// # Errors

@@ -377,6 +377,17 @@ impl<'r> Value<'r> {
         self.of.number(Op::Clamp(self.id, lower.id, upper.id))
     }
 
+    /// The law ends where the value is needed and `holds` is false. Whoever records it has the words for that.
+    pub fn only_where(self, holds: Condition<'r>) {
+        self.of.require(Domain::NotNegative, holds, self);
+    }
+
+    /// The nearest whole number, halves away from zero, without an event.
+    #[must_use]
+    pub fn nearest(self) -> Self {
+        self.of.number(Op::Unary(Unary::Round, self.id))
+    }
+
     /// -1, 0 or 1 without an event; what is not a number stays so.
     #[must_use]
     pub fn signum(self) -> Self {

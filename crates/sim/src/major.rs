@@ -59,7 +59,8 @@ impl Simulation {
         let jumped = self.jump(told, observer)? || reset;
         self.diagram.hold_outputs();
         self.report_modes(first, observer);
-        if self.rows.are_due(self.t) || why.event || why.end || jumped {
+        let ends = self.diagram.now.fault.ends();
+        if self.rows.are_due(self.t) || why.event || why.end || jumped || ends {
             observer.row(self.t, &self.rows.values);
         }
         if let Some(grid) = &mut self.grid {

@@ -89,6 +89,8 @@ pub enum Ended {
     Finished,
     /// Before it, because the observer said so. Running again goes on from there.
     Interrupted,
+    /// Before it, because a block said so: see [`Simulation::stop_reason`]. Running again does not go on.
+    Stopped,
 }
 
 /// Work done so far.
@@ -227,6 +229,9 @@ impl Simulation {
             self.start(observer)?;
         }
         while self.t < end {
+            if self.diagram.now.fault.ends() {
+                return Ok(Ended::Stopped);
+            }
             // Who runs again has changed the answer.
             let answered = std::mem::take(&mut self.interrupted);
             if !answered && self.asks() && observer.progress(self.t, &self.counts()) == Control::Stop {
@@ -238,7 +243,12 @@ impl Simulation {
             let arrival = self.advance(stop, observer)?;
             self.major(arrival, observer)?;
         }
-        Ok(Ended::Finished)
+        Ok(if self.diagram.now.fault.ends() { Ended::Stopped } else { Ended::Finished })
+    }
+
+    /// Why a block has ended the run, if one has.
+    pub fn stop_reason(&self) -> Option<String> {
+        self.diagram.now.fault.end()
     }
 
     /// Whether it is time to ask the observer.

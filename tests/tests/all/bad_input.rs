@@ -29,7 +29,7 @@ fn an_unknown_kind_and_a_misspelt_parameter_show_in_one_report() {
               help: did you mean `tau`? The parameters are `tau` and `y0`
             error[unknown_parameter]: `Gain` has no parameter `q`
               model.ron:3:62 `q` unknown parameter
-              help: the parameters are `k`
+              help: the parameters are `k` and `multiplication`
             error[duplicate_name]: the parameter `k` stands twice
               model.ron:3:68 `k` the second
               model.ron:3:56 `k` the first

@@ -36,7 +36,7 @@ const MORE: [&str; 22] = [
 ];
 
 /// Kinds that have guards or modes: who adds one adds it here, and none may get lost.
-const WATCHED: [&str; 42] = [
+const WATCHED: [&str; 44] = [
     "Abs",
     "Atan2",
     "Backlash",
@@ -79,6 +79,8 @@ const WATCHED: [&str; 42] = [
     "VariableTransportDelay",
     "Robot",
     "RotationalFriction",
+    "Counter",
+    "MultiportSwitch",
 ];
 
 /// The guards and discrete states of a block, and the words for its friction.

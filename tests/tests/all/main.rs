@@ -14,6 +14,7 @@ mod circuits;
 mod commutation;
 mod contacts;
 mod converters;
+mod course;
 mod dae;
 mod damaged_files;
 mod dead_time;

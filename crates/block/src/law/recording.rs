@@ -4,6 +4,7 @@ use std::cell::{OnceCell, RefCell};
 
 pub use blocksim_law::{Condition, Relation, Value};
 use blocksim_law::{Id, Program, Recorder};
+use blocksim_signal::Shape;
 
 use crate::{Discrete, Interface};
 
@@ -14,6 +15,7 @@ use crate::{Discrete, Interface};
 pub struct Recording<'r> {
     recorder: &'r Recorder,
     inputs: Vec<Vec<Value<'r>>>,
+    shapes: Vec<Option<Shape>>,
     x: Vec<Value<'r>>,
     discrete: &'r [Discrete],
     d: OnceCell<Vec<Value<'r>>>,
@@ -50,6 +52,7 @@ impl<'r> Recording<'r> {
         let none = |n: usize| vec![None; n];
         Self {
             inputs: inputs.iter().enumerate().map(|(k, span)| port(k, *span)).collect(),
+            shapes: interface.inputs.iter().map(|input| input.shape).collect(),
             x: interface.states.iter().map(|state| recorder.state(&state.name, state.initial)).collect(),
             discrete: &interface.discrete,
             d: OnceCell::new(),
@@ -87,6 +90,14 @@ impl<'r> Recording<'r> {
     /// Element `i` of an input port; a scalar stands for every element.
     pub fn element(&self, port: usize, i: usize) -> Value<'r> {
         if let [value] = self.inputs[port][..] { value } else { self.inputs[port][i] }
+    }
+
+    /// Shape of an input port, as the interface demands it; a vector where it demands none.
+    pub fn shape(&self, port: usize) -> Shape {
+        self.shapes[port].unwrap_or_else(|| match self.inputs[port].len() {
+            1 => Shape::Scalar,
+            n => Shape::Vector(n),
+        })
     }
 
     /// Number of input ports.

@@ -1,7 +1,8 @@
 use blocksim_block::prelude::*;
 
 use super::reset::{Reset, UNSEEN};
-use super::units::{SECOND, agrees, element};
+use super::units::{SECOND, agrees, agrees_as_written, element};
+use crate::math::Entries;
 
 /// Integrator, element by element.
 ///
@@ -26,9 +27,9 @@ use super::units::{SECOND, agrees, element};
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Continuous", symbol = Fraction("1","s"))]
 pub struct Integrator {
-    /// Output at the start, and after a reset unless `external`; 0 if it is not given.
+    /// Output at the start, and after a reset unless `external`; 0 if it is not given. A list gives each element its own.
     #[block(default = None)]
-    pub x0: Option<f64>,
+    pub x0: Option<Entries>,
     /// Lower limit of the output.
     #[block(default = None)]
     pub lower: Option<f64>,
@@ -80,9 +81,9 @@ impl Integrator {
         limited || self.wrap.is_some() || self.reset != Reset::None || self.external
     }
 
-    /// Output at the start as far as the parameters tell.
-    fn x0(&self) -> f64 {
-        self.x0.unwrap_or(0.0)
+    /// Outputs at the start as far as the parameters tell; one stands for all.
+    fn x0(&self) -> &[f64] {
+        self.x0.as_ref().map_or(&[0.0], |x0| &x0.values)
     }
 
     fn x0_input(&self) -> usize {
@@ -114,7 +115,7 @@ fn wrapped(x: f64, lower: f64, upper: f64) -> f64 {
 
 impl Block for Integrator {
     fn check(&self) -> Result<(), ParamError> {
-        finite("x0", self.x0())?;
+        self.x0.iter().try_for_each(|x0| x0.finite("x0"))?;
         let (lower, upper) = (self.lower.unwrap_or(f64::NEG_INFINITY), self.upper.unwrap_or(f64::INFINITY));
         ordered("lower", lower, "upper", upper)?;
         if let Some(wrap) = self.wrap {
@@ -126,8 +127,9 @@ impl Block for Integrator {
                     .help("leave out `wrap`, or `lower` and `upper`"));
             }
         }
-        if (self.x0.is_some() || !self.external) && !(lower..=upper).contains(&self.x0()) {
-            return Err(ParamError::new("x0", format!("`x0` is {}, outside the limits", self.x0()))
+        let outside = self.x0().iter().find(|x0| !(lower..=upper).contains(*x0));
+        if let Some(x0) = outside.filter(|_| self.x0.is_some() || !self.external) {
+            return Err(ParamError::new("x0", format!("`x0` is {x0}, outside the limits"))
                 .help(format!("choose it from {lower} to {upper}")));
         }
         Ok(())
@@ -137,14 +139,20 @@ impl Block for Integrator {
         let u = given.input_or_unknown("u");
         let own = u.dimension.map(|dimension| dimension.times(SECOND));
         let external = given.input("x0").filter(|_| self.external).and_then(|x0| x0.dimension);
-        let written = given.parameters.find("x0").filter(|dimension| *dimension != Dimension::NONE);
+        let written = match &self.x0 {
+            Some(x0) => x0.written(given, "x0"),
+            None => given.parameters.find("x0"),
+        };
+        let written = written.filter(|dimension| *dimension != Dimension::NONE);
         // What is said counts before what a bare number leaves open.
         let all = [own, external, written];
         let dimension = all.into_iter().flatten().find(|dimension| !dimension.is_open()).or(own).or(external);
-        for parameter in ["x0", "lower", "upper", "wrap"] {
+        agrees_as_written(written, "x0", "u", dimension)?;
+        for parameter in ["lower", "upper", "wrap"] {
             agrees(given, parameter, "u", dimension)?;
         }
-        let shape = given.common_shape(if self.external { &["u", "x0"] } else { &["u"] }, &[])?;
+        let starts = self.x0.as_ref().map_or(Shape::Scalar, |x0| x0.shape);
+        let shape = given.common_shape(if self.external { &["u", "x0"] } else { &["u"] }, &[starts])?;
         let mut interface = Interface::new().input(Input::real("u"));
         if let Some(reset) = self.reset.input() {
             interface = interface.input(reset);
@@ -155,8 +163,8 @@ impl Block for Integrator {
         }
         let y = PortType::UNKNOWN.shaped(shape).of(dimension);
         interface = interface.output_from_state(Output::like("y", y));
-        for _ in 0..shape.len() {
-            interface = interface.state_in("x", self.x0(), dimension);
+        for i in 0..shape.len() {
+            interface = interface.state_in("x", element(self.x0(), i), dimension);
         }
         if !self.jumps() {
             return Ok(interface);
@@ -232,7 +240,7 @@ impl Block for Integrator {
         let fires = self.reset != Reset::None && self.reset.fires(&mut flags[TRIGGER], c.scalar(1));
         let starts = self.external && self.x0.is_none() && flags[STARTED] == 0.0;
         flags[STARTED] = 1.0;
-        let initial = if self.external { c.input(self.x0_input()) } else { &[self.x0()] };
+        let initial = if self.external { c.input(self.x0_input()) } else { self.x0() };
         // Whether the state is held shows in its derivative.
         let mut changed = held != self.reset.holds(flags[TRIGGER]);
         for (i, (x, mode)) in x.iter_mut().zip(modes).enumerate() {

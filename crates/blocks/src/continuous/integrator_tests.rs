@@ -10,7 +10,7 @@ fn plain() -> Integrator {
 
 #[test]
 fn a_constant_input_gives_a_ramp() {
-    let mut bench = Bench::new(Integrator { x0: Some(-1.0), ..plain() });
+    let mut bench = Bench::new(Integrator { x0: Some((-1.0).into()), ..plain() });
     bench.set(0, &[2.0]).integrate(3.0, 7);
     assert!((bench.minor()[0] - 5.0).abs() < 1e-14);
 }
@@ -57,7 +57,7 @@ fn only_given_limits_have_guards() {
 
 #[test]
 fn an_input_of_zero_keeps_the_state_on_the_limit_and_any_later_input_counts_inwards_alone() {
-    let mut bench = Bench::new(Integrator { x0: Some(1.0), upper: Some(1.0), ..plain() });
+    let mut bench = Bench::new(Integrator { x0: Some(1.0.into()), upper: Some(1.0), ..plain() });
     bench.major();
     bench.set(0, &[5.0]);
     assert_eq!(bench.derivatives(), [0.0]);
@@ -68,7 +68,7 @@ fn an_input_of_zero_keeps_the_state_on_the_limit_and_any_later_input_counts_inwa
 #[test]
 fn an_angle_wraps_by_its_span() {
     let wrap = Some(Wrap { lower: -180.0, upper: 180.0 });
-    let mut bench = Bench::new(Integrator { x0: Some(170.0), wrap, ..plain() });
+    let mut bench = Bench::new(Integrator { x0: Some(170.0.into()), wrap, ..plain() });
     bench.set(0, &[10.0]).integrate(2.0, 4);
     assert_eq!(bench.x, [-170.0]);
     bench.set(0, &[-10.0]).integrate(2.0, 4);
@@ -87,7 +87,7 @@ fn a_wrapped_value_is_never_the_excluded_end() {
 
 #[test]
 fn a_rising_edge_sets_the_state_back_once() {
-    let mut bench = Bench::new(Integrator { x0: Some(2.0), reset: Reset::Rising, ..plain() });
+    let mut bench = Bench::new(Integrator { x0: Some(2.0.into()), reset: Reset::Rising, ..plain() });
     bench.set(0, &[1.0]).set(1, &[-1.0]).integrate(1.0, 1);
     assert_eq!(bench.x, [3.0]);
     bench.set(1, &[0.5]).major();
@@ -99,7 +99,7 @@ fn a_rising_edge_sets_the_state_back_once() {
 
 #[test]
 fn a_level_holds_the_state() {
-    let mut bench = Bench::new(Integrator { x0: Some(2.0), reset: Reset::Level, ..plain() });
+    let mut bench = Bench::new(Integrator { x0: Some(2.0.into()), reset: Reset::Level, ..plain() });
     bench.set(0, &[1.0]).set(1, &[1.0]);
     bench.major();
     bench.integrate(1.0, 4);
@@ -122,7 +122,8 @@ fn an_external_value_is_used_at_the_start_and_at_a_reset() {
 
 #[test]
 fn a_given_start_stands_before_the_external_value() {
-    let mut bench = Bench::new(Integrator { x0: Some(5.0), reset: Reset::Rising, external: true, ..plain() });
+    let mut bench =
+        Bench::new(Integrator { x0: Some(5.0.into()), reset: Reset::Rising, external: true, ..plain() });
     bench.set(1, &[-1.0]).set(2, &[7.0]);
     assert_eq!(bench.major(), [5.0]);
     bench.set(1, &[1.0]);
@@ -138,7 +139,7 @@ fn a_value_that_is_no_number_is_set_once() {
 
 #[test]
 fn a_bouncing_ball_turns_its_velocity_without_an_algebraic_loop() {
-    let velocity = Integrator { x0: Some(0.0), reset: Reset::Falling, external: true, ..plain() };
+    let velocity = Integrator { x0: Some(0.0.into()), reset: Reset::Falling, external: true, ..plain() };
     let interface = velocity.interface(&Given::nothing()).unwrap();
     assert!((0..3).all(|input| !interface.reads(0, input)));
     let mut bench = Bench::new(velocity);
@@ -189,13 +190,29 @@ fn the_unit_is_that_of_the_input_times_seconds() {
 fn parameters_that_contradict_each_other_are_refused() {
     let wrap = Some(Wrap { lower: 0.0, upper: 1.0 });
     let refused = [
-        (Integrator { x0: Some(f64::NAN), ..plain() }, "x0"),
+        (Integrator { x0: Some(f64::NAN.into()), ..plain() }, "x0"),
         (Integrator { lower: Some(1.0), upper: Some(-1.0), ..plain() }, "upper"),
-        (Integrator { x0: Some(3.0), upper: Some(1.0), ..plain() }, "x0"),
+        (Integrator { x0: Some(3.0.into()), upper: Some(1.0), ..plain() }, "x0"),
         (Integrator { upper: Some(1.0), wrap, ..plain() }, "wrap"),
         (Integrator { wrap: Some(Wrap { lower: 1.0, upper: 1.0 }), ..plain() }, "wrap.upper"),
     ];
     for (block, param) in refused {
         assert_eq!(block.check().unwrap_err().param, param);
     }
+}
+
+#[test]
+fn each_element_of_a_vector_starts_at_its_own_value() {
+    let x0 = Entries::try_from(vec![1.0, -2.0, 3.0]).unwrap();
+    let block = Integrator { x0: Some(x0.clone()), reset: Reset::Rising, ..plain() };
+    // One input integrates into three states.
+    let scalar = vec![("u".to_owned(), PortType::scalar()), ("reset".to_owned(), PortType::scalar())];
+    let mut bench = Bench::with_inputs(block.clone(), scalar);
+    bench.set(0, &[2.0]).set(1, &[-1.0]).major();
+    assert_eq!(bench.integrate(0.5, 1).major(), [2.0, -1.0, 4.0]);
+    assert_eq!(bench.set(1, &[1.0]).major(), [1.0, -2.0, 3.0]);
+    let error = block.interface(&Given::new(vector("u", 2), Default::default())).unwrap_err();
+    assert_eq!(error.message, "`u` is a vector of 2, but the parameters ask for a vector of 3");
+    let limited = Integrator { x0: Some(x0), upper: Some(2.0), ..plain() };
+    assert_eq!(limited.check().unwrap_err().message, "`x0` is 3, outside the limits");
 }

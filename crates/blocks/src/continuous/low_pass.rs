@@ -1,5 +1,7 @@
 use blocksim_block::prelude::*;
 
+use crate::math::Entries;
+
 /// First-order low-pass filter (PT1).
 ///
 /// $$ \dot x = \frac{u - x}{\tau}, \qquad y = x, \qquad G(s) = \frac{1}{1 + \tau s} $$
@@ -18,22 +20,24 @@ pub struct LowPass {
     /// Time constant, positive.
     #[block(unit = "s")]
     pub tau: f64,
-    /// Output at the start, in the unit of the input.
-    #[block(default = 0.0)]
-    pub y0: f64,
+    /// Output at the start, in the unit of the input. A list gives each element its own.
+    #[block(default = 0.0.into())]
+    pub y0: Entries,
 }
 
 impl Block for LowPass {
     fn check(&self) -> Result<(), ParamError> {
         positive("tau", self.tau)?;
-        finite("y0", self.y0)
+        self.y0.finite("y0")
     }
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
-        let mut interface = Interface::new().input(Input::real("u")).output_from_state(Output::like("y", u));
-        for _ in 0..u.shape.len() {
-            interface = interface.state_in("x", self.y0, u.dimension);
+        let shape = given.common_shape(&["u"], &[self.y0.shape])?;
+        let y = Output::like("y", u.shaped(shape));
+        let mut interface = Interface::new().input(Input::real("u")).output_from_state(y);
+        for i in 0..shape.len() {
+            interface = interface.state_in("x", self.y0.at(i), u.dimension);
         }
         Ok(interface)
     }
@@ -56,7 +60,7 @@ mod tests {
     #[test]
     fn a_step_response_matches_the_closed_form() {
         for tau in [0.1, 1.0, 10.0] {
-            let mut bench = Bench::new(LowPass { tau, y0: 0.0 });
+            let mut bench = Bench::new(LowPass { tau, y0: 0.0.into() });
             bench.set(0, &[1.0]).integrate(tau, 1000);
             let (y, expected) = (bench.minor()[0], 1.0 - (-1.0_f64).exp());
             assert!((y - expected).abs() < 1e-12, "tau = {tau}: {y} != {expected}");
@@ -65,6 +69,6 @@ mod tests {
 
     #[test]
     fn a_time_constant_of_zero_is_refused() {
-        assert_eq!(LowPass { tau: 0.0, y0: 0.0 }.check().unwrap_err().param, "tau");
+        assert_eq!(LowPass { tau: 0.0, y0: 0.0.into() }.check().unwrap_err().param, "tau");
     }
 }

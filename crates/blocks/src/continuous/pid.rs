@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use super::pid_law::{AntiWindup, PidLaw};
+use super::pid_law::{AntiWindup, Limits, PidLaw};
 use super::reset::{Reset, UNSEEN};
 
 /// PID controller with filtered derivative, limits and protection against windup.
@@ -18,7 +18,8 @@ use super::reset::{Reset, UNSEEN};
 ///
 /// Without `ki` the integral part keeps its initial value. The unit of the output is that of the input times
 /// that of `kp`. Vectors are controlled element by element. Direct feedthrough. With `reset` the extra input
-/// `reset` sets the integral part back to `x0` and the filter to `d0`.
+/// `reset` sets the integral part back to `x0` and the filter to `d0`. With `external_limits: true` the limits are the extra
+/// inputs `lower` and `upper`, which act at once; limits that cross end the run with an error.
 ///
 /// ```ron
 /// Pid(kp: 8.0, ki: 2.0, kd: 0.4, lower: -1.0, upper: 1.0, anti_windup: Clamping)
@@ -38,6 +39,9 @@ pub struct Pid {
 /// Distance, as share of the range of the output, by which a clamped integral part waits inside the limits.
 const SLACK: f64 = 1e-3;
 
+/// A range of the output that counts as infinite.
+const MOST_RANGE: f64 = 1e300;
+
 /// Discrete states: memory of the trigger, then a mode for each element: 1 clamped at the upper limit, -1 at the
 /// lower one, 0 free.
 const TRIGGER: usize = 0;
@@ -50,6 +54,17 @@ impl Pid {
             (Some(limit), None) | (None, Some(limit)) => SLACK * limit.abs(),
             (None, None) => 0.0,
         }
+    }
+
+    /// The same as a value of the law. Limits that are signals may be infinite: then the other one counts, as for parameters.
+    fn slack_of<'r>(&self, l: &Recording<'r>, limits: Limits<'r>) -> Value<'r> {
+        if !self.law.external_limits {
+            return l.constant(self.slack());
+        }
+        let most = l.constant(MOST_RANGE);
+        let range = limits.upper - limits.lower;
+        let nearer = limits.upper.abs().min(limits.lower.abs()).min(most);
+        SLACK * range.live(Relation::Less, most).select(range, nearer)
     }
 
     /// Derivative part, from the state of its filter.
@@ -65,11 +80,12 @@ impl Pid {
     /// Records derivatives, mode and guards of element `i` for this error, and gives the output.
     pub(crate) fn record<'r>(&self, l: &Recording<'r>, i: usize, e: Value<'r>) -> Value<'r> {
         let (law, held) = (&self.law, self.reset.held(l, l.d()[TRIGGER]));
-        let (zero, slack) = (l.constant(0.0), l.constant(self.slack()));
+        let limits = law.limits(l, i);
+        let (zero, slack) = (l.constant(0.0), self.slack_of(l, limits));
         let free = |value: Value<'r>| held.map_or(value, |held| held.select(zero, value));
         let x = &l.x()[2 * i..][..2];
         let v = self.unlimited(e, x);
-        let u = law.saturate(l, v);
+        let u = limits.saturate(v);
         let mode = law.limited().then(|| l.d()[MODES + i]);
         let integral = match law.anti_windup {
             _ if law.ki == 0.0 => zero,
@@ -81,14 +97,15 @@ impl Pid {
         l.derive(2 * i + 1, free(self.derivative(e, x[1])));
         let Some(mode) = mode else { return u };
         if law.anti_windup == AntiWindup::Clamping {
-            let stays = mode.is_true().and(mode.live(Relation::Equal, law.winds_up(l, v, e, slack)));
-            l.settle(MODES + i, stays.select(mode, law.winds_up(l, v, e, zero)));
+            let stays = mode.is_true().and(mode.live(Relation::Equal, law.winds_up(l, limits, v, e, slack)));
+            l.settle(MODES + i, stays.select(mode, law.winds_up(l, limits, v, e, zero)));
         } else {
             l.settle(MODES + i, mode);
         }
         let waits = |side: f64| mode.live(Relation::Equal, l.constant(side)).select(slack, zero);
-        let upper = law.upper.map_or(l.constant(-1.0), |upper| v - (upper - waits(1.0)));
-        let lower = law.lower.map_or(l.constant(1.0), |lower| v - (lower + waits(-1.0)));
+        let has = |limit: Option<f64>| law.external_limits || limit.is_some();
+        let upper = if has(law.upper) { v - (limits.upper - waits(1.0)) } else { l.constant(-1.0) };
+        let lower = if has(law.lower) { v - (limits.lower + waits(-1.0)) } else { l.constant(1.0) };
         l.guard(3 * i, upper);
         l.guard(3 * i + 1, lower);
         // Positive where the integral winds up: beyond a limit, with an error that leads further. Far from the limits the
@@ -109,12 +126,20 @@ impl Block for Pid {
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let e = given.input_or_unknown("e");
-        let u = Output::like("u", e.of(self.law.dimension(given)?));
+        let dimension = self.law.dimension(given)?;
         let mut interface = Interface::new().input(Input::real("e").doc("Set value minus actual value."));
-        interface = interface.output_reading(&[0], u);
+        let mut reads = vec![0];
         if let Some(reset) = self.reset.input() {
             interface = interface.input(reset).jumps();
         }
+        interface = self.law.inputs_of_limits(interface, dimension);
+        reads.extend(1 + usize::from(self.reset != Reset::None)..interface.inputs.len());
+        let limits: &[&str] = if self.law.external_limits { &["e", "lower", "upper"] } else { &["e"] };
+        given.common_shape(limits, &[]).and_then(|shape| {
+            let message = || format!("the limits are a {shape}, but `e` is a {}", e.shape);
+            if shape == e.shape { Ok(()) } else { Err(InterfaceError::types(&["e"], message())) }
+        })?;
+        interface = interface.output_reading(&reads, Output::like("u", e.of(dimension)));
         interface = interface.discrete("trigger", UNSEEN);
         let n = e.shape.len();
         for i in 0..n {
@@ -146,6 +171,10 @@ impl Block for Pid {
             l.guard(of_limits, l.u(1));
         }
         true
+    }
+
+    fn no_value(&self, _failure: &Failure, c: &Context) -> Option<String> {
+        self.law.no_value(c)
     }
 
     fn jump(&self, c: &Context, _w: &mut Scratch, x: &mut [f64], d: &mut [f64]) -> bool {

@@ -49,6 +49,10 @@ pub struct PidLaw {
     /// Upper limit of the output.
     #[block(default = None)]
     pub upper: Option<f64>,
+    /// Whether there are extra inputs `lower` and `upper` for the limits; one that is not connected has the value of the
+    /// parameter, or no limit.
+    #[block(default = false)]
+    pub external_limits: bool,
     /// What happens to the integral part while the output is limited: `None`, `Clamping`, `BackCalculation`.
     #[block(default = AntiWindup::None)]
     pub anti_windup: AntiWindup,
@@ -63,6 +67,20 @@ pub struct PidLaw {
     pub d0: f64,
 }
 
+/// The limits of the output.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits<'r> {
+    pub lower: Value<'r>,
+    pub upper: Value<'r>,
+}
+
+impl<'r> Limits<'r> {
+    /// The output within them.
+    pub fn saturate(self, v: Value<'r>) -> Value<'r> {
+        v.clamp(self.lower, self.upper)
+    }
+}
+
 impl PidLaw {
     pub(crate) fn check(&self) -> Result<(), ParamError> {
         for (name, value) in
@@ -74,7 +92,7 @@ impl PidLaw {
         ordered("lower", self.lower(), "upper", self.upper())?;
         if self.anti_windup != AntiWindup::None && !self.limited() {
             return Err(ParamError::new("anti_windup", "without limits nothing winds up")
-                .help("give `lower` and `upper`, or leave out `anti_windup`"));
+                .help("give `lower` and `upper`, or `external_limits: true`, or leave out `anti_windup`"));
         }
         finite("kb", self.kb)?;
         if self.anti_windup == AntiWindup::BackCalculation && self.per_integral() * self.kb < 0.0 {
@@ -123,7 +141,7 @@ impl PidLaw {
     }
 
     pub(crate) fn limited(&self) -> bool {
-        self.lower.is_some() || self.upper.is_some()
+        self.lower.is_some() || self.upper.is_some() || self.external_limits
     }
 
     pub(crate) fn lower(&self) -> f64 {
@@ -134,9 +152,32 @@ impl PidLaw {
         self.upper.unwrap_or(f64::INFINITY)
     }
 
-    /// The output within its limits.
-    pub(crate) fn saturate<'r>(&self, l: &Recording<'r>, v: Value<'r>) -> Value<'r> {
-        v.clamp(l.constant(self.lower()), l.constant(self.upper()))
+    /// The inputs for limits that are signals, of the dimension of the output.
+    pub(crate) fn inputs_of_limits(&self, interface: Interface, u: Option<Dimension>) -> Interface {
+        if !self.external_limits {
+            return interface;
+        }
+        let limit = |name, value| Input::real(name).dimension(u).default(value);
+        interface
+            .input(limit("lower", self.lower()).doc("Lower limit; the parameter if it is not connected."))
+            .input(limit("upper", self.upper()).doc("Upper limit; the parameter if it is not connected."))
+    }
+
+    /// The limits of element `i`; those that are signals are the last two inputs. Limits that cross end the run.
+    pub(crate) fn limits<'r>(&self, l: &Recording<'r>, i: usize) -> Limits<'r> {
+        if !self.external_limits {
+            return Limits { lower: l.constant(self.lower()), upper: l.constant(self.upper()) };
+        }
+        let port = l.inputs() - 2;
+        let limits = Limits { lower: l.element(port, i), upper: l.element(port + 1, i) };
+        limits.upper.only_where(!limits.upper.live(Relation::Less, limits.lower));
+        limits
+    }
+
+    /// Why there is no output: limits cross.
+    pub(crate) fn no_value(&self, c: &Context) -> Option<String> {
+        let port = c.inputs.len().checked_sub(2).filter(|_| self.external_limits)?;
+        crate::discontinuities::crossed(c.input(port), c.input(port + 1))
     }
 
     /// Where the integral part would lead the output further out: 1 above the upper limit, -1 below the lower
@@ -144,14 +185,15 @@ impl PidLaw {
     pub(crate) fn winds_up<'r>(
         &self,
         l: &Recording<'r>,
+        Limits { lower, upper }: Limits<'r>,
         v: Value<'r>,
         e: Value<'r>,
         slack: Value<'r>,
     ) -> Value<'r> {
         let drive = self.per_integral() * self.ki * e;
         let zero = l.constant(0.0);
-        let above = v.live(Relation::Greater, self.upper() - slack).and(drive.live(Relation::Greater, zero));
-        let below = v.live(Relation::Less, self.lower() + slack).and(drive.live(Relation::Less, zero));
+        let above = v.live(Relation::Greater, upper - slack).and(drive.live(Relation::Greater, zero));
+        let below = v.live(Relation::Less, lower + slack).and(drive.live(Relation::Less, zero));
         above.select(l.constant(1.0), below.select(l.constant(-1.0), zero))
     }
 }

@@ -14,6 +14,7 @@ fn pid(kp: f64, ki: f64, kd: f64) -> PidLaw {
         form: Form::Parallel,
         lower: None,
         upper: None,
+        external_limits: false,
         anti_windup: AntiWindup::None,
         kb: 1.0,
         x0: 0.0,
@@ -164,4 +165,27 @@ fn parameters_that_make_no_controller_are_refused() {
     for (block, param) in refused {
         assert_eq!(block.check().unwrap_err().param, param);
     }
+}
+
+#[test]
+fn limits_by_signals_do_what_parameters_of_the_same_value_do() {
+    for anti_windup in [AntiWindup::None, AntiWindup::Clamping, AntiWindup::BackCalculation] {
+        let by_signals = PidLaw { lower: None, upper: None, external_limits: true, ..limited(anti_windup) };
+        let mut signals = Bench::new(block(by_signals));
+        let mut fixed = Bench::new(block(limited(anti_windup)));
+        for e in [0.2, 3.0, -0.5, -4.0, 0.1] {
+            signals.set(0, &[e]).set(1, &[-1.0]).set(2, &[1.0]);
+            fixed.set(0, &[e]);
+            assert_eq!(
+                signals.integrate(0.5, 20).major(),
+                fixed.integrate(0.5, 20).major(),
+                "{anti_windup:?}"
+            );
+            assert_eq!(signals.guards(), fixed.guards());
+        }
+    }
+    let mut bench = Bench::new(block(PidLaw { external_limits: true, ..pid(2.0, 0.0, 0.0) }));
+    assert_eq!(bench.respond(1e9), 2e9, "an input that is not connected does not limit");
+    assert_eq!(bench.set(2, &[3.0]).major(), [3.0]);
+    assert!(bench.set(1, &[4.0]).failure().unwrap().contains("the limits cross"));
 }

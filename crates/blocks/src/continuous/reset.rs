@@ -83,11 +83,38 @@ impl Reset {
     pub(crate) fn held<'r>(self, l: &Recording<'r>, memory: Value<'r>) -> Option<Condition<'r>> {
         (self == Self::Level).then(|| memory.live(Relation::Equal, l.constant(1.0)))
     }
+
+    /// Whether the reset of a sampled block by the input `port` happens at a sample hit, and what the discrete state `memory`,
+    /// which is at first [`UNSEEN`], becomes there. An edge lies between two samples: a trigger rises from zero
+    /// or less to above zero. Nothing without a reset input.
+    pub(crate) fn sampled<'r>(
+        self,
+        l: &Recording<'r>,
+        memory: usize,
+        port: usize,
+    ) -> Option<(Condition<'r>, Value<'r>)> {
+        if self == Self::None {
+            return None;
+        }
+        let (memory, value) = (l.d()[memory], l.u(port));
+        let [on, off] = [1.0, -1.0].map(|side| l.constant(side));
+        let is_on = value.live(Relation::Greater, l.constant(0.0));
+        let was = |side| memory.live(Relation::Equal, side);
+        let (rises, falls) = (was(off).and(is_on), was(on).and(!is_on));
+        let fires = match self {
+            Self::Rising => rises,
+            Self::Falling => falls,
+            Self::Either => rises.or(falls),
+            Self::Level | Self::None => is_on,
+        };
+        Some((fires, is_on.select(on, off)))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use Reset::{Either, Falling, Level, None, Rising};
 
     fn edges(reset: Reset, values: &[f64]) -> Vec<usize> {
         let mut memory = UNSEEN;
@@ -120,5 +147,60 @@ mod tests {
     fn the_first_look_is_no_edge() {
         assert!(edges(Reset::Either, &[1.0, 1.0]).is_empty());
         assert!(edges(Reset::Either, &[-1.0]).is_empty());
+    }
+
+    /// At which samples a reset fires, by a loop over the samples that knows nothing of memories.
+    fn expected(reset: Reset, samples: &[f64]) -> Vec<usize> {
+        let fires = |k: usize| {
+            let now = samples[k] > 0.0;
+            let before = k.checked_sub(1).map(|before| samples[before] > 0.0);
+            match reset {
+                None => false,
+                Rising => before == Some(false) && now,
+                Falling => before == Some(true) && !now,
+                Either => before.is_some_and(|before| before != now),
+                Level => now,
+            }
+        };
+        (0..samples.len()).filter(|k| fires(*k)).collect()
+    }
+
+    /// Counts samples since the last reset.
+    #[derive(Debug)]
+    struct Since(Reset);
+
+    impl Block for Since {
+        fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+            let reset = self.0.input().into_iter().fold(Interface::new(), Interface::input);
+            Ok(reset.output(Output::real("y")).discrete("n", 5.0).discrete("trigger", UNSEEN).sampled(1.0))
+        }
+
+        fn law(&self, l: &Recording) -> bool {
+            let n = l.d()[0];
+            let fires = self.0.sampled(l, 1, 0);
+            let n = fires.map_or(n, |(fires, _)| fires.select(l.constant(0.0), n));
+            l.set(0, 0, n);
+            l.update(0, n + 1.0);
+            l.update(1, fires.map_or(l.d()[1], |(_, next)| next));
+            true
+        }
+    }
+
+    #[test]
+    fn edges_between_samples_reset_and_nothing_else_does() {
+        let samples = [1.0, 1.0, 0.0, 0.5, -1.0, -0.0, 2.0, 2.0, -3.0, 0.0, 0.0, 4.0];
+        for reset in [None, Rising, Falling, Either, Level] {
+            let mut bench = blocksim_block::testing::Bench::new(Since(reset));
+            let mut found = Vec::new();
+            for (k, sample) in samples.iter().enumerate() {
+                if reset != None {
+                    bench.set(0, &[*sample]);
+                }
+                if bench.hit() == [0.0] {
+                    found.push(k);
+                }
+            }
+            assert_eq!(found, expected(reset, &samples), "{reset:?}");
+        }
     }
 }

@@ -40,12 +40,12 @@ impl StateSpace {
 }
 
 /// A scalar where one number will do.
-pub(super) fn column(n: usize) -> Shape {
+pub(crate) fn column(n: usize) -> Shape {
     if n == 1 { Shape::Scalar } else { Shape::Vector(n) }
 }
 
 /// Rows and columns must be these; `why` says where they come from.
-pub(super) fn sized(
+pub(crate) fn sized(
     name: &str,
     m: &[Vec<f64>],
     rows: usize,
@@ -71,7 +71,7 @@ pub(super) fn sized(
 }
 
 /// Initial values must be one for each row of a matrix, or none.
-pub(super) fn initial(x0: &[f64], rows: usize, of: &str) -> Result<(), ParamError> {
+pub(crate) fn initial(x0: &[f64], rows: usize, of: &str) -> Result<(), ParamError> {
     if !x0.is_empty() && x0.len() != rows {
         let message = format!("`x0` has {} values, but `{of}` has {rows} rows", x0.len());
         return Err(ParamError::new("x0", message).help("give one value for each state, or none"));

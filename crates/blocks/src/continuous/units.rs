@@ -16,7 +16,20 @@ pub(crate) fn agrees(
     port: &str,
     expected: Option<Dimension>,
 ) -> Result<(), InterfaceError> {
-    let (Some(written), Some(expected)) = (given.parameters.find(parameter), expected) else {
+    agrees_as_written(given.parameters.find(parameter), parameter, port, expected)
+}
+
+/// The same of a parameter that was written with this unit, if with any.
+///
+/// # Errors
+/// They differ.
+pub(crate) fn agrees_as_written(
+    written: Option<Dimension>,
+    parameter: &str,
+    port: &str,
+    expected: Option<Dimension>,
+) -> Result<(), InterfaceError> {
+    let (Some(written), Some(expected)) = (written, expected) else {
         return Ok(());
     };
     if written.is_none() || written.compatible(expected) {

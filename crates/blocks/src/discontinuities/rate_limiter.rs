@@ -1,4 +1,4 @@
-use crate::math::elements::{ROUNDING, TIME, clamp, parameters_like};
+use crate::math::elements::{ROUNDING, TIME, at, clamp, parameters_like};
 use blocksim_block::prelude::*;
 
 /// Follows the input no faster than `rising` and `falling` allow, element by element.
@@ -10,8 +10,14 @@ use blocksim_block::prelude::*;
 /// do not stop there.
 /// Rates written as plain numbers are per second in the unit of the input.
 ///
+/// With `external: true` the rates come from the extra inputs `rising` and `falling`; one that is not connected has the value
+/// of the parameter. Rates that change in steps, as at samples, are exact; of others the mean of both ends of a step counts.
+///
 /// ```ron
 /// RateLimiter(rising: "10 V/s", falling: "-20 V/s")
+/// ```
+/// ```ron
+/// RateLimiter(rising: 1, falling: -1, external: true)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Discontinuities", symbol = Curve(RateLimit))]
@@ -23,10 +29,18 @@ pub struct RateLimiter {
     /// Output at the start, in the unit of the input.
     #[block(default = 0.0)]
     pub y0: f64,
+    /// Whether there are extra inputs `rising` and `falling`.
+    #[block(default = false)]
+    pub external: bool,
 }
 
-/// Discrete states: time of the last accepted step; then the outputs there, then what limits them.
+/// Discrete states: time of the last accepted step; then the outputs there, then what limits them, then, where rates are
+/// signals, the rates there: rising and falling for each.
 const OUTPUTS: usize = 1;
+
+/// Ports of rates that are signals.
+const RISES: usize = 1;
+const FALLS: usize = 2;
 
 /// What limits an element.
 const RISING: f64 = 1.0;
@@ -47,9 +61,32 @@ fn mode(u: f64, last: f64) -> f64 {
 }
 
 impl RateLimiter {
-    /// Least and greatest output, `elapsed` seconds after it was `last`.
-    fn range(&self, last: f64, elapsed: f64) -> (f64, f64) {
-        (last + self.falling * elapsed, last + self.rising * elapsed)
+    /// Least and greatest output of element `i`, `elapsed` seconds after it was `last`; `before` are the rates there.
+    fn range(&self, c: &Context, before: &[f64], i: usize, last: f64, elapsed: f64) -> (f64, f64) {
+        let (rising, falling) = match before {
+            [] => (self.rising, self.falling),
+            before => {
+                let mean = |port: usize, k: usize| 0.5 * (before[2 * i + k] + at(c.input(port), i));
+                (mean(RISES, 0), mean(FALLS, 1))
+            }
+        };
+        (last + falling * elapsed, last + rising * elapsed)
+    }
+
+    /// Notes the rates that hold from now on.
+    fn note_rates(&self, c: &Context, rates: &mut [f64]) {
+        for (i, pair) in rates.chunks_exact_mut(2).enumerate() {
+            let (rising, falling) = (at(c.input(RISES), i), at(c.input(FALLS), i));
+            if rising < 0.0 {
+                return c.fail(format!("`rising` is {rising}, but must not be negative"));
+            }
+            if falling > 0.0 {
+                return c.fail(format!(
+                    "`falling` is {falling}, but must not be positive: it is a rate with its sign"
+                ));
+            }
+            pair.copy_from_slice(&[rising, falling]);
+        }
     }
 }
 
@@ -67,14 +104,27 @@ impl Block for RateLimiter {
         let u = given.input_or_unknown("u");
         let dimension = parameters_like(given, "u", u.dimension, &["y0"])?;
         let rate = parameters_like(given, "u", dimension.map(|u| u.over(TIME)), &["rising", "falling"])?;
-        let y = u.of(dimension.or(rate.map(|rate| rate.times(TIME))));
-        let n = u.shape.len();
-        let interface = Interface::new()
-            .input(Input::real("u"))
+        let ports: &[&str] = if self.external { &["u", "rising", "falling"] } else { &["u"] };
+        let shape = given.common_shape(ports, &[])?;
+        let y = u.of(dimension.or(rate.map(|rate| rate.times(TIME)))).shaped(shape);
+        let n = shape.len();
+        let mut interface = Interface::new().input(Input::real("u"));
+        if self.external {
+            let port = |name, value| Input::real(name).dimension(rate).default(value);
+            interface = interface
+                .input(
+                    port("rising", self.rising).doc("Greatest rate; the parameter if it is not connected."),
+                )
+                .input(
+                    port("falling", self.falling).doc("Least rate; the parameter if it is not connected."),
+                );
+        }
+        let interface = interface
             .output(Output::like("y", y))
             .discrete("t", 0.0)
             .memory("y", n, self.y0)
             .memory("mode", n, 0.0)
+            .memory("rate", if self.external { 2 * n } else { 0 }, 0.0)
             .uses_time()
             .settles()
             .accepts();
@@ -94,21 +144,31 @@ impl Block for RateLimiter {
 
     /// After a jump of the input another rate may limit.
     fn settle(&self, c: &Context, d: &mut [f64]) {
-        let (last, modes) = d[OUTPUTS..].split_at_mut(c.u.len());
-        modes.iter_mut().zip(last).zip(c.u).for_each(|((mode_of, last), u)| *mode_of = mode(*u, *last));
+        let n = c.output(0).len();
+        let (last, rest) = d[OUTPUTS..].split_at_mut(n);
+        let (modes, rates) = rest.split_at_mut(n);
+        let u = c.input(0);
+        modes
+            .iter_mut()
+            .zip(last)
+            .enumerate()
+            .for_each(|(i, (mode_of, last))| *mode_of = mode(at(u, i), *last));
+        self.note_rates(c, rates);
     }
 
     /// What limits is held between instants.
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let elapsed = c.t - c.d[0];
-        let (last, modes) = c.d[OUTPUTS..].split_at(c.u.len());
-        for (((y, u), last), mode) in y.iter_mut().zip(c.u).zip(last).zip(modes) {
-            let (lower, upper) = self.range(*last, elapsed);
+        let (elapsed, n) = (c.t - c.d[0], y.len());
+        let (last, rest) = c.d[OUTPUTS..].split_at(n);
+        let (modes, rates) = rest.split_at(n);
+        for (i, ((y, last), mode)) in y.iter_mut().zip(last).zip(modes).enumerate() {
+            let u = at(c.input(0), i);
+            let (lower, upper) = self.range(c, rates, i, *last, elapsed);
             *y = match *mode {
-                _ if u.is_nan() => *u,
+                _ if u.is_nan() => u,
                 RISING => upper,
                 FALLING => lower,
-                _ => *u,
+                _ => u,
             };
         }
     }
@@ -117,10 +177,12 @@ impl Block for RateLimiter {
     /// allowed since the last step; each of the two has a maximum where the input passes the rate. What says nothing is far
     /// from zero, or zero where only a maximum counts.
     fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        let (n, elapsed) = (c.u.len(), c.t - c.d[0]);
-        let (last, modes) = c.d[OUTPUTS..].split_at(n);
-        for (i, ((u, last), mode)) in c.u.iter().zip(last).zip(modes).enumerate() {
-            let (lower, upper) = self.range(*last, elapsed);
+        let (n, elapsed) = (c.output(0).len(), c.t - c.d[0]);
+        let (last, rest) = c.d[OUTPUTS..].split_at(n);
+        let (modes, rates) = rest.split_at(n);
+        for (i, (last, mode)) in last.iter().zip(modes).enumerate() {
+            let u = at(c.input(0), i);
+            let (lower, upper) = self.range(c, rates, i, *last, elapsed);
             let free = *mode == NOTHING;
             let rounding = ROUNDING * (u.abs() + lower.abs() + upper.abs());
             let exact = |x: f64| if x.abs() <= rounding { 0.0 } else { x };
@@ -139,23 +201,30 @@ impl Block for RateLimiter {
 
     fn rest(&self, c: &Context, d: &mut [f64]) -> bool {
         d[0] = c.t;
-        let (last, modes) = d[OUTPUTS..].split_at_mut(c.u.len());
-        last.copy_from_slice(c.u);
+        let n = c.output(0).len();
+        let (last, rest) = d[OUTPUTS..].split_at_mut(n);
+        let (modes, rates) = rest.split_at_mut(n);
+        last.iter_mut().enumerate().for_each(|(i, last)| *last = at(c.input(0), i));
         modes.fill(NOTHING);
+        self.note_rates(c, rates);
         true
     }
 
     fn accept(&self, c: &Context, d: &mut [f64]) -> bool {
         let elapsed = c.t - d[0];
         d[0] = c.t;
-        let (last, modes) = d[OUTPUTS..].split_at_mut(c.u.len());
+        let n = c.output(0).len();
+        let (last, rest) = d[OUTPUTS..].split_at_mut(n);
+        let (modes, rates) = rest.split_at_mut(n);
         let mut changed = false;
-        for ((last, mode_of), u) in last.iter_mut().zip(modes).zip(c.u) {
-            let (lower, upper) = self.range(*last, elapsed);
-            *last = clamp(*u, lower, upper);
-            let before = std::mem::replace(mode_of, mode(*u, *last));
+        for (i, (last, mode_of)) in last.iter_mut().zip(modes).enumerate() {
+            let u = at(c.input(0), i);
+            let (lower, upper) = self.range(c, rates, i, *last, elapsed);
+            *last = clamp(u, lower, upper);
+            let before = std::mem::replace(mode_of, mode(u, *last));
             changed |= *mode_of != before;
         }
+        self.note_rates(c, rates);
         changed
     }
 }
@@ -166,7 +235,7 @@ mod tests {
     use crate::math::elements::{dimension, given};
     use blocksim_block::testing::Bench;
 
-    const LIMITER: RateLimiter = RateLimiter { rising: 2.0, falling: -4.0, y0: 0.0 };
+    const LIMITER: RateLimiter = RateLimiter { rising: 2.0, falling: -4.0, y0: 0.0, external: false };
 
     #[test]
     fn a_step_becomes_a_ramp_up_and_a_ramp_down_whatever_the_steps_are() {

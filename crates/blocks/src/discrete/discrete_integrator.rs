@@ -1,7 +1,9 @@
 use blocksim_block::prelude::*;
 
 use super::method::Method;
-use crate::continuous::units::{SECOND, agrees};
+use crate::continuous::reset::{Reset, UNSEEN};
+use crate::continuous::units::{SECOND, agrees, agrees_as_written};
+use crate::math::Entries;
 
 /// Sums up samples as an integral, element by element.
 ///
@@ -10,6 +12,8 @@ use crate::continuous::units::{SECOND, agrees};
 /// | `ForwardEuler` | $y_k = x_k$ | $x_{k+1} = x_k + K T_s u_k$ |
 /// | `BackwardEuler` | $y_k = x_k + K T_s u_k$ | $x_{k+1} = y_k$ |
 /// | `Trapezoidal` | $y_k = x_k + \tfrac{1}{2} K T_s u_k$ | $x_{k+1} = y_k + \tfrac{1}{2} K T_s u_k$ |
+///
+/// With `reset` an edge of the extra input `reset` makes $x_k = x_0$ before the output of this sample.
 ///
 /// With limits the output and the state stay within them. The unit of the output is that of the input times that
 /// of `gain` times s. Direct feedthrough except with `ForwardEuler`, which breaks an algebraic loop.
@@ -29,15 +33,19 @@ pub struct DiscreteIntegrator {
     /// Factor $K$.
     #[block(default = 1.0)]
     pub gain: f64,
-    /// State at the start.
-    #[block(default = 0.0)]
-    pub x0: f64,
+    /// State at the start. A list gives each element its own.
+    #[block(default = 0.0.into())]
+    pub x0: Entries,
     /// Lower limit of the output.
     #[block(default = None)]
     pub lower: Option<f64>,
     /// Upper limit of the output.
     #[block(default = None)]
     pub upper: Option<f64>,
+    /// What the extra input `reset` must do between two samples to set the state back: `None` (there is no such input),
+    /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
+    #[block(default = Reset::None)]
+    pub reset: Reset,
 }
 
 impl DiscreteIntegrator {
@@ -60,11 +68,15 @@ impl Block for DiscreteIntegrator {
     fn check(&self) -> Result<(), ParamError> {
         positive("ts", self.ts)?;
         finite("gain", self.gain)?;
-        finite("x0", self.x0)?;
+        self.x0.finite("x0")?;
         ordered("lower", self.lower(), "upper", self.upper())?;
-        if !(self.lower()..=self.upper()).contains(&self.x0) {
-            return Err(ParamError::new("x0", format!("`x0` is {}, outside the limits", self.x0))
-                .help(format!("choose it from {} to {}", self.lower(), self.upper())));
+        let outside = self.x0.values.iter().find(|x0| !(self.lower()..=self.upper()).contains(*x0));
+        if let Some(x0) = outside {
+            return Err(ParamError::new("x0", format!("`x0` is {x0}, outside the limits")).help(format!(
+                "choose it from {} to {}",
+                self.lower(),
+                self.upper()
+            )));
         }
         Ok(())
     }
@@ -72,26 +84,36 @@ impl Block for DiscreteIntegrator {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let dimension = u.dimension.map(|u| u.times(given.parameters.get("gain")).times(SECOND));
-        for parameter in ["x0", "lower", "upper"] {
+        agrees_as_written(self.x0.written(given, "x0"), "x0", "u", dimension)?;
+        for parameter in ["lower", "upper"] {
             agrees(given, parameter, "u", dimension)?;
         }
-        let y = Output::like("y", u.of(dimension));
+        let shape = given.common_shape(&["u"], &[self.x0.shape])?;
+        let y = Output::like("y", u.of(dimension).shaped(shape));
         let interface = Interface::new().input(Input::real("u"));
-        let interface = match self.method {
-            Method::ForwardEuler => interface.output_from_state(y),
-            Method::BackwardEuler | Method::Trapezoidal => interface.output(y),
+        let interface = match (self.method, self.reset.input()) {
+            (Method::ForwardEuler, None) => interface.output_from_state(y),
+            (Method::ForwardEuler, Some(reset)) => interface.input(reset).output_reading(&[1], y),
+            (_, reset) => reset.into_iter().fold(interface, Interface::input).output(y),
         };
-        Ok(interface.memory("x", u.shape.len(), self.x0).sampled(self.ts))
+        let interface =
+            (0..shape.len()).fold(interface, |all, i| all.discrete(format!("x[{i}]"), self.x0.at(i)));
+        let interface =
+            if self.reset == Reset::None { interface } else { interface.discrete("trigger", UNSEEN) };
+        Ok(interface.sampled(self.ts))
     }
 
     fn law(&self, l: &Recording) -> bool {
-        let share = self.method.share();
-        for i in 0..l.width(0) {
-            let u = l.element(0, i);
-            let y = self.advanced(l, l.d()[i], share, u);
+        let (share, n) = (self.method.share(), l.width(0));
+        let fires = self.reset.sampled(l, n, 1);
+        for i in 0..n {
+            let (u, x) = (l.element(0, i), l.d()[i]);
+            let x = fires.map_or(x, |(fires, _)| fires.select(l.constant(self.x0.at(i)), x));
+            let y = self.advanced(l, x, share, u);
             l.set(0, i, y);
             l.update(i, self.advanced(l, y, 1.0 - share, u));
         }
+        fires.into_iter().for_each(|(_, next)| l.update(n, next));
         true
     }
 }
@@ -103,7 +125,15 @@ mod tests {
     use blocksim_block::testing::Bench;
 
     fn block(method: Method) -> DiscreteIntegrator {
-        DiscreteIntegrator { ts: 0.5, method, gain: 2.0, x0: 1.0, lower: None, upper: None }
+        DiscreteIntegrator {
+            ts: 0.5,
+            method,
+            gain: 2.0,
+            x0: 1.0.into(),
+            lower: None,
+            upper: None,
+            reset: Reset::None,
+        }
     }
 
     #[test]
@@ -156,5 +186,31 @@ mod tests {
     fn crossed_limits_are_refused() {
         let block = DiscreteIntegrator { lower: Some(1.0), upper: Some(0.0), ..block(Method::ForwardEuler) };
         assert_eq!(block.check().unwrap_err().param, "upper");
+    }
+
+    #[test]
+    fn after_a_reset_the_sum_begins_anew_from_this_sample_on() {
+        for method in [Method::ForwardEuler, Method::BackwardEuler, Method::Trapezoidal] {
+            let inputs =
+                vec![("u".to_owned(), PortType::vector(2)), ("reset".to_owned(), PortType::scalar())];
+            let x0 = Entries::try_from(vec![1.0, -1.0]).unwrap();
+            let with_reset = DiscreteIntegrator { x0: x0.clone(), reset: Reset::Rising, ..block(method) };
+            let mut bench = Bench::with_inputs(with_reset, inputs);
+            let mut anew = Bench::with_inputs(DiscreteIntegrator { x0, ..block(method) }, vector("u", 2));
+            for k in 0..12 {
+                // A reset at sample 5.
+                if k == 5 {
+                    let x0 = Entries::try_from(vec![1.0, -1.0]).unwrap();
+                    anew = Bench::with_inputs(DiscreteIntegrator { x0, ..block(method) }, vector("u", 2));
+                }
+                let u = [f64::from(k), f64::from(k * k) - 3.0];
+                let reset = if k >= 5 { 1.0 } else { -1.0 };
+                assert_eq!(
+                    bench.set(0, &u).set(1, &[reset]).hit(),
+                    anew.set(0, &u).hit(),
+                    "{method:?} at {k}"
+                );
+            }
+        }
     }
 }

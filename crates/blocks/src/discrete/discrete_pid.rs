@@ -2,6 +2,7 @@ use blocksim_block::prelude::*;
 
 use super::method::Method;
 use crate::continuous::pid_law::{AntiWindup, PidLaw};
+use crate::continuous::reset::{Reset, UNSEEN};
 
 /// Sampled PID controller with filtered derivative, limits and protection against windup.
 ///
@@ -35,6 +36,11 @@ pub struct DiscretePid {
     /// Method of the derivative filter: `ForwardEuler`, `BackwardEuler`, `Trapezoidal`.
     #[block(default = Method::ForwardEuler)]
     pub filter: Method,
+    /// What the extra input `reset` must do between two samples to set the integral part back to `x0` and
+    /// the filter to `d0`: `None` (there is no such input),
+    /// `Rising`, `Falling`, `Either`; with `Level` it is done at each sample at which the input is true or positive.
+    #[block(default = Reset::None)]
+    pub reset: Reset,
 }
 
 /// One sample: the output, and what the states grow by, over the sample time.
@@ -50,9 +56,9 @@ impl DiscretePid {
         self.law.kd != 0.0 || self.law.d0 != 0.0
     }
 
-    /// From the error and the states of the integral part and of the filter.
-    fn sample<'r>(&self, l: &Recording<'r>, e: Value<'r>, xi: Value<'r>, xf: Value<'r>) -> Sample<'r> {
-        let law = &self.law;
+    /// Of element `i`, from the error and the states of the integral part and of the filter.
+    fn sample<'r>(&self, l: &Recording<'r>, i: usize, e: Value<'r>, [xi, xf]: [Value<'r>; 2]) -> Sample<'r> {
+        let (law, limits) = (&self.law, self.law.limits(l, i));
         let at_once = self.integrator.share() * self.ts;
         let derivative = match self.filters() {
             true => self.law.n * (self.law.kd * e - xf) / (1.0 + self.filter.share() * self.law.n * self.ts),
@@ -65,17 +71,17 @@ impl DiscretePid {
             _ if self.law.ki == 0.0 => l.constant(0.0),
             AntiWindup::None => free,
             AntiWindup::Clamping => {
-                law.winds_up(l, v, e, l.constant(0.0)).is_true().select(l.constant(0.0), free)
+                law.winds_up(l, limits, v, e, l.constant(0.0)).is_true().select(l.constant(0.0), free)
             }
             // a = kb (u - v_a) with v_a = v + p at_once a. The correction is never so large that v_a would come
             // inside the limits, therefore u = sat(v) for both.
             AntiWindup::BackCalculation => {
                 let loop_gain = self.law.kb * law.per_integral() * at_once;
-                free + self.law.kb * (law.saturate(l, v) - v) / (1.0 + loop_gain)
+                free + self.law.kb * (limits.saturate(v) - v) / (1.0 + loop_gain)
             }
         };
         let v = law.sum(e, xi + at_once * w, derivative);
-        Sample { u: law.saturate(l, v), w, derivative }
+        Sample { u: limits.saturate(v), w, derivative }
     }
 }
 
@@ -94,23 +100,34 @@ impl Block for DiscretePid {
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let e = given.input_or_unknown("e");
-        let u = Output::like("u", e.of(self.law.dimension(given)?));
+        let dimension = self.law.dimension(given)?;
         let mut interface = Interface::new().input(Input::real("e").doc("Set value minus actual value."));
-        interface = interface.output(u).sampled(self.ts);
+        interface = interface.output(Output::like("u", e.of(dimension))).sampled(self.ts);
         for _ in 0..e.shape.len() {
             interface = interface.discrete("integral", self.law.x0).discrete("filter", self.law.d0);
         }
-        Ok(interface)
+        if let Some(reset) = self.reset.input() {
+            interface = interface.input(reset).discrete("trigger", UNSEEN);
+        }
+        Ok(self.law.inputs_of_limits(interface, dimension))
+    }
+
+    fn no_value(&self, _failure: &Failure, c: &Context) -> Option<String> {
+        self.law.no_value(c)
     }
 
     fn law(&self, l: &Recording) -> bool {
+        let all = 2 * l.width(0);
+        let fires = self.reset.sampled(l, all, 1);
+        let start = |x0: f64, x| fires.map_or(x, |(fires, _)| fires.select(l.constant(x0), x));
         for i in 0..l.width(0) {
-            let (xi, xf) = (l.d()[2 * i], l.d()[2 * i + 1]);
-            let Sample { u, w, derivative } = self.sample(l, l.element(0, i), xi, xf);
+            let (xi, xf) = (start(self.law.x0, l.d()[2 * i]), start(self.law.d0, l.d()[2 * i + 1]));
+            let Sample { u, w, derivative } = self.sample(l, i, l.element(0, i), [xi, xf]);
             l.set(0, i, u);
             l.update(2 * i, xi + self.ts * w);
             l.update(2 * i + 1, if self.filters() { xf + self.ts * derivative } else { l.constant(0.0) });
         }
+        fires.into_iter().for_each(|(_, next)| l.update(all, next));
         true
     }
 }
@@ -132,6 +149,7 @@ mod tests {
         form: Form::Parallel,
         lower: None,
         upper: None,
+        external_limits: false,
         anti_windup: AntiWindup::None,
         kb: 1.0,
         x0: 0.0,
@@ -139,7 +157,7 @@ mod tests {
     };
 
     fn pid(method: Method) -> DiscretePid {
-        DiscretePid { ts: 0.01, law: LAW, integrator: method, filter: method }
+        DiscretePid { ts: 0.01, law: LAW, integrator: method, filter: method, reset: Reset::None }
     }
 
     fn limited(method: Method, anti_windup: AntiWindup) -> DiscretePid {

@@ -1,6 +1,7 @@
 use blocksim_block::prelude::*;
 
 use crate::continuous::rational::Rational;
+use crate::continuous::reset::{Reset, UNSEEN};
 
 /// Transfer function of a sampled system, as polynomials in z.
 ///
@@ -32,6 +33,10 @@ pub struct DiscreteTransferFunction {
     /// All states at the start.
     #[block(default = 0.0)]
     pub x0: f64,
+    /// What the extra input `reset` must do between two samples to set all states back to `x0`: `None` (there is no such input),
+    /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
+    #[block(default = Reset::None)]
+    pub reset: Reset,
 }
 
 impl DiscreteTransferFunction {
@@ -52,19 +57,27 @@ impl Block for DiscreteTransferFunction {
         let mut interface = self.ratio().interface(given, self.x0).sampled(self.ts);
         let states = std::mem::take(&mut interface.states).into_iter();
         interface.discrete = states.map(|State { name, initial, .. }| Discrete::new(name, initial)).collect();
+        let Some(reset) = self.reset.input() else { return Ok(interface) };
+        interface = interface.input(reset).discrete("trigger", UNSEEN);
+        // A reset shows in the output at once.
+        interface.groups = vec![if self.ratio().feedthrough() == 0.0 { Some(vec![1]) } else { None }];
         Ok(interface)
     }
 
     fn law(&self, l: &Recording) -> bool {
         let ratio = self.ratio();
-        let n = ratio.order();
+        let (n, all) = (ratio.order(), ratio.order() * l.width(0));
+        let fires = self.reset.sampled(l, all, 1);
+        let start = |x| fires.map_or(x, |(fires, _)| fires.select(l.constant(self.x0), x));
         for i in 0..l.width(0) {
-            let (u, x) = (l.element(0, i), &l.d()[i * n..][..n]);
-            l.set(0, i, self.k * ratio.output(l, x, u, 1.0));
+            let u = l.element(0, i);
+            let x: Vec<Value> = l.d()[i * n..][..n].iter().copied().map(start).collect();
+            l.set(0, i, self.k * ratio.output(l, &x, u, 1.0));
             for k in 0..n {
-                l.update(i * n + k, if k == 0 { ratio.drive(x, u, 1.0) } else { x[k - 1] });
+                l.update(i * n + k, if k == 0 { ratio.drive(&x, u, 1.0) } else { x[k - 1] });
             }
         }
+        fires.into_iter().for_each(|(_, next)| l.update(all, next));
         true
     }
 }
@@ -76,7 +89,14 @@ mod tests {
     use blocksim_block::testing::Bench;
 
     fn block(num: &[f64], den: &[f64]) -> DiscreteTransferFunction {
-        DiscreteTransferFunction { ts: 0.1, num: num.to_vec(), den: den.to_vec(), k: 1.0, x0: 0.0 }
+        DiscreteTransferFunction {
+            ts: 0.1,
+            num: num.to_vec(),
+            den: den.to_vec(),
+            k: 1.0,
+            x0: 0.0,
+            reset: Reset::None,
+        }
     }
 
     #[test]
@@ -125,5 +145,27 @@ mod tests {
         assert_eq!(output_unit(&block(&[1.0], &[1.0]), &[("u", "V")], &[]), "unknown");
         assert_eq!(block(&[1.0, 0.0], &[1.0]).check().unwrap_err().param, "num");
         assert_eq!(block(&[1.0], &[0.0]).check().unwrap_err().param, "den[0]");
+    }
+
+    #[test]
+    fn a_reset_sets_all_states_back_before_the_output() {
+        // y_k = 2 u_k + x_k with x_{k+1} = 0.5 x_k + 2 u_k: (2 z + 1) / (z - 0.5), states of the canonical form times 2.
+        let ratio =
+            DiscreteTransferFunction { reset: Reset::Either, x0: 3.0, ..block(&[2.0, 1.0], &[1.0, -0.5]) };
+        let inputs = vec![("u".to_owned(), PortType::scalar()), ("reset".to_owned(), PortType::boolean())];
+        let mut bench = Bench::with_inputs(ratio, inputs);
+        let mut x = 3.0;
+        for k in 0..10 {
+            let (u, reset) = (f64::from(k % 3), f64::from(u8::from((4..7).contains(&k))));
+            if k == 4 || k == 7 {
+                x = 3.0;
+            }
+            let expected = 2.0 * u + 2.0 * x;
+            assert!((bench.set(0, &[u]).set(1, &[reset]).hit()[0] - expected).abs() < 1e-13, "{k}");
+            x = 0.5 * x + u;
+        }
+        let strict = DiscreteTransferFunction { reset: Reset::Rising, ..block(&[1.0], &[1.0, 0.5]) };
+        let interface = strict.interface(&Given::nothing()).unwrap();
+        assert!(!interface.reads(0, 0) && interface.reads(0, 1));
     }
 }

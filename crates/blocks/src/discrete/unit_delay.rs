@@ -1,12 +1,15 @@
 use blocksim_block::prelude::*;
 
-use crate::continuous::units::agrees;
+use crate::continuous::reset::{Reset, UNSEEN};
+use crate::continuous::units::agrees_as_written;
+use crate::math::Entries;
 
 /// Delays by one sample: $y_k = u_{k-1}$.
 ///
 /// $$ y_k = x_k, \qquad x_{k+1} = u_k, \qquad x_0 \text{ given} $$
 ///
-/// No direct feedthrough, so it breaks an algebraic loop. Takes signals of every kind, vectors element by element.
+/// No direct feedthrough, so it breaks an algebraic loop. Takes signals of every kind, vectors element by element. With `reset`
+/// an edge of the extra input `reset` makes the output of this sample `x0`; this input does reach the output at once.
 ///
 /// ```ron
 /// UnitDelay(ts: "1 ms")
@@ -17,32 +20,47 @@ pub struct UnitDelay {
     /// Sample time, positive.
     #[block(unit = "s")]
     pub ts: f64,
-    /// Output at the first sample, in the unit of the input.
-    #[block(default = 0.0)]
-    pub x0: f64,
+    /// Output at the first sample, in the unit of the input. A list gives each element its own.
+    #[block(default = 0.0.into())]
+    pub x0: Entries,
+    /// What the extra input `reset` must do between two samples to set the state back: `None` (there is no such input),
+    /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
+    #[block(default = Reset::None)]
+    pub reset: Reset,
 }
 
 impl Block for UnitDelay {
     fn check(&self) -> Result<(), ParamError> {
         positive("ts", self.ts)?;
-        finite("x0", self.x0)
+        self.x0.finite("x0")
     }
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
-        agrees(given, "x0", "u", u.dimension)?;
-        Ok(Interface::new()
-            .input(Input::any("u"))
-            .output_from_state(Output::like("y", u))
-            .memory("x", u.shape.len(), self.x0)
-            .sampled(self.ts))
+        agrees_as_written(self.x0.written(given, "x0"), "x0", "u", u.dimension)?;
+        let shape = given.common_shape(&["u"], &[self.x0.shape])?;
+        let y = Output::like("y", u.shaped(shape));
+        let interface = Interface::new().input(Input::any("u"));
+        let interface = match self.reset.input() {
+            Some(reset) => interface.input(reset).output_reading(&[1], y),
+            None => interface.output_from_state(y),
+        };
+        let interface =
+            (0..shape.len()).fold(interface, |all, i| all.discrete(format!("x[{i}]"), self.x0.at(i)));
+        let interface =
+            if self.reset == Reset::None { interface } else { interface.discrete("trigger", UNSEEN) };
+        Ok(interface.sampled(self.ts))
     }
 
     fn law(&self, l: &Recording) -> bool {
-        for i in 0..l.width(0) {
-            l.set(0, i, l.d()[i]);
+        let n = l.width(0);
+        let fires = self.reset.sampled(l, n, 1);
+        for i in 0..n {
+            let x = l.d()[i];
+            l.set(0, i, fires.map_or(x, |(fires, _)| fires.select(l.constant(self.x0.at(i)), x)));
             l.update(i, l.element(0, i));
         }
+        fires.into_iter().for_each(|(_, next)| l.update(n, next));
         true
     }
 }
@@ -53,9 +71,27 @@ mod tests {
     use crate::continuous::units::testing::output_unit;
     use blocksim_block::testing::Bench;
 
+    fn delay(x0: f64) -> UnitDelay {
+        UnitDelay { ts: 0.1, x0: x0.into(), reset: Reset::None }
+    }
+
+    #[test]
+    fn a_reset_gives_the_start_values_for_one_sample() {
+        let x0 = Entries::try_from(vec![7.0, 8.0]).unwrap();
+        let block = UnitDelay { x0, reset: Reset::Rising, ..delay(0.0) };
+        let inputs = vec![("u".to_owned(), PortType::scalar()), ("reset".to_owned(), PortType::boolean())];
+        let mut bench = Bench::with_inputs(block, inputs);
+        for (u, reset, y) in
+            [(1.0, 0.0, [7.0, 8.0]), (2.0, 0.0, [1.0; 2]), (3.0, 1.0, [7.0, 8.0]), (4.0, 1.0, [3.0; 2])]
+        {
+            assert_eq!(bench.set(0, &[u]).set(1, &[reset]).hit(), y);
+        }
+        assert!(!bench.interface.reads(0, 0) && bench.interface.reads(0, 1));
+    }
+
     #[test]
     fn each_sample_comes_out_one_later() {
-        let mut bench = Bench::new(UnitDelay { ts: 0.1, x0: -1.0 });
+        let mut bench = Bench::new(delay(-1.0));
         for (u, y) in [(1.0, -1.0), (2.0, 1.0), (3.0, 2.0)] {
             assert_eq!(bench.set(0, &[u]).hit(), [y]);
         }
@@ -65,7 +101,7 @@ mod tests {
     #[test]
     fn a_vector_of_truth_values_stays_one() {
         let bools = PortType { shape: Shape::Vector(2), ..PortType::boolean() };
-        let mut bench = Bench::with_inputs(UnitDelay { ts: 0.1, x0: 0.0 }, vec![("u".to_owned(), bools)]);
+        let mut bench = Bench::with_inputs(delay(0.0), vec![("u".to_owned(), bools)]);
         assert_eq!(bench.interface.outputs[0].port_type, bools);
         bench.set(0, &[1.0, 0.0]).hit();
         assert_eq!(bench.hit(), [1.0, 0.0]);
@@ -73,7 +109,7 @@ mod tests {
 
     #[test]
     fn the_unit_stays_and_a_sample_time_of_zero_is_refused() {
-        let block = UnitDelay { ts: 0.0, x0: 0.0 };
+        let block = UnitDelay { ts: 0.0, ..delay(0.0) };
         assert_eq!(output_unit(&block, &[("u", "V")], &[("x0", "V")]), "V");
         assert_eq!(block.check().unwrap_err().param, "ts");
     }

@@ -55,6 +55,7 @@ impl SlipControlledVf {
             form: Form::Parallel,
             lower: Some(-self.slip_limit),
             upper: Some(self.slip_limit),
+            external_limits: false,
             anti_windup: AntiWindup::Clamping,
             kb: 1.0,
             x0: 0.0,

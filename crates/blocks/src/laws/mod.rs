@@ -5,7 +5,7 @@ mod record;
 mod runner;
 
 pub(crate) use parameters::{LawParameters, name_fits};
-pub(crate) use record::{Part, record};
+pub(crate) use record::{Part, constants, record};
 pub(crate) use runner::Runner;
 
 use blocksim_block::ParamError;

@@ -3,6 +3,8 @@
 use blocksim_law::{Condition, Recorder, Relation, Value};
 use blocksim_signal::{Comparison, Formula, Function, NodeKind, Operator};
 
+use super::LawParameters;
+
 /// What a part of a formula is.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Part<'r> {
@@ -15,7 +17,8 @@ pub(crate) enum Part<'r> {
 /// Greatest exponent that is computed by multiplication.
 const MOST_FACTORS: f64 = 64.0;
 
-/// Records a formula. `name` is what stands for a name, `constant` the value of a node that never changes.
+/// Records a formula that begins at byte `begin` of a text. `name` is what stands for a name, `constant` the value of a node that
+/// never changes.
 ///
 /// Every comparison is a mode, and so is what jumps. A branch of `if`, and what stands behind the first operand of `and` or `or`,
 /// need have a value only where it is asked for.
@@ -24,6 +27,7 @@ pub(crate) fn record<'r>(
     recorder: &'r Recorder,
     name: &dyn Fn(&str) -> Option<Part<'r>>,
     constant: &dyn Fn(usize) -> Option<f64>,
+    begin: usize,
 ) -> Part<'r> {
     let n = formula.nodes().len();
     let mut recording = Recording { recorder, parts: Vec::with_capacity(n) };
@@ -33,7 +37,7 @@ pub(crate) fn record<'r>(
             let condition = recording.truth(*condition);
             recorder.enter(if *holds { condition } else { !condition });
         }
-        recorder.at(node.span.clone());
+        recorder.at(begin + node.span.start..begin + node.span.end);
         let part = recording.node(&node.kind, name, constant);
         recording.parts.push(part);
         (0..leave[at]).for_each(|_| recorder.leave());
@@ -187,4 +191,26 @@ impl<'r> Recording<'r> {
             F::Round => one().round(),
         })
     }
+}
+
+/// The values of the nodes that never change: what exponents may be.
+pub(crate) fn constants(formula: &Formula, parameters: LawParameters) -> Vec<Option<f64>> {
+    let mut known: Vec<Option<f64>> = Vec::with_capacity(formula.nodes().len());
+    for node in formula.nodes() {
+        known.push(match &node.kind {
+            NodeKind::Number(quantity) => Some(quantity.value),
+            NodeKind::Name(name) => parameters.number(name),
+            NodeKind::Negate(a) => known[*a].map(|a| -a),
+            NodeKind::Scale(a, unit) => known[*a].map(|a| a * unit.value),
+            NodeKind::Binary(operator, a, b) => known[*a].zip(known[*b]).map(|(a, b)| match operator {
+                Operator::Add => a + b,
+                Operator::Subtract => a - b,
+                Operator::Multiply => a * b,
+                Operator::Divide => a / b,
+                Operator::Power => a.powf(b),
+            }),
+            NodeKind::Truth(_) | NodeKind::Compare(..) | NodeKind::Call(..) => None,
+        });
+    }
+    known
 }

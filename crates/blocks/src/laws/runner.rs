@@ -80,6 +80,11 @@ impl Runner {
         self.program.inputs.len() + codes.map(Code::registers).into_iter().max().unwrap_or(0)
     }
 
+    /// Number of guards of one element.
+    pub fn guard_count(&self) -> usize {
+        self.program.guards().count()
+    }
+
     /// Adds modes, guards and what follows from the angles of the law to the interface of a block of `n` elements.
     /// `text` is what the places of the program are in.
     pub fn declare(&self, mut interface: Interface, n: usize, text: &str) -> Interface {
@@ -113,9 +118,11 @@ impl Runner {
             }
         }
         for turn in &self.program.turns {
-            if let blocksim_law::Op::Input(input) = self.program.op(*turn) {
-                interface = interface.turning_input(input as usize);
-            }
+            interface = match self.program.op(*turn) {
+                blocksim_law::Op::Input(input) => interface.turning_input(input as usize),
+                blocksim_law::Op::State(state) => interface.turning_state(state as usize),
+                _ => interface,
+            };
         }
         if self.program.modes.is_empty() { interface } else { interface.settles() }
     }

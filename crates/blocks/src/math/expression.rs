@@ -1,9 +1,9 @@
 use std::collections::BTreeMap;
 
 use blocksim_law::{Condition, Recorder};
-use blocksim_signal::{Formula, NodeKind, Operator};
+use blocksim_signal::{Formula, NodeKind};
 
-use crate::laws::{LawParameters, Part, Runner, in_text, name_fits, record};
+use crate::laws::{LawParameters, Part, Runner, constants, in_text, name_fits, record};
 use blocksim_block::prelude::*;
 
 /// A law that is written as text: $y = f(u_1, u_2, \ldots)$, element by element.
@@ -117,7 +117,7 @@ impl Expression {
             let found = given.iter().chain(&ports).find(|(name, _)| *name == word);
             found.map(|(_, part)| *part)
         };
-        match record(&formula, &recorder, &known, &|node| constants[node]) {
+        match record(&formula, &recorder, &known, &|node| constants[node], 0) {
             Part::Number(value) => recorder.output("y", value),
             Part::Truth(condition) => recorder.output_truth("y", condition),
         }
@@ -128,28 +128,6 @@ impl Expression {
     fn built(&self) -> Option<&Built> {
         self.built.as_ref().and_then(|built| built.as_ref().ok())
     }
-}
-
-/// The values of the nodes that never change: what exponents may be.
-fn constants(formula: &Formula, parameters: LawParameters) -> Vec<Option<f64>> {
-    let mut known: Vec<Option<f64>> = Vec::with_capacity(formula.nodes().len());
-    for node in formula.nodes() {
-        known.push(match &node.kind {
-            NodeKind::Number(quantity) => Some(quantity.value),
-            NodeKind::Name(name) => parameters.number(name),
-            NodeKind::Negate(a) => known[*a].map(|a| -a),
-            NodeKind::Scale(a, unit) => known[*a].map(|a| a * unit.value),
-            NodeKind::Binary(operator, a, b) => known[*a].zip(known[*b]).map(|(a, b)| match operator {
-                Operator::Add => a + b,
-                Operator::Subtract => a - b,
-                Operator::Multiply => a * b,
-                Operator::Divide => a / b,
-                Operator::Power => a.powf(b),
-            }),
-            NodeKind::Truth(_) | NodeKind::Compare(..) | NodeKind::Call(..) => None,
-        });
-    }
-    known
 }
 
 impl Block for Expression {

@@ -2,6 +2,8 @@
 
 mod assertion;
 mod scope;
+mod stop;
 
 pub use assertion::Assertion;
 pub use scope::Scope;
+pub use stop::Stop;

@@ -1,46 +1,43 @@
 use blocksim_block::prelude::*;
 use blocksim_signal::{Quantity, Value};
 
-/// A value that never changes: a number, a truth value, or a list of either, which makes a vector.
+use crate::math::entries::{common, elements, shape_of};
+
+/// A value that never changes: a number, a truth value, a list of either, which makes a vector, or a list of rows, which makes
+/// a matrix.
 ///
 /// The unit is the one that is written; a plain number has none. In a list zero fits every unit.
 ///
 /// ```ron
 /// Constant(value: "48 V")
 /// ```
+/// ```ron
+/// Constant(value: [[1, 0, 0], [0, 1, 0]])
+/// ```
 #[derive(Debug, Clone, BlockMeta)]
 #[block(category = "Sources", symbol = Value("value"))]
 pub struct Constant {
-    /// The value: `3`, `"48 V"`, `true`, `["10 deg", "-20 deg"]`.
+    /// The value: `3`, `"48 V"`, `true`, `["10 deg", "-20 deg"]`, `[[1, 2], [3, 4]]`.
     pub value: ParamValue,
 }
 
 impl Constant {
-    fn items(&self) -> &[Value] {
-        match &self.value.0 {
-            Value::List(items) => items,
-            one => std::slice::from_ref(one),
-        }
+    /// All values, row by row.
+    fn items(&self) -> Vec<&Value> {
+        elements(&self.value.0)
     }
 
-    fn quantities(&self) -> impl Iterator<Item = Quantity> {
-        self.items().iter().filter_map(Value::as_number)
-    }
-
-    fn dimension(&self) -> Dimension {
-        let written = |quantity: &Quantity| quantity.dimension != Dimension::NONE;
-        self.quantities().find(written).map_or(Dimension::OPEN, |quantity| quantity.dimension)
+    fn quantities(&self) -> Vec<Quantity> {
+        self.items().into_iter().filter_map(Value::as_number).collect()
     }
 }
 
 impl Block for Constant {
     fn check(&self) -> Result<(), ParamError> {
+        shape_of(&self.value.0).map_err(|reason| ParamError::new("value", format!("`value`: {reason}")))?;
         let items = self.items();
-        if items.is_empty() {
-            return Err(ParamError::new("value", "`value` is an empty list"));
-        }
         let booleans = items.iter().filter(|item| item.as_bool().is_some()).count();
-        let numbers = self.quantities().count();
+        let quantities = self.quantities();
         if let Some(other) = items.iter().find(|item| item.as_bool().is_none() && item.as_number().is_none())
         {
             let message = format!(
@@ -49,30 +46,21 @@ impl Block for Constant {
             );
             return Err(ParamError::new("value", message));
         }
-        if booleans > 0 && numbers > 0 {
+        if booleans > 0 && !quantities.is_empty() {
             return Err(ParamError::new("value", "`value` mixes numbers and truth values"));
         }
-        let dimension = self.dimension();
-        for quantity in self.quantities() {
-            finite("value", quantity.value)?;
-            let zero = quantity.value == 0.0 && quantity.dimension == Dimension::NONE;
-            if !zero && !quantity.dimension.compatible(dimension) {
-                let message = format!("`value` mixes {} and {dimension}", quantity.dimension);
-                return Err(ParamError::new("value", message).help("give all elements the same unit"));
-            }
-        }
-        Ok(())
+        quantities.iter().try_for_each(|quantity| finite("value", quantity.value))?;
+        common(&quantities).map(|_| ()).map_err(|reason| {
+            ParamError::new("value", format!("`value` {reason}")).help("give all elements the same unit")
+        })
     }
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let items = self.items();
-        let shape = match self.value.0 {
-            Value::List(_) => Shape::Vector(items.len()),
-            _ => Shape::Scalar,
-        };
-        let y = match items.first().and_then(Value::as_bool) {
+        let shape = shape_of(&self.value.0).unwrap_or_default();
+        let y = match items.first().and_then(|item| item.as_bool()) {
             Some(_) => PortType::boolean(),
-            None => PortType::scalar().of(Some(self.dimension())),
+            None => PortType::scalar().of(common(&self.quantities()).ok()),
         };
         Ok(Interface::new().output(Output::like("y", y.shaped(shape))).constant())
     }
@@ -82,7 +70,7 @@ impl Block for Constant {
             Value::Bool(value) => f64::from(*value),
             _ => item.as_number().map_or(f64::NAN, |quantity| quantity.value),
         };
-        self.items().iter().enumerate().for_each(|(i, item)| l.set(0, i, l.constant(number(item))));
+        self.items().into_iter().enumerate().for_each(|(i, item)| l.set(0, i, l.constant(number(item))));
         true
     }
 }
@@ -117,6 +105,14 @@ mod tests {
     }
 
     #[test]
+    fn rows_are_a_matrix() {
+        let row = |items: [f64; 3]| Value::List(items.map(Value::from).to_vec());
+        let mut bench = Bench::new(constant(Value::List(vec![row([1.0, 2.0, 3.0]), row([4.0, 5.0, 6.0])])));
+        assert_eq!(bench.interface.outputs[0].port_type.shape, Shape::Matrix(2, 3));
+        assert_eq!(bench.major(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    }
+
+    #[test]
     fn a_truth_value_is_a_bool_signal() {
         let mut bench = Bench::new(constant(Value::Bool(true)));
         assert_eq!(bench.interface.outputs[0].port_type, PortType::boolean());
@@ -131,7 +127,8 @@ mod tests {
             (list(vec![]), "empty"),
             (list(vec![1.0.into(), Value::Bool(true)]), "mixes numbers and truth values"),
             (list(vec![1.0.into(), volts(2.0)]), "mixes 1 and V"),
-            (list(vec![Value::List(vec![])]), "a list of 0"),
+            (list(vec![Value::List(vec![])]), "empty"),
+            (list(vec![Value::List(vec![1.0.into()]), 1.0.into()]), "mixes rows with other values"),
             (constant(f64::NAN), "finite"),
         ] {
             let error = block.check().unwrap_err();

@@ -1,4 +1,5 @@
-use super::table::{Fault, Table, parse};
+use super::course::{After, Course, Place};
+use super::table::{Fault, parse};
 use blocksim_block::prelude::*;
 
 /// Signals over time from a file of comma-separated values, with straight lines in between.
@@ -31,93 +32,10 @@ pub struct FromFile {
     pub after: After,
     /// What was read.
     #[block(skip)]
-    table: Table,
-}
-
-/// What follows the last line of a table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum After {
-    /// The last values.
-    Hold,
-    /// The last straight line goes on.
-    Extrapolate,
-    /// Zero.
-    Zero,
-    /// The table again, from the first line.
-    Cyclic,
-}
-
-/// A place in the table: `passed` lines of the cycle are not later than now.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Place {
-    cycle: f64,
-    passed: usize,
+    course: Course,
 }
 
 impl FromFile {
-    fn period(&self) -> f64 {
-        match self.table.times[..] {
-            [first, .., last] if self.after == After::Cyclic => last - first,
-            _ => 0.0,
-        }
-    }
-
-    /// A time of the table in a cycle. Events and places use this one expression, so they agree to the last bit; the
-    /// end of a cycle is the start of the next.
-    fn shifted(&self, cycle: f64, time: f64) -> f64 {
-        match (self.table.times.first(), self.table.times.last(), self.period()) {
-            (Some(first), Some(last), period) if period > 0.0 && time == *last => {
-                first + (cycle + 1.0) * period
-            }
-            (_, _, period) => time + cycle * period,
-        }
-    }
-
-    /// Time of a line.
-    fn time(&self, cycle: f64, line: usize) -> f64 {
-        self.shifted(cycle, self.table.times[line])
-    }
-
-    fn place(&self, t: f64) -> Place {
-        let (times, period) = (&self.table.times, self.period());
-        let mut cycle = 0.0;
-        if period > 0.0 && t >= times[0] {
-            // The quotient may be off by a rounding.
-            cycle = ((t - times[0]) / period).floor().max(0.0);
-            if self.time(cycle + 1.0, 0) <= t {
-                cycle += 1.0;
-            } else if self.time(cycle, 0) > t {
-                cycle -= 1.0;
-            }
-        }
-        Place { cycle, passed: times.partition_point(|time| self.shifted(cycle, *time) <= t) }
-    }
-
-    /// Values of one line.
-    fn line(&self, line: usize) -> &[f64] {
-        let n = self.table.columns.len();
-        &self.table.values[line * n..(line + 1) * n]
-    }
-
-    /// The value at `t` on the branch of `place`, which may be the one before `t`.
-    fn value(&self, place: Place, t: f64, column: usize) -> f64 {
-        let last = self.table.times.len() - 1;
-        let on_line = |from: usize| {
-            let (t0, t1) = (self.time(place.cycle, from), self.time(place.cycle, from + 1));
-            let (v0, v1) = (self.line(from)[column], self.line(from + 1)[column]);
-            if t1 > t0 { v0 + (v1 - v0) * ((t - t0) / (t1 - t0)) } else { v1 }
-        };
-        match place.passed {
-            0 => self.line(0)[column],
-            passed if passed <= last => on_line(passed - 1),
-            _ => match self.after {
-                After::Zero => 0.0,
-                After::Extrapolate if last > 0 => on_line(last - 1),
-                _ => self.line(last)[column],
-            },
-        }
-    }
-
     fn error(&self, param: &'static str, code: &'static str, fault: Fault) -> LoadError {
         LoadError { param, code, message: format!("`{}`: {}", self.file, fault.message), help: fault.help }
     }
@@ -139,14 +57,14 @@ impl Block for FromFile {
             let message = "the lines span no time, so there is no cycle".to_owned();
             return Err(self.error("after", "table", Fault { message, help: None }));
         }
-        self.table = table;
+        self.course = Course { table, after: self.after, held: false };
         Ok(())
     }
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
-        let n = self.table.columns.len().max(self.columns.len());
+        let n = self.course.table.columns.len().max(self.columns.len());
         let shape = if n > 1 { Shape::Vector(n) } else { Shape::Scalar };
-        let dimension = self.table.dimension().ok().flatten();
+        let dimension = self.course.table.dimension().ok().flatten();
         Ok(Interface::new()
             .output(Output::real("y").shape(shape).dimension(dimension))
             .discrete("cycle", 0.0)
@@ -157,36 +75,28 @@ impl Block for FromFile {
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {
-        if !self.table.times.is_empty() {
-            let place = self.place(c.t);
+        if !self.course.table.times.is_empty() {
+            let place = self.course.place(c.t);
             d.copy_from_slice(&[place.cycle, place.passed as f64]);
         }
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        if self.table.times.is_empty() {
+        if self.course.table.times.is_empty() {
             return c.fail(format!("`{}` has not been read", self.file));
         }
         let place = Place { cycle: c.d[0], passed: c.d[1] as usize };
         for (column, y) in y.iter_mut().enumerate() {
-            *y = self.value(place, c.t, column);
+            *y = self.course.value(place, c.t, column);
         }
     }
 
     fn next_event(&self, c: &Context) -> f64 {
-        if self.table.times.is_empty() {
-            return f64::INFINITY;
-        }
-        let place = self.place(c.t);
-        if place.passed < self.table.times.len() {
-            self.time(place.cycle, place.passed)
-        } else {
-            f64::INFINITY
-        }
+        self.course.next(c.t)
     }
 
     fn end_time(&self) -> Option<f64> {
-        if self.after == After::Cyclic { None } else { self.table.times.last().copied() }
+        if self.after == After::Cyclic { None } else { self.course.table.times.last().copied() }
     }
 }
 
@@ -211,7 +121,7 @@ mod tests {
 
     fn block(columns: &[&str], after: After) -> FromFile {
         let columns = columns.iter().map(ToString::to_string).collect();
-        FromFile { file: "a.csv".to_owned(), columns, after, table: Table::default() }
+        FromFile { file: "a.csv".to_owned(), columns, after, course: Course::default() }
     }
 
     fn bench(text: &'static str, after: After) -> Bench {

@@ -52,7 +52,7 @@ impl<'a> Resolver<'a> {
             if rest.is_empty() {
                 over.used.set(true);
                 let text = !parameter.unit.is_empty()
-                    || ["f64", "String", "usize", "u32", "ParamValue"]
+                    || ["f64", "String", "usize", "u32", "ParamValue", "Entries"]
                         .iter()
                         .any(|t| parameter.rust_type.contains(t));
                 let new = value_node(over, text);

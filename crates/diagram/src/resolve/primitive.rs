@@ -68,6 +68,7 @@ impl<'a> Resolver<'a> {
             self.report(with_help(problem, error.help));
             return Content::Unknown;
         }
+        built.place(path);
         if let Err(error) = built.check() {
             let mut place = place_of(&error.param);
             if let Some(span) = error.span {

@@ -283,7 +283,9 @@ fn spelling_of(parameter: &ParameterInfo) -> Spelling {
     let is = |word: &str| parameter.rust_type.contains(word);
     if is("String") || is("PathBuf") {
         Spelling::Text
-    } else if !parameter.unit.is_empty() || ["f64", "usize", "u32", "ParamValue"].into_iter().any(is) {
+    } else if !parameter.unit.is_empty()
+        || ["f64", "usize", "u32", "ParamValue", "Entries"].into_iter().any(is)
+    {
         Spelling::Expression
     } else {
         Spelling::Word

@@ -158,7 +158,7 @@ impl Bench {
         let mut simulation = Simulation::new(Arc::new(schedule))?;
         let mut rows = Rows::default();
         match simulation.run(&mut rows)? {
-            Ended::Finished => Ok(rows),
+            Ended::Finished | Ended::Stopped => Ok(rows),
             Ended::Interrupted => Err(SimError {
                 code: INTERRUPTED,
                 t: simulation.time(),

@@ -29,8 +29,19 @@ impl From<SimError> for Lost {
 /// [`Lost`].
 pub fn at(schedule: &Arc<Schedule>, t: f64, steady: bool) -> Result<(Frozen, Vec<String>), Lost> {
     let mut simulation = Simulation::new(Arc::clone(schedule))?;
-    if let Ended::Interrupted = simulation.run_until(t, &mut Patient)? {
-        return Err(Lost::Interrupted);
+    match simulation.run_until(t, &mut Patient)? {
+        Ended::Interrupted => return Err(Lost::Interrupted),
+        Ended::Stopped if simulation.time() < t => {
+            let reason = simulation.stop_reason().unwrap_or_default();
+            return Err(Lost::Simulation(SimError {
+                code: "settings",
+                t: simulation.time(),
+                path: None,
+                message: format!("the run ends before {t} s: {reason}"),
+                help: Some("choose an earlier time, or leave out the block that ends the run".to_owned()),
+            }));
+        }
+        Ended::Finished | Ended::Stopped => {}
     }
     let mut adrift = Vec::new();
     if steady {

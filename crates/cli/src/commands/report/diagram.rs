@@ -141,7 +141,9 @@ fn value(block: &ModelBlock, info: Option<&BlockInfo>, name: &str) -> String {
     let about = info.and_then(|info| info.parameters.iter().find(|p| p.name == name));
     // Numbers of a set have names of their own.
     let is_plain = |p: &&blocksim_block::ParameterInfo| {
-        ["f64", "i64", "u32", "u64", "usize", "Value"].iter().any(|number| p.rust_type.contains(number))
+        ["f64", "i64", "u32", "u64", "usize", "Value", "Entries"]
+            .iter()
+            .any(|number| p.rust_type.contains(number))
     };
     let Some(about) = about.filter(is_plain) else { return String::new() };
     let unit = match (about.unit, units.find(name)) {

@@ -104,6 +104,10 @@ pub fn simulate(args: &RunArgs, mut setup: Setup, mut simulation: Simulation, co
     let (Some(recorder), Some(setup)) = (taken(&recorder), taken(&setup)) else { return Ok(Exit::Failed) };
     let (ended, exit, problem) = match outcome {
         Ok(blocksim_sim::Ended::Finished) => (Ended::Complete, Exit::Done, None),
+        Ok(blocksim_sim::Ended::Stopped) => {
+            let reason = simulation.stop_reason().unwrap_or_default();
+            (Ended::Stopped { reason }, Exit::Done, None)
+        }
         Ok(blocksim_sim::Ended::Interrupted) => (Ended::Interrupted, Exit::Interrupted, None),
         Err(_) if blocksim_host::was_interrupted() => (Ended::Interrupted, Exit::Interrupted, None),
         Err(error) => {

@@ -95,6 +95,7 @@ pub fn measure(
     if let Some(keeping) = keeping {
         let ended = match &outcome {
             Ok(Ended::Finished) => How::Complete,
+            Ok(Ended::Stopped) => How::Stopped { reason: simulation.stop_reason().unwrap_or_default() },
             Ok(Ended::Interrupted) => How::Interrupted,
             Err(error) => How::Failed { reason: reason(error) },
         };

@@ -1,0 +1,222 @@
+use std::collections::BTreeMap;
+
+use blocksim_block::prelude::*;
+use blocksim_signal::{Quantity, Value as Written};
+
+use super::ode_law::{Dimensions, System, meant};
+use crate::laws::LawParameters;
+
+/// A system of differential equations that is written as text.
+///
+/// Each line of `law`, or each part between semicolons, is an equation: `x' = ...` gives the rate of a state `x`, and `y = ...`
+/// defines something that follows from states and inputs. States and definitions are outputs of their names; every name that is
+/// neither of them nor a parameter is an input. A definition stands before the definitions that use it. Formulas are those of
+/// `Expression`: numbers with units, `if`, comparisons and functions; what jumps in them is an event.
+///
+/// Units must fit: the rate of a state is in its unit over s. That of a state is the unit of its start value, or follows from its
+/// rate. A definition that depends on states alone has no direct feedthrough.
+///
+/// ```ron
+/// OdeSystem(
+///     law: "
+///         x' = v
+///         v' = (force - d*v - k*x) / m
+///         power = force * v
+///     ",
+///     start: { "x": "0.1 m" },
+///     parameters: { "m": "2 kg", "d": "3 N*s/m", "k": "50 N/m" },
+/// )
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Continuous", symbol = Lines("ẋ = f(x, u)","y = g(x, u)"))]
+pub struct OdeSystem {
+    /// The equations.
+    pub law: String,
+    /// States at the start, which may have units; 0 for those that are not named.
+    #[block(default = BTreeMap::new())]
+    pub start: BTreeMap<String, ParamValue>,
+    /// Names with numbers, which may have units, or truth values.
+    #[block(default = BTreeMap::new())]
+    pub parameters: BTreeMap<String, ParamValue>,
+    /// What the text means.
+    #[block(skip)]
+    built: Option<Result<System, ParamError>>,
+}
+
+impl OdeSystem {
+    /// Equations with start values and parameters.
+    pub fn new(
+        law: &str,
+        start: BTreeMap<String, ParamValue>,
+        parameters: BTreeMap<String, ParamValue>,
+    ) -> Self {
+        let mut system = Self { law: law.to_owned(), start, parameters, built: None };
+        system.built = Some(system.build());
+        system
+    }
+
+    fn build(&self) -> Result<System, ParamError> {
+        let system = System::read(&self.law, &self.parameters)?;
+        for (name, value) in &self.start {
+            let states = || system.rates.iter().map(|rate| rate.name.as_str());
+            if !states().any(|state| state == name) {
+                let error = ParamError::new("start", format!("`{name}` is not a state"));
+                return Err(match meant(name, states()) {
+                    Some(state) => error.help(format!("did you mean `{state}`?")),
+                    None => error.help(format!("the states are {}", states().collect::<Vec<_>>().join(", "))),
+                });
+            }
+            match value.0.as_number() {
+                Some(Quantity { value, .. }) => finite(name, value)
+                    .map_err(|error| ParamError { param: format!("start.{name}"), ..error })?,
+                None => {
+                    let message = format!("`{name}` starts at {}, but must be a number", value.0.describe());
+                    return Err(ParamError::new(format!("start.{name}"), message));
+                }
+            }
+        }
+        // What does not fit whatever the inputs are.
+        self.dimensions(&system, &|_| None)?;
+        Ok(system)
+    }
+
+    fn built(&self) -> Option<&System> {
+        self.built.as_ref().and_then(|built| built.as_ref().ok())
+    }
+
+    fn start(&self, name: &str) -> Option<Quantity> {
+        self.start.get(name).and_then(|value| Written::as_number(&value.0))
+    }
+
+    fn dimensions(
+        &self,
+        system: &System,
+        input: &dyn Fn(&str) -> Option<Dimension>,
+    ) -> Result<Dimensions, ParamError> {
+        // A bare number says nothing of its unit.
+        let start = |name: &str| {
+            let start = self.start(name)?;
+            Some(start.dimension).filter(|dimension| *dimension != Dimension::NONE)
+        };
+        system.dimensions(&start, input, LawParameters(&self.parameters))
+    }
+}
+
+/// Room for one evaluation.
+struct Room(Vec<f64>);
+
+impl Block for OdeSystem {
+    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
+        self.built = Some(self.build());
+        Ok(())
+    }
+
+    fn check(&self) -> Result<(), ParamError> {
+        match &self.built {
+            Some(built) => built.as_ref().map(|_| ()).map_err(Clone::clone),
+            None => self.build().map(|_| ()),
+        }
+    }
+
+    /// Outputs: the states, the definitions that follow from them alone, all others. Discrete states: modes.
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        let Some(system) = self.built() else { return Ok(Interface::new()) };
+        let input = |name: &str| given.input(name).and_then(|input| input.dimension);
+        let known = self.dimensions(system, &input).map_err(|error| {
+            let part = error.span.as_ref().and_then(|span| self.law.get(span.clone())).unwrap_or_default();
+            let in_text = |(name, _): &&(String, bool)| part.contains(name.as_str());
+            let guilty: Vec<&str> =
+                system.inputs.iter().filter(in_text).map(|(name, _)| name.as_str()).collect();
+            let wrong = InterfaceError::units(&guilty, format!("{} in `{part}`", error.message));
+            match error.help {
+                Some(help) => wrong.help(help),
+                None => wrong,
+            }
+        })?;
+        let mut interface = Interface::new();
+        for (name, is_truth) in &system.inputs {
+            let input = if *is_truth { Input::boolean(name) } else { Input::real(name) };
+            interface = interface.input(input.scalar());
+        }
+        // Modes are chosen before the first group is evaluated: it is the one that knows all inputs.
+        interface.groups = vec![None, Some(Vec::new())];
+        for (rate, dimension) in system.rates.iter().zip(&known.states) {
+            let y = Output::like(&rate.name, PortType::UNKNOWN.of(*dimension));
+            interface = interface.output_from_state(y);
+            let start = self.start(&rate.name).map_or(0.0, |start| start.value);
+            interface = interface.state_in(&rate.name, start, *dimension);
+        }
+        for (list, is_free) in [(&system.free, true), (&system.bound, false)] {
+            for i in list {
+                let definition = &system.definitions[*i];
+                let y = match definition.formula.is_truth() {
+                    true => PortType::boolean(),
+                    false => PortType::UNKNOWN.of(known.definitions[*i]),
+                };
+                let y = Output::like(&definition.name, y);
+                interface = if is_free { interface.output_from_state(y) } else { interface.output(y) };
+            }
+        }
+        interface = system.of_free.declare(interface, 1, &self.law);
+        Ok(system.of_bound.declare(interface, 1, &self.law))
+    }
+
+    fn scratch(&self) -> Scratch {
+        let numbers = self.built().map_or(0, |built| built.of_free.numbers().max(built.of_bound.numbers()));
+        Scratch::new(Room(vec![0.0; numbers]))
+    }
+
+    fn settle(&self, c: &Context, d: &mut [f64]) {
+        if let Some(system) = self.built() {
+            system.of_bound.settle(c, d, 1);
+        }
+    }
+
+    fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
+        let (Some(system), Some(Room(space))) = (self.built(), w.get::<Room>()) else { return };
+        let (states, free) = (system.rates.len(), system.free.len());
+        let (runner, at, n) = match group {
+            0 => (&system.of_bound, states + free, system.bound.len()),
+            _ => {
+                y[..states].copy_from_slice(c.x);
+                (&system.of_free, states, free)
+            }
+        };
+        if n == 0 {
+            return;
+        }
+        let take = |k: usize, value: f64| {
+            if k < n {
+                y[at + k] = value;
+            }
+        };
+        let c = if group == 0 { *c } else { Context { d: &[], ..*c } };
+        if let Some(failure) = runner.values(&c, 0, space, take) {
+            c.fail(runner.reason(&failure, &self.law));
+        }
+    }
+
+    fn derivatives(&self, c: &Context, w: &mut Scratch, dx: &mut [f64]) {
+        let (Some(system), Some(Room(space))) = (self.built(), w.get::<Room>()) else { return };
+        let n = system.bound.len();
+        let take = |k: usize, value: f64| {
+            if k >= n {
+                dx[k - n] = value;
+            }
+        };
+        if let Some(failure) = system.of_bound.values(c, 0, space, take) {
+            c.fail(system.of_bound.reason(&failure, &self.law));
+        }
+    }
+
+    fn guards(&self, c: &Context, w: &mut Scratch, g: &mut [f64]) {
+        let (Some(system), Some(Room(space))) = (self.built(), w.get::<Room>()) else { return };
+        let (free, bound) = g.split_at_mut(system.of_free.guard_count());
+        system.of_free.guards(&Context { d: &[], ..*c }, free, 1, space);
+        system.of_bound.guards(c, bound, 1, space);
+    }
+}
+
+#[cfg(test)]
+#[path = "ode_system_tests.rs"]
+mod tests;

@@ -1,0 +1,230 @@
+//! Blocks of a first course in whole diagrams, at default settings, against closed forms.
+
+use blocksim_tests::{Run, compile_text, run, run_text};
+
+fn diagram(settings: &str, blocks: &str, connections: &str) -> String {
+    format!("Diagram(simulation: ({settings}), blocks: {{ {blocks} }}, connections: [ {connections} ])")
+}
+
+fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!((found - expected).abs() <= tolerance, "{what}: {found} instead of {expected}");
+}
+
+fn end(run: &Run) -> f64 {
+    *run.time.last().expect("a row")
+}
+
+/// A sine of 50 Hz crosses zero upwards 100 times in 2 s, however long the steps would like to be.
+#[test]
+fn a_counter_misses_no_edge() {
+    let run = run_text(&diagram(
+        r#"stop_time: "2 s""#,
+        r#""u": Sine(frequency: "50 Hz", phase: "-90 deg"), "counter": Counter, "wrap": Counter(upper: 6, at_limit: Wrap),
+           "show": Scope(inputs: ["n", "m"])"#,
+        r#""u.y -> counter.u, wrap.u", "counter.count -> show.n", "wrap.count -> show.m""#,
+    ));
+    assert_eq!(run.last("show.n"), 100.0);
+    assert_eq!(run.last("show.m"), 100.0 % 7.0);
+    assert_eq!((run.at("show.n", 0.0049), run.at("show.n", 0.0051)), (0.0, 1.0));
+}
+
+#[test]
+fn memory_gives_the_input_of_the_step_before() {
+    let run = run_text(&diagram(
+        r#"stop_time: "1 s", solver: Ode4(step: "20 ms")"#,
+        r#""u": Sine(frequency: "1 Hz"), "memory": Memory(x0: 7), "show": Scope(inputs: ["u", "y"])"#,
+        r#""u.y -> memory.u, show.u", "memory.y -> show.y""#,
+    ));
+    let (u, y) = (run.column("show.u"), run.column("show.y"));
+    assert_eq!((y.len(), y[0], &y[1..]), (51, 7.0, &u[..50]));
+}
+
+/// Neither the method nor the steps change a number of a noise, and each block has its own.
+#[test]
+fn noise_depends_on_the_seed_and_the_place_alone() {
+    let text = |solver: &str, seed: u32| {
+        diagram(
+            &format!(r#"stop_time: "1 s", output: Every("10 ms"), solver: {solver}"#),
+            &format!(
+                r#""a": Noise(ts: "10 ms", std: 1, seed: {seed}), "b": Noise(ts: "10 ms", std: 1, seed: {seed}),
+                "lag": TransferFunction(num: [1], den: [0.01, 1]), "show": Scope(inputs: ["a", "b", "lag"])"#
+            ),
+            r#""a.y -> show.a, lag.u", "b.y -> show.b", "lag.y -> show.lag""#,
+        )
+    };
+    let one = run_text(&text(r#"Ode4(step: "2 ms")"#, 3));
+    let other = run_text(&text("Ode45(rtol: 1e-6)", 3));
+    let seeded = run_text(&text("Ode45(rtol: 1e-6)", 4));
+    let (a, b) = (one.column("show.a"), one.column("show.b"));
+    assert_eq!(a.len(), 101);
+    assert_eq!((a, b), (other.column("show.a"), other.column("show.b")));
+    let equal = |a: &[f64], b: &[f64]| a.iter().zip(b).filter(|(a, b)| a == b).count();
+    assert_eq!((equal(a, b), equal(a, seeded.column("show.a"))), (0, 0));
+    let mean = a.iter().sum::<f64>() / 101.0;
+    close(mean, 0.0, 0.5, "mean of 100 numbers");
+}
+
+#[test]
+fn a_stop_ends_the_run_where_its_condition_becomes_true() {
+    let run = run_text(&diagram(
+        r#"stop_time: "60 s""#,
+        r#""speed": Integrator(x0: "20 m/s"), "brake": Constant(value: "-4 m/s^2"),
+           "is_at_rest": Compare(operator: LessEqual, constant: 0), "stop": Stop(message: "at rest"), "show": Scope"#,
+        r#""brake.y -> speed.u", "speed.y -> is_at_rest.u, show.u", "is_at_rest.y -> stop.stop""#,
+    ));
+    assert!(run.error.is_none());
+    close(end(&run), 5.0, 1e-9, "end of the run");
+    close(run.last("show.u"), 0.0, 1e-9, "speed at the end");
+}
+
+/// `x' = 1` while a sine is positive, else -2: both halves of a period take half of it.
+#[test]
+fn equations_in_text_switch_at_the_zeros_of_their_conditions() {
+    let run = run_text(&diagram(
+        r#"stop_time: "3.25 s""#,
+        r#""u": Sine(frequency: "1 Hz"), "ode": OdeSystem(law: "x' = if(u > 0, 1, -2); is_up = u > 0; half = x/2"),
+           "show": Scope(inputs: ["x", "half", "up"])"#,
+        r#""u.y -> ode.u", "ode.x -> show.x", "ode.half -> show.half", "ode.is_up -> show.up""#,
+    ));
+    close(run.last("show.x"), 3.0 * (0.5 - 1.0) + 0.25, 1e-8, "state");
+    close(run.last("show.half"), 0.5 * run.last("show.x"), 1e-15, "definition");
+    assert_eq!((run.at("show.up", 0.2), run.at("show.up", 0.7)), (1.0, 0.0));
+}
+
+/// A system of equations in a loop around which only a state leads is no algebraic loop, and agrees with the same blocks.
+#[test]
+fn equations_in_text_close_a_loop_as_blocks_do() {
+    let run = run_text(&diagram(
+        r#"stop_time: "4 s", output: Every("10 ms"), solver: Ode45(rtol: 1e-9)"#,
+        r#""plant": OdeSystem(law: "
+               angle' = speed
+               speed' = (torque - d*speed) / j
+               degrees = angle * 180 / pi
+           ", start: { "angle": "1 rad" }, parameters: { "d": "0.4 N*m*s", "j": "0.5 kg*m^2" }),
+           "spring": Gain(k: "-8 N*m"), "show": Scope(inputs: ["angle", "degrees"])"#,
+        r#""plant.angle -> spring.u, show.angle", "plant.degrees -> show.degrees", "spring.y -> plant.torque""#,
+    ));
+    // j x'' + d x' + k x = 0 with x(0) = 1.
+    let (decay, omega) = (0.4_f64, (16.0_f64 - 0.16).sqrt());
+    for t in [0.5, 1.7, 4.0] {
+        let x = (-decay * t).exp() * ((omega * t).cos() + decay / omega * (omega * t).sin());
+        close(run.at("show.angle", t), x, 1e-5, &format!("angle at {t}"));
+    }
+    close(run.last("show.degrees"), run.last("show.angle").to_degrees(), 1e-12, "degrees");
+}
+
+#[test]
+fn an_index_without_an_input_ends_the_run_with_its_place() {
+    let text = diagram(
+        r#"stop_time: "5 s""#,
+        r#""index": Ramp(slope: "1 1/s", initial: 1), "one": Constant(value: 1), "two": Constant(value: 2),
+           "switch": MultiportSwitch(inputs: 2), "show": Scope"#,
+        r#""index.y -> switch.index", "one.y -> switch.u1", "two.y -> switch.u2", "switch.y -> show.u""#,
+    );
+    let (compiled, problems) = compile_text(&text);
+    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+    let error = run.error.as_ref().expect("a failure");
+    assert_eq!(error.path.as_deref(), Some("switch"));
+    assert!(error.message.contains("but the inputs are 1 to 2"), "{}", error.message);
+    close(error.t, 1.5, 1e-6, "time of the error");
+    assert_eq!(run.at("show.u", 0.4), 1.0);
+    assert_eq!(run.at("show.u", 0.6), 2.0);
+}
+
+/// Areas under piecewise straight lines, which only come out when no kink and no jump is passed over.
+#[test]
+fn kinks_and_jumps_of_sources_are_hit() {
+    let run = run_text(&diagram(
+        r#"stop_time: "10 s""#,
+        r#""points": SignalBuilder(points: [(1, 0), (2, 4), (2, -1), (4, 1)], after: Cyclic),
+           "held": SignalBuilder(points: [(0, 1), (2.5, 3), (7, -1)], interpolation: Hold),
+           "saw": Sawtooth(lower: -1, upper: 3, period: "0.7 s", width: 0.25),
+           "whole": Function(function: Floor), "clock": Clock, "per_s": Gain(k: "2 1/s"),
+           "rest": Function(function: Mod), "three": Constant(value: 3),
+           "all": Mux(inputs: 5), "area": Integrator, "show": Scope"#,
+        r#""points.y -> all.u1", "held.y -> all.u2", "saw.y -> all.u3", "clock.y -> per_s.u", "per_s.y -> whole.u, rest.u1",
+           "three.y -> rest.u2", "whole.y -> all.u4", "rest.y -> all.u5", "all.y -> area.u", "area.y -> show.u""#,
+    ));
+    let column = |i: usize| run.last(&format!("show.u[{i}]"));
+    // Each cycle of 3 s, from 1 s on: 2 and 0.
+    close(column(0), 3.0 * 2.0, 1e-9, "points");
+    close(column(1), 2.5 + 4.5 * 3.0 - 3.0, 1e-9, "held");
+    // 14 periods with the mean 1, and the rest of 0.2 s: a rise of 0.175 s, and 0.025 s of the fall.
+    let fall = 0.025 * (3.0 - 0.5 * 4.0 * 0.025 / 0.525);
+    close(column(2), 9.8 + 0.175 + fall, 1e-9, "sawtooth");
+    close(column(3), 0.5 * f64::from((0..20).sum::<i32>()), 1e-9, "floor of 2 t");
+    // Periods of 1.5 s with the mean 1.5, six of them, and 1 s from 0 to 2.
+    close(column(4), 6.0 * 1.5 * 1.5 + 1.0, 1e-9, "2 t modulo 3");
+}
+
+/// `tau = J^T F` of an arm with two links, from its Jacobian matrix.
+#[test]
+fn torques_of_a_force_are_three_blocks() {
+    let robot = r#"(links: [
+        (axis: [0, 0, 1], limits: (lower: "-3 rad", upper: "3 rad", speed: "2 rad/s", acceleration: "9 rad/s^2"),
+         bodies: [(mass: "3 kg", com: ["0.25 m", 0, 0], moi: ["0.003 kg*m^2", "0.06 kg*m^2", "0.06 kg*m^2"])]),
+        (origin: (translation: ["0.5 m", 0, 0]), axis: [0, 0, 1],
+         limits: (lower: "-3 rad", upper: "3 rad", speed: "2 rad/s", acceleration: "9 rad/s^2"),
+         bodies: [(mass: "2 kg", com: ["0.2 m", 0, 0], moi: ["0.003 kg*m^2", "0.03 kg*m^2", "0.03 kg*m^2"])]),
+        ], flange: (translation: ["0.4 m", 0, 0]))"#;
+    let run = run_text(&diagram(
+        r#"stop_time: "1 s""#,
+        &format!(
+            r#""q": Constant(value: ["0.7 rad", "-1.1 rad"]), "jacobian": Jacobian(robot: {robot}), "transpose": Transpose,
+               "force": Constant(value: [0, 0, 0, 3, -2, 5]), "tau": Product(multiplication: Matrix), "show": Scope"#
+        ),
+        r#""q.y -> jacobian.q", "jacobian.j -> transpose.u", "transpose.y -> tau.u1", "force.y -> tau.u2", "tau.y -> show.u""#,
+    ));
+    let ([q1, q2], [fx, fy]) = ([0.7_f64, -1.1], [3.0, -2.0]);
+    let (x2, y2) = (0.4 * (q1 + q2).cos(), 0.4 * (q1 + q2).sin());
+    let (x, y) = (0.5 * q1.cos() + x2, 0.5 * q1.sin() + y2);
+    close(run.last("show.u[0]"), x * fy - y * fx, 1e-12, "torque of the first joint");
+    close(run.last("show.u[1]"), x2 * fy - y2 * fx, 1e-12, "torque of the second joint");
+}
+
+/// A limit that is a signal: the area of `min(sin, t/10)` until the two meet, and of rates that change at a sample.
+#[test]
+fn limits_and_rates_by_signals_act_where_they_are() {
+    let run = run_text(&diagram(
+        r#"stop_time: "2 s""#,
+        r#""u": Constant(value: 10), "limit": Ramp(slope: "1 1/s", initial: 1), "saturation": Saturation(lower: 0, external: true),
+           "rate": Step(time: "1 s", before: "2 1/s", after: "0.5 1/s"),
+           "limiter": RateLimiter(rising: 1, falling: -1, external: true),
+           "hold": FirstOrderHold(ts: "0.5 s"), "area": Integrator, "show": Scope(inputs: ["y", "area", "rate", "hold"])"#,
+        r#""u.y -> saturation.u, limiter.u, hold.u", "limit.y -> saturation.upper", "saturation.y -> area.u, show.y",
+           "area.y -> show.area", "rate.y -> limiter.rising", "limiter.y -> show.rate", "hold.y -> show.hold""#,
+    ));
+    close(run.last("show.y"), 3.0, 1e-12, "limit");
+    close(run.last("show.area"), 4.0, 1e-9, "area under the limit");
+    close(run.at("show.rate", 1.0), 2.0, 1e-9, "fast");
+    close(run.last("show.rate"), 2.5, 1e-9, "slow");
+    for (t, y) in [(0.25, 5.0), (0.5, 10.0), (1.3, 10.0)] {
+        close(run.at("show.hold", t), y, 1e-9, &format!("hold at {t}"));
+    }
+}
+
+/// A controller whose limits are constant signals gives the numbers of one with these parameters.
+#[test]
+fn a_controller_with_limits_by_signals_is_the_one_with_parameters() {
+    let text = |pid: &str, limits: &str| {
+        diagram(
+            r#"stop_time: "5 s", output: Every("10 ms")"#,
+            &format!(
+                r#""set": Step(time: "0.1 s", after: 3), "error": Sum(signs: "+-"), "pid": {pid},
+                   "plant": TransferFunction(num: [1], den: [1, 0.2, 0]), "lower": Constant(value: -1), "upper": Constant(value: 1),
+                   "show": Scope(inputs: ["u", "y", "lower", "upper"])"#
+            ),
+            &format!(
+                r#""set.y -> error.u1", "plant.y -> error.u2, show.y", "error.y -> pid.e", "pid.u -> plant.u, show.u",
+                   "lower.y -> show.lower", "upper.y -> show.upper" {limits}"#
+            ),
+        )
+    };
+    let gains = "kp: 2.0, ki: 0.5, kd: 1.5, anti_windup: Clamping";
+    let fixed = run_text(&text(&format!("Pid({gains}, lower: -1, upper: 1)"), ""));
+    let connected = r#", "lower.y -> pid.lower", "upper.y -> pid.upper""#;
+    let by_signals = run_text(&text(&format!("Pid({gains}, external_limits: true)"), connected));
+    for signal in ["show.u", "show.y"] {
+        assert_eq!(fixed.column(signal), by_signals.column(signal), "{signal}");
+    }
+}
