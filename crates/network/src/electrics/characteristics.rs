@@ -295,10 +295,11 @@ impl Network {
         };
         format!(
             "at {t} s no operating point was found for `{path}` in its circuit: {why} (the {} went {} {}); check its \
-             parameters and the sources, or connect a resistance in parallel to it, for instance Resistor(r: \"1 MOhm\")",
+             parameters and the sources, or {}",
             words.across,
             way.join(", "),
-            words.unit
+            words.unit,
+            words.beside
         )
     }
 }
