@@ -8,6 +8,8 @@ use crate::multibody::joint_limit::JointLimit;
 /// The fluid in both chambers, and what the piston displaces of it.
 const CHAMBER_A: Handle = Handle::new("chamber a");
 const CHAMBER_B: Handle = Handle::new("chamber b");
+const PISTON_A: Handle = Handle::new("piston a");
+const PISTON_B: Handle = Handle::new("piston b");
 
 /// States.
 const A: usize = 0;
@@ -141,8 +143,8 @@ impl Component for HydraulicCylinder {
             .state_in("x", self.x0, "m")
             .named(CHAMBER_A, chamber(0, of_a, A, self.p_a0))
             .named(CHAMBER_B, chamber(1, of_b, B, self.p_b0))
-            .element(displaced(0))
-            .element(displaced(1))
+            .named(PISTON_A, displaced(0))
+            .named(PISTON_B, displaced(1))
             .element(Element::Branch { r: 2, c: 3 })
             .measures("x", "m", Needs::State, "position of the rod")
             .measures("f", "N", Needs::State, "force of the fluid on the rod")
@@ -165,7 +167,9 @@ impl Component for HydraulicCylinder {
 
     fn torques(&self, c: &Law, f: &mut [Torque]) {
         let stop = self.travel().load(c.x[X], c.speed[0]);
-        let value = stop.value + self.damping * c.speed[0] - self.force(c);
+        // What the piston takes from the fluid, and nothing else, drives it.
+        let drive = self.area_a * c.voltage(PISTON_A) - self.area_b * c.voltage(PISTON_B);
+        let value = stop.value + self.damping * c.speed[0] - drive;
         f[0] = Torque { value, slope: stop.slope + self.damping };
     }
 
@@ -193,6 +197,7 @@ impl Component for HydraulicCylinder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::electrical::testing::places;
     use crate::mechanics::testing::law;
 
     const CYLINDER: HydraulicCylinder = HydraulicCylinder {
@@ -211,23 +216,29 @@ mod tests {
         stop_transition: 1e-4,
     };
 
-    #[test]
-    fn the_force_is_that_of_both_pressures_on_their_areas() {
-        let c = Law { x: &[1e7, 2e6, 0.1], speed: &[0.5], ..law() };
+    /// With both pressures, Pa, a position, m, and a velocity, m/s.
+    fn at(pressures: [f64; 2], x: f64, v: f64) -> (f64, [f64; 2]) {
+        let places = places(&CYLINDER);
+        let [a, b] = pressures;
+        let c = Law { x: &[a, b, x], speed: &[v], voltage: &[a, b, a, b], places: &places, ..law() };
         let (mut f, mut q) = ([Torque::default()], [0.0; 2]);
         CYLINDER.torques(&c, &mut f);
         CYLINDER.currents(&c, &mut q);
-        assert!((f[0].value - (50.0 - 20_000.0 + 2_400.0)).abs() < 1e-9);
+        assert_eq!(CYLINDER.force(&c), 20e-4 * a - 12e-4 * b);
+        (f[0].value, q)
+    }
+
+    #[test]
+    fn the_force_is_that_of_both_pressures_on_their_areas() {
+        let (f, q) = at([1e7, 2e6], 0.1, 0.5);
+        assert!((f - (50.0 - 20_000.0 + 2_400.0)).abs() < 1e-9, "{f}");
         assert!((q[0] - 1e-3).abs() < 1e-18 && (q[1] + 6e-4).abs() < 1e-18);
     }
 
     #[test]
     fn beyond_its_stroke_the_end_pushes_back() {
-        let mut f = [Torque::default()];
-        CYLINDER.torques(&Law { x: &[0.0, 0.0, 0.401], speed: &[0.0], ..law() }, &mut f);
-        assert!((f[0].value - 1e5).abs() < 1e-6, "{}", f[0].value);
-        CYLINDER.torques(&Law { x: &[0.0, 0.0, -0.001], speed: &[0.0], ..law() }, &mut f);
-        assert!((f[0].value + 1e5).abs() < 1e-6, "{}", f[0].value);
+        let (upper, lower) = (at([0.0; 2], 0.401, 0.0).0, at([0.0; 2], -0.001, 0.0).0);
+        assert!((upper - 1e5).abs() < 1e-6 && (lower + 1e5).abs() < 1e-6, "{upper} {lower}");
     }
 
     #[test]

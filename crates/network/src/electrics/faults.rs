@@ -229,7 +229,7 @@ fn heats(m: &Members, electrics: &Electrics, island: &Island) -> Vec<NetworkProb
             let problem = NetworkProblem::new(
                 "heat_of_fast_circuit",
                 "a part with a heat port belongs to a circuit that is integrated apart, from edge to edge of its valves",
-                "let the solver integrate it (`integration: Solver` of the inverter), or leave out the heat port",
+                "let the solver integrate it (`integration: Together` of the inverter), or leave out the heat port",
             );
             return vec![
                 problem.with(pin.member, "has the heat port").with(*fast, "asks for the integration apart"),
@@ -238,6 +238,7 @@ fn heats(m: &Members, electrics: &Electrics, island: &Island) -> Vec<NetworkProb
         if !held.equiv(at(pin.p), ground) {
             let alone = !island.two_pins.iter().any(|other| {
                 !electrics.heats.iter().any(|heat| heat.two_pin == other.index)
+                    && !matches!(other.branch, Branch::Probe)
                     && (other.p == pin.p || other.n == pin.p)
             });
             let problem = if alone {
