@@ -133,7 +133,7 @@ mod tests {
         let slow = Accumulator { exponent: 1.0, ..GAS };
         assert!((slow.gas(0.5e-3) - (2.0 * (9e6 + ATMOSPHERE) - ATMOSPHERE)).abs() < 1e-6);
         assert!((GAS.gas(0.5e-3) + ATMOSPHERE) / (9e6 + ATMOSPHERE) - 2.0_f64.powf(1.4) < 1e-12);
-        assert_eq!(GAS.gas(-1e-7), 0.0);
+        assert!(GAS.gas(-1e-7).abs() < 1e-6);
         assert!((GAS.gas(0.0) - 9e6).abs() < 1e-8 && GAS.gas(1e-3).is_nan());
     }
 

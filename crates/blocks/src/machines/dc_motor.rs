@@ -18,7 +18,8 @@ use super::warm_winding::WarmWinding;
 ///
 /// With `rotor_heat_port: true` the heat of the damping leaves by a port of its own, `h_r`. Connect a `HeatCapacity` to each port. A
 /// winding that becomes hotter than `t_max` is reported as an event: at a constant current, $\alpha > 0$ makes more heat the hotter it
-/// is, and beyond $\alpha\,r\,i^2 R_\mathrm{th} = 1$ no cooling through a thermal resistance $R_\mathrm{th}$ holds it.
+/// is, and beyond $\alpha\,r\,i^2 R_\mathrm{th} = 1$ no cooling through a thermal resistance $R_\mathrm{th}$ holds it. At 10 000 K the run
+/// ends with an error.
 ///
 /// With $L > 0$ the current is a state; with $L = 0$ it follows at once from voltage and speed, $i = (v - k
 /// w)/R$.

@@ -6,6 +6,9 @@ use blocksim_block::prelude::*;
 /// Heat of the rotor, apart from that of the winding.
 const ROTOR: Handle = Handle::new("heat of the rotor");
 
+/// All metals have boiled below this temperature, K: a winding that is hotter has run away.
+const HOTTEST: f64 = 1e4;
+
 /// Heat ports of a machine, and how its winding feels the heat.
 #[derive(Debug, Clone, Copy, PartialEq, Parameters)]
 pub struct WarmWinding {
@@ -70,14 +73,16 @@ impl WarmWinding {
         }
     }
 
-    /// A resistance at the temperature of the winding; not a number where it would be negative.
+    /// A resistance at the temperature of the winding; not a number where it would be negative, or where no metal is left: the run ends
+    /// there.
     #[inline]
     pub(crate) fn resistance(&self, r: f64, c: &Law) -> f64 {
         if !self.heat_port || self.alpha == 0.0 {
             return r;
         }
-        let warm = r * (1.0 + self.alpha * (c.voltage(HEAT) - self.t_ref));
-        if warm >= 0.0 { warm } else { f64::NAN }
+        let t = c.voltage(HEAT);
+        let warm = r * (1.0 + self.alpha * (t - self.t_ref));
+        if warm >= 0.0 && t <= HOTTEST { warm } else { f64::NAN }
     }
 
     /// Divides the heat between the ports.
