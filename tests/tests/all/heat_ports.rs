@@ -125,7 +125,7 @@ fn a_thermal_runaway_is_reported_and_ends_the_run() {
     let long = runaway("100000 s");
     let error = long.error.as_ref().map(ToString::to_string).unwrap_or_default();
     assert!(
-        error.contains("finite"),
+        error.contains("`c.t`"),
         "{error} after {:?} s at {:?} K",
         long.time.last(),
         long.column("s.t").last()
