@@ -128,6 +128,26 @@ pub enum Symbol {
     Phases,
     /// A robot arm, with a formula of what is computed about it; empty for the robot itself.
     Arm(&'static str),
+    /// A line between two arcs: an opening that fluid flows through.
+    Restriction,
+    /// The same with an arrow across.
+    VariableRestriction,
+    /// A ball in its seat.
+    CheckValve,
+    /// A box with an arrow that a spring holds.
+    ReliefValve,
+    /// Three boxes with arrows between two lines each: a spool.
+    SpoolValve,
+    /// Two lines beside each other.
+    Pipe,
+    /// An open vessel.
+    Tank,
+    /// A circle with a triangle and a shaft.
+    Pump,
+    /// A vessel with gas above fluid.
+    Accumulator,
+    /// A piston with its rod.
+    HydraulicCylinder,
     /// Two parts as one.
     Weld,
     /// A rigid body with its centre of mass.

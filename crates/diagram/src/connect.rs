@@ -39,6 +39,18 @@ fn way_between(one: Domain, other: Domain) -> &'static str {
         (Domain::Electrical, Domain::Thermal) | (Domain::Thermal, Domain::Electrical) => {
             "join ports of one kind; the thermal port `h` of a Resistor(heat_port: true) leads from one to the other"
         }
+        (_, Domain::Thermal) | (Domain::Thermal, _) => {
+            "join ports of one kind; a part with losses has a thermal port `h` with `heat_port: true`"
+        }
+        (Domain::Electrical, Domain::Magnetic) | (Domain::Magnetic, Domain::Electrical) => {
+            "a MagneticWinding leads from one to the other"
+        }
+        (Domain::Rotational, Domain::Hydraulic) | (Domain::Hydraulic, Domain::Rotational) => {
+            "a HydraulicPump leads from one to the other"
+        }
+        (Domain::Translational, Domain::Hydraulic) | (Domain::Hydraulic, Domain::Translational) => {
+            "a HydraulicCylinder leads from one to the other"
+        }
         _ => "join ports of one kind; motors, joints and sensors lead from one to the other",
     }
 }

@@ -33,6 +33,8 @@ impl Colour {
             Colour::Of(Domain::Electrical) => "electric",
             Colour::Of(Domain::Translational) => "sliding",
             Colour::Of(Domain::Thermal) => "thermal",
+            Colour::Of(Domain::Magnetic) => "magnetic",
+            Colour::Of(Domain::Hydraulic) => "hydraulic",
         }
     }
 }
@@ -50,12 +52,16 @@ pub(crate) enum Fill {
 }
 
 /// Names of the variables of a page and the colours of a theme, in the order of the rules below.
-fn roles(theme: Theme) -> [(&'static str, &'static str); 10] {
+fn roles(theme: Theme) -> [(&'static str, &'static str); 12] {
     let Palette { ground, text, quiet, grid, series, .. } = Palette::of(theme);
     // Thin lines on a dark ground want brighter colours than plots have.
     let (inside, frames, electric, sliding, thermal) = match theme {
         Theme::Light => ("#F1F5F9", series[0], series[4], series[5], "#BE123C"),
         Theme::Dark => (grid, "#B69CFF", "#1E9BFF", "#FF8A5C", "#FB7185"),
+    };
+    let (magnetic, hydraulic) = match theme {
+        Theme::Light => ("#86198F", "#155E75"),
+        Theme::Dark => ("#E879F9", "#67E8F9"),
     };
     [
         ("ground", ground),
@@ -68,6 +74,8 @@ fn roles(theme: Theme) -> [(&'static str, &'static str); 10] {
         ("electric", electric),
         ("sliding", sliding),
         ("thermal", thermal),
+        ("magnetic", magnetic),
+        ("hydraulic", hydraulic),
     ]
 }
 
@@ -86,7 +94,9 @@ fn rules(colour: impl Fn(&str) -> String) -> String {
         colour("ground"),
         colour("inside")
     );
-    for role in ["quiet", "frames", "phases", "turning", "electric", "sliding", "thermal"] {
+    for role in
+        ["quiet", "frames", "phases", "turning", "electric", "sliding", "thermal", "magnetic", "hydraulic"]
+    {
         out.push_str(&format!(".diagram .{role}{{color:{}}}", colour(role)));
     }
     out
@@ -102,7 +112,7 @@ pub(crate) fn fixed(theme: Theme) -> String {
 
 /// The style sheet for a page that holds drawings made by [`inline`](crate::inline). Each colour is a variable of the
 /// page, `--diagram-ink`, `--diagram-ground`, `--diagram-quiet`, `--diagram-inside`, `--diagram-frames`,
-/// `--diagram-phases`, `--diagram-turning`, `--diagram-electric`, `--diagram-sliding`, `--diagram-thermal`; see [`style_variables`].
+/// `--diagram-phases`, `--diagram-turning`, `--diagram-electric`, `--diagram-sliding`, `--diagram-thermal`, `--diagram-magnetic`, `--diagram-hydraulic`; see [`style_variables`].
 pub fn style_sheet() -> String {
     rules(|role| format!("var(--diagram-{role})"))
 }

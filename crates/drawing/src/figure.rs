@@ -141,6 +141,9 @@ pub(crate) fn figure_of(
             | Symbol::Hinge
             | Symbol::Slide
             | Symbol::Cylinder
+            | Symbol::SpoolValve
+            | Symbol::HydraulicCylinder
+            | Symbol::Pump
             | Symbol::Planar
             | Symbol::Universal
             | Symbol::Ball

@@ -85,6 +85,10 @@ fn symbol_size(symbol: Symbol, texts: &[String]) -> (f64, f64) {
         Symbol::Gear => (48.0, 46.0),
         Symbol::Hinge | Symbol::Slide | Symbol::Ball | Symbol::Universal => (46.0, 40.0),
         Symbol::Cylinder | Symbol::Planar | Symbol::Touch => (46.0, 40.0),
+        Symbol::SpoolValve | Symbol::HydraulicCylinder => (64.0, 46.0),
+        Symbol::Pump => (50.0, 46.0),
+        Symbol::Tank => (30.0, 24.0),
+        Symbol::Accumulator => (34.0, 38.0),
         Symbol::Planetary | Symbol::WaveGear | Symbol::Worm | Symbol::Differential | Symbol::ElasticGear => {
             (48.0, 46.0)
         }

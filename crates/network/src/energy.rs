@@ -12,7 +12,7 @@
 //! A network without an account never comes here.
 
 use blocksim_block::Context;
-use blocksim_block::physical::{Component, Domain, Energy, LossModel};
+use blocksim_block::physical::{Component, Energy, LossModel};
 use blocksim_multibody::{kinetic_energy, potential_energy};
 
 use crate::accounts::{Account, GRAVITY, LISTS, MOTION, OPEN, OWN, TURNED};
@@ -81,7 +81,7 @@ impl Network {
     fn electrical_flows(&self, w: &Work, sum: &mut Energy) {
         for island in self.electrics.islands.iter().filter(|island| island.separate.is_none()) {
             // Heat is not booked again on its way.
-            for pin in island.two_pins.iter().filter(|pin| pin.domain != Domain::Thermal) {
+            for pin in island.two_pins.iter().filter(|pin| pin.domain.carries_power()) {
                 let power = w.voltage[pin.index] * w.current[pin.index];
                 match pin.branch {
                     branch if self.electrics.capacitance(&branch).is_some() => {}
@@ -195,7 +195,7 @@ impl Network {
             w.evaluation = [u64::MAX; 3];
             let here = Context { x: &*x, d: &*d, ..*c };
             self.state_phase(&here, w);
-            if self.seats.iter().any(|seat| seat.shifted.is_some()) {
+            if self.seats.iter().any(|seat| seat.shifted.is_some()) || self.electrics.has_fields() {
                 self.electrics_phase(&here, w);
             }
             self.stored(&here, w);

@@ -45,6 +45,8 @@ pub(crate) struct Seat {
     pub valves: Range<usize>,
     /// Elements that have a name.
     pub places: Vec<Place>,
+    /// Whether each two-pin is a resistance or a valve, whose heat the network books; nothing where the member has no port for it.
+    pub dissipates: Vec<bool>,
     /// Two-pins of the windings whose currents are states.
     pub winding_pins: Vec<usize>,
     pub speed_sources: Range<usize>,

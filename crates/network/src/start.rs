@@ -4,6 +4,7 @@ use blocksim_block::physical::{Domain, Law};
 use blocksim_block::{Context, Fault};
 use nalgebra::{DMatrix, DVector};
 
+use crate::assembly::domains::Nodal;
 use crate::electrics::commutation::REMAINDER;
 use crate::electrics::{Branch, Capacitance, Crossing, Floating, loops};
 use crate::network::Network;
@@ -217,16 +218,20 @@ impl Network {
     fn voltages_conflict(&self, island: usize, law: &loops::Law, left: &DVector<f64>) -> NetworkProblem {
         let circuit = &self.electrics.islands[island];
         let worst = left.iamax();
-        let thermal = law.capacitances.iter().any(|i| circuit.two_pins[*i].domain == Domain::Thermal);
+        let first = law.capacitances.first().map(|i| circuit.two_pins[*i].domain);
+        let domain = first.unwrap_or(Domain::Electrical);
+        let Nodal { across, several, unit, stores, start, resist, .. } = Nodal::of(domain);
         let misses = left[worst].abs();
-        let problem = if thermal {
+        let problem = if domain != Domain::Electrical {
             NetworkProblem::new(
                 "start_conflict",
                 format!(
-                    "the temperatures at the start do not fit each other: of what is directly connected they differ by {misses} K"
+                    "the {several} at the start do not fit each other: of what is directly connected they differ by {misses} {unit}"
                 ),
-                "leave out `t0` of one of the heat capacities, or give all of them the same; what comes as a signal counts as 0 K before \
-                 the start: put a ThermalResistance between",
+                format!(
+                    "leave out `{start}` of one of the {stores}, or give all of them the same; what comes as a signal counts as 0 {unit} \
+                     before the start: put {resist} between"
+                ),
             )
         } else {
             NetworkProblem::new(
@@ -243,14 +248,13 @@ impl Network {
         for (position, _) in list.chain(others).filter(|(_, factor)| *factor != 0.0) {
             let pin = &circuit.two_pins[*position];
             let role = match self.electrics.capacitance(&pin.branch) {
-                Some(c) if c.start.is_some() && thermal => "has a temperature at the start",
-                Some(c) if c.start.is_some() => "has a voltage at the start",
-                Some(_) => "belongs to the loop",
-                None if thermal => "gives a temperature",
-                None => "gives a voltage",
+                Some(c) if c.start.is_some() => format!("has a {across} at the start"),
+                Some(_) => "belongs to the loop".to_owned(),
+                None => format!("gives a {across}"),
             };
-            if !named.contains(&(pin.member, role)) && matches!(pin.branch, Branch::Source(_)) {
-                named.push((pin.member, role));
+            let one = (pin.member, role);
+            if !named.contains(&one) && matches!(pin.branch, Branch::Source(_)) {
+                named.push(one);
             }
         }
         named.into_iter().fold(problem, |problem, (member, role)| problem.with(member, role))

@@ -5,15 +5,18 @@
 use std::sync::Arc;
 
 use blocksim_block::physical::{
-    Characteristics, Domain, Element, Energy, FrameMotion, Freedom, JointMotion, Law, Place, Supply, Torque,
-    Wrench,
+    Characteristics, Element, Energy, FrameMotion, Freedom, JointMotion, Law, Place, Supply, Torque, Wrench,
 };
 use blocksim_block::{Block, Given, kinds};
 use blocksim_blocks as _;
 use blocksim_diagram::example_block;
 
 /// Texts beside the examples: parameters that open another branch of a law.
-const MORE: [&str; 38] = [
+const MORE: [&str; 42] = [
+    r#"Accumulator(volume: 3.0, precharge: 2.0, r: 1.5)"#,
+    r#"DcMotor(r: 1.5, l: 2.5e-3, k: 0.22, j: 5e-5, damping: 1e-4, heat_port: true, alpha: 1e-3)"#,
+    r#"HydraulicCylinder(area_a: 2.0, area_b: 1.2, stroke: 1.0, bulk_modulus: 3.0, damping: 0.1, stop_stiffness: 5.0, stop_damping: 1.0, stop_transition: 0.3)"#,
+    r#"HydraulicPipe(length: 2.0, diameter: 0.5, bulk_modulus: 3.0, density: 1.0, viscosity: 1e-5)"#,
     r#"Resistor(r: 2.0, heat_port: true, alpha: 1e-3)"#,
     r#"DcMotor(r: 1.5, l: 0.0, k: 0.22, j: 5e-5, damping: 1e-4)"#,
     r#"DcMotor(r: 1.5, l: 2.5e-3, k: 0.22, j: 5e-5, damping: 1e-4)"#,
@@ -53,6 +56,11 @@ const MORE: [&str; 38] = [
     r#"AsynchronousMachine(rated_power: "15 kW", rated_voltage: "220 V", rated_frequency: "60 Hz", pole_pairs: 2, r_s: "0.25 ohm", x_ls: "0 ohm", r_r: "0.14 ohm", x_lr: "0.41 ohm", saturation: Table(current: ["0 A", "8 A", "20 A", "60 A"], voltage: ["0 V", "120 V", "220 V", "280 V"]), connection: Delta)"#,
     r#"AsynchronousMachine(rated_power: "15 kW", rated_voltage: "220 V", rated_frequency: "60 Hz", pole_pairs: 2, r_s: "0.25 ohm", x_ls: "0.9 ohm", r_r: "0.14 ohm", x_lr: "0.41 ohm", cage: Double(r_r2: "0.5 ohm", x_lr2: "0.2 ohm", x_lr12: "0.1 ohm"), connection: Open, x_0: "0.4 ohm", saturation: Table(current: ["0 A", "8 A", "20 A", "60 A"], voltage: ["0 V", "120 V", "220 V", "280 V"]))"#,
 ];
+
+/// Kinds whose examples are looked at otherwise. The numbers of the hydraulic ones are so many orders apart that differences say nothing:
+/// they stand above with numbers of order one. What a winding takes in at its coil becomes flux that changes, which no two-pin shows
+/// at one instant: accounts of whole magnetic circuits look at it.
+const OTHERWISE: [&str; 4] = ["Accumulator", "HydraulicCylinder", "HydraulicPipe", "MagneticWinding"];
 
 /// Numbers in -1..1 that look random (splitmix64).
 struct Random(u64);
@@ -121,6 +129,7 @@ fn two_pins(element: &Element) -> usize {
         | Element::Resistance { .. }
         | Element::Characteristic { .. }
         | Element::Valve { .. }
+        | Element::Heat { .. }
         | Element::VoltageProbe { .. }
         | Element::CurrentProbe { .. } => 1,
         Element::IdealTransformer { .. } | Element::VariableTransformer { .. } => 2,
@@ -174,7 +183,7 @@ impl Point {
             inputs.push((cells as u32, (cells + length) as u32));
             cells += length;
         }
-        let is_power = part.elements.iter().map(|e| part.domain_of(e) != Domain::Thermal).collect();
+        let is_power = part.elements.iter().map(|e| part.domain_of(e).carries_power()).collect();
         let is_law = |e: &&Element| matches!(e, Element::Characteristic { .. });
         let place = |(handle, index): &(_, usize)| Place {
             handle: *handle,
@@ -443,10 +452,12 @@ fn worst(text: &str, block: &Arc<dyn Block>) -> Option<String> {
 }
 
 /// Categories of blocks that are parts of networks.
-const PHYSICAL: [&str; 8] = [
+const PHYSICAL: [&str; 10] = [
     "Electrical",
     "Gears",
+    "Hydraulic",
     "Machines",
+    "Magnetic",
     "Multibody",
     "Power electronics",
     "Rotational",
@@ -460,7 +471,8 @@ fn every_physical_block_balances_what_it_takes_in_stores_and_turns_into_heat() {
     let mut physical = 0;
     let examples = kinds().into_iter().flat_map(|info| {
         let physical = PHYSICAL.contains(&info.category);
-        info.examples().into_iter().map(move |text| (text, physical))
+        let examples = if OTHERWISE.contains(&info.kind) { Vec::new() } else { info.examples() };
+        examples.into_iter().map(move |text| (text, physical))
     });
     for (text, must) in examples.chain(MORE.map(|text| (text, true))) {
         let text = text.split_once("\": ").filter(|_| text.starts_with('"')).map_or(text, |(_, block)| block);

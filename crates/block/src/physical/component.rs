@@ -93,6 +93,13 @@ pub trait Component: Debug + Send + Sync {
         Energy::default()
     }
 
+    /// Heat flow out of each [`Element::Heat`](super::Element::Heat), W; torques and currents are known. `dissipated` is all that the
+    /// component turns into heat, with what the network books for it: friction, meshes, resistances and valves. The sum of `q` must be
+    /// that.
+    fn heats(&self, _c: &Law, dissipated: f64, q: &mut [f64]) {
+        q[0] = dissipated;
+    }
+
     /// Derivatives of the states; voltages, currents and speeds are known.
     fn derivatives(&self, _c: &Law, _dx: &mut [f64]) {}
 

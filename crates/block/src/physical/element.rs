@@ -34,6 +34,7 @@ impl Element {
                 vec![primary.0, primary.1, secondary.0, secondary.1]
             }
             Element::Supply { n, .. } => vec![n],
+            Element::Heat { port } => vec![Pin::Port(port), Pin::Ground],
             _ => Vec::new(),
         }
     }
@@ -188,6 +189,14 @@ pub enum Element {
         conductance: f64,
         /// Voltage where the first search for an operating point begins, V; later ones begin at the last major step.
         guess: f64,
+    },
+    /// A thermal port that heat of the component leaves by: what becomes of the power that its laws dissipate. With one such port that
+    /// is all of it; [`Component::heats`](super::Component::heats) divides it among several. As a two-pin its voltage is the
+    /// temperature there, K, and its current the heat flow, W, negative. Heat follows from torques and so is known after everything
+    /// else: the temperature must be a state, that of a heat capacity at the same node.
+    Heat {
+        /// Thermal port.
+        port: usize,
     },
     /// Conducts or not, by a gate, by itself or both.
     Valve {

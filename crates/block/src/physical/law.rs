@@ -37,7 +37,7 @@ pub struct JointMotion {
 /// What a component sees. Lists are numbered by the elements of one kind in the order of [`Part::elements`](super::Part::elements):
 /// `speed`, `acceleration` and `torque` count branches, frictions, rigid couplings, speed sources and speed probes
 /// together;
-/// `voltage` and `current` count all two-pins (sources, capacitances, windings, resistances, characteristics, valves, both probes)
+/// `voltage` and `current` count all two-pins (sources, capacitances, windings, resistances, characteristics, valves, heats, both probes)
 /// together; a transformer, ideal or variable, counts as two, primary and secondary. Elements that have a name are found by it:
 /// [`voltage`](Self::voltage()), [`current`](Self::current()).
 #[derive(Debug, Clone, Copy)]

@@ -31,6 +31,6 @@ pub use energy::Energy;
 pub use freedom::{Axis, Freedom};
 pub use law::{FrameMotion, JointMotion, Law};
 pub use loss::{DryMesh, LossModel, MeshLoss};
-pub use part::{Needs, Part};
+pub use part::{HEAT, Needs, Part};
 pub use port::{Domain, PhysicalPort, Pin};
 pub use supply::{Supply, from_space_vector, space_vector};

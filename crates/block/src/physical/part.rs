@@ -18,6 +18,9 @@ pub enum Needs {
     Motion,
 }
 
+/// The heat that leaves by the port of [`Part::heat_port`]: its voltage is the temperature there, K.
+pub const HEAT: Handle = Handle::new("heat");
+
 /// What the changes of the modes of friction are called.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionWords(pub &'static [Change]);
@@ -266,6 +269,18 @@ impl Part {
     pub fn named(mut self, handle: Handle, element: Element) -> Self {
         self.handles.push((handle, self.elements.len()));
         self.element(element)
+    }
+
+    /// Adds the thermal port `h`, by which all heat of the component leaves, if that is wanted; behind all other ports.
+    pub fn heat_port(self, wanted: bool) -> Self {
+        if wanted { self.heat_port_named("h", HEAT, "thermal port that the heat leaves by") } else { self }
+    }
+
+    /// Adds a thermal port that heat of the component leaves by, behind the other ports and before the nodes inside.
+    pub fn heat_port_named(self, name: &str, handle: Handle, doc: &'static str) -> Self {
+        debug_assert!(self.ports.iter().all(|port| !port.inner), "ports come before the nodes inside");
+        let port = self.ports.len();
+        self.port(name, Domain::Thermal, doc).named(handle, Element::Heat { port })
     }
 
     /// The domain of an electrical element, or of one with the same assembly: that of the ports it ends at.

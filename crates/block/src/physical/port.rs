@@ -13,8 +13,20 @@ pub enum Domain {
     ThreePhase,
     /// Temperature (K) and heat flow (W).
     Thermal,
+    /// Magnetic potential difference (A) and flux (Wb).
+    Magnetic,
+    /// Pressure (Pa) and volume flow (m^3/s).
+    Hydraulic,
     /// A frame of a rigid body: pose and wrench.
     Frame,
+}
+
+impl Domain {
+    /// Whether the product of its across and its through quantity is power. It is not for heat, whose flow is power already, and for
+    /// flux, whose derivative times the potential difference is.
+    pub fn carries_power(self) -> bool {
+        !matches!(self, Domain::Thermal | Domain::Magnetic)
+    }
 }
 
 impl std::fmt::Display for Domain {
@@ -25,6 +37,8 @@ impl std::fmt::Display for Domain {
             Domain::Electrical => "electrical",
             Domain::ThreePhase => "three-phase",
             Domain::Thermal => "thermal",
+            Domain::Magnetic => "magnetic",
+            Domain::Hydraulic => "hydraulic",
             Domain::Frame => "frame",
         })
     }

@@ -12,6 +12,7 @@ mod ideal_transformer;
 mod inductor;
 mod mutual_inductance;
 mod resistor;
+mod saturating_inductor;
 #[cfg(test)]
 pub(crate) mod testing;
 mod transformer;
@@ -31,6 +32,7 @@ pub use ideal_transformer::IdealTransformer;
 pub use inductor::Inductor;
 pub use mutual_inductance::MutualInductance;
 pub use resistor::Resistor;
+pub use saturating_inductor::SaturatingInductor;
 pub use transformer::Transformer;
 pub use variable_transformer::VariableTransformer;
 pub use varistor::Varistor;

@@ -61,26 +61,28 @@ impl Component for Differential {
         let part = Part::new()
             .port("drive", Domain::Rotational, "drive shaft")
             .port("left", Domain::Rotational, "one output shaft")
-            .port("right", Domain::Rotational, "the other output shaft");
+            .port("right", Domain::Rotational, "the other output shaft")
+            .heat_port(self.losses.onset.heat_port);
         let (final_drive, inner) = (self.losses.mesh().element(), self.inner().element());
         if final_drive.is_none() && inner.is_none() {
             return part.element(Element::Coupling { terms: vec![(0, 1.0), (1, -half), (2, -half)] });
         }
+        let cage = part.ports.len();
         let part = part.inner("cage", Domain::Rotational).element(Element::Gear {
             base: 0,
-            follower: 3,
+            follower: cage,
             ratio: 1.0 / self.ratio,
             loss: final_drive,
         });
         match inner {
-            None => part.element(Element::Coupling { terms: vec![(3, 1.0), (1, -0.5), (2, -0.5)] }),
+            None => part.element(Element::Coupling { terms: vec![(cage, 1.0), (1, -0.5), (2, -0.5)] }),
             // Seen from the cage it is a pair of wheels.
             loss => part
                 .inner("left_on_cage", Domain::Rotational)
                 .inner("right_on_cage", Domain::Rotational)
-                .element(Element::Coupling { terms: vec![(4, 1.0), (1, -1.0), (3, 1.0)] })
-                .element(Element::Coupling { terms: vec![(5, 1.0), (2, -1.0), (3, 1.0)] })
-                .element(Element::Gear { base: 4, follower: 5, ratio: -1.0, loss }),
+                .element(Element::Coupling { terms: vec![(cage + 1, 1.0), (1, -1.0), (cage, 1.0)] })
+                .element(Element::Coupling { terms: vec![(cage + 2, 1.0), (2, -1.0), (cage, 1.0)] })
+                .element(Element::Gear { base: cage + 1, follower: cage + 2, ratio: -1.0, loss }),
         }
     }
 

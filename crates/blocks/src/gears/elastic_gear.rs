@@ -74,17 +74,20 @@ impl Component for ElasticGear {
         let part = Part::new()
             .port("base", Domain::Rotational, "input side")
             .port("follower", Domain::Rotational, "output side")
+            .heat_port(self.losses.onset.heat_port);
+        let teeth = part.ports.len();
+        let part = part
             .inner("teeth", Domain::Rotational)
             .measures("phi", "rad", Needs::State, "twist seen from the follower")
             .measures("tau", "N*m", Needs::Motion, "torque into the base")
             .state("phi", self.phi0)
             .element(Element::Gear {
                 base: 0,
-                follower: 2,
+                follower: teeth,
                 ratio: self.direction.ratio(1.0 / self.ratio),
                 loss: self.losses.mesh().element(),
             })
-            .element(Element::Branch { r: 2, c: 1 });
+            .element(Element::Branch { r: teeth, c: 1 });
         self.shaft().events(part)
     }
 

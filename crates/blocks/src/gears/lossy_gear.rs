@@ -37,6 +37,9 @@ pub struct LossyGear {
     pub direction: Direction,
     /// Rows of speed, two efficiencies (above 0 and at most 1) and two bearing torques, by increasing speed.
     pub losses: Vec<[f64; 5]>,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 impl LossyGear {
@@ -124,6 +127,7 @@ impl Component for LossyGear {
                 ratio: self.direction.ratio(1.0 / self.ratio),
                 loss: Some(MeshLoss { forward, backward, model: LossModel::Stiction }),
             })
+            .heat_port(self.heat_port)
     }
 
     fn mesh_losses(&self, _c: &Law, speed: &[f64], losses: &mut [DryMesh]) {
@@ -140,7 +144,7 @@ mod tests {
     use super::*;
 
     fn gear(losses: &[[f64; 5]]) -> LossyGear {
-        LossyGear { ratio: 10.0, direction: Direction::Same, losses: losses.to_vec() }
+        LossyGear { ratio: 10.0, direction: Direction::Same, losses: losses.to_vec(), heat_port: false }
     }
 
     #[test]

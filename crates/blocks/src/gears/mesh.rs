@@ -48,11 +48,15 @@ pub struct Onset {
     /// Power above which the full loss acts; for `Published`.
     #[block(unit = "W", default = 1e-3)]
     pub power_threshold: f64,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 impl Onset {
     /// As it is where nothing is said.
-    pub const DEFAULT: Onset = Onset { loss: Loss::Dissipative, threshold: 1.0, power_threshold: 1e-3 };
+    pub const DEFAULT: Onset =
+        Onset { loss: Loss::Dissipative, threshold: 1.0, power_threshold: 1e-3, heat_port: false };
 }
 
 /// Losses of a gear with one efficiency for both directions of power.
@@ -129,7 +133,7 @@ impl Mesh {
                 .help("1 means no losses"));
             }
         }
-        let Onset { loss, threshold, power_threshold } = self.onset;
+        let Onset { loss, threshold, power_threshold, .. } = self.onset;
         positive("threshold", threshold)?;
         positive("power_threshold", power_threshold)?;
         let (forward, backward) = (1.0 - self.forward.1, 1.0 / self.backward.1 - 1.0);
@@ -159,6 +163,7 @@ impl Mesh {
             .port("follower", follower, "output side")
             .measures("tau", "N*m", Needs::Motion, "torque into the base")
             .element(Element::Gear { base: 0, follower: 1, ratio, loss: self.element() })
+            .heat_port(self.onset.heat_port)
     }
 
     /// The loss for the network; `None` when nothing is lost.

@@ -68,16 +68,18 @@ impl Component for PlanetaryGear {
         let part = Part::new()
             .port("sun", Domain::Rotational, "sun wheel")
             .port("carrier", Domain::Rotational, "carrier of the planets")
-            .port("ring", Domain::Rotational, "ring gear");
+            .port("ring", Domain::Rotational, "ring gear")
+            .heat_port(self.losses.onset.heat_port);
         let Some(loss) = self.losses.mesh().element() else {
             return part.element(Element::Coupling { terms: vec![(0, 1.0), (1, -(1.0 + g)), (2, g)] });
         };
         // Seen from the carrier it is a pair of wheels.
+        let (sun, ring) = (part.ports.len(), part.ports.len() + 1);
         part.inner("sun_on_carrier", Domain::Rotational)
             .inner("ring_on_carrier", Domain::Rotational)
-            .element(Element::Coupling { terms: vec![(3, 1.0), (0, -1.0), (1, 1.0)] })
-            .element(Element::Coupling { terms: vec![(4, 1.0), (2, -1.0), (1, 1.0)] })
-            .element(Element::Gear { base: 3, follower: 4, ratio: -1.0 / g, loss: Some(loss) })
+            .element(Element::Coupling { terms: vec![(sun, 1.0), (0, -1.0), (1, 1.0)] })
+            .element(Element::Coupling { terms: vec![(ring, 1.0), (2, -1.0), (1, 1.0)] })
+            .element(Element::Gear { base: sun, follower: ring, ratio: -1.0 / g, loss: Some(loss) })
     }
 
     fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {

@@ -45,6 +45,9 @@ pub struct WormGear {
     /// Torque of the bearings of the worm.
     #[block(unit = "N*m", default = 0.0)]
     pub bearing: f64,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 impl WormGear {
@@ -105,6 +108,7 @@ impl Component for WormGear {
                 ratio: self.direction.ratio(1.0 / self.ratio),
                 loss: Some(MeshLoss { forward, backward, model: LossModel::Stiction }),
             })
+            .heat_port(self.heat_port)
     }
 
     fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
@@ -129,6 +133,7 @@ mod tests {
         friction: 0.08,
         pressure_angle: PI / 9.0,
         bearing: 0.0,
+        heat_port: false,
     };
 
     #[test]

@@ -105,6 +105,9 @@ pub struct AsynchronousMachine {
     /// `Zero`, `Magnetised(voltage: .., frequency: .., slip: ..)` or `Explicit(psi_s: [..], psi_r: [..])`.
     #[block(default = Start::Zero)]
     pub start: Start,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
     /// What follows from the parameters, worked out when it is first used; `None` if they make no sense.
     #[block(skip)]
     motor: OnceLock<Option<Motor>>,
@@ -169,7 +172,9 @@ impl AsynchronousMachine {
             return Err(ParamError::new("pole_pairs", "`pole_pairs` is 0, but a machine has poles")
                 .help("rated frequency times 60 over the synchronous speed in rpm"));
         }
-        Motor::new((self.base(), self.rated_power), self.circuit()?, self.connection, &self.start)
+        let motor =
+            Motor::new((self.base(), self.rated_power), self.circuit()?, self.connection, &self.start)?;
+        Ok(motor.with_heat_port(self.heat_port))
     }
 }
 

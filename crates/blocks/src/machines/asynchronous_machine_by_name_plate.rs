@@ -78,6 +78,9 @@ pub struct AsynchronousMachineByNamePlate {
     /// `Zero`, `Magnetised(voltage: .., frequency: .., slip: ..)` or `Explicit(psi_s: [..], psi_r: [..])`.
     #[block(default = Start::Zero)]
     pub start: Start,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
     /// What follows from the parameters, worked out when it is first used.
     #[block(skip)]
     motor: OnceLock<Result<Motor, ParamError>>,
@@ -135,12 +138,13 @@ impl AsynchronousMachineByNamePlate {
             }
             positive("speed", self.speed)?;
             let (circuit, base) = (self.circuit()?, self.plate().base());
-            Motor::new(
+            let motor = Motor::new(
                 (base, self.power / (self.efficiency * self.power_factor)),
                 circuit,
                 self.connection,
                 &self.start,
-            )
+            )?;
+            Ok(motor.with_heat_port(self.heat_port))
         })
     }
 }
@@ -179,6 +183,7 @@ mod tests {
             tolerance: 0.01,
             connection,
             start: Start::Magnetised { voltage: 400.0, frequency: 50.0, slip: 0.012 },
+            heat_port: false,
             motor: OnceLock::new(),
         }
     }

@@ -29,6 +29,8 @@ pub(super) struct Motor {
     start: Vec<f64>,
     /// They belong to a voltage along the axis of phase a.
     turns: bool,
+    /// It has a port for heat.
+    heat_port: bool,
 }
 
 /// Whether a machine of this connection can have a current of the zero sequence.
@@ -56,11 +58,25 @@ impl Motor {
         };
         let (voltage, line) = (delta / base.v, delta * base.i);
         let machine = Machine::new(circuit, base.w);
-        let mut motor =
-            Self { base, machine, power, connection, voltage, line, start: Vec::new(), turns: false };
+        let mut motor = Self {
+            base,
+            machine,
+            power,
+            connection,
+            voltage,
+            line,
+            start: Vec::new(),
+            turns: false,
+            heat_port: false,
+        };
         motor.turns = matches!(start, Start::Magnetised { .. });
         motor.start = motor.fluxes(start)?;
         Ok(motor)
+    }
+
+    /// The same with a port for heat, if that is wanted.
+    pub(super) fn with_heat_port(self, heat_port: bool) -> Self {
+        Self { heat_port, ..self }
     }
 
     fn fluxes(&self, start: &Start) -> Result<Vec<f64>, ParamError> {
@@ -153,7 +169,7 @@ impl Component for Motor {
             // Fluxes are in per unit.
             part = part.nominal_state(name, *value, 1.0);
         }
-        out::measured(part)
+        out::measured(part).heat_port(self.heat_port)
     }
 
     fn line_current(&self, c: &Law) -> [f64; 3] {

@@ -25,6 +25,7 @@ fn machine() -> AsynchronousMachine {
         zero_sequence: ZeroSequence::Include,
         connection: Connection::Delta,
         start: Start::Zero,
+        heat_port: false,
         motor: OnceLock::new(),
     }
 }

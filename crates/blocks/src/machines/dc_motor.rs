@@ -1,6 +1,8 @@
 use blocksim_block::physical::{Domain, Element, Pin};
 use blocksim_block::prelude::*;
 
+use super::warm_winding::WarmWinding;
+
 /// Brushed motor with permanent magnets.
 ///
 /// $$ v = R i + L \frac{di}{dt} + k w, \qquad \tau = k i, \qquad w = w_r - w_c $$
@@ -8,6 +10,16 @@ use blocksim_block::prelude::*;
 /// The conversion is lossless, so one constant $k$ (V*s/rad or N*m/A) serves voltage and torque. The rotor
 /// has the inertia $j$, against an implied ground, and a damping between rotor and housing. In the steady
 /// state $\tau = k (V - k w)/R$ less the damping.
+///
+/// With `heat_port: true` the heat of winding and damping leaves by the thermal port `h`, and the resistance follows the
+/// temperature there,
+///
+/// $$ R = r\,(1 + \alpha\,(T - T_\mathrm{ref})) $$
+///
+/// With `rotor_heat_port: true` the heat of the damping leaves by a port of its own, `h_r`. Connect a `HeatCapacity` to each port. A
+/// winding that becomes hotter than `t_max` is reported as an event: at a constant current, $\alpha > 0$ makes more heat the hotter it
+/// is, and beyond $\alpha\,r\,i^2 R_\mathrm{th} = 1$ no cooling through a thermal resistance $R_\mathrm{th}$ holds it. At 10 000 K the run
+/// ends with an error.
 ///
 /// With $L > 0$ the current is a state; with $L = 0$ it follows at once from voltage and speed, $i = (v - k
 /// w)/R$.
@@ -36,12 +48,20 @@ pub struct DcMotor {
     /// Current at the start; only with an inductance.
     #[block(unit = "A", default = 0.0)]
     pub i0: f64,
+    /// Heat of the motor.
+    #[block(group)]
+    pub warm: WarmWinding,
 }
 
 impl DcMotor {
     /// Current from `p` to `n`, A.
     fn current(&self, c: &Law) -> f64 {
-        if self.l > 0.0 { c.x[0] } else { (c.voltage[0] - self.k * c.speed[0]) / self.r }
+        if self.l > 0.0 { c.x[0] } else { (c.voltage[0] - self.k * c.speed[0]) / self.resistance(c) }
+    }
+
+    /// Resistance of the winding, ohm.
+    fn resistance(&self, c: &Law) -> f64 {
+        self.warm.resistance(self.r, c)
     }
 }
 
@@ -64,7 +84,7 @@ impl Block for DcMotor {
             )
             .help("leave `i0` out, or give the winding its inductance `l`"));
         }
-        Ok(())
+        self.warm.check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -81,6 +101,7 @@ impl Component for DcMotor {
             .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: self.l > 0.0 })
             .element(Element::Branch { r: 2, c: 3 })
             .element(Element::Inertia { port: 2, inertia: self.j, speed: None });
+        let part = self.warm.part(part);
         if self.l > 0.0 {
             part.linear().state_in("i", self.i0, "A").measures("i", "A", Needs::State, "current from p to n")
         } else {
@@ -93,7 +114,7 @@ impl Component for DcMotor {
     }
 
     fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
-        internal[0] = self.r * c.x[0] + self.k * c.speed[0];
+        internal[0] = self.resistance(c) * c.x[0] + self.k * c.speed[0];
         inverse[0] = 1.0 / self.l;
     }
 
@@ -103,7 +124,7 @@ impl Component for DcMotor {
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
         // Without inductance the back EMF damps as k^2/R does.
-        let braking = if self.l > 0.0 { 0.0 } else { self.k * self.k / self.r };
+        let braking = if self.l > 0.0 { 0.0 } else { self.k * self.k / self.resistance(c) };
         tau[0] = Torque {
             value: self.damping * c.speed[0] - self.k * self.current(c),
             slope: self.damping + braking,
@@ -112,21 +133,30 @@ impl Component for DcMotor {
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
         if self.l > 0.0 {
-            dx[0] = (c.voltage[0] - self.r * c.x[0] - self.k * c.speed[0]) / self.l;
+            dx[0] = (c.voltage[0] - self.resistance(c) * c.x[0] - self.k * c.speed[0]) / self.l;
         }
     }
 
-    fn linearize(&self, _law: &Law, a: &mut [f64], b: &mut [f64], c: &mut [f64]) {
-        (a[0], b[0], c[0]) = (-self.r / self.l, -self.k / self.l, -self.k);
+    fn linearize(&self, law: &Law, a: &mut [f64], b: &mut [f64], c: &mut [f64]) {
+        (a[0], b[0], c[0]) = (-self.resistance(law) / self.l, -self.k / self.l, -self.k);
     }
 
     fn energy(&self, c: &Law) -> Energy {
         let (i, w) = (self.current(c), c.speed[0]);
         Energy {
             stored: 0.5 * self.l * i * i,
-            dissipated: self.r * i * i + self.damping * w * w,
+            dissipated: self.resistance(c) * i * i + self.damping * w * w,
             ..Energy::default()
         }
+    }
+
+    fn heats(&self, c: &Law, dissipated: f64, q: &mut [f64]) {
+        let i = self.current(c);
+        self.warm.heats(self.resistance(c) * i * i, dissipated, q);
+    }
+
+    fn guards(&self, c: &Law, g: &mut [f64]) {
+        self.warm.guards(c, g);
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
@@ -139,7 +169,8 @@ mod tests {
     use super::*;
     use crate::mechanics::testing::law;
 
-    const MOTOR: DcMotor = DcMotor { r: 1.5, l: 2.5e-3, k: 0.2, j: 5e-5, damping: 0.01, i0: 3.0 };
+    const MOTOR: DcMotor =
+        DcMotor { r: 1.5, l: 2.5e-3, k: 0.2, j: 5e-5, damping: 0.01, i0: 3.0, warm: WarmWinding::NONE };
 
     #[test]
     fn with_inductance_the_current_is_a_state() {
@@ -163,6 +194,23 @@ mod tests {
         assert!((tau[0].value - (0.9 - 4.0)).abs() < 1e-13);
         assert!((tau[0].slope - (0.01 + 0.04 / 1.5)).abs() < 1e-15);
         assert_eq!(motor.part(&Given::nothing()).outputs[0].1, Needs::Electrics);
+    }
+
+    #[test]
+    fn a_warm_winding_has_more_resistance_and_its_heat_leaves_apart_from_that_of_the_rotor() {
+        let warm = WarmWinding { heat_port: true, rotor_heat_port: true, alpha: 4e-3, ..WarmWinding::NONE };
+        let motor = DcMotor { warm, ..MOTOR };
+        assert_eq!(motor.check(), Ok(()));
+        let places = crate::electrical::testing::places(&motor);
+        // Winding, then the temperatures of both ports: 50 K above the reference.
+        let voltage = [48.0, 343.15, 300.0];
+        let c = Law { x: &[4.0], voltage: &voltage, speed: &[100.0], places: &places, ..law() };
+        let mut dx = [0.0];
+        Component::derivatives(&motor, &c, &mut dx);
+        assert!((dx[0] - (48.0 - 1.8 * 4.0 - 20.0) / 2.5e-3).abs() < 1e-9);
+        let (dissipated, mut q) = (motor.energy(&c).dissipated, [0.0; 2]);
+        motor.heats(&c, dissipated, &mut q);
+        assert!((q[0] - 1.8 * 16.0).abs() < 1e-12 && (q[1] - 100.0).abs() < 1e-12, "{q:?}");
     }
 
     #[test]

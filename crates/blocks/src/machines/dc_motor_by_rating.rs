@@ -4,6 +4,7 @@ use blocksim_block::prelude::*;
 
 use super::dc_motor::DcMotor;
 use super::dc_motor_line::TorqueLine;
+use super::warm_winding::WarmWinding;
 
 /// A `DcMotor` described by its rated power $P$ and speed $w_r$ and its speed without load $w_0$.
 ///
@@ -54,6 +55,9 @@ pub struct DcMotorByRating {
     /// Current at the start; only with an inductance.
     #[block(unit = "A", default = 0.0)]
     pub i0: f64,
+    /// Heat of the motor.
+    #[block(group)]
+    pub warm: WarmWinding,
     /// The motor that follows, worked out when it is first used.
     #[block(skip)]
     pub motor: OnceLock<DcMotor>,
@@ -68,7 +72,7 @@ impl DcMotorByRating {
 
     /// The motor that follows from the data.
     pub fn motor(&self) -> &DcMotor {
-        self.motor.get_or_init(|| self.line().motor(self.l, self.j, self.i0))
+        self.motor.get_or_init(|| self.line().motor(self.l, self.j, self.i0, self.warm))
     }
 }
 
@@ -102,6 +106,7 @@ mod tests {
             no_load_current: 0.0,
             damping: 0.0,
             i0: 0.0,
+            warm: WarmWinding::NONE,
             motor: OnceLock::new(),
         }
     }

@@ -4,6 +4,7 @@ use blocksim_block::prelude::*;
 
 use super::dc_motor::DcMotor;
 use super::dc_motor_line::TorqueLine;
+use super::warm_winding::WarmWinding;
 
 /// A `DcMotor` described by the torque at standstill $\tau_s$ and the speed without load $w_0$.
 ///
@@ -52,6 +53,9 @@ pub struct DcMotorByStall {
     /// Current at the start; only with an inductance.
     #[block(unit = "A", default = 0.0)]
     pub i0: f64,
+    /// Heat of the motor.
+    #[block(group)]
+    pub warm: WarmWinding,
     /// The motor that follows, worked out when it is first used.
     #[block(skip)]
     pub motor: OnceLock<DcMotor>,
@@ -65,7 +69,7 @@ impl DcMotorByStall {
 
     /// The motor that follows from the data.
     pub fn motor(&self) -> &DcMotor {
-        self.motor.get_or_init(|| self.line().motor(self.l, self.j, self.i0))
+        self.motor.get_or_init(|| self.line().motor(self.l, self.j, self.i0, self.warm))
     }
 }
 
@@ -95,6 +99,7 @@ mod tests {
             no_load_current: 0.0,
             damping: 0.0,
             i0: 0.0,
+            warm: WarmWinding::NONE,
             motor: OnceLock::new(),
         }
     }

@@ -3,6 +3,7 @@
 use blocksim_block::prelude::*;
 
 use super::dc_motor::DcMotor;
+use super::warm_winding::WarmWinding;
 
 /// Torque and speed of the shaft at a constant voltage: $\tau = \tau_s (1 - w/w_0)$.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,12 +27,12 @@ impl TorqueLine {
     /// are known by the current or by the damping; the other one follows. Solved for `k`, that is
     /// `k = V / (w_0 + V i_0 / tau_s)` with the current, `k = (1 - damping w_0 / tau_s) V / w_0` with the
     /// damping, and `R = k V / tau_s`.
-    pub fn motor(&self, l: f64, j: f64, i0: f64) -> DcMotor {
+    pub fn motor(&self, l: f64, j: f64, i0: f64, warm: WarmWinding) -> DcMotor {
         let Self { stall_torque, no_load_speed, voltage, no_load_current, damping } = *self;
         let share = 1.0 - damping * no_load_speed / stall_torque;
         let k = share * voltage / (no_load_speed + voltage * no_load_current / stall_torque);
         let r = k * voltage / stall_torque;
-        DcMotor { r, l, k, j, damping: damping + k * no_load_current / no_load_speed, i0 }
+        DcMotor { r, l, k, j, damping: damping + k * no_load_current / no_load_speed, i0, warm }
     }
 
     /// Refuses what no motor has. Errors name the parameters as all blocks call them.
@@ -81,7 +82,7 @@ mod tests {
 
     #[test]
     fn a_motor_without_losses_has_the_constant_of_its_speed() {
-        let motor = LINE.motor(1e-3, 1e-5, 0.0);
+        let motor = LINE.motor(1e-3, 1e-5, 0.0, WarmWinding::NONE);
         assert!((motor.k - 24.0 / 500.0).abs() < 1e-17);
         assert!((motor.r - 0.048 * 24.0 / 0.9).abs() < 1e-15);
         assert_eq!((motor.damping, motor.l, motor.j), (0.0, 1e-3, 1e-5));
@@ -92,7 +93,7 @@ mod tests {
         for (no_load_current, damping) in [(0.0, 0.0), (0.4, 0.0), (0.0, 2e-4)] {
             let line = TorqueLine { no_load_current, damping, ..LINE };
             assert_eq!(line.check(), Ok(()));
-            let motor = line.motor(0.0, 1e-5, 0.0);
+            let motor = line.motor(0.0, 1e-5, 0.0, WarmWinding::NONE);
             for w in [-100.0, 0.0, 250.0, 500.0, 700.0] {
                 let found = torque(&motor, 24.0, w);
                 assert!((found - 0.9 * (1.0 - w / 500.0)).abs() < 1e-13, "{line:?} at {w} rad/s: {found}");
@@ -102,10 +103,11 @@ mod tests {
 
     #[test]
     fn current_and_damping_are_two_names_of_one_loss() {
-        let by_current = TorqueLine { no_load_current: 0.4, ..LINE }.motor(0.0, 1e-5, 0.0);
+        let by_current = TorqueLine { no_load_current: 0.4, ..LINE }.motor(0.0, 1e-5, 0.0, WarmWinding::NONE);
         let i = (24.0 - by_current.k * 500.0) / by_current.r;
         assert!((i - 0.4).abs() < 1e-13, "{i}");
-        let by_damping = TorqueLine { damping: by_current.damping, ..LINE }.motor(0.0, 1e-5, 0.0);
+        let by_damping =
+            TorqueLine { damping: by_current.damping, ..LINE }.motor(0.0, 1e-5, 0.0, WarmWinding::NONE);
         assert!((by_damping.k / by_current.k - 1.0).abs() < 1e-14);
         assert!((by_damping.r / by_current.r - 1.0).abs() < 1e-14);
     }

@@ -14,6 +14,7 @@ mod permanent_magnet_machine;
 pub(crate) mod space_vector;
 mod stepper_motor;
 mod universal_motor;
+mod warm_winding;
 mod wound_field_dc_motor;
 
 pub use asynchronous_machine::AsynchronousMachine;
@@ -28,4 +29,5 @@ pub use dc_motor_line::TorqueLine;
 pub use permanent_magnet_machine::PermanentMagnetMachine;
 pub use stepper_motor::StepperMotor;
 pub use universal_motor::UniversalMotor;
+pub use warm_winding::WarmWinding;
 pub use wound_field_dc_motor::WoundFieldDcMotor;

@@ -2,6 +2,7 @@ use blocksim_block::physical::{Domain, Element};
 use blocksim_block::prelude::*;
 
 use super::space_vector::{Vector, turned};
+use super::warm_winding::WarmWinding;
 use std::f64::consts::TAU;
 
 /// Three-phase synchronous machine with permanent magnets (PMSM): fundamental wave, no saturation, no damper
@@ -22,6 +23,9 @@ use std::f64::consts::TAU;
 /// `Inertia` and a `RotationalDamper` at `r`. The output `theta` is not reduced to one turn, so it has no jumps;
 /// with `theta0` it starts where the rotor stands. It depends on a state alone, as currents and torque do: a
 /// controller may read all of them without closing an algebraic loop.
+///
+/// With `heat_port: true` the heat of the windings leaves by the thermal port `h`, and their resistance follows the temperature there,
+/// $R_s = r_s (1 + \alpha (T - T_\mathrm{ref}))$. Connect a `HeatCapacity` to it.
 ///
 /// Magnets on the surface of the rotor give $L_d = L_q$; buried ones $L_d < L_q$, and a negative $i_d$ then adds
 /// torque. With `flux` 0 it is a reluctance machine.
@@ -58,6 +62,9 @@ pub struct PermanentMagnetMachine {
     /// Current across the magnets at the start.
     #[block(unit = "A", default = 0.0)]
     pub i_q0: f64,
+    /// Heat of the machine.
+    #[block(group)]
+    pub warm: WarmWinding,
 }
 
 const I_D: usize = 0;
@@ -69,6 +76,11 @@ impl PermanentMagnetMachine {
     fn torque(&self, c: &Law) -> f64 {
         let (i_d, i_q) = (c.x[I_D], c.x[I_Q]);
         1.5 * f64::from(self.pole_pairs) * (self.flux + (self.l_d - self.l_q) * i_d) * i_q
+    }
+
+    /// Resistance of a phase, ohm.
+    fn resistance(&self, c: &Law) -> f64 {
+        self.warm.resistance(self.r_s, c)
     }
 
     /// Electrical speed of the rotor, rad/s.
@@ -98,7 +110,12 @@ impl Block for PermanentMagnetMachine {
             .map_err(|error| error.help("peak phase voltage without current over the electrical speed"))?;
         finite("theta0", self.theta0)?;
         finite("i_d0", self.i_d0)?;
-        finite("i_q0", self.i_q0)
+        finite("i_q0", self.i_q0)?;
+        if self.warm.rotor_heat_port {
+            return Err(ParamError::new("rotor_heat_port", "the rotor of this machine has no losses")
+                .help("leave it out"));
+        }
+        self.warm.check()
     }
 
     fn component(&self) -> Option<&dyn Component> {
@@ -108,7 +125,7 @@ impl Block for PermanentMagnetMachine {
 
 impl Component for PermanentMagnetMachine {
     fn part(&self, _given: &Given) -> Part {
-        Part::new()
+        let part = Part::new()
             .port("ac", Domain::ThreePhase, "the lines")
             .port("r", Domain::Rotational, "rotor")
             .port("c", Domain::Rotational, "housing")
@@ -121,7 +138,8 @@ impl Component for PermanentMagnetMachine {
             .measures("power", "W", Needs::Electrics, "power drawn from the lines")
             .state_in("i_d", self.i_d0, "A")
             .state_in("i_q", self.i_q0, "A")
-            .drifting_state("theta", self.theta0)
+            .drifting_state("theta", self.theta0);
+        self.warm.part(part)
     }
 
     fn line_current(&self, c: &Law) -> [f64; 3] {
@@ -133,10 +151,10 @@ impl Component for PermanentMagnetMachine {
         // v - u = L di/dt in the frame of the rotor, whose turning itself changes the currents of the supply's frame.
         let (w_e, turn) = (self.w_e(c), c.x[THETA] - c.supply.angle);
         let (i_d, i_q) = (c.x[I_D], c.x[I_Q]);
-        let w = w_e - TAU * c.supply.frequency;
+        let (r_s, w) = (self.resistance(c), w_e - TAU * c.supply.frequency);
         let u = [
-            self.r_s * i_d - w_e * self.l_q * i_q + self.l_d * w * i_q,
-            self.r_s * i_q + w_e * (self.l_d * i_d + self.flux) - self.l_q * w * i_d,
+            r_s * i_d - w_e * self.l_q * i_q + self.l_d * w * i_q,
+            r_s * i_q + w_e * (self.l_d * i_d + self.flux) - self.l_q * w * i_d,
         ];
         let u = turned(u, turn);
         internal.copy_from_slice(&[u[0], u[1], 0.0]);
@@ -168,9 +186,9 @@ impl Component for PermanentMagnetMachine {
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
         let ([v_d, v_q], w_e) = (self.voltage(c), self.w_e(c));
-        let (i_d, i_q) = (c.x[I_D], c.x[I_Q]);
-        dx[I_D] = (v_d - self.r_s * i_d + w_e * self.l_q * i_q) / self.l_d;
-        dx[I_Q] = (v_q - self.r_s * i_q - w_e * (self.l_d * i_d + self.flux)) / self.l_q;
+        let (i_d, i_q, r_s) = (c.x[I_D], c.x[I_Q], self.resistance(c));
+        dx[I_D] = (v_d - r_s * i_d + w_e * self.l_q * i_q) / self.l_d;
+        dx[I_Q] = (v_q - r_s * i_q - w_e * (self.l_d * i_d + self.flux)) / self.l_q;
         dx[THETA] = w_e;
     }
 
@@ -179,9 +197,13 @@ impl Component for PermanentMagnetMachine {
         let (i_d, i_q) = (c.x[I_D], c.x[I_Q]);
         Energy {
             stored: 0.75 * (self.l_d * i_d * i_d + self.l_q * i_q * i_q),
-            dissipated: 1.5 * self.r_s * (i_d * i_d + i_q * i_q),
+            dissipated: 1.5 * self.resistance(c) * (i_d * i_d + i_q * i_q),
             ..Energy::default()
         }
+    }
+
+    fn guards(&self, c: &Law, g: &mut [f64]) {
+        self.warm.guards(c, g);
     }
 
     fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
@@ -211,6 +233,7 @@ mod tests {
         theta0: 0.3,
         i_d0: 0.0,
         i_q0: 0.0,
+        warm: WarmWinding::NONE,
     };
 
     /// Voltage of phase a for a vector in a frame that stands at an angle.

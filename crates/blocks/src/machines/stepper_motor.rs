@@ -63,6 +63,9 @@ pub struct StepperMotor {
     /// Current of phase B at the start; only with an inductance.
     #[block(unit = "A", default = 0.0)]
     pub i_b0: f64,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 impl StepperMotor {
@@ -169,6 +172,7 @@ impl Component for StepperMotor {
                 Needs::State,
                 "angle of the rotor against the housing, not reduced to a turn",
             )
+            .heat_port(self.heat_port)
     }
 
     fn currents(&self, c: &Law, i: &mut [f64]) {
@@ -265,6 +269,7 @@ mod tests {
         theta0: 0.0,
         i_a0: 0.0,
         i_b0: 0.0,
+        heat_port: false,
     };
 
     fn torque(motor: &StepperMotor, x: [f64; 3]) -> f64 {

@@ -47,6 +47,9 @@ pub struct UniversalMotor {
     /// Current at the start.
     #[block(unit = "A", default = 0.0)]
     pub i0: f64,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 impl Block for UniversalMotor {
@@ -77,6 +80,7 @@ impl Component for UniversalMotor {
             .state_in("i", self.i0, "A")
             .measures("i", "A", Needs::State, "current from p to n")
             .measures("torque", "N*m", Needs::State, "torque of the armature, before the damping")
+            .heat_port(self.heat_port)
     }
 
     fn currents(&self, c: &Law, i: &mut [f64]) {
@@ -123,7 +127,7 @@ mod tests {
     use crate::mechanics::testing::law;
 
     const MOTOR: UniversalMotor =
-        UniversalMotor { r: 4.0, l: 0.02, l_af: 0.12, j: 1e-4, damping: 1e-4, i0: 0.0 };
+        UniversalMotor { r: 4.0, l: 0.02, l_af: 0.12, j: 1e-4, damping: 1e-4, i0: 0.0, heat_port: false };
 
     #[test]
     fn the_torque_is_the_same_for_both_directions_of_the_current() {

@@ -52,6 +52,9 @@ pub struct WoundFieldDcMotor {
     /// Current of the field at the start; its voltage over `r_f` starts with full field.
     #[block(unit = "A", default = 0.0)]
     pub i_f0: f64,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 /// States, windings and their voltages: first the armature, then the field.
@@ -103,6 +106,7 @@ impl Component for WoundFieldDcMotor {
             .measures("i", "A", Needs::State, "current of the armature from p to n")
             .measures("i_f", "A", Needs::State, "current of the field from fp to fn")
             .measures("torque", "N*m", Needs::State, "torque of the armature, before the damping")
+            .heat_port(self.heat_port)
     }
 
     fn currents(&self, c: &Law, i: &mut [f64]) {
@@ -162,6 +166,7 @@ mod tests {
         damping: 0.01,
         i0: 0.0,
         i_f0: 1.0,
+        heat_port: false,
     };
 
     #[test]

@@ -43,6 +43,9 @@ pub struct Pressed {
     /// Speed at which 76 % of the torque act, far below the speeds of the machine; for `Smooth`.
     #[block(unit = "rad/s", default = 0.01)]
     pub threshold: f64,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 /// What a change of the mode of a clutch or a brake is called.
@@ -91,6 +94,7 @@ impl Pressed {
             )
             .element(self.model.element())
             .friction_called(PRESSED)
+            .heat_port(self.heat_port)
     }
 
     /// Smooth torque under a share of the load at a speed.
@@ -129,7 +133,8 @@ impl Pressed {
 mod tests {
     use super::*;
 
-    const SMOOTH: Pressed = Pressed { model: FrictionModel::Smooth, torque: 8.0, peak: 1.0, threshold: 0.5 };
+    const SMOOTH: Pressed =
+        Pressed { model: FrictionModel::Smooth, torque: 8.0, peak: 1.0, threshold: 0.5, heat_port: false };
 
     #[test]
     fn far_from_standstill_the_torque_is_the_share_of_the_capacity() {

@@ -49,6 +49,10 @@ pub enum Joins {
     Electrical,
     /// Three phases.
     ThreePhase,
+    /// Magnetic poles.
+    Magnetic,
+    /// Hydraulic ports.
+    Hydraulic,
     /// Frames of bodies.
     Frame,
 }
@@ -60,6 +64,8 @@ impl From<Joins> for Domain {
             Joins::Translational => Domain::Translational,
             Joins::Electrical => Domain::Electrical,
             Joins::ThreePhase => Domain::ThreePhase,
+            Joins::Magnetic => Domain::Magnetic,
+            Joins::Hydraulic => Domain::Hydraulic,
             Joins::Frame => Domain::Frame,
         }
     }

@@ -20,6 +20,9 @@ pub struct BrakeChopper {
     /// Resistance of the transistor while it conducts.
     #[block(unit = "Ohm", default = 0.01)]
     pub r_on: f64,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 impl Block for BrakeChopper {
@@ -36,7 +39,8 @@ impl Block for BrakeChopper {
 
 impl Component for BrakeChopper {
     fn part(&self, _given: &Given) -> Part {
-        let (middle, valve) = (Pin::Inner(0), Valve { r_on: self.r_on, v_f: 0.0, g_off: 0.0 });
+        let (middle, valve) =
+            (Pin::Inner(0), Valve { r_on: self.r_on, v_f: 0.0, g_off: 0.0, heat_port: self.heat_port });
         Part::new()
             .pins()
             .input(Input::boolean("gate").scalar().doc("turns the resistor on"))
@@ -44,6 +48,7 @@ impl Component for BrakeChopper {
             .element(valve.element(middle, Pin::Port(1), ValveKind::Switch))
             .measures("i", "A", Needs::Electrics, "current from p to n")
             .measures("power", "W", Needs::Electrics, "power that the resistor turns into heat")
+            .heat_port(self.heat_port)
     }
 
     fn gates(&self, c: &Law, on: &mut [bool]) {

@@ -36,6 +36,7 @@ impl Component for Diode {
             .element(self.valve.element(Pin::Port(0), Pin::Port(1), ValveKind::Diode))
             .measures("i", "A", Needs::Electrics, "current from p to n")
             .measures("v", "V", Needs::Electrics, "voltage from p to n")
+            .heat_port(self.valve.heat_port)
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {

@@ -47,6 +47,7 @@ impl Component for HBridge {
                 upper.into_iter().chain(self.device.elements(&valve, middle, Pin::Port(1)))
             })
             .fold(part, Part::element)
+            .heat_port(self.valve.heat_port)
     }
 
     fn gates(&self, c: &Law, on: &mut [bool]) {

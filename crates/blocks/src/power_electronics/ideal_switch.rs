@@ -20,11 +20,14 @@ pub struct IdealSwitch {
     /// Conductance while open; zero cuts the branch.
     #[block(unit = "S", default = 0.0)]
     pub g_off: f64,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 impl IdealSwitch {
     fn valve(&self) -> Valve {
-        Valve { r_on: self.r_on, v_f: 0.0, g_off: self.g_off }
+        Valve { r_on: self.r_on, v_f: 0.0, g_off: self.g_off, heat_port: self.heat_port }
     }
 }
 
@@ -45,6 +48,7 @@ impl Component for IdealSwitch {
             .input(Input::boolean("gate").scalar().doc("whether the contact is closed"))
             .element(self.valve().element(Pin::Port(0), Pin::Port(1), ValveKind::Switch))
             .measures("i", "A", Needs::Electrics, "current from p to n")
+            .heat_port(self.heat_port)
     }
 
     fn gates(&self, c: &Law, on: &mut [bool]) {

@@ -39,6 +39,7 @@ impl Component for Igbt {
             .fold(part, Part::element)
             .measures("i", "A", Needs::Electrics, "current from p to n, that of the diode being negative")
             .measures("v", "V", Needs::Electrics, "voltage from p to n")
+            .heat_port(self.valve.heat_port)
     }
 
     fn gates(&self, c: &Law, on: &mut [bool]) {

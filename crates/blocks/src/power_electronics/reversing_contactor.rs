@@ -24,7 +24,7 @@ pub struct ReversingContactor {
 
 impl ReversingContactor {
     fn valve(&self) -> Valve {
-        Valve { r_on: self.r_on, v_f: 0.0, g_off: self.g_off }
+        Valve { r_on: self.r_on, v_f: 0.0, g_off: self.g_off, heat_port: false }
     }
 }
 

@@ -40,5 +40,6 @@ impl Component for SinglePhaseRectifier {
             .into_iter()
             .flat_map(|leg| [diode(leg, Pin::Port(0)), diode(Pin::Port(1), leg)])
             .fold(part, Part::element)
+            .heat_port(self.valve.heat_port)
     }
 }

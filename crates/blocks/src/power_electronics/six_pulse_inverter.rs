@@ -48,6 +48,7 @@ impl Component for SixPulseInverter {
                 upper.into_iter().chain(self.device.elements(&valve, middle, Pin::Port(1)))
             })
             .fold(part, Part::element)
+            .heat_port(self.valve.heat_port)
     }
 
     fn gates(&self, c: &Law, on: &mut [bool]) {
@@ -62,8 +63,10 @@ mod tests {
 
     #[test]
     fn gates_reach_their_transistors_and_no_diode() {
-        let inverter =
-            SixPulseInverter { device: Device::Igbt, valve: Valve { v_f: 0.8, r_on: 0.01, g_off: 0.0 } };
+        let inverter = SixPulseInverter {
+            device: Device::Igbt,
+            valve: Valve { v_f: 0.8, r_on: 0.01, g_off: 0.0, heat_port: false },
+        };
         let mut on = [false; 12];
         let u = [1.0, 0.0, 0.0, 1.0, 1.0, 0.0];
         inverter.gates(&Law { u: &u, inputs: &[(0, 6)], ..law() }, &mut on);

@@ -37,6 +37,7 @@ impl Component for Thyristor {
             .element(self.valve.element(Pin::Port(0), Pin::Port(1), ValveKind::Thyristor))
             .measures("i", "A", Needs::Electrics, "current from p to n")
             .measures("v", "V", Needs::Electrics, "voltage from p to n")
+            .heat_port(self.valve.heat_port)
     }
 
     fn gates(&self, c: &Law, on: &mut [bool]) {

@@ -15,6 +15,9 @@ pub struct Valve {
     /// Conductance while it blocks, that of a diode in parallel included.
     #[block(unit = "S", default = 0.0)]
     pub g_off: f64,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 impl Valve {
@@ -36,7 +39,7 @@ impl Valve {
 
     /// An element that conducts from `p` to `n`.
     pub(crate) fn element(&self, p: Pin, n: Pin, kind: ValveKind) -> Element {
-        let Self { r_on, v_f, g_off } = *self;
+        let Self { r_on, v_f, g_off, .. } = *self;
         Element::Valve { p, n, kind, on_resistance: r_on, forward_voltage: v_f, off_conductance: g_off }
     }
 }
@@ -91,9 +94,9 @@ mod tests {
 
     #[test]
     fn a_valve_is_better_on_than_off() {
-        let good = Valve { r_on: 0.01, v_f: 0.6, g_off: 1e-6 };
+        let good = Valve { r_on: 0.01, v_f: 0.6, g_off: 1e-6, heat_port: false };
         assert_eq!(good.check(), Ok(()));
-        assert_eq!(Valve { r_on: 0.0, v_f: 0.0, g_off: 0.0 }.check(), Ok(()));
+        assert_eq!(Valve { r_on: 0.0, v_f: 0.0, g_off: 0.0, ..good }.check(), Ok(()));
         assert_eq!(Valve { g_off: 100.0, ..good }.check().unwrap_err().param, "g_off");
         assert_eq!(Valve { r_on: -1.0, ..good }.check().unwrap_err().param, "r_on");
         assert_eq!(Valve { v_f: f64::NAN, ..good }.check().unwrap_err().param, "v_f");

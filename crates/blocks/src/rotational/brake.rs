@@ -73,7 +73,13 @@ mod tests {
     #[test]
     fn what_it_holds_follows_the_input_and_the_peak() {
         let brake = Brake {
-            pressed: Pressed { torque: 10.0, model: FrictionModel::Stiction, peak: 1.2, threshold: 0.0 },
+            pressed: Pressed {
+                torque: 10.0,
+                model: FrictionModel::Stiction,
+                peak: 1.2,
+                threshold: 0.0,
+                heat_port: false,
+            },
         };
         for (u, slide) in [(1.0, 10.0), (0.5, 5.0), (0.0, 0.0), (3.0, 10.0)] {
             let mut grips = [Grip::default()];

@@ -71,7 +71,13 @@ mod tests {
     use crate::mechanics::testing::law;
 
     const CLUTCH: Clutch = Clutch {
-        pressed: Pressed { torque: 10.0, model: FrictionModel::Smooth, peak: 1.0, threshold: 0.01 },
+        pressed: Pressed {
+            torque: 10.0,
+            model: FrictionModel::Smooth,
+            peak: 1.0,
+            threshold: 0.01,
+            heat_port: false,
+        },
     };
 
     #[test]

@@ -53,6 +53,9 @@ pub struct LuGreFriction {
     /// Damping of the bristles $\sigma_1$ at rest.
     #[block(unit = "N*m*s/rad", default = 0.0)]
     pub sigma1: f64,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 /// What follows from deflection and speed, with derivatives over the speed.
@@ -127,6 +130,7 @@ impl Component for LuGreFriction {
             .measures("tau", "N*m", Needs::Motion, "torque from r to c")
             .nominal_state("z", 0.0, self.breakaway / self.sigma0)
             .element(Element::Branch { r: 0, c: 1 })
+            .heat_port(self.heat_port)
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
@@ -171,6 +175,7 @@ mod tests {
         viscous: 0.4,
         sigma0: 1e4,
         sigma1: 100.0,
+        heat_port: false,
     };
 
     #[test]

@@ -3,6 +3,7 @@
 mod brake;
 mod clutch;
 mod constant_torque;
+mod eddy_current_brake;
 mod ideal_angle_source;
 mod ideal_speed_source;
 mod ideal_torque_source;
@@ -23,6 +24,7 @@ mod torque_sensor;
 pub use brake::Brake;
 pub use clutch::Clutch;
 pub use constant_torque::ConstantTorque;
+pub use eddy_current_brake::EddyCurrentBrake;
 pub use ideal_angle_source::IdealAngleSource;
 pub use ideal_speed_source::IdealSpeedSource;
 pub use ideal_torque_source::IdealTorqueSource;

@@ -13,6 +13,9 @@ pub struct RotationalDamper {
     /// Damping coefficient; zero is allowed.
     #[block(unit = "N*m*s/rad")]
     pub d: f64,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 impl Block for RotationalDamper {
@@ -27,7 +30,7 @@ impl Block for RotationalDamper {
 
 impl Component for RotationalDamper {
     fn part(&self, _given: &Given) -> Part {
-        ROTATION.damped()
+        ROTATION.damped().heat_port(self.heat_port)
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {
@@ -52,13 +55,13 @@ mod tests {
     fn the_torque_is_the_damping_coefficient_times_the_speed() {
         for (d, w) in [(0.5, 3.0), (0.0, 1e6), (2.0, -0.25)] {
             let mut tau = [Torque::default()];
-            RotationalDamper { d }.torques(&Law { speed: &[w], ..law() }, &mut tau);
+            RotationalDamper { d, heat_port: false }.torques(&Law { speed: &[w], ..law() }, &mut tau);
             assert_eq!(tau[0], Torque { value: d * w, slope: d });
         }
     }
 
     #[test]
     fn a_negative_coefficient_is_refused() {
-        assert_eq!(RotationalDamper { d: -1.0 }.check().unwrap_err().param, "d");
+        assert_eq!(RotationalDamper { d: -1.0, heat_port: false }.check().unwrap_err().param, "d");
     }
 }

@@ -53,11 +53,14 @@ pub struct RotationalFriction {
     /// `Smooth` or `Stiction`.
     #[block(default = FrictionModel::Smooth)]
     pub model: FrictionModel,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 impl RotationalFriction {
     fn law(&self) -> Stribeck {
-        let Self { breakaway, breakaway_velocity, coulomb, viscous, model } = *self;
+        let Self { breakaway, breakaway_velocity, coulomb, viscous, model, .. } = *self;
         Stribeck { breakaway, breakaway_velocity, coulomb, viscous, model }
     }
 }
@@ -74,7 +77,7 @@ impl Block for RotationalFriction {
 
 impl Component for RotationalFriction {
     fn part(&self, _given: &Given) -> Part {
-        self.law().part(&ROTATION)
+        self.law().part(&ROTATION).heat_port(self.heat_port)
     }
 
     fn grips(&self, c: &Law, grips: &mut [Grip]) {

@@ -24,6 +24,9 @@ pub struct ThreePhaseBreaker {
     /// `AtZeroCurrent` or `AtOnce`.
     #[block(default = Opening::AtZeroCurrent)]
     pub opens: Opening,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 /// When contacts open.
@@ -37,7 +40,7 @@ pub enum Opening {
 
 impl ThreePhaseBreaker {
     fn valve(&self) -> Valve {
-        Valve { r_on: self.r_on, v_f: 0.0, g_off: self.g_off }
+        Valve { r_on: self.r_on, v_f: 0.0, g_off: self.g_off, heat_port: self.heat_port }
     }
 
     /// A contact. Its arc is that of two thyristors, one for each direction.
@@ -69,7 +72,7 @@ impl Component for ThreePhaseBreaker {
             .port("ac1", Domain::ThreePhase, "one side")
             .port("ac2", Domain::ThreePhase, "the other")
             .input(Input::boolean("closed").scalar().doc("whether the contacts are closed"));
-        (0..3).flat_map(|k| self.contact(k)).fold(part, Part::element)
+        (0..3).flat_map(|k| self.contact(k)).fold(part, Part::element).heat_port(self.heat_port)
     }
 
     fn gates(&self, c: &Law, on: &mut [bool]) {

@@ -13,6 +13,9 @@ pub struct TranslationalDamper {
     /// Damping coefficient; zero is allowed.
     #[block(unit = "N*s/m")]
     pub d: f64,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 impl Block for TranslationalDamper {
@@ -27,7 +30,7 @@ impl Block for TranslationalDamper {
 
 impl Component for TranslationalDamper {
     fn part(&self, _given: &Given) -> Part {
-        TRANSLATION.damped()
+        TRANSLATION.damped().heat_port(self.heat_port)
     }
 
     fn torques(&self, c: &Law, f: &mut [Torque]) {
@@ -49,6 +52,6 @@ mod tests {
 
     #[test]
     fn a_negative_coefficient_is_refused() {
-        assert_eq!(TranslationalDamper { d: -1.0 }.check().unwrap_err().param, "d");
+        assert_eq!(TranslationalDamper { d: -1.0, heat_port: false }.check().unwrap_err().param, "d");
     }
 }

@@ -42,11 +42,14 @@ pub struct TranslationalFriction {
     /// `Smooth` or `Stiction`.
     #[block(default = FrictionModel::Smooth)]
     pub model: FrictionModel,
+    /// Has the thermal port `h`, by which the heat of all losses leaves.
+    #[block(default = false)]
+    pub heat_port: bool,
 }
 
 impl TranslationalFriction {
     fn law(&self) -> Stribeck {
-        let Self { breakaway, breakaway_velocity, coulomb, viscous, model } = *self;
+        let Self { breakaway, breakaway_velocity, coulomb, viscous, model, .. } = *self;
         Stribeck { breakaway, breakaway_velocity, coulomb, viscous, model }
     }
 }
@@ -63,7 +66,7 @@ impl Block for TranslationalFriction {
 
 impl Component for TranslationalFriction {
     fn part(&self, _given: &Given) -> Part {
-        self.law().part(&TRANSLATION)
+        self.law().part(&TRANSLATION).heat_port(self.heat_port)
     }
 
     fn grips(&self, c: &Law, grips: &mut [Grip]) {

@@ -84,6 +84,46 @@ pub(super) fn draw(pen: &mut Pen, symbol: Symbol) {
             );
             pen.shape("M-6 -9H6V-4H-6ZM-6 4H6V9H-6Z", solid);
         }
+        Symbol::Restriction => pen.shape("M-17 0H17M-9 -8A11 8 0 0 0 9 -8M-9 8A11 8 0 0 1 9 8", bold),
+        Symbol::VariableRestriction => {
+            pen.shape(
+                "M-17 0H17M-9 -8A11 8 0 0 0 9 -8M-9 8A11 8 0 0 1 9 8M-10 11L9 -11M4.5 -10.5L9 -11L8.5 -6.5",
+                bold,
+            );
+        }
+        Symbol::CheckValve => {
+            pen.shape("M-17 0H-9M0 -8L-9 0L0 8M6 0H17", bold);
+            pen.disc(1.0, 0.0, 5.0, hollow);
+        }
+        Symbol::ReliefValve => {
+            pen.shape(
+                "M-17 0H-9M9 0H17M-9 -9H9V9H-9ZM-7 4H6M2.5 1.5L6 4L2.5 6.5M0 -9L-3 -11L3 -13L-3 -15L3 -17",
+                bold,
+            );
+        }
+        Symbol::Pipe => pen.shape("M-17 -4H17M-17 4H17", bold),
+        Symbol::SpoolValve => {
+            pen.shape("M-27 -10H27V10H-27ZM-9 -10V10M9 -10V10", ink);
+            // Straight through, closed, crossed.
+            pen.shape("M-22 8V-7M-24 -4L-22 -8L-20 -4M-14 -8V7M-16 4L-14 8L-12 4", ink);
+            pen.shape("M-4 10V5M-6 5H-2M4 10V5M2 5H6M-4 -10V-5M-6 -5H-2M4 -10V-5M2 -5H6", ink);
+            pen.shape("M13 8L23 -7M19.5 -5.5L23 -8L23.5 -3.5M13 -8L23 7M19.5 5.5L23 8L23.5 3.5", ink);
+        }
+        Symbol::Tank => pen.shape("M-11 -6V7H11V-6M0 -9V2", bold),
+        Symbol::Pump => {
+            pen.disc(0.0, 0.0, 16.0, Paint { width: 1.6, ..hollow });
+            pen.shape("M-6 -8L0 -16L6 -8Z", solid);
+        }
+        Symbol::Accumulator => {
+            pen.shape("M-9 -8A9 8 0 0 1 9 -8V7A9 8 0 0 1 -9 7Z", Paint { fill: Fill::Inside, ..bold });
+            pen.shape("M-9 0C-4 4 4 -4 9 0", ink);
+            pen.shape("M-3 -10L0 -6L3 -10Z", hollow);
+        }
+        Symbol::HydraulicCylinder => {
+            pen.shape("M-22 -10H12V10H-22Z", Paint { fill: Fill::Inside, ..bold });
+            pen.shape("M-9 -10H-4V10H-9Z", solid);
+            pen.shape("M-4 -2.5H24V2.5H-4Z", hollow);
+        }
         Symbol::Rack => {
             wheel(pen, 0.0, -5.0, 8.0, 9, bold);
             pen.shape("M-18 6l3 -2l3 2l3 -2l3 2l3 -2l3 2l3 -2l3 2l3 -2l3 2l3 -2l3 2V11H-18Z", ink);

@@ -20,6 +20,11 @@ pub(crate) fn draws(symbol: Symbol, figure: &Figure) -> bool {
             symbol,
             Symbol::Resistor
                 | Symbol::Varistor
+                | Symbol::Restriction
+                | Symbol::VariableRestriction
+                | Symbol::CheckValve
+                | Symbol::ReliefValve
+                | Symbol::Pipe
                 | Symbol::Capacitor
                 | Symbol::Inductor
                 | Symbol::VoltageSource
@@ -87,6 +92,26 @@ fn sign(pen: &mut Pen, symbol: Symbol, turn: &str, paint: Paint) {
         Symbol::Varistor => {
             pen.turned("M-17 0H-13M13 0H17M-13 -5H13V5H-13ZM-14 10H-8L10 -10", paint, turn);
         }
+        Symbol::Restriction => pen.turned("M-17 0H17M-9 -8A11 8 0 0 0 9 -8M-9 8A11 8 0 0 1 9 8", paint, turn),
+        Symbol::VariableRestriction => {
+            pen.turned(
+                "M-17 0H17M-9 -8A11 8 0 0 0 9 -8M-9 8A11 8 0 0 1 9 8M-10 11L9 -11M4.5 -10.5L9 -11L8.5 -6.5",
+                paint,
+                turn,
+            );
+        }
+        Symbol::CheckValve => {
+            pen.turned("M-17 0H-9M0 -8L-9 0L0 8M6 0H17", paint, turn);
+            pen.turned("M-4 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0Z", hollow, turn);
+        }
+        Symbol::ReliefValve => {
+            pen.turned(
+                "M-17 0H-9M9 0H17M-9 -9H9V9H-9ZM-7 4H6M2.5 1.5L6 4L2.5 6.5M0 -9L-3 -11L3 -13L-3 -15L3 -17",
+                paint,
+                turn,
+            );
+        }
+        Symbol::Pipe => pen.turned("M-17 0H-13M13 0H17M-13 -4H13M-13 4H13M-13 -6V6M13 -6V6", paint, turn),
         Symbol::Capacitor => pen.turned("M-17 0H-3M3 0H17M-3 -9V9M3 -9V9", paint, turn),
         Symbol::Inductor => {
             pen.turned(

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::ops::Range;
 
 use blocksim_block::event::{Change, Event, Subject};
-use blocksim_block::physical::{Element, LossModel, Needs, ValveKind};
+use blocksim_block::physical::{Domain, Element, LossModel, Needs, ValveKind};
 use blocksim_block::{Crossing, Discrete, Guard, Input, Interface, JumpPhrase, Output, State};
 use blocksim_multibody::Joint;
 
@@ -143,6 +143,7 @@ impl Network {
                 &member,
                 (!places.two_pins.is_empty(), is_shifted(&electrics, index)),
                 early,
+                reads_heat(&electrics, index),
             );
             let outputs = part.outputs.iter().map(|(o, _)| o.port_type.shape.len()).sum();
             let winding_pins = electrics.winding_pins(index);
@@ -165,6 +166,7 @@ impl Network {
                 windings: places.windings.clone(),
                 valves: places.valves.clone(),
                 places: places.named.clone(),
+                dissipates: places.dissipates.clone(),
                 winding_pins,
                 joint: frames.user_range(index),
                 ball: frames.balls.iter().position(|ball| ball.member == index),
@@ -342,6 +344,18 @@ fn with_valves(electrics: &Electrics) -> Vec<usize> {
     islands.filter(|(_, i)| !i.valves.is_empty() && i.separate.is_none()).map(|(i, _)| i).collect()
 }
 
+/// Whether what a member reads in a thermal network changes with heat, which is known after torques.
+fn reads_heat(electrics: &Electrics, member: usize) -> bool {
+    let island = electrics.places[member].island.map(|island| &electrics.islands[island]);
+    island.filter(|island| !island.heats.is_empty()).is_some_and(|island| {
+        island.two_pins.iter().any(|pin| {
+            pin.member == member
+                && pin.domain == Domain::Thermal
+                && matches!(pin.branch, Branch::Source(_) | Branch::Wire)
+        })
+    })
+}
+
 /// Where the supply of each member lies, if it has one, and how many there are.
 fn supplies(members: &[Member], fed_by: &[Option<usize>]) -> (Vec<Option<usize>>, usize) {
     let mut own = vec![None; members.len()];
@@ -442,18 +456,21 @@ fn hold(
 }
 
 /// Declares the outputs of a member; returns, for each group, the need that its component knows them by. A sensor that
-/// reads states alone closes no algebraic loop: `early`. What sources add to is not known before they are: `shifted`.
+/// reads states alone closes no algebraic loop: `early`. What sources add to is not known before they are: `shifted`; nor is heat before
+/// torques: `late`.
 fn measures(
     interface: &mut Interface,
     member: &Member,
     (electrical, shifted): (bool, bool),
     early: bool,
+    late: bool,
 ) -> [Option<Needs>; 4] {
     let group = |declared: Needs| match declared {
         Needs::State if shifted => ELECTRICS,
         Needs::State if electrical => CHARGE,
         Needs::Electrics if early => CHARGE,
         Needs::State => STATE,
+        Needs::Electrics if late => MOTION,
         Needs::Electrics => ELECTRICS,
         Needs::Motion => MOTION,
     };

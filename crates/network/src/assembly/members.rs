@@ -17,7 +17,8 @@ pub(crate) struct Members<'a> {
     terminals: [Vec<Vec<Terminal>>; 5],
     /// Nodes of rotational and translational ports.
     pub rotational_nodes: usize,
-    /// Nodes of electrical ports, then three of each three-phase node, then those of thermal ports, then those inside components.
+    /// Nodes of electrical ports, then three of each three-phase node, then those of the other domains with nodal analysis, then those
+    /// inside components.
     pub electrical_nodes: usize,
     pub three_phase_nodes: usize,
     pub frame_nodes: usize,
@@ -25,7 +26,8 @@ pub(crate) struct Members<'a> {
     inner: Vec<usize>,
     /// The node that each electrical node is one with; `None` if its potential is zero.
     one_with: Vec<Option<usize>>,
-    has_reference: bool,
+    /// Domains in which something holds a potential at zero.
+    references: Vec<Domain>,
 }
 
 fn index_of(domain: Domain) -> usize {
@@ -35,7 +37,8 @@ fn index_of(domain: Domain) -> usize {
         Domain::Electrical => 1,
         Domain::ThreePhase => 2,
         Domain::Frame => 3,
-        Domain::Thermal => 4,
+        // Each node has one domain.
+        Domain::Thermal | Domain::Magnetic | Domain::Hydraulic => 4,
     }
 }
 
@@ -85,7 +88,7 @@ impl<'a> Members<'a> {
             electrical_nodes,
             inner,
             one_with: Vec::new(),
-            has_reference: false,
+            references: Vec::new(),
             three_phase_nodes: terminals[2].len(),
             frame_nodes: terminals[3].len(),
             terminals,
@@ -107,8 +110,11 @@ impl<'a> Members<'a> {
             }
         }
         let zero = joined.find(ground);
-        let references = self.count(|element| matches!(element, Element::ElectricalReference { .. }));
-        self.has_reference = references > 0;
+        let references = self.elements().filter_map(|(member, element)| match *element {
+            Element::ElectricalReference { port } => Some(self.list[member].part.ports[port].domain),
+            _ => None,
+        });
+        self.references = references.collect();
         self.one_with =
             (0..ground).map(|node| Some(joined.find(node)).filter(|root| *root != zero)).collect();
     }
@@ -137,14 +143,14 @@ impl<'a> Members<'a> {
             Pin::Inner(index) => Some(self.inner[member] + index),
             Pin::Port(port) => {
                 let of_domain = self.node(member, port);
-                let thermal = self.list[member].part.ports[port].domain == Domain::Thermal;
-                Some(if thermal { self.first_thermal() + of_domain } else { of_domain })
+                let electrical = self.list[member].part.ports[port].domain == Domain::Electrical;
+                Some(if electrical { of_domain } else { self.first_of_others() + of_domain })
             }
             Pin::Phase(port, phase) => Some(self.terminals[1].len() + 3 * self.node(member, port) + phase),
         }
     }
 
-    fn first_thermal(&self) -> usize {
+    fn first_of_others(&self) -> usize {
         self.terminals[1].len() + 3 * self.three_phase_nodes
     }
 
@@ -154,9 +160,9 @@ impl<'a> Members<'a> {
         (ports..ports + 3 * self.three_phase_nodes).contains(&node)
     }
 
-    /// Whether anything holds a potential at zero.
-    pub(crate) fn is_grounded(&self) -> bool {
-        self.has_reference
+    /// Whether anything holds a potential at zero in this domain.
+    pub(crate) fn is_grounded(&self, domain: Domain) -> bool {
+        self.references.contains(&domain)
     }
 
     pub(crate) fn path(&self, member: usize) -> &str {
@@ -169,24 +175,24 @@ impl<'a> Members<'a> {
         self.terminals[index_of(domain)][self.node_of[member][port]].len() == 1
     }
 
-    fn name(&self, domain: Domain, node: usize) -> String {
-        let t = self.terminals[index_of(domain)][node][0];
+    fn name_at(&self, space: usize, node: usize) -> String {
+        let t = self.terminals[space][node][0];
         format!("{}.{}", self.list[t.member].path, self.list[t.member].part.ports[t.port].name)
     }
 
     pub(crate) fn node_name(&self, node: usize) -> String {
-        self.name(Domain::Rotational, node)
+        self.name_at(0, node)
     }
 
     pub(crate) fn electrical_node_name(&self, node: usize) -> String {
         let ports = self.terminals[1].len();
-        let phases = self.first_thermal();
+        let phases = self.first_of_others();
         if node < ports {
-            self.name(Domain::Electrical, node)
+            self.name_at(1, node)
         } else if node < phases {
-            self.name(Domain::ThreePhase, (node - ports) / 3)
+            self.name_at(2, (node - ports) / 3)
         } else if node < phases + self.terminals[4].len() {
-            self.name(Domain::Thermal, node - phases)
+            self.name_at(4, node - phases)
         } else {
             self.path(self.any_electrical_member_at(node)).to_owned()
         }
@@ -198,8 +204,8 @@ impl<'a> Members<'a> {
             self.terminals[1][node][0].member
         } else if node < ports + 3 * self.three_phase_nodes {
             self.terminals[2][(node - ports) / 3][0].member
-        } else if node < self.first_thermal() + self.terminals[4].len() {
-            self.terminals[4][node - self.first_thermal()][0].member
+        } else if node < self.first_of_others() + self.terminals[4].len() {
+            self.terminals[4][node - self.first_of_others()][0].member
         } else {
             self.inner.partition_point(|first| *first <= node) - 1
         }
@@ -256,19 +262,20 @@ impl<'a> Members<'a> {
         }
     }
 
-    /// Electrical, three-phase and thermal ports that nothing is connected to.
+    /// Ports that nothing is connected to, in domains with nodal analysis.
     pub(crate) fn unconnected(&self) -> Vec<NetworkProblem> {
         let mut problems = Vec::new();
-        for domain in [Domain::Electrical, Domain::ThreePhase, Domain::Thermal] {
-            for (node, terminals) in self.terminals[index_of(domain)].iter().enumerate() {
+        for space in [Domain::Electrical, Domain::ThreePhase, Domain::Thermal].map(index_of) {
+            for (node, terminals) in self.terminals[space].iter().enumerate() {
                 let open = |t: &Terminal| self.list[t.member].part.ports[t.port].open;
                 if let [only] = terminals[..]
                     && !open(&only)
                 {
+                    let domain = self.list[only.member].part.ports[only.port].domain;
                     problems.push(
                         NetworkProblem::new(
                             "unconnected_port",
-                            format!("the {domain} port `{}` is not connected", self.name(domain, node)),
+                            format!("the {domain} port `{}` is not connected", self.name_at(space, node)),
                             "connect it with `<->`",
                         )
                         .with(only.member, "has this port"),

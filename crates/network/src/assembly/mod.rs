@@ -51,7 +51,7 @@ pub fn assemble(members: Vec<Member>, joined: &[Vec<Terminal>]) -> Result<Networ
         .collect();
     problems.retain(|p| {
         p.code == "unconnected_port"
-            || !matches!(p.code, "floating_node" | "missing_reference" | "missing_supply")
+            || !matches!(p.code, "floating_node" | "missing_reference" | "missing_supply" | "no_current_path")
             || !p.members.iter().any(|(member, _)| unconnected.contains(member))
     });
     if !problems.is_empty() {

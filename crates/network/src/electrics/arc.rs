@@ -61,7 +61,7 @@ impl Network {
             given.checked_sub(first).and_then(|i| self.electrics.windings.get(i)).is_some_and(|by| match by {
                 GivenBy::Input => true,
                 GivenBy::State => self.electrics.follows(given - first),
-                GivenBy::Voltage | GivenBy::Ratio | GivenBy::Characteristic => false,
+                GivenBy::Voltage | GivenBy::Ratio | GivenBy::Characteristic | GivenBy::Heat => false,
             })
         };
         let solved = w.circuits[island].now();

@@ -10,7 +10,7 @@
 //!
 //! where `o` is what sources, states and currents of windings give. Beside them stand the two given values of each transformer whose
 //! ratio varies, which are linear. Newton's method with the exact slopes of the laws finds all of them together; a step is
-//! halved until what is left of the equations decreases. It begins at the voltages of the last major step, which are
+//! halved until what is left of the equations decreases, and once more if that leaves less. It begins at the voltages of the last major step, which are
 //! discrete states, and ends where what is left is rounding: an evaluation is a function of time, states and inputs, whatever was tried before.
 
 use std::ops::Range;
@@ -39,6 +39,8 @@ const ROUNDED: f64 = 8.0 * f64::EPSILON;
 const NEARLY: f64 = 1e-12;
 /// Terms of an equation count as this at least, V.
 const NOTHING: f64 = 1e-290;
+/// A step that leaves more than this part of what was left is compared with half of it.
+const POOR: f64 = 0.5;
 /// What is left must decrease by this part of what a step without curvature would take.
 const DECREASE: f64 = 1e-4;
 
@@ -159,11 +161,21 @@ impl Network {
             let mut factor = 1.0;
             let mut accepted = false;
             for _ in 0..HALVINGS {
-                for ((trial, at), step) in room.trial.iter_mut().zip(&room.unknown).zip(&room.step).take(n) {
-                    *trial = at - factor * step;
-                }
+                room.go(n, factor);
                 let trial = self.evaluate(island, c, w, room);
                 let decreases = trial <= left * (1.0 - DECREASE * factor);
+                if decreases && trial > POOR * left && size > ROUNDING {
+                    // Where a current follows the root of a voltage, a step goes twice too far, and the next one back.
+                    room.go(n, 0.5 * factor);
+                    let half = self.evaluate(island, c, w, room);
+                    if half < trial {
+                        (left, accepted) = (half, true);
+                        break;
+                    }
+                    room.go(n, factor);
+                    (left, accepted) = (self.evaluate(island, c, w, room), true);
+                    break;
+                }
                 if decreases || (size <= LAST || room.noise <= ROUNDED) && trial.is_finite() {
                     (left, accepted) = (trial, true);
                     break;
@@ -295,10 +307,11 @@ impl Network {
         };
         format!(
             "at {t} s no operating point was found for `{path}` in its circuit: {why} (the {} went {} {}); check its \
-             parameters and the sources, or connect a resistance in parallel to it, for instance Resistor(r: \"1 MOhm\")",
+             parameters and the sources, or {}",
             words.across,
             way.join(", "),
-            words.unit
+            words.unit,
+            words.beside
         )
     }
 }
@@ -315,6 +328,13 @@ enum NotFound {
 }
 
 impl CharacteristicRoom {
+    /// Puts the trial at this part of the step.
+    fn go(&mut self, n: usize, factor: f64) {
+        for ((trial, at), step) in self.trial.iter_mut().zip(&self.unknown).zip(&self.step).take(n) {
+            *trial = at - factor * step;
+        }
+    }
+
     /// Notes where the search is; the oldest notes go first.
     fn note(&mut self, n: usize) {
         if self.way.len() >= SHOWN * n {

@@ -4,7 +4,8 @@ use blocksim_block::physical::{Domain, Element, Handle, Pin, Place};
 use petgraph::unionfind::UnionFind;
 
 use super::{
-    Branch, Capacitance, Characteristic, Electrics, GivenBy, Island, Joined, Places, TwoPin, Valve, Variable,
+    Branch, Capacitance, Characteristic, Electrics, GivenBy, Heat, Island, Joined, Places, TwoPin, Valve,
+    Variable,
 };
 use crate::assembly::members::Members;
 
@@ -45,6 +46,10 @@ pub(super) fn collect(m: &Members, fed: &[bool]) -> Electrics {
         places.transformers = transformers..electrics.transformers.len();
         places.characteristics = characteristics..electrics.characteristics.len();
         places.named = named;
+        if electrics.heats.last().is_some_and(|heat| heat.member == member) {
+            let loses = |piece: &Piece| matches!(piece.branch, Branch::Conductance(_) | Branch::Valve { .. });
+            places.dissipates = pieces[two_pins..].iter().map(loses).collect();
+        }
     }
     // What no component gives comes behind what components give.
     for transformer in &mut electrics.transformers {
@@ -59,6 +64,11 @@ pub(super) fn collect(m: &Members, fed: &[bool]) -> Electrics {
         electrics.windings.push(GivenBy::Characteristic);
         pieces[characteristic.two_pin].branch =
             Branch::Characteristic(characteristic.conductance, characteristic.rest);
+    }
+    for heat in &mut electrics.heats {
+        heat.given = electrics.sources + electrics.windings.len();
+        pieces[heat.two_pin].branch = Branch::Given(electrics.windings.len());
+        electrics.windings.push(GivenBy::Heat);
     }
     electrics.two_pins = pieces.len();
     // Currents come behind the voltages, whose number is known only now.
@@ -88,7 +98,7 @@ fn refer(m: &Members, island: &mut Island) {
             _ => false,
         })
     };
-    let mut pins = island.two_pins.iter().filter(|pin| pin.domain != Domain::Thermal);
+    let mut pins = island.two_pins.iter().filter(|pin| pin.domain == Domain::Electrical);
     if pins.clone().any(|pin| pin.p.is_none() || pin.n.is_none()) {
         return;
     }
@@ -133,6 +143,11 @@ fn add(member: usize, element: &Element, fed: bool, electrics: &mut Electrics, p
             electrics.characteristics.push(unknown);
             let branch = Branch::Characteristic(conductance, 0);
             pieces.push(Piece { member, p, n, branch, domain: Domain::Electrical });
+        }
+        Element::Heat { port } => {
+            electrics.heats.push(Heat { member, two_pin: pieces.len(), given: 0 });
+            let (p, n, branch) = (Pin::Port(port), Pin::Ground, Branch::Given(0));
+            pieces.push(Piece { member, p, n, branch, domain: Domain::Thermal });
         }
         Element::IdealTransformer { primary, secondary, ratio } => {
             piece(primary.0, primary.1, Branch::Primary(ratio));
@@ -215,6 +230,7 @@ fn islands(m: &Members, electrics: &mut Electrics, pieces: &[Piece]) {
                         | Element::Supply { .. }
                         | Element::VariableTransformer { .. }
                         | Element::Characteristic { .. }
+                        | Element::Heat { .. }
                 )
             };
             island.holds = (island.holds || island.members.len() == 1)
@@ -250,6 +266,11 @@ fn islands(m: &Members, electrics: &mut Electrics, pieces: &[Piece]) {
                 let number = electrics.characteristics.iter().position(|c| c.rest == rest);
                 island.characteristics.extend(number.map(|number| (island.two_pins.len(), number)));
                 Branch::Characteristic(conductance, rest)
+            }
+            Branch::Given(given) => {
+                let number = electrics.heats.iter().position(|heat| heat.given == given);
+                island.heats.extend(number.map(|number| (island.two_pins.len(), number)));
+                Branch::Given(given)
             }
             branch => branch,
         };

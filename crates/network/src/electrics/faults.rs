@@ -2,6 +2,8 @@
 
 use blocksim_block::physical::Domain;
 
+use petgraph::unionfind::UnionFind;
+
 use super::conducting::Unsolvable;
 use super::solved::solve;
 use super::{Branch, Electrics, Island, loops};
@@ -12,7 +14,8 @@ use crate::problem::NetworkProblem;
 
 /// Everything that is wrong with an island whatever its valves do.
 pub(super) fn faults(m: &Members, electrics: &Electrics, island: &Island) -> Vec<NetworkProblem> {
-    let problems = conflicts(electrics, island);
+    let mut problems = conflicts(electrics, island);
+    problems.extend(heats(m, electrics, island));
     if !problems.is_empty() {
         return problems;
     }
@@ -94,10 +97,9 @@ fn conflict(
     let owner = |row: usize| {
         let pin = &island.two_pins[owners[row]];
         let what = match pin.branch {
-            Branch::Source(_) if pin.domain == Domain::Thermal => "prescribes the temperature",
-            Branch::Source(_) => "prescribes the voltage",
-            Branch::Primary(_) | Branch::Variable(_) => "couples two voltages",
-            _ => "is a wire",
+            Branch::Source(_) => format!("prescribes the {}", Nodal::of(pin.domain).across),
+            Branch::Primary(_) | Branch::Variable(_) => "couples two voltages".to_owned(),
+            _ => "is a wire".to_owned(),
         };
         (pin.member, what)
     };
@@ -144,16 +146,20 @@ fn closed(island: &Island, two_pins: &[usize]) -> NetworkProblem {
 
 /// A current that contains the slope of a voltage that nothing tells, or a voltage that contains that of a current.
 fn unknown_slope(island: &Island, looks: usize, source: usize) -> NetworkProblem {
-    if island.two_pins[source].domain == Domain::Thermal {
+    let domain = island.two_pins[source].domain;
+    if domain != Domain::Electrical {
+        let Nodal { across, through, stores, resist, .. } = Nodal::of(domain);
         let (looks, source) = (island.two_pins[looks].member, island.two_pins[source].member);
         return NetworkProblem::new(
             "unknown_slope",
-            "a heat capacity has a temperature that comes as a signal: the heat flow into it contains the slope of that signal, \
-             which is unknown",
-            "put a ThermalResistance between both, or leave out what measures the heat flow",
+            format!(
+                "{stores} have a {across} that comes as a signal: the {through} into them contains the slope of that signal, which is \
+                 unknown"
+            ),
+            format!("put {resist} between both, or leave out what measures the {through}"),
         )
-        .with(source, "gives this temperature")
-        .with(looks, "looks at the heat flow");
+        .with(source, format!("gives this {across}"))
+        .with(looks, format!("looks at the {through}"));
     }
     let of_current = matches!(island.two_pins[source].branch, Branch::Given(_));
     let (looks, source) = (island.two_pins[looks].member, island.two_pins[source].member);
@@ -186,9 +192,10 @@ fn no_path(m: &Members, island: &Island, two_pins: &[usize]) -> NetworkProblem {
     let words = Nodal::of(first.domain);
     let problem = NetworkProblem::new(
         "no_current_path",
-        if first.domain == Domain::Thermal {
+        if first.domain != Domain::Electrical {
             format!(
-                "the heat that flows into `{}` has no path: nothing there takes it",
+                "the {} that is prescribed at `{}` has no path: nothing there takes it",
+                words.through,
                 m.electrical_node_name(node)
             )
         } else {
@@ -201,6 +208,58 @@ fn no_path(m: &Members, island: &Island, two_pins: &[usize]) -> NetworkProblem {
     );
     let what = format!("prescribes the {}", words.through);
     two_pins.iter().fold(problem, |p, i| p.with(island.two_pins[*i].member, what.clone()))
+}
+
+/// Heat is known after everything else, so a temperature must not follow from it at once; nor is it known within the steps of a circuit
+/// that the network integrates by itself.
+fn heats(m: &Members, electrics: &Electrics, island: &Island) -> Vec<NetworkProblem> {
+    let ground = island.nodes.len();
+    let at = |node: Option<usize>| node.unwrap_or(ground);
+    let mut held = UnionFind::new(ground + 1);
+    for pin in island.two_pins.iter().filter(|pin| matches!(pin.branch, Branch::Source(_) | Branch::Wire)) {
+        held.union(at(pin.p), at(pin.n));
+    }
+    let mut problems = Vec::new();
+    for (position, _) in &island.heats {
+        let pin = &island.two_pins[*position];
+        let node = pin
+            .p
+            .map_or_else(|| m.path(pin.member).to_owned(), |node| m.electrical_node_name(island.nodes[node]));
+        if let Some(fast) = island.members.iter().find(|member| m.list[**member].part.separate.is_some()) {
+            let problem = NetworkProblem::new(
+                "heat_of_fast_circuit",
+                "a part with a heat port belongs to a circuit that is integrated apart, from edge to edge of its valves",
+                "let the solver integrate it (`integration: Together` of the inverter), or leave out the heat port",
+            );
+            return vec![
+                problem.with(pin.member, "has the heat port").with(*fast, "asks for the integration apart"),
+            ];
+        }
+        if !held.equiv(at(pin.p), ground) {
+            let alone = !island.two_pins.iter().any(|other| {
+                !electrics.heats.iter().any(|heat| heat.two_pin == other.index)
+                    && !matches!(other.branch, Branch::Probe)
+                    && (other.p == pin.p || other.n == pin.p)
+            });
+            let problem = if alone {
+                NetworkProblem::new(
+                    "no_current_path",
+                    format!("the heat that flows into `{node}` has no path: nothing there takes it"),
+                    Nodal::of(Domain::Thermal).path,
+                )
+            } else {
+                NetworkProblem::new(
+                    "heat_without_capacity",
+                    format!(
+                        "the heat that flows into `{node}` meets no heat capacity there: its temperature would jump with the losses"
+                    ),
+                    format!("connect a HeatCapacity to `{node}`, or an Ambient"),
+                )
+            };
+            problems.push(problem.with(pin.member, "makes the heat"));
+        }
+    }
+    problems
 }
 
 fn too_many(island: &Island) -> Vec<NetworkProblem> {
@@ -263,7 +322,7 @@ fn undetermined(m: &Members, island: &Island, node: Option<usize>) -> NetworkPro
             "connect a three-phase source or an inverter",
         );
         island.members.iter().fold(problem, |problem, member| problem.with(*member, "is connected to it"))
-    } else if m.is_grounded() || domain == Domain::Thermal {
+    } else if m.is_grounded(domain) || words.reference.is_none() {
         let member = m.any_electrical_member_at(node);
         NetworkProblem::new(
             "floating_node",
@@ -272,10 +331,12 @@ fn undetermined(m: &Members, island: &Island, node: Option<usize>) -> NetworkPro
         )
         .with(member, "is connected to it")
     } else {
+        let block = words.reference.unwrap_or_default();
+        let article = if block.starts_with(['A', 'E', 'I', 'O', 'U']) { "an" } else { "a" };
         NetworkProblem::new(
             "missing_reference",
-            "this electrical network has no reference",
-            "add an ElectricalReference and connect it to one of the nodes",
+            format!("this {domain} network has no reference"),
+            format!("add {article} {block} and connect it to one of the nodes"),
         )
         .with(m.any_electrical_member_at(node), "belongs to it")
     }

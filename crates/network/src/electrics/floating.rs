@@ -119,7 +119,7 @@ impl Floating {
                     signs.iter().for_each(|(i, sign)| driven[*i].push((index, *sign)));
                 }
                 // It follows from the potential that is looked for.
-                GivenBy::Voltage | GivenBy::Ratio | GivenBy::Characteristic => {
+                GivenBy::Voltage | GivenBy::Ratio | GivenBy::Characteristic | GivenBy::Heat => {
                     return Err(Unsolvable::Cut(vec![position]));
                 }
             }
@@ -286,12 +286,12 @@ pub(crate) const MACHINE_WEIGHTS: [f64; 3] = [1.5, 1.5, 3.0];
 #[inline]
 pub(crate) fn coordinates(joined: Joined, v: &[f64]) -> [f64; 3] {
     match (joined, v) {
-        (Joined::Inside, [a, b]) => {
+        (Joined::Inside, [a, b, ..]) => {
             // Against their mean: v_a - v_c and v_b - v_c less a third of their sum.
             let mean = (a + b) / 3.0;
             blocksim_block::physical::space_vector([a - mean, b - mean, -mean])
         }
-        (Joined::Outside, [a, b, c]) => blocksim_block::physical::space_vector([*a, *b, *c]),
+        (Joined::Outside, [a, b, c, ..]) => blocksim_block::physical::space_vector([*a, *b, *c]),
         _ => [0.0; 3],
     }
 }

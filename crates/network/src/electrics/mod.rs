@@ -25,6 +25,7 @@
 //! | `float` | potentials of the parts that float |
 //! | `convert` | transformers whose ratio varies |
 //! | `characteristics` | currents that follow from voltages by a law of their own |
+//! | `heats` | heat that leaves parts by thermal ports, after torques |
 //! | `commutation` | which valves conduct, chosen at events |
 //! | `margin` | how far a valve is from having to change: verdict and guard |
 //! | `cuts` | currents of inductances that current sources decide |
@@ -45,6 +46,7 @@ pub(crate) mod currents;
 pub(crate) mod cuts;
 pub(crate) mod drift;
 pub(crate) mod float;
+pub(crate) mod heats;
 pub(crate) mod loops;
 pub(crate) mod margin;
 pub(crate) mod separate;
@@ -83,6 +85,8 @@ pub(crate) enum GivenBy {
     Ratio,
     /// Voltages at the same instant, by a law that the network solves.
     Characteristic,
+    /// What becomes heat, after torques.
+    Heat,
 }
 
 /// Where the electrical values of a member lie.
@@ -100,6 +104,8 @@ pub(crate) struct Places {
     pub characteristics: Range<usize>,
     /// Elements that have a name.
     pub named: Vec<Place>,
+    /// Whether each two-pin is a resistance or a valve, whose heat the network books; nothing where the member has no port for it.
+    pub dissipates: Vec<bool>,
     /// The island, if it has electrical elements.
     pub island: Option<usize>,
     /// How the three phases of a machine are connected, unless a source feeds it directly.
@@ -151,6 +157,16 @@ pub(crate) struct Characteristic {
     /// Where the first search for its voltage begins, and the discrete state with that of the last major step, where others do.
     pub first_guess: f64,
     pub guess: Option<usize>,
+}
+
+/// Heat that leaves a part by a thermal port.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Heat {
+    pub member: usize,
+    /// Two-pin.
+    pub two_pin: usize,
+    /// Index of its flow among the given values, negative.
+    pub given: usize,
 }
 
 /// Where the current of a two-pin comes from.
@@ -232,6 +248,8 @@ pub(crate) struct Island {
     pub transformers: Vec<(usize, usize)>,
     /// Characteristics: position among the two-pins of the island, and index among all of them.
     pub characteristics: Vec<(usize, usize)>,
+    /// Heat of parts: position among the two-pins of the island, and index among all of them.
+    pub heats: Vec<(usize, usize)>,
     /// Voltages of capacitances that sources in their loops add to.
     pub shifts: Vec<Shift>,
     /// Members that tell how fast their voltages or currents change.
@@ -274,6 +292,8 @@ pub(crate) struct Electrics {
     pub valves: Vec<Valve>,
     pub transformers: Vec<Variable>,
     pub characteristics: Vec<Characteristic>,
+    /// Those of one member follow each other.
+    pub heats: Vec<Heat>,
     pub islands: Vec<Island>,
     /// Voltage or current of each two-pin that is a sensor whose reading follows from states alone.
     pub early: Vec<Option<Early>>,
@@ -341,6 +361,11 @@ pub(crate) enum Early {
 }
 
 impl Electrics {
+    /// Whether energy is stored in fields that follow from potentials, not from states.
+    pub(crate) fn has_fields(&self) -> bool {
+        self.islands.iter().flat_map(|island| &island.two_pins).any(|pin| pin.domain == Domain::Magnetic)
+    }
+
     /// Number of given values.
     pub(crate) fn given(&self) -> usize {
         self.sources + self.windings.len() + self.slopes.len() + 1

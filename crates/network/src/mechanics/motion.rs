@@ -111,6 +111,7 @@ impl Network {
             self.mesh_grips(w);
         }
         w.lock.settle(&mut w.dv, &w.ds);
+        self.heats(c, w);
     }
 
     /// Losses of gear meshes, and what they change about the accelerations.

@@ -70,6 +70,8 @@ pub(crate) struct Work {
     pub float: FloatRoom,
     pub convert: Convert,
     pub characteristics: CharacteristicRoom,
+    /// Heat flow of each port for heat, W.
+    pub heats: Vec<f64>,
     pub room: Room,
     /// Evaluation in which circuits that the network integrates by itself were looked at.
     pub held_evaluation: u64,
@@ -184,6 +186,7 @@ impl Work {
             float: FloatRoom::new(&network.electrics),
             convert: Convert::new(&network.electrics),
             characteristics: CharacteristicRoom::new(&network.electrics),
+            heats: vec![0.0; network.electrics.heats.len()],
             room: Room::new(network),
             held_evaluation: u64::MAX,
             flux: Vec::with_capacity(network.electrics.two_pins),

@@ -1,0 +1,170 @@
+use blocksim_block::physical::{Element, Pin};
+use blocksim_block::prelude::*;
+
+/// Inductor whose core saturates, without hysteresis. Its current is a state.
+///
+/// $$ \psi = L_s i + (L_0 - L_s)\, i_s \tanh\frac{i}{i_s}, \qquad v = \frac{d\psi}{dt} = L(i) \frac{di}{dt}, \qquad
+///    L(i) = L_s + \frac{L_0 - L_s}{\cosh^2(i/i_s)} $$
+///
+/// Small currents see the inductance $L_0$; far beyond $i_s$ only $L_s$ is left. The field stores $\int i\,d\psi$. A core with a gap, or
+/// one that several windings share, is a `MagneticWinding` on a `MagneticCore`.
+///
+/// ```ron
+/// SaturatingInductor(l0: "10 mH", l_s: "0.5 mH", i_s: "4 A")
+/// ```
+///
+/// Source: the same curve of magnetisation as `MagneticCore`.
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Electrical", symbol = Inductor)]
+pub struct SaturatingInductor {
+    /// Inductance of small currents, at least `l_s`.
+    #[block(unit = "H")]
+    pub l0: f64,
+    /// Inductance of large currents, positive.
+    #[block(unit = "H")]
+    pub l_s: f64,
+    /// Current of the knee, positive: 42 % of the change of the inductance are gone there.
+    #[block(unit = "A")]
+    pub i_s: f64,
+    /// Current at the start, from `p` to `n`.
+    #[block(unit = "A", default = 0.0)]
+    pub i0: f64,
+}
+
+impl SaturatingInductor {
+    /// Inductance at a current, H.
+    fn inductance(&self, i: f64) -> f64 {
+        let tanh = (i / self.i_s).tanh();
+        self.l_s + (self.l0 - self.l_s) * (1.0 - tanh * tanh)
+    }
+
+    /// Flux linkage at a current, Wb.
+    fn linkage(&self, i: f64) -> f64 {
+        self.l_s * i + (self.l0 - self.l_s) * self.i_s * (i / self.i_s).tanh()
+    }
+
+    /// The current that has a flux linkage, A. It rises with the linkage, at most by one over `l_s`.
+    fn current_of(&self, linkage: f64) -> f64 {
+        let (mut low, mut high) = (linkage / self.l0, linkage / self.l_s);
+        let mut i = low;
+        for _ in 0..200 {
+            let off = self.linkage(i) - linkage;
+            if off.abs() <= 4.0 * f64::EPSILON * linkage.abs() {
+                break;
+            }
+            if (off > 0.0) == (linkage > 0.0) {
+                high = i
+            } else {
+                low = i
+            }
+            let newton = i - off / self.inductance(i);
+            i = if newton > low.min(high) && newton < low.max(high) { newton } else { 0.5 * (low + high) };
+        }
+        i
+    }
+}
+
+impl Block for SaturatingInductor {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("l0", self.l0)?;
+        positive("l_s", self.l_s)?;
+        positive("i_s", self.i_s)?;
+        finite("i0", self.i0)?;
+        if self.l_s > self.l0 {
+            return Err(ParamError::new(
+                "l_s",
+                format!(
+                    "`l_s` ({} H) is above `l0` ({} H), but a core that saturates loses inductance",
+                    self.l_s, self.l0
+                ),
+            )
+            .help("exchange the two"));
+        }
+        Ok(())
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for SaturatingInductor {
+    fn part(&self, _given: &Given) -> Part {
+        Part::new()
+            .pins()
+            .state_in("i", self.i0, "A")
+            .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true })
+            .measures("i", "A", Needs::State, "current from p to n")
+            .measures("psi", "Wb", Needs::State, "flux linkage")
+    }
+
+    fn currents(&self, c: &Law, i: &mut [f64]) {
+        i[0] = c.x[0];
+    }
+
+    fn reluctance(&self, c: &Law, _internal: &mut [f64], inverse: &mut [f64]) {
+        inverse[0] = 1.0 / self.inductance(c.x[0]);
+    }
+
+    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+        x[0] = self.current_of(self.linkage(x[0]) + volt_seconds[0]);
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = c.voltage[0] / self.inductance(c.x[0]);
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let (i, x) = (c.x[0], (c.x[0] / self.i_s).abs());
+        let ln_cosh = x + (-2.0 * x).exp().ln_1p() - std::f64::consts::LN_2;
+        let knee = self.i_s * self.i_s * (x * x.tanh() - ln_cosh);
+        Energy::stored(0.5 * self.l_s * i * i + (self.l0 - self.l_s) * knee)
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y.copy_from_slice(&[c.x[0], self.linkage(c.x[0])]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COIL: SaturatingInductor = SaturatingInductor { l0: 10e-3, l_s: 0.5e-3, i_s: 4.0, i0: 0.0 };
+
+    #[test]
+    fn small_currents_see_the_full_inductance_and_large_ones_what_is_left() {
+        assert!((COIL.inductance(0.0) - 10e-3).abs() < 1e-18);
+        assert!((COIL.inductance(100.0) - 0.5e-3).abs() < 1e-18);
+        assert!((COIL.linkage(1e-4) / 1e-4 - 10e-3).abs() < 1e-10);
+        assert!((COIL.linkage(400.0) - (0.5e-3 * 400.0 + 9.5e-3 * 4.0)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_inductance_is_the_slope_of_the_linkage() {
+        for i in [-9.0, -2.0, 0.3, 4.0, 7.0] {
+            let slope = (COIL.linkage(i + 1e-5) - COIL.linkage(i - 1e-5)) / 2e-5;
+            assert!((slope / COIL.inductance(i) - 1.0).abs() < 1e-8, "{slope} at {i} A");
+        }
+    }
+
+    #[test]
+    fn volt_seconds_add_to_the_linkage() {
+        for (before, volt_seconds) in [(0.0, 0.02), (3.0, -0.1), (-6.0, 1.0), (0.0, 1e-9), (2.0, 0.0)] {
+            let mut x = [before];
+            COIL.strike(&Law::nothing(), &[volt_seconds], &mut x);
+            let found = COIL.linkage(x[0]) - COIL.linkage(before);
+            assert!(
+                (found - volt_seconds).abs() < 1e-15 + 1e-14 * volt_seconds.abs(),
+                "{found} for {volt_seconds}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_gains_inductance_is_refused() {
+        assert!(SaturatingInductor { l_s: 20e-3, ..COIL }.check().unwrap_err().help.is_some());
+        assert_eq!(SaturatingInductor { i_s: 0.0, ..COIL }.check().unwrap_err().param, "i_s");
+        assert_eq!(COIL.check(), Ok(()));
+    }
+}

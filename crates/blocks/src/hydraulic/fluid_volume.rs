@@ -1,0 +1,97 @@
+use blocksim_block::physical::{Domain, Element, Handle, Pin};
+use blocksim_block::prelude::*;
+
+/// The fluid.
+const FLUID: Handle = Handle::new("fluid");
+
+/// A volume of fluid that yields a little: $\frac{V}{\beta} \frac{dp}{dt} = q$. Its pressure is a state.
+///
+/// The bulk modulus $\beta$ is that of the fluid together with what encloses it: 1.4e9 Pa for mineral oil in rigid pipes, less with
+/// hoses or air. Volumes at one node have one pressure.
+///
+/// ```ron
+/// FluidVolume(volume: "0.5 L", p0: "20 bar")
+/// ```
+///
+/// Source: H. E. Merritt, *Hydraulic Control Systems* (1967), chapters 2 and 3.
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Hydraulic", symbol = Capacitor)]
+pub struct FluidVolume {
+    /// Volume, positive.
+    #[block(unit = "m^3")]
+    pub volume: f64,
+    /// Bulk modulus $\beta$, positive.
+    #[block(unit = "Pa", default = 1.4e9)]
+    pub bulk_modulus: f64,
+    /// Pressure at the start. Where none is given it follows from given pressures at the same node, else it is zero.
+    #[block(unit = "Pa", default = None)]
+    pub p0: Option<f64>,
+}
+
+impl FluidVolume {
+    /// m^3/Pa.
+    fn capacity(&self) -> f64 {
+        self.volume / self.bulk_modulus
+    }
+}
+
+impl Block for FluidVolume {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("volume", self.volume).map_err(|error| match self.volume {
+            0.0 => error.help("without volume it stores nothing: leave it out"),
+            _ => error,
+        })?;
+        positive("bulk_modulus", self.bulk_modulus)?;
+        finite("p0", self.p0.unwrap_or(0.0))
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+/// A typical pressure of hydraulics, Pa: tolerances follow it.
+pub(super) const TYPICAL_PRESSURE: f64 = 1e5;
+
+impl Component for FluidVolume {
+    fn part(&self, _given: &Given) -> Part {
+        let (p, n) = (Pin::Port(0), Pin::Ground);
+        Part::new()
+            .port("a", Domain::Hydraulic, "hydraulic port")
+            .nominal_state("p", self.p0.unwrap_or(0.0), TYPICAL_PRESSURE)
+            .named(
+                FLUID,
+                Element::Capacitance { p, n, capacitance: self.capacity(), state: 0, start: self.p0 },
+            )
+            .measures("p", "Pa", Needs::State, "pressure")
+    }
+
+    fn voltages(&self, c: &Law, v: &mut [f64]) {
+        v[0] = c.x[0];
+    }
+
+    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+        dx[0] = c.current(FLUID) / self.capacity();
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        Energy::stored(0.5 * self.capacity() * c.x[0] * c.x[0])
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.x[0];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn volumes_that_are_none_are_refused() {
+        let volume = FluidVolume { volume: 1e-3, bulk_modulus: 1.4e9, p0: None };
+        assert_eq!(volume.check(), Ok(()));
+        assert!(FluidVolume { volume: 0.0, ..volume }.check().unwrap_err().help.is_some());
+        assert_eq!(FluidVolume { bulk_modulus: 0.0, ..volume }.check().unwrap_err().param, "bulk_modulus");
+    }
+}

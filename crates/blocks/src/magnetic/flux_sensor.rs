@@ -1,0 +1,37 @@
+use blocksim_block::physical::{Element, Handle, Pin};
+use blocksim_block::prelude::*;
+
+use super::poles;
+
+/// What is looked at.
+const PROBE: Handle = Handle::new("probe");
+
+/// Measures the flux from `p` to `n`; both have one magnetic potential.
+///
+/// ```ron
+/// FluxSensor
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Magnetic", symbol = Meter("Φ"))]
+pub struct FluxSensor;
+
+impl Block for FluxSensor {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for FluxSensor {
+    fn part(&self, _given: &Given) -> Part {
+        poles().named(PROBE, Element::CurrentProbe { p: Pin::Port(0), n: Pin::Port(1) }).measures(
+            "flux",
+            "Wb",
+            Needs::Electrics,
+            "flux from p to n",
+        )
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.current(PROBE);
+    }
+}

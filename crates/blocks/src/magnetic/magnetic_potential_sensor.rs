@@ -1,0 +1,37 @@
+use blocksim_block::physical::{Element, Handle, Pin};
+use blocksim_block::prelude::*;
+
+use super::poles;
+
+/// What is looked at.
+const PROBE: Handle = Handle::new("probe");
+
+/// Measures the magnetic potential difference from `p` to `n` without leading flux.
+///
+/// ```ron
+/// MagneticPotentialSensor
+/// ```
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Magnetic", symbol = Meter("V"))]
+pub struct MagneticPotentialSensor;
+
+impl Block for MagneticPotentialSensor {
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for MagneticPotentialSensor {
+    fn part(&self, _given: &Given) -> Part {
+        poles().named(PROBE, Element::VoltageProbe { p: Pin::Port(0), n: Pin::Port(1) }).measures(
+            "v",
+            "A",
+            Needs::Electrics,
+            "magnetic potential difference from p to n",
+        )
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.voltage(PROBE);
+    }
+}

@@ -1,0 +1,71 @@
+use blocksim_block::physical::{Element, Handle, Pin};
+use blocksim_block::prelude::*;
+
+use super::poles;
+
+/// The way of the flux.
+const PATH: Handle = Handle::new("path");
+
+/// Reluctance of a path of the flux: $V_m = R_m \Phi$ with the magnetic potential difference $V_m$ from `p` to `n`.
+///
+/// A path of the length $l$, the cross-section $A$ and the relative permeability $\mu_r$ has
+///
+/// $$ R_m = \frac{l}{\mu_0 \mu_r A} $$
+///
+/// so an air gap of 0.5 mm and 1 cm^2 is `r: "0.5e-3 / (4e-7 * pi * 1e-4) 1/H"`. Iron that saturates is `MagneticCore`. The field
+/// stores $V_m \Phi / 2$.
+///
+/// ```ron
+/// Reluctance(r: "4e6 1/H")
+/// ```
+///
+/// Source: H. C. Roters, *Electromagnetic Devices* (1941), for the reluctances of flux paths.
+#[derive(Debug, Clone, BlockMeta)]
+#[block(category = "Magnetic", symbol = Resistor)]
+pub struct Reluctance {
+    /// Reluctance, positive: for zero join the poles, for infinity leave it out.
+    #[block(unit = "1/H")]
+    pub r: f64,
+}
+
+impl Block for Reluctance {
+    fn check(&self) -> Result<(), ParamError> {
+        positive("r", self.r).map_err(|error| match self.r {
+            0.0 => error.help("without reluctance both poles have one potential: join the two nodes instead"),
+            _ => error,
+        })
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
+}
+
+impl Component for Reluctance {
+    fn part(&self, _given: &Given) -> Part {
+        poles()
+            .named(PATH, Element::Resistance { p: Pin::Port(0), n: Pin::Port(1), resistance: self.r })
+            .measures("flux", "Wb", Needs::Electrics, "flux from p to n")
+    }
+
+    fn energy(&self, c: &Law) -> Energy {
+        let flux = c.voltage(PATH) / self.r;
+        Energy::stored(0.5 * self.r * flux * flux)
+    }
+
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[0] = c.current(PATH);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reluctances_that_are_none_are_refused() {
+        assert!(Reluctance { r: 0.0 }.check().unwrap_err().help.is_some());
+        assert_eq!(Reluctance { r: -1.0 }.check().unwrap_err().param, "r");
+        assert_eq!(Reluctance { r: f64::INFINITY }.check().unwrap_err().param, "r");
+    }
+}
