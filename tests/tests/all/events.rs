@@ -36,25 +36,30 @@ const MORE: [&str; 22] = [
 ];
 
 /// Kinds that have guards or modes: who adds one adds it here, and none may get lost.
-const WATCHED: [&str; 44] = [
+const WATCHED: [&str; 47] = [
     "Abs",
+    "Accumulator",
     "Atan2",
     "Backlash",
     "Brake",
     "ChopperControl",
     "Clutch",
     "Compare",
+    "Counter",
     "DeadZone",
     "DirectionReverser",
+    "DirectionalValve",
     "ElasticGear",
     "Function",
     "HBridgePwm",
     "HitCrossing",
+    "HydraulicCylinder",
     "Integrator",
     "LinearSolve",
     "LookupTable1D",
     "LookupTable2D",
     "MinMax",
+    "MultiportSwitch",
     "OneWayClutch",
     "Pid",
     "PointPlaneContact",
@@ -64,6 +69,8 @@ const WATCHED: [&str; 44] = [
     "RateLimiter",
     "Relay",
     "RevoluteJoint",
+    "Robot",
+    "RotationalFriction",
     "RotationalHardStop",
     "RotationalRigidStop",
     "RotationalSpringDamper",
@@ -77,10 +84,6 @@ const WATCHED: [&str; 44] = [
     "TranslationalRigidStop",
     "TranslationalSpringDamper",
     "VariableTransportDelay",
-    "Robot",
-    "RotationalFriction",
-    "Counter",
-    "MultiportSwitch",
 ];
 
 /// The guards and discrete states of a block, and the words for its friction.

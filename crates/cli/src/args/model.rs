@@ -100,7 +100,7 @@ pub struct RunArgs {
     /// signals are from that, at a thousand times. The run takes several times as long.
     #[arg(long)]
     pub verify: bool,
-    /// Compile what the blocks record as data to machine code, with the C compiler of the system, in the place of interpreting it.
+    /// Compile what the blocks record as data to native code, with the C compiler of the system, in the place of interpreting it.
     /// The results are the same to the bit. What was compiled before is used again.
     #[arg(long)]
     pub native: bool,

@@ -1,7 +1,7 @@
 //! Formulas of the manual, which are written in LaTeX, in signs for a terminal.
 
 /// Commands of LaTeX that have a sign of their own.
-const SIGNS: [(&str, &str); 49] = [
+const SIGNS: [(&str, &str); 50] = [
     ("alpha", "α"),
     ("beta", "β"),
     ("gamma", "γ"),
@@ -15,6 +15,7 @@ const SIGNS: [(&str, &str); 49] = [
     ("vartheta", "ϑ"),
     ("lambda", "λ"),
     ("mu", "μ"),
+    ("nu", "ν"),
     ("pi", "π"),
     ("rho", "ρ"),
     ("sigma", "σ"),
