@@ -74,7 +74,7 @@ pub enum Context<'a> {
 /// What may stand at a place of a text.
 pub fn context(text: &str, at: usize) -> Context<'_> {
     let before = &text[..at];
-    let around = scan(before, |_, _| ());
+    let around = scan(text, at, |_, _| ());
     let Some(inner) = around.open.last() else { return Context::Other };
     if around.is_comment {
         return Context::Other;

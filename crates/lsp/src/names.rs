@@ -47,7 +47,7 @@ fn section(key: &str) -> Option<Section> {
 /// All that the diagram in a text declares, in its order.
 pub fn declared(text: &str) -> Vec<Declared<'_>> {
     let mut found: Vec<Declared> = Vec::new();
-    scan(text, |open, event| {
+    scan(text, text.len(), |open, event| {
         let [outer, inner, ..] = open else { return };
         let Some(section) = section(inner.key).filter(|_| outer.word == "Diagram" && inner.sign == '{')
         else {
@@ -70,6 +70,10 @@ pub fn declared(text: &str) -> Vec<Declared<'_>> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::{Path, PathBuf};
+
+    use blocksim_diagram::{Node, Shape, read_tree};
+
     use super::*;
 
     #[test]
@@ -91,5 +95,51 @@ mod tests {
             ]
         );
         assert_eq!(&text[declared(text)[3].place.clone()], "a");
+    }
+
+    /// All `.ron` files of a folder and below.
+    fn files(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
+            let path = entry.path();
+            match entry.file_type().unwrap().is_dir() {
+                true if entry.file_name() != "runs" && entry.file_name() != "target" => files(&path, found),
+                false if path.extension().is_some_and(|ending| ending == "ron") => found.push(path),
+                _ => {}
+            }
+        }
+    }
+
+    #[test]
+    fn the_compiler_reads_the_same_names_of_all_diagrams_and_pages() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let mut paths = Vec::new();
+        ["diagrams", "docs"].iter().for_each(|folder| files(&root.join(folder), &mut paths));
+        let mut compared = 0;
+        for path in paths {
+            let text = std::fs::read_to_string(&path).unwrap();
+            let Ok(Node { value: Shape::Struct(Some(word), members), .. }) = read_tree(&text) else {
+                continue;
+            };
+            if word.text != "Diagram" {
+                continue;
+            }
+            let written = members.iter().filter_map(|(key, node)| match &node.value {
+                Shape::Map(entries) => Some((section(&key.text)?, entries)),
+                _ => None,
+            });
+            let written = written.flat_map(|(section, entries)| {
+                entries.iter().map(move |(name, node)| {
+                    let kind = node.word().filter(|_| section == Section::Block);
+                    (name, kind.unwrap_or_default(), section)
+                })
+            });
+            let written: Vec<_> =
+                written.map(|(name, kind, section)| (name.text.as_str(), kind, section)).collect();
+            let found = declared(&text);
+            let found: Vec<_> = found.iter().map(|one| (one.name, one.kind, one.section)).collect();
+            assert_eq!(found, written, "{}", path.display());
+            compared += written.len();
+        }
+        assert!(compared > 1000, "{compared}");
     }
 }

@@ -37,8 +37,10 @@ pub struct Around<'a> {
     pub is_comment: bool,
 }
 
-/// Reads a text to its end; `visit` gets each key and word with the brackets around it.
-pub fn scan<'a>(text: &'a str, mut visit: impl FnMut(&[Open<'a>], Event<'a>)) -> Around<'a> {
+/// Reads a text up to a byte; `visit` gets each key and word with the brackets around it. What follows decides where quoted
+/// texts end.
+pub fn scan<'a>(text: &'a str, end: usize, mut visit: impl FnMut(&[Open<'a>], Event<'a>)) -> Around<'a> {
+    let (whole, text) = (text, &text[..end]);
     let mut around = Around::default();
     // The last word or quoted text, which may turn out to be a key or to stand before a bracket.
     let mut last: Option<(&'a str, Range<usize>, bool)> = None;
@@ -48,7 +50,14 @@ pub fn scan<'a>(text: &'a str, mut visit: impl FnMut(&[Open<'a>], Event<'a>)) ->
         let (length, is_end) = match sign {
             '/' if rest.starts_with("//") => before(rest, "\n", 0),
             '/' if rest.starts_with("/*") => before(rest, "*/", 2),
-            '"' => quoted(rest),
+            '"' => {
+                let quoted = quoted(&whole[at..]);
+                let is_end = quoted.length > rest.len() || quoted.is_open && quoted.length == rest.len();
+                around.quoted = is_end.then_some(at + 1);
+                let inside = at + 1..(at + quoted.inside).min(end);
+                last = Some((&text[inside.clone()], inside, true));
+                (quoted.length.min(rest.len()), is_end)
+            }
             _ if is_word(sign) => {
                 let length = rest.find(|c| !is_word(c)).unwrap_or(rest.len());
                 (length, false)
@@ -57,11 +66,7 @@ pub fn scan<'a>(text: &'a str, mut visit: impl FnMut(&[Open<'a>], Event<'a>)) ->
         };
         match sign {
             '/' if rest.starts_with("//") || rest.starts_with("/*") => around.is_comment = is_end,
-            '"' => {
-                around.quoted = is_end.then_some(at + 1);
-                let inside = at + 1..at + length - usize::from(!is_end);
-                last = Some((&text[inside.clone()], inside, true));
-            }
+            '"' => {}
             ':' => {
                 if let Some((name, place, _)) = last.take() {
                     visit(&around.open, Event::Key(name, place));
@@ -116,18 +121,40 @@ fn before(rest: &str, mark: &str, more: usize) -> (usize, bool) {
     rest.find(mark).map_or((rest.len(), true), |at| (at + more, false))
 }
 
-/// Length of a quoted text, and whether the text ends before it does. A line feed ends one that was forgotten to be
-/// closed, so that what follows is still understood.
-fn quoted(rest: &str) -> (usize, bool) {
+/// A quoted text.
+struct Quoted {
+    /// Bytes with its quotes.
+    length: usize,
+    /// The byte behind what is quoted.
+    inside: usize,
+    /// It has no second quote.
+    is_open: bool,
+}
+
+/// The quoted text that a text begins with. It may have several lines; where the next quote rather begins another text, the
+/// line feed ends one that was forgotten to be closed, so that what follows is still understood.
+fn quoted(rest: &str) -> Quoted {
     let mut escaped = false;
+    let mut line = None;
     for (at, sign) in rest.char_indices().skip(1) {
         match sign {
-            '"' if !escaped => return (at + 1, false),
-            '\n' => return (at, false),
+            '"' if !escaped => {
+                let next = rest[at + 1..].trim_start();
+                let is_closing = next.is_empty() || next.starts_with([',', ':', ')', ']', '}', '/']);
+                if line.is_none() || is_closing {
+                    return Quoted { length: at + 1, inside: at, is_open: false };
+                }
+                break;
+            }
+            '\n' => {
+                line.get_or_insert(at);
+                escaped = false;
+            }
             _ => escaped = sign == '\\' && !escaped,
         }
     }
-    (rest.len(), true)
+    let end = line.unwrap_or(rest.len());
+    Quoted { length: end, inside: end, is_open: true }
 }
 
 #[cfg(test)]
@@ -135,7 +162,7 @@ mod tests {
     use super::*;
 
     fn around(text: &str) -> Around<'_> {
-        scan(text, |_, _| ())
+        scan(text, text.len(), |_, _| ())
     }
 
     #[test]
@@ -157,6 +184,30 @@ mod tests {
         assert_eq!(around(text).quoted.map(|from| &text[from..]), Some("a.y -> b"));
         assert_eq!(around(r#"["a \" ("#).open.len(), 1);
         assert_eq!(around("[\"forgotten\n(").open.len(), 2);
+        assert_eq!(around("[\"\n(").open.len(), 2);
+    }
+
+    #[test]
+    fn a_quoted_text_may_have_several_lines() {
+        let law = "\n  x' = v\n  v' = -(x\n";
+        let text = format!("Diagram(blocks: {{ \"a\": OdeSystem(law: \"{law}\", x: 1), \"b\": Gain");
+        let mut keys = Vec::new();
+        let found = scan(&text, text.len(), |_, event| {
+            if let Event::Key(name, _) = event {
+                keys.push(name);
+            }
+        });
+        assert_eq!((found.open.len(), found.key), (2, "b"));
+        assert_eq!(keys, ["blocks", "a", "law", "x", "b"]);
+        // Within it, which only what follows can tell.
+        let within = text.find("v'").unwrap();
+        let found = scan(&text, within, |_, _| ());
+        assert_eq!(found.quoted, text.find(law));
+        assert_eq!(found.open.last().map(|open| open.word), Some("OdeSystem"));
+        // The quote of the next line begins a text of its own.
+        let text = "[\"a.y -> b\n    \"c.y -> d.u\", (";
+        assert_eq!(scan(text, 9, |_, _| ()).quoted, Some(2));
+        assert_eq!(around(text).open.len(), 2);
     }
 
     #[test]
@@ -170,10 +221,12 @@ mod tests {
 
     #[test]
     fn nothing_that_is_typed_disturbs_it() {
-        let text = "Diagram(title: \"π\", blocks: {\"a\": Gain(k: 2)}, connections: [\"a.y -> b.u\"]))]}";
+        let text = "Diagram(title: \"π\", blocks: {\"a\": Gain(k: 2), \"b\": OdeSystem(law: \"\n\\\n\"\n)}, \
+                    connections: [\"a.y -> b.u\"]))]}";
         for (at, _) in text.char_indices() {
             around(&text[..at]);
             around(&text[at..]);
+            scan(text, at, |_, _| ());
         }
     }
 }

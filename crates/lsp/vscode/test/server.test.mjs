@@ -27,7 +27,7 @@ test("a server that does not start says why", { timeout: 60_000 }, async () => {
     assert.equal(notice(text), "cannot serve an editor; build it with `--features lsp`");
 });
 
-test("the server is started, completes, renames and stops", { timeout: 60_000 }, async () => {
+test("the server is started, completes, renames and stops", { timeout: 60_000 }, async (context) => {
     const home = await mkdtemp(path.join(tmpdir(), "blocksim-client-"));
     const { command, args, options } = serverOptions(program, root);
     const server = spawn(command, args, { ...options, env: { ...process.env, BLOCKSIM_HOME: home } });
@@ -35,6 +35,15 @@ test("the server is started, completes, renames and stops", { timeout: 60_000 },
         new rpc.StreamMessageReader(server.stdout),
         new rpc.StreamMessageWriter(server.stdin),
     );
+    // A server that is left behind would keep the tests from ending, and what it has written is the reason of a failure.
+    let errors = "";
+    server.stderr.on("data", (piece) => (errors += piece));
+    context.after(async () => {
+        server.kill();
+        connection.dispose();
+        if (errors) context.diagnostic(errors);
+        await rm(home, { recursive: true, force: true });
+    });
     const ended = new Promise((resolve) => server.on("exit", resolve));
     const file = path.join(root, "diagrams/servo.ron");
     const uri = pathToFileURL(file).href;
@@ -84,8 +93,6 @@ test("the server is started, completes, renames and stops", { timeout: 60_000 },
     await connection.sendRequest("shutdown");
     await connection.sendNotification("exit");
     assert.equal(await ended, 0);
-    connection.dispose();
-    await rm(home, { recursive: true, force: true });
 });
 
 /** Runs the program to its end. */
