@@ -56,14 +56,14 @@ pub fn locate(folder: &Path, library: &str) -> Result<Source, LoadError> {
     let Ok(found) = path.canonicalize() else {
         return Err(absent(&path, library));
     };
-    if is_module(library) {
-        return match found.is_file() {
-            true => Ok(Source::Module(found)),
-            false => Err(fault::library(MISSING, format!("the plug-in `{library}` is not a file"))),
-        };
+    // Loading a pipe or a device might never end.
+    let is_file = found.is_file();
+    if !is_file && (is_module(library) || !found.is_dir()) {
+        let error = fault::library(MISSING, format!("the plug-in `{library}` is not a regular file"));
+        return Err(fault::help(error, "name a built library, a module, or a folder with sources"));
     }
-    if !found.is_dir() {
-        return Ok(Source::Library(found));
+    if is_file {
+        return Ok(if is_module(library) { Source::Module(found) } else { Source::Library(found) });
     }
     if found.join("Cargo.toml").is_file() {
         return Ok(Source::Crate(found));
@@ -121,7 +121,7 @@ mod tests {
         assert_eq!(locate(&folder, "law.wasm").unwrap(), Source::Module(here.join("law.wasm")));
         assert_eq!(
             locate(&folder, "crate.wasm").unwrap_err().message,
-            "the plug-in `crate.wasm` is not a file"
+            "the plug-in `crate.wasm` is not a regular file"
         );
         #[cfg(unix)]
         {
@@ -129,6 +129,13 @@ mod tests {
             assert_eq!(locate(&folder, "a.so").unwrap(), Source::Library(here.join("law.wasm")));
         }
         std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_never_loaded() {
+        let error = locate(Path::new("/dev"), "zero").unwrap_err();
+        assert_eq!((error.code, error.message.as_str()), (MISSING, "the plug-in `zero` is not a regular file"));
     }
 
     #[test]

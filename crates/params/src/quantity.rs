@@ -130,7 +130,7 @@ impl Walk<'_> {
         for (n, (name, _)) in members.iter().enumerate() {
             if members[..n].iter().any(|(other, _)| other.text == name.text) {
                 return Err(SetError {
-                    message: format!("`{}` stands twice in the same set", name.text),
+                    message: format!("`{}` occurs twice in the same set", name.text),
                     help: Some("remove one of them".to_owned()),
                     place: name.span.clone(),
                 });

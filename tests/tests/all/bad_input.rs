@@ -30,7 +30,7 @@ fn an_unknown_kind_and_a_misspelt_parameter_show_in_one_report() {
             error[unknown_parameter]: `Gain` has no parameter `q`
               model.ron:3:62 `q` unknown parameter
               help: the parameters are `k` and `multiplication`
-            error[duplicate_name]: the parameter `k` stands twice
+            error[duplicate_name]: the parameter `k` is defined twice
               model.ron:3:68 `k` the second
               model.ron:3:56 `k` the first
               help: rename or remove one of them

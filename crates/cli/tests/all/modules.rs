@@ -140,7 +140,7 @@ fn a_library_under_the_name_of_a_module_is_not_loaded() {
     let said = says(&desk, &["run", "model.ron"], 3);
     assert!(said.contains("error[plugin_symbol]"), "{said}");
     let said = says(&desk, &["plugin", "show", "zero.wasm"], 4);
-    assert!(said.contains("the plug-in `zero.wasm` is not a file"), "{said}");
+    assert!(said.contains("the plug-in `zero.wasm` is not a regular file"), "{said}");
     assert!(!mark.exists(), "the library was loaded");
 
     fs::write(desk.0.join("law.so"), module(TWICE)).expect("written");

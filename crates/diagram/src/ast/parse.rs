@@ -102,7 +102,7 @@ pub(super) fn unique(file: FileId, members: &[(Name, Node)], what: &str, problem
         if let Some(other) = first.insert(&name.text, name) {
             let place = |span: &Range<usize>| Place { file, span: span.clone() };
             problems.push(
-                Problem::error("duplicate_name", format!("the {what} `{}` stands twice", name.text))
+                Problem::error("duplicate_name", format!("the {what} `{}` is defined twice", name.text))
                     .at(&place(&name.span), "the second")
                     .at(&place(&other.span), "the first")
                     .help("rename or remove one of them"),

@@ -105,7 +105,7 @@ impl<'a> Resolver<'a> {
             let place = ast.place(&name.span);
             if set.iter().any(|other| other.name == name.text) {
                 self.report(
-                    Problem::error("duplicate_name", format!("`{}` stands twice in this set", name.text))
+                    Problem::error("duplicate_name", format!("`{}` occurs twice in this set", name.text))
                         .at(&place, "the second")
                         .help("remove one of them"),
                 );

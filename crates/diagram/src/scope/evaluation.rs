@@ -66,7 +66,7 @@ impl<'a> Evaluation<'_, 'a> {
             if set.iter().any(|(known, _)| *known == name.text) {
                 return Err(Problem::error(
                     "duplicate_name",
-                    format!("`{}` stands twice in this set", name.text),
+                    format!("`{}` occurs twice in this set", name.text),
                 )
                 .at(&Place { file: self.file, span: name.span.clone() }, "the second")
                 .help("rename or remove one of them"));

@@ -75,11 +75,11 @@ fn more(all: usize, told: usize, what: &str) -> String {
 pub fn notes(looked: &Looked) -> Vec<String> {
     let mut notes: Vec<String> = Vec::new();
     for [one, other] in &looked.left_out {
-        notes.push(format!("note: `{one}` and `{other}` touch at the start and are not looked at"));
+        notes.push(format!("note: `{one}` and `{other}` touch at the start and are not checked"));
     }
     for name in &looked.meshes {
         notes.push(format!(
-            "note: the mesh of `{name}` is not looked at\n  = help: give it simple shapes with `use: Text(\"collision\")`"
+            "note: the mesh of `{name}` is not checked\n  = help: give it simple shapes with `use: Text(\"collision\")`"
         ));
     }
     let found = &looked.found;
@@ -91,7 +91,7 @@ pub fn notes(looked: &Looked) -> Vec<String> {
     }
     if found.every > 1 {
         notes.push(format!(
-            "note: one in {} recorded times was looked at\n  = help: --from and --to look closer",
+            "note: one in {} recorded times was checked\n  = help: --from and --to look closer",
             found.every
         ));
     }

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 /// For people.
 pub fn text(met: Option<(&Space, &Encounters)>) -> String {
     let Some((space, met)) = met else {
-        return "collisions not looked at: the description of the robot has no shapes\n".to_owned();
+        return "collisions not checked: the description of the robot has no shapes\n".to_owned();
     };
     let mut text = String::new();
     if let Some(first) = &met.first {
@@ -31,11 +31,11 @@ pub fn text(met: Option<(&Space, &Encounters)>) -> String {
     }
     for [a, b] in space.left_out() {
         text +=
-            &format!("note       `{a}` and `{b}` touch at the start of the robot and are not looked at\n");
+            &format!("note       `{a}` and `{b}` touch at the start of the robot and are not checked\n");
     }
     for name in space.unchecked() {
         text += &format!(
-            "note       the mesh of `{name}` is not looked at; give it simple shapes with `use: Text(\"collision\")`\n"
+            "note       the mesh of `{name}` is not checked; give it simple shapes with `use: Text(\"collision\")`\n"
         );
     }
     text

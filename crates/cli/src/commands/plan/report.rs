@@ -11,7 +11,7 @@ use crate::terminal::format::short_time;
 /// For people: duration, margins of each axis, the tool, and what is exceeded.
 pub fn text(robot: &Robot, course: &dyn Course, findings: &Findings, velocity: Option<f64>) -> String {
     let mut text = format!(
-        "move       {} s, {} waypoints looked at\n",
+        "move       {} s, {} waypoints checked\n",
         short_time(course.duration()),
         findings.waypoints
     );
