@@ -144,13 +144,34 @@ impl Stepper for FixedStep {
     }
 }
 
-/// x1 = x0 + h (a1 k1 + a2 k2 + ...).
+/// x1 = x0 + h a1 k1 + h a2 k2 + ..., summed from the left.
 fn add_stages(x1: &mut [f64], x0: &[f64], h: f64, a: &[f64], k: &[Vec<f64>]) {
-    x1.copy_from_slice(x0);
-    for (a, k) in a.iter().zip(k) {
-        let a = h * a;
-        for (x1, k) in x1.iter_mut().zip(k) {
-            *x1 += a * k;
+    match *a {
+        [] => x1.copy_from_slice(x0),
+        [a] => add(x1, x0, h, [a], k),
+        [a, b] => add(x1, x0, h, [a, b], k),
+        [a, b, c] => add(x1, x0, h, [a, b, c], k),
+        [a, b, c, d] => add(x1, x0, h, [a, b, c, d], k),
+        [a, b, c, d, ref rest @ ..] => {
+            add(x1, x0, h, [a, b, c, d], k);
+            for (a, k) in rest.iter().zip(&k[4..]) {
+                let a = h * a;
+                x1.iter_mut().zip(k).for_each(|(x1, k)| *x1 += a * k);
+            }
         }
+    }
+}
+
+/// The sum over M stages, unrolled: most systems have few states, and a loop for each stage would cost more than its sums.
+#[inline(always)]
+fn add<const M: usize>(x1: &mut [f64], x0: &[f64], h: f64, a: [f64; M], k: &[Vec<f64>]) {
+    let a = a.map(|a| h * a);
+    let k: [&[f64]; M] = std::array::from_fn(|stage| &k[stage][..x0.len()]);
+    for (i, (x1, x0)) in x1.iter_mut().zip(x0).enumerate() {
+        let mut sum = *x0;
+        for stage in 0..M {
+            sum += a[stage] * k[stage][i];
+        }
+        *x1 = sum;
     }
 }
