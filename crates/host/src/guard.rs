@@ -193,7 +193,7 @@ pub fn framed(
         let mut frame = Frame { words, text, given: places_given, wanted: places_wanted };
         let status = function(&mut frame)?;
         let broken = broken(words, given, wanted).or_else(|| {
-            let is_whole = text[MESSAGE_BYTES..].iter().all(|&byte| byte == TAIL_BYTE);
+            let is_whole = text[MESSAGE_BYTES..] == [TAIL_BYTE; TAIL];
             (!is_whole).then(|| format!("it wrote behind the {MESSAGE_BYTES} bytes of its message"))
         });
         let broken =
@@ -246,6 +246,12 @@ fn lay_out(
     places
 }
 
+/// Whether any word has a bit: all are looked at without a branch, several at once.
+#[inline]
+fn differ(words: impl Iterator<Item = u64>) -> bool {
+    words.fold(0, |all, word| all | word) != 0
+}
+
 /// What was written that must not be.
 fn broken(words: &[u64], given: &[Given], wanted: &[Wanted]) -> Option<String> {
     let of_given = given.iter().map(|given| (given.what, given.numbers.len()));
@@ -256,7 +262,7 @@ fn broken(words: &[u64], given: &[Given], wanted: &[Wanted]) -> Option<String> {
     loop {
         let guard = &words[at..at + GUARD];
         let next = buffers.next();
-        if guard.iter().any(|&word| word != PATTERN) {
+        if differ(guard.iter().map(|word| word ^ PATTERN)) {
             let behind = last.filter(|_| guard[0] != PATTERN || guard[GUARD - 1] == PATTERN);
             return Some(match (behind, next, last) {
                 (Some((what, n)), _, _) | (None, None, Some((what, n))) => {
@@ -275,8 +281,9 @@ fn broken(words: &[u64], given: &[Given], wanted: &[Wanted]) -> Option<String> {
     let mut at = GUARD;
     for Given { what, list, numbers } in given {
         let copies = &words[at..at + numbers.len()];
-        if let Some(changed) =
-            copies.iter().zip(*numbers).position(|(word, number)| *word != number.to_bits())
+        let changes = || copies.iter().zip(*numbers).map(|(word, number)| word ^ number.to_bits());
+        if differ(changes())
+            && let Some(changed) = changes().position(|change| change != 0)
         {
             return Some(format!("it changed its {what} {}, which it may only read", named(list, changed)));
         }
@@ -290,7 +297,11 @@ fn take(words: &[u64], given: &[Given], wanted: &mut [Wanted]) -> Result<(), Fai
     let mut at = GUARD + given.iter().map(|given| given.numbers.len() + GUARD).sum::<usize>();
     for Wanted { what, list, numbers, is_kept } in wanted {
         let results = &words[at..at + numbers.len()];
-        if !*is_kept && let Some(missing) = results.iter().position(|&word| word == UNWRITTEN) {
+        let is_missing = || results.iter().fold(false, |found, word| found | (*word == UNWRITTEN));
+        if !*is_kept
+            && is_missing()
+            && let Some(missing) = results.iter().position(|&word| word == UNWRITTEN)
+        {
             let text =
                 format!("the plug-in broke a rule: it did not write its {what} {}", named(list, missing));
             return Err(Failure { status: OK, text });

@@ -135,7 +135,10 @@ mod tests {
     #[test]
     fn a_device_is_never_loaded() {
         let error = locate(Path::new("/dev"), "zero").unwrap_err();
-        assert_eq!((error.code, error.message.as_str()), (MISSING, "the plug-in `zero` is not a regular file"));
+        assert_eq!(
+            (error.code, error.message.as_str()),
+            (MISSING, "the plug-in `zero` is not a regular file")
+        );
     }
 
     #[test]

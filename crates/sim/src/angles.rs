@@ -112,7 +112,11 @@ impl Simulation {
         Ok(())
     }
 
+    /// Evaluates the signals that are angles; states are known as they are.
     fn evaluate_here(&mut self) -> Result<(), SimError> {
+        if self.angles.cells.is_empty() {
+            return Ok(());
+        }
         let evaluated = self.diagram.continuous(self.t, &self.x);
         self.held(evaluated)
     }

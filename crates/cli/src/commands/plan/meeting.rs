@@ -30,8 +30,7 @@ pub fn text(met: Option<(&Space, &Encounters)>) -> String {
         }
     }
     for [a, b] in space.left_out() {
-        text +=
-            &format!("note       `{a}` and `{b}` touch at the start of the robot and are not checked\n");
+        text += &format!("note       `{a}` and `{b}` touch at the start of the robot and are not checked\n");
     }
     for name in space.unchecked() {
         text += &format!(

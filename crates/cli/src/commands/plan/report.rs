@@ -10,11 +10,8 @@ use crate::terminal::format::short_time;
 
 /// For people: duration, margins of each axis, the tool, and what is exceeded.
 pub fn text(robot: &Robot, course: &dyn Course, findings: &Findings, velocity: Option<f64>) -> String {
-    let mut text = format!(
-        "move       {} s, {} waypoints checked\n",
-        short_time(course.duration()),
-        findings.waypoints
-    );
+    let mut text =
+        format!("move       {} s, {} waypoints checked\n", short_time(course.duration()), findings.waypoints);
     let slides = findings.axes.iter().any(|axis| axis.limits.kind == AxisKind::Sliding);
     text += match slides {
         false => "axis   low [deg] high [deg]  to limits [deg]   speed  acceleration\n",
