@@ -77,6 +77,16 @@ impl Block for Network {
 
     fn guards(&self, c: &Context, w: &mut Scratch, g: &mut [f64]) {
         let Some(w) = w.get::<Work>() else { return };
+        if self.active.guards_of_state && self.stiction.len() == 0 && self.natural.is_empty() {
+            // Torques and accelerations would cost more than all else at the end of a step.
+            self.state_phase(c, w);
+            for seat in self.active.guards.iter().map(|i| &self.seats[*i]) {
+                if let Some(component) = seat.component() {
+                    component.guards(&self.state_law(c, seat, w), &mut g[seat.g.clone()]);
+                }
+            }
+            return;
+        }
         self.motion_phase(c, w);
         self.inner_torques(w);
         for seat in self.active.guards.iter().map(|i| &self.seats[*i]) {

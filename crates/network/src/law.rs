@@ -45,6 +45,13 @@ impl Network {
         law
     }
 
+    /// What a member sees when states and speeds are known, and nothing else is.
+    pub(crate) fn state_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
+        // What belongs to another evaluation is not there to be read.
+        let Law { supply, line_current, .. } = Law::nothing();
+        Law { voltage: &[], current: &[], supply, line_current, ..self.law(c, seat, w) }
+    }
+
     /// The same with the states as the solver has them, where sources add to them.
     pub(crate) fn own_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
         Law { x: seat.states(c).0, ..self.law(c, seat, w) }

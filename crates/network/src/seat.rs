@@ -168,6 +168,8 @@ pub(crate) struct Active {
     /// Circuits with valves.
     pub valves: Vec<usize>,
     pub guards: Vec<usize>,
+    /// None of them needs torques, voltages or currents.
+    pub guards_of_state: bool,
     pub time_events: Vec<usize>,
     pub measures: [Vec<usize>; 4],
     /// Whether a member measures how frames accelerate.
@@ -219,6 +221,9 @@ impl Active {
             valves: Vec::new(),
             islands: islands.iter().map(of_island).collect(),
             guards: which(&|seat| !seat.g.is_empty()),
+            guards_of_state: seats
+                .iter()
+                .all(|seat| seat.g.is_empty() || seat.held.is_none() && seat.member.part.guards_of_state),
             time_events: which(&|seat| seat.held.is_none() && seat.member.part.time_events),
             measures: [STATE, ELECTRICS, MOTION, CHARGE]
                 .map(|group| which(&|seat| seat.measures[group].is_some())),

@@ -48,6 +48,8 @@ pub struct Part {
     pub discrete: Vec<Discrete>,
     /// Guards.
     pub guards: Vec<Guard>,
+    /// The guards read positions, speeds and states alone; see [`Part::guards_of_state`].
+    pub guards_of_state: bool,
     /// What the changes of the modes of friction are called: 0 where it sticks, 1 and -1 for the direction of slip, 2 where nothing
     /// presses.
     pub friction: FrictionWords,
@@ -228,6 +230,13 @@ impl Part {
     pub fn kink(mut self, name: &str, upwards: &'static str, downwards: &'static str) -> Self {
         let event = Event::Crossing { upwards, downwards };
         self.guards.push(Guard { event, ..Guard::of_kink(name) });
+        self
+    }
+
+    /// Promises that the guards read nothing but states, discrete states, inputs, and positions and speeds of pins, joints and
+    /// frames, so that no torques have to be known for them.
+    pub fn guards_of_state(mut self) -> Self {
+        self.guards_of_state = true;
         self
     }
 

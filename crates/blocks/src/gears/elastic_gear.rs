@@ -88,7 +88,7 @@ impl Component for ElasticGear {
                 loss: self.losses.mesh().element(),
             })
             .element(Element::Branch { r: teeth, c: 1 });
-        self.shaft().events(part)
+        self.shaft().events(part).guards_of_state()
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {

@@ -101,7 +101,8 @@ impl Component for PointPlaneContact {
             .measures("slip", "m/s", Needs::State, "speed of the point along the plane")
             .element(Element::FrameForce { frame: 0 })
             .element(Element::FrameForce { frame: 1 })
-            .kink("touch", "leaves the plane", "touches the plane");
+            .kink("touch", "leaves the plane", "touches the plane")
+            .guards_of_state();
         if self.transition > 0.0 {
             part.kink("firm", "yields on the plane", "presses fully on the plane")
         } else {

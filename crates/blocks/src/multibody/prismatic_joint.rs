@@ -100,7 +100,7 @@ impl Component for PrismaticJoint {
             .measures("a", "m/s^2", Needs::Motion, "acceleration of the follower against the base")
             .measures("f", "N", Needs::Motion, "force of the actuators: input and drive side")
             .element(Element::Joint { base: 0, follower: 1, freedoms: vec![Freedom::Slide(slide)] });
-        self.inside().events(part, "")
+        self.inside().events(part, "").guards_of_state()
     }
 
     fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {

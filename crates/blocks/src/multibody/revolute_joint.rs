@@ -106,7 +106,7 @@ impl Component for RevoluteJoint {
             .measures("a", "rad/s^2", Needs::Motion, "acceleration of the follower against the base")
             .measures("tau", "N*m", Needs::Motion, "torque of the actuators: input and drive side")
             .element(Element::Joint { base: 0, follower: 1, freedoms: vec![Freedom::Turn(turn)] });
-        self.inside().events(part, "")
+        self.inside().events(part, "").guards_of_state()
     }
 
     fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {

@@ -226,6 +226,7 @@ impl Component for Robot {
             part = part.element(transform(link(last), 1, &self.robot.flange.placement()));
         }
         part = (0..axes).fold(part, |part, axis| self.inside(axis).events(part, &(axis + 1).to_string()));
+        part = part.guards_of_state();
         self.robot.load.iter().fold(part, |part, body| body.add_to(part, 1))
     }
 

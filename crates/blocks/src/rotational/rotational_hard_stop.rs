@@ -57,7 +57,7 @@ impl Block for RotationalHardStop {
 
 impl Component for RotationalHardStop {
     fn part(&self, _given: &Given) -> Part {
-        self.travel().events(ROTATION.elastic(self.phi0))
+        self.travel().events(ROTATION.elastic(self.phi0)).guards_of_state()
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {

@@ -58,7 +58,7 @@ impl Block for RotationalSpringDamper {
 
 impl Component for RotationalSpringDamper {
     fn part(&self, _given: &Given) -> Part {
-        self.law().events(ROTATION.elastic(self.phi0))
+        self.law().events(ROTATION.elastic(self.phi0)).guards_of_state()
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {

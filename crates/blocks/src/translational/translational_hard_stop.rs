@@ -57,7 +57,7 @@ impl Block for TranslationalHardStop {
 
 impl Component for TranslationalHardStop {
     fn part(&self, _given: &Given) -> Part {
-        self.travel().events(TRANSLATION.elastic(self.x0))
+        self.travel().events(TRANSLATION.elastic(self.x0)).guards_of_state()
     }
 
     fn torques(&self, c: &Law, f: &mut [Torque]) {

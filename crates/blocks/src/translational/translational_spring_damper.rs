@@ -57,7 +57,7 @@ impl Block for TranslationalSpringDamper {
 
 impl Component for TranslationalSpringDamper {
     fn part(&self, _given: &Given) -> Part {
-        self.law().events(TRANSLATION.elastic(self.x0))
+        self.law().events(TRANSLATION.elastic(self.x0)).guards_of_state()
     }
 
     fn torques(&self, c: &Law, f: &mut [Torque]) {
