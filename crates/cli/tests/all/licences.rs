@@ -148,8 +148,13 @@ fn listed(name: &str) -> Vec<String> {
 
 /// Licence files of a crate for some terms.
 fn files(part: &Part, terms: &BTreeSet<String>) -> Vec<PathBuf> {
-    let mut all: Vec<PathBuf> = fs::read_dir(&part.folder)
-        .expect("a crate")
+    // Some crates bring the sources of others along.
+    let inside = part.folder.join("c_src/mimalloc/v3");
+    let folders = [Some(&part.folder), Some(&inside).filter(|inside| inside.is_dir())];
+    let mut all: Vec<PathBuf> = folders
+        .into_iter()
+        .flatten()
+        .flat_map(|folder| fs::read_dir(folder).expect("a crate"))
         .map(|entry| entry.expect("an entry").path())
         .filter(|path| {
             let name = name_of(path);
