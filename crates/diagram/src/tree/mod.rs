@@ -3,6 +3,7 @@
 //! No type is asked for yet: a value that makes no sense where it stands can be reported there, and does not hide
 //! the others.
 
+mod common;
 mod mistakes;
 mod read;
 pub(crate) mod scan;

@@ -1,7 +1,7 @@
 //! Text becomes a tree with places.
 //!
-//! `ron` does the reading. Each value is taken as raw text that still lies in the file, so its place is known;
-//! what is inside is read the same way.
+//! What is common is read in one pass (`common`). All else, and every mistake, is read by `ron`: each value is taken as raw text that
+//! still lies in the file, so its place is known; what is inside is read the same way.
 
 use std::ops::Range;
 
@@ -13,9 +13,8 @@ use serde::{Deserialize, Deserializer};
 
 use blocksim_block::problem::{FileId, Place, Problem};
 
-use super::mistakes;
-use super::scan::{byte_of, decimal_comma, is_raw_string, skip, skip_with, trim_end, word_length};
-use super::{Name, Node, Shape};
+use super::scan::{byte_of, decimal_comma, is_raw_string, skip, skip_with, token, trim_end, word_length};
+use super::{Name, Node, Shape, common, mistakes};
 
 /// Text that is no RON.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -92,6 +91,19 @@ pub fn read(text: &str) -> Result<Node, SyntaxError> {
 const MOST_ITEMS: usize = 1_000_000;
 
 fn read_once(text: &str) -> Result<Node, SyntaxError> {
+    let reader = Reader { text };
+    let scalar = |raw: &str| match raw.starts_with('"') {
+        true => reader.parse::<String>(raw).map(Shape::Text).ok(),
+        false => reader.parse::<f64>(raw).map(Shape::Number).ok(),
+    };
+    match common::read(text, MOST_ITEMS, &scalar) {
+        Some(node) => Ok(node),
+        None => read_rare(text),
+    }
+}
+
+/// Any text, by `ron`.
+fn read_rare(text: &str) -> Result<Node, SyntaxError> {
     let reader = Reader { text };
     if skip(text) == text.len() {
         return Err(SyntaxError::new(0..0, "there is nothing in this file"));
@@ -205,8 +217,13 @@ impl<'a> Reader<'a> {
             let node = self.node(value.get_ron())?;
             let between = &self.text[at..node.span.start];
             let start = at + skip_with(between, true);
-            let written = self.text[start..node.span.start].find(':').unwrap_or(0);
-            let end = start + trim_end(&self.text[start..start + written]).len();
+            let written = &self.text[start..node.span.start];
+            // A name in quotes may hold a colon.
+            let length = match written.starts_with('"') || is_raw_string(written) {
+                true => token(written),
+                false => trim_end(&written[..written.find(':').unwrap_or(0)]).len(),
+            };
+            let end = start + length;
             at = node.span.end;
             members.push((Name { text, span: start..end }, node));
         }
@@ -402,5 +419,82 @@ Diagram(
     fn a_list_of_a_hundred_thousand_numbers_is_read() {
         let node = read(&format!("[{}]", "1.5, ".repeat(100_000))).expect("RON");
         assert!(matches!(node.value, Shape::List(items) if items.len() == 100_000));
+    }
+
+    /// What is read in one pass, if anything is; `ron` has to read the same.
+    fn compare(text: &str) -> bool {
+        let reader = Reader { text };
+        let scalar = |raw: &str| match raw.starts_with('"') {
+            true => reader.parse::<String>(raw).map(Shape::Text).ok(),
+            false => reader.parse::<f64>(raw).map(Shape::Number).ok(),
+        };
+        let common = common::read(text, MOST_ITEMS, &scalar);
+        if let Some(node) = &common {
+            assert_eq!(read_rare(text).as_ref(), Ok(node), "{text}");
+        }
+        common.is_some()
+    }
+
+    fn files(folder: &std::path::Path, found: &mut Vec<String>) {
+        for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
+            let path = entry.path();
+            match entry.file_type().unwrap().is_dir() {
+                true if entry.file_name() != "runs" => files(&path, found),
+                false if path.extension().is_some_and(|ending| ending == "ron") => {
+                    found.push(std::fs::read_to_string(&path).unwrap());
+                }
+                _ => {}
+            }
+        }
+    }
+
+    #[test]
+    fn all_files_of_the_project_are_read_in_one_pass_as_ron_reads_them() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let mut texts = Vec::new();
+        ["diagrams", "docs", "params"].iter().for_each(|folder| files(&root.join(folder), &mut texts));
+        assert!(texts.len() > 200, "{}", texts.len());
+        assert!(texts.iter().all(|text| compare(text)));
+    }
+
+    #[test]
+    fn damaged_texts_are_read_in_one_pass_as_ron_reads_them_or_not_at_all() {
+        let signs = "()[]{}\"\\,:/*\n\r\t 0179.-+eE_aTrueinfNaN#r'bπ!\u{85}";
+        let pieces = [
+            "//",
+            "/*",
+            "*/",
+            "/* /* */ */",
+            "Some(1)",
+            "()",
+            "\"\\n\"",
+            "1e5",
+            "0x1F",
+            "1_000",
+            "-.5",
+            "5.",
+            "(a: 1)",
+        ];
+        let signs: Vec<String> = signs.chars().map(String::from).chain(pieces.map(str::to_owned)).collect();
+        let mut state = 1_u64;
+        let mut dice = |n: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize % n
+        };
+        let small =
+            "(a: [1, 2.5e3, \"x\\\"\"], \"b\": {\"k\": Kind(c: true), \"w\": Word,}, /* c */ d: (1, -2),)";
+        let mut read = 0;
+        for round in 0..20_000 {
+            let mut text: Vec<char> =
+                if round % 2 == 0 { TEXT.chars().collect() } else { small.chars().collect() };
+            for _ in 0..=dice(3) {
+                let at = dice(text.len());
+                let new = if dice(3) > 0 { signs[dice(signs.len())].as_str() } else { "" };
+                let end = (at + dice(3)).min(text.len());
+                text.splice(at..end, new.chars());
+            }
+            read += usize::from(compare(&text.iter().collect::<String>()));
+        }
+        assert!(read > 2000, "{read}");
     }
 }
