@@ -256,6 +256,40 @@ pub fn run_text(text: &str) -> Run {
     finished(compiled, &problems)
 }
 
+/// Runs a diagram of these blocks and connections.
+///
+/// # Panics
+/// As [`run_text`].
+pub fn run_blocks(stop: &str, solver: &str, blocks: &str, connections: &str) -> Run {
+    run_text(&format!(
+        "Diagram(simulation: (stop_time: \"{stop}\", solver: {solver}), blocks: {{ {blocks} }}, connections: [ {connections} ])"
+    ))
+}
+
+/// What is wrong with a diagram of these blocks and connections.
+///
+/// # Panics
+/// If it compiles.
+pub fn problems(blocks: &str, connections: &str) -> String {
+    let (compiled, problems) = compile_text(&format!(
+        r#"Diagram(simulation: (stop_time: "1 s"), blocks: {{ {blocks} }}, connections: [{connections}])"#
+    ));
+    assert!(compiled.schedule.is_none(), "it compiles");
+    problems
+}
+
+/// Checks that a number is within a tolerance of another.
+///
+/// # Panics
+/// If it is not.
+#[track_caller]
+pub fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!(
+        (found - expected).abs() <= tolerance,
+        "{what}: {found} instead of {expected}, allowed are {tolerance}"
+    );
+}
+
 fn finished(compiled: Compiled, problems: &str) -> Run {
     let schedule = compiled.schedule.unwrap_or_else(|| panic!("the diagram has errors:\n{problems}"));
     let run = run(schedule);

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use blocksim_block::schedule::OutputTimes;
-use blocksim_tests::{Run, compile_file, run, run_text};
+use blocksim_tests::{Run, close, compile_file, run, run_text};
 
 /// A circuit with these blocks and connections, recorded by the scope `s`.
 fn circuit(stop: &str, blocks: &str, connections: &str, shown: &str) -> Run {
@@ -14,10 +14,6 @@ fn circuit(stop: &str, blocks: &str, connections: &str, shown: &str) -> Run {
     connections: [{connections}],
 )"#
     ))
-}
-
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected}");
 }
 
 /// Mean over the last part of a run, by the rule of trapezoids between rows, which lie on both sides of every jump.

@@ -2,24 +2,7 @@
 
 use std::f64::consts::PI;
 
-use blocksim_tests::{Run, compile_text, run};
-
-/// Runs a diagram of `blocks` and `connections`.
-fn simulate(stop: &str, solver: &str, blocks: &str, connections: &str) -> Run {
-    let text = format!(
-        "Diagram(simulation: (stop_time: \"{stop}\", solver: {solver}), \
-         blocks: {{ {blocks} }}, connections: [ {connections} ])"
-    );
-    let (compiled, problems) = compile_text(&text);
-    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
-    assert!(run.error.is_none(), "{solver}: {:?}", run.error);
-    run
-}
-
-#[track_caller]
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected} (tolerance {tolerance})");
-}
+use blocksim_tests::{close, run_blocks};
 
 const SOLVERS: [&str; 12] = [
     "Auto",
@@ -65,7 +48,7 @@ fn a_ball_on_an_elastic_plane_comes_back_to_its_height() {
         for (blocks, wires, name) in
             [(blocks.as_str(), wires, "scope.p[2]"), (limit.as_str(), slide, "scope.p")]
         {
-            let run = simulate(&stop, solver, blocks, wires);
+            let run = run_blocks(&stop, solver, blocks, wires);
             let tolerance = if solver.contains("rtol") { 2e-3 } else { 0.1 };
             let name =
                 run.recorded.iter().map(|r| r.path.as_str()).find(|p| *p == name).unwrap_or_else(|| {
@@ -120,7 +103,7 @@ fn a_damped_end_of_travel_lets_go_where_its_force_ends() {
         for (solver, tolerance) in
             [("Ode45", 1e-5), ("Rodas4", 1e-5), ("RosW3", 1e-4), ("Ode45(rtol: 1e-9)", 1e-8)]
         {
-            let run = simulate("0.15 s", solver, blocks, wires);
+            let run = run_blocks("0.15 s", solver, blocks, wires);
             close(run.last("scope.v"), -3.0 * back, 3.0 * tolerance, &format!("{solver}: {blocks}"));
         }
     }
@@ -132,7 +115,7 @@ fn a_damped_end_of_travel_lets_go_where_its_force_ends() {
 #[test]
 fn a_contact_that_sets_in_within_a_step_is_not_passed_over() {
     for solver in ["Auto", "Ode45", "Ode23", "RosW3", "Rodas4", "Radau5", "Ode15s"] {
-        let run = simulate(
+        let run = run_blocks(
             "0.8 s",
             solver,
             r#""world": World, "ball": Body(mass: 1.43), "show": Scope(inputs: ["across", "fall"]),

@@ -1,7 +1,7 @@
 //! Converters without their switching: variable transformers and the average of a three-phase bridge, against closed forms,
 //! balances of power, and the bridge itself with every edge.
 
-use blocksim_tests::{Run, compile_text, run_file, run_text};
+use blocksim_tests::{Run, close, compile_text, run_file, run_text};
 
 fn diagram(stop: &str, blocks: &str, connections: &str, shown: &str) -> String {
     format!(
@@ -15,10 +15,6 @@ fn diagram(stop: &str, blocks: &str, connections: &str, shown: &str) -> String {
 
 fn circuit(stop: &str, blocks: &str, connections: &str, shown: &str) -> Run {
     run_text(&diagram(stop, blocks, connections, shown))
-}
-
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected}");
 }
 
 #[test]

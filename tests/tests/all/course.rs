@@ -1,13 +1,9 @@
 //! Blocks of a first course in whole diagrams, at default settings, against closed forms.
 
-use blocksim_tests::{Run, compile_text, run, run_text};
+use blocksim_tests::{Run, close, compile_text, run, run_text};
 
 fn diagram(settings: &str, blocks: &str, connections: &str) -> String {
     format!("Diagram(simulation: ({settings}), blocks: {{ {blocks} }}, connections: [ {connections} ])")
-}
-
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: {found} instead of {expected}");
 }
 
 fn end(run: &Run) -> f64 {

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::{Path, PathBuf};
 
 use blocksim_block::schedule::{OutputTimes, Schedule, Solver, VariableMethod};
-use blocksim_tests::{Run, compile_file, compile_text, root, run, run_file};
+use blocksim_tests::{Run, close, compile_file, compile_text, root, run, run_file};
 
 /// A diagram with other settings than its own.
 fn run_with(path: &str, change: impl FnOnce(&mut Schedule)) -> Run {
@@ -24,13 +24,6 @@ fn ode45(tolerance: f64) -> Solver {
         atol: Some(tolerance),
         max_step: f64::INFINITY,
     }
-}
-
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!(
-        (found - expected).abs() < tolerance,
-        "{what}: {found} instead of {expected}, allowed are {tolerance}"
-    );
 }
 
 fn largest(values: &[f64]) -> f64 {

@@ -1,6 +1,6 @@
 //! Hydraulic networks against closed forms.
 
-use blocksim_tests::{Run, compile_text, run_file, run_text};
+use blocksim_tests::{Run, problems, run_file, run_text};
 
 fn text(stop: &str, blocks: &str, connections: &str, shown: &str) -> String {
     format!(
@@ -14,14 +14,6 @@ fn text(stop: &str, blocks: &str, connections: &str, shown: &str) -> String {
 
 fn network(stop: &str, blocks: &str, connections: &str, shown: &str) -> Run {
     run_text(&text(stop, blocks, connections, shown))
-}
-
-fn problems(blocks: &str, connections: &str) -> String {
-    let (compiled, problems) = compile_text(&format!(
-        r#"Diagram(simulation: (stop_time: "1 s"), blocks: {{ {blocks} }}, connections: [{connections}])"#
-    ));
-    assert!(compiled.schedule.is_none(), "it compiles");
-    problems
 }
 
 /// `p = p_0 exp(-t / (R C))`.

@@ -2,24 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use blocksim_tests::{Run, compile_text, run};
-
-/// Runs a diagram of `blocks` and `connections`.
-fn simulate(stop: &str, solver: &str, blocks: &str, connections: &str) -> Run {
-    let text = format!(
-        "Diagram(simulation: (stop_time: \"{stop}\", solver: {solver}), \
-         blocks: {{ {blocks} }}, connections: [ {connections} ])"
-    );
-    let (compiled, problems) = compile_text(&text);
-    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
-    assert!(run.error.is_none(), "{solver}: {:?}", run.error);
-    run
-}
-
-#[track_caller]
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected} (tolerance {tolerance})");
-}
+use blocksim_tests::{close, run_blocks};
 
 const SOLVERS: [&str; 12] = [
     "Auto",
@@ -42,7 +25,7 @@ const SOLVERS: [&str; 12] = [
 fn a_freewheel_that_is_struck_moves_what_dry_friction_holds() {
     for solver in SOLVERS {
         for (torque, tolerance) in [(1e-6_f64, 1e-6), (3.0, 1e-6), (3000.0, 1e-6)] {
-            let run = simulate(
+            let run = run_blocks(
                 "50 ms",
                 solver,
                 &format!(
@@ -71,7 +54,7 @@ fn impulses_go_through_freewheels_and_not_through_clutches() {
         [("OneWayClutch()", 10.0 / 6.0, 10.0 / 6.0), ("Clutch(torque: 6.0)", 10.0 / 3.0, 0.0)]
     {
         let press = if link.starts_with("Clutch") { r#", "press.y -> link.normal""# } else { "" };
-        let run = simulate(
+        let run = run_blocks(
             "1 s",
             "Ode45",
             &format!(
@@ -123,7 +106,7 @@ fn a_slider_with_dry_friction_goes_through_its_dead_centres() {
             ("Rodas4(rtol: 1e-7)", 1e-3),
             ("Ode4(step: 5e-4)", 2e-2),
         ] {
-            let run = simulate(
+            let run = run_blocks(
                 if force < 10.0 { "7 s" } else { "2 s" },
                 solver,
                 &format!(
@@ -172,7 +155,7 @@ fn a_ball_on_a_rigid_floor_comes_to_rest_when_its_bounces_have_added_up() {
     for (solver, tolerance) in
         [("Ode45", 1e-5), ("Ode23", 1e-5), ("RosW3", 1e-4), ("Rodas4", 1e-5), ("Ode4(step: 1e-4)", 0.05)]
     {
-        let run = simulate(
+        let run = run_blocks(
             "20 s",
             solver,
             &format!(
@@ -202,7 +185,7 @@ fn a_ball_on_a_rigid_floor_comes_to_rest_when_its_bounces_have_added_up() {
 #[test]
 fn a_row_of_balls_passes_an_impact_on() {
     for e in [0.0, 0.5, 1.0] {
-        let run = simulate(
+        let run = run_blocks(
             "1 s",
             "Ode45",
             &format!(

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use blocksim_tests::{Run, compile_text, run_text};
+use blocksim_tests::{Run, close, compile_text, run_text};
 use expect_test::expect;
 
 /// A machine at 400 V, 50 Hz with its rotor turned at a given slip for some time.
@@ -28,10 +28,6 @@ fn at_slip_with(solver: &str, machine: &str, voltage: f64, slip: f64, stop: &str
             ],
         )"#
     ))
-}
-
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() < tolerance, "{what}: {found} instead of {expected}");
 }
 
 /// Complex numbers, as far as they are needed.

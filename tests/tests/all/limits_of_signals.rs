@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use blocksim_tests::{Run, run_text};
+use blocksim_tests::{Run, close, run_text};
 
 fn diagram(stop: f64, source: &str, block: &str) -> Run {
     run_text(&format!(
@@ -18,10 +18,6 @@ fn diagram(stop: f64, source: &str, block: &str) -> Run {
     ],
 )"#
     ))
-}
-
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: {found} instead of {expected}");
 }
 
 /// Zero of a function that is negative at `a` and positive at `b`.

@@ -1,6 +1,6 @@
 //! Magnetic circuits against closed forms.
 
-use blocksim_tests::{Run, compile_text, run_text};
+use blocksim_tests::{Run, problems, run_text};
 
 const MU_0: f64 = 1.256_637_062_12e-6;
 
@@ -12,14 +12,6 @@ fn text(stop: &str, blocks: &str, connections: &str, shown: &str) -> String {
     connections: [{connections}],
 )"#
     )
-}
-
-fn problems(blocks: &str, connections: &str) -> String {
-    let (compiled, problems) = compile_text(&format!(
-        r#"Diagram(simulation: (stop_time: "1 s"), blocks: {{ {blocks} }}, connections: [{connections}])"#
-    ));
-    assert!(compiled.schedule.is_none(), "it compiles");
-    problems
 }
 
 /// `L = N^2 / (R_1 + R_2)` and `tau = L / R`.

@@ -4,7 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use blocksim_block::schedule::{OutputTimes, Schedule, Solver, VariableMethod};
-use blocksim_tests::{Run, compile_file, run};
+use blocksim_tests::{Run, close, compile_file, run};
 
 /// A diagram with some values set, at a tolerance and with rows at distances of its own.
 fn run_with(path: &str, set: &[&str], tolerance: f64, stop: f64, every: f64) -> Run {
@@ -21,13 +21,6 @@ fn run_with(path: &str, set: &[&str], tolerance: f64, stop: f64, every: f64) -> 
     let run = run(schedule);
     assert!(run.error.is_none(), "{:?}", run.error);
     run
-}
-
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!(
-        (found - expected).abs() <= tolerance,
-        "{what}: {found} instead of {expected}, allowed are {tolerance}"
-    );
 }
 
 /// The classical method of order four.

@@ -1,14 +1,7 @@
 //! Whole diagrams against reference values: from a second implementation of the published equations, from equivalent
 //! circuits and from closed forms, all computed independently of this program.
 
-use blocksim_tests::{Run, run_text};
-
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!(
-        (found - expected).abs() < tolerance,
-        "{what}: {found} instead of {expected}, allowed are {tolerance}"
-    );
-}
+use blocksim_tests::{Run, close, run_text};
 
 fn diagram(simulation: &str, blocks: &str, connections: &str) -> Run {
     run_text(&format!(

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use blocksim_tests::{Run, run_file, run_text};
+use blocksim_tests::{Run, close, run_file, run_text};
 
 /// A circuit with these blocks and connections beside a reference `g`, recorded by the scope `s`.
 fn circuit(stop: &str, blocks: &str, connections: &str, shown: &str) -> String {
@@ -23,10 +23,6 @@ fn gate(name: &str, period: &str, width: f64, delay: &str) -> (String, String) {
         ),
         format!(r#""{name}_p.y -> {name}.u""#),
     )
-}
-
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected}");
 }
 
 /// Zero of a function between two times, by bisection.

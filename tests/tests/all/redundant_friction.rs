@@ -1,23 +1,6 @@
 //! Several dry frictions that hold the same parts: what they bear together, against closed forms.
 
-use blocksim_tests::{Run, compile_text, run};
-
-/// Runs a diagram of `blocks` and `connections`.
-fn simulate(stop: &str, solver: &str, blocks: &str, connections: &str) -> Run {
-    let text = format!(
-        "Diagram(simulation: (stop_time: \"{stop}\", solver: {solver}), \
-         blocks: {{ {blocks} }}, connections: [ {connections} ])"
-    );
-    let (compiled, problems) = compile_text(&text);
-    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
-    assert!(run.error.is_none(), "{solver}: {:?}", run.error);
-    run
-}
-
-#[track_caller]
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected} (tolerance {tolerance})");
-}
+use blocksim_tests::{close, run_blocks};
 
 const SOLVERS: [&str; 11] = [
     "Auto",
@@ -42,7 +25,7 @@ fn a_triangle_of_clutches_gives_way_when_all_ways_are_full() {
         for solver in SOLVERS {
             let full = ab + f64::min(bc, ca);
             let start = full / 4.0;
-            let run = simulate(
+            let run = run_blocks(
                 &format!("{:?} s", start + 0.4),
                 solver,
                 &format!(
@@ -90,7 +73,7 @@ fn a_triangle_of_clutches_gives_way_when_all_ways_are_full() {
 #[test]
 fn brakes_on_all_shafts_of_a_differential_hold_what_two_of_them_can() {
     for solver in SOLVERS {
-        let run = simulate(
+        let run = run_blocks(
             "3 s",
             solver,
             r#""ramp": Ramp(slope: "2 N*m/s"), "push": IdealTorqueSource, "one": Constant(value: 1.0),

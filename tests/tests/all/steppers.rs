@@ -2,14 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use blocksim_tests::{Run, run_file, run_text};
-
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!(
-        (found - expected).abs() <= tolerance,
-        "{what}: {found} instead of {expected}, allowed are {tolerance}"
-    );
-}
+use blocksim_tests::{Run, close, run_file, run_text};
 
 /// Arithmetic-geometric mean: `K(k) = pi / (2 agm(1, sqrt(1 - k^2)))`.
 fn agm(mut a: f64, mut b: f64) -> f64 {

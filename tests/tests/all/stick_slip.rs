@@ -2,24 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use blocksim_tests::{Run, compile_text, run};
-
-/// Runs a diagram of `blocks` and `connections`.
-fn simulate(stop: &str, solver: &str, blocks: &str, connections: &str) -> Run {
-    let text = format!(
-        "Diagram(simulation: (stop_time: \"{stop}\", solver: {solver}), \
-         blocks: {{ {blocks} }}, connections: [ {connections} ])"
-    );
-    let (compiled, problems) = compile_text(&text);
-    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
-    assert!(run.error.is_none(), "{solver}: {:?}", run.error);
-    run
-}
-
-#[track_caller]
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected} (tolerance {tolerance})");
-}
+use blocksim_tests::{Run, close, run_blocks};
 
 /// Times at which modes end.
 fn modes(run: &Run, guard: &str) -> Vec<f64> {
@@ -61,7 +44,7 @@ const HARD: &str = "breakaway: 3.0, breakaway_velocity: 0.0, coulomb: 3.0";
 #[test]
 fn a_ramp_moves_a_disc_once_and_for_all() {
     for solver in SOLVERS {
-        let run = simulate("2 s", solver, &disc(r#"Ramp(slope: "5 N*m/s")"#, HARD), WIRES);
+        let run = run_blocks("2 s", solver, &disc(r#"Ramp(slope: "5 N*m/s")"#, HARD), WIRES);
         let times = modes(&run, "bearing");
         assert_eq!(times.len(), 1, "{solver}: {times:?}");
         close(times[0], 0.6, 1e-9, solver);
@@ -91,7 +74,7 @@ fn a_sine_breaks_a_disc_loose_twice_a_period() {
     }
     for solver in SOLVERS {
         let run =
-            simulate("10 s", solver, &disc(r#"Sine(amplitude: "5 N*m", frequency: "1 Hz")"#, HARD), WIRES);
+            run_blocks("10 s", solver, &disc(r#"Sine(amplitude: "5 N*m", frequency: "1 Hz")"#, HARD), WIRES);
         let times = modes(&run, "bearing");
         let due: Vec<f64> = expected.iter().copied().filter(|t| *t < 10.0).collect();
         assert_eq!(times.len(), due.len(), "{solver}: {times:?}");
@@ -111,11 +94,11 @@ fn stick_slip_over_a_falling_friction_has_the_same_events_with_all_methods() {
         "sensor": MotionSensor, "frame": RotationalReference, "scope": Scope(inputs: ["w"])"#;
     let wires = r#""pull.y -> drive.w", "drive.r <-> spring.r", "spring.c <-> disc.r <-> rail.r <-> sensor.r",
         "drive.c <-> rail.c <-> sensor.c <-> frame.r", "sensor.w -> scope.w""#;
-    let reference = modes(&simulate("1 s", "Ode45(rtol: 1e-11, atol: 1e-13)", blocks, wires), "rail");
+    let reference = modes(&run_blocks("1 s", "Ode45(rtol: 1e-11, atol: 1e-13)", blocks, wires), "rail");
     close(reference[0], 0.15, 1e-12, "the spring bears the breakaway torque");
     assert!(reference.len() > 6, "{reference:?}");
     for solver in SOLVERS {
-        let run = simulate("1 s", solver, blocks, wires);
+        let run = run_blocks("1 s", solver, blocks, wires);
         let times = modes(&run, "rail");
         assert_eq!(times.len(), reference.len(), "{solver}: {times:?} != {reference:?}");
         for (found, due) in times.iter().zip(&reference) {

@@ -2,19 +2,7 @@
 
 use std::f64::consts::PI;
 
-use blocksim_tests::{Run, compile_text, run};
-
-/// Runs a diagram of `blocks` and `connections`.
-fn simulate(stop: &str, solver: &str, blocks: &str, connections: &str) -> Run {
-    let text = format!(
-        "Diagram(simulation: (stop_time: \"{stop}\", solver: {solver}), \
-         blocks: {{ {blocks} }}, connections: [ {connections} ])"
-    );
-    let (compiled, problems) = compile_text(&text);
-    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
-    assert!(run.error.is_none(), "{:?}", run.error);
-    run
-}
+use blocksim_tests::{Run, run_blocks};
 
 #[track_caller]
 fn close(found: f64, expected: f64, tolerance: f64) {
@@ -32,7 +20,7 @@ const SOLVERS: [&str; 3] =
 #[test]
 fn a_coasting_flywheel_stops_after_j_w_over_t_and_stays() {
     for solver in SOLVERS {
-        let run = simulate(
+        let run = run_blocks(
             "10 s",
             solver,
             r#""disc": Inertia(j: 0.5, w0: 40.0),
@@ -74,7 +62,7 @@ fn a_disc_that_a_spring_pulls_sticks_and_slips_at_the_times_of_the_closed_form()
         expected.push(last + if expected.len() % 2 == 1 { slip } else { stick });
     }
     for solver in SOLVERS {
-        let run = simulate(
+        let run = run_blocks(
             "1.2 s",
             solver,
             r#""pull": Constant(value: "0.4 rad/s"), "drive": IdealSpeedSource, "spring": RotationalSpring(k: 50.0),
@@ -102,7 +90,7 @@ fn a_disc_that_a_spring_pulls_sticks_and_slips_at_the_times_of_the_closed_form()
 #[test]
 fn a_brake_holds_a_joint_under_gravity_without_creeping() {
     for solver in ["Ode45(rtol: 1e-6)", "RosW3(rtol: 1e-6)", "Ode4(step: 1e-3)"] {
-        let run = simulate(
+        let run = run_blocks(
             "32 s",
             solver,
             r#""apply": Pulse(period: "100 s", width: 0.01, delay: "30 s", amplitude: -1.0), "one": Constant(value: 1.0), "sum": Sum(signs: "++"),
@@ -132,7 +120,7 @@ fn a_brake_holds_a_joint_under_gravity_without_creeping() {
 #[test]
 fn locked_clutches_turn_as_one_in_every_bit() {
     for solver in SOLVERS {
-        let run = simulate(
+        let run = run_blocks(
             "3 s",
             solver,
             r#""press": Constant(value: 1.0), "a": Inertia(j: 0.2, w0: 100.0), "b": Inertia(j: 0.3), "c": Inertia(j: 0.5),
@@ -157,7 +145,7 @@ fn locked_clutches_turn_as_one_in_every_bit() {
 /// Two brakes hold in proportion to what they can; one cannot hold what both can.
 #[test]
 fn brakes_on_one_shaft_share_the_load_and_give_way_together() {
-    let run = simulate(
+    let run = run_blocks(
         "4 s",
         "Ode45(rtol: 1e-8)",
         r#""ramp": Ramp(slope: "5 N*m/s"), "push": IdealTorqueSource, "disc": Inertia(j: 0.5), "full": Constant(value: 1.0),
@@ -181,7 +169,7 @@ fn brakes_on_one_shaft_share_the_load_and_give_way_together() {
 /// A pedal drives a wheel, lets it overrun, and catches it up; at the start both collide.
 #[test]
 fn a_freewheel_locks_drives_and_overruns() {
-    let run = simulate(
+    let run = run_blocks(
         "3 s",
         "Ode45(rtol: 1e-8)",
         r#""tau": Step(time: "1 s", before: "4 N*m", after: "-8 N*m"), "foot": IdealTorqueSource,
@@ -246,7 +234,7 @@ fn an_arm_with_stiction_everywhere_runs_alike_with_all_methods() {
         wires("shoulder"),
         wires("elbow")
     );
-    let run = |solver: &str| simulate("4 s", solver, &blocks, &connections);
+    let run = |solver: &str| run_blocks("4 s", solver, &blocks, &connections);
     let reference = run("Ode45(rtol: 1e-10, atol: 1e-12)");
     assert!(reference.counts.events > 10 && reference.counts.events < 100, "{}", reference.counts.events);
     for (solver, tolerance) in [
@@ -270,7 +258,7 @@ fn a_brake_that_nothing_presses_has_no_modes_and_finds_the_right_one() {
     for solver in ["Auto", "Ode45(rtol: 1e-9)", "RosW3(rtol: 1e-9)", "Radau5(rtol: 1e-8)", "Ode4(step: 1e-4)"]
     {
         for sign in [1.0, -1.0] {
-            let run = simulate(
+            let run = run_blocks(
                 "2.02 s",
                 solver,
                 &format!(

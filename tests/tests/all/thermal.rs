@@ -1,6 +1,6 @@
 //! Thermal networks against closed forms, and parts whose heat flows into them.
 
-use blocksim_tests::{Run, compile_text, run_text};
+use blocksim_tests::{Run, problems, run_text};
 
 fn text(settings: &str, blocks: &str, connections: &str, shown: &str) -> String {
     format!(
@@ -14,14 +14,6 @@ fn text(settings: &str, blocks: &str, connections: &str, shown: &str) -> String 
 
 fn network(settings: &str, blocks: &str, connections: &str, shown: &str) -> Run {
     run_text(&text(settings, blocks, connections, shown))
-}
-
-fn problems(blocks: &str, connections: &str) -> String {
-    let (compiled, problems) = compile_text(&format!(
-        r#"Diagram(simulation: (stop_time: "1 s"), blocks: {{ {blocks} }}, connections: [{connections}])"#
-    ));
-    assert!(compiled.schedule.is_none(), "it compiles");
-    problems
 }
 
 /// A chain of equal bodies whose ends are insulated: each cosine of the place decays on its own, with

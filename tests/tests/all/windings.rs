@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use blocksim_tests::{Run, run_text};
+use blocksim_tests::{Run, close, run_text};
 
 /// A circuit with these blocks and connections, recorded by the scope `s`.
 fn circuit(stop: &str, blocks: &str, connections: &str, shown: &str) -> Run {
@@ -13,10 +13,6 @@ fn circuit(stop: &str, blocks: &str, connections: &str, shown: &str) -> Run {
     connections: [{connections}],
 )"#
     ))
-}
-
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected}");
 }
 
 /// The classical method of order four over two currents, from `t` on.

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{METHODS, try_run};
-use blocksim_tests::Run;
+use blocksim_tests::{Run, close};
 
 fn circuit(method: &str, stop: &str, blocks: &str, connections: &str, shown: &str) -> Run {
     let text = format!(
@@ -14,10 +14,6 @@ fn circuit(method: &str, stop: &str, blocks: &str, connections: &str, shown: &st
 )"#
     );
     try_run(&text).unwrap_or_else(|error| panic!("{method}: {error}"))
-}
-
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: {found} != {expected}");
 }
 
 /// Times at which a valve changes.
