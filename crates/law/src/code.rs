@@ -2,6 +2,7 @@
 
 use crate::passes::Map;
 use crate::{Domain, Id, Leaf, Op, Program, Root, Tape};
+use std::ops::Range;
 
 /// What comes from outside while a law is evaluated.
 #[derive(Debug, Clone, Copy, Default)]
@@ -21,7 +22,7 @@ pub struct Sources<'s> {
 }
 
 /// A requirement that is not met.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Failure {
     /// The instruction that requires it.
     pub at: Id,
@@ -29,6 +30,8 @@ pub struct Failure {
     pub domain: Domain,
     /// The number.
     pub value: f64,
+    /// The bytes of the text that it comes from, where there is one.
+    pub place: Option<Range<usize>>,
 }
 
 /// Some values of a program, ready to be computed: a tape with its sources, over as few registers as possible.
@@ -40,7 +43,7 @@ pub struct Code {
     registers: usize,
     results: Vec<u32>,
     /// The requirements among what is computed, in the order of the program.
-    requirements: Vec<(Id, Domain)>,
+    requirements: Vec<(Id, Domain, Option<Range<usize>>)>,
 }
 
 impl Code {
@@ -63,7 +66,7 @@ impl Code {
             });
         }
         let requirement = |id: Id| match ops[id.at()] {
-            Op::Require(domain, ..) => Some((id, domain)),
+            Op::Require(domain, ..) => Some((id, domain, program.instructions[id.at()].place.clone())),
             _ => None,
         };
         let roots: Vec<Root> = wanted
@@ -119,8 +122,8 @@ impl Code {
             };
         }
         let (at, value) = self.tape.run(&mut registers[..self.registers], &mut []).failed?;
-        let (_, domain) = self.requirements.iter().find(|(id, _)| *id == at)?;
-        Some(Failure { at, domain: *domain, value })
+        let (_, domain, place) = self.requirements.iter().find(|(id, ..)| *id == at)?;
+        Some(Failure { at, domain: *domain, value, place: place.clone() })
     }
 
     /// A value, in the order in which they were asked for.

@@ -24,6 +24,7 @@ mod op;
 mod print;
 mod program;
 mod recorder;
+mod replay;
 mod tangent;
 mod tape;
 
@@ -33,5 +34,6 @@ pub use code::{Code, Failure, Sources};
 pub use op::{Binary, Domain, Id, Op, Relation, Unary};
 pub use program::{Guard, Instruction, Memory, Mode, Program, State};
 pub use recorder::{Condition, Recorder, Value};
+pub use replay::{Outside, Replayed};
 pub use tangent::{rates, slopes, tangent};
 pub use tape::{Leaf, Machine, Made, Met, Ran, Root, Tape, Word, WordCode};

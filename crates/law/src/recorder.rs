@@ -48,9 +48,23 @@ impl Recorder {
         self.inner.borrow_mut().place = Some(place);
     }
 
-    fn push(&self, op: Op) -> Id {
+    /// The handle of a value that is recorded already.
+    pub(crate) fn handle(&self, id: Id) -> Value<'_> {
+        Value { of: self, id }
+    }
+
+    /// Lists a requirement that is recorded already.
+    pub(crate) fn requires(&self, id: Id) {
+        self.inner.borrow_mut().program.requirements.push(id);
+    }
+
+    pub(crate) fn push(&self, op: Op) -> Id {
+        let place = self.inner.borrow().place.clone();
+        self.push_at(op, place)
+    }
+
+    pub(crate) fn push_at(&self, op: Op, place: Option<Range<usize>>) -> Id {
         let mut inner = self.inner.borrow_mut();
-        let place = inner.place.clone();
         inner.program.instructions.push(Instruction { op, place, block: None });
         Id(inner.program.instructions.len() as u32 - 1)
     }

@@ -77,9 +77,14 @@ impl Unit {
         to_si(value, self.scale, self.offset)
     }
 
+    /// The whole number whose inverse is the scale, if there is one: what a value in SI is multiplied with for one rounding alone.
+    pub fn divisor(&self) -> Option<f64> {
+        divisor(self.scale)
+    }
+
     /// A value in SI, converted to this unit.
     pub fn from_si(&self, value: f64) -> f64 {
-        match divisor(self.scale) {
+        match self.divisor() {
             Some(divisor) => (value - self.offset) * divisor,
             None => (value - self.offset) / self.scale,
         }

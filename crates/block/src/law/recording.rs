@@ -3,7 +3,7 @@
 use std::cell::{OnceCell, RefCell};
 
 pub use blocksim_law::{Condition, Relation, Value};
-use blocksim_law::{Id, Program, Recorder};
+use blocksim_law::{Id, Outside, Program, Recorder, Replayed};
 use blocksim_signal::Shape;
 
 use crate::{Discrete, Interface};
@@ -149,6 +149,12 @@ impl<'r> Recording<'r> {
         let products = factors.iter().zip(values).filter(|(factor, _)| **factor != 0.0);
         let products = products.map(|(factor, value)| *factor * *value);
         products.reduce(|sum, product| sum + product).unwrap_or_else(|| self.constant(0.0))
+    }
+
+    /// Records a program as a part of the law, with these values for its inputs and for what its modes hold; its states are those of
+    /// the block.
+    pub fn replay(&self, program: &Program, inputs: &[Value<'r>], modes: &[Value<'r>]) -> Replayed<'r> {
+        self.recorder.replay(program, &Outside { inputs, states: &self.x, modes })
     }
 
     /// Says what element `i` of an output port is.

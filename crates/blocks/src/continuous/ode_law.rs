@@ -7,7 +7,7 @@ use blocksim_block::{MOST_PORTS, ParamError, ParamValue, count};
 use blocksim_law::{Condition, Recorder};
 use blocksim_signal::{Dimension, ExprError, Formula, NodeKind, closest};
 
-use crate::laws::{LawParameters, Part, Runner, constants, in_text, name_fits, record};
+use crate::laws::{LawParameters, Part, TextLaw, constants, in_text, name_fits, record};
 
 /// One equation.
 #[derive(Debug, Clone)]
@@ -34,10 +34,10 @@ pub(super) struct System {
     pub inputs: Vec<(String, bool)>,
     /// The definitions that depend on states alone and do not jump, by number, and their program.
     pub free: Vec<usize>,
-    pub of_free: Runner,
+    pub of_free: TextLaw,
     /// The other definitions, by number, and their program, which gives the rates behind them.
     pub bound: Vec<usize>,
-    pub of_bound: Runner,
+    pub of_bound: TextLaw,
 }
 
 /// A line of the text: `name' = formula` or `name = formula`.
@@ -233,8 +233,8 @@ impl System {
             .filter(|i| !definitions[*i].reads && build(&[*i], false).modes.is_empty())
             .collect();
         let bound: Vec<usize> = all.iter().copied().filter(|i| !free.contains(i)).collect();
-        let of_free = Runner::new(&build(&free, false), "law", text)?;
-        let of_bound = Runner::new(&build(&bound, true), "law", text)?;
+        let of_free = TextLaw::new(&build(&free, false), "law", text)?;
+        let of_bound = TextLaw::new(&build(&bound, true), "law", text)?;
         Ok(Self { rates, definitions, inputs, free, of_free, bound, of_bound })
     }
 

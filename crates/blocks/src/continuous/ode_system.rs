@@ -4,7 +4,7 @@ use blocksim_block::prelude::*;
 use blocksim_signal::{Quantity, Value as Written};
 
 use super::ode_law::{Dimensions, System, meant};
-use crate::laws::LawParameters;
+use crate::laws::{LawParameters, no_value};
 
 /// A system of differential equations that is written as text.
 ///
@@ -102,9 +102,6 @@ impl OdeSystem {
     }
 }
 
-/// Room for one evaluation.
-struct Room(Vec<f64>);
-
 impl Block for OdeSystem {
     fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
         self.built = Some(self.build());
@@ -161,59 +158,19 @@ impl Block for OdeSystem {
         Ok(system.of_bound.declare(interface, 1, &self.law))
     }
 
-    fn scratch(&self) -> Scratch {
-        let numbers = self.built().map_or(0, |built| built.of_free.numbers().max(built.of_bound.numbers()));
-        Scratch::new(Room(vec![0.0; numbers]))
+    fn law(&self, l: &Recording) -> bool {
+        let Some(system) = self.built() else { return false };
+        l.x().iter().enumerate().for_each(|(port, x)| l.set(port, 0, *x));
+        let free = system.of_free.record(l, 0, 0, 0);
+        let bound = system.of_bound.record(l, 0, system.of_free.modes(), system.of_free.guards());
+        let definitions = free.outputs.iter().chain(&bound.outputs);
+        definitions.enumerate().for_each(|(i, value)| l.set(system.rates.len() + i, 0, *value));
+        bound.derivatives.iter().enumerate().for_each(|(i, rate)| l.derive(i, *rate));
+        true
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        if let Some(system) = self.built() {
-            system.of_bound.settle(c, d, 1);
-        }
-    }
-
-    fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
-        let (Some(system), Some(Room(space))) = (self.built(), w.get::<Room>()) else { return };
-        let (states, free) = (system.rates.len(), system.free.len());
-        let (runner, at, n) = match group {
-            0 => (&system.of_bound, states + free, system.bound.len()),
-            _ => {
-                y[..states].copy_from_slice(c.x);
-                (&system.of_free, states, free)
-            }
-        };
-        if n == 0 {
-            return;
-        }
-        let take = |k: usize, value: f64| {
-            if k < n {
-                y[at + k] = value;
-            }
-        };
-        let c = if group == 0 { *c } else { Context { d: &[], ..*c } };
-        if let Some(failure) = runner.values(&c, 0, space, take) {
-            c.fail(runner.reason(&failure, &self.law));
-        }
-    }
-
-    fn derivatives(&self, c: &Context, w: &mut Scratch, dx: &mut [f64]) {
-        let (Some(system), Some(Room(space))) = (self.built(), w.get::<Room>()) else { return };
-        let n = system.bound.len();
-        let take = |k: usize, value: f64| {
-            if k >= n {
-                dx[k - n] = value;
-            }
-        };
-        if let Some(failure) = system.of_bound.values(c, 0, space, take) {
-            c.fail(system.of_bound.reason(&failure, &self.law));
-        }
-    }
-
-    fn guards(&self, c: &Context, w: &mut Scratch, g: &mut [f64]) {
-        let (Some(system), Some(Room(space))) = (self.built(), w.get::<Room>()) else { return };
-        let (free, bound) = g.split_at_mut(system.of_free.guard_count());
-        system.of_free.guards(&Context { d: &[], ..*c }, free, 1, space);
-        system.of_bound.guards(c, bound, 1, space);
+    fn no_value(&self, failure: &Failure, _c: &Context) -> Option<String> {
+        Some(no_value(failure, &self.law))
     }
 }
 

@@ -74,6 +74,32 @@ impl Reset {
         }
     }
 
+    /// The same as a law: whether it happens, and what the memory becomes.
+    pub(crate) fn fires_in<'r>(
+        self,
+        l: &Recording<'r>,
+        memory: Value<'r>,
+        value: Value<'r>,
+    ) -> (Condition<'r>, Value<'r>) {
+        let [zero, half, one, unseen] = [0.0, 0.5, 1.0, UNSEEN].map(|number| l.constant(number));
+        let is = |number| memory.live(Relation::Equal, number);
+        if self == Self::Level {
+            let is_on = value.live(Relation::Greater, zero);
+            return (is_on, is_on.select(one, -one));
+        }
+        let at_zero = is(one).select(-half, is(-one).select(half, is(unseen).select(zero, memory)));
+        let now = value.live(Relation::NotEqual, zero).select(value.signum(), at_zero);
+        let seen = !is(unseen);
+        let rises = seen.and(memory.live(Relation::LessEqual, zero)).and(now.live(Relation::Greater, zero));
+        let falls = seen.and(memory.live(Relation::GreaterEqual, zero)).and(now.live(Relation::Less, zero));
+        let fires = match self {
+            Self::Rising => rises,
+            Self::Falling => falls,
+            Self::Either | Self::None | Self::Level => rises.or(falls),
+        };
+        (fires, now)
+    }
+
     /// Whether the states are held at their initial values until the trigger lets go.
     pub(crate) fn holds(self, memory: f64) -> bool {
         self == Self::Level && memory == 1.0
@@ -108,6 +134,22 @@ impl Reset {
             Self::Level | Self::None => is_on,
         };
         Some((fires, is_on.select(on, off)))
+    }
+}
+
+impl Reset {
+    /// The same as [`sampled`](Self::sampled) for a block that is called: whether it happens, and what the memory becomes.
+    pub(crate) fn sampled_now(self, memory: f64, value: f64) -> (bool, f64) {
+        let is_on = value > 0.0;
+        let (rises, falls) = (memory == -1.0 && is_on, memory == 1.0 && !is_on);
+        let fires = match self {
+            Self::Rising => rises,
+            Self::Falling => falls,
+            Self::Either => rises || falls,
+            Self::Level => is_on,
+            Self::None => false,
+        };
+        (fires, if is_on { 1.0 } else { -1.0 })
     }
 }
 

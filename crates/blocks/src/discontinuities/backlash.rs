@@ -92,30 +92,29 @@ impl Block for Backlash {
         self.keep(c.u, d);
     }
 
-    /// Which flank carries is held between instants.
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let (last, flanks) = c.d.split_at(c.u.len());
-        for (((y, u), last), flank) in y.iter_mut().zip(c.u).zip(last).zip(flanks) {
-            *y = if u.is_nan() || *flank != NONE { u - flank * 0.5 * self.width } else { *last };
-        }
-    }
-
-    /// How far a flank has carried since the last step, or how far both are away; and the input in the direction in which it
-    /// carries, which has a maximum where it turns round.
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        let n = c.u.len();
-        let (last, flanks) = c.d.split_at(n);
-        for (i, ((u, last), flank)) in c.u.iter().zip(last).zip(flanks).enumerate() {
-            let right = match *flank {
+    /// Which flank carries is held between instants. The guards are how far a flank has carried since the last step, or how far both
+    /// are away; and the input in the direction in which it carries, which has a maximum where it turns round.
+    fn law(&self, l: &Recording) -> bool {
+        let n = l.input(0).len();
+        let [zero, half] = [0.0, 0.5 * self.width].map(|value| l.constant(value));
+        for (i, u) in l.input(0).iter().enumerate() {
+            let (last, flank) = (l.d()[i], l.d()[n + i]);
+            let rests = flank.live(Relation::Equal, l.constant(NONE));
+            let carried = *u - flank * 0.5 * self.width;
+            l.set(0, i, rests.and(u.is_number()).select(last, carried));
+            if self.width == 0.0 {
                 // Without play both flanks carry.
-                _ if self.width == 0.0 => 0.0,
-                NONE => 0.5 * self.width - (u - last).abs(),
-                flank => flank * (u - last) - 0.5 * self.width,
-            };
+                l.guard(i, zero);
+                l.guard(n + i, zero);
+                continue;
+            }
+            let distance = *u - last;
+            let right = rests.select(half - distance.abs(), flank * distance - half);
             let rounding = ROUNDING * (u.abs() + last.abs() + self.width);
-            g[i] = if right.abs() <= rounding { 0.0 } else { right };
-            g[n + i] = if self.width == 0.0 { 0.0 } else { flank * u };
+            l.guard(i, right.abs().live(Relation::LessEqual, rounding).select(zero, right));
+            l.guard(n + i, flank * *u);
         }
+        true
     }
 
     fn accept(&self, c: &Context, d: &mut [f64]) -> bool {

@@ -58,22 +58,20 @@ impl Block for HitCrossing {
         Ok(guarded.called("counts a crossing upwards", "counts a crossing downwards"))
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        let n = c.u.len();
-        for (i, u) in c.u.iter().enumerate() {
-            if self.edge().fires(&mut d[i], u - self.at) {
-                d[n + i] += 1.0;
-                d[2 * n + i] = c.t;
-            }
+    fn law(&self, l: &Recording) -> bool {
+        let n = l.input(0).len();
+        for (i, u) in l.input(0).iter().enumerate() {
+            let [side, count, time] = [i, n + i, 2 * n + i].map(|at| l.d()[at]);
+            let distance = *u - self.at;
+            let (fires, side) = self.edge().fires_in(l, side, distance);
+            l.settle(i, side);
+            l.settle(n + i, fires.select(count + 1.0, count));
+            l.settle(2 * n + i, fires.select(l.time(), time));
+            l.set(0, i, count);
+            l.set(1, i, time);
+            l.guard(i, distance);
         }
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.copy_from_slice(&c.d[c.u.len()..]);
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        g.iter_mut().zip(c.u).for_each(|(g, u)| *g = u - self.at);
+        true
     }
 }
 

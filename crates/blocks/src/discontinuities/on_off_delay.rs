@@ -42,24 +42,20 @@ impl Block for OnOffDelay {
             .time_events())
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        let u = c.scalar(0);
-        if d[STARTED] == 0.0 {
-            d.copy_from_slice(&[u, -1.0, 1.0]);
-        } else if u == d[Y] {
-            d[DUE] = -1.0;
-        } else {
-            if d[DUE] < 0.0 {
-                d[DUE] = c.t + if u == 1.0 { self.on } else { self.off };
-            }
-            if c.t >= d[DUE] {
-                (d[Y], d[DUE]) = (u, -1.0);
-            }
-        }
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y[0] = c.d[Y];
+    fn law(&self, l: &Recording) -> bool {
+        let (u, t) = (l.u(0), l.time());
+        let [y, due, started] = [Y, DUE, STARTED].map(|i| l.d()[i]);
+        let [none, zero, one] = [-1.0, 0.0, 1.0].map(|value| l.constant(value));
+        let is_started = started.live(Relation::NotEqual, zero);
+        let wait = u.live(Relation::Equal, one).select(l.constant(self.on), l.constant(self.off));
+        let due = due.live(Relation::Less, zero).select(t + wait, due);
+        let is_due = t.live(Relation::GreaterEqual, due);
+        let stays = u.live(Relation::Equal, y);
+        l.settle(Y, is_started.select(stays.select(y, is_due.select(u, y)), u));
+        l.settle(DUE, is_started.and(!stays).and(!is_due).select(due, none));
+        l.settle(STARTED, one);
+        l.set(0, 0, y);
+        true
     }
 
     fn next_event(&self, c: &Context) -> f64 {

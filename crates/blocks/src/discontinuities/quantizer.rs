@@ -18,9 +18,10 @@ pub struct Quantizer {
 
 impl Quantizer {
     /// How much is left of the half interval around a value.
-    fn left(&self, u: f64, y: f64) -> f64 {
-        let left = 0.5 * self.interval - (u - y).abs();
-        if left.abs() <= ROUNDING * (u.abs() + self.interval) { 0.0 } else { left }
+    fn left<'r>(&self, l: &Recording<'r>, u: Value<'r>, y: Value<'r>) -> Value<'r> {
+        let left = l.constant(0.5 * self.interval) - (u - y).abs();
+        let rounding = ROUNDING * (u.abs() + self.interval);
+        left.abs().live(Relation::LessEqual, rounding).select(l.constant(0.0), left)
     }
 }
 
@@ -44,24 +45,19 @@ impl Block for Quantizer {
         Ok(interface.guard_each_when(Crossing::Holds, "level", n).called_by_mode())
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        for (y, u) in d.iter_mut().zip(c.u) {
-            let number = (u / self.interval).round();
-            *y = self.interval * number;
-            // The quotient may be rounded to a half from beyond it; what decides is the guard.
-            if self.left(*u, *y) < 0.0 {
-                *y = self.interval * (number + 1.0_f64.copysign(u - *y));
-            }
-        }
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.copy_from_slice(c.d);
-    }
-
     /// A value holds up to half an interval away from it, halves included on both sides.
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        g.iter_mut().zip(c.u).zip(c.d).for_each(|((g, u), y)| *g = self.left(*u, *y));
+    fn law(&self, l: &Recording) -> bool {
+        for (i, u) in l.input(0).iter().enumerate() {
+            let number = (*u / self.interval).nearest();
+            let nearest = self.interval * number;
+            // The quotient may be rounded to a half from beyond it; what decides is the guard.
+            let beyond = self.left(l, *u, nearest).live(Relation::Less, l.constant(0.0));
+            let next = self.interval * (number + (*u - nearest).signum());
+            l.settle(i, beyond.select(next, nearest));
+            l.set(0, i, l.d()[i]);
+            l.guard(i, self.left(l, *u, l.d()[i]));
+        }
+        true
     }
 }
 

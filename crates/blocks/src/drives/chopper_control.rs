@@ -46,20 +46,14 @@ impl Block for ChopperControl {
             .settles())
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        if c.scalar(0) >= self.on_at {
-            d[0] = 1.0;
-        } else if c.scalar(0) <= self.off_at {
-            d[0] = 0.0;
-        }
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y[0] = c.d[0];
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        g[0] = c.scalar(0) - if c.d[0] == 1.0 { self.off_at } else { self.on_at };
+    fn law(&self, l: &Recording) -> bool {
+        let (vdc, on) = (l.u(0), l.d()[0]);
+        let [on_at, off_at] = [self.on_at, self.off_at].map(|level| l.constant(level));
+        let stays = vdc.live(Relation::LessEqual, off_at).select(l.constant(0.0), on);
+        l.settle(0, vdc.live(Relation::GreaterEqual, on_at).select(l.constant(1.0), stays));
+        l.set(0, 0, on);
+        l.guard(0, vdc - on.is_true().select(off_at, on_at));
+        true
     }
 }
 

@@ -25,9 +25,12 @@ impl Block for Clarke {
             .output(Output::like("zero", PortType::scalar().of(unit)).doc("mean of the phases")))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let ([alpha, beta], zero) = transforms::clarke([c.u[0], c.u[1], c.u[2]]);
-        y.copy_from_slice(&[alpha, beta, zero]);
+    fn law(&self, l: &Recording) -> bool {
+        let ([alpha, beta], zero) = transforms::clarke([0, 1, 2].map(|i| l.input(0)[i]));
+        l.set(0, 0, alpha);
+        l.set(0, 1, beta);
+        l.set(1, 0, zero);
+        true
     }
 }
 

@@ -57,34 +57,27 @@ impl Block for DirectionReverser {
             .time_events())
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        let u = c.scalar(0);
-        if d[CHOSEN] == 0.0 {
-            d[CHOSEN] = 1.0;
-            d[REVERSED] = f64::from(u < 0.0);
-            return;
-        }
-        let reversed = d[REVERSED] == 1.0;
-        let turns = if reversed { u > self.hysteresis } else { u < -self.hysteresis };
-        if turns && c.t >= d[UNTIL] {
-            d[REVERSED] = f64::from(!reversed);
-            d[UNTIL] = c.t + self.hold;
-        }
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let (u, reversed) = (c.scalar(0), c.d[REVERSED]);
-        y[0] = reversed;
-        let along = if reversed == 1.0 { -u } else { u };
-        y[1] = if along < 0.0 { 0.0 } else { along };
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        let (u, reversed) = (c.scalar(0), c.d[REVERSED] == 1.0);
-        let side = if reversed { -1.0 } else { 1.0 };
+    fn law(&self, l: &Recording) -> bool {
+        let (u, t) = (l.u(0), l.time());
+        let [reversed, until, chosen] = [REVERSED, UNTIL, CHOSEN].map(|i| l.d()[i]);
+        let [zero, one] = [0.0, 1.0].map(|value| l.constant(value));
+        let is_reversed = reversed.is_true();
+        let beyond = u.live(Relation::Greater, l.constant(self.hysteresis));
+        let below = u.live(Relation::Less, l.constant(-self.hysteresis));
+        let turns = is_reversed.choose(beyond, below).and(t.live(Relation::GreaterEqual, until));
+        let was_chosen = chosen.is_true();
+        let sign = u.live(Relation::Less, zero).number();
+        l.settle(REVERSED, was_chosen.select(turns.select((!is_reversed).number(), reversed), sign));
+        l.settle(UNTIL, was_chosen.and(turns).select(t + self.hold, until));
+        l.settle(CHOSEN, one);
+        l.set(0, 0, reversed);
+        let along = is_reversed.select(-u, u);
+        l.set(1, 0, along.live(Relation::Less, zero).select(zero, along));
+        let side = is_reversed.select(-one, one);
         // While the direction is held the command may pass the point unseen; the end of that time is an event of its own.
-        g[0] = if c.t <= c.d[UNTIL] { side } else { u + side * self.hysteresis };
-        g[1] = u;
+        l.guard(0, t.live(Relation::LessEqual, until).select(side, u + side * self.hysteresis));
+        l.guard(1, u);
+        true
     }
 
     fn next_event(&self, c: &Context) -> f64 {

@@ -36,11 +36,12 @@ impl Block for DutyCycles {
             .output(Output::like("modulation", three).doc("of each leg, -1 (always low) to 1 (always high)")))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let v = c.input(V);
-        let duties = self.modulation.references([v[0], v[1], v[2]], c.scalar(VDC)).map(duty);
-        y[c.output(0)].copy_from_slice(&duties);
-        y[c.output(1)].copy_from_slice(&duties.map(|d| 2.0 * d - 1.0));
+    fn law(&self, l: &Recording) -> bool {
+        let v = [0, 1, 2].map(|phase| l.input(V)[phase]);
+        let duties = self.modulation.references(v, l.u(VDC)).map(duty);
+        l.each(0, |leg| duties[leg]);
+        l.each(1, |leg| 2.0 * duties[leg] - 1.0);
+        true
     }
 }
 

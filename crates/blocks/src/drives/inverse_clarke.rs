@@ -25,8 +25,10 @@ impl Block for InverseClarke {
             .output(Output::like("abc", PortType::vector(3).of(unit)).doc("phases a, b, c")))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.copy_from_slice(&transforms::inverse_clarke([c.u[0], c.u[1]], c.u[2]));
+    fn law(&self, l: &Recording) -> bool {
+        let phases = transforms::inverse_clarke([0, 1].map(|i| l.input(0)[i]), l.u(1));
+        l.each(0, |i| phases[i]);
+        true
     }
 }
 

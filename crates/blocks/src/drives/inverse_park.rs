@@ -27,8 +27,11 @@ impl Block for InversePark {
             ))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.copy_from_slice(&transforms::park([c.u[0], c.u[1]], -c.u[2]));
+    fn law(&self, l: &Recording) -> bool {
+        let theta = l.u(1);
+        let axes = transforms::park([0, 1].map(|i| l.input(0)[i]), (-theta.sin(), theta.cos()));
+        l.each(0, |i| axes[i]);
+        true
     }
 }
 

@@ -26,8 +26,11 @@ impl Block for Park {
             .output(Output::like("dq", PortType::vector(2).of(unit)).doc("axes that turn: d, q")))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        y.copy_from_slice(&transforms::park([c.u[0], c.u[1]], c.u[2]));
+    fn law(&self, l: &Recording) -> bool {
+        let theta = l.u(1);
+        let dq = transforms::park([0, 1].map(|i| l.input(0)[i]), (theta.sin(), theta.cos()));
+        l.each(0, |i| dq[i]);
+        true
     }
 }
 

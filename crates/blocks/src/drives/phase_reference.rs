@@ -26,9 +26,6 @@ pub struct PhaseReference {
 const V: usize = 0;
 const F: usize = 1;
 
-/// Groups of outputs: the voltages, and the angle, which does not depend on the amplitude.
-const ABC: usize = 0;
-
 impl Block for PhaseReference {
     fn check(&self) -> Result<(), ParamError> {
         finite("theta0", self.theta0)
@@ -45,19 +42,13 @@ impl Block for PhaseReference {
             .turning_state(0))
     }
 
-    fn outputs(&self, group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let theta = c.x[0];
-        if group == ABC {
-            let (sin, cos) = theta.sin_cos();
-            let v = c.scalar(V);
-            y[c.output(0)].copy_from_slice(&transforms::inverse_clarke([v * cos, v * sin], 0.0));
-        } else {
-            y[c.output(1)][0] = theta;
-        }
-    }
-
-    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
-        dx[0] = TAU * c.scalar(F);
+    fn law(&self, l: &Recording) -> bool {
+        let (theta, v) = (l.x()[0], l.u(V));
+        let phases = transforms::inverse_clarke([v * theta.cos(), v * theta.sin()], l.constant(0.0));
+        phases.into_iter().enumerate().for_each(|(i, phase)| l.set(0, i, phase));
+        l.set(1, 0, theta);
+        l.derive(0, TAU * l.u(F));
+        true
     }
 }
 
@@ -90,7 +81,7 @@ mod tests {
     #[test]
     fn the_angle_does_not_read_the_amplitude_nor_the_voltages_the_frequency() {
         let interface = PhaseReference { theta0: 0.0 }.interface(&Given::nothing()).unwrap();
-        assert!(interface.reads(ABC, V) && !interface.reads(ABC, F));
+        assert!(interface.reads(0, V) && !interface.reads(0, F));
         assert!(!interface.reads(1, V) && !interface.reads(1, F));
         assert_eq!(PhaseReference { theta0: f64::NAN }.check().unwrap_err().param, "theta0");
     }

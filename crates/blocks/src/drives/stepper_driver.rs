@@ -80,11 +80,14 @@ impl Drive {
     }
 
     /// Shares of the amplitude of both phases at a position.
-    fn phases(self, n: f64) -> [f64; 2] {
+    fn phases<'r>(self, l: &Recording<'r>, n: Value<'r>) -> [Value<'r>; 2] {
         // The turn of four full steps is reduced first, so that many positions lose no digits.
         let turn = 4.0 * f64::from(self.positions());
-        let phi = n.rem_euclid(turn) * FRAC_PI_2 / f64::from(self.positions());
-        let sign = |x: f64| if x.abs() < 1e-9 { 0.0 } else { x.signum() };
+        let phi = (n - turn * (n / turn).below()) * FRAC_PI_2 / f64::from(self.positions());
+        let sign = |x: Value<'r>| {
+            let is_zero = x.abs().live(Relation::Less, l.constant(1e-9));
+            is_zero.select(l.constant(0.0), x.signum())
+        };
         match self {
             Self::Full => [(phi + FRAC_PI_4).cos(), (phi + FRAC_PI_4).sin()].map(sign),
             Self::Wave | Self::Half => [phi.cos(), phi.sin()].map(sign),
@@ -103,7 +106,7 @@ const WAS: usize = 1;
 
 impl StepperDriver {
     /// The position, not rounded, at which the field stands at an angle of the rotor.
-    fn wanted(&self, angle: f64, teeth: u32) -> f64 {
+    fn wanted<'r>(&self, angle: Value<'r>, teeth: u32) -> Value<'r> {
         angle * f64::from(teeth) * f64::from(self.drive.positions()) / FRAC_PI_2 - self.drive.ahead()
     }
 }
@@ -147,35 +150,31 @@ impl Block for StepperDriver {
             .settles())
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
+    fn law(&self, l: &Recording) -> bool {
+        let (n, [zero, one]) = (l.d()[N], [0.0, 1.0].map(|value| l.constant(value)));
+        for (port, phase) in self.drive.phases(l, n).into_iter().enumerate() {
+            l.set(port, 0, self.amplitude * phase);
+        }
+        l.set(2, 0, n);
         match self.command {
             Command::Pulses => {
-                let step = c.scalar(STEP);
-                if step != 0.0 && d[WAS] == 0.0 {
-                    d[N] += if c.scalar(REVERSE) == 0.0 { 1.0 } else { -1.0 };
-                }
-                d[WAS] = f64::from(step != 0.0);
+                let is_on = l.u(STEP).live(Relation::NotEqual, zero);
+                let rises = is_on.and(l.d()[WAS].live(Relation::Equal, zero));
+                let by = l.u(REVERSE).live(Relation::Equal, zero).select(one, -one);
+                l.settle(N, rises.select(n + by, n));
+                l.settle(WAS, is_on.number());
             }
             Command::Angle { teeth } => {
-                let wanted = self.wanted(c.scalar(0), teeth);
+                let wanted = self.wanted(l.u(0), teeth);
+                let ahead = wanted - n;
                 // Neither NaN nor a tie moves the motor.
-                if (wanted - d[N]).abs() > 0.5 {
-                    d[N] = wanted.round();
-                }
+                let moves = ahead.abs().live(Relation::Greater, l.constant(0.5));
+                l.settle(N, moves.select(wanted.nearest(), n));
+                l.guard(0, ahead - 0.5);
+                l.guard(1, ahead + 0.5);
             }
         }
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let [a, b] = self.drive.phases(c.d[N]);
-        y.copy_from_slice(&[self.amplitude * a, self.amplitude * b, c.d[N]]);
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        if let Command::Angle { teeth } = self.command {
-            let ahead = self.wanted(c.scalar(0), teeth) - c.d[N];
-            (g[0], g[1]) = (ahead - 0.5, ahead + 0.5);
-        }
+        true
     }
 }
 
@@ -223,7 +222,12 @@ mod tests {
             assert!((a - 2.0 * phi.cos()).abs() < 1e-14 && (b - 2.0 * phi.sin()).abs() < 1e-14, "{k}");
         }
         // After a hundred million turns the phases are the same bits.
-        assert_eq!(Drive::Micro(5).phases(3.0), Drive::Micro(5).phases(3.0 + 20.0 * 1e8));
+        let mut bench = Bench::new(StepperDriver { drive: Drive::Micro(5), ..DRIVER });
+        let mut phases = |n: f64| {
+            bench.d[N] = n;
+            bench.minor()[..2].to_vec()
+        };
+        assert_eq!(phases(3.0), phases(3.0 + 20.0 * 1e8));
     }
 
     #[test]

@@ -1,12 +1,14 @@
-//! Laws that are written as text: from formulas to a program, and the program as the engine runs it.
+//! Laws that are written as text: from formulas to a program, and the program as the law of a block.
 
+mod formulas;
 mod parameters;
 mod record;
-mod runner;
+mod text_law;
 
+pub(crate) use formulas::Formulas;
 pub(crate) use parameters::{LawParameters, name_fits};
 pub(crate) use record::{Part, constants, record};
-pub(crate) use runner::Runner;
+pub(crate) use text_law::{TextLaw, no_value};
 
 use blocksim_block::ParamError;
 use blocksim_signal::ExprError;

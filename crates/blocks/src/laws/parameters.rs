@@ -9,7 +9,7 @@ use blocksim_signal::{Dimension, Function, Value, closest};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LawParameters<'p>(pub &'p BTreeMap<String, ParamValue>);
 
-impl LawParameters<'_> {
+impl<'p> LawParameters<'p> {
     /// Whether each is a number or a truth value of a name that a law can use.
     ///
     /// # Errors
@@ -34,7 +34,7 @@ impl LawParameters<'_> {
     }
 
     /// The names.
-    pub fn names(&self) -> Vec<&str> {
+    pub fn names(self) -> Vec<&'p str> {
         self.0.keys().map(String::as_str).collect()
     }
 

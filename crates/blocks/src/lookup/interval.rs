@@ -76,11 +76,17 @@ impl<F: Fn(usize) -> bool> Kinks<'_, F> {
         (0..self.breakpoints.len()).any(&self.is_kink)
     }
 
+    /// The next breakpoints with a kink above and below a place with `at` breakpoints at or below it.
+    pub fn next(&self, at: usize) -> [Option<usize>; 2] {
+        let above = (at..self.breakpoints.len()).find(|&i| (self.is_kink)(i));
+        let below = (0..at).rev().find(|&i| (self.is_kink)(i));
+        [above, below]
+    }
+
     /// How far `u` is beyond the next kink above and the next below a place with `at` breakpoints at or below it. Without a
     /// kink there, a value that keeps its sign.
     pub fn around(&self, at: usize, u: f64) -> [f64; 2] {
-        let above = (at..self.breakpoints.len()).find(|&i| (self.is_kink)(i));
-        let below = (0..at).rev().find(|&i| (self.is_kink)(i));
+        let [above, below] = self.next(at);
         [above.map_or(-1.0, |i| u - self.breakpoints[i]), below.map_or(1.0, |i| u - self.breakpoints[i])]
     }
 }

@@ -112,6 +112,20 @@ impl LookupTable1D {
         }
     }
 
+    /// How far `u` is beyond the next kinks above and below a place with `at` breakpoints at or below it, see [`Kinks::around`].
+    fn kinks_of<'r>(&self, l: &Recording<'r>, u: Value<'r>, at: Value<'r>) -> [Value<'r>; 2] {
+        let none = [-1.0, 1.0].map(|number| l.constant(number));
+        let kinks = self.kinks();
+        (0..=self.breakpoints.len()).fold(none, |[above, below], place| {
+            let here = at.live(Relation::Equal, l.constant(place as f64));
+            let distance = |side: usize| {
+                let kink = kinks.next(place)[side];
+                kink.map_or(none[side], |i| u - self.breakpoints[i])
+            };
+            [here.select(distance(0), above), here.select(distance(1), below)]
+        })
+    }
+
     fn smooth(&self, u: f64) -> f64 {
         let (x, y) = (&self.breakpoints, &self.table);
         let (i, share) = share(x, u, self.extrapolation);
@@ -144,6 +158,9 @@ fn both(
     interface.called("passes a breakpoint upwards", "passes a breakpoint downwards")
 }
 
+/// Most breakpoints of a table that is a law: of more, the place of a value is searched for.
+const FEW: usize = 32;
+
 impl Block for LookupTable1D {
     fn check(&self) -> Result<(), ParamError> {
         let ends = if self.steps() { Extrapolation::Clip } else { self.extrapolation };
@@ -174,6 +191,44 @@ impl Block for LookupTable1D {
             }
         }
         Ok(interface)
+    }
+
+    /// Straight lines of few breakpoints; all others are called.
+    fn law(&self, l: &Recording) -> bool {
+        let (x, y) = (&self.breakpoints, &self.table);
+        if self.interpolation != Interpolation::Linear || !(2..=FEW).contains(&x.len()) {
+            return false;
+        }
+        let ends = |values: &[f64], i: usize| [l.constant(values[i]), l.constant(values[i + 1])];
+        for i in 0..l.width(0) {
+            let u = l.element(0, i);
+            let ([mut x0, mut x1], [mut y0, mut y1]) = (ends(x, 0), ends(y, 0));
+            for k in 1..x.len() - 1 {
+                let beyond = u.live(Relation::GreaterEqual, l.constant(x[k]));
+                let ([a, b], [c, d]) = (ends(x, k), ends(y, k));
+                (x0, x1) = (beyond.select(a, x0), beyond.select(b, x1));
+                (y0, y1) = (beyond.select(c, y0), beyond.select(d, y1));
+            }
+            let share = (u - x0) / (x1 - x0);
+            let share = match self.extrapolation {
+                Extrapolation::Clip => share.clamp(l.constant(0.0), l.constant(1.0)),
+                Extrapolation::Linear => share,
+            };
+            let line = y0 + share * (y1 - y0);
+            l.set(0, i, share.live(Relation::Equal, l.constant(1.0)).select(y1, line));
+            if l.guards() > 0 {
+                let [above, below] = self.kinks_of(l, u, l.d()[i]);
+                l.guard(2 * i, above);
+                l.guard(2 * i + 1, below);
+                let [zero, one] = [0.0, 1.0].map(|number| l.constant(number));
+                let passed = x.iter().fold(zero, |passed, breakpoint| {
+                    let is_passed = u.live(Relation::GreaterEqual, l.constant(*breakpoint));
+                    passed + is_passed.select(one, zero)
+                });
+                l.settle(i, passed);
+            }
+        }
+        true
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {

@@ -43,15 +43,17 @@ impl Block for Convert {
         Ok(Interface::new().input(input).output(Output::real("y").shape(u.shape)))
     }
 
-    fn scratch(&self) -> Scratch {
-        Scratch::new(self.unit())
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
-        match w.get::<Option<Unit>>() {
-            Some(Some(unit)) => y.iter_mut().zip(c.u).for_each(|(y, u)| *y = unit.from_si(*u)),
-            _ => y.copy_from_slice(c.u),
-        }
+    fn law(&self, l: &Recording) -> bool {
+        let unit = self.unit();
+        l.each(0, |i| {
+            let u = l.element(0, i);
+            match unit.as_ref().map(|unit| (unit, unit.divisor())) {
+                Some((unit, Some(divisor))) => (u - unit.offset) * divisor,
+                Some((unit, None)) => (u - unit.offset) / unit.scale,
+                None => u,
+            }
+        });
+        true
     }
 }
 

@@ -1,5 +1,7 @@
 //! Values over time between given points, with what follows the last of them.
 
+use blocksim_block::Interface;
+use blocksim_block::law::Recording;
 use serde::Deserialize;
 
 use super::table::Table;
@@ -18,11 +20,16 @@ pub enum After {
     Cyclic,
 }
 
+/// Discrete states: the times between which the straight line of the moment lies, then its values at both, column by column.
+const FROM: usize = 0;
+const TO: usize = 1;
+const VALUES: usize = 2;
+
 /// A place in the table: `passed` lines of the cycle are not later than now.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Place {
-    pub cycle: f64,
-    pub passed: usize,
+struct Place {
+    cycle: f64,
+    passed: usize,
 }
 
 /// A table with what lies between and behind its lines.
@@ -54,11 +61,11 @@ impl Course {
     }
 
     /// Time of a line.
-    pub fn time(&self, cycle: f64, line: usize) -> f64 {
+    fn time(&self, cycle: f64, line: usize) -> f64 {
         self.shifted(cycle, self.table.times[line])
     }
 
-    pub fn place(&self, t: f64) -> Place {
+    fn place(&self, t: f64) -> Place {
         let (times, period) = (&self.table.times, self.period());
         let mut cycle = 0.0;
         if period > 0.0 && t >= times[0] {
@@ -79,26 +86,55 @@ impl Course {
         &self.table.values[line * n..(line + 1) * n]
     }
 
-    /// The value at `t` on the branch of `place`, which may be the one before `t`.
-    pub fn value(&self, place: Place, t: f64, column: usize) -> f64 {
+    /// Keeps the straight line that holds from `t` on: the times between which it lies, then the values there, column by column.
+    pub fn keep(&self, t: f64, d: &mut [f64]) {
+        let place = self.place(t);
         let last = self.table.times.len() - 1;
-        let on_line = |from: usize| {
-            let (t0, t1) = (self.time(place.cycle, from), self.time(place.cycle, from + 1));
-            if self.held {
-                return self.line(from)[column];
-            }
-            let (v0, v1) = (self.line(from)[column], self.line(from + 1)[column]);
-            if t1 > t0 { v0 + (v1 - v0) * ((t - t0) / (t1 - t0)) } else { v1 }
-        };
-        match place.passed {
-            0 => self.line(0)[column],
-            passed if passed <= last => on_line(passed - 1),
+        // From the line before to the one behind; both are the same where the value is constant.
+        let lines = match place.passed {
+            0 => Some([0, 0]),
+            passed if passed <= last && self.held => Some([passed - 1; 2]),
+            passed if passed <= last => Some([passed - 1, passed]),
             _ => match self.after {
-                After::Zero => 0.0,
-                After::Extrapolate if last > 0 => on_line(last - 1),
-                _ => self.line(last)[column],
+                After::Zero => None,
+                // The last straight line of what is held is the last value.
+                After::Extrapolate if last > 0 && !self.held => Some([last - 1, last]),
+                _ => Some([last; 2]),
             },
+        };
+        let times = lines.map_or([0.0; 2], |lines| lines.map(|line| self.time(place.cycle, line)));
+        // A jump has no line of its own: the value behind it holds.
+        let (times, lines) = match lines {
+            Some([_, to]) if times[1] <= times[0] => ([0.0, 1.0], Some([to; 2])),
+            None => ([0.0, 1.0], None),
+            lines => (times, lines),
+        };
+        d[FROM..VALUES].copy_from_slice(&times);
+        for (column, pair) in d[VALUES..].chunks_exact_mut(2).enumerate() {
+            let values = lines.map_or([0.0; 2], |lines| lines.map(|line| self.line(line)[column]));
+            pair.copy_from_slice(&values);
         }
+    }
+
+    /// The interface with the discrete states for a straight line of `n` columns.
+    pub fn declare(interface: Interface, n: usize) -> Interface {
+        interface
+            .discrete("from", 0.0)
+            .discrete("to", 1.0)
+            .memory("values", 2 * n, 0.0)
+            .uses_time()
+            .settles()
+            .time_events()
+    }
+
+    /// The law of the straight line that is kept.
+    pub fn record(l: &Recording) {
+        let (d, t) = (l.d(), l.time());
+        let share = (t - d[FROM]) / (d[TO] - d[FROM]);
+        l.each(0, |column| {
+            let (v0, v1) = (d[VALUES + 2 * column], d[VALUES + 2 * column + 1]);
+            v0 + (v1 - v0) * share
+        });
     }
 
     /// When the next line comes; never behind the last one.

@@ -1,4 +1,4 @@
-use super::course::{After, Course, Place};
+use super::course::{After, Course};
 use super::table::{Fault, parse};
 use blocksim_block::prelude::*;
 
@@ -65,30 +65,25 @@ impl Block for FromFile {
         let n = self.course.table.columns.len().max(self.columns.len());
         let shape = if n > 1 { Shape::Vector(n) } else { Shape::Scalar };
         let dimension = self.course.table.dimension().ok().flatten();
-        Ok(Interface::new()
-            .output(Output::real("y").shape(shape).dimension(dimension))
-            .discrete("cycle", 0.0)
-            .discrete("passed", 0.0)
-            .uses_time()
-            .settles()
-            .time_events())
+        Ok(Course::declare(Interface::new().output(Output::real("y").shape(shape).dimension(dimension)), n))
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {
         if !self.course.table.times.is_empty() {
-            let place = self.course.place(c.t);
-            d.copy_from_slice(&[place.cycle, place.passed as f64]);
+            self.course.keep(c.t, d);
         }
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+    fn law(&self, l: &Recording) -> bool {
         if self.course.table.times.is_empty() {
-            return c.fail(format!("`{}` has not been read", self.file));
+            return false;
         }
-        let place = Place { cycle: c.d[0], passed: c.d[1] as usize };
-        for (column, y) in y.iter_mut().enumerate() {
-            *y = self.course.value(place, c.t, column);
-        }
+        Course::record(l);
+        true
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, _y: &mut [f64]) {
+        c.fail(format!("`{}` has not been read", self.file));
     }
 
     fn next_event(&self, c: &Context) -> f64 {

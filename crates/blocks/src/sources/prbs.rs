@@ -59,12 +59,6 @@ const TAPS: [&[u32]; 23] = [
     &[24, 23, 22, 17],
 ];
 
-/// The contents of a register after the next shift.
-fn shifted(register: u32, n: usize) -> u32 {
-    let fed = TAPS[n - 2].iter().fold(0, |fed, tap| fed ^ (register >> (tap - 1)) & 1);
-    ((register << 1) | fed) & ((1 << n) - 1)
-}
-
 impl Block for Prbs {
     fn check(&self) -> Result<(), ParamError> {
         positive("ts", self.ts)?;
@@ -82,19 +76,24 @@ impl Block for Prbs {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let parameters = [("amplitude", self.amplitude), ("bias", self.bias)];
         let dimension = crate::math::elements::common_unit(given, &parameters)?;
-        Ok(Interface::new()
-            .output(Output::real("y").dimension(Some(dimension)))
-            .discrete("register", f64::from(self.start))
-            .sampled(self.ts))
+        let interface = Interface::new().output(Output::real("y").dimension(Some(dimension)));
+        let bit = |i: usize| f64::from((self.start >> i) & 1);
+        let bits = (0..self.register).fold(interface, |all, i| all.discrete(format!("bit[{i}]"), bit(i)));
+        Ok(bits.sampled(self.ts))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let is_high = (c.d[0] as u32 >> (self.register - 1)) & 1 == 1;
-        y[0] = self.bias + if is_high { self.amplitude } else { -self.amplitude };
-    }
-
-    fn update(&self, _c: &Context, _w: &mut Scratch, d: &mut [f64]) {
-        d[0] = f64::from(shifted(d[0] as u32, self.register));
+    /// Each bit of the register is a discrete state; the last one is what comes out, and the first becomes the sum of those that
+    /// are fed back, without carry.
+    fn law(&self, l: &Recording) -> bool {
+        let bits: Vec<Condition> = l.d().iter().map(|bit| bit.is_true()).collect();
+        let [high, low] = [self.amplitude, -self.amplitude].map(|side| l.constant(self.bias + side));
+        l.set(0, 0, bits[self.register - 1].select(high, low));
+        let fed = TAPS[self.register - 2].iter().map(|tap| bits[*tap as usize - 1]);
+        let fed = fed.reduce(|sum, bit| sum.xor(bit));
+        fed.into_iter().chain(bits.iter().copied()).take(self.register).enumerate().for_each(|(i, bit)| {
+            l.update(i, bit.number());
+        });
+        true
     }
 }
 
@@ -102,6 +101,12 @@ impl Block for Prbs {
 mod tests {
     use super::*;
     use blocksim_block::testing::Bench;
+
+    /// The contents of a register after the next shift, as a whole number.
+    fn shifted(register: u32, n: usize) -> u32 {
+        let fed = TAPS[n - 2].iter().fold(0, |fed, tap| fed ^ (register >> (tap - 1)) & 1);
+        ((register << 1) | fed) & ((1 << n) - 1)
+    }
 
     #[test]
     fn every_register_goes_through_all_its_values_before_it_repeats() {
@@ -116,6 +121,20 @@ mod tests {
                 assert!(register != 0 && length < 1 << n, "{n} bits");
             }
             assert_eq!(length, (1 << n) - 1, "{n} bits");
+        }
+    }
+
+    #[test]
+    fn the_last_bit_of_the_register_comes_out() {
+        for n in 2..=TAPS.len() + 1 {
+            let mut register = (1 << n) - 2;
+            let block = Prbs { ts: 0.1, register: n, amplitude: 2.0, bias: 3.0, start: register };
+            let mut bench = Bench::new(block);
+            for _ in 0..200 {
+                let expected = if register >> (n - 1) == 1 { 5.0 } else { 1.0 };
+                assert_eq!(bench.hit(), [expected], "{n} bits");
+                register = shifted(register, n);
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 use blocksim_signal::{Quantity, Value as Written};
 
-use super::course::{After, Course, Place};
+use super::course::{After, Course};
 use super::table::Table;
 use crate::math::elements::TIME;
 use crate::math::entries::common;
@@ -113,23 +113,16 @@ impl Block for SignalBuilder {
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let dimension = self.course().table.columns[0].1;
-        Ok(Interface::new()
-            .output(Output::real("y").dimension(Some(dimension)))
-            .discrete("cycle", 0.0)
-            .discrete("passed", 0.0)
-            .uses_time()
-            .settles()
-            .time_events())
+        Ok(Course::declare(Interface::new().output(Output::real("y").dimension(Some(dimension))), 1))
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {
-        let place = self.course.place(c.t);
-        d.copy_from_slice(&[place.cycle, place.passed as f64]);
+        self.course.keep(c.t, d);
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let place = Place { cycle: c.d[0], passed: c.d[1] as usize };
-        y[0] = self.course.value(place, c.t, 0);
+    fn law(&self, l: &Recording) -> bool {
+        Course::record(l);
+        true
     }
 
     fn next_event(&self, c: &Context) -> f64 {

@@ -81,7 +81,7 @@ fn without_machine_code_the_interpreter_runs_and_the_reason_is_told() {
 fn a_model_of_which_nothing_is_data_says_so() {
     let text = r#"Diagram(
         simulation: (stop_time: "1 s"),
-        blocks: { "d": Delay(steps: 2, ts: "0.1 s"), "s": Scope(inputs: ["d"]) },
+        blocks: { "d": Delay(steps: 100, ts: "0.1 s"), "s": Scope(inputs: ["d"]) },
         connections: ["d.y -> d.u, s.d"],
     )"#;
     let desk = Desk::with(&[("m.ron", text)]);

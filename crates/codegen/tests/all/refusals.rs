@@ -40,7 +40,7 @@ fn continuous_states_without_a_method() {
 fn all_blocks_that_stand_against_it_are_listed() {
     refuses(
         r#""delay": TransportDelay(delay: "10 ms"), "step": Step(time: "0.5 s"),
-           "table": LookupTable1D(breakpoints: [0.0, 1.0], table: [0.0, 2.0]),
+           "table": LookupTable1D(breakpoints: [0.0, 1.0], table: [0.0, 2.0], interpolation: Cubic),
            "held": Integrator(reset: Rising), "sum": Sum(signs: "+++"), "last": Sum(signs: "++")"#,
         r#""in.u -> delay.u, table.u, held.u, held.reset", "delay.y -> sum.u1", "step.y -> sum.u2", "table.y -> sum.u3",
            "sum.y -> last.u1", "held.y -> last.u2""#,

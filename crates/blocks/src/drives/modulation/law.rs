@@ -1,5 +1,8 @@
 //! From voltages to modulation and duties.
 
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use blocksim_block::law::{Relation, Value};
 use serde::Deserialize;
 
 /// How a bridge makes its voltages: what is added to all three references alike, which no winding sees.
@@ -28,11 +31,62 @@ pub enum Modulation {
     Discontinuous120Lower,
 }
 
+/// What voltages and duties are calculated with: numbers, and the numbers of a law.
+pub trait Amount:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Neg<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// The first of the others where this is greater than `than`, else the second.
+    fn greater(self, than: Self, one: Self, other: Self) -> Self;
+
+    /// A number that never changes.
+    fn fixed(self, number: f64) -> Self;
+
+    /// It between two limits; what is not a number stays so.
+    fn within(self, low: f64, high: f64) -> Self;
+}
+
+impl Amount for f64 {
+    #[inline]
+    fn greater(self, than: Self, one: Self, other: Self) -> Self {
+        if self > than { one } else { other }
+    }
+
+    #[inline]
+    fn fixed(self, number: f64) -> Self {
+        number
+    }
+
+    #[inline]
+    fn within(self, low: f64, high: f64) -> Self {
+        self.clamp(low, high)
+    }
+}
+
+impl Amount for Value<'_> {
+    fn greater(self, than: Self, one: Self, other: Self) -> Self {
+        self.live(Relation::Greater, than).select(one, other)
+    }
+
+    fn fixed(self, number: f64) -> Self {
+        self.zero() + number
+    }
+
+    fn within(self, low: f64, high: f64) -> Self {
+        self.clamp(self.fixed(low), self.fixed(high))
+    }
+}
+
 /// Share of a period during which a leg is high, from its modulation: $(1 + m)/2$, limited to 0 to 1. What is not a number
 /// stays so.
 #[inline]
-pub fn duty(modulation: f64) -> f64 {
-    (0.5 * (1.0 + modulation)).clamp(0.0, 1.0)
+pub fn duty<N: Amount>(modulation: N) -> N {
+    ((modulation + 1.0) * 0.5).within(0.0, 1.0)
 }
 
 impl Modulation {
@@ -46,30 +100,37 @@ impl Modulation {
 
     /// Modulation of the legs a, b, c for phase voltages `v`, V, from a DC link of `vdc`, V: -1 is always low, 1 always
     /// high. Not limited: beyond ±1 the bridge is overmodulated. Without a DC link all are 0.
-    pub fn references(self, v: [f64; 3], vdc: f64) -> [f64; 3] {
-        if vdc <= 0.0 {
-            return [0.0; 3];
-        }
-        let u = v.map(|v| v / (0.5 * vdc));
+    pub fn references<N: Amount>(self, v: [N; 3], vdc: N) -> [N; 3] {
+        let zero = vdc.fixed(0.0);
+        // Nothing is divided by the voltage of a link that is not there.
+        let half = vdc.greater(zero, vdc * 0.5, vdc.fixed(1.0));
+        // What is not a number stays so.
+        let none = vdc * 0.0 + 0.0;
+        self.per_unit(v.map(|v| v / half)).map(|m| vdc.greater(zero, m, none))
+    }
+
+    /// The same from voltages over half of the link.
+    fn per_unit<N: Amount>(self, u: [N; 3]) -> [N; 3] {
         let [a, b, c] = u;
+        let one = a.fixed(1.0);
+        let free = [a * 2.0 - b - c, b * 2.0 - c - a, c * 2.0 - a - b];
         match self {
             Self::Sine => u,
             Self::SpaceVector => {
-                let middle = 0.5 * (u[highest(u)] + u[lowest(u)]);
+                let middle = (of_highest(u, u) + of_lowest(u, u)) * 0.5;
                 u.map(|u| u - middle)
             }
-            Self::Discontinuous60 => {
-                clamped(u, outermost([2.0 * a - b - c, 2.0 * b - c - a, 2.0 * c - a - b]))
-            }
-            Self::Discontinuous60Leading => clamped(u, outermost([a - b, b - c, c - a])),
-            Self::Discontinuous60Lagging => clamped(u, outermost([a - c, b - a, c - b])),
+            Self::Discontinuous60 => outermost(u, free),
+            Self::Discontinuous60Leading => outermost(u, [a - b, b - c, c - a]),
+            Self::Discontinuous60Lagging => outermost(u, [a - c, b - a, c - b]),
             Self::Discontinuous30 => {
-                let free = [2.0 * a - b - c, 2.0 * b - c - a, 2.0 * c - a - b];
-                let upper = free[highest(free)] < -free[lowest(free)];
-                clamped(u, if upper { (highest(u), 1.0) } else { (lowest(u), -1.0) })
+                let (low, high) = (-of_lowest(free, free), of_highest(free, free));
+                let (leg, side) =
+                    (low.greater(high, of_highest(u, u), of_lowest(u, u)), low.greater(high, one, -one));
+                clamped(u, leg, side)
             }
-            Self::Discontinuous120Upper => clamped(u, (highest(u), 1.0)),
-            Self::Discontinuous120Lower => clamped(u, (lowest(u), -1.0)),
+            Self::Discontinuous120Upper => clamped(u, of_highest(u, u), one),
+            Self::Discontinuous120Lower => clamped(u, of_lowest(u, u), -one),
         }
     }
 
@@ -79,23 +140,34 @@ impl Modulation {
     }
 }
 
-/// Shifts all references so that one leg rests at one side. Its own value is exact, so that it does not switch.
-fn clamped(u: [f64; 3], (leg, side): (usize, f64)) -> [f64; 3] {
-    u.map(|x| side + (x - u[leg]))
+/// Shifts all references so that the leg with this one rests at one side. Its own value is exact, so that it does not switch.
+fn clamped<N: Amount>(u: [N; 3], leg: N, side: N) -> [N; 3] {
+    u.map(|x| side + (x - leg))
 }
 
-/// The leg whose value is farthest from zero, and the side.
-fn outermost(u: [f64; 3]) -> (usize, f64) {
-    let (high, low) = (highest(u), lowest(u));
-    if u[high] >= -u[low] { (high, 1.0) } else { (low, -1.0) }
+/// The references clamped at the leg whose key is farthest from zero, on its side.
+fn outermost<N: Amount>(u: [N; 3], keys: [N; 3]) -> [N; 3] {
+    let (low, high) = (-of_lowest(keys, keys), of_highest(keys, keys));
+    let one = high.fixed(1.0);
+    clamped(u, low.greater(high, of_lowest(u, keys), of_highest(u, keys)), low.greater(high, -one, one))
 }
 
-fn highest(u: [f64; 3]) -> usize {
-    (1..3).fold(0, |best, i| if u[i] > u[best] { i } else { best })
+/// The value whose key is greatest; the first of those.
+fn of_highest<N: Amount>(values: [N; 3], keys: [N; 3]) -> N {
+    let mut best = (values[0], keys[0]);
+    for i in 1..3 {
+        best = (keys[i].greater(best.1, values[i], best.0), keys[i].greater(best.1, keys[i], best.1));
+    }
+    best.0
 }
 
-fn lowest(u: [f64; 3]) -> usize {
-    (1..3).fold(0, |best, i| if u[i] < u[best] { i } else { best })
+/// The value whose key is least; the first of those.
+fn of_lowest<N: Amount>(values: [N; 3], keys: [N; 3]) -> N {
+    let mut best = (values[0], keys[0]);
+    for i in 1..3 {
+        best = (best.1.greater(keys[i], values[i], best.0), best.1.greater(keys[i], keys[i], best.1));
+    }
+    best.0
 }
 
 #[cfg(test)]
