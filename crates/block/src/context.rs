@@ -21,6 +21,8 @@ pub struct Context<'a> {
     /// Counts evaluations of the whole diagram. While it stays the same, what a block left in its scratch space is
     /// still valid.
     pub evaluation: u64,
+    /// Seed of the run, for numbers that are random.
+    pub seed: u64,
     /// Where to report that the block cannot go on.
     pub fault: &'a Fault,
 }

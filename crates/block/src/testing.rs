@@ -104,6 +104,7 @@ impl Bench {
             inputs: &self.inputs,
             outputs: &self.outputs,
             evaluation: self.evaluation,
+            seed: 0,
             fault: &self.fault,
         }
     }

@@ -60,8 +60,17 @@ impl Network {
         let inputs = self.seats.last().map_or(0, |seat| seat.u.end);
         let u = vec![0.0; inputs];
         let fault = Fault::default();
-        let c =
-            Context { t: 0.0, x: &x, d: &d, u: &u, inputs: &[], outputs: &[], evaluation: 0, fault: &fault };
+        let c = Context {
+            t: 0.0,
+            x: &x,
+            d: &d,
+            u: &u,
+            inputs: &[],
+            outputs: &[],
+            evaluation: 0,
+            seed: 0,
+            fault: &fault,
+        };
         self.state_phase(&c, &mut work);
         let mut problems = Vec::new();
         let mut starts = Vec::new();
@@ -174,8 +183,17 @@ impl Network {
         let d: Vec<f64> = self.interface.discrete.iter().map(|state| state.initial).collect();
         let u = vec![0.0; self.seats.last().map_or(0, |seat| seat.u.end)];
         let fault = Fault::default();
-        let c =
-            Context { t: 0.0, x: &x, d: &d, u: &u, inputs: &[], outputs: &[], evaluation: 0, fault: &fault };
+        let c = Context {
+            t: 0.0,
+            x: &x,
+            d: &d,
+            u: &u,
+            inputs: &[],
+            outputs: &[],
+            evaluation: 0,
+            seed: 0,
+            fault: &fault,
+        };
         let mut starts = Vec::new();
         let mut problems = Vec::new();
         for (index, island) in self.electrics.islands.iter().enumerate() {

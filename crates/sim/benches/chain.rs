@@ -84,7 +84,17 @@ fn by_contract(blocks: &[Arc<dyn Block>], signals: &mut [f64], steps: usize) -> 
         for (i, (block, w)) in blocks.iter().zip(&mut scratch).enumerate() {
             let (before, y) = signals.split_at_mut(i + 1);
             let (x, d, u) = (&[], &[], &before[i..]);
-            let c = Context { t: 0.0, x, d, u, inputs: &ports, outputs: &ports, evaluation, fault: &fault };
+            let c = Context {
+                t: 0.0,
+                x,
+                d,
+                u,
+                inputs: &ports,
+                outputs: &ports,
+                evaluation,
+                seed: 0,
+                fault: &fault,
+            };
             block.outputs(0, &c, w, &mut y[..1]);
         }
         signals[blocks.len()]

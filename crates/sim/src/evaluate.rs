@@ -55,6 +55,8 @@ pub(crate) struct Now {
     /// What brings the inputs of all blocks together.
     copies: Arc<[(u32, u32)]>,
     pub evaluation: u64,
+    /// Seed of the run.
+    seed: u64,
     pub fault: Fault,
     /// How much of the signals belongs to `t`, `x` and the discrete states.
     pub known: Known,
@@ -100,6 +102,7 @@ impl Now {
             inputs: &unit.inputs,
             outputs: &unit.outputs,
             evaluation: self.evaluation,
+            seed: self.seed,
             fault: &self.fault,
         }
     }
@@ -139,6 +142,7 @@ impl Diagram {
                 u: vec![0.0; inputs],
                 copies: Arc::clone(&plan.copies),
                 evaluation: 0,
+                seed: schedule.settings.seed,
                 fault: Fault::default(),
                 known: Known::Nothing,
                 derived: false,
@@ -472,6 +476,7 @@ pub(crate) fn outputs(call: &Call, now: &mut Now, signals: &mut [f64], d: &[f64]
         inputs: &unit.inputs,
         outputs: &unit.outputs,
         evaluation: now.evaluation,
+        seed: now.seed,
         fault: &now.fault,
     };
     unit.block.outputs(call.group as usize, &c, &mut scratch[call.block as usize], y);

@@ -47,6 +47,7 @@ mod tests {
             inputs: &inputs,
             outputs: &[],
             evaluation: 0,
+            seed: 0,
             fault: &fault,
         };
         assert!(!block.jump(&c, &mut Scratch::default(), &mut [], &mut []));

@@ -5,9 +5,9 @@ use blocksim_block::prelude::*;
 /// Give either the standard deviation `std`, or the power spectral density `power` $S$ of two-sided band-limited white noise,
 /// from which it follows: $\sigma = \sqrt{S / T_s}$. `Uniform` numbers lie within $\pm\sqrt{3}\,\sigma$ of the mean.
 ///
-/// The numbers follow from `seed`, the place of the block in the model and the number of the sample alone. So a run can be
-/// repeated, blocks of one seed are independent of each other, and neither the method nor the steps change anything. Another seed
-/// gives other numbers.
+/// The numbers follow from the `seed` of `simulation: (seed: ...)`, that of the block, its place in the model and the number of the
+/// sample alone. So a run can be repeated, blocks of one seed are independent of each other, and neither the method nor the steps
+/// change anything. Another seed of the run gives other numbers in all blocks, another one of the block in this one.
 ///
 /// ```ron
 /// Noise(ts: "1 ms", std: "0.1 deg")
@@ -33,7 +33,7 @@ pub struct Noise {
     /// `Gaussian` or `Uniform`.
     #[block(default = Distribution::Gaussian)]
     pub distribution: Distribution,
-    /// Chooses the numbers.
+    /// Chooses the numbers, together with the seed of the run.
     #[block(default = 0)]
     pub seed: u32,
     /// Number of elements; each is independent of the others.
@@ -76,13 +76,13 @@ impl Noise {
         self.std.or(self.power.map(|power| (power / self.ts).sqrt())).unwrap_or(f64::NAN)
     }
 
-    /// What the seed and the place of the block make of an element.
-    fn stream(&self, element: usize) -> u64 {
+    /// What the seed of the run, that of the block and its place make of an element.
+    fn stream(&self, run: u64, element: usize) -> u64 {
         // FNV-1a.
         let place = self.path.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
         });
-        let seeded = mixed(place ^ mixed(u64::from(self.seed).wrapping_add(GOLDEN)));
+        let seeded = mixed(place ^ mixed(u64::from(self.seed).wrapping_add(GOLDEN)) ^ mixed(run));
         mixed(seeded.wrapping_add((element as u64 + 1).wrapping_mul(GOLDEN)))
     }
 
@@ -96,6 +96,19 @@ impl Noise {
             Distribution::Uniform => 3.0_f64.sqrt() * (2.0 * draw(0) - 1.0),
             Distribution::Gaussian => (-2.0 * draw(0).ln()).sqrt() * (std::f64::consts::TAU * draw(1)).cos(),
         }
+    }
+}
+
+/// Places of the discrete states: the number of the sample, then its random numbers.
+const SAMPLE: usize = 0;
+const NUMBERS: usize = 1;
+
+impl Noise {
+    /// Draws the numbers of a sample.
+    fn draw(&self, c: &Context, d: &mut [f64]) {
+        let sample = d[SAMPLE];
+        let numbers = d[NUMBERS..].iter_mut().enumerate();
+        numbers.for_each(|(i, number)| *number = self.standard(self.stream(c.seed, i), sample));
     }
 }
 
@@ -144,17 +157,22 @@ impl Block for Noise {
         Ok(Interface::new()
             .output(Output::real("y").shape(shape).dimension(Some(dimension)))
             .discrete("sample", 0.0)
+            .memory("number", self.width, 0.0)
             .sampled(self.ts))
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        for (i, y) in y.iter_mut().enumerate() {
-            *y = self.mean + self.std() * self.standard(self.stream(i), c.d[0]);
-        }
+    fn initialize(&self, c: &Context, _x: &mut [f64], d: &mut [f64]) {
+        self.draw(c, d);
     }
 
-    fn update(&self, _c: &Context, _w: &mut Scratch, d: &mut [f64]) {
-        d[0] += 1.0;
+    fn law(&self, l: &Recording) -> bool {
+        l.each(0, |i| self.mean + self.std() * l.d()[NUMBERS + i]);
+        true
+    }
+
+    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
+        d[SAMPLE] += 1.0;
+        self.draw(c, d);
     }
 }
 
@@ -237,6 +255,15 @@ mod tests {
             pairs.iter().zip(&one).all(|(pair, one)| pair[0] == *one),
             "the first is as if it were alone"
         );
+        // The seed of the run chooses among the numbers of all blocks.
+        let of_run = |run: u64| {
+            let draw = |k| noise().standard(noise().stream(run, 0), f64::from(k));
+            (0..N as u32).map(draw).collect::<Vec<f64>>()
+        };
+        assert_eq!(of_run(0), one);
+        for run in [1, 2, u64::MAX] {
+            assert!(correlation(&of_run(run), &one).abs() < five_sigma(), "run {run}");
+        }
         let mut sorted = one;
         sorted.sort_by(f64::total_cmp);
         assert!(sorted.windows(2).all(|pair| pair[0] < pair[1]), "nothing repeats");

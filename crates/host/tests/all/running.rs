@@ -49,6 +49,7 @@ fn group(block: &Plugin, group: usize, u: [f64; 3]) -> (Vec<f64>, Option<String>
         inputs: &inputs,
         outputs: &outputs,
         evaluation: 1,
+        seed: 0,
         fault: &fault,
     };
     block.outputs(group, &c, &mut Scratch::default(), &mut y);

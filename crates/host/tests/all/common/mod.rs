@@ -138,6 +138,7 @@ pub fn failure(plugin: &Plugin, u: &[f64], d: &mut [f64], what: What) -> Option<
         inputs: &inputs,
         outputs: &outputs,
         evaluation: 1,
+        seed: 0,
         fault: &fault,
     };
     let kept = d.to_vec();
