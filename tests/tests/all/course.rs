@@ -1,5 +1,7 @@
 //! Blocks of a first course in whole diagrams, at default settings, against closed forms.
 
+use std::f64::consts::PI;
+
 use blocksim_tests::{Run, close, compile_text, run, run_text};
 
 fn diagram(settings: &str, blocks: &str, connections: &str) -> String {
@@ -196,6 +198,51 @@ fn limits_and_rates_by_signals_act_where_they_are() {
     close(run.last("show.rate"), 2.5, 1e-9, "slow");
     for (t, y) in [(0.25, 5.0), (0.5, 10.0), (1.3, 10.0)] {
         close(run.at("show.hold", t), y, 1e-9, &format!("hold at {t}"));
+    }
+}
+
+/// Rates that vary all the time: `1 + sin` upwards, then `-1 - sin/2` downwards, until the input is met.
+#[test]
+fn rates_that_vary_are_integrated_as_exactly_as_states() {
+    let run = run_text(&diagram(
+        r#"stop_time: "6 s", solver: Auto(rtol: 1e-8)"#,
+        r#""u": Step(time: "3 s", before: 10, after: 1.5), "limiter": RateLimiter(rising: 1, falling: -1, external: true),
+           "up": Sine(amplitude: "1 1/s", bias: "1 1/s", frequency: "1 Hz"),
+           "down": Sine(amplitude: "0.5 1/s", bias: "-1 1/s", frequency: "1 Hz", phase: "180 deg"), "show": Scope(inputs: ["y"])"#,
+        r#""u.y -> limiter.u", "up.y -> limiter.rising", "down.y -> limiter.falling", "limiter.y -> show.y""#,
+    ));
+    let turn = 2.0 * PI;
+    let swing = |t: f64| (1.0 - (turn * t).cos()) / turn;
+    let rising = |t: f64| t + swing(t);
+    let falling = |t: f64| 3.0 - (t - 3.0) - 0.5 * swing(t);
+    for (t, y) in run.time.iter().zip(run.column("show.y")) {
+        let exact = if *t <= 3.0 { rising(*t) } else { falling(*t).max(1.5) };
+        close(*y, exact, 1e-6, &format!("output at {t} s"));
+    }
+    assert_eq!(run.last("show.y"), 1.5);
+}
+
+/// The seed of the run and that of a block choose the numbers; neither the method nor another run does.
+#[test]
+fn the_seed_of_the_run_chooses_the_numbers_of_all_noise() {
+    let numbers = |settings: &str| {
+        let run = run_text(&diagram(
+            &format!(r#"stop_time: "1 s", output: Every("10 ms"), {settings}"#),
+            r#""a": Noise(ts: "10 ms", std: 1), "b": Noise(ts: "10 ms", std: 1), "show": Scope(inputs: ["a", "b"])"#,
+            r#""a.y -> show.a", "b.y -> show.b""#,
+        ));
+        ["show.a", "show.b"].map(|signal| run.column(signal).to_vec())
+    };
+    let plain = numbers("seed: 0");
+    assert_eq!(plain, numbers("solver: Ode4(step: \"10 ms\")"));
+    let other = numbers("seed: 7");
+    assert_eq!(other, numbers("seed: 7"));
+    let all = [&plain[0], &plain[1], &other[0], &other[1]];
+    for (i, one) in all.iter().enumerate() {
+        for two in &all[..i] {
+            let same = one.iter().zip(two.iter()).filter(|(x, y)| x == y).count();
+            assert_eq!(same, 0, "numbers of two streams");
+        }
     }
 }
 

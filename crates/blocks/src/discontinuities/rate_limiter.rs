@@ -1,3 +1,5 @@
+use std::ops::{Add, Mul};
+
 use crate::math::elements::{ROUNDING, TIME, at, clamp, parameters_like};
 use blocksim_block::prelude::*;
 
@@ -11,7 +13,7 @@ use blocksim_block::prelude::*;
 /// Rates written as plain numbers are per second in the unit of the input.
 ///
 /// With `external: true` the rates come from the extra inputs `rising` and `falling`; one that is not connected has the value
-/// of the parameter. Rates that change in steps, as at samples, are exact; of others the mean of both ends of a step counts.
+/// of the parameter. While such a rate limits, the output is its integral, as exact as the tolerance of the run.
 ///
 /// ```ron
 /// RateLimiter(rising: "10 V/s", falling: "-20 V/s")
@@ -35,12 +37,14 @@ pub struct RateLimiter {
 }
 
 /// Discrete states: time of the last accepted step; then the outputs there, then what limits them, then, where rates are
-/// signals, the rates there: rising and falling for each.
+/// signals, for each the rates there, rising and falling, and what the integral of the one that limits was.
 const OUTPUTS: usize = 1;
 
 /// Ports of rates that are signals.
 const RISES: usize = 1;
 const FALLS: usize = 2;
+
+const EACH: usize = 3;
 
 /// What limits an element.
 const RISING: f64 = 1.0;
@@ -60,22 +64,56 @@ fn mode(u: f64, last: f64) -> f64 {
     }
 }
 
+/// The mean of a rate at both ends of a step.
+fn mean<N: Add<Output = N> + Mul<f64, Output = N>>(before: N, now: N) -> N {
+    (before + now) * 0.5
+}
+
+/// Least and greatest output, `elapsed` after it was `last`, with these greatest rates up and down.
+fn range<N>(last: N, [rising, falling]: [N; 2], elapsed: N) -> (N, N)
+where
+    N: Copy + Add<Output = N> + Mul<Output = N>,
+{
+    (last + falling * elapsed, last + rising * elapsed)
+}
+
+/// Zero where it differs from that by rounding alone.
+fn zero_but_for<'r>(l: &Recording<'r>, x: Value<'r>, rounding: Value<'r>) -> Value<'r> {
+    x.abs().live(Relation::LessEqual, rounding).select(l.constant(0.0), x)
+}
+
 impl RateLimiter {
-    /// Least and greatest output of element `i`, `elapsed` seconds after it was `last`; `before` are the rates there.
-    fn range(&self, c: &Context, before: &[f64], i: usize, last: f64, elapsed: f64) -> (f64, f64) {
-        let (rising, falling) = match before {
-            [] => (self.rising, self.falling),
-            before => {
-                let mean = |port: usize, k: usize| 0.5 * (before[2 * i + k] + at(c.input(port), i));
-                (mean(RISES, 0), mean(FALLS, 1))
-            }
-        };
-        (last + falling * elapsed, last + rising * elapsed)
+    /// Least and greatest output of element `i`, `elapsed` seconds after it was `last`, with this mode; `before` are the rates there.
+    fn range(
+        &self,
+        c: &Context,
+        before: &[f64],
+        i: usize,
+        (last, mode): (f64, f64),
+        elapsed: f64,
+    ) -> (f64, f64) {
+        if before.is_empty() {
+            return range(last, [self.rising, self.falling], elapsed);
+        }
+        let now = |port: usize| at(c.input(port), i);
+        let pair = [mean(before[EACH * i], now(RISES)), mean(before[EACH * i + 1], now(FALLS))];
+        let (lower, upper) = range(last, pair, elapsed);
+        let travelled = last + (c.x[i] - before[EACH * i + 2]);
+        match mode {
+            RISING => (lower, travelled),
+            FALLING => (travelled, upper),
+            _ => (lower, upper),
+        }
+    }
+
+    /// Notes what the integrals of the rates are now.
+    fn note_integrals(c: &Context, rates: &mut [f64]) {
+        rates.chunks_exact_mut(EACH).zip(c.x).for_each(|(noted, x)| noted[2] = *x);
     }
 
     /// Notes the rates that hold from now on.
     fn note_rates(&self, c: &Context, rates: &mut [f64]) {
-        for (i, pair) in rates.chunks_exact_mut(2).enumerate() {
+        for (i, noted) in rates.chunks_exact_mut(EACH).enumerate() {
             let (rising, falling) = (at(c.input(RISES), i), at(c.input(FALLS), i));
             if rising < 0.0 {
                 return c.fail(format!("`rising` is {rising}, but must not be negative"));
@@ -85,7 +123,7 @@ impl RateLimiter {
                     "`falling` is {falling}, but must not be positive: it is a rate with its sign"
                 ));
             }
-            pair.copy_from_slice(&[rising, falling]);
+            noted[..2].copy_from_slice(&[rising, falling]);
         }
     }
 }
@@ -124,10 +162,13 @@ impl Block for RateLimiter {
             .discrete("t", 0.0)
             .memory("y", n, self.y0)
             .memory("mode", n, 0.0)
-            .memory("rate", if self.external { 2 * n } else { 0 }, 0.0)
+            .memory("rate", if self.external { EACH * n } else { 0 }, 0.0)
             .uses_time()
             .settles()
             .accepts();
+        let states = if self.external { n } else { 0 };
+        let interface =
+            (0..states).fold(interface, |all, i| all.drifting_state(format!("travelled[{i}]"), 0.0));
         // The modes have no words: at the very rate they change by rounding alone.
         let (rises, falls) = ("begins to limit the rise", "begins to limit the fall");
         let meets = "meets the input again";
@@ -157,46 +198,43 @@ impl Block for RateLimiter {
     }
 
     /// What limits is held between instants.
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let (elapsed, n) = (c.t - c.d[0], y.len());
-        let (last, rest) = c.d[OUTPUTS..].split_at(n);
-        let (modes, rates) = rest.split_at(n);
-        for (i, ((y, last), mode)) in y.iter_mut().zip(last).zip(modes).enumerate() {
-            let u = at(c.input(0), i);
-            let (lower, upper) = self.range(c, rates, i, *last, elapsed);
-            *y = match *mode {
-                _ if u.is_nan() => u,
-                RISING => upper,
-                FALLING => lower,
-                _ => u,
-            };
-        }
-    }
-
-    /// While a rate limits, how far the output is behind. While none does, how far the input is inside of what each rate has
-    /// allowed since the last step; each of the two has a maximum where the input passes the rate. What says nothing is far
+    ///
+    /// The guards: while a rate limits, how far the output is behind. While none does, how far the input is inside of what each rate
+    /// has allowed since the last step; each of the two has a maximum where the input passes the rate. What says nothing is far
     /// from zero, or zero where only a maximum counts.
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        let (n, elapsed) = (c.output(0).len(), c.t - c.d[0]);
-        let (last, rest) = c.d[OUTPUTS..].split_at(n);
+    fn law(&self, l: &Recording) -> bool {
+        let n = l.width(0);
+        let elapsed = l.time() - l.d()[0];
+        let (last, rest) = l.d()[OUTPUTS..].split_at(n);
         let (modes, rates) = rest.split_at(n);
-        for (i, (last, mode)) in last.iter().zip(modes).enumerate() {
-            let u = at(c.input(0), i);
-            let (lower, upper) = self.range(c, rates, i, *last, elapsed);
-            let free = *mode == NOTHING;
-            let rounding = ROUNDING * (u.abs() + lower.abs() + upper.abs());
-            let exact = |x: f64| if x.abs() <= rounding { 0.0 } else { x };
-            let inside = [exact(upper - u), exact(u - lower)];
-            g[i] = match *mode {
-                RISING => exact(u - upper),
-                FALLING => exact(lower - u),
-                _ => FAR,
+        let [zero, far] = [0.0, FAR].map(|value| l.constant(value));
+        for i in 0..n {
+            let u = l.element(0, i);
+            let is = |mode| modes[i].live(Relation::Equal, l.constant(mode));
+            let (lower, upper) = match rates {
+                [] => range(last[i], [self.rising, self.falling].map(|rate| l.constant(rate)), elapsed),
+                rates => {
+                    let (x, [rising, falling]) = (l.x()[i], [RISES, FALLS].map(|port| l.element(port, i)));
+                    let none = is(FALLING).select(falling, zero);
+                    l.derive(i, is(RISING).select(rising, none));
+                    let pair = [mean(rates[EACH * i], rising), mean(rates[EACH * i + 1], falling)];
+                    let (lower, upper) = range(last[i], pair, elapsed);
+                    let travelled = last[i] + (x - rates[EACH * i + 2]);
+                    (is(FALLING).select(travelled, lower), is(RISING).select(travelled, upper))
+                }
             };
-            for (k, inside) in inside.into_iter().enumerate() {
-                g[(1 + k) * n + i] = if free { inside } else { FAR };
-                g[(3 + k) * n + i] = if free { inside } else { 0.0 };
+            let y = is(RISING).select(upper, is(FALLING).select(lower, u));
+            l.set(0, i, u.is_number().select(y, u));
+            let rounding = ROUNDING * (u.abs() + lower.abs() + upper.abs());
+            let exact = |x| zero_but_for(l, x, rounding);
+            l.guard(i, is(RISING).select(exact(u - upper), is(FALLING).select(exact(lower - u), far)));
+            let free = is(NOTHING);
+            for (k, inside) in [exact(upper - u), exact(u - lower)].into_iter().enumerate() {
+                l.guard((1 + k) * n + i, free.select(inside, far));
+                l.guard((3 + k) * n + i, free.select(inside, zero));
             }
         }
+        true
     }
 
     fn rest(&self, c: &Context, d: &mut [f64]) -> bool {
@@ -207,6 +245,7 @@ impl Block for RateLimiter {
         last.iter_mut().enumerate().for_each(|(i, last)| *last = at(c.input(0), i));
         modes.fill(NOTHING);
         self.note_rates(c, rates);
+        Self::note_integrals(c, rates);
         true
     }
 
@@ -219,12 +258,13 @@ impl Block for RateLimiter {
         let mut changed = false;
         for (i, (last, mode_of)) in last.iter_mut().zip(modes).enumerate() {
             let u = at(c.input(0), i);
-            let (lower, upper) = self.range(c, rates, i, *last, elapsed);
+            let (lower, upper) = self.range(c, rates, i, (*last, *mode_of), elapsed);
             *last = clamp(u, lower, upper);
             let before = std::mem::replace(mode_of, mode(u, *last));
             changed |= *mode_of != before;
         }
         self.note_rates(c, rates);
+        Self::note_integrals(c, rates);
         changed
     }
 }
