@@ -152,8 +152,19 @@ pub struct Constraint {
 pub struct Recorded {
     /// Unit to show them in; SI when absent.
     pub display: Option<String>,
+    /// Units of single inputs, by number, which count before that of all.
+    pub displays: Vec<Option<String>>,
     /// What each input is called in legends; empty where the names of the inputs do.
     pub legend: Vec<String>,
+    /// The input over which the others are drawn, instead of over time.
+    pub over: Option<usize>,
+}
+
+/// That a block passes whichever of its inputs comes from a conditional subsystem that runs; what it does follows from that.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Merging {
+    /// What it gives before any of them has run, in SI; the run ends there with an error if it is not given.
+    pub initial: Option<f64>,
 }
 
 /// What a jump of a block is called, behind its path.
@@ -224,6 +235,8 @@ pub struct Interface {
     pub recorded: Option<Recorded>,
     /// Outputs that the engine finds.
     pub constraint: Option<Constraint>,
+    /// The block passes what comes from conditional subsystems.
+    pub merges: Option<Merging>,
     /// The discrete states from this one on are a copy of the outputs, which the engine makes at the end of each step, before
     /// anything of the next major step, and at the end of each major step: what the block gave when it last ran.
     pub holds: Option<usize>,
@@ -481,6 +494,12 @@ impl Interface {
     /// Records all inputs.
     pub fn records(mut self, recorded: Recorded) -> Self {
         self.recorded = Some(recorded);
+        self
+    }
+
+    /// Passes what comes from conditional subsystems.
+    pub fn merges(mut self, merging: Merging) -> Self {
+        self.merges = Some(merging);
         self
     }
 

@@ -183,6 +183,8 @@ pub struct Recorded {
     pub title: Vec<String>,
     /// What it is called in legends, where that is not the name of the input.
     pub legend: Option<String>,
+    /// Name of the column over which it is drawn; over time without.
+    pub over: Option<String>,
     /// Which rows are kept, as far as the diagram says it.
     pub keep: Keep,
     /// Whether it keeps its value from one row to the next, since it changes at sample hits and events alone.

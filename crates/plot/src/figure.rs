@@ -23,6 +23,8 @@ pub enum Across {
     /// Time in s.
     #[default]
     Time,
+    /// Numbers under this name.
+    Numbers(String),
     /// Powers of ten under this name; the positions of points are exponents of ten, angles go in parts of a turn.
     Powers(String),
 }
@@ -38,8 +40,19 @@ pub struct Panel {
     pub lines: Vec<Line>,
     /// A strip below it, with an axis of its own.
     pub strip: Option<Strip>,
+    /// What is to the right, where that is not what the figure has there.
+    pub plane: Option<PlaneAxis>,
     /// What the reader should know: where values are not finite, or that there are none.
     pub notes: Vec<String>,
+}
+
+/// The horizontal axis of a panel that shows one signal over another.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PlaneAxis {
+    /// Its name, with the unit.
+    pub name: String,
+    /// Whether lengths are the same in both directions.
+    pub equal: bool,
 }
 
 /// A low panel below another one, for what is left of the difference of its lines.

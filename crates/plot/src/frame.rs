@@ -10,6 +10,13 @@ const ROOM: f64 = 0.04;
 /// Parts of a turn, degrees.
 const TURNS: [f64; 6] = [15.0, 30.0, 45.0, 90.0, 180.0, 360.0];
 
+/// A range with some room around it.
+pub(crate) fn roomy(range: &Range) -> Range {
+    let room = ROOM * (range.high / 2.0 - range.low / 2.0) * 2.0;
+    let (low, high) = (range.low - room, range.high + room);
+    if low.is_finite() && high.is_finite() && low < high { Range { low, high } } else { *range }
+}
+
 /// The vertical axis of a panel or strip.
 pub(crate) struct Axis {
     pub range: Range,
@@ -17,6 +24,14 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
+    /// An axis over a range with at most `parts` parts.
+    pub fn over(range: Range, parts: usize) -> Axis {
+        let step = range.step(parts);
+        let ticks = range.ticks(step);
+        let labels = labels(&ticks, step);
+        Axis { range, ticks: ticks.into_iter().zip(labels).collect() }
+    }
+
     /// An axis over the values of these lines with at most `parts` parts; `None` where there is nothing to draw. Its
     /// numbers are round ones, or parts of a `turn`.
     pub fn of(lines: &[Line], time: (f64, f64), parts: usize, turn: bool) -> Option<Axis> {
@@ -28,10 +43,7 @@ impl Axis {
         let values: Vec<f64> = lines.iter().flat_map(values).collect();
         let beyond = lines.iter().flat_map(|line| line.courses.iter().flatten().map(|p| p.1));
         let range = Range::of(values.into_iter()).or_else(|| Range::of(beyond))?;
-        let room = ROOM * (range.high / 2.0 - range.low / 2.0) * 2.0;
-        let (low, high) = (range.low - room, range.high + room);
-        let range =
-            if low.is_finite() && high.is_finite() && low < high { Range { low, high } } else { range };
+        let range = roomy(&range);
         // One number alone gives no scale.
         let mut steps = (parts..parts + 4).map(|parts| range.step(parts));
         let step = steps.find(|step| range.ticks(*step).len() > 1).unwrap_or(range.step(parts));

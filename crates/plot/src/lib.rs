@@ -17,7 +17,7 @@ mod units;
 
 pub use blocksim_picture::{Palette, Theme};
 pub use decimate::thinned;
-pub use figure::{Across, Figure, Line, Panel, Strip, Style};
+pub use figure::{Across, Figure, Line, Panel, PlaneAxis, Strip, Style};
 pub use paired::pairs;
 pub use plane::{Label, Mark, Plane, Sign, plane_svg};
 pub use svg::{pages, svg};

@@ -6,7 +6,7 @@ use blocksim_numbers::ticks::{Range, labels, powers};
 use blocksim_picture::{Palette, Theme, text_width};
 
 use crate::figure::{Across, Figure, Line, Panel, Style};
-use crate::frame::{Area, Axis};
+use crate::frame::{Area, Axis, roomy};
 use crate::legend::{Entry, ROW, SAMPLE, SIZE, entries, fitted, rows};
 use crate::straighten::straightened;
 use crate::units::pretty_unit;
@@ -19,6 +19,8 @@ pub(crate) const NUMBER: f64 = 10.5;
 /// Heights of a panel, of a strip and of the gap between them, dots.
 const HIGH: f64 = 150.0;
 const LOW: f64 = 46.0;
+/// Height of the plot of one signal over another.
+const PLANE: f64 = 300.0;
 const GAP: f64 = 17.0;
 /// Room around the whole and between panels, dots.
 pub(crate) const MARGIN: f64 = 14.0;
@@ -44,9 +46,19 @@ pub fn svg(figure: &Figure, theme: Theme) -> String {
             let left = MARGIN + column as f64 * (row.cell + MARGIN) + gutter;
             let panel = &figure.panels[number];
             // What one panel of a row has more than another in strips and legends, the other has in height.
-            let high = HIGH + row.height - natural_height(panel, row.plot);
-            let mut pen = Pen { out: &mut body, palette: &palette, time: &time, across: &figure.across };
-            pen.panel(panel, &axes[number], (left, top), (row.plot, high));
+            let high = usual_height(panel) + row.height - natural_height(panel, row.plot);
+            let size = (row.plot, high);
+            match in_plane(panel, size) {
+                Some((across, range, axes)) => {
+                    let mut pen = Pen { out: &mut body, palette: &palette, time: &range, across: &across };
+                    pen.panel(panel, &axes, (left, top), size);
+                }
+                None => {
+                    let mut pen =
+                        Pen { out: &mut body, palette: &palette, time: &time, across: &figure.across };
+                    pen.panel(panel, &axes[number], (left, top), size);
+                }
+            }
         }
         top += row.height + MARGIN;
     }
@@ -159,13 +171,38 @@ fn natural_height(panel: &Panel, width: f64) -> f64 {
     let (legend, is_beside) = named_lines(panel, &heading(panel, width), 0.0, width);
     let legend = if is_beside { 0.0 } else { rows(&legend) as f64 * ROW };
     let strip = if panel.strip.is_some() { GAP + LOW } else { 0.0 };
-    TITLE + 8.0 + legend + HIGH + strip + FOOT
+    TITLE + 8.0 + legend + usual_height(panel) + strip + FOOT
+}
+
+/// Height of the plot of a panel, dots.
+fn usual_height(panel: &Panel) -> f64 {
+    if panel.plane.is_some() { PLANE } else { HIGH }
+}
+
+/// The axes of a panel that shows one signal over another, whose plot has this width and height.
+fn in_plane(panel: &Panel, (width, height): (f64, f64)) -> Option<(Across, Range, Axes)> {
+    let plane = panel.plane.as_ref()?;
+    let points = || panel.lines.iter().flat_map(|line| line.courses.iter().flatten());
+    let of = |values: &mut dyn Iterator<Item = f64>| {
+        Range::of(values).map_or(Range { low: -1.0, high: 1.0 }, |range| roomy(&range))
+    };
+    let (mut x, mut y) = (of(&mut points().map(|p| p.0)), of(&mut points().map(|p| p.1)));
+    if plane.equal {
+        let dot = ((x.high - x.low) / width).max((y.high - y.low) / height);
+        let around = |range: &Range, dots: f64| {
+            let (middle, half) = (range.low / 2.0 + range.high / 2.0, dot * dots / 2.0);
+            Range { low: middle - half, high: middle + half }
+        };
+        (x, y) = (around(&x, width), around(&y, height));
+    }
+    let axis = Axis::over(y, (height / PER_Y_TICK).floor().max(1.0) as usize);
+    Some((Across::Numbers(plane.name.clone()), x, Axes { main: Some(axis), strip: None }))
 }
 
 /// What a drawing without a title is called.
 fn untitled(across: &Across) -> &'static str {
     match across {
-        Across::Time => "Signals over time",
+        Across::Time | Across::Numbers(_) => "Signals over time",
         Across::Powers(_) => "Frequency response",
     }
 }
@@ -188,6 +225,9 @@ impl Axes {
     fn of(panel: &Panel, figure: &Figure) -> Axes {
         let time = figure.time;
         let turn = figure.across != Across::Time && panel.unit == "deg";
+        if let Some((.., axes)) = in_plane(panel, (figure.width, PLANE)) {
+            return axes;
+        }
         let parts = |height: f64| (height / PER_Y_TICK).floor().max(1.0) as usize;
         Axes {
             main: Axis::of(&panel.lines, time, parts(HIGH), turn),
@@ -338,7 +378,7 @@ impl Pen<'_> {
     fn time_ticks(&self, area: Area) -> Vec<(f64, String)> {
         let step = self.time.step((area.width / PER_X_TICK).max(1.0) as usize);
         match self.across {
-            Across::Time => {
+            Across::Time | Across::Numbers(_) => {
                 let ticks = self.time.ticks(step);
                 let labels = labels(&ticks, step);
                 ticks.into_iter().zip(labels).collect()
@@ -370,7 +410,7 @@ impl Pen<'_> {
         let middle = area.x + area.width / 2.0;
         let name = match self.across {
             Across::Time => "time [s]",
-            Across::Powers(name) => name,
+            Across::Powers(name) | Across::Numbers(name) => name,
         };
         self.text((middle, y + 14.0), NUMBER, quiet, " text-anchor=\"middle\"", name);
     }

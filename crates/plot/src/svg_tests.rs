@@ -17,6 +17,7 @@ fn figure() -> Figure {
             unit: "deg".to_owned(),
             lines: vec![line("set", Style::Dashed, 60.0), line("actual", Style::Solid, 58.0)],
             strip: Some(Strip { name: "error".to_owned(), lines: vec![line("", Style::Solid, 2.0)] }),
+            plane: None,
             notes: Vec::new(),
         }],
         columns: 1,

@@ -1,7 +1,7 @@
 //! What stands in the page: sections, texts and tables; scripts fill in the rest.
 
 use crate::assets::VENDORED;
-use crate::data::{Report, Rows};
+use crate::data::{PlanePicture, Report, Rows};
 use crate::escape::escape;
 
 /// Events that are listed.
@@ -14,6 +14,7 @@ pub fn body(report: &Report, thinned: bool) -> String {
         ("summary", "Summary", true),
         ("space", "3D", report.animation.is_some()),
         ("scopes", "Scopes", !report.panels.is_empty()),
+        ("planes", "Planes", !report.planes.is_empty()),
         ("diagram", "Diagram", !report.diagram.levels.is_empty()),
         ("compared", "Compared", report.compared.is_some()),
         ("numbers", "Tracking", !report.metrics.rows.is_empty()),
@@ -55,6 +56,16 @@ pub fn body(report: &Report, thinned: bool) -> String {
         };
         out.push_str(&format!("<p class=\"note screen\">{note} Drag to zoom, double click for all, drag with Shift to move.</p>\n"));
         out.push_str("<div id=\"overlay-bar\"></div><div id=\"plots\"></div></section>\n");
+    }
+    if !report.planes.is_empty() {
+        out.push_str("<section id=\"planes\"><h2>One signal over another</h2>\n");
+        for PlanePicture { title, light, dark } in &report.planes {
+            out.push_str(&format!(
+                "<figure class=\"plane\"><figcaption>{}</figcaption><div class=\"on-light\">{light}</div><div class=\"on-dark\">{dark}</div></figure>\n",
+                escape(title)
+            ));
+        }
+        out.push_str("</section>\n");
     }
     if !report.diagram.levels.is_empty() {
         out.push_str("<section id=\"diagram\"><h2>Diagram</h2>\n");

@@ -15,6 +15,8 @@ pub struct Report {
     pub warnings: Vec<String>,
     /// Pictures of signals over time.
     pub panels: Vec<Panel>,
+    /// Pictures of signals over others.
+    pub planes: Vec<PlanePicture>,
     /// Signals that were recorded and that no picture shows.
     pub unseen: Vec<Unseen>,
     /// How actual values follow their set values.
@@ -35,6 +37,17 @@ pub struct Report {
     pub compared: Option<Compared>,
     /// Whether all values are kept.
     pub full: bool,
+}
+
+/// A picture of one signal over another, which does not change.
+#[derive(Debug, Clone, Default)]
+pub struct PlanePicture {
+    /// Title.
+    pub title: String,
+    /// Drawing in SVG for a light page, with literal colours and texts that are escaped.
+    pub light: String,
+    /// The same for a dark page.
+    pub dark: String,
 }
 
 /// A table.

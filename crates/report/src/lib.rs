@@ -23,7 +23,7 @@ pub use assets::{VENDORED, Vendored};
 pub use corridor::{Few, few};
 pub use data::{
     Animation, Compared, Contact, Diagram, Drawing, Event, Inspected, Kind, Level, Net, Overlay, Panel,
-    Probe, Report, Role, Rows, Series, Unseen,
+    PlanePicture, Probe, Report, Role, Rows, Series, Unseen,
 };
 pub use escape::escape;
 pub use page::html;

@@ -172,6 +172,7 @@ fn the_plug_in_and_the_description_ask_the_same_torques_of_the_motors() {
             display: None,
             title: Vec::new(),
             legend: None,
+            over: None,
             keep: Keep::All,
             held: false,
         }

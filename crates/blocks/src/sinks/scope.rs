@@ -57,7 +57,11 @@ impl Block for Scope {
                     .help("use one Scope for each unit, or leave `display` away"));
             }
         }
-        Ok(interface.records(Recorded { display: self.display.clone(), legend: self.legend.clone() }))
+        Ok(interface.records(Recorded {
+            display: self.display.clone(),
+            legend: self.legend.clone(),
+            ..Recorded::default()
+        }))
     }
 }
 

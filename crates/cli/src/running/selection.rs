@@ -161,6 +161,7 @@ mod tests {
             display: None,
             title: Vec::new(),
             legend: None,
+            over: None,
             keep: Keep::All,
             held: false,
         }

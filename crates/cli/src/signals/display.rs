@@ -56,6 +56,7 @@ pub fn layout(recorded: &[Recorded]) -> Layout {
         display: Some(display_unit(r).to_string()),
         title: r.title.clone(),
         legend: r.legend.clone(),
+        over: r.over.clone(),
         kind: kind(r),
         held: r.held,
         base: 0,
@@ -125,6 +126,7 @@ pub mod tests {
                 display: (!display.is_empty()).then(|| (*display).to_owned()),
                 title: Vec::new(),
                 legend: None,
+                over: None,
                 keep: Keep::All,
                 held: false,
             })

@@ -134,6 +134,57 @@ fn titles_and_legends_are_those_of_the_diagram() {
     assert!(desk.said(&["plot", "r", "plain"]).contains("plain"));
 }
 
+/// Places of the curve of the first plot of a drawing.
+fn dots(drawing: &str) -> Vec<(f64, f64)> {
+    let courses = drawing.split("<svg class=\"courses\"").nth(1).unwrap();
+    let data = courses.split("<path d=\"").nth(1).unwrap().split('"').next().unwrap();
+    let points = data.split(['M', 'L']).filter(|point| !point.is_empty());
+    points
+        .map(|point| {
+            let (x, y) = point.split_once(' ').unwrap();
+            (x.parse().unwrap(), y.parse().unwrap())
+        })
+        .collect()
+}
+
+#[test]
+fn an_xy_scope_is_one_signal_over_the_other() {
+    let model = r#"Diagram(
+        simulation: (stop_time: "1 s", output: Every("1 ms")),
+        blocks: {
+            "across": Sine(amplitude: "2 m", frequency: "1 Hz", phase: "90 deg"), "upwards": Sine(amplitude: "2 m", frequency: "1 Hz"),
+            "circle": XyScope(label: "Circle", display_x: "cm", display_y: "cm"),
+        },
+        connections: ["across.y -> circle.x", "upwards.y -> circle.y"],
+    )"#;
+    let desk = Desk::with(&[("m.ron", model)]);
+    assert_eq!(desk.call(&["run", "m.ron", "--out", "r", "--quiet"]).0, 0);
+    let (code, _, err) = desk.call(&["plot", "r", "--svg", "r.svg"]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    let drawing = desk.read("r.svg");
+    assert!(drawing.contains("Circle [cm]") && drawing.contains(">x [cm]<"), "{drawing}");
+    assert!(!drawing.contains("time [s]"));
+    let dots = dots(&drawing);
+    let middle = |value: fn(&(f64, f64)) -> f64| {
+        let (low, high) =
+            dots.iter().map(value).fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+        ((low + high) / 2.0, (high - low) / 2.0)
+    };
+    let ((x, radius), (y, other)) = (middle(|dot| dot.0), middle(|dot| dot.1));
+    assert!((radius - other).abs() < 0.2 && radius > 50.0, "{radius} {other}");
+    assert!(
+        dots.iter().all(|dot| ((dot.0 - x).hypot(dot.1 - y) - radius).abs() < 0.3),
+        "no circle: {dots:?}"
+    );
+    let text = desk.said(&["plot", "r"]);
+    assert!(text.contains("Circle [cm]") && text.contains("x [cm]"), "{text}");
+    let over_time = desk.said(&["plot", "r", "--layout", "signals"]);
+    assert_eq!(over_time.matches("time [s]").count(), 2, "{over_time}");
+    assert_eq!(desk.call(&["report", "r", "-o", "page.html"]).0, 0);
+    let page = desk.read("page.html");
+    assert!(page.contains("<figcaption>Circle</figcaption>") && page.contains("id=\"planes\""));
+}
+
 #[test]
 fn the_numbers_of_a_first_order_lag_are_those_of_its_closed_form() {
     let desk = Desk::with(&[("lag.ron", LAG)]);

@@ -51,6 +51,12 @@ pub(super) fn lay_out(
     };
     for (index, (block, interface)) in flat.blocks.iter().zip(&typed.interfaces).enumerate() {
         let mut gather = Vec::new();
+        let across = interface.recorded.as_ref().and_then(|recorded| recorded.over).and_then(|input| {
+            let source = block.inputs.get(input)?.as_ref()?;
+            let wide = signals[first_signal[source.block].0 + source.output].shape.len() > 1;
+            Some((input, format!("{}.{}", block.path, interface.inputs[input].name), wide))
+        });
+        let over = across.as_ref().map(|(input, name, wide)| (*input, name.as_str(), *wide));
         let mut inputs = Vec::new();
         let mut at = 0;
         for (number, (input, source)) in interface.inputs.iter().zip(&block.inputs).enumerate() {
@@ -74,9 +80,15 @@ pub(super) fn lay_out(
                 let name = format!("{}.{}", block.path, input.name);
                 let called = Called {
                     held: held(source),
-                    display: wanted.display.as_deref(),
+                    display: wanted
+                        .displays
+                        .get(number)
+                        .unwrap_or(&None)
+                        .as_deref()
+                        .or(wanted.display.as_deref()),
                     title: &block.title,
                     legend: wanted.legend.get(number).map(String::as_str),
+                    over: over.filter(|(across, ..)| *across != number).map(|(_, name, wide)| (name, wide)),
                 };
                 recorded.push(&name, signal, &called);
             }
@@ -163,6 +175,8 @@ struct Called<'a> {
     display: Option<&'a str>,
     title: &'a [String],
     legend: Option<&'a str>,
+    /// Name of the input over which it is drawn, and whether that has elements.
+    over: Option<(&'a str, bool)>,
 }
 
 /// What is recorded, each name once.
@@ -190,6 +204,7 @@ impl Columns {
                 display: called.display.map(str::to_owned),
                 title: called.title.to_vec(),
                 legend: called.legend.map(numbered),
+                over: called.over.map(|(name, wide)| if wide { numbered(name) } else { name.to_owned() }),
                 keep: Keep::All,
                 held: called.held,
             });

@@ -44,6 +44,9 @@ pub struct SignalInfo {
     /// What legends call it; without, that is the name of the port.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub legend: Option<String>,
+    /// Path of the signal over which it is drawn; over time without.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub over: Option<String>,
     /// What the values are.
     #[serde(default)]
     pub kind: Kind,

@@ -283,6 +283,7 @@ impl Comparison<'_> {
             unit: unit.to_string(),
             lines: lines.into(),
             strip: Some(strip),
+            plane: None,
             notes: Vec::new(),
         })
     }

@@ -144,6 +144,7 @@ impl Bench {
             display: None,
             title: Vec::new(),
             legend: None,
+            over: None,
             keep: blocksim_block::schedule::Keep::All,
             held: false,
         };

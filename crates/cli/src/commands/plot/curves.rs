@@ -22,6 +22,35 @@ pub struct Drawn {
     pub steps: Vec<bool>,
     /// The same signals of the other books, where they have them: book, position in the group, values.
     pub others: Vec<(usize, usize, Column)>,
+    /// What the signals are drawn over, if that is not time; it stands in the place of the times of the columns.
+    pub over: Vec<Vec<f64>>,
+}
+
+/// A signal of a book over another one, both in their units: what it is drawn over stands in the place of the times.
+///
+/// # Errors
+/// What to tell the person at the keyboard.
+fn in_plane(
+    book: &Book,
+    (over, trace): (usize, usize),
+    units: (&Unit, &Unit),
+    range: &RangeInclusive<f64>,
+) -> Result<Column, Failure> {
+    let columns = book.together(&[over, trace], range)?;
+    let (x, y) = match columns[0].time == columns[1].time {
+        true => (columns[0].values.clone(), columns[1].values.clone()),
+        false => {
+            let series = |column: usize| Series::new(&columns[column].time, &columns[column].values);
+            let (_, x, y) = together(series(0), series(1));
+            (x, y)
+        }
+    };
+    // Without a unit of its own a column is taken to be in the unit shown.
+    let shown = |unit: &Unit, trace: usize, values: Vec<f64>| -> Vec<f64> {
+        let has_unit = book.traces[trace].has_unit;
+        values.into_iter().map(|value| if has_unit { unit.from_si(value) } else { value }).collect()
+    };
+    Ok(Column { time: shown(units.0, over, x), values: shown(units.1, trace, y) })
 }
 
 /// Reads the values of a group from all books.
@@ -30,7 +59,26 @@ pub struct Drawn {
 /// What to tell the person at the keyboard.
 pub fn read(group: Group, books: &[Book], range: &RangeInclusive<f64>) -> Result<Drawn, Failure> {
     let first = &books[0];
-    let mut drawn = Drawn { columns: Vec::new(), steps: Vec::new(), others: Vec::new(), group };
+    let mut drawn = Drawn::new(group);
+    if let Some(axis) = drawn.group.over.clone() {
+        for (number, book) in books.iter().enumerate() {
+            for (n, (&over, &at)) in axis.traces.iter().zip(&drawn.group.traces).enumerate() {
+                let of = |at: usize| book.find(&first.traces[at].path);
+                let (Some(x), Some(y)) = (of(over), of(at)) else { continue };
+                let units = (&first.traces[over].unit, &first.traces[at].unit);
+                let column = in_plane(book, (x, y), units, range)?;
+                match number {
+                    0 => {
+                        drawn.over.push(column.time.clone());
+                        drawn.columns.push(column);
+                        drawn.steps.push(false);
+                    }
+                    _ => drawn.others.push((number, n, column)),
+                }
+            }
+        }
+        return Ok(drawn);
+    }
     drawn.columns = first.pictures(&drawn.group.traces, range)?;
     for (n, (&at, column)) in drawn.group.traces.iter().zip(&mut drawn.columns).enumerate() {
         let trace = &first.traces[at];
@@ -56,6 +104,13 @@ pub fn read(group: Group, books: &[Book], range: &RangeInclusive<f64>) -> Result
         }
     }
     Ok(drawn)
+}
+
+impl Drawn {
+    /// A group of which nothing has been read.
+    pub fn new(group: Group) -> Drawn {
+        Drawn { group, columns: Vec::new(), steps: Vec::new(), others: Vec::new(), over: Vec::new() }
+    }
 }
 
 /// Whether two groups show the same values at ports of the same names.

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use blocksim_plot::pairs;
+use blocksim_plot::{pairs, pretty_unit};
 
 use crate::args::plot::Layout;
 use crate::signals::headings::headings;
@@ -31,6 +31,35 @@ pub struct Group {
     pub is_labelled: bool,
     /// Set value and actual value, as positions in `traces`.
     pub pairs: Vec<(usize, usize)>,
+    /// What the signals are drawn over, if that is not time.
+    pub over: Option<Over>,
+}
+
+/// Signals over which others are drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Over {
+    /// Their name.
+    pub name: String,
+    /// Their unit.
+    pub unit: String,
+    /// Position of the signal for each of the group.
+    pub traces: Vec<usize>,
+}
+
+impl Over {
+    /// The name of the axis.
+    pub fn heading(&self) -> String {
+        if self.unit == "1" {
+            self.name.clone()
+        } else {
+            format!("{} [{}]", self.name, pretty_unit(&self.unit))
+        }
+    }
+}
+
+/// The signal over which a scope shows another one.
+fn over(book: &Book, at: usize) -> Option<usize> {
+    book.find(book.traces[at].over.as_ref()?)
 }
 
 /// The signals that fit one of the patterns; what scopes show without any.
@@ -85,7 +114,12 @@ fn keyed<'a>(book: &'a Book, chosen: &[usize], layout: Layout) -> Vec<(&'a str, 
     };
     let mut keyed: Vec<(&str, Vec<usize>)> = Vec::new();
     let mut place = HashMap::new();
-    for &at in chosen {
+    // What a picture is drawn over is seen in it.
+    let axes: HashSet<usize> = match layout {
+        Layout::Scopes => chosen.iter().filter_map(|&at| over(book, at)).collect(),
+        _ => HashSet::new(),
+    };
+    for &at in chosen.iter().filter(|at| !axes.contains(at)) {
         let trace = &book.traces[at];
         let n = *place.entry((key(trace), trace.unit.to_string())).or_insert(keyed.len());
         if n == keyed.len() {
@@ -132,7 +166,15 @@ fn group(book: &Book, key: &str, traces: &[usize], layout: Layout) -> Group {
         Layout::Signals => vec![String::new(); paths.len()],
         _ => short_names(&paths).into_iter().map(str::to_owned).collect(),
     };
-    let pairs = pairs(&names.iter().map(String::as_str).collect::<Vec<_>>());
+    let over: Option<Vec<usize>> = traces.iter().map(|&at| over(book, at)).collect();
+    let over = over.filter(|_| layout == Layout::Scopes).map(|traces| {
+        let axis = &book.traces[traces[0]];
+        Over { name: axis.port().to_owned(), unit: axis.unit.to_string(), traces }
+    });
+    let pairs = match over {
+        Some(_) => Vec::new(),
+        None => pairs(&names.iter().map(String::as_str).collect::<Vec<_>>()),
+    };
     Group {
         title: key.to_owned(),
         unit: book.traces[traces[0]].unit.to_string(),
@@ -142,6 +184,7 @@ fn group(book: &Book, key: &str, traces: &[usize], layout: Layout) -> Group {
         names,
         pairs,
         is_labelled: false,
+        over,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use blocksim_plot::{Figure, Line, Panel, Strip, Style, thinned};
+use blocksim_plot::{Figure, Line, Panel, PlaneAxis, Strip, Style, thinned};
 use blocksim_results::Column;
 use blocksim_results::format::{count, significant};
 
@@ -14,10 +14,14 @@ const SCREEN: usize = 1600;
 
 /// The panel of a group; `names` are those of the books.
 pub fn panel(drawn: &Drawn, books: &[Book], range: &RangeInclusive<f64>) -> Panel {
-    let Drawn { group, columns, steps, others } = drawn;
+    let Drawn { group, columns, steps, others, over } = drawn;
+    let in_plane = group.over.is_some();
     let colours = &group.colours;
     let is_set = |n: usize| group.pairs.iter().any(|pair| pair.0 == n);
     let courses = |column: &Column, step: bool| {
+        if in_plane {
+            return plane_courses(column);
+        }
         let column = with_breaks(column, &group.unit);
         thinned(&column.time, &column.values, range, SCREEN, step)
     };
@@ -78,23 +82,53 @@ pub fn panel(drawn: &Drawn, books: &[Book], range: &RangeInclusive<f64>) -> Pane
         }
         Strip { name: "error".to_owned(), lines: strip }
     });
-    let mut notes: Vec<String> =
-        columns.iter().enumerate().filter_map(|(n, column)| note(&group.names[n], column)).collect();
+    let mut notes: Vec<String> = columns
+        .iter()
+        .enumerate()
+        .filter_map(|(n, column)| note(&group.names[n], column, in_plane))
+        .collect();
     if columns.iter().all(|column| column.time.is_empty()) {
         notes = vec!["no values in this range".to_owned()];
     }
-    Panel { title: group.title.clone(), unit: group.unit.clone(), lines, strip, notes }
+    let plane = group.over.as_ref().map(|axis| PlaneAxis {
+        name: axis.heading(),
+        equal: axis.unit == group.unit && is_round(over, columns),
+    });
+    Panel { title: group.title.clone(), unit: group.unit.clone(), lines, strip, plane, notes }
+}
+
+/// Widths of the values in both directions may differ by this factor, and lengths are still drawn the same in both.
+const ROUND: f64 = 4.0;
+
+/// Whether the values over which columns are drawn reach about as far as these do.
+fn is_round(over: &[Vec<f64>], columns: &[Column]) -> bool {
+    let width = |values: &mut dyn Iterator<Item = f64>| {
+        let finite = values.filter(|value| value.is_finite());
+        let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        high - low
+    };
+    let across = width(&mut over.iter().flatten().copied());
+    let upwards = width(&mut columns.iter().flat_map(|column| &column.values).copied());
+    across > 0.0 && (1.0 / ROUND..=ROUND).contains(&(upwards / across))
+}
+
+/// The curve of one signal over another, which stands where the times do, with gaps where either is not finite.
+fn plane_courses(column: &Column) -> Vec<Vec<(f64, f64)>> {
+    let points: Vec<(f64, f64)> = column.time.iter().copied().zip(column.values.iter().copied()).collect();
+    let pieces = points.split(|(x, y)| !(x.is_finite() && y.is_finite()));
+    pieces.filter(|piece| !piece.is_empty()).map(<[_]>::to_vec).collect()
 }
 
 /// How many values are not finite and since when.
-fn note(name: &str, column: &Column) -> Option<String> {
+fn note(name: &str, column: &Column, in_plane: bool) -> Option<String> {
     let first = column.values.iter().position(|value| !value.is_finite())?;
     let odd = column.values.iter().filter(|value| !value.is_finite()).count();
     let what = if column.values[first].is_nan() { "NaN" } else { "infinite" };
     let of = if name.is_empty() { String::new() } else { format!("{name}: ") };
-    let at = significant(column.time[first], 5);
+    let first =
+        if in_plane { String::new() } else { format!(" first at {} s", significant(column.time[first], 5)) };
     Some(format!(
-        "{of}{what} first at {at} s; {} of {} values are not finite",
+        "{of}{what}{first}; {} of {} values are not finite",
         count(odd as u64),
         count(column.values.len() as u64)
     ))

@@ -2,7 +2,10 @@
 
 use blocksim_results::{PlotOptions, Series};
 
+use std::borrow::Cow;
+
 use super::curves::{Drawn, error, going_on};
+use super::groups::Over;
 use crate::signals::traces::Book;
 use crate::terminal::console::Console;
 
@@ -11,6 +14,8 @@ const PLOTS: usize = 8;
 /// Rows of a picture and of the error below it.
 const ROWS: usize = 12;
 const ERROR_ROWS: usize = 4;
+/// Rows of a picture of one signal over another.
+const PLANE_ROWS: usize = 20;
 
 /// The pictures, and how many are left out.
 pub fn plots(all: &[Drawn], books: &[Book], console: Console) -> String {
@@ -24,11 +29,15 @@ pub fn plots(all: &[Drawn], books: &[Book], console: Console) -> String {
 }
 
 fn plot(drawn: &Drawn, books: &[Book], console: Console) -> String {
-    let Drawn { group, columns, steps, others } = drawn;
+    let Drawn { group, columns, steps, others, .. } = drawn;
     let mut names = group.names.clone();
     names.extend(others.iter().map(|(book, n, _)| format!("{} {}", group.names[*n], books[*book].label)));
     let all = columns.iter().zip(steps).chain(others.iter().map(|(_, n, column)| (column, &steps[*n])));
-    let lines: Vec<_> = all.map(|(column, step)| (going_on(column, &group.unit), *step)).collect();
+    let shown = |column| match group.over {
+        Some(_) => Cow::Borrowed(column),
+        None => going_on(column, &group.unit),
+    };
+    let lines: Vec<_> = all.map(|(column, step)| (shown(column), *step)).collect();
     let series: Vec<Series> = lines
         .iter()
         .zip(&names)
@@ -40,7 +49,10 @@ fn plot(drawn: &Drawn, books: &[Book], console: Console) -> String {
         (title, unit) => format!("{title} [{unit}]"),
     };
     let (width, ascii) = (console.width, console.ascii);
-    let options = PlotOptions { title: &title, width, height: ROWS, ascii, ..PlotOptions::default() };
+    let across = group.over.as_ref().map_or_else(|| "time [s]".to_owned(), Over::heading);
+    let height = if group.over.is_some() { PLANE_ROWS } else { ROWS };
+    let options =
+        PlotOptions { title: &title, x_label: &across, width, height, ascii, ..PlotOptions::default() };
     let mut text = blocksim_results::plot(&series, &options);
     let errors: Vec<_> = group
         .pairs

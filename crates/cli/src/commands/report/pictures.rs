@@ -1,8 +1,8 @@
 //! The pictures of a run as its scopes define them, and how its set values are followed.
 
 use blocksim_analysis::jumps;
-use blocksim_plot::pretty_unit;
-use blocksim_report::{Panel, Report, Role, Rows, Series, telling_rows};
+use blocksim_plot::{Theme, pretty_unit, svg};
+use blocksim_report::{Panel, PlanePicture, Report, Role, Rows, Series, telling_rows};
 use blocksim_results::format::fixed;
 use blocksim_results::{ALWAYS, Column};
 use blocksim_signal::Unit;
@@ -10,9 +10,10 @@ use blocksim_signal::Unit;
 use super::numbers::{readable, shortest};
 use super::titles::Titles;
 use crate::args::plot::Layout;
-use crate::commands::plot::curves::{Drawn, add_once};
+use crate::commands::plot::curves::{Drawn, add_once, read};
 use crate::commands::plot::groups::{Group, chosen, groups};
 use crate::commands::plot::metrics::{Row, rows};
+use crate::commands::plot::panels::{figure, panel};
 use crate::failure::Failure;
 use crate::signals::display::turn;
 use crate::signals::traces::Book;
@@ -21,6 +22,9 @@ use crate::signals::traces::Book;
 const PANELS: usize = 60;
 /// Most pictures of what no scope shows, beside those of scopes; where there are more, each is made when it is asked for.
 const OTHERS: usize = 12;
+
+/// Width of the picture of one signal over another, dots.
+const PLANE_WIDTH: u32 = 640;
 
 /// Values of a signal beyond which only those that tell its peaks are kept.
 const LONG: usize = 1 << 18;
@@ -55,8 +59,12 @@ pub fn add(
     }
     let mut all: Vec<Drawn> = Vec::new();
     for group in groups.into_iter().take(PANELS) {
+        if group.over.is_some() {
+            report.planes.push(plane(read(group, books, &ALWAYS)?, books));
+            continue;
+        }
         let columns = book.together(&group.traces, &ALWAYS)?;
-        let mut drawn = Drawn { columns, steps: Vec::new(), others: Vec::new(), group };
+        let mut drawn = Drawn { columns, ..Drawn::new(group) };
         for (&at, column) in drawn.group.traces.iter().zip(&mut drawn.columns) {
             let trace = &book.traces[at];
             column.values.iter_mut().for_each(|value| *value = trace.unit.from_si(*value));
@@ -77,6 +85,18 @@ pub fn add(
     }
     report.metrics = table(&rows(&all, books, &ALWAYS, false)?);
     Ok(())
+}
+
+/// The picture of one signal over another.
+fn plane(drawn: Drawn, books: &[Book; 1]) -> PlanePicture {
+    let panel = panel(&drawn, books, &ALWAYS);
+    let title =
+        if panel.title.is_empty() { "One signal over another".to_owned() } else { panel.title.clone() };
+    let [light, dark] = [Theme::Light, Theme::Dark].map(|theme| {
+        let panel = blocksim_plot::Panel { title: String::new(), ..panel.clone() };
+        svg(&figure(vec![panel], String::new(), (0.0, 1.0), Some(1), PLANE_WIDTH), theme)
+    });
+    PlanePicture { title, light, dark }
 }
 
 /// Leaves of very long signals the rows that tell all of their peaks, for memory's sake. Those with common times keep

@@ -29,7 +29,8 @@ impl Titles {
     fn gather(&mut self, model: &Model, parent: Option<&String>) {
         for block in &model.blocks {
             let place = self.blocks.len();
-            let (label, is_scope) = (block.label.clone(), block.kind == "Scope");
+            let (label, is_scope) =
+                (block.label.clone(), ["Scope", "XyScope"].contains(&block.kind.as_str()));
             let title = Title { place, label, is_scope, parent: parent.cloned() };
             self.blocks.insert(block.path.clone(), title);
             if let Content::Diagram(inside) = &block.content {

@@ -33,6 +33,8 @@ pub struct Trace {
     pub title: Vec<String>,
     /// What the diagram calls it in legends, if it does.
     pub legend: Option<String>,
+    /// Path of the signal over which the diagram has it drawn; over time without.
+    pub over: Option<String>,
 }
 
 impl Trace {
@@ -91,6 +93,7 @@ impl Book {
                     held: info.held || info.kind != Kind::Real,
                     title: info.title.clone(),
                     legend: info.legend.clone(),
+                    over: info.over.clone(),
                 }
             });
             let (name, traces, shortfall) = (run.name(), traces.collect(), run.shortfall());

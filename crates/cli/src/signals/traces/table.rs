@@ -84,6 +84,7 @@ impl Table {
                 held: kind != Kind::Real,
                 title: Vec::new(),
                 legend: None,
+                over: None,
             });
             table.values.push(values);
             table.troubles.push(trouble);

@@ -194,6 +194,7 @@ impl Toy {
                 display: None,
                 title: Vec::new(),
                 legend: None,
+                over: None,
                 keep: Keep::All,
                 held: held(name),
             })
