@@ -1,6 +1,6 @@
 //! What a block is told about its surroundings when it states its interface.
 
-use blocksim_signal::{Dimension, Shape};
+use blocksim_signal::{Dimension, Kind, Shape};
 
 use crate::{InterfaceError, PortType};
 
@@ -90,6 +90,25 @@ impl Given {
                 .help("combine signals of one shape, or a scalar with anything"));
         }
         Ok(common.0)
+    }
+
+    /// The common kind of inputs of which one is passed; `None` if none is known.
+    ///
+    /// # Errors
+    /// Two inputs of different kinds.
+    pub fn common_kind(&self, names: &[&str]) -> Result<Option<Kind>, InterfaceError> {
+        let mut common: Option<(Kind, &str)> = None;
+        for name in names {
+            let Some(input) = self.input(name) else { continue };
+            match common {
+                Some((kind, first)) if kind != input.kind => {
+                    let message = format!("`{name}` is {}, but `{first}` is {kind}", input.kind);
+                    return Err(InterfaceError::types(&[name, first], message));
+                }
+                _ => common = Some((input.kind, name)),
+            }
+        }
+        Ok(common.map(|(kind, _)| kind))
     }
 
     /// The common dimension of inputs that are added or compared; `None` if none is known. What is said of one of them counts

@@ -36,7 +36,7 @@ const MORE: [&str; 22] = [
 ];
 
 /// Kinds that have guards or modes: who adds one adds it here, and none may get lost.
-const WATCHED: [&str; 47] = [
+const WATCHED: [&str; 49] = [
     "Abs",
     "Accumulator",
     "Atan2",
@@ -54,6 +54,7 @@ const WATCHED: [&str; 47] = [
     "HBridgePwm",
     "HitCrossing",
     "HydraulicCylinder",
+    "IfElse",
     "Integrator",
     "LinearSolve",
     "LookupTable1D",
@@ -79,6 +80,7 @@ const WATCHED: [&str; 47] = [
     "SlipControlledVf",
     "StepperDriver",
     "Switch",
+    "SwitchCase",
     "TranslationalFriction",
     "TranslationalHardStop",
     "TranslationalRigidStop",

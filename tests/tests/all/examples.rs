@@ -170,6 +170,23 @@ fn the_mass_bounces_at_the_times_of_the_closed_form() {
 }
 
 #[test]
+fn the_charger_keeps_its_current_and_then_its_voltage() {
+    let run = run_file("diagrams/charger/charger.ron", &[]);
+    // 2 A on 2000 F from 3 V until the terminals are at 4.2 V, with 0.1 V at 50 mohm; then the current falls with R C = 100 s.
+    let change = (4.2 - 0.1 - 3.0) * 2000.0 / 2.0;
+    let current = |t: f64| if t < change { 2.0 } else { 2.0 * (-(t - change) / 100.0).exp() };
+    for (t, i) in run.time.iter().zip(run.column("result.current")) {
+        close(*i, current(*t), 1e-6, "current");
+    }
+    for (v, i) in run.column("plane.x").iter().zip(run.column("plane.y")) {
+        close(*i, (4.2 - v).min(0.1) / 0.05, 1e-6, "current over voltage");
+    }
+    let changes: Vec<_> = run.events.iter().filter(|(_, path, _)| path == "steady_voltage").collect();
+    assert_eq!(changes.len(), 1, "{changes:?}");
+    close(changes[0].0, change, 1e-6, "time of the change");
+}
+
+#[test]
 fn clamping_takes_most_of_the_overshoot_away() {
     let run = run_file("diagrams/pid_anti_windup.ron", &[]);
     let (free, clamped) =

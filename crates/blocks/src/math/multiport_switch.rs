@@ -54,19 +54,8 @@ impl Block for MultiportSwitch {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let names = self.names();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let mut kind: Option<(Kind, &str)> = None;
-        for name in &names {
-            let Some(input) = given.input(name) else { continue };
-            match kind {
-                Some((kind, first)) if kind != input.kind => {
-                    let message = format!("`{name}` is {}, but `{first}` is {kind}", input.kind);
-                    return Err(InterfaceError::types(&[name, first], message));
-                }
-                _ => kind = Some((input.kind, name)),
-            }
-        }
         let y = PortType {
-            kind: kind.map_or(Kind::Real, |(kind, _)| kind),
+            kind: given.common_kind(&names)?.unwrap_or(Kind::Real),
             shape: given.common_shape(&names, &[])?,
             dimension: given.common_dimension(&names)?,
         };

@@ -32,14 +32,7 @@ impl Block for Switch {
                 format!("`control` is true or false, so a threshold of {} never switches", self.threshold);
             return Err(InterfaceError::types(&["control"], message).help("leave `threshold` away"));
         }
-        let kind = match (given.input("u1"), given.input("u3")) {
-            (Some(a), Some(b)) if a.kind != b.kind => {
-                let message = format!("`u3` is {}, but `u1` is {}", b.kind, a.kind);
-                return Err(InterfaceError::types(&["u3", "u1"], message));
-            }
-            (Some(one), _) | (_, Some(one)) => one.kind,
-            (None, None) => Kind::Real,
-        };
+        let kind = given.common_kind(&["u1", "u3"])?.unwrap_or(Kind::Real);
         let dimension = given.common_dimension(&["u1", "u3"])?;
         let shape = given.common_shape(&["u1", "u3", "control"], &[])?;
         let n = control.shape.len();

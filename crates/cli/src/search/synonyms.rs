@@ -123,6 +123,8 @@ const ELSEWHERE: &[(&str, &[&str])] = &[
     ("hypot", &["Function"]),
     ("idealrotationalmotionsensor", &["MotionSensor"]),
     ("idealtranslationalmotionsensor", &["TranslationalMotionSensor"]),
+    ("ifaction", &["IfElse"]),
+    ("ifactionsubsystem", &["IfElse", "Merge"]),
     ("indexvector", &["MultiportSwitch"]),
     ("limiter", &["Saturation"]),
     ("linearhydraulicresistance", &["HydraulicResistance"]),
@@ -153,6 +155,7 @@ const ELSEWHERE: &[(&str, &[&str])] = &[
     ("springdamper", &["RotationalSpringDamper", "TranslationalSpringDamper", "FrameSpringDamper"]),
     ("starpoint", &["FloatingNeutral", "NeutralPoint", "GroundedNeutral"]),
     ("stopsimulation", &["Stop"]),
+    ("switchcaseactionsubsystem", &["SwitchCase", "Merge"]),
     ("terminatesimulation", &["Stop"]),
     ("timetable", &["SignalBuilder"]),
     ("tofile", &["Scope"]),
@@ -168,6 +171,7 @@ const ELSEWHERE: &[(&str, &[&str])] = &[
     ("variantsubsystem", &["Variant"]),
     ("weld", &["WeldJoint"]),
     ("wye", &["FloatingNeutral", "NeutralPoint", "GroundedNeutral"]),
+    ("xygraph", &["XyScope"]),
     ("zoh", &["ZeroOrderHold"]),
 ];
 

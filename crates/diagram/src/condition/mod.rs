@@ -6,6 +6,7 @@
 
 mod conditional;
 mod gate;
+mod merger;
 mod outlet;
 
 use blocksim_block::Crossing;
@@ -14,6 +15,7 @@ use blocksim_signal::Quantity;
 
 pub(crate) use conditional::Conditional;
 pub(crate) use gate::{GATE_INPUT, Gate, gate_input};
+pub(crate) use merger::Merger;
 pub(crate) use outlet::Outlet;
 
 /// Names of the inputs of a conditional subsystem, in their order.

@@ -10,7 +10,7 @@ use blocksim_signal::SampleTime;
 
 use super::view::{Asked, Tree, View};
 use super::{Flat, FlatBlock, Source};
-use crate::condition::{Condition, Conditional, GATE_INPUT, Gate, Outlet};
+use crate::condition::{Condition, Conditional, GATE_INPUT, Gate, Merger, Outlet, gate_input};
 use crate::model::ModelBlock;
 use crate::problems::Problems;
 
@@ -98,10 +98,13 @@ impl<'m> View<'m> {
         flat: &mut Flat,
         problems: &mut Problems,
     ) {
+        let gates: HashMap<usize, usize> = found.gates.iter().copied().collect();
+        for (at, block) in flat.blocks.iter_mut().enumerate() {
+            self.merge(block, at, levels, found, &gates, problems);
+        }
         if found.gates.is_empty() {
             return;
         }
-        let gates: HashMap<usize, usize> = found.gates.iter().copied().collect();
         for (block, level) in flat.blocks.iter_mut().zip(levels) {
             self.wrap(block, *level, &gates, true, problems);
         }
@@ -118,6 +121,70 @@ impl<'m> View<'m> {
         }
         added.sort_by_key(|(index, _)| *index);
         flat.blocks.extend(added.into_iter().map(|(_, block)| block));
+    }
+
+    /// Has a block that merges ask the gates of the subsystems that its inputs come from: of each the outermost that is not around
+    /// the block itself.
+    fn merge(
+        &self,
+        block: &mut FlatBlock,
+        at: usize,
+        levels: &[usize],
+        found: &Conditions,
+        gates: &HashMap<usize, usize>,
+        problems: &mut Problems,
+    ) {
+        let Some(merging) = block.interface.merges else { return };
+        let around: Vec<usize> = self.conditional(levels[at]).collect();
+        let mut asked: Vec<(usize, &ModelBlock)> = Vec::new();
+        for (input, source) in block.interface.inputs.iter().zip(&block.inputs) {
+            // What is not connected is reported with all other inputs.
+            let Some(source) = source else { return };
+            let outlet = found.outlets.iter().find(|(_, _, place)| *place == source.block);
+            let level = outlet.map(|(level, ..)| *level).or_else(|| levels.get(source.block).copied());
+            let own = level
+                .and_then(|level| self.conditional(level).filter(|outer| !around.contains(outer)).last());
+            let subsystem = own.and_then(|own| Some((own, self.subsystem(own)?)));
+            let pauses = |own: usize| self.condition(own).is_some_and(Condition::pauses);
+            match subsystem {
+                Some((own, subsystem)) if asked.iter().any(|(known, _)| *known == own) => {
+                    let message = format!(
+                        "`{}` merges two outputs of `{}`, which have a value at the same times",
+                        block.path, subsystem.path
+                    );
+                    let problem = Problem::error("conditional", message).at(&source.place, "one of both");
+                    problems.push(problem.help(
+                        "merge outputs of different subsystems; choose among those of one inside of it",
+                    ));
+                    return;
+                }
+                Some((own, subsystem)) if pauses(own) => asked.push((own, subsystem)),
+                found => {
+                    let why = match found {
+                        Some(_) => "from a subsystem that runs all the time",
+                        None => "from a block that runs all the time",
+                    };
+                    let message = format!(
+                        "`{}.{}` does not come from a subsystem with `enable` or `trigger`",
+                        block.path, input.name
+                    );
+                    problems.push(Problem::error("conditional", message).at(&source.place, why).help(
+                        "enable the subsystem by an output of an IfElse or SwitchCase; a Switch or MultiportSwitch passes one of several signals",
+                    ));
+                    return;
+                }
+            }
+        }
+        let paths = asked.iter().map(|(_, subsystem)| subsystem.path.clone()).collect();
+        let sources: Vec<_> =
+            asked.iter().map(|(own, subsystem)| Some(self.asks(gates[own], subsystem))).collect();
+        let merger = Merger::new(Arc::clone(&block.block), merging, paths);
+        match merger.interface(&Given::new(Vec::new(), block.units.clone())) {
+            Ok(interface) => block.interface = interface,
+            Err(_) => block.interface.inputs.extend(sources.iter().map(|_| gate_input())),
+        }
+        block.inputs.extend(sources);
+        block.block = Arc::new(merger);
     }
 
     /// Puts the conditions around a level around one of its blocks.
@@ -164,7 +231,7 @@ impl<'m> View<'m> {
         // An interface that is refused is reported when types are inferred.
         match wrapped.interface(&Given::new(Vec::new(), block.units.clone())) {
             Ok(interface) => block.interface = interface,
-            Err(_) => block.interface.inputs.push(crate::condition::gate_input()),
+            Err(_) => block.interface.inputs.push(gate_input()),
         }
         block.block = Arc::new(wrapped);
         block.inputs.push(Some(self.asks(gates[&innermost], subsystem)));

@@ -129,7 +129,7 @@ mod tests {
     use super::*;
 
     /// Kinds whose examples name other files, so that there is no diagram around them.
-    const OF_FILES: [&str; 4] = ["FromFile", "Plugin", "Subsystem", "Variant"];
+    const OF_FILES: [&str; 5] = ["FromFile", "Merge", "Plugin", "Subsystem", "Variant"];
 
     #[test]
     fn every_kind_has_an_example_that_runs_and_holds_what_its_page_says() {
