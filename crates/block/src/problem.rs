@@ -37,19 +37,21 @@ pub struct Edit {
     pub new: String,
 }
 
-/// Whether a problem stops the run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Whether a problem stops the run; the most severe first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// The model cannot run.
     Error,
     /// The model runs, but look here.
     Warning,
+    /// The model runs, and this is how.
+    Note,
 }
 
 /// One problem of a model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
-    /// Error or warning.
+    /// Error, warning or note.
     pub severity: Severity,
     /// A word for the manual: `unknown_port`, `unit_mismatch` ...
     pub code: &'static str,
@@ -79,6 +81,11 @@ impl Problem {
     /// A warning without place.
     pub fn warning(code: &'static str, message: impl Into<String>) -> Self {
         Self { severity: Severity::Warning, ..Self::error(code, message) }
+    }
+
+    /// A note without place.
+    pub fn information(code: &'static str, message: impl Into<String>) -> Self {
+        Self { severity: Severity::Note, ..Self::error(code, message) }
     }
 
     /// Adds a place.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use blocksim_signal::{Dimension, Kind, Shape};
 
-use crate::law::BlockLaw;
+use crate::law::{BlockLaw, ValueGroup};
 use crate::problem::Place;
 use crate::{Block, Interface};
 
@@ -75,6 +75,58 @@ pub struct Instance {
     pub watched: bool,
 }
 
+impl Instance {
+    /// Groups by values, where the law of the block has them.
+    fn values(&self) -> Option<&[ValueGroup]> {
+        self.law.as_ref().and_then(|law| law.values.as_deref())
+    }
+
+    /// Number of output groups.
+    pub fn groups(&self) -> usize {
+        self.values().map_or(self.interface.groups.len(), <[ValueGroup]>::len)
+    }
+
+    /// Cells among the signals that an output group writes.
+    pub fn written(&self, group: usize) -> impl Iterator<Item = usize> + '_ {
+        let values = self.values();
+        let cells = values.into_iter().flat_map(move |values| values[group].cells.iter().copied());
+        let ports = self.outputs.iter().zip(&self.interface.group_of);
+        let ports = ports.filter(move |(_, of)| values.is_none() && **of == group);
+        cells.chain(ports.flat_map(|((start, end), _)| *start..*end)).map(|cell| self.y + cell as usize)
+    }
+
+    /// The output group that writes a cell of the outputs, counted from the first of them.
+    pub fn group_of(&self, cell: usize) -> Option<usize> {
+        if let (Some(law), Some(_)) = (&self.law, self.values()) {
+            return law.group_of.get(cell).copied();
+        }
+        let at = |(start, end): &(u32, u32)| (*start as usize..*end as usize).contains(&cell);
+        self.outputs.iter().position(at).map(|port| self.interface.group_of[port])
+    }
+
+    /// Cells among the signals that an output group reads at the same instant.
+    pub fn read(&self, group: usize) -> impl Iterator<Item = usize> + '_ {
+        let values = self.values();
+        let cells = values.into_iter().flat_map(move |values| &values[group].reads);
+        let cells = cells.map(|cell| self.source(*cell));
+        let ports = self.gather.iter().enumerate();
+        let ports = ports.filter(move |(port, _)| values.is_none() && self.interface.reads(group, *port));
+        cells.chain(ports.flat_map(|(_, (from, len))| *from as usize..(*from + *len) as usize))
+    }
+
+    /// The cell among the signals that a cell of the inputs is copied from.
+    fn source(&self, cell: u32) -> usize {
+        let mut left = cell;
+        for &(from, len) in &self.gather {
+            if left < len {
+                return (from + left) as usize;
+            }
+            left -= len;
+        }
+        unreachable!("a law reads inputs that it has")
+    }
+}
+
 /// A block of the diagram that is part of another one when it runs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
@@ -106,7 +158,9 @@ pub struct Loop {
     pub count: usize,
     /// Cells among the signals that are read before they are written: the unknowns of the loop.
     pub cells: Vec<usize>,
-    /// How many of them, the last ones, belong to constraints: the steps do not write their values but what must become zero.
+    /// The same of truth values and whole numbers, which are chosen anew until they stay as they are.
+    pub chosen: Vec<usize>,
+    /// How many of the unknowns, the last ones, belong to constraints: the steps do not write their values but what must become zero.
     pub sought: usize,
 }
 
@@ -220,6 +274,18 @@ pub struct Settings {
     pub start: Start,
     /// Absolute tolerances of single states.
     pub atol: Vec<StateTolerance>,
+    /// What becomes of algebraic loops.
+    pub algebraic_loops: LoopPolicy,
+}
+
+/// What becomes of algebraic loops that nobody has said to be meant, as constraints are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+pub enum LoopPolicy {
+    /// They are solved.
+    #[default]
+    Solve,
+    /// They are errors.
+    Refuse,
 }
 
 /// What counts as nothing of some states.

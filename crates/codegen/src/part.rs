@@ -228,18 +228,12 @@ impl<'s> Selected<'s> {
 
 /// The cells that an output group of a block reads at once; all of its inputs without a group.
 fn read_cells(block: &Instance, group: Option<usize>) -> impl Iterator<Item = usize> {
-    let reads = group.and_then(|group| block.interface.groups.get(group)).and_then(Option::as_ref);
-    let cells: Vec<usize> =
-        block.gather.iter().flat_map(|&(from, len)| from as usize..(from + len) as usize).collect();
-    let ports = block.inputs.iter().enumerate();
-    let wanted = ports.filter(move |(port, _)| reads.is_none_or(|reads| reads.contains(port)));
-    let spans: Vec<(u32, u32)> = wanted.map(|(_, span)| *span).collect();
-    spans.into_iter().flat_map(move |(start, end)| cells[start as usize..end as usize].to_vec())
+    let read = group.into_iter().flat_map(|group| block.read(group));
+    let all = block.gather.iter().filter(move |_| group.is_none());
+    read.chain(all.flat_map(|&(from, len)| from as usize..(from + len) as usize))
 }
 
 /// The cells that an output group of a block writes.
 fn written_cells(block: &Instance, group: usize) -> impl Iterator<Item = usize> {
-    let ports =
-        block.outputs.iter().enumerate().filter(move |(port, _)| block.interface.group_of[*port] == group);
-    ports.flat_map(|(_, span)| block.y + span.0 as usize..block.y + span.1 as usize)
+    block.written(group)
 }

@@ -237,14 +237,7 @@ pub(crate) fn schedule(schedule: &Schedule) -> String {
                 format!("every {} s", schedule.clock.rates[rate as usize].period as f64 * schedule.clock.tick)
             }
         };
-        let outputs: Vec<&str> = block
-            .interface
-            .outputs
-            .iter()
-            .zip(&block.interface.group_of)
-            .filter(|(_, group)| **group == step.group as usize)
-            .map(|(output, _)| output.name.as_str())
-            .collect();
+        let outputs = given_by(block, step.group as usize);
         let _ = writeln!(out, "{:<12} {} ({}): {}", when, block.path, block.kind, outputs.join(", "));
     }
     for recorded in &schedule.recorded {
@@ -257,4 +250,21 @@ pub(crate) fn schedule(schedule: &Schedule) -> String {
         let _ = writeln!(out, "record {}{kept}", recorded.path);
     }
     out
+}
+
+/// Names of the outputs that a group writes; of those that it writes in part, the elements.
+fn given_by(block: &blocksim_block::schedule::Instance, group: usize) -> Vec<String> {
+    let cells: Vec<usize> = block.written(group).map(|cell| cell - block.y).collect();
+    let outputs = block.interface.outputs.iter().zip(&block.outputs);
+    outputs
+        .flat_map(|(output, (start, end))| {
+            let own = cells.iter().filter(|cell| (*start as usize..*end as usize).contains(*cell));
+            let elements: Vec<usize> = own.map(|cell| cell - *start as usize).collect();
+            if elements.len() == (end - start) as usize {
+                vec![output.name.clone()]
+            } else {
+                elements.iter().map(|element| format!("{}[{element}]", output.name)).collect()
+            }
+        })
+        .collect()
 }

@@ -48,7 +48,7 @@ impl Problems {
     /// All, errors first, in the order of files and places.
     pub(crate) fn sorted(&self) -> Vec<Problem> {
         let mut all = self.all.clone();
-        all.sort_by_key(|problem| (problem.severity == Severity::Warning, start(problem)));
+        all.sort_by_key(|problem| (problem.severity, start(problem)));
         all
     }
 

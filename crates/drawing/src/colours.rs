@@ -102,6 +102,12 @@ fn rules(colour: impl Fn(&str) -> String) -> String {
     out
 }
 
+/// The rule for what is pointed at. It stands out by its width as well, for those who see no colours.
+pub(crate) fn marked(theme: Theme) -> String {
+    let colour = roles(theme).iter().find(|(name, _)| *name == "electric").map_or("", |(_, colour)| colour);
+    format!(".diagram .marked{{color:{colour};stroke-width:2.4}}")
+}
+
 /// The style sheet of a drawing of its own.
 pub(crate) fn fixed(theme: Theme) -> String {
     let roles = roles(theme);

@@ -7,10 +7,11 @@ use blocksim_layout::{Layout, Placed, PlacedPort, PortKind, Side};
 use blocksim_picture::{Theme, text_width};
 
 use crate::canvas::{Canvas, Paint, THIN, classes, escaped, number};
-use crate::colours::{Colour, Fill, fixed};
+use crate::colours::{Colour, Fill, fixed, marked};
 use crate::figure::{Figure, Look};
 use crate::fonts::{LINE, NAME, PORT};
 use crate::level::Level;
+use crate::marks::Marks;
 use crate::size::tag_height;
 use crate::symbols;
 
@@ -26,16 +27,25 @@ const HEAD: f64 = 16.0;
 /// groups of the classes `wire`, `bus` and `conserving` with their place among the nets in `data-net`. Colours are said
 /// by classes and one style sheet, so that another one can replace them.
 pub fn svg(level: &Level, layout: &Layout, theme: Theme) -> String {
-    draw(level, layout, Some(&fixed(theme)))
+    svg_with_marks(level, layout, theme, &Marks::default())
+}
+
+/// The same with some blocks, and the wires between them, in a colour of their own: the class `marked`.
+pub fn svg_with_marks(level: &Level, layout: &Layout, theme: Theme, marks: &Marks) -> String {
+    let mut style = fixed(theme);
+    if !marks.blocks.is_empty() {
+        style.push_str(&marked(theme));
+    }
+    draw(level, layout, Some(&style), marks)
 }
 
 /// Draws a level as a part of a page that has [`style_sheet`](crate::style_sheet): any number of them fit into one
 /// page, for light and dark.
 pub fn inline(level: &Level, layout: &Layout) -> String {
-    draw(level, layout, None)
+    draw(level, layout, None, &Marks::default())
 }
 
-fn draw(level: &Level, layout: &Layout, style: Option<&str>) -> String {
+fn draw(level: &Level, layout: &Layout, style: Option<&str>, marks: &Marks) -> String {
     let title = match (level.title.as_str(), level.path.as_str()) {
         ("", path) => path.to_owned(),
         (title, "") => title.to_owned(),
@@ -53,15 +63,15 @@ fn draw(level: &Level, layout: &Layout, style: Option<&str>) -> String {
         canvas.text(EDGE, EDGE + 10.0 + i as f64 * HEAD, size, "start", colour, text);
     }
     let _ = write!(canvas.out, "<g transform=\"translate({EDGE} {})\">", number(EDGE + head));
-    wires(&mut canvas, level, layout);
+    wires(&mut canvas, level, layout, marks);
     for (node, (figure, placed)) in level.figures.iter().zip(&layout.nodes).enumerate() {
-        block(&mut canvas, node, figure, placed);
+        block(&mut canvas, node, figure, placed, marks.has(figure));
     }
     canvas.out.push_str("</g>");
     canvas.end()
 }
 
-fn wires(canvas: &mut Canvas, level: &Level, layout: &Layout) {
+fn wires(canvas: &mut Canvas, level: &Level, layout: &Layout, marks: &Marks) {
     for (net, (line, wire)) in level.lines.iter().zip(&layout.wires).enumerate() {
         let mut data = String::new();
         for segment in &wire.segments {
@@ -91,7 +101,7 @@ fn wires(canvas: &mut Canvas, level: &Level, layout: &Layout) {
             Some(signal) => format!(" data-signal=\"{}\"", escaped(signal)),
             None => String::new(),
         };
-        let group = classes(&[class, colour.class()]);
+        let group = classes(&[class, colour.class(), mark(marks.has_net(level, net))]);
         let _ = write!(
             canvas.out,
             "<g{group}{domain}{signal} data-net=\"{net}\"><title>{}</title>",
@@ -106,13 +116,19 @@ fn wires(canvas: &mut Canvas, level: &Level, layout: &Layout) {
     }
 }
 
-fn block(canvas: &mut Canvas, node: usize, figure: &Figure, placed: &Placed) {
+/// The class of what is marked.
+fn mark(is_marked: bool) -> &'static str {
+    if is_marked { "marked" } else { "" }
+}
+
+fn block(canvas: &mut Canvas, node: usize, figure: &Figure, placed: &Placed, is_marked: bool) {
     match &figure.path {
         Some(path) => {
             let inside = if matches!(figure.look, Look::Subsystem(_)) { " data-inside=\"true\"" } else { "" };
             let _ = write!(
                 canvas.out,
-                "<g class=\"block\" data-node=\"{node}\" data-path=\"{}\" data-kind=\"{}\"{inside}>",
+                "<g{} data-node=\"{node}\" data-path=\"{}\" data-kind=\"{}\"{inside}>",
+                classes(&["block", mark(is_marked)]),
                 escaped(path),
                 escaped(&figure.kind)
             );

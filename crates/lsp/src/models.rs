@@ -438,6 +438,7 @@ fn diagnostic(problem: &Problem, files: &[SourceFile], root: &Path) -> (PathBuf,
     let severity = match problem.severity {
         Severity::Error => DiagnosticSeverity::ERROR,
         Severity::Warning => DiagnosticSeverity::WARNING,
+        Severity::Note => DiagnosticSeverity::INFORMATION,
     };
     let diagnostic = Diagnostic {
         range,

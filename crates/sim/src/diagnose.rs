@@ -157,7 +157,7 @@ fn inputs(block: &Instance, signals: &[f64]) -> Vec<String> {
     }
 }
 
-fn signal_name(schedule: &Schedule, cell: usize) -> String {
+pub(crate) fn signal_name(schedule: &Schedule, cell: usize) -> String {
     let signal = schedule.signals.iter().find(|s| (s.offset..s.offset + s.shape.len()).contains(&cell));
     match signal {
         Some(signal) if signal.shape.len() == 1 => signal.path.clone(),

@@ -1,5 +1,6 @@
 //! The hot loop: gather the inputs of a block, call its outputs, next.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use blocksim_block::schedule::{Schedule, When};
@@ -149,7 +150,7 @@ impl Diagram {
             },
             scratch: plan.scratch(&schedule),
             settle: Settling { last: vec![0; plan.units.len()], before: vec![0.0; discrete], changed: false },
-            loops: Loops::new(&schedule),
+            loops: Loops::new(&schedule, &plan.fused),
             looks: Looks::default(),
             stepwise: Stepwise::new(&schedule),
             unused: vec![0.0; schedule.states],
@@ -230,8 +231,8 @@ impl Diagram {
             When::Sampled(rate) => due[rate as usize],
             When::Constant => first && !pinned.contains(&(call.block as usize)),
         };
-        if call.begins {
-            return self.call_loop(at, wanted);
+        if let Some(ring) = call.begins {
+            return self.call_loop(at, ring as usize, wanted);
         }
         if wanted {
             let block = call.block as usize;
@@ -247,8 +248,7 @@ impl Diagram {
     }
 
     #[cold]
-    fn call_loop(&mut self, first: usize, wanted: bool) -> Result<usize, Failed> {
-        let Some(ring) = self.loops.at(first) else { return Ok(first + 1) };
+    fn call_loop(&mut self, first: usize, ring: usize, wanted: bool) -> Result<usize, Failed> {
         if wanted {
             self.settle_loop(ring)?;
         }
@@ -343,14 +343,39 @@ impl Diagram {
     /// The same where there are algebraic loops.
     fn held_with_loops(&mut self, wanted: Known) -> Result<(), Failed> {
         let pass = if wanted == Known::Minor { Pass::Minor } else { Pass::Continuous };
-        let mut at = 0;
+        let mut part = 0;
         loop {
+            let Self { plan, signals, d, .. } = self;
+            let fused = &plan.fused;
+            let parts = if pass == Pass::Minor { &fused.minor } else { &fused.continuous };
+            let Some(next) = parts.get(part) else { break };
+            part += 1;
+            let calls = match next {
+                Part::Calls(calls) => calls.clone(),
+                Part::Tape(tape, calls, _) => {
+                    if tape.run(signals, d).failed.is_none() {
+                        continue;
+                    }
+                    // Once more, to find out which block it was.
+                    calls.clone()
+                }
+            };
+            self.calls_with_loops(calls, pass)?;
+        }
+        self.now.known = wanted;
+        Ok(())
+    }
+
+    /// Calls of a pass between major steps one by one, and the loops among them.
+    fn calls_with_loops(&mut self, range: Range<usize>, pass: Pass) -> Result<(), Failed> {
+        let mut at = range.start;
+        while at < range.end {
             let Self { plan, now, signals, d, scratch, loops, .. } = self;
-            let calls = if pass == Pass::Minor { &plan.minor } else { &plan.continuous };
-            let Some(call) = calls.get(at) else { break };
-            if let (true, Some(ring)) = (call.begins, loops.at(call.number as usize)) {
+            let call = if pass == Pass::Minor { &plan.minor[at] } else { &plan.continuous[at] };
+            if let Some(ring) = call.begins {
+                let ring = ring as usize;
                 let count = loops.rings[ring].count;
-                self.solve_loop(ring, pass, at, |_, _| {})?;
+                self.solve_loop(ring, pass, at, None::<fn(usize, &mut [f64])>)?;
                 at += count;
             } else {
                 outputs(call, now, signals, d, scratch);
@@ -359,7 +384,6 @@ impl Diagram {
                 at += 1;
             }
         }
-        self.now.known = wanted;
         Ok(())
     }
 
@@ -381,9 +405,9 @@ impl Diagram {
             }
             let Self { plan, now, signals, d, scratch, loops, .. } = self;
             let call = &plan.major[i];
-            if let (true, Some(ring)) = (call.begins, loops.at(i)) {
-                behind = i + loops.rings[ring].count;
-                self.solve_loop(ring, Pass::Major, i, &mut touch)?;
+            if let Some(ring) = call.begins {
+                behind = i + loops.rings[ring as usize].count;
+                self.solve_loop(ring as usize, Pass::Major, i, Some(&mut touch))?;
                 continue;
             }
             outputs(call, now, signals, d, scratch);
@@ -419,6 +443,9 @@ impl Diagram {
         now.evaluation += 1;
         now.known = Known::Nothing;
         now.derived = false;
+        if !self.loops.rings.is_empty() {
+            self.plan.fused.place(t, x, &mut self.signals);
+        }
     }
 
     /// Says that discrete states or states have changed since the last evaluation.

@@ -11,6 +11,7 @@ use blocksim_block::schedule::{Schedule, When};
 use blocksim_law::passes::Map;
 use blocksim_law::{Id, Leaf, Met, Op, Program, Tape};
 
+use crate::loops::{self, Form};
 use crate::plan::{Call, Plan, Unit};
 
 /// The tapes of a diagram.
@@ -24,6 +25,8 @@ pub(crate) struct Fused {
     pub guards: Gathered,
     /// Exact slopes of the derivatives, where all that these depend on is data.
     pub slopes: Option<Slopes>,
+    /// The algebraic loops, where all of their blocks record their laws.
+    pub loops: Vec<Option<LoopTapes>>,
     layout: Layout,
 }
 
@@ -62,6 +65,17 @@ pub(crate) struct Slopes {
     rates: Gathered,
     /// First cell of the direction.
     direction: usize,
+}
+
+/// An algebraic loop.
+#[derive(Debug)]
+pub(crate) struct LoopTapes {
+    /// What its steps write, unless they are called.
+    pub values: Option<Tape>,
+    slopes: Gathered,
+    /// First cell of the direction along which slopes are, if they are not all at once.
+    direction: Option<usize>,
+    pub form: Form,
 }
 
 /// Where tapes find what is no signal: behind the signals, among whose cells they work.
@@ -103,7 +117,11 @@ impl Fused {
         let (derivatives, guards, slopes) = (laws.derivatives(), laws.guards(), laws.slopes());
         // Where anything lies depends on the constants of all.
         let gathered = [&derivatives.0, &guards.0].into_iter().chain(&slopes);
-        let mut layout = Layout::new(schedule, drafts.iter().chain(gathered).map(|draft| &draft.program));
+        let rings: Vec<Option<loops::Drafts>> =
+            schedule.loops.iter().map(|found| loops::Drafts::new(schedule, found)).collect();
+        let of_rings = rings.iter().flatten().flat_map(|ring| [&ring.values, &ring.slopes]);
+        let all = drafts.iter().chain(gathered).chain(of_rings).map(|draft| &draft.program);
+        let mut layout = Layout::new(schedule, all);
         let lists = [&mut fused.major, &mut fused.continuous, &mut fused.minor, &mut fused.rows];
         lists
             .into_iter()
@@ -117,6 +135,10 @@ impl Fused {
             let to = (0..schedule.states as u32).collect();
             Slopes { rates: layout.gathered((draft, to, Vec::new())), direction: layout.direction }
         });
+        let sizes = schedule.loops.iter().map(|found| found.cells.len());
+        let made =
+            rings.into_iter().zip(sizes).map(|(drafts, n)| drafts.map(|drafts| layout.ring(drafts, n)));
+        fused.loops = made.collect();
         fused.layout = layout;
         fused
     }
@@ -126,7 +148,8 @@ impl Fused {
         let all = |calls: &[Call]| vec![Part::Calls(0..calls.len())];
         let called = |called: &[usize]| Gathered { called: called.to_vec(), ..Gathered::default() };
         // Exact slopes are no matter of how blocks are called.
-        let Self { slopes, layout, .. } = Self::new(schedule, plan);
+        let Self { slopes, mut loops, layout, .. } = Self::new(schedule, plan);
+        loops.iter_mut().flatten().for_each(|ring| ring.values = None);
         Self {
             major: all(&plan.major),
             continuous: all(&plan.continuous),
@@ -135,6 +158,7 @@ impl Fused {
             derivatives: called(&plan.with_states),
             guards: called(&plan.guarded),
             slopes,
+            loops,
             layout,
         }
     }
@@ -143,15 +167,21 @@ impl Fused {
     pub fn tapes(&self) -> impl Iterator<Item = &Tape> {
         let parts = [&self.major, &self.continuous, &self.minor, &self.rows].into_iter().flatten();
         let slopes = self.slopes.iter().map(|slopes| &slopes.rates.tape);
-        parts.filter_map(Part::tape).chain([&self.derivatives.tape, &self.guards.tape]).chain(slopes)
+        let loops = self.loops.iter().flatten();
+        let loops = loops.flat_map(|ring| ring.values.iter().chain([&ring.slopes.tape]));
+        let gathered = [&self.derivatives.tape, &self.guards.tape];
+        parts.filter_map(Part::tape).chain(gathered).chain(slopes).chain(loops)
     }
 
     /// All tapes, for what is to run in their place.
     pub fn tapes_mut(&mut self) -> impl Iterator<Item = &mut Tape> {
-        let Self { major, continuous, minor, rows, derivatives, guards, slopes, .. } = self;
+        let Self { major, continuous, minor, rows, derivatives, guards, slopes, loops, .. } = self;
         let parts = [major, continuous, minor, rows].into_iter().flatten();
         let slopes = slopes.iter_mut().map(|slopes| &mut slopes.rates.tape);
-        parts.filter_map(Part::tape_mut).chain([&mut derivatives.tape, &mut guards.tape]).chain(slopes)
+        let loops = loops.iter_mut().flatten();
+        let loops = loops.flat_map(|ring| ring.values.iter_mut().chain([&mut ring.slopes.tape]));
+        let gathered = [&mut derivatives.tape, &mut guards.tape];
+        parts.filter_map(Part::tape_mut).chain(gathered).chain(slopes).chain(loops)
     }
 
     /// Makes room for the tapes behind the signals, and puts constants there.
@@ -191,12 +221,29 @@ impl Slopes {
     }
 }
 
+impl LoopTapes {
+    /// Writes the slopes of what the loop gives by what it is given, row by row.
+    pub fn slopes(&self, n: usize, signals: &mut [f64], d: &mut [f64], rows: &mut [f64], column: &mut [f64]) {
+        let Some(first) = self.direction else {
+            self.slopes.run(signals, d, rows);
+            return;
+        };
+        for j in 0..n {
+            signals[first..first + n].fill(0.0);
+            signals[first + j] = 1.0;
+            self.slopes.run(signals, d, column);
+            (0..n).for_each(|i| rows[i * n + j] = column[i]);
+        }
+    }
+}
+
 impl Layout {
     fn new<'p>(schedule: &Schedule, programs: impl Iterator<Item = &'p Program>) -> Self {
         let states = schedule.initial_signals.len();
         let time = states + schedule.states;
         let direction = time + 1;
-        let first = direction + schedule.states;
+        let unknowns = schedule.loops.iter().map(|found| found.cells.len()).max();
+        let first = direction + schedule.states.max(unknowns.unwrap_or(0));
         let mut layout = Self { states, time, direction, ..Self::default() };
         for instruction in programs.flat_map(|program| &program.instructions) {
             if let Op::Constant(bits) = instruction.op {
@@ -224,6 +271,17 @@ impl Layout {
         let made = Tape::make(&ops, &draft.roots, &leaf, self.temporaries);
         self.end = self.end.max(made.end);
         (made.tape, made.places)
+    }
+
+    fn ring(&mut self, drafts: loops::Drafts, n: usize) -> LoopTapes {
+        let loops::Drafts { values, slopes, along, form } = drafts;
+        let count = if along { n } else { n * n };
+        LoopTapes {
+            values: Some(self.made(&values).0),
+            slopes: self.gathered((slopes, (0..count as u32).collect(), Vec::new())),
+            direction: along.then_some(self.direction),
+            form,
+        }
     }
 
     fn gathered(&mut self, (draft, to, called): (Draft, Vec<u32>, Vec<usize>)) -> Gathered {

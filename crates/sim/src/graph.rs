@@ -9,9 +9,7 @@ pub(crate) struct Graph<'a> {
     schedule: &'a Schedule,
     /// The block and group that write each cell among the signals.
     group_of: HashMap<usize, (usize, usize)>,
-    /// Groups that the inputs of each block come from, input by input.
-    inputs: Vec<Vec<Vec<(usize, usize)>>>,
-    /// The same of all inputs.
+    /// Groups that the inputs of each block come from.
     pub sources: Vec<Vec<(usize, usize)>>,
 }
 
@@ -19,19 +17,16 @@ impl<'a> Graph<'a> {
     pub fn new(schedule: &'a Schedule) -> Self {
         let mut group_of = HashMap::new();
         for (index, block) in schedule.blocks.iter().enumerate() {
-            for (port, &(start, end)) in block.outputs.iter().enumerate() {
-                let group = block.interface.group_of[port];
-                group_of.extend((start..end).map(|cell| (block.y + cell as usize, (index, group))));
+            for group in 0..block.groups() {
+                group_of.extend(block.written(group).map(|cell| (cell, (index, group))));
             }
         }
         let from = |&(cell, length): &(u32, u32)| -> Vec<(usize, usize)> {
             let cells = cell as usize..(cell + length) as usize;
             cells.filter_map(|cell| group_of.get(&cell).copied()).collect()
         };
-        let inputs: Vec<Vec<Vec<(usize, usize)>>> =
-            schedule.blocks.iter().map(|block| block.gather.iter().map(from).collect()).collect();
-        let sources = inputs.iter().map(|inputs| inputs.concat()).collect();
-        Self { schedule, group_of, inputs, sources }
+        let sources = schedule.blocks.iter().map(|block| block.gather.iter().flat_map(from).collect());
+        Self { schedule, sources: sources.collect(), group_of }
     }
 
     /// The block and group that write a cell among the signals.
@@ -44,10 +39,9 @@ impl<'a> Graph<'a> {
         let mut found = HashSet::new();
         while let Some((block, group)) = stack.pop() {
             if found.insert((block, group)) {
-                let interface = &self.schedule.blocks[block].interface;
-                let inputs = self.inputs[block].iter().enumerate();
-                let read = inputs.filter(|(input, _)| interface.reads(group, *input));
-                stack.extend(read.flat_map(|(_, from)| from));
+                let instance = &self.schedule.blocks[block];
+                stack.extend(instance.read(group).filter_map(|cell| self.writer(cell)));
+                let interface = &instance.interface;
                 let constraint = interface.constraint.as_ref();
                 let rest = constraint.filter(|constraint| constraint.group == group);
                 stack.extend(rest.map(|constraint| (block, constraint.rest)));

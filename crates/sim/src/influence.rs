@@ -53,9 +53,8 @@ fn columns(schedule: &Schedule, most: usize) -> Option<Vec<Vec<usize>>> {
     for instance in schedule.blocks.iter().filter(|block| !block.interface.states.is_empty()) {
         let states = own_states(instance);
         let mut all: Vec<u32> = states.clone().collect();
-        for port in 0..instance.inputs.len() {
-            sets.add_input(instance, port, usize::MAX, &mut all);
-        }
+        let inputs = instance.gather.iter().flat_map(|&(from, len)| from as usize..(from + len) as usize);
+        sets.add_cells(inputs, usize::MAX, &mut all);
         all.sort_unstable();
         all.dedup();
         count += all.len() * states.len();
@@ -160,10 +159,7 @@ impl<'a> Sets<'a> {
         let mut writer = vec![NOBODY; schedule.initial_signals.len()];
         for (number, step) in schedule.steps.iter().enumerate().filter(|(i, _)| is_minor(schedule, *i)) {
             let instance = &schedule.blocks[step.block as usize];
-            let groups = instance.outputs.iter().zip(&instance.interface.group_of);
-            for ((start, end), _) in groups.filter(|(_, group)| **group == step.group as usize) {
-                writer[instance.y + *start as usize..instance.y + *end as usize].fill(number as u32);
-            }
+            instance.written(step.group as usize).for_each(|cell| writer[cell] = number as u32);
             // The rest of a constraint lies where its unknowns do.
             if let Some(constraint) = &instance.interface.constraint
                 && constraint.rest == step.group as usize
@@ -179,26 +175,19 @@ impl<'a> Sets<'a> {
         let step = &self.schedule.steps[step];
         let instance = &self.schedule.blocks[step.block as usize];
         all.extend(own_states(instance));
-        for port in (0..instance.inputs.len()).filter(|&i| instance.interface.reads(step.group as usize, i)) {
-            self.add_input(instance, port, first, all);
-        }
+        self.add_cells(instance.read(step.group as usize), first, all);
     }
 
-    /// Adds what an input depends on, but for what steps from `first` on write.
-    fn add_input(&self, instance: &Instance, port: usize, first: usize, all: &mut Vec<u32>) {
-        let (start, end) = instance.inputs[port];
-        let (mut at, mut last) = (0, NOBODY);
-        for &(from, len) in &instance.gather {
-            let within = start.max(at)..end.min(at + len);
-            for cell in within {
-                let writer = self.writer[(from + cell - at) as usize];
-                if writer != last && writer != NOBODY && (writer as usize) < first {
-                    let (start, end) = self.of[writer as usize];
-                    all.extend_from_slice(&self.states[start..end]);
-                }
-                last = writer;
+    /// Adds what cells among the signals depend on, but for what steps from `first` on write.
+    fn add_cells(&self, cells: impl Iterator<Item = usize>, first: usize, all: &mut Vec<u32>) {
+        let mut last = NOBODY;
+        for cell in cells {
+            let writer = self.writer[cell];
+            if writer != last && writer != NOBODY && (writer as usize) < first {
+                let (start, end) = self.of[writer as usize];
+                all.extend_from_slice(&self.states[start..end]);
             }
-            at += len;
+            last = writer;
         }
     }
 

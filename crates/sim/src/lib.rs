@@ -87,7 +87,7 @@ pub use error::SimError;
 pub use exact_slopes::Slope;
 pub use frozen::{Frozen, Tap};
 pub use influence::Undeclared;
-pub use listing::{Pass, PassKind, PassPart, passes};
+pub use listing::{LoopMethod, Pass, PassKind, PassPart, passes};
 pub use period::{Period, PeriodMap};
 pub use record::{Control, Observer};
 pub use simulation::{Counts, Ended, Simulation};

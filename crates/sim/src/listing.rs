@@ -4,6 +4,7 @@ use blocksim_block::law::Draft;
 use blocksim_block::schedule::{Schedule, When};
 
 use crate::fused::Laws;
+use crate::loops::{Drafts, Form};
 use crate::plan::{Call, Plan};
 
 /// One of the passes over a diagram.
@@ -32,6 +33,19 @@ pub enum PassKind {
     Updates,
 }
 
+/// How the unknowns of an algebraic loop are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoopMethod {
+    /// By elimination, with slopes that never change.
+    Elimination,
+    /// By elimination, with slopes that change.
+    VaryingElimination,
+    /// By Newton's method with exact slopes.
+    Newton,
+    /// By Newton's method with slopes by differences.
+    Differences,
+}
+
 /// What is run at once.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PassPart {
@@ -46,8 +60,49 @@ pub enum PassPart {
         /// Of derivatives and guards, where each value that is wanted anywhere goes.
         places: Vec<u32>,
     },
+    /// An algebraic loop, whose unknowns are found first.
+    Loop {
+        /// Its number in the schedule.
+        number: usize,
+        /// How they are found.
+        method: LoopMethod,
+        /// What goes round it, where all of its blocks record their laws.
+        draft: Option<Box<Draft>>,
+    },
     /// Blocks that are called one by one: each with its output group, where it is called for outputs.
     Calls(Vec<(usize, Option<u32>)>),
+}
+
+/// Calls that are no part of a program, and the loops among them.
+fn called(schedule: &Schedule, calls: &[Call]) -> Vec<PassPart> {
+    let mut parts = Vec::new();
+    let mut at = 0;
+    while let Some(call) = calls.get(at) {
+        if let Some(number) = call.begins {
+            let found = &schedule.loops[number as usize];
+            parts.push(looped(schedule, number as usize));
+            at += found.count;
+            continue;
+        }
+        let one = (call.block as usize, Some(call.group));
+        match parts.last_mut() {
+            Some(PassPart::Calls(calls)) => calls.push(one),
+            _ => parts.push(PassPart::Calls(vec![one])),
+        }
+        at += 1;
+    }
+    parts
+}
+
+fn looped(schedule: &Schedule, number: usize) -> PassPart {
+    let drafts = Drafts::new(schedule, &schedule.loops[number]);
+    let method = match drafts.as_ref().map(|drafts| drafts.form) {
+        None => LoopMethod::Differences,
+        Some(Form::Nonlinear) => LoopMethod::Newton,
+        Some(Form::Affine) => LoopMethod::VaryingElimination,
+        Some(Form::Constant) => LoopMethod::Elimination,
+    };
+    PassPart::Loop { number, method, draft: drafts.map(|drafts| Box::new(drafts.values)) }
 }
 
 /// What a simulation of this diagram runs.
@@ -55,18 +110,16 @@ pub fn passes(schedule: &Schedule) -> Vec<Pass> {
     let plan = Plan::new(schedule);
     let laws = Laws::new(schedule, &plan);
     let outputs = |kind: PassKind, calls: &[Call]| {
-        let parts = laws.parts(calls, kind == PassKind::Major).into_iter().map(|(range, joined)| {
+        let parts = laws.parts(calls, kind == PassKind::Major).into_iter().flat_map(|(range, joined)| {
             let calls = &calls[range];
             match joined {
-                Some((draft, when)) => PassPart::Program {
+                Some((draft, when)) => vec![PassPart::Program {
                     draft: Box::new(draft),
                     blocks: calls.iter().map(|call| call.block as usize).collect(),
                     when: Some(when),
                     places: Vec::new(),
-                },
-                None => PassPart::Calls(
-                    calls.iter().map(|call| (call.block as usize, Some(call.group))).collect(),
-                ),
+                }],
+                None => called(schedule, calls),
             }
         });
         Pass { kind, parts: parts.collect() }

@@ -1,6 +1,6 @@
 //! The schedule as the hot loop wants it: flat, short, without strings.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -74,8 +74,8 @@ pub(crate) struct Call {
     pub settles: bool,
     /// Number among the calls of a major pass.
     pub number: u32,
-    /// Whether an algebraic loop begins here.
-    pub begins: bool,
+    /// The algebraic loop that begins here.
+    pub begins: Option<u32>,
 }
 
 impl Call {
@@ -147,14 +147,15 @@ impl Plan {
         let chosen = |has: &dyn Fn(&Instance) -> bool| -> Vec<usize> {
             schedule.blocks.iter().enumerate().filter(|(_, b)| has(b)).map(|(i, _)| i).collect()
         };
-        let loops: BTreeSet<usize> = schedule.loops.iter().map(|found| found.first).collect();
+        let loops = schedule.loops.iter().enumerate();
+        let loops: BTreeMap<usize, u32> = loops.map(|(ring, found)| (found.first, ring as u32)).collect();
         let settles = |block: u32| schedule.blocks[block as usize].interface.settles;
         let steps = schedule.steps.iter();
         let major: Vec<Call> = steps
             .enumerate()
             .map(|(number, &Step { block, group, when, .. })| {
                 let unit = units[block as usize].clone();
-                let begins = loops.contains(&number);
+                let begins = loops.get(&number).copied();
                 Call { unit, block, group, when, settles: settles(block), number: number as u32, begins }
             })
             .collect();

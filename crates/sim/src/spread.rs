@@ -31,16 +31,10 @@ pub(crate) fn spread(
 /// Whether a step depends at once on one of these cells.
 fn reads(schedule: &Schedule, step: &Step, cells: &[bool]) -> bool {
     let block = &schedule.blocks[step.block as usize];
-    block.gather.iter().enumerate().any(|(input, &(from, len))| {
-        block.interface.reads(step.group as usize, input)
-            && cells[from as usize..(from + len) as usize].contains(&true)
-    })
+    block.read(step.group as usize).any(|cell| cells[cell])
 }
 
 /// Cells that a group of outputs writes.
 pub(crate) fn written<'a>(schedule: &'a Schedule, step: &'a Step) -> impl Iterator<Item = usize> + 'a {
-    let block = &schedule.blocks[step.block as usize];
-    let ports = block.outputs.iter().zip(&block.interface.group_of);
-    let own = ports.filter(move |(_, group)| **group == step.group as usize);
-    own.flat_map(move |((start, end), _)| block.y + *start as usize..block.y + *end as usize)
+    schedule.blocks[step.block as usize].written(step.group as usize)
 }

@@ -51,6 +51,17 @@ pub(crate) fn with_levers(schedule: &Schedule, cells: &[usize]) -> Result<(Sched
             let count = found.cells.len();
             found.cells[count - found.sought..].iter().any(|c| (home..home + signal.shape.len()).contains(c))
         };
+        // The elements of a vector that is no single value must not wait for each other.
+        let parts = schedule.steps.iter().filter(|step| {
+            written(&schedule, step).any(|cell| (home..home + signal.shape.len()).contains(&cell))
+        });
+        if parts.count() > 1 {
+            let message = format!(
+                "`{}` cannot be changed, as some of its elements depend on others at once",
+                signal.path
+            );
+            return Err(SimError::new("settings", 0.0, message).help("name another signal on the way"));
+        }
         let writer = schedule.steps.iter().position(writes);
         let Some(writer) = writer.filter(|_| !schedule.loops.iter().any(sought)) else {
             let message = format!("`{}` cannot be changed, as the engine finds its value", signal.path);
@@ -93,7 +104,11 @@ fn insert(
             found.first += 1;
         } else if writer < end {
             found.count += 1;
-            let cells = found.cells.iter_mut().filter(|cell| (home..home + n).contains(*cell));
+            let cells = found
+                .cells
+                .iter_mut()
+                .chain(&mut found.chosen)
+                .filter(|cell| (home..home + n).contains(*cell));
             cells.for_each(|cell| *cell = *cell - home + y);
         }
     }

@@ -274,7 +274,7 @@ fn an_algebraic_loop_is_shown_with_every_hop() {
         r#""r": Step(), "e": Sum(signs: "+-"), "k": Gain(k: 3), "f": Gain(k: 0.5), "t": Terminator,"#,
         r#""r.y -> e.u1", "e.y -> k.u", "k.y -> f.u, t.u", "f.y -> e.u2""#,
         &expect![[r#"
-            warning[algebraic_loop]: algebraic loop: e -> k -> f -> e; solved at every instant
+            note[algebraic_loop]: algebraic loop: e -> k -> f -> e; solved at every instant
               model.ron:5:73 `e.u2` 
               model.ron:5:40 `k.u` 
               model.ron:5:54 `f.u` 
@@ -284,7 +284,7 @@ fn an_algebraic_loop_is_shown_with_every_hop() {
               note: `k.u` feeds through to the outputs of `k` (Gain)
               note: `k.y` is connected to `f.u`
               note: `f.u` feeds through to the outputs of `f` (Gain)
-              help: nothing is to be done if the loop is meant; else put a block without direct feedthrough into the loop: a LowPass, an Integrator or, for sampled signals, a UnitDelay
+              help: nothing is to be done if the loop is meant; else put a block without direct feedthrough into the loop: a LowPass, an Integrator or, for sampled signals, a UnitDelay; `blocksim graph --loop 1` draws it
         "#]],
     );
 }

@@ -189,34 +189,27 @@ fn a_loop_without_a_solution_or_with_many_is_an_error_with_its_time() {
     assert_eq!(code, "algebraic_loop");
     assert_eq!(
         message,
-        "the algebraic loop of `g`, `e` has no single solution: what goes round comes back unchanged"
+        "the algebraic loop of `g`, `e` has no single solution: what goes round comes back unchanged, as it asks for `e.y` = 1 * `e.y` + 1"
     );
     let (code, message) = error(
         r#""u": Constant(value: 1), "e": Sum(signs: "+-"), "g": Function(function: Exp), "k": Gain(k: -1), "t": Terminator"#,
         r#""e.y -> g.u, t.u", "g.y -> k.u", "k.y -> e.u2", "u.y -> e.u1""#,
     );
     assert_eq!(
-        (code, message.as_str()),
-        ("algebraic_loop", "the algebraic loop of `g`, `k`, `e` has no solution that could be found")
+        (code, message.split(';').next()),
+        ("algebraic_loop", Some("the algebraic loop of `g`, `k`, `e` has no solution that could be found"))
     );
+    assert!(message.contains("it was tried with `e.y` = "), "{message}");
 }
 
 #[test]
-fn a_loop_of_truth_values_or_of_different_times_is_refused_and_one_that_is_solved_is_told() {
+fn a_loop_of_different_times_is_refused_and_one_that_is_solved_is_told() {
     let told = |blocks: &str, connections: &str| {
         let (compiled, problems) = compile_text(&format!(
             "Diagram(simulation: (stop_time: 1), blocks: {{ {blocks} }}, connections: [ {connections} ])"
         ));
         (compiled.schedule.is_some(), problems)
     };
-    let (runs, problems) = told(
-        r#""a": Logic(operator: Or, inputs: 2), "b": Logic(operator: Not), "c": Constant(value: true), "t": Terminator"#,
-        r#""c.y -> a.u1", "a.y -> b.u, t.u", "b.y -> a.u2""#,
-    );
-    assert!(
-        !runs && problems.contains("algebraic loop: a -> b -> a") && problems.contains("only real numbers"),
-        "{problems}"
-    );
     let (runs, problems) = told(
         r#""e": Sum(signs: "+-"), "hold": ZeroOrderHold(ts: "10 ms"), "c": Constant(value: 1), "t": Terminator"#,
         r#""c.y -> e.u1", "e.y -> hold.u, t.u", "hold.y -> e.u2""#,
@@ -226,8 +219,5 @@ fn a_loop_of_truth_values_or_of_different_times_is_refused_and_one_that_is_solve
         r#""e": Sum(signs: "+-"), "k": Gain(k: 2), "c": Constant(value: 1), "t": Terminator"#,
         r#""c.y -> e.u1", "e.y -> k.u, t.u", "k.y -> e.u2""#,
     );
-    assert!(
-        runs && problems.contains("warning") && problems.contains("solved at every instant"),
-        "{problems}"
-    );
+    assert!(runs && problems.contains("note") && problems.contains("solved at every instant"), "{problems}");
 }

@@ -78,4 +78,5 @@ mod thermal;
 mod tolerances;
 mod translation;
 mod turning;
+mod values_in_loops;
 mod windings;

@@ -245,7 +245,11 @@ fn what_a_page_says_that_fails_fails_in_these_words() {
             WITH_OVERRIDE.iter().filter(|(code, ..)| *code == page.code).map(|(_, bad, _)| *bad).collect();
         let (problems, _, places) = problems(&page, model, &set);
         let said = problems.iter().zip(places).flat_map(|(problem, place)| {
-            let severity = if problem.severity == Severity::Error { "error" } else { "warning" };
+            let severity = match problem.severity {
+                Severity::Error => "error",
+                Severity::Warning => "warning",
+                Severity::Note => "note",
+            };
             let first = format!("{severity}[{}]: {}", problem.code, problem.message);
             let notes = problem.notes.iter().map(|note| format!("= note: {note}"));
             let help = problem.help.iter().map(|help| format!("= help: {help}"));

@@ -1,5 +1,6 @@
 //! The law of a block as data, and a block that runs it.
 
+use std::collections::HashMap;
 use std::fmt::{self, Debug};
 use std::sync::{Arc, OnceLock};
 
@@ -19,6 +20,8 @@ pub struct BlockLaw {
     pub outputs: Vec<Id>,
     /// Output group of each cell.
     pub group_of: Vec<usize>,
+    /// The groups by values, see [`by_values`](Self::by_values); nothing where they are those of the interface.
+    pub values: Option<Vec<ValueGroup>>,
     /// What each derivative is.
     pub derivatives: Vec<Id>,
     /// What each guard is.
@@ -29,6 +32,18 @@ pub struct BlockLaw {
     pub updated: Vec<(usize, Id)>,
     codes: OnceLock<Codes>,
 }
+
+/// Output cells of a block that depend on the same input cells.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ValueGroup {
+    /// Output cells, rising.
+    pub cells: Vec<u32>,
+    /// Input cells that they read, rising.
+    pub reads: Vec<u32>,
+}
+
+/// Most dependences of outputs on inputs of a block that is looked at by its values.
+const MOST_DEPENDENCES: usize = 20_000;
 
 /// What is computed at each occasion, one block at a time.
 #[derive(Debug)]
@@ -90,6 +105,7 @@ impl BlockLaw {
             block: Arc::clone(block),
             outputs: y,
             group_of,
+            values: None,
             derivatives: dx,
             guards: g,
             settled,
@@ -99,6 +115,67 @@ impl BlockLaw {
         };
         law.reads_what_it_says(interface, inputs)?;
         Ok(Some(law))
+    }
+
+    /// The same law with output groups that follow from it: outputs that read the same cells of the inputs are one, whatever
+    /// ports these cells are of. Nothing if the groups of the interface are as fine already, or if the block chooses modes, which
+    /// takes all inputs at once.
+    pub fn by_values(&self, interface: &Interface, inputs: &[(u32, u32)]) -> Option<Self> {
+        if interface.settles || !self.settled.is_empty() || interface.constraint.is_some() {
+            return None;
+        }
+        let mut groups: Vec<ValueGroup> = Vec::new();
+        let mut known: HashMap<Vec<u32>, usize> = HashMap::new();
+        let mut group_of = Vec::with_capacity(self.outputs.len());
+        let mut dependences = 0;
+        for (cell, id) in self.outputs.iter().enumerate() {
+            let wanted = [*id];
+            let about = self.requirements_of(&wanted);
+            let mut reads = self.inputs_behind(wanted.into_iter().chain(about));
+            reads.sort_unstable();
+            reads.dedup();
+            dependences += reads.len();
+            if dependences > MOST_DEPENDENCES {
+                return None;
+            }
+            let group = *known.entry(reads.clone()).or_insert(groups.len());
+            if group == groups.len() {
+                groups.push(ValueGroup { cells: Vec::new(), reads });
+            }
+            groups[group].cells.push(cell as u32);
+            group_of.push(group);
+        }
+        let is_as_fine = |group: &ValueGroup| {
+            let of = self.group_of[group.cells[0] as usize];
+            let read = inputs.iter().enumerate().filter(|(port, _)| interface.reads(of, *port));
+            group.reads.len() == read.map(|(_, (start, end))| (end - start) as usize).sum::<usize>()
+        };
+        if groups.iter().all(is_as_fine) {
+            return None;
+        }
+        Some(Self {
+            block: Arc::clone(&self.block),
+            program: self.program.clone(),
+            outputs: self.outputs.clone(),
+            group_of,
+            values: Some(groups),
+            derivatives: self.derivatives.clone(),
+            guards: self.guards.clone(),
+            settled: Vec::new(),
+            updated: self.updated.clone(),
+            codes: OnceLock::new(),
+        })
+    }
+
+    /// The output cells of a group.
+    pub fn cells_of(&self, group: usize) -> Vec<usize> {
+        match &self.values {
+            Some(groups) => {
+                groups.get(group).map(|group| group.cells.iter().map(|cell| *cell as usize).collect())
+            }
+            None => Some((0..self.outputs.len()).filter(|cell| self.group_of[*cell] == group).collect()),
+        }
+        .unwrap_or_default()
     }
 
     /// Whether each output reads inputs of its group alone.
@@ -144,8 +221,7 @@ impl BlockLaw {
             let seconds = |list: &[(usize, Id)]| list.iter().map(|(_, id)| *id).collect::<Vec<Id>>();
             let count = self.group_of.iter().max().map_or(0, |group| group + 1);
             let groups = (0..count).map(|group| {
-                let cells = (0..self.outputs.len()).filter(|cell| self.group_of[*cell] == group);
-                let cells: Vec<usize> = cells.collect();
+                let cells = self.cells_of(group);
                 let ids = cells.iter().map(|cell| self.outputs[*cell]).collect();
                 (cells, code(ids))
             });

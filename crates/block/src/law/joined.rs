@@ -18,6 +18,15 @@ pub struct Draft {
 }
 
 impl Draft {
+    /// A program whose outputs are wanted anywhere, without what is there twice.
+    fn of(program: &Program) -> Self {
+        let program = program.optimised();
+        let values = program.outputs.iter().map(|(_, id)| Root::Anywhere(*id));
+        let met = program.requirements.iter().map(|id| Root::Met(*id));
+        let roots = values.chain(met).collect();
+        Self { program, roots }
+    }
+
     /// The program with the names that signals, states and memories have in the diagram.
     pub fn named(&self, schedule: &Schedule) -> Program {
         let mut program = self.program.clone();
@@ -61,7 +70,7 @@ impl<'l> Placed<'l> {
 
 /// Laws on their way into one program. Blocks come in the order in which they are evaluated: who reads a signal that is written
 /// already reads the value itself.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Joined {
     program: Program,
     roots: Vec<Root>,
@@ -81,14 +90,13 @@ impl Joined {
             self.settle_with(&mut inlined);
             wanted.extend(law.settled.iter().map(|(_, id)| *id));
         }
-        for (cell, (id, of)) in law.outputs.iter().zip(&law.group_of).enumerate() {
-            if *of == group {
-                let value = inlined.value(*id, self);
-                let cell = (placed.instance.y + cell) as u32;
-                self.roots.push(Root::Cell(value, cell));
-                wanted.push(*id);
-                inlined.written.push((cell, value));
-            }
+        for cell in law.cells_of(group) {
+            let id = law.outputs[cell];
+            let value = inlined.value(id, self);
+            let cell = (placed.instance.y + cell) as u32;
+            self.roots.push(Root::Cell(value, cell));
+            wanted.push(id);
+            inlined.written.push((cell, value));
         }
         self.require(&wanted, &mut inlined);
         self.cells.extend(inlined.written);
@@ -132,11 +140,47 @@ impl Joined {
             Op::State(i) => Some(Op::Parameter(i)),
             _ => None,
         });
-        let program = program.optimised();
-        let values = program.outputs.iter().map(|(_, id)| Root::Anywhere(*id));
-        let met = program.requirements.iter().map(|id| Root::Met(*id));
-        let roots = values.chain(met).collect();
-        Draft { program, roots }
+        Draft::of(&program)
+    }
+
+    /// How what stands in some cells depends on what stood there before: row by row, a row for each cell. Nothing if one of them is
+    /// not written.
+    pub fn slopes_by(self, cells: &[u32]) -> Option<Draft> {
+        let program = self.of_cells(cells)?;
+        let mut all = Program::default();
+        let mut columns: Vec<Vec<Id>> = Vec::with_capacity(cells.len());
+        for cell in cells {
+            let seed = |op: Op| (op == Op::Input(*cell)).then(|| Op::constant(1.0));
+            let rates = blocksim_law::rates(&program, &seed);
+            let before = all.instructions.len() as u32;
+            let moved = |id: Id| Id(id.0 + before);
+            let instructions = rates.instructions.into_iter();
+            all.instructions.extend(instructions.map(|one| Instruction { op: one.op.map(moved), ..one }));
+            columns.push(rates.outputs.into_iter().map(|(_, id)| moved(id)).collect());
+        }
+        let rows = 0..cells.len();
+        all.outputs =
+            rows.flat_map(|row| columns.iter().map(move |column| (String::new(), column[row]))).collect();
+        Some(Draft::of(&all))
+    }
+
+    /// The same along a direction in the space of what stood in these cells, which stands for parameters.
+    pub fn slopes_along(self, cells: &[u32]) -> Option<Draft> {
+        let program = self.of_cells(cells)?;
+        let of_cell: Map<u32, u32> = cells.iter().enumerate().map(|(i, cell)| (*cell, i as u32)).collect();
+        let rates = blocksim_law::rates(&program, &|op| match op {
+            Op::Input(cell) => of_cell.get(&cell).map(|i| Op::Parameter(*i)),
+            _ => None,
+        });
+        Some(Draft::of(&rates))
+    }
+
+    /// The program of what stands in some cells, without requirements.
+    fn of_cells(mut self, cells: &[u32]) -> Option<Program> {
+        let written = cells.iter().map(|cell| self.cells.get(cell).map(|id| (String::new(), *id)));
+        self.program.outputs = written.collect::<Option<_>>()?;
+        self.program.requirements.clear();
+        Some(self.program.optimised())
     }
 
     /// The program without what is there twice, and what is wanted of it.
@@ -194,13 +238,15 @@ struct Inlined<'l> {
     instance: &'l Instance,
     /// What stands for each of its values; nothing until it is asked for.
     values: Vec<Id>,
+    /// The same where groups are small parts of the law, of the values that have been needed.
+    few: Map<Id, Id>,
     /// Cells that it has written, which it does not read itself.
     written: Vec<(u32, Id)>,
 }
 
 impl<'l> Inlined<'l> {
     fn new(Placed { law, number, instance }: Placed<'l>) -> Self {
-        Self { law, number, instance, values: Vec::new(), written: Vec::new() }
+        Self { law, number, instance, values: Vec::new(), few: Map::default(), written: Vec::new() }
     }
 
     /// The number of a discrete state in the diagram.
@@ -222,18 +268,40 @@ impl<'l> Inlined<'l> {
 
     /// What stands for a value of the law. The whole law comes with it; who wants less drops the rest.
     fn value(&mut self, id: Id, joined: &mut Joined) -> Id {
+        if self.law.values.is_some() {
+            return self.value_alone(id, joined);
+        }
         if self.values.is_empty() {
             let instructions = &self.law.program.instructions;
             self.values.reserve(instructions.len());
             for instruction in instructions {
-                let value = self.joined(instruction.op, joined);
+                let value = self.joined(instruction.op, joined, |operand| self.values[operand.0 as usize]);
                 self.values.push(value);
             }
         }
         self.values[id.0 as usize]
     }
 
-    fn joined(&self, op: Op, joined: &mut Joined) -> Id {
+    /// The same with those values alone that it needs.
+    fn value_alone(&mut self, id: Id, joined: &mut Joined) -> Id {
+        let mut open = vec![id];
+        while let Some(&next) = open.last() {
+            let op = self.law.program.op(next);
+            let missing = op.operands().filter(|operand| !self.few.contains_key(operand));
+            let before = open.len();
+            open.extend(missing);
+            if open.len() == before {
+                open.pop();
+                if !self.few.contains_key(&next) {
+                    let value = self.joined(op, joined, |operand| self.few[&operand]);
+                    self.few.insert(next, value);
+                }
+            }
+        }
+        self.few[&id]
+    }
+
+    fn joined(&self, op: Op, joined: &mut Joined, of: impl Fn(Id) -> Id) -> Id {
         let op = match op {
             Op::Input(i) => {
                 let cell = self.cell(i);
@@ -250,7 +318,7 @@ impl<'l> Inlined<'l> {
                 Op::Memory(number)
             }
             Op::State(i) => Op::State(self.instance.x as u32 + i),
-            op => op.map(|operand| self.values[operand.0 as usize]),
+            op => op.map(of),
         };
         joined.push(op, self.number)
     }

@@ -4,7 +4,7 @@ mod block_law;
 mod joined;
 mod recording;
 
-pub use block_law::BlockLaw;
+pub use block_law::{BlockLaw, ValueGroup};
 pub use blocksim_law::{
     Binary, Domain, Failure, Id, Machine, Op, Program, Ran, Root, Tape, Unary, Word, WordCode,
 };

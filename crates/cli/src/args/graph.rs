@@ -11,7 +11,7 @@ use super::plot::ThemeName;
     after_help = "Draws one level. Models with errors are drawn as far as they can be read.\n\nExamples:\n  \
                   blocksim graph servo.ron\n  blocksim graph servo.ron --png servo.png\n  \
                   blocksim graph irb2600.ron --path arm/link1 --svg link1.svg --theme dark\n  \
-                  blocksim graph irb2600.ron --all --svg drawings"
+                  blocksim graph irb2600.ron --all --svg drawings\n  blocksim graph servo.ron --loop 1 --svg loop.svg"
 )]
 pub struct GraphArgs {
     #[command(flatten)]
@@ -22,6 +22,10 @@ pub struct GraphArgs {
     /// Draws every level; files then are folders, with a drawing for each level.
     #[arg(long, conflicts_with = "path")]
     pub all: bool,
+    /// Draws an algebraic loop, by its number in the notes of `blocksim check`: the level around it, with its blocks and wires
+    /// marked.
+    #[arg(long, value_name = "N", conflicts_with_all = ["path", "all"], value_parser = clap::value_parser!(u32).range(1..))]
+    pub r#loop: Option<u32>,
     /// Writes a drawing.
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,

@@ -1,7 +1,9 @@
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use blocksim_diagram::Sources;
-use blocksim_drawing::{Level, PathError, all_levels, level_at, svg, text};
+use blocksim_block::schedule::Schedule;
+use blocksim_diagram::{Options, Sources, compile_and_keep};
+use blocksim_drawing::{Level, Marks, PathError, all_levels, level_at, svg_with_marks, text};
 use blocksim_layout::{Layout, Point, PortKind, layout};
 use serde_json::{Value, json};
 
@@ -25,13 +27,30 @@ pub fn graph(args: &GraphArgs, console: Console) -> Outcome {
     let disk = Disk::with(Plugins::of(args.model.plugins, Purpose::Look));
     tell_builds();
     let sources = Sources::new(&disk);
-    let (model, problems) = blocksim_diagram::model(&sources, &args.model.model, &args.model.set);
+    let (model, problems, schedule) = if args.r#loop.is_some() {
+        let options = Options { overrides: &args.model.set, ..Options::default() };
+        let (model, compiled) = compile_and_keep(&sources, &args.model.model, &options);
+        (model, compiled.problems, compiled.schedule)
+    } else {
+        let (model, problems) = blocksim_diagram::model(&sources, &args.model.model, &args.model.set);
+        (model, problems, None)
+    };
     tell(&problems, &sources.all(), console)?;
     let Some(model) = model else { return Ok(Exit::Model) };
+    let looped = match args.r#loop {
+        Some(number) => {
+            // Only what compiles is known to have loops.
+            let Some(schedule) = &schedule else { return Ok(Exit::Model) };
+            Some(Looped::find(schedule, number as usize)?)
+        }
+        None => None,
+    };
+    let marks = looped.as_ref().map_or(Marks::default(), |found| found.marks.clone());
     let levels = if args.all {
         all_levels(&model, &sources)
     } else {
-        vec![level_at(&model, &sources, &args.path).map_err(|error| no_such_level(&error))?]
+        let path = if looped.is_some() { &marks.level() } else { &args.path };
+        vec![level_at(&model, &sources, path).map_err(|error| no_such_level(&error))?]
     };
     let whole = if render::errors(&problems) == 0 { Exit::Done } else { Exit::Model };
     for level in &levels {
@@ -41,6 +60,9 @@ pub fn graph(args: &GraphArgs, console: Console) -> Outcome {
         }
         if args.svg.is_none() && args.png.is_none() {
             if !args.json {
+                if let Some(found) = &looped {
+                    console.data(&format!("{}\n", found.text))?;
+                }
                 let headed = if args.all && !level.path.is_empty() {
                     format!("{}: ", level.path)
                 } else {
@@ -50,7 +72,7 @@ pub fn graph(args: &GraphArgs, console: Console) -> Outcome {
             }
             continue;
         }
-        let drawing = svg(level, &laid_out, args.theme.into());
+        let drawing = svg_with_marks(level, &laid_out, args.theme.into(), &marks);
         let file = |given: &Option<std::path::PathBuf>, ending: &str| {
             given
                 .as_deref()
@@ -67,6 +89,58 @@ pub fn graph(args: &GraphArgs, console: Console) -> Outcome {
         write_pictures(&drawing, as_svg.as_deref(), as_png.as_deref(), args.scale, args.yes)?;
     }
     Ok(whole)
+}
+
+/// An algebraic loop of a model.
+struct Looped {
+    marks: Marks,
+    /// Its blocks and unknowns in words.
+    text: String,
+}
+
+impl Looped {
+    /// The loop of this number.
+    fn find(schedule: &Schedule, number: usize) -> Result<Self, Failure> {
+        let count = schedule.loops.len();
+        let Some(found) = schedule.loops.get(number - 1) else {
+            let text = match count {
+                0 => "the model has no algebraic loop".to_owned(),
+                1 => format!("there is no loop {number}: the model has one"),
+                _ => format!("there is no loop {number}: the model has {count}"),
+            };
+            return Err(Failure::usage(text).help("`blocksim check` numbers the loops in its notes"));
+        };
+        let steps = &schedule.steps[found.first..found.first + found.count];
+        let mut paths: Vec<&str> = Vec::new();
+        let mut blocks = BTreeSet::new();
+        for block in steps.iter().map(|step| &schedule.blocks[step.block as usize]) {
+            if !paths.contains(&block.path.as_str()) {
+                paths.push(&block.path);
+            }
+            // A network stands for the blocks that it is made of.
+            let parts = block.parts.iter().map(|part| &part.path);
+            blocks.extend(parts.chain(block.parts.is_empty().then_some(&block.path)).cloned());
+        }
+        let cells = found.cells.iter().chain(&found.chosen);
+        let unknowns: Vec<String> = cells.filter_map(|cell| signal_at(schedule, *cell)).collect();
+        let text = format!("loop {number}: blocks {}; unknown: {}", shortened(&paths), shortened(&unknowns));
+        Ok(Self { marks: Marks { blocks }, text })
+    }
+}
+
+/// The signal in a cell, by its path and element.
+pub(super) fn signal_at(schedule: &Schedule, cell: usize) -> Option<String> {
+    let signal = schedule.signals.iter().find(|s| (s.offset..s.offset + s.shape.len()).contains(&cell))?;
+    let element = cell - signal.offset;
+    Some(if signal.shape.len() == 1 { signal.path.clone() } else { format!("{}[{element}]", signal.path) })
+}
+
+/// Names in a row; of many the first.
+fn shortened(names: &[impl AsRef<str>]) -> String {
+    const MOST: usize = 12;
+    let first: Vec<&str> = names.iter().take(MOST).map(AsRef::as_ref).collect();
+    let more = names.len().saturating_sub(MOST);
+    first.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
 }
 
 /// The file of a level in a folder: `top.svg`, `arm.link1.svg`. Names of blocks are letters, digits and `_`.

@@ -149,7 +149,7 @@ fn lost(pattern: &str, recorded: &[Recorded]) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use blocksim_block::schedule::{OutputTimes, Solver, Start, VariableMethod};
+    use blocksim_block::schedule::{LoopPolicy, OutputTimes, Solver, Start, VariableMethod};
     use expect_test::expect;
 
     fn recorded(path: &str) -> Recorded {
@@ -241,6 +241,14 @@ mod tests {
     fn settings(output: OutputTimes) -> Settings {
         let (method, max_step) = (VariableMethod::Ode45, f64::INFINITY);
         let solver = Solver::Variable { method, rtol: 1e-6, atol: Some(1e-6), max_step };
-        Settings { stop_time: 1.0, solver, output, seed: 0, start: Start::Given, atol: Vec::new() }
+        Settings {
+            stop_time: 1.0,
+            solver,
+            output,
+            seed: 0,
+            start: Start::Given,
+            atol: Vec::new(),
+            algebraic_loops: LoopPolicy::default(),
+        }
     }
 }

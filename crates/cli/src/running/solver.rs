@@ -124,7 +124,7 @@ pub fn described(used: &SolverUsed) -> String {
 mod tests {
     use super::*;
     use crate::args::{Args, Command};
-    use blocksim_block::schedule::{FixedMethod, OutputTimes, Start, VariableMethod};
+    use blocksim_block::schedule::{FixedMethod, LoopPolicy, OutputTimes, Start, VariableMethod};
     use clap::Parser;
 
     const ODE45: Solver = Solver::Variable {
@@ -145,6 +145,7 @@ mod tests {
             seed: 0,
             start: Start::Given,
             atol: Vec::new(),
+            algebraic_loops: LoopPolicy::default(),
         };
         apply(&args.solver, &mut settings).map(|()| settings).map_err(|failure| failure.text())
     }

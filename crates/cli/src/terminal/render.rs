@@ -14,6 +14,7 @@ pub fn full(problem: &Problem, texts: &Texts, colour: bool) -> String {
     let level = match problem.severity {
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,
+        Severity::Note => Level::NOTE,
     };
     let title = level.primary_title(clean(&problem.message)).id(problem.code);
     let mut group = Group::with_title(title);
@@ -109,10 +110,10 @@ pub fn json(problem: &Problem, texts: &Texts, exit: Option<Exit>) -> Value {
 /// Longest line of a note or a help, in characters.
 const LINE: usize = 100;
 
-/// The first of many problems, in their order; errors before warnings where there is not room for all.
+/// The first of many problems, in their order; the severe ones where there is not room for all.
 pub fn first(problems: &[Problem], most: usize) -> Vec<&Problem> {
     let mut order: Vec<usize> = (0..problems.len()).collect();
-    order.sort_by_key(|at| problems[*at].severity != Severity::Error);
+    order.sort_by_key(|at| problems[*at].severity);
     order.truncate(most);
     order.sort_unstable();
     order.into_iter().map(|at| &problems[at]).collect()
@@ -123,11 +124,13 @@ pub fn errors(problems: &[Problem]) -> usize {
     problems.iter().filter(|problem| problem.severity == Severity::Error).count()
 }
 
-/// `2 errors, 1 warning`; `no problems`.
+/// `2 errors, 1 warning`, `1 note`; `no problems`.
 pub fn tally(problems: &[Problem]) -> String {
-    let errors = errors(problems);
-    let parts = [(errors, "error"), (problems.len() - errors, "warning")];
-    let said: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|&(n, name)| plural(n, name)).collect();
+    let count = |severity| problems.iter().filter(|problem| problem.severity == severity).count();
+    let parts =
+        [Severity::Error, Severity::Warning, Severity::Note].map(|severity| (count(severity), severity));
+    let parts = parts.iter().filter(|(n, _)| *n > 0);
+    let said: Vec<String> = parts.map(|&(n, severity)| plural(n, word(severity))).collect();
     if said.is_empty() { "no problems".to_owned() } else { said.join(", ") }
 }
 
@@ -140,6 +143,7 @@ fn word(severity: Severity) -> &'static str {
     match severity {
         Severity::Error => "error",
         Severity::Warning => "warning",
+        Severity::Note => "note",
     }
 }
 

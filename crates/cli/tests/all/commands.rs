@@ -282,6 +282,7 @@ fn whoever_asks_for_data_gets_failures_as_data() {
         ("linearise lag.ron --from demand.y --to nowhere", 2, "usage"),
         ("blocks Gian", 2, "usage"),
         ("graph lag.ron --path inside", 2, "usage"),
+        ("graph lag.ron --loop 1", 2, "usage"),
         ("params list lag.ron leg", 2, "usage"),
         ("params get lag.ron leg", 2, "usage"),
         ("plan joint --robot nowhere.ron --to 1", 4, "unreadable"),

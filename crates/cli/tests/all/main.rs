@@ -22,6 +22,7 @@ mod linearise;
 mod linearise_charts;
 mod linearise_dead_times;
 mod linearise_sampled;
+mod loops;
 mod modules;
 mod mutants;
 #[cfg(unix)]

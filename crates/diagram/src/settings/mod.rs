@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{
-    FixedMethod, Free, Held, LATEST, OutputTimes, Settings, Solver, Start, Steady, VariableMethod,
+    FixedMethod, Free, Held, LATEST, LoopPolicy, OutputTimes, Settings, Solver, Start, Steady, VariableMethod,
 };
 use blocksim_block::{BlockInfo, ParamValue, ParameterInfo, Symbol};
 use blocksim_signal::Value;
@@ -98,6 +98,7 @@ pub(crate) fn settings<'a>(
         seed: 0,
         start: Start::Given,
         atol: Vec::new(),
+        algebraic_loops: LoopPolicy::default(),
     };
     let Some(node) = &ast.simulation else { return default };
     let place = ast.place(&node.span);
@@ -211,7 +212,8 @@ pub(crate) fn settings<'a>(
             Vec::new()
         }
     };
-    let settings = Settings { stop_time, solver, output, seed: read.seed, start, atol };
+    let algebraic_loops = read.algebraic_loops;
+    let settings = Settings { stop_time, solver, output, seed: read.seed, start, atol, algebraic_loops };
     if stop_time.is_finite() && stop_time > LATEST {
         problems.push(
             Problem::error("parameter", format!("the stop time of {stop_time:e} s is beyond the clock"))
@@ -320,7 +322,7 @@ mod tests {
 
     #[test]
     fn every_setting_is_read() {
-        let text = "(stop_time: \"2 s\", solver: Ode4(step: \"1 ms\"), output: Every(\"10 ms\"), seed: 7)";
+        let text = "(stop_time: \"2 s\", solver: Ode4(step: \"1 ms\"), output: Every(\"10 ms\"), seed: 7, algebraic_loops: Refuse)";
         let solver = Solver::Fixed { method: FixedMethod::Ode4, step: 1e-3 };
         let wanted = Settings {
             stop_time: 2.0,
@@ -329,6 +331,7 @@ mod tests {
             seed: 7,
             start: Start::Given,
             atol: Vec::new(),
+            algebraic_loops: LoopPolicy::Refuse,
         };
         assert_eq!(read_settings(text, None), (wanted, Vec::new()));
     }

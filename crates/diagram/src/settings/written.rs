@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use blocksim_block::ParamValue;
+use blocksim_block::schedule::LoopPolicy;
 use blocksim_signal::{Dimension, Unit, Value};
 use serde::{Deserialize, Deserializer};
 
@@ -19,6 +20,8 @@ pub(super) struct Simulation {
     pub start: Option<Begin>,
     #[serde(default)]
     pub atol: BTreeMap<String, ParamValue>,
+    #[serde(default)]
+    pub algebraic_loops: LoopPolicy,
 }
 
 /// Where a run begins.

@@ -46,8 +46,8 @@ pub(super) fn lay_out(
     let (mut x, mut d, mut g) = (0, 0, 0);
     let mut recorded = Columns::default();
     let held = |source: &Source| {
-        let group = typed.interfaces[source.block].group_of[source.output];
-        when[&(source.block, group)] != When::Continuous
+        let mut groups = order.writers(source.block, source.output);
+        groups.all(|group| when[&group] != When::Continuous)
     };
     for (index, (block, interface)) in flat.blocks.iter().zip(&typed.interfaces).enumerate() {
         let mut gather = Vec::new();
@@ -57,8 +57,6 @@ pub(super) fn lay_out(
             Some((input, format!("{}.{}", block.path, interface.inputs[input].name), wide))
         });
         let over = across.as_ref().map(|(input, name, wide)| (*input, name.as_str(), *wide));
-        let mut inputs = Vec::new();
-        let mut at = 0;
         for (number, (input, source)) in interface.inputs.iter().zip(&block.inputs).enumerate() {
             let (cell, length) = match source {
                 Some(source) => {
@@ -73,8 +71,6 @@ pub(super) fn lay_out(
                 }
             };
             gather.push((cell as u32, length as u32));
-            inputs.push((at, at + length as u32));
-            at += length as u32;
             if let (Some(wanted), Some(source)) = (&interface.recorded, source) {
                 let signal = &signals[first_signal[source.block].0 + source.output];
                 let name = format!("{}.{}", block.path, input.name);
@@ -93,22 +89,19 @@ pub(super) fn lay_out(
                 recorded.push(&name, signal, &called);
             }
         }
-        let (first, y) = first_signal[index];
-        let outputs = signals[first..first + interface.outputs.len()]
-            .iter()
-            .map(|signal| ((signal.offset - y) as u32, (signal.offset - y + signal.shape.len()) as u32))
-            .collect();
+        let (_, y) = first_signal[index];
+        let known = &order.laws.blocks[index];
         blocks.push(Instance {
             path: block.path.clone(),
             kind: block.kind.clone(),
             place: block.place.clone(),
             parts: block.parts.clone(),
-            block: block.block.clone(),
-            law: None,
+            block: known.block.clone(),
+            law: known.law.clone(),
             interface: interface.clone(),
             gather,
-            inputs,
-            outputs,
+            inputs: known.inputs.clone(),
+            outputs: known.outputs.clone(),
             y,
             x,
             d,
@@ -134,10 +127,11 @@ pub(super) fn lay_out(
             minor: needed.contains(&(*block, *group)),
         })
         .collect();
+    let numbered = sorted.groups.iter().enumerate().filter(|_| !sorted.rings.is_empty());
+    let number_of: HashMap<Group, usize> = numbered.map(|(number, group)| (*group, number)).collect();
     let loops = sorted.rings.iter().map(|ring| {
-        let outputs = ring.cut.iter().map(|(block, output)| &signals[first_signal[*block].0 + output]);
-        let mut cells: Vec<usize> =
-            outputs.flat_map(|signal| signal.offset..signal.offset + signal.shape.len()).collect();
+        let cell = |(block, cell): &(usize, u32)| first_signal[*block].1 + *cell as usize;
+        let mut cells: Vec<usize> = ring.cut.iter().map(cell).collect();
         let guessed = cells.len();
         for &block in &ring.constraints {
             let unknowns = typed.interfaces[block].constraint.iter().flat_map(|found| &found.unknowns);
@@ -148,8 +142,9 @@ pub(super) fn lay_out(
             }
         }
         let sought = cells.len() - guessed;
-        let first = sorted.groups.iter().position(|group| Some(group) == ring.groups.first()).unwrap_or(0);
-        Loop { first, count: ring.groups.len(), cells, sought }
+        let chosen = ring.chosen.iter().map(cell).collect();
+        let first = ring.groups.first().map_or(0, |group| number_of[group]);
+        Loop { first, count: ring.groups.len(), cells, chosen, sought }
     });
     let loops: Vec<Loop> = loops.collect();
     Schedule {

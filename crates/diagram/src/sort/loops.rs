@@ -1,26 +1,31 @@
 //! Algebraic loops: cut open so that they can be solved, or told hop by hop.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap, HashSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap, HashMap, HashSet, VecDeque};
 
 use blocksim_block::problem::{Problem, Severity};
-use blocksim_block::schedule::When;
+use blocksim_block::schedule::{LoopPolicy, When};
 use blocksim_signal::Kind;
 use petgraph::Direction;
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
-use super::order::{Group, Order, Sorted};
+use super::order::{Cell, Group, Order, Sorted};
 
 /// What helps wherever a loop is not meant, or cannot be solved.
 const BREAK: &str = "put a block without direct feedthrough into the loop: a LowPass, an Integrator or, for sampled signals, a UnitDelay";
+
+/// Most values of a loop that are found at once.
+const MOST_UNKNOWNS: usize = 2000;
 
 /// An algebraic loop.
 pub(super) struct Ring {
     /// Its groups, in an order in which each follows those that it reads, but for those that are cut.
     pub groups: Vec<Group>,
-    /// Outputs, by block and number, that are guessed, and corrected until they are what their blocks give.
-    pub cut: Vec<(usize, usize)>,
+    /// Cells of outputs that are guessed, and corrected until they are what their blocks give.
+    pub cut: Vec<Cell>,
+    /// The same of truth values and whole numbers, which are held and chosen anew.
+    pub chosen: Vec<Cell>,
     /// Blocks with constraints, whose unknowns are found together with what is cut.
     pub constraints: Vec<usize>,
     /// A shortest way round.
@@ -31,7 +36,7 @@ pub(super) struct Ring {
 
 impl Order<'_> {
     /// Cuts a loop open, at outputs of few numbers through which many ways go.
-    pub(super) fn ring(&self, component: &[NodeIndex]) -> Result<Ring, Problem> {
+    pub(super) fn ring(&self, component: &[NodeIndex]) -> Ring {
         let mut component = component.to_vec();
         component.sort_by_key(|node| self.graph[*node]);
         let cycle = self.cycle(&component);
@@ -55,7 +60,7 @@ impl Order<'_> {
             graph.edge_endpoints(edge).is_none_or(|(from, _)| !self.is_rest(graph[from]))
         });
         let mut slip = None;
-        let mut cut = Vec::new();
+        let (mut cut, mut chosen) = (Vec::new(), Vec::new());
         loop {
             let closed = kosaraju_scc(&graph).into_iter().find(|part| is_closed(&graph, part));
             let Some(part) = closed else { break };
@@ -68,21 +73,22 @@ impl Order<'_> {
                 let count = |direction| graph.neighbors_directed(node, direction).count();
                 count(Direction::Incoming) * count(Direction::Outgoing)
             };
-            let best = part
-                .iter()
-                .filter_map(|node| {
-                    Some((self.width(graph[*node], &read)?, Reverse(ways(*node)), graph[*node]))
-                })
-                .min();
-            let Some((_, _, group)) = best else {
-                return Err(self.describe(&cycle).note("only real numbers can be solved for").help(BREAK));
+            // Numbers that can be solved for rather than those that can only be tried.
+            let cost = |node: &NodeIndex| {
+                let cells = read.get(&graph[*node]);
+                let tried =
+                    cells.map_or(0, |cells| cells.iter().filter(|cell| !self.is_real(**cell)).count());
+                (tried, cells.map_or(0, BTreeSet::len), Reverse(ways(*node)), graph[*node])
             };
-            cut.extend(self.of_group(group, &read));
+            let Some((_, _, _, group)) = part.iter().map(cost).min() else { break };
+            for cell in read.get(&group).into_iter().flatten() {
+                if self.is_real(*cell) { cut.push(*cell) } else { chosen.push(*cell) }
+            }
             graph.retain_edges(|graph, edge| {
                 graph.edge_endpoints(edge).is_none_or(|(from, _)| graph[from] != group)
             });
         }
-        Ok(Ring { groups: in_order(&graph), cut, constraints, cycle, slip })
+        Ring { groups: in_order(&graph), cut, chosen, constraints, cycle, slip }
     }
 
     /// Whether a group gives what is left over of a constraint.
@@ -90,54 +96,68 @@ impl Order<'_> {
         self.typed.interfaces[block].constraint.as_ref().is_some_and(|constraint| constraint.rest == group)
     }
 
-    /// Outputs, by block and number, that members of a loop read at the same instant.
-    fn read_within(&self, inside: &HashSet<Group>) -> HashSet<(usize, usize)> {
-        let mut read = HashSet::new();
+    /// Cells of outputs that members of a loop read at the same instant, by the group that writes them.
+    fn read_within(&self, inside: &HashSet<Group>) -> HashMap<Group, BTreeSet<Cell>> {
+        let mut read: HashMap<Group, BTreeSet<Cell>> = HashMap::new();
         for &(block, group) in inside {
-            let inputs = self.flat.blocks[block].inputs.iter().enumerate();
-            let seen = inputs.filter(|(input, _)| self.typed.interfaces[block].reads(group, *input));
-            let sources = seen.filter_map(|(_, source)| source.as_ref());
-            read.extend(sources.map(|source| (source.block, source.output)).filter(|&(block, output)| {
-                inside.contains(&(block, self.typed.interfaces[block].group_of[output]))
-            }));
+            for cell in self.reads_cells(block, group) {
+                let from = (cell.0, self.group_of(cell));
+                if inside.contains(&from) {
+                    read.entry(from).or_default().insert(cell);
+                }
+            }
         }
         read
     }
 
-    /// Those of the outputs that belong to a group.
-    fn of_group(&self, (block, group): Group, read: &HashSet<(usize, usize)>) -> Vec<(usize, usize)> {
-        let outputs = self.typed.interfaces[block].group_of.iter().enumerate();
-        let own = outputs.filter(|(_, of)| **of == group).map(|(output, _)| (block, output));
-        own.filter(|output| read.contains(output)).collect()
+    fn is_real(&self, cell: Cell) -> bool {
+        self.typed.interfaces[cell.0].outputs[self.output_of(cell)].port_type.kind == Kind::Real
     }
 
-    /// How many numbers of a group the others read, if all of them are real.
-    fn width(&self, group: Group, read: &HashSet<(usize, usize)>) -> Option<usize> {
-        let ports = self.of_group(group, read).into_iter();
-        ports
-            .map(|(block, output)| {
-                let port = &self.typed.interfaces[block].outputs[output].port_type;
-                (port.kind == Kind::Real).then(|| port.shape.len())
-            })
-            .sum()
-    }
-
-    /// Warns of the loops that are solved, and refuses those whose members are not evaluated at the same times.
-    pub(super) fn judge(&self, sorted: &Sorted, when: &HashMap<Group, When>) -> Vec<Problem> {
-        let judged = sorted.rings.iter().filter_map(|ring| {
+    /// Tells of the loops that are solved, unless they are to be refused, and refuses those whose members are not evaluated at the same
+    /// times and those that are too large.
+    pub(super) fn judge(
+        &self,
+        sorted: &Sorted,
+        when: &HashMap<Group, When>,
+        policy: LoopPolicy,
+    ) -> Vec<Problem> {
+        // Elements of a vector that go the same way make a loop each, and one problem.
+        let mut alike: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
+        let way = |ring: &Ring| ring.cycle.iter().map(|(block, _)| *block).collect::<Vec<usize>>();
+        sorted.rings.iter().for_each(|ring| *alike.entry(way(ring)).or_default() += 1);
+        let judged = sorted.rings.iter().enumerate().filter_map(|(number, ring)| {
+            let count = alike.remove(&way(ring))?;
             let mut times = ring.groups.iter().map(|group| when.get(group));
             let first = times.next();
             if times.any(|other| Some(other) != first) {
                 let reason = "its blocks are evaluated at different times: some at samples, others always or at other samples";
                 return Some(self.describe(&ring.cycle).note(reason).help(BREAK));
             }
+            let unknowns = ring.cut.len() + ring.chosen.len();
+            if unknowns > MOST_UNKNOWNS {
+                let reason = format!("{unknowns} values would have to be found at once, more than {MOST_UNKNOWNS}");
+                return Some(self.describe(&ring.cycle).note(reason).help(BREAK));
+            }
             // Who draws a constraint means the loop through it.
             let told = self.describe(ring.slip.as_ref()?);
-            let message = format!("{}; solved at every instant", told.message);
-            let help = format!("nothing is to be done if the loop is meant; else {BREAK}");
-            Some(Problem { severity: Severity::Warning, message, ..told }.help(help))
+            let told = if count > 1 { told.note(format!("there are {count} such loops, of single elements")) } else { told };
+            Some(match policy {
+                LoopPolicy::Refuse => told
+                    .note("`algebraic_loops: Refuse` under `simulation` refuses such loops")
+                    .help(format!("{BREAK}; or have the loop solved, by `algebraic_loops: Solve`")),
+                LoopPolicy::Solve => {
+                    let message = format!("{}; solved at every instant", told.message);
+                    let help = format!(
+                        "nothing is to be done if the loop is meant; else {BREAK}; `blocksim graph --loop {}` draws it",
+                        number + 1
+                    );
+                    Problem { severity: Severity::Note, message, ..told }.help(help)
+                }
+            })
         });
-        judged.chain(self.idle(sorted)).collect()
+        let judged: Vec<Problem> = judged.collect();
+        judged.into_iter().chain(self.idle(sorted)).collect()
     }
 
     /// Constraints on which their unknowns have no influence.

@@ -1,24 +1,21 @@
 //! The order of evaluation, and where every value lies.
 
 mod clock;
+mod laws;
 mod layout;
 mod loops;
 mod order;
 mod when;
 
-use std::any::Any;
 use std::collections::HashMap;
-use std::sync::Arc;
 
-use blocksim_block::law::BlockLaw;
-use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{Schedule, Settings};
 
-use crate::condition::Conditional;
 use crate::flatten::Flat;
 use crate::infer::Typed;
 use crate::problems::Problems;
 use clock::{clock, rate_of};
+use laws::Laws;
 use layout::lay_out;
 use order::Order;
 use when::when;
@@ -31,14 +28,16 @@ pub(crate) fn sort(
     settings: Settings,
     problems: &mut Problems,
 ) -> Option<Schedule> {
-    let order = Order::new(flat, typed);
-    let sorted = match order.topological() {
-        Ok(sorted) => sorted,
-        Err(loops) => {
-            loops.into_iter().for_each(|problem| problems.push(problem));
-            return None;
-        }
-    };
+    let mut laws = Laws::record(flat, typed, problems);
+    // Where blocks seem to need each other's outputs, only their values may tell whether they do.
+    let mut order = Order::new(flat, typed, &laws);
+    let bound = order.in_loops();
+    if !bound.is_empty() {
+        drop(order);
+        laws.split(typed, &bound);
+        order = Order::new(flat, typed, &laws);
+    }
+    let sorted = order.topological();
     let clock = clock(flat, typed, problems);
     if problems.any_error() {
         return None;
@@ -46,39 +45,12 @@ pub(crate) fn sort(
     let rated = typed.interfaces.iter().enumerate();
     let rates = rated.filter_map(|(block, interface)| rate_of(interface, &clock).map(|rate| (block, rate)));
     let rates: HashMap<usize, usize> = rates.collect();
-    let when = when(flat, typed, &sorted, &rates);
-    order.judge(&sorted, &when).into_iter().for_each(|problem| problems.push(problem));
+    let when = when(&order, &sorted, &rates);
+    problems.extend(order.judge(&sorted, &when, settings.algebraic_loops));
     if problems.any_error() {
         return None;
     }
-    let mut schedule = lay_out(title, &order, settings, &sorted, clock, &rates, &when);
-    record_laws(flat, typed, &mut schedule, problems);
-    (!problems.any_error()).then_some(schedule)
-}
-
-/// Has all blocks record their laws that can. Those of conditional subsystems run the laws of the blocks within them.
-fn record_laws(flat: &Flat, typed: &Typed, schedule: &mut Schedule, problems: &mut Problems) {
-    for (block, instance) in flat.blocks.iter().zip(&mut schedule.blocks) {
-        let recorded = match (&*block.block as &dyn Any).downcast_ref::<Conditional>() {
-            Some(conditional) => {
-                let law = conditional.with_law(&typed.given(block), &instance.inputs, &instance.outputs);
-                law.map(|law| {
-                    law.into_iter().for_each(|block| instance.block = Arc::new(block));
-                    None
-                })
-            }
-            None => BlockLaw::record(&block.block, &instance.interface, &instance.inputs, &instance.outputs),
-        };
-        match recorded {
-            Ok(law) => instance.law = law.map(Arc::new),
-            Err(wrong) => {
-                let message = format!("the law of the kind {} is wrong: {wrong}", block.kind);
-                let problem =
-                    Problem::error("law", message).help("this is a mistake in the kind, not in the diagram");
-                problems.push(block.place.iter().fold(problem, |problem, place| problem.at(place, "")));
-            }
-        }
-    }
+    Some(lay_out(title, &order, settings, &sorted, clock, &rates, &when))
 }
 
 /// The longest time that a block has something to show, for `stop_time: Auto`.
@@ -90,7 +62,9 @@ pub(crate) fn end_time(flat: &Flat) -> Option<f64> {
 mod tests {
     use std::time::{Duration, Instant};
 
-    use blocksim_block::schedule::{Loop, OutputTimes, Rate, Solver, Start, VariableMethod, When};
+    use blocksim_block::schedule::{
+        Loop, LoopPolicy, OutputTimes, Rate, Solver, Start, VariableMethod, When,
+    };
 
     use super::*;
     use crate::elaborate::elaborate;
@@ -109,6 +83,7 @@ mod tests {
             seed: 0,
             start: Start::Given,
             atol: Vec::new(),
+            algebraic_loops: LoopPolicy::default(),
         };
         let (flat, _) = elaborate(flat, [].iter(), &mut problems);
         let typed = infer(&flat, &mut problems);
@@ -166,7 +141,7 @@ mod tests {
         let cell = schedule.signals.iter().find(|signal| signal.path == "a.y").map(|signal| signal.offset);
         assert_eq!(
             schedule.loops,
-            [Loop { first: 0, count: 3, cells: cell.into_iter().collect(), sought: 0 }]
+            [Loop { first: 0, count: 3, cells: cell.into_iter().collect(), chosen: Vec::new(), sought: 0 }]
         );
     }
 

@@ -3,17 +3,20 @@
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
-use blocksim_block::problem::Problem;
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
-use crate::flatten::Flat;
+use crate::flatten::{Flat, Source};
 use crate::infer::Typed;
 
+use super::laws::Laws;
 use super::loops::Ring;
 
 /// A block and one of its output groups.
 pub(super) type Group = (usize, usize);
+
+/// A block and a cell of its outputs.
+pub(super) type Cell = (usize, u32);
 
 /// Output groups in the order of evaluation.
 #[derive(Default)]
@@ -27,22 +30,30 @@ pub(super) struct Sorted {
 pub(super) struct Order<'a> {
     pub flat: &'a Flat,
     pub typed: &'a Typed,
+    pub laws: &'a Laws,
     pub graph: DiGraph<Group, ()>,
     pub node_of: HashMap<Group, NodeIndex>,
+    /// Its strongly connected components.
+    components: Vec<Vec<NodeIndex>>,
 }
 
 impl<'a> Order<'a> {
-    pub(super) fn new(flat: &'a Flat, typed: &'a Typed) -> Self {
-        let mut graph = DiGraph::new();
-        let mut node_of = HashMap::new();
-        for (block, interface) in typed.interfaces.iter().enumerate() {
-            for group in 0..interface.groups.len() {
-                node_of.insert((block, group), graph.add_node((block, group)));
+    pub(super) fn new(flat: &'a Flat, typed: &'a Typed, laws: &'a Laws) -> Self {
+        let mut order = Self {
+            flat,
+            typed,
+            laws,
+            graph: DiGraph::new(),
+            node_of: HashMap::new(),
+            components: Vec::new(),
+        };
+        for block in 0..flat.blocks.len() {
+            for group in 0..order.groups(block) {
+                order.node_of.insert((block, group), order.graph.add_node((block, group)));
             }
         }
-        let mut order = Self { flat, typed, graph, node_of };
         for block in 0..flat.blocks.len() {
-            for group in 0..typed.interfaces[block].groups.len() {
+            for group in 0..order.groups(block) {
                 for (from, _) in order.reads(block, group) {
                     let (a, b) = (order.node_of[&from], order.node_of[&(block, group)]);
                     order.graph.update_edge(a, b, ());
@@ -53,31 +64,103 @@ impl<'a> Order<'a> {
                 order.graph.update_edge(order.node_of[&rest], order.node_of[&group], ());
             }
         }
+        order.components = kosaraju_scc(&order.graph);
         order
+    }
+
+    /// Number of output groups of a block.
+    pub(super) fn groups(&self, block: usize) -> usize {
+        self.laws.blocks[block].values().map_or(self.typed.interfaces[block].groups.len(), <[_]>::len)
     }
 
     /// Groups that a group reads at the same instant, with the input.
     pub(super) fn reads(&self, block: usize, group: usize) -> Vec<(Group, usize)> {
-        let interface = &self.typed.interfaces[block];
         let mut reads = Vec::new();
-        for (input, source) in self.flat.blocks[block].inputs.iter().enumerate() {
-            if let Some(source) = source
-                && interface.reads(group, input)
-            {
-                let from = (source.block, self.typed.interfaces[source.block].group_of[source.output]);
-                reads.push((from, input));
-            }
-        }
+        self.each_read(block, group, |source, element, input| match element {
+            Some(element) => reads.push((self.writer(source, element), input)),
+            None => reads.extend(self.writers(source.block, source.output).map(|from| (from, input))),
+        });
+        reads.dedup();
         reads
+    }
+
+    /// Cells among the outputs of blocks that a group reads at the same instant.
+    pub(super) fn reads_cells(&self, block: usize, group: usize) -> Vec<Cell> {
+        let mut reads = Vec::new();
+        self.each_read(block, group, |source, element, _| {
+            let (start, end) = self.laws.blocks[source.block].outputs[source.output];
+            let cells = element.map_or(start..end, |element| start + element..start + element + 1);
+            reads.extend(cells.map(|cell| (source.block, cell)));
+        });
+        reads
+    }
+
+    /// What a group reads at the same instant: whole outputs, or single elements where it is one by values, with the input.
+    fn each_read(&self, block: usize, group: usize, mut read: impl FnMut(&Source, Option<u32>, usize)) {
+        let inputs = &self.flat.blocks[block].inputs;
+        let known = &self.laws.blocks[block];
+        if let Some(values) = known.values() {
+            for (input, element) in values[group].reads.iter().filter_map(|cell| known.input(*cell)) {
+                inputs[input].iter().for_each(|source| read(source, Some(element), input));
+            }
+            return;
+        }
+        let interface = &self.typed.interfaces[block];
+        for (input, source) in inputs.iter().enumerate().filter(|(input, _)| interface.reads(group, *input)) {
+            source.iter().for_each(|source| read(source, None, input));
+        }
+    }
+
+    /// The group that writes an element of an output.
+    fn writer(&self, source: &Source, element: u32) -> Group {
+        let (start, _) = self.laws.blocks[source.block].outputs[source.output];
+        (source.block, self.group_of((source.block, start + element)))
+    }
+
+    /// The groups that write an output.
+    pub(super) fn writers(&self, block: usize, output: usize) -> impl Iterator<Item = Group> + use<> {
+        let known = &self.laws.blocks[block];
+        let mut groups = match (&known.law, known.values()) {
+            (Some(law), Some(_)) => {
+                let (start, end) = known.outputs[output];
+                law.group_of[start as usize..end as usize].to_vec()
+            }
+            _ => vec![self.typed.interfaces[block].group_of[output]],
+        };
+        groups.sort_unstable();
+        groups.dedup();
+        groups.into_iter().map(move |group| (block, group))
+    }
+
+    /// The group that writes a cell of the outputs of a block.
+    pub(super) fn group_of(&self, (block, cell): Cell) -> usize {
+        let known = &self.laws.blocks[block];
+        match (&known.law, known.values()) {
+            (Some(law), Some(_)) => law.group_of[cell as usize],
+            _ => self.typed.interfaces[block].group_of[self.output_of((block, cell))],
+        }
+    }
+
+    /// The output that a cell of the outputs of a block belongs to.
+    pub(super) fn output_of(&self, (block, cell): Cell) -> usize {
+        self.laws.blocks[block].outputs.partition_point(|(_, end)| *end <= cell)
+    }
+
+    /// Blocks that seem to need their own outputs at the same instant.
+    pub(super) fn in_loops(&self) -> Vec<usize> {
+        let is_closed =
+            |nodes: &&Vec<NodeIndex>| nodes.len() > 1 || self.graph.contains_edge(nodes[0], nodes[0]);
+        let bound = self.components.iter().filter(is_closed).flatten();
+        let mut blocks: Vec<usize> = bound.map(|node| self.graph[*node].0).collect();
+        blocks.sort_unstable();
+        blocks.dedup();
+        blocks
     }
 
     /// Groups in an order in which every one follows those that it reads; ties go by path, then group, so that the order of
     /// the file does not matter. Those of an algebraic loop stand together.
-    ///
-    /// # Errors
-    /// Each loop that cannot be solved.
-    pub(super) fn topological(&self) -> Result<Sorted, Vec<Problem>> {
-        let components = kosaraju_scc(&self.graph);
+    pub(super) fn topological(&self) -> Sorted {
+        let components = &self.components;
         let mut part_of = vec![0; self.graph.node_count()];
         for (part, nodes) in components.iter().enumerate() {
             nodes.iter().for_each(|node| part_of[node.index()] = part);
@@ -96,19 +179,15 @@ impl<'a> Order<'a> {
         };
         let first = (0..components.len()).filter(|part| waiting[*part] == 0).filter_map(rank);
         let mut ready: BinaryHeap<_> = first.map(Reverse).collect();
-        let (mut sorted, mut problems) = (Sorted::default(), Vec::new());
+        let mut sorted = Sorted::default();
         while let Some(Reverse((group, part))) = ready.pop() {
             let nodes = &components[part];
             if nodes.len() == 1 && !self.graph.contains_edge(nodes[0], nodes[0]) {
                 sorted.groups.push(group);
             } else {
-                match self.ring(nodes) {
-                    Ok(ring) => {
-                        sorted.groups.extend(&ring.groups);
-                        sorted.rings.push(ring);
-                    }
-                    Err(problem) => problems.push(problem),
-                }
+                let ring = self.ring(nodes);
+                sorted.groups.extend(&ring.groups);
+                sorted.rings.push(ring);
             }
             for after in leaving(part) {
                 waiting[after] -= 1;
@@ -117,6 +196,6 @@ impl<'a> Order<'a> {
                 }
             }
         }
-        if problems.is_empty() { Ok(sorted) } else { Err(problems) }
+        sorted
     }
 }

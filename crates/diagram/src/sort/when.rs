@@ -5,20 +5,16 @@ use std::collections::{HashMap, HashSet};
 use blocksim_block::schedule::When;
 use blocksim_signal::SampleTime;
 
+use super::loops::Ring;
 use super::order::{Group, Order, Sorted};
-use crate::flatten::Flat;
-use crate::infer::Typed;
 
 /// When each group must be evaluated, in the order of evaluation.
-pub(super) fn when(
-    flat: &Flat,
-    typed: &Typed,
-    sorted: &Sorted,
-    rates: &HashMap<usize, usize>,
-) -> HashMap<Group, When> {
+pub(super) fn when(order: &Order, sorted: &Sorted, rates: &HashMap<usize, usize>) -> HashMap<Group, When> {
     let mut when: HashMap<Group, When> = HashMap::new();
+    let ends: HashMap<Group, &Ring> =
+        sorted.rings.iter().filter_map(|ring| Some((*ring.groups.last()?, ring))).collect();
     for (block, group) in &sorted.groups {
-        let interface = &typed.interfaces[*block];
+        let interface = &order.typed.interfaces[*block];
         // A block with continuous states is evaluated between its hits, too.
         let found = if let (Some(rate), true) = (rates.get(block), interface.states.is_empty()) {
             When::Sampled(*rate as u32)
@@ -33,12 +29,7 @@ pub(super) fn when(
                 } else {
                     When::Constant
                 };
-            for (input, source) in flat.blocks[*block].inputs.iter().enumerate() {
-                let Some(source) = source else { continue };
-                if !interface.reads(*group, input) {
-                    continue;
-                }
-                let from = (source.block, typed.interfaces[source.block].group_of[source.output]);
+            for (from, _) in order.reads(*block, *group) {
                 latest = match (latest, when.get(&from)) {
                     (When::Continuous, _) | (_, Some(When::Continuous)) => When::Continuous,
                     // Only within an algebraic loop nothing is known yet.
@@ -49,7 +40,7 @@ pub(super) fn when(
             latest
         };
         when.insert((*block, *group), found);
-        if let Some(ring) = sorted.rings.iter().find(|ring| ring.groups.last() == Some(&(*block, *group))) {
+        if let Some(ring) = ends.get(&(*block, *group)) {
             unify(&ring.groups, &mut when);
         }
     }
@@ -88,7 +79,7 @@ pub(super) fn watched(
 /// Groups that the inputs of a block come from.
 fn sources<'a>(order: &'a Order, block: usize) -> impl Iterator<Item = Group> + 'a {
     let connected = order.flat.blocks[block].inputs.iter().flatten();
-    connected.map(|source| (source.block, order.typed.interfaces[source.block].group_of[source.output]))
+    connected.flat_map(|source| order.writers(source.block, source.output))
 }
 
 /// Groups that change between major steps and that derivatives, guards or memories depend on.

@@ -5,7 +5,9 @@ use std::fmt::Write;
 
 use blocksim_block::law::{Draft, Root};
 use blocksim_block::schedule::{Schedule, When};
-use blocksim_sim::{Pass, PassKind, PassPart, passes};
+use blocksim_sim::{LoopMethod, Pass, PassKind, PassPart, passes};
+
+use crate::commands::graph::signal_at;
 
 /// All passes over a diagram: programs instruction by instruction with the block that each comes from, and what is called.
 pub(super) fn text(schedule: &Schedule) -> String {
@@ -43,11 +45,40 @@ fn write_pass(text: &mut String, schedule: &Schedule, pass: &Pass) {
                 };
                 write_program(text, schedule, draft, &places);
             }
+            PassPart::Loop { number, method, draft } => {
+                let found = &schedule.loops[*number];
+                let steps = &schedule.steps[found.first..found.first + found.count];
+                let mut blocks: Vec<&str> =
+                    steps.iter().map(|step| schedule.blocks[step.block as usize].path.as_str()).collect();
+                blocks.dedup();
+                let how = match method {
+                    LoopMethod::Elimination => "elimination, once for all",
+                    LoopMethod::VaryingElimination => "elimination",
+                    LoopMethod::Newton => "Newton's method with exact slopes",
+                    LoopMethod::Differences => "Newton's method with slopes by differences",
+                };
+                let unknowns: Vec<String> = found
+                    .cells
+                    .iter()
+                    .chain(&found.chosen)
+                    .filter_map(|cell| signal_at(schedule, *cell))
+                    .collect();
+                let _ = writeln!(
+                    text,
+                    "  loop {}, of {}, solved for {} by {how}",
+                    number + 1,
+                    blocks.join(", "),
+                    unknowns.join(", ")
+                );
+                if let Some(draft) = draft {
+                    write_program(text, schedule, draft, &Names::Derivatives(&[]));
+                }
+            }
             PassPart::Calls(calls) => {
                 for (block, group) in calls {
                     let block = &schedule.blocks[*block];
                     let group = match group {
-                        Some(group) if block.interface.groups.len() > 1 => format!(", output group {group}"),
+                        Some(group) if block.groups() > 1 => format!(", output group {group}"),
                         _ => String::new(),
                     };
                     let law = if block.law.is_some() { "" } else { ", records no law" };

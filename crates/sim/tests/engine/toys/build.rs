@@ -2,8 +2,8 @@ use std::sync::Arc;
 
 use blocksim_block::law::BlockLaw;
 use blocksim_block::schedule::{
-    Clock, FixedMethod, Instance, Keep, OutputTimes, Rate, Recorded, Schedule, Settings, Signal, Solver,
-    Start, Step, VariableMethod, When,
+    Clock, FixedMethod, Instance, Keep, LoopPolicy, OutputTimes, Rate, Recorded, Schedule, Settings, Signal,
+    Solver, Start, Step, VariableMethod, When,
 };
 use blocksim_block::{Block, Given, Interface, ParamUnits};
 use blocksim_signal::{Kind, SampleTime, Shape};
@@ -209,7 +209,15 @@ impl Toy {
             guards: g,
             clock,
             recorded,
-            settings: Settings { stop_time, solver, output, seed: 0, start: Start::Given, atol: Vec::new() },
+            settings: Settings {
+                stop_time,
+                solver,
+                output,
+                seed: 0,
+                start: Start::Given,
+                atol: Vec::new(),
+                algebraic_loops: LoopPolicy::default(),
+            },
             blocks,
             signals,
         })

@@ -1,0 +1,105 @@
+//! The laws that blocks record, and what follows from them: which value depends on which.
+
+use std::any::Any;
+use std::sync::Arc;
+
+use blocksim_block::Block;
+use blocksim_block::law::{BlockLaw, ValueGroup};
+use blocksim_block::problem::Problem;
+
+use crate::condition::Conditional;
+use crate::flatten::{Flat, FlatBlock};
+use crate::infer::Typed;
+use crate::problems::Problems;
+
+/// Start and end of ports within the inputs or outputs of a block.
+pub(super) type Spans = Vec<(u32, u32)>;
+
+/// What is known of a block beyond its interface.
+pub(super) struct Known {
+    /// The block as it is run.
+    pub block: Arc<dyn Block>,
+    pub law: Option<Arc<BlockLaw>>,
+    pub inputs: Spans,
+    pub outputs: Spans,
+}
+
+impl Known {
+    /// Its output groups by values, where they are not those of the interface.
+    pub fn values(&self) -> Option<&[ValueGroup]> {
+        self.law.as_ref().and_then(|law| law.values.as_deref())
+    }
+
+    /// The input port that a cell of the inputs belongs to, and which of its elements it is.
+    pub fn input(&self, cell: u32) -> Option<(usize, u32)> {
+        let port = self.inputs.partition_point(|(_, end)| *end <= cell);
+        self.inputs.get(port).map(|(start, _)| (port, cell - start))
+    }
+}
+
+/// The same of all blocks.
+pub(super) struct Laws {
+    pub blocks: Vec<Known>,
+}
+
+impl Laws {
+    /// Has all blocks record their laws that can. Those of conditional subsystems run the laws of the blocks within them.
+    pub fn record(flat: &Flat, typed: &Typed, problems: &mut Problems) -> Self {
+        let blocks = flat.blocks.iter().enumerate();
+        let known = blocks.map(|(number, block)| {
+            let (inputs, outputs) = spans(typed, number, block);
+            let mut run = Arc::clone(&block.block);
+            let recorded = match (&*block.block as &dyn Any).downcast_ref::<Conditional>() {
+                Some(conditional) => {
+                    let law = conditional.with_law(&typed.given(block), &inputs, &outputs);
+                    law.map(|law| {
+                        law.into_iter().for_each(|block| run = Arc::new(block));
+                        None
+                    })
+                }
+                None => BlockLaw::record(&block.block, &typed.interfaces[number], &inputs, &outputs),
+            };
+            let law = recorded.unwrap_or_else(|wrong| {
+                let message = format!("the law of the kind {} is wrong: {wrong}", block.kind);
+                let problem =
+                    Problem::error("law", message).help("this is a mistake in the kind, not in the diagram");
+                problems.push(block.place.iter().fold(problem, |problem, place| problem.at(place, "")));
+                None
+            });
+            Known { block: run, law: law.map(Arc::new), inputs, outputs }
+        });
+        Self { blocks: known.collect() }
+    }
+
+    /// Takes the output groups of these blocks by values, as far as that makes them finer.
+    pub fn split(&mut self, typed: &Typed, blocks: &[usize]) {
+        for &number in blocks {
+            let known = &mut self.blocks[number];
+            let law = known.law.as_ref();
+            if let Some(law) = law.and_then(|law| law.by_values(&typed.interfaces[number], &known.inputs)) {
+                known.law = Some(Arc::new(law));
+            }
+        }
+    }
+}
+
+/// Where the ports of a block lie among its inputs and outputs.
+fn spans(typed: &Typed, number: usize, block: &FlatBlock) -> (Spans, Spans) {
+    let interface = &typed.interfaces[number];
+    let inputs = interface.inputs.iter().zip(&block.inputs).map(|(input, source)| match source {
+        Some(source) => typed.of(source).shape.len(),
+        None => input.shape.unwrap_or_default().len(),
+    });
+    let outputs = interface.outputs.iter().map(|output| output.port_type.shape.len());
+    (laid_out(inputs), laid_out(outputs))
+}
+
+fn laid_out(lengths: impl Iterator<Item = usize>) -> Spans {
+    let mut at = 0;
+    let span = |length: usize| {
+        let start = at;
+        at += length as u32;
+        (start, at)
+    };
+    lengths.map(span).collect()
+}
