@@ -23,6 +23,7 @@
 //! | `stepwise` | whether outputs that change at major steps alone have changed |
 //! | `graph`, `spread` | which output depends on which at the same time; what depends at once on some signals |
 //! | `influence` | which derivatives a state can act on, and whether that is so |
+//! | `chain` | slopes of what a pass computes, by the chain rule over its calls |
 //! | `kinks` | steps that have looked beyond a kink, once more |
 //! | `fused`, `listing` | laws that are data, run as one; what is run, for those who print it |
 //! | `native` | machine code in the place of what runs them |
@@ -36,6 +37,7 @@ mod act;
 mod advance;
 mod angles;
 mod audit;
+mod chain;
 mod clock;
 mod departure;
 mod diagnose;
@@ -82,6 +84,7 @@ mod turn;
 mod verify;
 
 pub use audit::{Findings, Missed};
+pub use chain::Origin;
 pub use diagnose::state_names;
 pub use error::SimError;
 pub use exact_slopes::Slope;
