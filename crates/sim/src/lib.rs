@@ -31,6 +31,7 @@
 //! | `taps`, `period` | signals that can be changed from outside; the map of a model from one sample hit to another |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
 //! | `steady` | where nothing moves, and where signals have given values |
+//! | `sensitivity` | derivatives of recorded signals by a parameter |
 //! | `methods`, `error`, `diagnose`, `snapshot` | choice of the solver; what can go wrong and why; save and restore |
 
 mod act;
@@ -71,6 +72,7 @@ mod record;
 mod refine;
 mod rhythm;
 mod scan;
+mod sensitivity;
 mod sides;
 mod simulation;
 mod slopes;
@@ -93,6 +95,7 @@ pub use influence::Undeclared;
 pub use listing::{Pass, PassKind, PassPart, passes};
 pub use period::{Period, PeriodMap};
 pub use record::{Control, Observer};
+pub use sensitivity::{DISTANCES, Sensitivity, sensitivity};
 pub use simulation::{Counts, Ended, Simulation};
 pub use snapshot::Snapshot;
 pub use steady::Rest;
