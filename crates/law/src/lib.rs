@@ -19,6 +19,7 @@
 //! its value between major steps and names the guards at whose zeros it may change. What has a kink says where.
 //! The crate knows neither blocks nor diagrams.
 
+mod along;
 mod code;
 mod op;
 mod print;
@@ -30,6 +31,7 @@ mod tape;
 
 pub mod passes;
 
+pub use along::Along;
 pub use code::{Code, Failure, Sources};
 pub use op::{Binary, Domain, Id, Op, Relation, Unary};
 pub use program::{Guard, Instruction, Memory, Mode, Program, State};

@@ -61,6 +61,19 @@ impl Jacobian {
 pub fn jacobian<E>(
     point: &[f64],
     rows: usize,
+    f: impl FnMut(&[f64], &mut [f64]) -> Result<(), E>,
+) -> Result<Jacobian, E> {
+    jacobian_over(point, 0..point.len(), rows, f)
+}
+
+/// As [`jacobian`], by these arguments alone; the columns of the others are zero.
+///
+/// # Errors
+/// That of `f` at the point, or for the shortest step.
+pub fn jacobian_over<E>(
+    point: &[f64],
+    columns: impl IntoIterator<Item = usize>,
+    rows: usize,
     mut f: impl FnMut(&[f64], &mut [f64]) -> Result<(), E>,
 ) -> Result<Jacobian, E> {
     let mut x = point.to_vec();
@@ -72,7 +85,7 @@ pub fn jacobian<E>(
         kinks: Vec::new(),
     };
     let mut sides = vec![Side::new(rows); STEPS];
-    for column in 0..point.len() {
+    for column in columns {
         let size = point[column].abs().max(1.0);
         for (level, side) in sides.iter_mut().enumerate() {
             let wanted = LONGEST * size / FACTOR.powi(level as i32);
@@ -221,6 +234,10 @@ impl Side {
 
 /// The derivative of a row and its error.
 fn best(sides: &[Side], row: usize, middle: f64) -> (f64, f64) {
+    // What never changes does not depend on the argument, and there is no rounding of it.
+    if sides.iter().all(|side| side.above[row] == middle && side.below[row] == middle) {
+        return (0.0, 0.0);
+    }
     let square = FACTOR * FACTOR;
     let pairs = sides.windows(2).map(|pair| {
         let (long, short) = (pair[0].slope(row), pair[1].slope(row));

@@ -30,7 +30,7 @@ mod zeros;
 
 pub use course::{StepInfo, step_info, step_response};
 pub use delayed::Delayed;
-pub use differences::{Jacobian, Kink, jacobian, sparse_jacobian};
+pub use differences::{Jacobian, Kink, jacobian, jacobian_over, sparse_jacobian};
 pub use error::LinearError;
 pub use grid::frequencies;
 pub use margins::{Margin, Margins, bandwidth, bandwidth_delayed, margins, margins_delayed};

@@ -57,7 +57,7 @@ pub(crate) struct Now {
     copies: Arc<[(u32, u32)]>,
     pub evaluation: u64,
     /// Seed of the run.
-    seed: u64,
+    pub seed: u64,
     pub fault: Fault,
     /// How much of the signals belongs to `t`, `x` and the discrete states.
     pub known: Known,

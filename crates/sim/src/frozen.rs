@@ -2,6 +2,7 @@
 
 use blocksim_block::schedule::{Schedule, Step, When};
 
+use crate::chain::{Chain, Direction, Origin};
 use crate::spread::{spread, written};
 use crate::{Observer, SimError, Simulation};
 
@@ -29,6 +30,8 @@ pub struct Frozen {
     signals: Vec<f64>,
     /// What the blocks give at the taps.
     given: Vec<f64>,
+    /// Slopes at the states of the last [`Frozen::differentiate`].
+    chain: Option<(Chain, Direction)>,
 }
 
 impl Frozen {
@@ -48,7 +51,7 @@ impl Frozen {
         let schedule = &simulation.schedule;
         let asked = asked(schedule, &taps);
         let written = taps.iter().map(|tap| writer(schedule, tap.cell).filter(|&call| asked[call])).collect();
-        Ok(Frozen { asked, given: vec![0.0; taps.len()], written, taps, signals, simulation })
+        Ok(Frozen { asked, given: vec![0.0; taps.len()], written, taps, signals, simulation, chain: None })
     }
 
     /// Evaluates the diagram at other states `x`, with `change` added at each tap; writes the derivatives of all states.
@@ -56,7 +59,7 @@ impl Frozen {
     /// # Errors
     /// `block_failed` if a block cannot go on there.
     pub fn evaluate(&mut self, x: &[f64], change: &[f64], dx: &mut [f64]) -> Result<(), SimError> {
-        let Frozen { simulation, taps, asked, written, signals: before, given } = self;
+        let Frozen { simulation, taps, asked, written, signals: before, given, .. } = self;
         let diagram = &mut simulation.diagram;
         diagram.signals.copy_from_slice(before);
         let mut touch = |call: Option<usize>, signals: &mut [f64]| {
@@ -69,6 +72,52 @@ impl Frozen {
         let evaluated = diagram.touched(simulation.t, x, asked, |call, signals| touch(Some(call), signals));
         let evaluated = evaluated.and_then(|()| diagram.derive(dx));
         simulation.held(evaluated)
+    }
+
+    /// Takes the slopes at the states `x`, without changes at the taps: exact ones of laws that are data, those of other blocks by
+    /// differences. [`along`](Self::along) puts them together.
+    ///
+    /// # Errors
+    /// `block_failed` if a block cannot go on there.
+    pub fn differentiate(&mut self, x: &[f64]) -> Result<(), SimError> {
+        let (none, mut dx) = (vec![0.0; self.taps.len()], vec![0.0; x.len()]);
+        self.evaluate(x, &none, &mut dx)?;
+        let Frozen { simulation, taps, asked, written, chain, .. } = self;
+        let diagram = &mut simulation.diagram;
+        let (chain, _) = chain.get_or_insert_with(|| {
+            let taps: Vec<_> = taps.iter().copied().zip(written.iter().copied()).collect();
+            (Chain::new(diagram, asked, &taps), Direction::none(diagram, taps.len()))
+        });
+        chain.fix(diagram, &[], &[]);
+        Ok(())
+    }
+
+    /// Writes how the derivatives of all states change along a direction in the space of the states, with `change` the rates of what
+    /// is added at the taps, at the point of [`differentiate`](Self::differentiate). With `doubts`, differences count with their errors
+    /// added.
+    pub fn along(&mut self, x: &[f64], change: &[f64], doubts: bool, dx: &mut [f64]) -> Origin {
+        let Some((chain, direction)) = &mut self.chain else { return Origin::Unknown };
+        direction.x.copy_from_slice(x);
+        direction.changes.copy_from_slice(change);
+        chain.doubt(doubts);
+        chain.along(&self.simulation.diagram, direction, dx)
+    }
+
+    /// Rate of a cell along the last direction, as those who read it see it.
+    pub fn rate(&self, cell: usize) -> f64 {
+        self.chain.as_ref().map_or(f64::NAN, |(chain, _)| chain.rate(cell))
+    }
+
+    /// Rate of what the blocks gave at a tap along the last direction.
+    pub fn given_rate(&self, tap: usize) -> f64 {
+        self.chain.as_ref().map_or(f64::NAN, |(chain, _)| chain.given()[tap])
+    }
+
+    /// Paths of the blocks whose differences have had a part in rates.
+    pub fn by_differences(&self) -> Vec<&str> {
+        let blocks = &self.simulation.schedule.blocks;
+        let used = self.chain.iter().flat_map(|(chain, _)| chain.used());
+        used.map(|block| blocks[block].path.as_str()).collect()
     }
 
     /// Lets all blocks choose their modes anew at other states, which become those of the instant. Returns whether any

@@ -23,6 +23,7 @@
 //! | `stepwise` | whether outputs that change at major steps alone have changed |
 //! | `graph`, `spread` | which output depends on which at the same time; what depends at once on some signals |
 //! | `influence` | which derivatives a state can act on, and whether that is so |
+//! | `chain` | slopes of what a pass computes, by the chain rule over its calls |
 //! | `kinks` | steps that have looked beyond a kink, once more |
 //! | `fused`, `listing` | laws that are data, run as one; what is run, for those who print it |
 //! | `native` | machine code in the place of what runs them |
@@ -30,12 +31,14 @@
 //! | `taps`, `period` | signals that can be changed from outside; the map of a model from one sample hit to another |
 //! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
 //! | `steady` | where nothing moves, and where signals have given values |
+//! | `sensitivity` | derivatives of recorded signals by a parameter |
 //! | `methods`, `error`, `diagnose`, `snapshot` | choice of the solver; what can go wrong and why; save and restore |
 
 mod act;
 mod advance;
 mod angles;
 mod audit;
+mod chain;
 mod clock;
 mod departure;
 mod diagnose;
@@ -69,6 +72,7 @@ mod record;
 mod refine;
 mod rhythm;
 mod scan;
+mod sensitivity;
 mod sides;
 mod simulation;
 mod slopes;
@@ -82,6 +86,7 @@ mod turn;
 mod verify;
 
 pub use audit::{Findings, Missed};
+pub use chain::Origin;
 pub use diagnose::state_names;
 pub use error::SimError;
 pub use exact_slopes::Slope;
@@ -90,6 +95,7 @@ pub use influence::Undeclared;
 pub use listing::{LoopMethod, Pass, PassKind, PassPart, passes};
 pub use period::{Period, PeriodMap};
 pub use record::{Control, Observer};
+pub use sensitivity::{DISTANCES, Sensitivity, sensitivity};
 pub use simulation::{Counts, Ended, Simulation};
 pub use snapshot::Snapshot;
 pub use steady::Rest;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use blocksim_block::schedule::{Schedule, Start};
-use blocksim_sim::{Observer, Simulation};
+use blocksim_sim::{Frozen, Observer, Origin, Simulation, Tap};
 use blocksim_tests::random::{Puzzle, Signals, Variant};
 use blocksim_tests::{compile_file, compile_text, diagrams_below, root};
 
@@ -68,4 +68,130 @@ fn slopes_of_laws_are_those_of_differences() {
     assert!(wrong.is_empty(), "{} of {compared}:\n{}", wrong.len(), wrong.join("\n"));
     assert!(kinked < compared / 10, "{kinked} of {compared} have a kink nearby");
     assert!(compared > 300, "only {compared} slopes were compared");
+}
+
+/// What the chain rule has given, and what of it does not agree with differences of the whole model.
+#[derive(Default)]
+struct Chained {
+    exact: usize,
+    partly: usize,
+    unknown: usize,
+    wrong: Vec<String>,
+}
+
+/// Compares slopes of derivatives and of all signals, by states and by changes of some signals, in a model at two times.
+fn compare_chained(name: &str, mut schedule: Schedule, found: &mut Chained) {
+    schedule.settings.start = Start::Given;
+    let end = schedule.settings.stop_time.min(LONGEST);
+    let schedule = Arc::new(schedule);
+    for part in [0.31, 0.77] {
+        let Ok(mut simulation) = Simulation::new(Arc::clone(&schedule)) else { return };
+        if simulation.run_until(part * end, &mut Nobody).is_err() {
+            return;
+        }
+        let last = schedule.signals.len().saturating_sub(1);
+        let cells =
+            [0, last / 2, last].map(|signal| schedule.signals.get(signal).map(|signal| signal.offset));
+        let mut taps: Vec<Tap> = cells.iter().flatten().map(|&cell| Tap { cell, open: false }).collect();
+        taps.dedup_by_key(|tap| tap.cell);
+        let Ok(mut frozen) = Frozen::new(simulation, taps.clone()) else { return };
+        let x = frozen.states().to_vec();
+        let (n, m) = (x.len(), taps.len());
+        let signals =
+            schedule.signals.iter().map(|signal| signal.offset + signal.shape.len()).max().unwrap_or(0);
+        if frozen.differentiate(&x).is_err() {
+            continue;
+        }
+        let mut columns = Vec::new();
+        for column in 0..n + m {
+            let mut direction = vec![0.0; n + m];
+            direction[column] = 1.0;
+            let mut dx = vec![0.0; n];
+            // What errors of differences make of a slope is an error of it.
+            frozen.along(&direction[..n], &direction[n..], true, &mut dx);
+            let doubtful =
+                dx.iter().copied().chain((0..signals).map(|cell| frozen.rate(cell))).collect::<Vec<f64>>();
+            let origin = frozen.along(&direction[..n], &direction[n..], false, &mut dx);
+            let rates = dx.into_iter().chain((0..signals).map(|cell| frozen.rate(cell)));
+            let rates: Vec<(f64, f64)> =
+                rates.zip(doubtful).map(|(rate, other)| (rate, (rate - other).abs())).collect();
+            match origin {
+                Origin::Laws => found.exact += 1,
+                Origin::Differences => found.partly += 1,
+                Origin::Unknown => found.unknown += 1,
+            }
+            columns.push((origin, rates));
+        }
+        let mut values = |column: usize, by: f64| -> Option<Vec<f64>> {
+            let (mut at, mut change, mut dx) = (x.clone(), vec![0.0; m], vec![0.0; n]);
+            if column < n {
+                at[column] += by
+            } else {
+                change[column - n] = by
+            };
+            frozen.evaluate(&at, &change, &mut dx).ok()?;
+            Some(dx.into_iter().chain((0..signals).map(|cell| frozen.signal(cell))).collect())
+        };
+        for (column, (origin, rates)) in
+            columns.iter().enumerate().filter(|(_, (origin, _))| *origin != Origin::Unknown)
+        {
+            let h = 1e-3 * x.get(column).map_or(1.0, |x| x.abs().max(1.0));
+            let at = [0.0, -h, h, -h / 2.0, h / 2.0].map(|by| values(column, by));
+            let [Some(here), Some(a), Some(b), Some(c), Some(d)] = at else { continue };
+            let largest = rates.iter().map(|rate| rate.0.abs()).fold(0.0, f64::max);
+            for (row, &(exact, error)) in rates.iter().enumerate() {
+                let (wide, narrow) = ((b[row] - a[row]) / (2.0 * h), (d[row] - c[row]) / h);
+                let sides = [(here[row] - c[row]) / (h / 2.0), (d[row] - here[row]) / (h / 2.0)];
+                let rounding = 1e-13 * here[row].abs().max(d[row].abs()) / h;
+                let bend = (sides[1] - sides[0]).abs();
+                let difference = (4.0 * narrow - wide) / 3.0;
+                let size = exact.abs().max(difference.abs());
+                let doubt = (wide - narrow).abs();
+                if bend > 0.01 * sides[0].abs().max(sides[1].abs()) || doubt > KINKED * size {
+                    continue;
+                }
+                // Differences of parts are good to seven digits of the largest slope; laws are exact.
+                let own = match origin {
+                    Origin::Laws => 0.1 * doubt + 1e-12 * largest,
+                    _ => doubt + 2.0 * error + CLOSE.0 * largest,
+                };
+                let within = CLOSE.0 * size + rounding + own;
+                if (exact - difference).abs() > within {
+                    let what =
+                        if row < n { format!("derivative {row}") } else { format!("cell {}", row - n) };
+                    found.wrong.push(format!(
+                        "{name}, {} s: {what} over column {column} of {n} + {m}: {exact}, but {difference} +- {doubt}",
+                        part * end
+                    ));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn slopes_by_the_chain_rule_are_those_of_the_whole_model() {
+    let paths = [diagrams_below("diagrams"), diagrams_below("docs/blocks")].concat();
+    let mut found = Chained::default();
+    for path in &paths {
+        let name = path.strip_prefix(root()).expect("below the root").display().to_string();
+        let Some(schedule) = compile_file(&name, &[]).0.schedule else { continue };
+        compare_chained(&name, schedule, &mut found);
+    }
+    for seed in 1..101 {
+        let (compiled, problems) = compile_text(&Signals::of(seed).text(&Variant::plain()));
+        let schedule = compiled.schedule.unwrap_or_else(|| panic!("signals {seed}: {problems}"));
+        compare_chained(&format!("signals {seed}"), schedule, &mut found);
+    }
+    let Chained { exact, partly, unknown, wrong } = found;
+    assert!(
+        wrong.is_empty(),
+        "{} of {exact} + {partly}:\n{}",
+        wrong.len(),
+        wrong[..wrong.len().min(60)].join("\n")
+    );
+    assert!(
+        exact > 300 && partly > 100 && unknown < (exact + partly) / 5,
+        "{exact} exact, {partly} partly, {unknown} unknown"
+    );
 }

@@ -66,6 +66,7 @@ mod responses;
 mod robots;
 mod run_time;
 mod scenes;
+mod sensitivity;
 mod sliding_axes;
 mod solvers;
 mod steady_start;

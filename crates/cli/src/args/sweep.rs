@@ -18,14 +18,32 @@ use super::model::{ModelArgs, SolverArgs};
                   Examples:\n  blocksim sweep servo.ron --over pid.kp=4..16/5 --over pid.kd=0.2,0.4\n  \
                   blocksim sweep servo.ron --over inertia=\"0.1 kg*m^2..1 kg*m^2/10\" --metric settling,peak:motor.i\n  \
                   blocksim sweep irb2600.ron --over drive=asm,dc,torque --out drives.csv --keep drives\n  \
-                  blocksim sweep servo.ron --over inertia=\"0.1 kg*m^2..1 kg*m^2\" --over pid.kp=6..10 --random 100 --seed 1"
+                  blocksim sweep servo.ron --over inertia=\"0.1 kg*m^2..1 kg*m^2\" --over pid.kp=6..10 --random 100 --seed 1\n  \
+                  blocksim sweep servo.ron --sensitivity pid.kp,inertia --of angle"
 )]
 pub struct SweepArgs {
     #[command(flatten)]
     pub model: ModelArgs,
     /// A parameter, named as for `--set`, and the values that it takes; may be repeated.
-    #[arg(long, value_name = "TARGET=VALUES", value_parser = over, required = true)]
+    #[arg(long, value_name = "TARGET=VALUES", value_parser = over, required_unless_present = "sensitivity")]
     pub over: Vec<Over>,
+    /// Instead of runs over values: the derivatives of recorded signals by these parameters, over time, at the values that they have.
+    #[arg(
+        long,
+        value_name = "TARGET",
+        value_delimiter = ',',
+        conflicts_with_all = ["over", "random", "seed", "metric", "keep", "jobs"]
+    )]
+    pub sensitivity: Vec<String>,
+    /// The signals of --sensitivity, of those that the diagram records: parts of their paths or patterns with `*`, separated by commas.
+    #[arg(long, value_name = "PATTERN", value_delimiter = ',')]
+    pub of: Vec<String>,
+    /// Draw what --sensitivity finds.
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+    /// The same as a picture.
+    #[arg(long, value_name = "FILE")]
+    pub png: Option<PathBuf>,
     /// Make so many runs with random values, spread evenly over each range (latin hypercube), instead of all combinations.
     #[arg(long, value_name = "N")]
     pub random: Option<std::num::NonZeroUsize>,
@@ -40,15 +58,18 @@ pub struct SweepArgs {
     /// Runs at the same time; without it as many as there are processors.
     #[arg(long, short, value_name = "N")]
     pub jobs: Option<std::num::NonZeroUsize>,
-    /// Write the table to a file, as CSV with a column for each parameter and each number.
+    /// Write the table to a file, as CSV with a column for each parameter and each number; with --sensitivity the derivatives over time.
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Keep every run in this folder, which must be new or empty; `blocksim runs DIR` lists them.
     #[arg(long, value_name = "DIR")]
     pub keep: Option<PathBuf>,
-    /// Replace the file if it is there.
-    #[arg(long, requires = "out")]
+    /// Replace files that are there.
+    #[arg(long)]
     pub yes: bool,
+    /// Draw nothing in the terminal.
+    #[arg(long)]
+    pub no_plot: bool,
     /// Print the table as JSON.
     #[arg(long)]
     pub json: bool,
@@ -306,7 +327,10 @@ fn span(from: &str, to: &str, by_factors: bool) -> Result<Span, String> {
 }
 
 /// A number and its unit, which may be empty.
-fn number(text: &str) -> Result<(f64, &str), String> {
+///
+/// # Errors
+/// What is wrong with it.
+pub fn number(text: &str) -> Result<(f64, &str), String> {
     let text = text.trim();
     let ends = text.char_indices().map(|(at, sign)| at + sign.len_utf8()).rev();
     let mut found =

@@ -84,7 +84,7 @@ pub fn shown<'a>(recorded: &'a [Recorded], recording: &'a Recording) -> Vec<Show
 }
 
 /// The unit that the diagram says; else degrees for angles and SI for all else.
-fn display_unit(recorded: &Recorded) -> Unit {
+pub fn display_unit(recorded: &Recorded) -> Unit {
     let fits = |unit: &Unit| recorded.dimension.is_none_or(|dimension| dimension.compatible(unit.dimension));
     let asked = recorded.display.as_deref().and_then(|text| Unit::parse(text).ok()).filter(fits);
     let degrees = || Unit::parse("deg").ok().filter(|unit| recorded.dimension == Some(unit.dimension));

@@ -36,6 +36,15 @@ pub fn column(values: &[Option<f64>], units: &[&str]) -> Vec<String> {
     values.iter().map(cell).collect()
 }
 
+/// How many digits are right where a relative error is so large: `9 digits`.
+pub fn digits(accuracy: f64) -> String {
+    match accuracy {
+        a if a < 1e-15 => "all digits".to_owned(),
+        a if a < 1e-2 => format!("{} digits", (-a.log10()).floor()),
+        a => format!("{} %", significant(100.0 * a, 1)),
+    }
+}
+
 /// A time in s with at most seven digits and no zeros behind them: `0.135`, `2`, `1.5e-6`.
 pub fn short_time(t: f64) -> String {
     let text = significant(t, 7);

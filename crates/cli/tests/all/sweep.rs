@@ -242,3 +242,62 @@ fn random_runs_are_the_same_for_the_same_seed() {
     let table = String::from_utf8_lossy(&table.stdout).into_owned();
     assert!(table.contains("median") && table.contains("rise [s]"), "{table}");
 }
+
+#[test]
+fn the_derivatives_of_a_lag_by_its_time_constant_are_those_of_the_formula() {
+    let desk = Desk::new("sensitivity");
+    let words = ["lag.ron", "--sensitivity", "tau", "--of", "actual", "--out", "s.csv", "--svg", "s.svg"];
+    let output = desk.sweep(&[&words[..], &["--json"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let found: Value = serde_json::from_slice(&output.stdout).expect("data");
+    let one = &found["parameters"][0];
+    assert_eq!(
+        (&one["parameter"], &one["value"], &one["by"]),
+        (&"tau".into(), &0.1.into(), &"tangent".into())
+    );
+    let numbers = |value: &Value| -> Vec<f64> {
+        value.as_array().expect("numbers").iter().filter_map(Value::as_f64).collect()
+    };
+    let (times, values) = (numbers(&one["time"]), numbers(&one["signals"][0]["derivative"]));
+    assert_eq!((times.len(), values.len()), (1001, 1001));
+    for (t, value) in times.iter().zip(&values) {
+        let since = (t - 0.5).max(0.0);
+        let exact = -2.0 * since / 0.01 * (-since / 0.1).exp();
+        assert!((value - exact).abs() < 1e-6, "{t} s: {value} is not {exact}");
+    }
+    let table = std::fs::read_to_string(desk.0.join("s.csv")).expect("a table");
+    assert!(
+        table.starts_with("time [s],d scope.actual / d tau [1/s],error of d scope.actual / d tau [1/s]\n"),
+        "{table:.200}"
+    );
+    assert_eq!(table.lines().count(), 1002);
+    assert!(
+        std::fs::read_to_string(desk.0.join("s.svg")).expect("a drawing").contains("scope.actual for 1 %")
+    );
+    // For a person; at another value, in the unit in which it is written.
+    let shown = desk.sweep(&["lag.ron", "--sensitivity", "tau", "--of", "actual", "--set", "tau=200 ms"]);
+    let text = String::from_utf8_lossy(&shown.stdout);
+    assert_eq!(shown.status.code(), Some(0), "{}", said(&shown));
+    // -2/(T e) = -3.679 1/s at T behind the step.
+    assert!(
+        text.contains("-0.003679") && text.contains("1/ms") && text.contains("`tau`: by the tangent"),
+        "{text}"
+    );
+}
+
+#[test]
+fn parameters_without_a_derivative_are_refused() {
+    let desk = Desk::new("no-derivative");
+    for (words, part) in [
+        (&["lag.ron", "--sensitivity", "taw"][..], "no parameter `taw`"),
+        (&["lag.ron", "--sensitivity", "tau", "--of", "nothing"][..], "no recorded signal fits `nothing`"),
+        (&["lag.ron", "--sensitivity", "scope.inputs"][..], "there is no derivative by that"),
+        (&["lag.ron", "--sensitivity", "lag"][..], "holds several parameters"),
+        (&["lag.ron", "--sensitivity", "tau", "--over", "tau=1"][..], "cannot be used with"),
+        (&["lag.ron", "--svg", "a.svg", "--over", "tau=1"][..], "--sensitivity"),
+    ] {
+        let output = desk.sweep(words);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {}", said(&output));
+        assert!(said(&output).contains(part), "{words:?}: {}", said(&output));
+    }
+}

@@ -4,8 +4,10 @@ use std::ops::Range;
 
 use blocksim_block::Context;
 use blocksim_block::schedule::{Schedule, Steady, Step, When};
+use blocksim_linear::DMatrix;
 use blocksim_solve::Failed;
 
+use crate::chain::{Chain, Direction, Origin};
 use crate::evaluate::Diagram;
 use crate::spread::spread;
 use crate::{SimError, Simulation, state_names};
@@ -56,6 +58,10 @@ pub(super) struct Conditions<'s> {
     signals: Vec<f64>,
     d: Vec<f64>,
     spare: Vec<f64>,
+    /// Evaluations of the model so far.
+    pub evaluations: usize,
+    chain: Chain,
+    direction: Direction,
 }
 
 impl<'s> Conditions<'s> {
@@ -101,8 +107,16 @@ impl<'s> Conditions<'s> {
         let free: Vec<usize> = asked.free.iter().map(|free| free.cell).collect();
         rates.extend(asked.hold.iter().map(|_| 0.0));
         let given: Vec<usize> = memories.iter().flat_map(|memory| memory.calls.iter().copied()).collect();
+        let asked_calls = calls(&schedule, &free, &given);
+        let diagram = &simulation.diagram;
+        let mut chain = Chain::new(diagram, &asked_calls, &[]);
+        sampled.iter().for_each(|own| chain.add_update(diagram, own.block));
+        memories.iter().for_each(|own| chain.add_rest(diagram, own.block, &own.calls));
         Self {
-            asked: calls(&schedule, &free, &given),
+            evaluations: 0,
+            direction: Direction::none(diagram, 0),
+            chain,
+            asked: asked_calls,
             sampled,
             memories,
             hold: asked.hold.iter().map(|held| (held.cell, held.value)).collect(),
@@ -140,8 +154,64 @@ impl<'s> Conditions<'s> {
 
     /// What the equations leave over at `z`.
     pub fn evaluate(&mut self, z: &[f64], rest: &mut [f64]) -> Result<(), SimError> {
+        self.evaluations += 1;
         let evaluated = self.residual(z, rest);
         self.simulation.held(evaluated)
+    }
+
+    /// Slopes of the equations at the point of the last evaluation, where they follow from laws or from differences of single
+    /// blocks. Returns the unknowns over which they do not; what is fixed has none.
+    pub fn slopes(&mut self, matrix: &mut DMatrix<f64>) -> Vec<usize> {
+        let Self { simulation, sampled, memories, free, hold, chain, direction, fixed, .. } = self;
+        let diagram = &mut simulation.diagram;
+        let n = diagram.schedule.states;
+        let given = memories.iter().flat_map(|own| own.y.clone());
+        let moving: Vec<usize> = given.chain(free.iter().copied()).collect();
+        let varies: Vec<Range<usize>> = sampled.iter().map(|own| own.d.clone()).collect();
+        chain.fix(diagram, &moving, &varies);
+        let (rows, columns) = matrix.shape();
+        let first_memory = memories.first().map_or(columns - free.len(), |own| own.at);
+        let mut dx = vec![0.0; n];
+        let mut unknown = Vec::new();
+        for column in (0..columns).filter(|&column| !fixed[column]) {
+            direction.x.fill(0.0);
+            direction.d.fill(0.0);
+            direction.cells.clear();
+            if column < n {
+                direction.x[column] = 1.0;
+            } else if column < first_memory {
+                let own = sampled.iter().rfind(|own| own.at <= column);
+                own.into_iter().for_each(|own| direction.d[own.d.start + column - own.at] = 1.0);
+            } else {
+                direction.cells.push((moving[column - first_memory], 1.0));
+            }
+            let mut origin = chain.along(diagram, direction, &mut dx);
+            let mut slopes = matrix.column_mut(column);
+            slopes.fill(0.0);
+            slopes.rows_mut(0, n).copy_from_slice(&dx);
+            // What is not updated stays: the equation of a discrete state says by how much it changes.
+            let row = |d: usize| {
+                let own = sampled.iter().find(|own| own.d.contains(&d));
+                own.map(|own| own.at + d - own.d.start)
+            };
+            origin = origin.max(chain.updates(diagram, direction, |d, next| {
+                row(d).into_iter().for_each(|row| slopes[row] = next - direction.d[d]);
+            }));
+            origin = origin.max(chain.rests(diagram, direction, |cell, rested| {
+                let own = memories.iter().find(|own| own.y.contains(&cell));
+                own.into_iter().for_each(|own| slopes[own.at + cell - own.y.start] = rested);
+            }));
+            if (first_memory..columns - free.len()).contains(&column) {
+                slopes[column] -= 1.0;
+            }
+            for (row, (cell, _)) in (rows - hold.len()..rows).zip(hold.iter()) {
+                slopes[row] = chain.rate(*cell);
+            }
+            if origin == Origin::Unknown {
+                unknown.push(column);
+            }
+        }
+        unknown
     }
 
     fn residual(&mut self, z: &[f64], rest: &mut [f64]) -> Result<(), Failed> {

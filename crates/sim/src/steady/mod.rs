@@ -33,6 +33,8 @@ pub struct Rest {
     pub undetermined: Vec<String>,
     /// Values of the constants that were free, in SI units, in the order of `Steady::free`.
     pub found: Vec<f64>,
+    /// Evaluations of the model that the search took.
+    pub evaluations: usize,
 }
 
 impl Simulation {

@@ -105,12 +105,15 @@ impl<'s, 'g> Search<'s, 'g> {
             let step = slopes.step(&self.rest, |_| 0.0);
             if worst <= HOLDS {
                 // As exactly as numbers allow.
-                let next = step.map(|step| moved(&z, &step, 1.0));
-                let better = match &next {
-                    Some(next) => self.try_at(next).is_some_and(|()| slopes.norm(&self.rest) < 0.5 * now),
-                    None => false,
+                let rest = self.rest.clone();
+                let next = step.as_ref().map(|step| moved(&z, step, 1.0));
+                let left = match &next {
+                    Some(next) => self.try_at(next).map_or(f64::INFINITY, |()| slopes.norm(&self.rest)),
+                    None => f64::INFINITY,
                 };
-                if let Some(next) = next.filter(|_| better) {
+                let goes_on = left < 0.5 * now
+                    || left < now && step.is_some_and(|step| self.falls_short(&z, &step, &slopes, &rest));
+                if let Some(next) = next.filter(|_| goes_on) {
                     z = next;
                 } else if !self.conditions.settle(&mut z)? {
                     self.conditions.evaluate(&z, &mut self.rest)?;
@@ -125,6 +128,28 @@ impl<'s, 'g> Search<'s, 'g> {
         }
         self.conditions.evaluate(&z, &mut self.rest)?;
         Ok(Err(self.lost(&slopes)))
+    }
+
+    /// Whether slopes promise too much at `z`, where the equations leave over `rest`: a step that is said to make them hold, taken
+    /// as far as a change still counts as nothing, leaves most of it. So it is beside a pole of a slope, as of a root near zero.
+    fn falls_short(&mut self, z: &[f64], step: &[f64], slopes: &Slopes, rest: &[f64]) -> bool {
+        let sizes = step.iter().zip(&slopes.sizes);
+        let longest = sizes.map(|(step, size)| step.abs() / size).fold(0.0, f64::max);
+        if longest == 0.0 {
+            return false;
+        }
+        let said = &slopes.matrix * DMatrix::from_column_slice(step.len(), 1, step);
+        let left: Vec<f64> = rest.iter().zip(said.iter()).map(|(rest, said)| rest + said).collect();
+        let far = moved(z, step, (HOLDS / longest).max(1.0));
+        if slopes.norm(&left) > 0.1 * slopes.norm(rest) || self.try_at(&far).is_none() {
+            return false;
+        }
+        let parts = rest.iter().zip(&self.rest).zip(&slopes.scale).zip(&slopes.needed);
+        let parts =
+            parts.filter(|(_, needed)| **needed).map(|(((here, far), scale), _)| (here / scale, far / scale));
+        let (still, all) =
+            parts.fold((0.0, 0.0), |(still, all), (here, far)| (still + here * far, all + here * here));
+        still > 0.5 * all
     }
 
     /// The longest part of a step that helps. No unknown moves by more than its size, or 1, at once where the equations are
@@ -189,16 +214,26 @@ impl<'s, 'g> Search<'s, 'g> {
         }
         let conditions = &mut self.conditions;
         let rows = conditions.equations();
-        let equations = |z: &[f64], rest: &mut [f64]| -> Result<(), std::convert::Infallible> {
-            if conditions.evaluate(z, rest).is_err() {
-                rest.fill(f64::NAN);
-            }
-            Ok(())
-        };
-        let slopes =
-            if rows > LARGE { sparse_jacobian(z, rows, equations) } else { jacobian(z, rows, equations) };
-        let mut matrix = slopes.map_or_else(|never| match never {}, |found| found.value);
         conditions.evaluate(z, &mut self.rest)?;
+        let mut matrix = DMatrix::zeros(rows, z.len());
+        let unknown = conditions.slopes(&mut matrix);
+        if !unknown.is_empty() {
+            let mut all = z.to_vec();
+            let equations = |some: &[f64], rest: &mut [f64]| -> Result<(), std::convert::Infallible> {
+                unknown.iter().zip(some).for_each(|(&column, z)| all[column] = *z);
+                if conditions.evaluate(&all, rest).is_err() {
+                    rest.fill(f64::NAN);
+                }
+                Ok(())
+            };
+            let some: Vec<f64> = unknown.iter().map(|&column| z[column]).collect();
+            let sought = if rows > LARGE { sparse_jacobian } else { jacobian };
+            let found = sought(&some, rows, equations).unwrap_or_else(|never| match never {});
+            for (own, &column) in unknown.iter().enumerate() {
+                matrix.set_column(column, &found.value.column(own));
+            }
+            conditions.evaluate(z, &mut self.rest)?;
+        }
         let sizes: Vec<f64> = z.iter().map(size).collect();
         for (column, size) in sizes.iter().enumerate() {
             if matrix.column(column).iter().any(|slope| !slope.is_finite()) {
@@ -246,6 +281,7 @@ impl<'s, 'g> Search<'s, 'g> {
             adrift: (0..paired).filter(moves).map(|i| (names[i].clone(), self.rest[i] * rates[i])).collect(),
             undetermined: (0..names.len()).filter(is_free).map(|i| names[i].clone()).collect(),
             found: self.conditions.found(z),
+            evaluations: self.conditions.evaluations,
         }
     }
 

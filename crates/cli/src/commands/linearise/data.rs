@@ -44,6 +44,7 @@ pub fn json(found: &Found) -> Value {
         "c": matrix(&system.system.c),
         "d": matrix(&system.system.d),
         "accuracy": system.accuracy,
+        "differences": { "blocks": system.method.blocks, "over": system.method.columns },
         "not_smooth": system.kinks,
         "stuck": stays(Stays::Stuck),
         "limited": stays(Stays::Limited),

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use blocksim_block::schedule::Schedule;
-use blocksim_linear::{Kink, LinearError, StateSpace, jacobian};
-use blocksim_sim::{Frozen, SimError, Tap, state_names};
+use blocksim_linear::{DMatrix, Jacobian, Kink, LinearError, StateSpace, jacobian_over};
+use blocksim_sim::{Frozen, Origin, SimError, Tap, state_names};
 
 use super::signals::Place;
 use crate::exit::Exit;
@@ -51,6 +51,8 @@ pub struct Linearised {
     pub accuracy: f64,
     /// What is not smooth there, in words.
     pub kinks: Vec<String>,
+    /// Where the slopes come from.
+    pub method: Method,
     /// Blocks on the way that are held, with the reason.
     pub held: Vec<(String, Hold)>,
     /// Blocks on the way that stay in a mode in which they do not move freely.
@@ -64,6 +66,15 @@ pub enum Stays {
     Stuck,
     /// It is at a limit.
     Limited,
+}
+
+/// Where slopes come from: all that is not named here follows exactly from the laws of the blocks.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Method {
+    /// Blocks that record no law, whose own slopes are differences.
+    pub blocks: Vec<String>,
+    /// States and inputs over which differences of the whole model are taken, as there is a kink or something unknown.
+    pub columns: Vec<String>,
 }
 
 /// Why a block does not answer.
@@ -119,44 +130,19 @@ pub fn linearise(frozen: Frozen, question: &Question) -> Result<Linearised, NoMa
     let cut: Vec<bool> = taps.iter().map(|tap| tap.open).collect();
     let delayed = |tap: &Tap| dead.iter().position(|dead| dead.end == tap.cell);
     let opened = taps.iter().map(|tap| Tap { open: tap.open || delayed(tap).is_some(), ..*tap }).collect();
-    let mut frozen = frozen.with_taps(opened)?;
+    let frozen = frozen.with_taps(opened)?;
     let (x, n) = (frozen.states().to_vec(), frozen.states().len());
     let inputs = usize::from(question.from.is_some());
     let value = question.from.as_ref().map(|from| frozen.signal(from.cell));
     let modes = modes(&schedule, &between, frozen.discrete());
-    let mut change = vec![0.0; taps.len()];
     let (outputs, rows) = (question.to.len(), n + question.to.len() + dead.len());
-    let mut evaluate = |z: &[f64], out: &mut [f64]| -> Result<(), NoMatrices> {
-        if interrupt::is_requested() {
-            return Err(NoMatrices::Interrupted);
-        }
-        let (input, ends) = z[n..].split_at(inputs);
-        for (place, tap) in taps.iter().enumerate() {
-            let own = question.from.as_ref().filter(|from| from.cell == tap.cell).map_or(0.0, |_| input[0]);
-            // Behind a cut nothing comes out of a dead time.
-            let end = delayed(tap).filter(|_| !cut[place]).map_or(0.0, |dead| ends[dead]);
-            change[place] = own + end;
-        }
-        let (dx, y) = out.split_at_mut(n);
-        frozen.evaluate(&z[..n], &change, dx)?;
-        for (y, to) in y.iter_mut().zip(&question.to) {
-            // In front of a cut stands what comes to it.
-            let place = taps.iter().position(|tap| tap.open && tap.cell == to.cell);
-            let given = |place: usize| delayed(&taps[place]).map_or(frozen.given()[place], |dead| ends[dead]);
-            *y = match place {
-                Some(place) if question.is_loop => -given(place),
-                Some(place) => given(place),
-                None => frozen.signal(to.cell),
-            };
-        }
-        y[outputs..].iter_mut().zip(&dead).for_each(|(y, dead)| *y = frozen.signal(dead.begin));
-        Ok(())
-    };
+    let change = vec![0.0; taps.len()];
     let point: Vec<f64> = x.iter().copied().chain(vec![0.0; inputs + dead.len()]).collect();
+    let mut model = Model { frozen, question, dead, taps, cut, inputs, change };
     let mut there = vec![0.0; rows];
-    evaluate(&point, &mut there)?;
+    model.evaluate(&point, &mut there)?;
     let names = state_names(&schedule);
-    let ends = dead.iter().map(|dead| format!("`{}`", dead.path));
+    let ends = model.dead.iter().map(|dead| format!("`{}`", dead.path));
     let rows_named: Vec<String> = names.iter().map(|state| format!("the derivative of `{state}`")).collect();
     let outputs_named = question.to.iter().map(|to| format!("`{}`", to.name)).chain(ends.clone());
     let inputs_named = question.from.iter().map(|from| format!("`{}`", from.name)).chain(ends);
@@ -164,20 +150,128 @@ pub fn linearise(frozen: Frozen, question: &Question) -> Result<Linearised, NoMa
         rows: rows_named.into_iter().chain(outputs_named).collect(),
         columns: names.iter().map(|state| format!("`{state}`")).chain(inputs_named).collect(),
     };
-    let Slopes { system, accuracy, kinks } = slopes((&point, &there, n), None, &labels, evaluate)?;
+    model.frozen.differentiate(&x)?;
+    let Slopes { system, accuracy, kinks, method } = slopes((&point, &there, n), None, &labels, &mut model)?;
     let sign = if question.is_loop { -1.0 } else { 1.0 };
     Ok(Linearised {
         accuracy,
         kinks,
+        method,
         value,
         values: there[n..n + outputs].iter().map(|y| sign * y).collect(),
         held: held(&schedule, &between),
-        dead: dead.into_iter().map(|dead| (dead.path, dead.time)).collect(),
+        dead: model.dead.into_iter().map(|dead| (dead.path, dead.time)).collect(),
         modes,
         names,
         x,
         system,
     })
+}
+
+/// What is linearised: a model as a function of its states, of its input, and of what comes out of dead times.
+struct Model<'q> {
+    frozen: Frozen,
+    question: &'q Question,
+    dead: Vec<DeadTime>,
+    taps: Vec<Tap>,
+    /// Which taps are cut, and not just ends of dead times.
+    cut: Vec<bool>,
+    inputs: usize,
+    change: Vec<f64>,
+}
+
+impl Model<'_> {
+    fn delayed(&self, tap: &Tap) -> Option<usize> {
+        self.dead.iter().position(|dead| dead.end == tap.cell)
+    }
+
+    /// What inputs `z` add at the taps.
+    fn take_inputs(&mut self, z: &[f64]) {
+        let (input, ends) = z.split_at(self.inputs);
+        for (place, tap) in self.taps.iter().enumerate() {
+            let own =
+                self.question.from.as_ref().filter(|from| from.cell == tap.cell).map_or(0.0, |_| input[0]);
+            // Behind a cut nothing comes out of a dead time.
+            let end = self.delayed(tap).filter(|_| !self.cut[place]).map_or(0.0, |dead| ends[dead]);
+            self.change[place] = own + end;
+        }
+    }
+
+    /// The outputs, or their rates, with `ends` those of dead times and what is at cells and what was given at taps.
+    fn outputs(&self, ends: &[f64], at: &dyn Fn(usize) -> f64, given: &dyn Fn(usize) -> f64, y: &mut [f64]) {
+        for (y, to) in y.iter_mut().zip(&self.question.to) {
+            // In front of a cut stands what comes to it.
+            let place = self.taps.iter().position(|tap| tap.open && tap.cell == to.cell);
+            let given = |place: usize| {
+                self.delayed(&self.taps[place]).map_or_else(|| given(place), |dead| ends[dead])
+            };
+            *y = match place {
+                Some(place) if self.question.is_loop => -given(place),
+                Some(place) => given(place),
+                None => at(to.cell),
+            };
+        }
+        let first = self.question.to.len();
+        y[first..].iter_mut().zip(&self.dead).for_each(|(y, dead)| *y = at(dead.begin));
+    }
+}
+
+/// A function whose slopes are wanted.
+pub(super) trait Function {
+    /// Its values for an argument.
+    ///
+    /// # Errors
+    /// [`NoMatrices`].
+    fn evaluate(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), NoMatrices>;
+
+    /// Writes how the values change along a direction, as far as that is known without differences of the whole. With `doubts`,
+    /// differences of parts count with their errors added.
+    fn along(&mut self, _direction: &[f64], _doubts: bool, _out: &mut [f64]) -> Origin {
+        Origin::Unknown
+    }
+
+    /// Blocks whose differences have had a part in that.
+    fn by_differences(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+impl Function for Model<'_> {
+    fn evaluate(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), NoMatrices> {
+        if interrupt::is_requested() {
+            return Err(NoMatrices::Interrupted);
+        }
+        let n = self.frozen.states().len();
+        self.take_inputs(&z[n..]);
+        let (dx, y) = out.split_at_mut(n);
+        self.frozen.evaluate(&z[..n], &self.change, dx)?;
+        let Self { frozen, inputs, .. } = &*self;
+        self.outputs(&z[n + inputs..], &|cell| frozen.signal(cell), &|tap| frozen.given()[tap], y);
+        Ok(())
+    }
+
+    fn along(&mut self, direction: &[f64], doubts: bool, out: &mut [f64]) -> Origin {
+        let n = self.frozen.states().len();
+        self.take_inputs(&direction[n..]);
+        let (dx, y) = out.split_at_mut(n);
+        let origin = self.frozen.along(&direction[..n], &self.change, doubts, dx);
+        let Self { frozen, inputs, .. } = &*self;
+        self.outputs(&direction[n + inputs..], &|cell| frozen.rate(cell), &|tap| frozen.given_rate(tap), y);
+        origin
+    }
+
+    fn by_differences(&self) -> Vec<String> {
+        self.frozen.by_differences().into_iter().map(str::to_owned).collect()
+    }
+}
+
+/// A function of which nothing but values is known.
+pub(super) struct Values<F>(pub F);
+
+impl<F: FnMut(&[f64], &mut [f64]) -> Result<(), NoMatrices>> Function for Values<F> {
+    fn evaluate(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), NoMatrices> {
+        self.0(z, out)
+    }
 }
 
 /// Where signals are changed or cut, and at these cells besides.
@@ -204,6 +298,7 @@ pub(super) struct Slopes {
     pub system: StateSpace,
     pub accuracy: f64,
     pub kinks: Vec<String>,
+    pub method: Method,
 }
 
 /// The slopes of a function of `n` states and of inputs, which gives as many states or derivatives and then outputs, at a point with its values
@@ -212,7 +307,7 @@ pub(super) fn slopes(
     (point, there, n): (&[f64], &[f64], usize),
     period: Option<f64>,
     labels: &Labels,
-    evaluate: impl FnMut(&[f64], &mut [f64]) -> Result<(), NoMatrices>,
+    function: &mut impl Function,
 ) -> Result<Slopes, NoMatrices> {
     let (rows, m) = (there.len(), point.len() - n);
     let outputs = rows - n;
@@ -222,7 +317,7 @@ pub(super) fn slopes(
         let text = format!("{} is {} at the operating point", labels.rows[row], there[row]);
         return Err(said(text, "choose another instant with --at"));
     }
-    let slopes = jacobian(point, rows, evaluate)?;
+    let (slopes, method) = mixed(point, rows, labels, function)?;
     if let Some(at) = slopes.value.iter().position(|value| !value.is_finite()) {
         let text =
             format!("{} has no finite slope over {}", labels.rows[at % rows], labels.columns[at / rows]);
@@ -248,7 +343,48 @@ pub(super) fn slopes(
             blocksim_results::format::significant(right, 4)
         )
     });
-    Ok(Slopes { system, accuracy: slopes.accuracy(), kinks: kinks.collect() })
+    Ok(Slopes { system, accuracy: slopes.accuracy(), kinks: kinks.collect(), method })
+}
+
+/// Slopes column by column: those that the function knows, and differences elsewhere.
+fn mixed(
+    point: &[f64],
+    rows: usize,
+    labels: &Labels,
+    function: &mut impl Function,
+) -> Result<(Jacobian, Method), NoMatrices> {
+    let columns = point.len();
+    let (mut value, mut error) = (DMatrix::zeros(rows, columns), DMatrix::zeros(rows, columns));
+    let (mut direction, mut found, mut doubtful) = (vec![0.0; columns], vec![0.0; rows], vec![0.0; rows]);
+    let mut unknown = Vec::new();
+    for column in 0..columns {
+        direction[column] = 1.0;
+        match function.along(&direction, false, &mut found) {
+            Origin::Laws => found.iter().enumerate().for_each(|(row, slope)| value[(row, column)] = *slope),
+            Origin::Differences => {
+                function.along(&direction, true, &mut doubtful);
+                for (row, (slope, doubtful)) in found.iter().zip(&doubtful).enumerate() {
+                    let doubt = (slope - doubtful).abs();
+                    error[(row, column)] = doubt;
+                    value[(row, column)] = if slope.abs() <= doubt { 0.0 } else { *slope };
+                }
+            }
+            Origin::Unknown => unknown.push(column),
+        }
+        direction[column] = 0.0;
+    }
+    let blocks = function.by_differences();
+    let names = unknown.iter().map(|&column| labels.columns[column].clone()).collect();
+    let mut kinks = Vec::new();
+    if !unknown.is_empty() {
+        let rest = jacobian_over(point, unknown.iter().copied(), rows, |z, out| function.evaluate(z, out))?;
+        for column in unknown {
+            value.set_column(column, &rest.value.column(column));
+            error.set_column(column, &rest.error.column(column));
+        }
+        kinks = rest.kinks;
+    }
+    Ok((Jacobian { value, error, kinks }, Method { blocks, columns: names }))
 }
 
 /// The dead times among some blocks.

@@ -6,9 +6,9 @@ use blocksim_results::{Align, PlotOptions, Series, Table, plot};
 
 use super::Found;
 use super::facts::{Dead, Law, Way, decibels, degrees};
-use super::matrices::{Hold, Stays};
+use super::matrices::{Hold, Linearised, Method, Stays};
 use crate::terminal::console::Console;
-use crate::terminal::format::short_time;
+use crate::terminal::format::{digits, short_time};
 
 /// Rows of poles that are told of one way.
 const ROWS: usize = 24;
@@ -64,7 +64,7 @@ fn heading(found: &Found) -> String {
     let mut text = format!("{}, {instant}: {what}{cut}\n", found.title);
     let system = &found.linearised;
     if !system.names.is_empty() {
-        text.push_str(&format!("slopes are good to {}\n", part(system.accuracy)));
+        text.push_str(&slopes(system));
     }
     if !found.adrift.is_empty() {
         let names: Vec<String> = found.adrift.iter().take(FEW).map(|name| format!("`{name}`")).collect();
@@ -112,12 +112,30 @@ fn heading(found: &Found) -> String {
     text
 }
 
-/// A part of one, as a power of ten.
-fn part(accuracy: f64) -> String {
-    match accuracy {
-        a if a < 1e-15 => "all digits".to_owned(),
-        a if a < 1e-2 => format!("{} digits", (-a.log10()).floor()),
-        a => format!("{} %", significant(100.0 * a, 1)),
+/// How exact slopes are, and where they are differences.
+fn slopes(found: &Linearised) -> String {
+    let Method { blocks, columns } = &found.method;
+    let listed = |names: &[String]| {
+        let more = names.len().saturating_sub(FEW);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        format!("{}{more}", names[..names.len().min(FEW)].join(", "))
+    };
+    let all = found.names.len() + found.system.b.ncols();
+    let mut parts = Vec::new();
+    if !blocks.is_empty() {
+        let blocks: Vec<String> = blocks.iter().map(|path| format!("`{path}`")).collect();
+        parts.push(format!("in {}", listed(&blocks)));
+    }
+    if columns.len() == all {
+        parts = vec!["of the whole model".to_owned()];
+    } else if !columns.is_empty() {
+        parts.push(format!("over {}", listed(columns)));
+    }
+    match parts.is_empty() {
+        true => "slopes are exact, from the laws of the blocks\n".to_owned(),
+        false => {
+            format!("slopes are good to {}: differences {}\n", digits(found.accuracy), parts.join(", and "))
+        }
     }
 }
 

@@ -4,7 +4,9 @@ use blocksim_block::schedule::Schedule;
 use blocksim_linear::{DMatrix, StateSpace};
 use blocksim_sim::{Period, PeriodMap};
 
-use super::matrices::{Labels, Linearised, NoMatrices, Question, Slopes, between, modes, slopes, taps};
+use super::matrices::{
+    Labels, Linearised, Method, NoMatrices, Question, Slopes, Values, between, modes, slopes, taps,
+};
 use super::point::Patient;
 use crate::exit::Exit;
 use crate::failure::Failure;
@@ -74,9 +76,9 @@ pub fn linearise(
         rows: next.chain(question.to.iter().map(|to| format!("`{}`", to.name))).collect(),
         columns: names.iter().map(|state| format!("`{state}`")).chain(input).collect(),
     };
-    let found =
-        slopes((&point, &there, n), Some(period.length), &labels, |z, out| evaluate(&mut map, z, out));
-    let Slopes { system, accuracy, kinks } = found.map_err(stopped)?;
+    let mut values = Values(|z: &[f64], out: &mut [f64]| evaluate(&mut map, z, out));
+    let found = slopes((&point, &there, n), Some(period.length), &labels, &mut values);
+    let Slopes { system, accuracy, kinks, .. } = found.map_err(stopped)?;
     if question.is_loop {
         // With the loop closed, and without a change.
         let first = question.open[0].cell;
@@ -84,18 +86,21 @@ pub fn linearise(
         map.open(&closed);
         let none = Labels { columns: labels.columns[..n].to_vec(), rows: labels.rows[..n].to_vec() };
         let mut all = vec![0.0; n + outputs];
-        let own = slopes((&point[..n], &there[..n], n), Some(period.length), &none, |z, out| {
+        let mut values = Values(|z: &[f64], out: &mut [f64]| {
             let z: Vec<f64> = z.iter().copied().chain([0.0]).collect();
             evaluate(&mut map, &z, &mut all)?;
             out.copy_from_slice(&all[..n]);
             Ok(())
         });
+        let own = slopes((&point[..n], &there[..n], n), Some(period.length), &none, &mut values);
         is_once_around(&system, &own.map_err(stopped)?.system.a, question, period.length)?;
     }
     let sign = if question.is_loop { -1.0 } else { 1.0 };
     let linearised = Linearised {
         accuracy,
         kinks,
+        // A period is a run, and all of it by differences.
+        method: Method { blocks: Vec::new(), columns: labels.columns },
         value,
         values: there[n..].iter().map(|y| sign * y).collect(),
         held: Vec::new(),

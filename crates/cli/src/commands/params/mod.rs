@@ -11,7 +11,7 @@ mod import;
 mod list;
 mod model;
 mod set;
-mod table;
+pub(super) mod table;
 
 use crate::args::params::ParamsCommand;
 use crate::failure::Outcome;

@@ -4,6 +4,7 @@ mod combinations;
 mod measure;
 mod rows;
 mod runs;
+mod sensitivity;
 mod table;
 
 use std::io;
@@ -37,6 +38,13 @@ pub struct Row<'a> {
 /// # Errors
 /// What is wrong with the command line or the model, or what cannot be written.
 pub fn sweep(args: &SweepArgs, console: Console) -> Outcome {
+    if !args.sensitivity.is_empty() {
+        return sensitivity::sensitivity(args, console);
+    }
+    if !args.of.is_empty() || args.svg.is_some() || args.png.is_some() {
+        return Err(Failure::usage("--of, --svg and --png belong to --sensitivity")
+            .help("measure with --metric, or name parameters with --sensitivity"));
+    }
     let random = args.random.map(usize::from);
     let plan = Combinations::of(&args.over, random, args.seed.unwrap_or(0))?;
     let runs = plan.runs();

@@ -1,0 +1,202 @@
+//! How recorded signals change with a parameter, over time.
+//!
+//! The model is given with five values of the parameter. From four of them follow differences, extrapolated after Richardson, with what
+//! the two distances say of their error. Where laws that are data lead from the parameter to the signals, the model is run once more
+//! with its tangent: beside each block that the parameter acts on stands one that integrates the derivatives of its states by the
+//! parameter (forward sensitivity analysis: A. C. Hindmarsh et al., SUNDIALS, ACM Trans. Math. Softw. 31 (2005) 363, section 2.4). Both ways
+//! must agree, or differences count: a tangent knows nothing of jumps at times that depend on the parameter.
+
+mod tangent;
+
+use std::sync::Arc;
+
+use blocksim_block::schedule::{OutputTimes, Schedule, Solver};
+
+use crate::{Control, Counts, Ended, Observer, SimError, Simulation};
+
+/// Intervals of the grid of times.
+const INTERVALS: usize = 1000;
+/// Relative tolerances of runs whose difference is taken, as a part of that of the model, and at most.
+const TIGHTER: f64 = 1e-5;
+const AT_MOST: f64 = 1e-9;
+/// The tightest that is of use.
+const TIGHTEST: f64 = 1e-13;
+/// By how many of the errors of differences, and by which part of the largest value, a tangent may be off from them.
+const ERRORS: f64 = 30.0;
+const SHARE: f64 = 1e-3;
+
+/// Distances of the values of the parameter from its own, in parts of the largest.
+pub const DISTANCES: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+
+/// Derivatives of recorded signals by a parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensitivity {
+    /// Times, s.
+    pub times: Vec<f64>,
+    /// Of each recorded signal the derivative at each time, in the SI unit of the signal for one of the parameter.
+    pub values: Vec<Vec<f64>>,
+    /// How far each may be off.
+    pub errors: Vec<Vec<f64>>,
+    /// Why these are differences of runs and no tangent; nothing where they are one.
+    pub by_differences: Option<String>,
+}
+
+/// The derivatives by a parameter of which `variants` have the values at [`DISTANCES`] times `distance` from its own, in SI. Nothing
+/// if `go_on`, asked now and then, says no.
+///
+/// # Errors
+/// What ends one of the runs; `settings` if the variants are no variants of one model.
+///
+/// # Panics
+/// Panics if `distance` is not positive.
+pub fn sensitivity(
+    variants: &[Schedule; 5],
+    distance: f64,
+    go_on: &mut dyn FnMut() -> Control,
+) -> Result<Option<Sensitivity>, SimError> {
+    assert!(distance > 0.0, "the values of a parameter are apart");
+    let own = &variants[2];
+    let paths = |schedule: &Schedule| schedule.recorded.iter().map(|r| r.path.clone()).collect::<Vec<_>>();
+    let stop = |schedule: &Schedule| schedule.settings.stop_time;
+    if variants.iter().any(|other| paths(other) != paths(own) || stop(other) != stop(own)) {
+        let message = "the parameter changes what is recorded or how long the model runs, so that there is no derivative by it";
+        return Err(SimError::new("settings", 0.0, message).help("name a number of a block"));
+    }
+    let mut runs = Vec::with_capacity(4);
+    for number in [0, 1, 3, 4] {
+        match on_grid(&variants[number], TIGHTER, go_on)? {
+            Some(rows) => runs.push(rows),
+            None => return Ok(None),
+        }
+    }
+    let length = runs.iter().map(Vec::len).min().unwrap_or(0);
+    let signals = own.recorded.len();
+    let (mut values, mut errors) = (vec![vec![0.0; length]; signals], vec![vec![0.0; length]; signals]);
+    for signal in 0..signals {
+        for at in 0..length {
+            let [far_below, below, above, far_above] = [0, 1, 2, 3].map(|run| runs[run][at][signal]);
+            let (value, error) = extrapolated([far_below, below, above, far_above], distance);
+            (values[signal][at], errors[signal][at]) = (value, error);
+        }
+    }
+    let spacing = stop(own) / INTERVALS as f64;
+    let times = (0..length).map(|at| (at as f64 * spacing).min(stop(own))).collect();
+    let differences = Sensitivity { times, values, errors, by_differences: None };
+    let because = match tangent::with_tangent(variants, distance) {
+        Err(reason) => reason,
+        Ok((tangent, cells)) => match on_grid(&tangent, TIGHTER, go_on) {
+            Ok(None) => return Ok(None),
+            Ok(Some(rows)) => match taken(&differences, &rows, &cells, own) {
+                Ok(found) => return Ok(Some(found)),
+                Err(reason) => reason,
+            },
+            Err(SimError { path: Some(path), message, .. }) if message.ends_with(tangent::JUMPS) => {
+                format!("the law of `{path}` {}", tangent::JUMPS)
+            }
+            Err(error) => error.message,
+        },
+    };
+    Ok(Some(Sensitivity { by_differences: Some(because), ..differences }))
+}
+
+/// The derivative from values at -1, -1/2, 1/2 and 1 of a distance, and how far it may be off.
+fn extrapolated([far_below, below, above, far_above]: [f64; 4], distance: f64) -> (f64, f64) {
+    let (wide, narrow) = ((far_above - far_below) / (2.0 * distance), (above - below) / distance);
+    let size = [far_below, below, above, far_above].into_iter().fold(0.0, |size: f64, y| size.max(y.abs()));
+    ((4.0 * narrow - wide) / 3.0, (narrow - wide).abs().max(f64::EPSILON * size / distance))
+}
+
+/// What a tangent gives, with its difference from differences as its error, if both agree.
+fn taken(
+    differences: &Sensitivity,
+    rows: &[Vec<f64>],
+    cells: &[Option<usize>],
+    own: &Schedule,
+) -> Result<Sensitivity, String> {
+    if rows.len() < differences.times.len() {
+        return Err("the run with the tangent ends earlier".to_owned());
+    }
+    let mut found = differences.clone();
+    for (signal, cell) in cells.iter().enumerate() {
+        let (values, errors) = (&mut found.values[signal], &mut found.errors[signal]);
+        let largest = differences.values[signal].iter().fold(0.0, |size: f64, y| size.max(y.abs()));
+        for (at, (value, error)) in values.iter_mut().zip(errors).enumerate() {
+            let exact = cell.map_or(0.0, |cell| rows[at][cell]);
+            let apart = (exact - *value).abs();
+            let within = apart <= ERRORS * *error + SHARE * largest;
+            if !within {
+                return Err(format!(
+                    "the tangent of `{}` differs from differences from {} s on, as where something jumps at a time that depends on the \
+                     parameter",
+                    own.recorded[signal].path, differences.times[at]
+                ));
+            }
+            // What differences leave uncertain is no error of the tangent, but all that is known of it.
+            (*value, *error) = (exact, apart);
+        }
+    }
+    Ok(found)
+}
+
+/// Runs a model and keeps the recorded signals on the grid; nothing if `go_on` says no.
+fn on_grid(
+    schedule: &Schedule,
+    tighter: f64,
+    go_on: &mut dyn FnMut() -> Control,
+) -> Result<Option<Vec<Vec<f64>>>, SimError> {
+    let mut schedule = schedule.clone();
+    if let Solver::Variable { rtol, atol, .. } = &mut schedule.settings.solver {
+        let before = *rtol;
+        *rtol = (before * tighter).clamp(TIGHTEST, AT_MOST);
+        let part = *rtol / before;
+        atol.iter_mut().for_each(|atol| *atol *= part);
+        schedule.settings.atol.iter_mut().for_each(|tolerance| tolerance.value *= part);
+    }
+    let stop = schedule.settings.stop_time;
+    let spacing = stop / INTERVALS as f64;
+    schedule.settings.output = OutputTimes::Every(spacing);
+    let mut samples = Samples { spacing, stop, rows: Vec::new(), go_on };
+    let mut simulation = Simulation::new(Arc::new(schedule))?;
+    let ended = simulation.run(&mut samples)?;
+    Ok((ended != Ended::Interrupted).then_some(samples.rows))
+}
+
+/// Keeps the rows of a grid; of two at one time the later one.
+struct Samples<'a> {
+    spacing: f64,
+    stop: f64,
+    rows: Vec<Vec<f64>>,
+    go_on: &'a mut dyn FnMut() -> Control,
+}
+
+impl Observer for Samples<'_> {
+    fn row(&mut self, t: f64, values: &[f64]) {
+        let at = if t >= self.stop { INTERVALS as f64 } else { (t / self.spacing).round() };
+        if t >= self.stop || (t - at * self.spacing).abs() <= 1e-9 * self.spacing {
+            self.rows.truncate(at as usize);
+            self.rows.resize(at as usize, values.to_vec());
+            self.rows.push(values.to_vec());
+        }
+    }
+
+    fn progress(&mut self, _t: f64, _counts: &Counts) -> Control {
+        (self.go_on)()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extrapolation_is_of_fourth_order_and_knows_its_error() {
+        let (p, h) = (0.7_f64, 1e-2);
+        let y = [-1.0, -0.5, 0.5, 1.0].map(|part| (3.0 * (p + part * h)).exp());
+        let (value, error) = extrapolated(y, h);
+        let exact = 3.0 * (3.0 * p).exp();
+        assert!(
+            (value - exact).abs() < 1e-6 * exact && (value - exact).abs() < error,
+            "{value} +- {error}, not {exact}"
+        );
+    }
+}
