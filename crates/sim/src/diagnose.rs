@@ -6,7 +6,7 @@ use blocksim_block::schedule::{Instance, Schedule, Solver, VariableMethod};
 use blocksim_solve::StepError;
 
 use crate::SimError;
-use crate::evaluate::{Diagram, Failure};
+use crate::evaluation::evaluate::{Diagram, Failure};
 
 /// Size above which the value of an input is suspicious.
 const HUGE: f64 = 1e12;

@@ -9,7 +9,7 @@ use blocksim_solve::least_absolute;
 
 use crate::Simulation;
 use crate::diagnose::number;
-use crate::evaluate::Diagram;
+use crate::evaluation::evaluate::Diagram;
 
 /// Most states that are named.
 const NAMED: usize = 3;

@@ -4,101 +4,45 @@
 //! out is handed to an [`Observer`] row by row. The engine knows no text and no files, and it does not allocate once it
 //! has started.
 //!
-//! | file | idea |
+//! | room | what is in it |
 //! |---|---|
-//! | `simulation` | the step loop |
-//! | `major` | what happens at one instant: outputs, jumps, record, updates |
-//! | `early` | resets from outside, which come before all else of their time |
-//! | `advance` | from one instant to the next: solver, events, rows in between |
-//! | `guards`, `looks`, `slopes`, `turn`, `scan` | conditions over a step: values, looks at stages, extrema, samples |
-//! | `rhythm`, `pace` | events that come faster and faster; too many of them |
-//! | `audit`, `verify` | was anything passed over? how far is a more exact run? |
-//! | `plan` | the schedule as the hot loop wants it |
-//! | `evaluate`, `act`, `system` | calls of the blocks: outputs, all else, and what the solver sees |
-//! | `clock`, `events`, `modes` | sample hits and time events; zero crossings; modes where nobody looks for these |
-//! | `record`, `sides`, `refine` | rows; which sample hits need them on both sides; rows within steps |
-//! | `angles` | steps no longer than an eighth of a turn of what turns |
-//! | `departure` | guards that leave zero flatly |
-//! | `hops` | hops of guards that are lower than the tolerance |
-//! | `stepwise` | whether outputs that change at major steps alone have changed |
-//! | `graph`, `spread` | which output depends on which at the same time; what depends at once on some signals |
-//! | `influence` | which derivatives a state can act on, and whether that is so |
-//! | `chain` | slopes of what a pass computes, by the chain rule over its calls |
-//! | `kinks` | steps that have looked beyond a kink, once more |
-//! | `fused`, `listing` | laws that are data, run as one; what is run, for those who print it |
-//! | `native` | machine code in the place of what runs them |
-//! | `past` | what blocks remember of steps |
-//! | `taps`, `period` | signals that can be changed from outside; the map of a model from one sample hit to another |
-//! | `frozen` | a simulation at one instant: what if a state or a signal were a bit different |
-//! | `steady` | where nothing moves, and where signals have given values |
-//! | `sensitivity` | derivatives of recorded signals by a parameter |
-//! | `methods`, `error`, `diagnose`, `snapshot` | choice of the solver; what can go wrong and why; save and restore |
+//! | `simulation`, `error`, `diagnose`, `snapshot` | the step loop; what can go wrong and why; save and restore |
+//! | `stepping` | how time goes on: instants (`major`), resets from outside (`early`), steps up to the next instant (`advance`), no longer than an eighth of a turn (`angles`), sample hits (`clock`), what blocks remember of steps (`past`), the choice of the method (`methods`) |
+//! | `events` | conditions over a step: values (`guards`), zeros (`crossings`), looks at stages (`looks`), extrema (`turn`, `scan`, `slopes`, `peaks`), kinks, hops below the tolerance, flat departures from zero, modes; events that come faster and faster (`rhythm`) or are too many (`pace`); `audit` |
+//! | `evaluation` | one point of time and states: calls of the blocks (`evaluate`, `act`), algebraic loops (`loops`), what the solver sees (`system`), outputs that are held (`hold`, `stepwise`) |
+//! | `program` | the schedule as it is run: flat (`plan`), laws as tapes (`fused`), machine code (`native`), what depends on what (`graph`, `spread`, `influence`), for those who print it (`listing`) |
+//! | `rows` | what is recorded (`record`), on which sides of sample hits (`sides`), and within steps (`refine`) |
+//! | `variation` | what if: a simulation at one instant (`frozen`), signals changed from outside (`taps`), from one sample hit to the next (`period`), slopes by the chain rule (`chain`), derivatives by parameters (`sensitivity`) |
+//! | `steady`, `verify`, `ignored_states` | where nothing moves; how far a more exact run is; states below all tolerances |
 
-mod act;
-mod advance;
-mod angles;
-mod audit;
-mod chain;
-mod clock;
-mod departure;
 mod diagnose;
-mod early;
 mod error;
-mod evaluate;
+mod evaluation;
 mod events;
-mod exact_slopes;
-mod frozen;
-mod fused;
-mod graph;
-mod guards;
-mod hold;
-mod hops;
 mod ignored_states;
-mod influence;
-mod kinks;
-mod listing;
-mod looks;
-mod loops;
-mod major;
-mod methods;
-mod modes;
-mod native;
-mod pace;
-mod past;
-mod peaks;
-mod period;
-mod plan;
-mod record;
-mod refine;
-mod rhythm;
-mod scan;
-mod sensitivity;
-mod sides;
+mod program;
+mod rows;
 mod simulation;
-mod slopes;
 mod snapshot;
-mod spread;
 mod steady;
-mod stepwise;
-mod system;
-mod taps;
-mod turn;
+mod stepping;
+mod variation;
 mod verify;
 
-pub use audit::{Findings, Missed};
-pub use chain::Origin;
 pub use diagnose::state_names;
 pub use error::SimError;
-pub use exact_slopes::Slope;
-pub use frozen::{Frozen, Tap};
-pub use influence::Undeclared;
-pub use listing::{LoopMethod, Pass, PassKind, PassPart, passes};
-pub use period::{Period, PeriodMap};
-pub use record::{Control, Observer};
-pub use sensitivity::{DISTANCES, Sensitivity, sensitivity};
+pub use events::audit::{Findings, Missed};
+pub use program::exact_slopes::Slope;
+pub use program::influence::Undeclared;
+pub use program::listing::{LoopMethod, Pass, PassKind, PassPart, passes};
+pub use rows::record::{Control, Observer};
 pub use simulation::{Counts, Ended, Simulation};
 pub use snapshot::Snapshot;
 pub use steady::Rest;
+pub use variation::chain::Origin;
+pub use variation::frozen::{Frozen, Tap};
+pub use variation::period::{Period, PeriodMap};
+pub use variation::sensitivity::{DISTANCES, Sensitivity, sensitivity};
 pub use verify::{Difference, Verification, verify};
 
 pub use blocksim_solve::Share;

@@ -2,12 +2,13 @@
 
 use blocksim_solve::Memory;
 
-use crate::guards::Guards;
+use crate::events::guards::Guards;
+use crate::events::pace::Pace;
 use crate::ignored_states::Sizes;
-use crate::pace::Pace;
-use crate::past::Past;
-use crate::refine::Refine;
-use crate::{SimError, Simulation, methods};
+use crate::rows::refine::Refine;
+use crate::stepping::methods;
+use crate::stepping::past::Past;
+use crate::{SimError, Simulation};
 
 /// All that a simulation remembers, between two calls of `run`.
 ///

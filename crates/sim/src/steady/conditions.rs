@@ -7,9 +7,9 @@ use blocksim_block::schedule::{Schedule, Steady, Step, When};
 use blocksim_linear::DMatrix;
 use blocksim_solve::Failed;
 
-use crate::chain::{Chain, Direction, Origin};
-use crate::evaluate::Diagram;
-use crate::spread::spread;
+use crate::evaluation::evaluate::Diagram;
+use crate::program::spread::spread;
+use crate::variation::chain::{Chain, Direction, Origin};
 use crate::{SimError, Simulation, state_names};
 
 /// Rounds in which jumps of states may settle.

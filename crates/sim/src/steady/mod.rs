@@ -20,7 +20,7 @@ use blocksim_block::schedule::{Schedule, Start, Steady};
 
 use self::conditions::Conditions;
 use self::newton::{Failure, Search};
-use crate::frozen::Nobody;
+use crate::variation::frozen::Nobody;
 use crate::{SimError, Simulation};
 
 /// A steady state that was found.

@@ -1,0 +1,176 @@
+//! The guards of a diagram over a step: their values, and what is remembered of their events.
+
+use blocksim_block::Crossing;
+use blocksim_solve::{Failed, Stepper};
+
+use crate::evaluation::evaluate::Diagram;
+use crate::events::rhythm::{Accumulation, Rhythm};
+use crate::events::scan::Samples;
+use crate::events::slopes::Turns;
+
+/// Crossings in a row, without time getting on, that are taken for chatter.
+const CHATTER: u32 = 1000;
+/// Crossings in a row, without time getting on, after which steps pass over kinks: these are continuous, and what crosses one so
+/// often is nothing but what the dense output is off by.
+const DEAF: u32 = 100;
+
+/// An accepted step of the solver.
+pub(crate) struct Stride<'a> {
+    pub t0: f64,
+    pub t1: f64,
+    /// Absent without states.
+    pub stepper: Option<&'a dyn Stepper>,
+}
+
+/// Values of all guards and what is remembered of their events.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Guards {
+    /// Which crossings of each are events.
+    pub events: Vec<Crossing>,
+    /// At the start of the step.
+    pub start: Vec<f64>,
+    /// At its end, which moves towards the first crossing.
+    pub end: Vec<f64>,
+    pub trial: Vec<f64>,
+    /// The least and the greatest value within the step, as far as anybody looked.
+    pub low: Vec<f64>,
+    pub high: Vec<f64>,
+    /// How far it went from look to look, to and fro.
+    pub path: Vec<f64>,
+    /// Those that may have crossed zero unseen.
+    pub doubtful: Vec<bool>,
+    /// Values at many points of a step.
+    pub samples: Samples,
+    /// What is known of their slopes.
+    pub turns: Turns,
+    /// States at a trial point, and at the cut in the end.
+    pub x: Vec<f64>,
+    /// The latter, while an audit looks elsewhere.
+    pub kept: Vec<f64>,
+    /// Those that crossed or left zero at the last cut, if that was the last step.
+    pub fired: Vec<bool>,
+    /// Those that have fired, and may come back within the step to fire again.
+    pub hops: Vec<bool>,
+    /// When each fired lately.
+    pub rhythm: Rhythm,
+    /// Where guards have last left zero flatly, s: steps are no longer than the time since.
+    pub set_out: Option<f64>,
+    /// Whether `start` holds for the step to come.
+    pub known: bool,
+    /// Since when, and how often, guards have crossed without time getting on.
+    pub chatter: (f64, u32),
+    /// Which guards are those of kinks, and whether these are passed over in this step.
+    pub kinks: Vec<bool>,
+    pub deaf: bool,
+}
+
+/// Whether time has not got on between two instants.
+fn stands_still(since: f64, t: f64) -> bool {
+    t - since <= 1e-9 * t.abs().max(1.0)
+}
+
+impl Guards {
+    pub fn new(events: Vec<Crossing>, states: usize) -> Self {
+        let guards = events.len();
+        let zeros = vec![0.0; guards];
+        Self {
+            events,
+            turns: Turns::new(guards),
+            start: zeros.clone(),
+            end: zeros.clone(),
+            low: zeros.clone(),
+            high: zeros.clone(),
+            path: zeros.clone(),
+            doubtful: vec![false; guards],
+            samples: Samples::new(guards),
+            trial: zeros,
+            x: vec![0.0; states],
+            kept: Vec::new(),
+            fired: vec![false; guards],
+            hops: vec![false; guards],
+            rhythm: Rhythm::new(guards),
+            set_out: None,
+            known: false,
+            chatter: (f64::NEG_INFINITY, 0),
+            kinks: vec![false; guards],
+            deaf: false,
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.start.is_empty()
+    }
+
+    /// Notes the values at the start of a step.
+    pub fn begin(&mut self, diagram: &mut Diagram, t: f64, x: &[f64]) -> Result<(), Failed> {
+        self.deaf = self.chatter.1 >= DEAF && stands_still(self.chatter.0, t);
+        if self.known || self.is_empty() {
+            return Ok(());
+        }
+        self.known = true;
+        diagram.minor(t, x)?;
+        diagram.guards(&mut self.start)
+    }
+
+    /// The first guard, by number, whose sign is not that of the start; `both` if those count, too, that are no events.
+    pub fn crossing(&self, values: &[f64], both: bool) -> Option<usize> {
+        let mut ends = self.start.iter().zip(values).zip(&self.events).zip(&self.kinks);
+        ends.position(|(((&start, &value), &events), &kink)| {
+            if kink && self.deaf {
+                return false;
+            }
+            let counts = if both && !matches!(events, Crossing::Holds | Crossing::Peak) {
+                Crossing::Either
+            } else {
+                events
+            };
+            counts.happens(start, value)
+        })
+    }
+
+    /// Values of the guards at a point within the step.
+    pub fn at(&mut self, t: f64, diagram: &mut Diagram, stride: &Stride) -> Result<(), Failed> {
+        if let Some(stepper) = stride.stepper {
+            stepper.interpolate(t, &mut self.x);
+        }
+        diagram.minor(t, &self.x)?;
+        diagram.guards(&mut self.trial)
+    }
+
+    /// The first guard that says at the start of a step that a mode is wrong.
+    pub fn broken(&self) -> Option<usize> {
+        let mut guards = self.start.iter().zip(&self.events);
+        guards.position(|(&start, &events)| events == Crossing::Holds && start < 0.0)
+    }
+
+    /// Whether guard `i`, which has fired, has gone upwards.
+    pub fn rises(&self, i: usize) -> bool {
+        self.start[i] < 0.0 || self.start[i] == 0.0 && self.trial[i] > 0.0
+    }
+
+    /// Notes the guards that have fired at `t`; returns one whose events have no end.
+    pub fn beat(&mut self, t: f64) -> Option<(usize, Accumulation)> {
+        let fired = (0..self.fired.len()).filter(|&i| self.fired[i]);
+        fired.fold(None, |endless, i| endless.or(self.rhythm.beat(i, t).map(|found| (i, found))))
+    }
+
+    /// Counts a cut and tells whether there have been too many.
+    pub fn chatters(&mut self, t: f64) -> bool {
+        let (since, count) = self.chatter;
+        self.chatter = if stands_still(since, t) { (since, count + 1) } else { (t, 1) };
+        self.chatter.1 > CHATTER
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chatter_is_a_thousand_crossings_in_a_nanosecond() {
+        let mut guards = Guards::new(vec![Crossing::Either], 0);
+        assert!((0..1000).all(|k| !guards.chatters(f64::from(k) * 1e-13)));
+        assert!(guards.chatters(1e-10));
+        assert!(!guards.chatters(1.0));
+    }
+}
