@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use blocksim_block::problem::{Problem, Severity};
 use blocksim_block::schedule::Schedule;
 use blocksim_diagram::{Compiled, Options, SourceFile, Sources, compile, compile_with, fingerprint};
 use blocksim_results::{FileUsed, limited_bytes};
 use blocksim_scene::Scene;
 
-use crate::args::model::ModelArgs;
+use crate::args::model::{Format, ModelArgs};
 use crate::commands::tell;
 use crate::disk::{Disk, readable};
 use crate::exit::Exit;
@@ -40,7 +41,7 @@ impl Loaded {
         (!all.is_empty()).then(|| format!("set {}", all.join(", ")))
     }
 
-    /// Takes what the engine runs, and tells the problems that do not stop it.
+    /// Takes what the engine runs, and tells the problems that do not stop it: notes in a line, since `check` explains them.
     ///
     /// # Errors
     /// The problems that do; `undone` says what was not done for them: `nothing was run`.
@@ -48,7 +49,18 @@ impl Loaded {
         let problems = &self.compiled.problems;
         match self.compiled.schedule.take() {
             Some(schedule) => {
-                tell(problems, &self.files, console)?;
+                let (notes, others): (Vec<Problem>, Vec<Problem>) =
+                    problems.iter().cloned().partition(|problem| problem.severity == Severity::Note);
+                if console.format != Format::Full {
+                    tell(problems, &self.files, console)?;
+                    return Ok(schedule);
+                }
+                tell(&others, &self.files, console)?;
+                if let [first, rest @ ..] = notes.as_slice() {
+                    let more =
+                        if rest.is_empty() { String::new() } else { format!(", and {} more", rest.len()) };
+                    console.say(&format!("note: {}{more} (`blocksim check` shows where)", first.message));
+                }
                 Ok(schedule)
             }
             None => {

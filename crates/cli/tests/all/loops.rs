@@ -28,6 +28,10 @@ fn a_loop_is_a_note_and_can_be_drawn_and_listed() {
     assert_eq!(code, Some(0), "{all}");
     let note = "note[algebraic_loop]: algebraic loop: e -> k -> e; solved at every instant";
     assert!(all.contains(note) && all.contains("--loop 1"), "{all}");
+    // Where nobody asks for it, it is a line.
+    let (code, _, err) = call(&folder, &["run", "loop.ron", "--no-plot", "--out", "run"]);
+    let line = "note: algebraic loop: e -> k -> e; solved at every instant (`blocksim check` shows where)\n";
+    assert!(code == Some(0) && err == line, "{err}");
     let (code, ..) = call(&folder, &["graph", "loop.ron", "--loop", "1", "--svg", "loop.svg"]);
     assert_eq!(code, Some(0));
     let svg = std::fs::read_to_string(folder.join("loop.svg")).expect("a drawing");
