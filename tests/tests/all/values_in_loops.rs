@@ -1,4 +1,4 @@
-//! Loops are found by values: what only seems to be one is none, and real ones have the values of an independent solution.
+//! Loops are found by values: an apparent loop is not reported, and a real one has the values of an independent solution.
 
 use std::sync::Arc;
 
@@ -344,7 +344,7 @@ fn loops_are_refused_where_the_diagram_asks_for_it() {
         problems.contains("`algebraic_loops: Refuse` under `simulation` refuses such loops"),
         "{problems}"
     );
-    // A constraint is meant, and what only seems to be a loop is none.
+    // A constraint is intended, and an apparent loop is not one.
     let (runs, problems) = refusing(
         r#""z": AlgebraicConstraint, "f": Sum(signs: "+-"), "c": Constant(value: 1), "t": Terminator"#,
         r#""z.z -> f.u1, t.u", "c.y -> f.u2", "f.y -> z.f""#,

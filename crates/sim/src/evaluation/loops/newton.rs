@@ -32,7 +32,7 @@ const KEPT: usize = 4;
 
 /// What a search for the unknowns of a loop asks.
 pub(super) trait Given {
-    /// Writes F(z); returns the size of the largest signal that had a part in it, or nothing if there is no value.
+    /// Writes F(z); returns the size of the largest signal that had a part in it, or `None` where F is not defined.
     fn evaluate(&mut self, z: &[f64], f: &mut [f64]) -> Option<f64>;
 
     /// Writes the slopes of F at z, row by row; `column` is room for one of them. Returns whether they are known.
