@@ -72,6 +72,7 @@ fn done(args: &Args, console: Console) -> Outcome {
             Ok(watch::watch(&args.model, Purpose::Run, console, || commands::run(args, console)))
         }
         Some(Command::Run(args)) => commands::run(args, console),
+        Some(Command::Studio(args)) => commands::studio(args, console),
         Some(Command::Report(args)) => commands::report(args, console),
         Some(Command::Plot(args)) => commands::plot(args, console),
         Some(Command::Compare(args)) => commands::compare(args, console),

@@ -223,11 +223,23 @@ R.Diagram = (() => {
   };
 
   /** @param {any} read Texts of the page. */
+  const take = (read) => {
+    texts = read;
+    levels.clear();
+    for (const one of texts.levels) levels.set(one.path, one);
+  };
+  /** Other texts in the place of those that are shown: the level and the block that one looks at stay, as far as they are still there. @param {any} read */
+  const renew = (read) => {
+    const [path, name] = [level?.path ?? '', level?.blocks[chosen]?.[0]], told = place.frame.querySelector('.chosen') !== null && wire < 0;
+    take(read);
+    go(levels.has(path) ? path : '', false, told ? name : undefined);
+  };
+
+  /** @param {any} read Texts of the page. */
   const build = (read) => {
     const view = document.getElementById('diagram-view');
     if (!view || !read.levels.length) return;
-    texts = read;
-    for (const one of texts.levels) levels.set(one.path, one);
+    take(read);
     place.crumbs = R.make('nav', { id: 'crumbs', 'aria-label': 'Level of the diagram' });
     place.frame = R.make('div', { class: 'level' });
     place.side = R.make('aside', { class: 'inspector', 'aria-live': 'polite', 'aria-label': 'Block or wire' });
@@ -245,5 +257,5 @@ R.Diagram = (() => {
     window.addEventListener('afterprint', () => { paper?.remove(); });
     go('');
   };
-  return { build, out, go, show, walk, keys: { v: () => document.getElementById('wire-values')?.click() } };
+  return { build, renew, has: () => level !== null, out, go, show, walk, keys: { v: () => document.getElementById('wire-values')?.click() } };
 })();

@@ -137,7 +137,7 @@ R.Plots = (() => {
   };
   /** Shows the picture of a signal. @param {string} path */
   const find = (path) => {
-    const card = panels.find((panel) => panel.series.some((/** @type {any} */ s) => s.path === path))?.card;
+    const card = R.data.panels.find((/** @type {any} */ panel) => panel.series.some((/** @type {any} */ s) => s.path === path))?.card;
     card?.scrollIntoView({ block: 'center' });
     card?.focus({ preventScroll: true });
   };

@@ -82,6 +82,13 @@ R.Search = (() => {
     seek();
   };
 
+  /** Other texts in the place of those before. @param {any} read */
+  const renew = (read) => {
+    if (!dialog) { build(read); return; }
+    texts = read;
+    entries = null;
+  };
+
   /** @param {any} read Texts of the page. */
   const build = (read) => {
     texts = read;
@@ -105,5 +112,5 @@ R.Search = (() => {
     button?.removeAttribute('hidden');
     button?.addEventListener('click', open);
   };
-  return { build, open };
+  return { build, renew, open };
 })();

@@ -16,39 +16,42 @@ pub const VENDORED: [Vendored; 3] = [
     Vendored { file: "uPlot.LICENSE", text: include_str!("../assets/uPlot.LICENSE") },
 ];
 
+/// A script or a style sheet: its name and its text.
+pub type Asset = (&'static str, &'static str);
+
+macro_rules! asset {
+    ($name:literal) => {
+        ($name, include_str!(concat!("../assets/", $name)))
+    };
+}
+
 /// Styles in their order.
-pub(crate) const STYLES: [&str; 2] =
-    [include_str!("../assets/uPlot.min.css"), include_str!("../assets/report.css")];
+pub const STYLES: [Asset; 2] = [asset!("uPlot.min.css"), asset!("report.css")];
 
 /// Scripts that every page runs.
-pub(crate) const SCRIPTS: [&str; 8] = [
-    include_str!("../assets/uPlot.iife.min.js"),
-    include_str!("../assets/data.js"),
-    include_str!("../assets/picture.js"),
-    include_str!("../assets/plots.js"),
-    include_str!("../assets/stretches.js"),
-    include_str!("../assets/readings.js"),
-    include_str!("../assets/overlay.js"),
-    include_str!("../assets/measure.js"),
+pub const SCRIPTS: [Asset; 8] = [
+    asset!("uPlot.iife.min.js"),
+    asset!("data.js"),
+    asset!("picture.js"),
+    asset!("plots.js"),
+    asset!("stretches.js"),
+    asset!("readings.js"),
+    asset!("overlay.js"),
+    asset!("measure.js"),
 ];
 
 /// Scripts of the 3D view.
-pub(crate) const SPACE: [&str; 5] = [
-    include_str!("../assets/shapes.js"),
-    include_str!("../assets/meshes.js"),
-    include_str!("../assets/draw3d.js"),
-    include_str!("../assets/camera.js"),
-    include_str!("../assets/space.js"),
-];
+pub const SPACE: [Asset; 5] =
+    [asset!("shapes.js"), asset!("meshes.js"), asset!("draw3d.js"), asset!("camera.js"), asset!("space.js")];
 
 /// Scripts of the block diagram and the tables of parameters.
-pub(crate) const DIAGRAM: [&str; 5] = [
-    include_str!("../assets/signals.js"),
-    include_str!("../assets/wires.js"),
-    include_str!("../assets/diagram.js"),
-    include_str!("../assets/tables.js"),
-    include_str!("../assets/search.js"),
+pub const DIAGRAM: [Asset; 5] = [
+    asset!("signals.js"),
+    asset!("wires.js"),
+    asset!("diagram.js"),
+    asset!("tables.js"),
+    asset!("search.js"),
 ];
 
 /// What comes last: keys, playback, drawings.
-pub(crate) const MAIN: &str = include_str!("../assets/main.js");
+pub const MAIN: Asset = asset!("main.js");

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use crate::data::{Inspected, Report};
 use crate::other_signals;
 
-/// Drawings, levels, tables and names of signals as JSON, which is compressed.
-pub(crate) fn texts(report: &Report) -> Value {
+/// Drawings, levels, tables and names of signals as JSON, as the scripts of the page take it.
+pub fn texts(report: &Report) -> Value {
     let Report { diagram, tables, .. } = report;
     let drawings = diagram.drawings.iter().map(|drawing| {
         let nets = drawing.nets.iter().map(|net| json!([net.title, net.nodes, u8::from(net.directed)]));

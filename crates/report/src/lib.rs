@@ -19,12 +19,13 @@ mod page;
 mod surface;
 mod thin;
 
-pub use assets::{VENDORED, Vendored};
+pub use assets::{Asset, DIAGRAM, MAIN, SCRIPTS, SPACE, STYLES, VENDORED, Vendored};
 pub use corridor::{Few, few};
 pub use data::{
     Animation, Compared, Contact, Diagram, Drawing, Event, Inspected, Kind, Level, Net, Overlay, Panel,
     PlanePicture, Probe, Report, Role, Rows, Series, Unseen,
 };
+pub use diagram::texts;
 pub use escape::escape;
 pub use page::html;
 pub use surface::Surface;

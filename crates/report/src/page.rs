@@ -67,6 +67,7 @@ fn with_columns(report: &Report, columns: usize, texts: &str) -> String {
         .chain(SPACE.into_iter().filter(|_| report.animation.is_some()))
         .chain(DIAGRAM.into_iter().filter(|_| !texts.is_empty()))
         .chain([MAIN])
+        .map(|(_, text)| text)
         .collect();
     let hashes: Vec<String> = scripts
         .iter()
@@ -82,7 +83,7 @@ fn with_columns(report: &Report, columns: usize, texts: &str) -> String {
     page.push_str("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
     page.push_str("<meta name=\"color-scheme\" content=\"light dark\">\n");
     page.push_str(&format!("<title>{}</title>\n", escape(&report.title)));
-    for style in STYLES {
+    for (_, style) in STYLES {
         page.push_str(&format!("<style>\n{style}</style>\n"));
     }
     if !report.diagram.style.is_empty() {

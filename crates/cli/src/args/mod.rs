@@ -16,6 +16,7 @@ pub mod plot;
 pub mod plugin;
 pub mod report;
 pub mod start;
+pub mod studio;
 pub mod sweep;
 pub mod trust;
 pub mod values;
@@ -37,6 +38,7 @@ use self::plot::{CompareArgs, PlotArgs};
 use self::plugin::PluginCommand;
 use self::report::ReportArgs;
 use self::start::{CompletionsArgs, DoctorArgs, NewArgs};
+use self::studio::StudioArgs;
 use self::sweep::SweepArgs;
 use self::trust::TrustArgs;
 use crate::terminal::console::Colour;
@@ -66,6 +68,8 @@ pub enum Command {
     New(NewArgs),
     /// Simulate a model, show what happened and keep it in a folder.
     Run(RunArgs),
+    /// Show a project in the browser: diagrams, parameters, runs with live scopes, results.
+    Studio(StudioArgs),
     /// Draw a run: in the terminal, as SVG or PNG, with numbers of how set values are followed.
     Plot(PlotArgs),
     /// Make one HTML page of a run: scopes, the 3D view, numbers.
@@ -149,6 +153,7 @@ impl Args {
             Some(
                 Command::New(_)
                 | Command::Report(_)
+                | Command::Studio(_)
                 | Command::Fmt(_)
                 | Command::Export(_)
                 | Command::Emit(_)

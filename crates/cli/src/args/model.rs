@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::values::{assignment, positive, time};
+use super::values::{assignment, positive, speed, time};
 use crate::running::selection::{Wanted, wanted};
 
 /// A model and what to change in it.
@@ -113,6 +113,10 @@ pub struct RunArgs {
     /// Print problems, progress and the result as JSON, one object a line.
     #[arg(long)]
     pub json: bool,
+    /// For the studio: with `--json`, print what scopes show while it runs, and do what lines of JSON on the standard input
+    /// say. The run goes at so many times real time, 0 for as fast as it can, and ends where the standard input ends.
+    #[arg(long, hide = true, requires = "json", value_name = "SPEED", value_parser = speed)]
+    pub live: Option<f64>,
 }
 
 /// `blocksim check`.

@@ -51,6 +51,15 @@ pub fn quantity(text: &str, otherwise: &str) -> Result<Quantity, String> {
     value.as_number().ok_or_else(|| otherwise.to_owned())
 }
 
+/// Times real time; 0 for as fast as it can.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn speed(text: &str) -> Result<f64, String> {
+    let speed = text.parse().ok().filter(|speed: &f64| speed.is_finite() && *speed >= 0.0);
+    speed.ok_or_else(|| "a speed is a number of times real time, or 0".to_owned())
+}
+
 /// A number above zero.
 pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

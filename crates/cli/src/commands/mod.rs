@@ -1,7 +1,7 @@
 //! One function for each verb.
 
 mod blocks;
-mod check;
+pub mod check;
 mod collisions;
 mod compare;
 mod completions;
@@ -20,13 +20,14 @@ mod linearise;
 mod lsp;
 mod manual;
 mod new;
-mod params;
+pub mod params;
 mod plan;
-mod plot;
+pub mod plot;
 mod plugin;
-mod report;
+pub mod report;
 mod run;
 mod runs;
+mod studio;
 mod sweep;
 mod trust;
 
@@ -57,6 +58,7 @@ pub use plugin::plugin;
 pub use report::report;
 pub use run::run;
 pub use runs::runs;
+pub use studio::studio;
 pub use sweep::sweep;
 pub use trust::trust;
 

@@ -24,6 +24,11 @@ pub fn take_over() {
     });
 }
 
+/// Asks the run to stop, as Ctrl-C does.
+pub fn request() {
+    REQUESTED.store(true, Ordering::Relaxed);
+}
+
 /// Whether somebody wants the run to stop.
 pub fn is_requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)

@@ -4,6 +4,7 @@ pub mod blame;
 pub mod happenings;
 pub mod interrupt;
 pub mod keep;
+pub mod live;
 pub mod manifest;
 mod meshes;
 pub mod model_text;

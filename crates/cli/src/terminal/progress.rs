@@ -17,6 +17,8 @@ pub enum Telling {
     People,
     /// A JSON object every second on the standard output.
     Data,
+    /// The same ten times a second, for who looks at it.
+    Live,
     /// Not at all.
     Silent,
 }
@@ -45,6 +47,7 @@ impl Progress {
         let every = match self.telling {
             Telling::Silent => return,
             Telling::Data => Duration::from_secs(1),
+            Telling::Live => Duration::from_millis(100),
             Telling::People if self.console.live => Duration::from_millis(100),
             Telling::People => Duration::from_secs(5),
         };
@@ -55,7 +58,7 @@ impl Progress {
         self.last = now;
         let wall = now.duration_since(self.began).as_secs_f64();
         match self.telling {
-            Telling::Data => {
+            Telling::Data | Telling::Live => {
                 let event = json!({"v": 1, "type": "progress", "t": t, "until": self.end, "real_time_factor": t / wall});
                 // A reader that has gone away is noticed when the result is written.
                 let _ = self.console.data(&format!("{event}\n"));

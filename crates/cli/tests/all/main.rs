@@ -39,6 +39,8 @@ mod report;
 mod report_faults;
 mod set;
 mod start;
+#[cfg(unix)]
+mod studio;
 mod support;
 mod sweep;
 mod tables;

@@ -76,6 +76,7 @@ const SHORTER: &[(&str, &str)] = &[
 /// Commands that are not typed, by a piece of the line, and why.
 const LEFT_OUT: &[(&str, &str)] = &[
     ("--watch", "runs until a person ends it"),
+    ("blocksim studio", "serves until a person ends it"),
     ("--open", "opens a browser"),
     ("robot_DataFile.m", "the data file is written by a CAD program"),
     ("arm.ron --from log.csv", "the model and the log are those of the reader"),

@@ -46,7 +46,7 @@ pub fn check(args: &CheckArgs, console: Console) -> Outcome {
 }
 
 /// `17 blocks, 44 signals, 12 states, sample times 1 ms and 10 ms`.
-fn size(schedule: &Schedule) -> String {
+pub fn size(schedule: &Schedule) -> String {
     let n = |n: usize, name: &str| format!("{} {name}{}", count(n as u64), if n == 1 { "" } else { "s" });
     let parts = [
         n(schedule.blocks.len(), "block"),

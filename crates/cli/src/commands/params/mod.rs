@@ -10,8 +10,8 @@ mod get;
 mod import;
 mod list;
 mod model;
-mod set;
-pub(super) mod table;
+pub mod set;
+pub mod table;
 
 use crate::args::params::ParamsCommand;
 use crate::failure::Outcome;

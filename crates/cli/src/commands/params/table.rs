@@ -26,7 +26,7 @@ pub fn rows(targets: &[&Target], texts: &Texts, has_heading: bool) -> String {
 }
 
 /// A value with its unit, and whether it stands so in the text.
-fn shown(target: &Target) -> (String, String, bool) {
+pub fn shown(target: &Target) -> (String, String, bool) {
     let written = unquoted(&target.written);
     let end = written.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c))).unwrap_or(written.len());
     let (number, unit) = (&written[..end], written[end..].trim());
@@ -77,7 +77,7 @@ fn short(text: &str) -> String {
 }
 
 /// `file:line:column`.
-fn located(place: &Place, texts: &Texts) -> String {
+pub fn located(place: &Place, texts: &Texts) -> String {
     let Some((path, line, column)) = counted(place, texts) else { return String::new() };
     format!("{path}:{line}:{column}")
 }

@@ -1,7 +1,7 @@
 //! `blocksim report`: a run as one HTML file.
 
 mod beside;
-mod diagram;
+pub mod diagram;
 mod facts;
 mod meshes;
 mod model;
@@ -57,9 +57,18 @@ pub fn written(args: &ReportArgs, console: Console) -> Result<PathBuf, Failure> 
     let target = target(args, &path)?;
     let file = kept(&gathered(args, &path, &[], console)?, &target, console)?;
     if args.open {
-        open(&file, console);
+        open_in_browser(&file, console);
     }
     Ok(file)
+}
+
+/// The page of a run as text.
+///
+/// # Errors
+/// What cannot be read.
+pub fn page(run: &Path, console: Console) -> Result<String, Failure> {
+    let args = ReportArgs::of(run.display().to_string());
+    Ok(html(&gathered(&args, run, &[], console)?))
 }
 
 /// Writes the page of a recording with another one beside it; returns its place. Its columns are named by `maps`.
@@ -219,7 +228,7 @@ fn overlay(file: &Path) -> Result<Overlay, Failure> {
 }
 
 /// Shows a file in the browser of the system, where there is one.
-fn open(file: &Path, console: Console) {
+pub fn open_in_browser(file: &Path, console: Console) {
     let program = match std::env::consts::OS {
         "macos" => "open",
         "windows" => "explorer",

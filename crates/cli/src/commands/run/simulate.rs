@@ -16,6 +16,7 @@ use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::running::blame::{failure, reason, warnings};
 use crate::running::keep::{self, Seen};
+use crate::running::live::Live;
 use crate::running::model_text::{self, MODEL};
 use crate::running::recorder::{Recorder, Shared};
 use crate::running::start::Began;
@@ -75,6 +76,7 @@ pub struct Simulated {
 /// If nothing can be recorded or kept.
 pub fn simulate(args: &RunArgs, mut setup: Setup, mut simulation: Simulation, console: Console) -> Outcome {
     let telling = match (args.json, args.quiet) {
+        _ if args.live.is_some() => Telling::Live,
         (true, _) => Telling::Data,
         (_, true) => Telling::Silent,
         _ => Telling::People,
@@ -100,7 +102,14 @@ pub fn simulate(args: &RunArgs, mut setup: Setup, mut simulation: Simulation, co
         let end = End::by_death(death, &setup.schedule, recorder.counts, began.clone());
         finish(args, setup, recorder, end, console).unwrap_or_else(|failure| failure.tell(console))
     };
-    let outcome = rescue::during(keep, || simulation.run(&mut Shared(&recorder)));
+    let outcome = if let Some(speed) = args.live {
+        let mut live = Live::begin(Shared(&recorder), simulation.schedule(), speed, console);
+        let outcome = rescue::during(keep, || simulation.run(&mut live));
+        live.finish();
+        outcome
+    } else {
+        rescue::during(keep, || simulation.run(&mut Shared(&recorder)))
+    };
     let (Some(recorder), Some(setup)) = (taken(&recorder), taken(&setup)) else { return Ok(Exit::Failed) };
     let (ended, exit, problem) = match outcome {
         Ok(blocksim_sim::Ended::Finished) => (Ended::Complete, Exit::Done, None),

@@ -8,7 +8,7 @@ pub use mapping::{Mapping, mappings};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use blocksim_results::{Column, Kind, Run};
+use blocksim_results::{Column, Kind, Run, SignalInfo};
 use blocksim_signal::Unit;
 
 use crate::failure::Failure;
@@ -49,6 +49,24 @@ impl Trace {
     }
 }
 
+impl Trace {
+    /// A signal of a recording.
+    fn of(info: &SignalInfo) -> Trace {
+        let si = Unit::parse(&info.unit).ok();
+        let display = info.display.as_deref().and_then(|text| Unit::parse(text).ok());
+        Trace {
+            path: info.path.clone(),
+            unit: shown_in(si.clone(), display),
+            has_unit: si.is_some(),
+            kind: info.kind,
+            held: info.held || info.kind != Kind::Real,
+            title: info.title.clone(),
+            legend: info.legend.clone(),
+            over: info.over.clone(),
+        }
+    }
+}
+
 /// All signals of a run or a table.
 #[derive(Debug)]
 pub struct Book {
@@ -81,22 +99,8 @@ impl Book {
     pub fn open(path: &Path, maps: &[Mapping]) -> Result<Book, Failure> {
         if path.is_dir() || path.extension().is_some_and(|ending| ending == "rec") {
             let run = Run::open(path).map_err(|error| Failure::of_run(&error))?;
-            let traces = run.signals().iter().map(|info| {
-                let si = Unit::parse(&info.unit).ok();
-                let display = info.display.as_deref().and_then(|text| Unit::parse(text).ok());
-                let unit = shown_in(si.clone(), display);
-                Trace {
-                    path: info.path.clone(),
-                    unit,
-                    has_unit: si.is_some(),
-                    kind: info.kind,
-                    held: info.held || info.kind != Kind::Real,
-                    title: info.title.clone(),
-                    legend: info.legend.clone(),
-                    over: info.over.clone(),
-                }
-            });
-            let (name, traces, shortfall) = (run.name(), traces.collect(), run.shortfall());
+            let traces = run.signals().iter().map(Trace::of).collect();
+            let (name, shortfall) = (run.name(), run.shortfall());
             let source = Source::Run(Box::new(run));
             let label = name.clone();
             return Ok(Book { name, label, is_run: true, traces, shortfall, remarks: Vec::new(), source });
@@ -113,6 +117,19 @@ impl Book {
             remarks,
             source: Source::Table(table),
         })
+    }
+
+    /// Signals of a run that is to come, which have no values yet.
+    pub fn to_come(signals: &[SignalInfo]) -> Book {
+        Book {
+            name: String::new(),
+            label: String::new(),
+            is_run: true,
+            traces: signals.iter().map(Trace::of).collect(),
+            shortfall: None,
+            remarks: Vec::new(),
+            source: Source::Table(table::Table::default()),
+        }
     }
 
     /// The run, if it is one.

@@ -10,7 +10,7 @@ use super::{Mapping, Trace, shown_in};
 use crate::failure::Failure;
 
 /// Times in s and values in SI.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Table {
     /// Times, never falling.
     pub time: Vec<f64>,

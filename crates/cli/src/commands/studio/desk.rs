@@ -1,0 +1,209 @@
+//! Answers what the page asks.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant, SystemTime};
+
+use blocksim_studio::{Desk, News, Reply};
+use serde_json::{Value, json};
+
+use super::model::{self, Shown};
+use super::runner::Runner;
+use super::values::{Changes, list, refusal};
+use super::{name_of, project};
+use crate::args::values::RUNS;
+use crate::commands::report;
+use crate::terminal::console::Console;
+
+/// How often it is looked whether there are other models.
+const MODELS: Duration = Duration::from_secs(2);
+
+/// A project that is shown.
+pub struct Studio {
+    root: PathBuf,
+    may_edit: bool,
+    news: News,
+    console: Console,
+    runner: Runner,
+    now: Mutex<Now>,
+    changes: Mutex<Changes>,
+}
+
+struct Now {
+    models: Vec<PathBuf>,
+    model: PathBuf,
+    shown: Shown,
+    /// Files of the model as they were seen last; read anew when they have kept still.
+    seen: Vec<Option<SystemTime>>,
+    /// When models were looked for.
+    searched: Instant,
+}
+
+impl Studio {
+    /// A project in a folder, with a model if one is named.
+    pub fn new(
+        root: PathBuf,
+        model: Option<PathBuf>,
+        may_edit: bool,
+        news: News,
+        console: Console,
+    ) -> Studio {
+        let models = project::models(&root);
+        let named = model.or_else(|| project::first(&root, &models));
+        // Where no file is a model, the first one has problems that say so.
+        let model = named.unwrap_or_else(|| PathBuf::from("model.ron"));
+        let shown = model::read(&root, &model, 1);
+        let seen = times(&root, &model, &shown);
+        let now = Now { models, model, shown, seen, searched: Instant::now() };
+        Studio {
+            runner: Runner::new(news.clone()),
+            root,
+            may_edit,
+            news,
+            console,
+            now: Mutex::new(now),
+            changes: Mutex::default(),
+        }
+    }
+
+    fn now(&self) -> MutexGuard<'_, Now> {
+        self.now.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Reads the model anew if its files have changed and keep still.
+    pub fn look(&self) {
+        let mut now = self.now();
+        if now.searched.elapsed() > MODELS {
+            now.searched = Instant::now();
+            let models = project::models(&self.root);
+            if models != now.models {
+                now.models = models;
+                self.tell(&now);
+            }
+        }
+        // A run has made plug-ins known.
+        let ran = self.runner.take_ended() && now.shown.untrusted.is_some();
+        let before: Vec<Option<SystemTime>> = known(&now.shown);
+        let present = times(&self.root, &now.model, &now.shown);
+        let is_quiet = present == now.seen;
+        now.seen = present;
+        // A file that is gone is about to be written again, as editors do.
+        if ran || is_quiet && now.seen != before {
+            let version = now.shown.version + 1;
+            now.shown = model::read(&self.root, &now.model, version);
+            now.seen = times(&self.root, &now.model, &now.shown);
+            self.tell(&now);
+        }
+    }
+
+    fn tell(&self, now: &Now) {
+        self.news.tell("model", &json!({ "version": now.shown.version }).to_string());
+    }
+
+    /// Ends what goes on.
+    pub fn end(&self) {
+        self.runner.end();
+    }
+
+    fn project(&self) -> Value {
+        let now = self.now();
+        let (rows, next) = project::rows(&now.model, &now.shown);
+        json!({
+            "root": std::path::absolute(&self.root).unwrap_or_else(|_| self.root.clone()).display().to_string(),
+            "name": name_of(&self.root),
+            "edit": self.may_edit,
+            "models": now.models.iter().map(|model| model.display().to_string()).collect::<Vec<_>>(),
+            "model": now.model.display().to_string(),
+            "title": now.shown.title,
+            "version": now.shown.version,
+            "until": now.shown.until,
+            "problems": now.shown.problems,
+            "rows": rows,
+            "next": next,
+            "run": self.runner.state(),
+        })
+    }
+
+    /// Shows another of the models.
+    fn choose(&self, body: &Value) -> Reply {
+        let mut now = self.now();
+        let Some(model) = now
+            .models
+            .iter()
+            .find(|model| Some(model.display().to_string().as_str()) == body["model"].as_str())
+        else {
+            return Reply::refused("there is no such model in this project", "");
+        };
+        now.model = model.clone();
+        let version = now.shown.version + 1;
+        now.shown = model::read(&self.root, &now.model, version);
+        now.seen = times(&self.root, &now.model, &now.shown);
+        self.tell(&now);
+        Reply::Data(json!({}))
+    }
+}
+
+/// When the files of a model were written, as it was read.
+fn known(shown: &Shown) -> Vec<Option<SystemTime>> {
+    shown.files.iter().map(|(_, written)| *written).collect()
+}
+
+/// When they were written last; of a model that could not be read the file alone counts.
+fn times(root: &Path, model: &Path, shown: &Shown) -> Vec<Option<SystemTime>> {
+    let written = |path: &Path| path.metadata().ok().and_then(|data| data.modified().ok());
+    if shown.files.is_empty() {
+        return written(&root.join(model)).map(Some).into_iter().collect();
+    }
+    shown.files.iter().map(|(path, _)| written(path)).collect()
+}
+
+impl Desk for Studio {
+    fn look(&self, path: &str) -> Reply {
+        match path {
+            "project" => Reply::Data(self.project()),
+            "diagram" => Reply::Text(self.now().shown.drawn.clone()),
+            "parameters" => {
+                let model = self.now().model.clone();
+                Reply::Data(list(&self.root, &model, self.may_edit))
+            }
+            "runs" => Reply::Data(project::runs().into()),
+            "live" => self.runner.so_far(),
+            _ => Reply::Missing,
+        }
+    }
+
+    fn act(&self, path: &str, body: &Value) -> Reply {
+        let model = self.now().model.clone();
+        match path {
+            "run" => self.runner.start(&self.root.join(model), body),
+            "control" => self.runner.control(body),
+            "model" => self.choose(body),
+            "set" | "undo" if !self.may_edit => Reply::refused(
+                "this page may not change files",
+                "start it with `blocksim studio --edit`; `Run with it` needs no file",
+            ),
+            "set" => {
+                let mut changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
+                changes.set(&self.root.join(model), body, self.console)
+            }
+            "undo" => self.changes.lock().unwrap_or_else(PoisonError::into_inner).undo(),
+            _ => Reply::Missing,
+        }
+    }
+
+    fn run_page(&self, name: &str) -> Reply {
+        let runs = Path::new(RUNS);
+        // A name of one part, so that nothing but a run can be named.
+        let is_name = Path::new(name).components().count() == 1
+            && !name.contains(['/', '\\'])
+            && !name.starts_with('.');
+        let folder = runs.join(name);
+        if !is_name || !folder.is_dir() {
+            return Reply::Missing;
+        }
+        match report::page(&folder, self.console) {
+            Ok(page) => Reply::Page(page),
+            Err(failure) => refusal(failure),
+        }
+    }
+}

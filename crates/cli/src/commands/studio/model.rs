@@ -1,0 +1,136 @@
+//! A model as the page shows it.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+
+use blocksim_block::problem::{Problem, Severity};
+use blocksim_diagram::{Sources, model};
+use blocksim_report::{Report, texts};
+use serde_json::{Value, json};
+
+use crate::args::model::{ModelArgs, PluginArgs};
+use crate::commands::report::diagram;
+use crate::disk::Disk;
+use crate::loaded::{Loaded, load};
+use crate::running::live::scopes;
+use crate::terminal::places::Texts;
+use crate::terminal::render;
+use crate::trust::{Purpose, is_about_trust};
+
+/// Most problems that are shown.
+const PROBLEMS: usize = 100;
+
+/// A model that was read.
+pub struct Shown {
+    /// Counts what was read.
+    pub version: u64,
+    /// Its title, or what its file is called.
+    pub title: String,
+    /// Blocks, signals and sample times in a line; nothing if it cannot be run.
+    pub size: Option<String>,
+    /// How much keeps it from running.
+    pub errors: usize,
+    /// Why plug-ins are not there, as nobody has run the model yet.
+    pub untrusted: Option<String>,
+    /// How much is to be thought of.
+    pub warnings: usize,
+    /// All problems for the page.
+    pub problems: Vec<Value>,
+    /// Drawings of all levels, for the page.
+    pub drawn: Arc<str>,
+    /// Files that it was read from, and when each was written.
+    pub files: Vec<(PathBuf, Option<SystemTime>)>,
+    /// End of its simulation, s.
+    pub until: f64,
+}
+
+/// Reads a model that lies at `root` as `file`.
+pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
+    let args = arguments(root, file);
+    let mut shown = Shown {
+        version,
+        title: file.display().to_string(),
+        size: None,
+        errors: 0,
+        untrusted: None,
+        warnings: 0,
+        problems: Vec::new(),
+        drawn: "null".into(),
+        files: Vec::new(),
+        until: 0.0,
+    };
+    let (problems, loaded) = match load(&args, Purpose::Look) {
+        Ok(mut loaded) => (std::mem::take(&mut loaded.compiled.problems), Some(loaded)),
+        Err(failure) => (failure.into_problems(), None),
+    };
+    let (untrusted, problems): (Vec<Problem>, Vec<Problem>) = problems.into_iter().partition(is_about_trust);
+    shown.untrusted = untrusted.first().map(|problem| problem.message.clone());
+    let sources = loaded.as_ref().map(|loaded| loaded.files.clone()).unwrap_or_default();
+    let counts = |severity| problems.iter().filter(|problem| problem.severity == severity).count();
+    (shown.errors, shown.warnings) = (counts(Severity::Error), counts(Severity::Warning));
+    let told = Texts::of(&sources);
+    shown.problems =
+        render::first(&problems, PROBLEMS).into_iter().map(|problem| data(problem, &told, root)).collect();
+    let mut report = Report::default();
+    if let Some(Loaded { compiled, on_disk, .. }) = &loaded {
+        let written = |path: &Path| path.metadata().ok().and_then(|data| data.modified().ok());
+        shown.files = on_disk.iter().map(|file| (file.path.clone(), written(&file.path))).collect();
+        if let Some(schedule) = &compiled.schedule {
+            shown.size = Some(super::super::check::size(schedule));
+            shown.until = schedule.settings.stop_time;
+            if !schedule.title.is_empty() {
+                shown.title.clone_from(&schedule.title);
+            }
+            report.panels = scopes(schedule).into_iter().map(|scope| scope.panel).collect();
+        }
+    }
+    let disk = Disk::default();
+    let sources = Sources::new(&disk);
+    if let Some(model) = model(&sources, &args.model, &[]).0 {
+        diagram::add(&model, &sources, &[], &mut report);
+    }
+    let mut drawn = texts(&report);
+    let paths = |panel: &blocksim_report::Panel| -> Vec<String> {
+        panel.series.iter().map(|series| series.path.clone()).collect()
+    };
+    drawn["panels"] = report.panels.iter().map(paths).collect();
+    drawn["style"] = report.diagram.style.clone().into();
+    shown.drawn = drawn.to_string().into();
+    shown
+}
+
+/// What names a model on the command line.
+pub fn arguments(root: &Path, file: &Path) -> ModelArgs {
+    ModelArgs { model: root.join(file), set: Vec::new(), plugins: PluginArgs::default() }
+}
+
+/// A problem for the page.
+fn data(problem: &Problem, texts: &Texts, root: &Path) -> Value {
+    let told = render::json(problem, texts, None);
+    let label = &told["labels"][0];
+    let file = label["file"]
+        .as_str()
+        .map(|file| Path::new(file).strip_prefix(root).unwrap_or(file.as_ref()).display().to_string());
+    json!({
+        "severity": told["severity"], "code": told["code"], "message": told["message"], "help": told["help"],
+        "notes": told["notes"], "file": file, "line": label["line"], "column": label["column"],
+    })
+}
+
+/// When any of these files was written last.
+pub fn written(files: &[(PathBuf, Option<SystemTime>)]) -> Option<SystemTime> {
+    files.iter().filter_map(|(_, written)| *written).max()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_that_is_not_there_has_a_problem_and_no_drawing() {
+        let shown = read(Path::new("nowhere"), Path::new("model.ron"), 3);
+        assert_eq!((shown.version, shown.errors, shown.size.is_none()), (3, 1, true));
+        assert!(shown.problems[0]["message"].as_str().unwrap().contains("model.ron"), "{:?}", shown.problems);
+    }
+}

@@ -1,0 +1,251 @@
+//! A run of a model: another process of this program, so that whatever a plug-in does the page stays. The run leaves what
+//! `blocksim run` leaves, to the bit.
+
+use std::collections::VecDeque;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use blocksim_studio::{News, Reply};
+use serde_json::{Value, json};
+
+/// Bytes of rows that are kept for a page that is opened while a run goes on.
+const KEPT: usize = 16 << 20;
+/// Longest line of a run, bytes.
+const LINE: u64 = 32 << 20;
+/// How long a run may take to end when the studio ends.
+const END: Duration = Duration::from_secs(10);
+/// Bytes of what a run says to people that are kept.
+const SAID: u64 = 65_536;
+
+/// The run that goes on, or the last one.
+#[derive(Clone)]
+pub struct Runner {
+    news: News,
+    now: Arc<Mutex<Now>>,
+}
+
+struct Now {
+    /// As the page knows it.
+    state: Value,
+    /// Where the run is told what to do, while it goes on.
+    input: Option<ChildStdin>,
+    /// Its pictures, and rows for those who come late.
+    scopes: Option<String>,
+    rows: VecDeque<String>,
+    bytes: usize,
+    /// A run has ended since this was asked last.
+    ended: bool,
+}
+
+impl Runner {
+    /// Nothing runs.
+    pub fn new(news: News) -> Runner {
+        let now = Now {
+            state: json!({ "state": "idle" }),
+            input: None,
+            scopes: None,
+            rows: VecDeque::new(),
+            bytes: 0,
+            ended: false,
+        };
+        Runner { news, now: Arc::new(Mutex::new(now)) }
+    }
+
+    fn now(&self) -> MutexGuard<'_, Now> {
+        self.now.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// How the run is.
+    pub fn state(&self) -> Value {
+        self.now().state.clone()
+    }
+
+    /// Whether a run has ended since this was asked last.
+    pub fn take_ended(&self) -> bool {
+        std::mem::take(&mut self.now().ended)
+    }
+
+    /// Pictures and rows so far.
+    pub fn so_far(&self) -> Reply {
+        let now = self.now();
+        let rows: Vec<&str> = now.rows.iter().map(String::as_str).collect();
+        let scopes = now.scopes.as_deref().unwrap_or("null");
+        Reply::Text(format!("{{\"scopes\":{scopes},\"rows\":[{}]}}", rows.join(",")).into())
+    }
+
+    /// Changes the state and tells it.
+    fn tell(&self, change: impl FnOnce(&mut Value)) {
+        let mut now = self.now();
+        change(&mut now.state);
+        self.news.tell("run", &now.state.to_string());
+    }
+
+    /// Starts a run; `body` may say what is set for it, and at which speed it goes.
+    pub fn start(&self, model: &Path, body: &Value) -> Reply {
+        let mut now = self.now();
+        if now.input.is_some() {
+            return Reply::refused("a run goes on already", "end it, or wait for it");
+        }
+        let mut command = match std::env::current_exe() {
+            Ok(program) => Command::new(program),
+            Err(error) => return Reply::refused(format!("the program cannot start itself: {error}"), ""),
+        };
+        let speed = body["speed"].as_f64().filter(|speed| speed.is_finite() && *speed >= 0.0).unwrap_or(0.0);
+        command.arg("run").arg(model).args(["--json", "--live", &speed.to_string()]);
+        for set in body["set"].as_array().into_iter().flatten().filter_map(Value::as_str) {
+            command.args(["--set", set]);
+        }
+        let started = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+        let mut child = match started {
+            Ok(child) => child,
+            Err(error) => return Reply::refused(format!("the run cannot be started: {error}"), ""),
+        };
+        let Some(out) = child.stdout.take() else { return Reply::refused("the run cannot be heard", "") };
+        now.input = child.stdin.take();
+        (now.scopes, now.bytes) = (None, 0);
+        now.rows.clear();
+        now.state = json!({ "state": "starting", "model": model.display().to_string(), "set": body["set"] });
+        self.news.tell("run", &now.state.to_string());
+        drop(now);
+        let runner = self.clone();
+        std::thread::spawn(move || runner.follow(child, out));
+        Reply::Data(json!({}))
+    }
+
+    /// Hands on what a run says, until it ends.
+    fn follow(&self, mut child: Child, out: ChildStdout) {
+        let said = child.stderr.take().map(|err| {
+            std::thread::spawn(move || {
+                let mut text = Vec::new();
+                let mut err = err;
+                let _ = err.by_ref().take(SAID).read_to_end(&mut text);
+                // The rest is read so that the run is not held up.
+                let _ = std::io::copy(&mut err, &mut std::io::sink());
+                String::from_utf8_lossy(&text).into_owned()
+            })
+        });
+        let mut told = Told::default();
+        let mut out = BufReader::new(out);
+        let mut line = String::new();
+        while out.by_ref().take(LINE).read_line(&mut line).is_ok_and(|count| count > 0) {
+            self.line(&line, &mut told);
+            line.clear();
+        }
+        let status = child.wait();
+        let said = said.and_then(|reader| reader.join().ok()).unwrap_or_default();
+        {
+            let mut now = self.now();
+            (now.input, now.ended) = (None, true);
+        }
+        self.tell(|state| match told.done {
+            Some(done) => {
+                let name = done["run"].as_str().and_then(|path| Path::new(path).file_name()?.to_str());
+                state["state"] = match done["ended"].as_str() {
+                    Some("complete") => "done",
+                    Some("failed") => "failed",
+                    _ => "stopped",
+                }
+                .into();
+                state["t"] = done["simulated_time"].clone();
+                state["took"] = done["wall_time"].clone();
+                state["name"] = name.into();
+                state["reason"] = told.problem.map_or(done["reason"].clone(), Value::from);
+            }
+            None => {
+                let last = said.lines().rev().find(|line| !line.trim().is_empty()).map(str::to_owned);
+                let code = status.map(|status| status.to_string()).unwrap_or_default();
+                state["state"] = "failed".into();
+                state["reason"] = told.problem.or(last).unwrap_or(code).into();
+            }
+        });
+    }
+
+    fn line(&self, line: &str, told: &mut Told) {
+        let Ok(event) = serde_json::from_str::<Value>(line) else { return };
+        match event["type"].as_str() {
+            Some("scopes") => {
+                let line = line.trim_end();
+                self.now().scopes = Some(line.to_owned());
+                self.news.tell("scopes", line);
+                self.tell(|state| {
+                    state["state"] = "running".into();
+                    state["until"] = event["until"].clone();
+                    state["t"] = 0.0.into();
+                });
+            }
+            Some("rows") => {
+                let line = line.trim_end();
+                let mut now = self.now();
+                now.bytes += line.len();
+                now.rows.push_back(line.to_owned());
+                while now.bytes > KEPT {
+                    now.bytes -= now.rows.pop_front().map_or(now.bytes, |gone| gone.len());
+                }
+                self.news.tell("rows", line);
+            }
+            Some("progress") => self.tell(|state| {
+                state["t"] = event["t"].clone();
+                state["factor"] = event["real_time_factor"].clone();
+            }),
+            Some("diagnostic") if event["severity"] == "error" && told.problem.is_none() => {
+                let help = event["help"].as_str().map(|help| format!(" ({help})")).unwrap_or_default();
+                told.problem = event["message"].as_str().map(|message| format!("{message}{help}"));
+            }
+            Some("done") => told.done = Some(event),
+            _ => {}
+        }
+    }
+
+    /// Tells the run what to do.
+    pub fn control(&self, body: &Value) -> Reply {
+        let paused = match body["do"].as_str() {
+            Some("pause" | "step") => Some(true),
+            Some("go") => Some(false),
+            Some("stop" | "speed") => None,
+            _ => return Reply::refused("a run can pause, go, step, stop, or go at a speed", ""),
+        };
+        let mut now = self.now();
+        let Some(input) = &mut now.input else {
+            // Whoever ends what has ended has what they want.
+            return if body["do"] == "stop" {
+                Reply::Data(json!({}))
+            } else {
+                Reply::refused("nothing runs", "F5 runs the model")
+            };
+        };
+        if writeln!(input, "{body}").and_then(|()| input.flush()).is_err() {
+            return Reply::refused("the run has just ended", "");
+        }
+        if let (Some(paused), Some("running" | "paused")) = (paused, now.state["state"].as_str()) {
+            now.state["state"] = if paused { "paused" } else { "running" }.into();
+            self.news.tell("run", &now.state.to_string());
+        }
+        Reply::Data(json!({}))
+    }
+
+    /// Ends the run, and waits until what it has recorded is kept.
+    pub fn end(&self) {
+        // A run whose input ends comes to its end.
+        let input = self.now().input.take();
+        if input.is_none() {
+            return;
+        }
+        drop(input);
+        let begin = Instant::now();
+        while begin.elapsed() < END
+            && ["starting", "running", "paused"].iter().any(|state| self.state()["state"] == *state)
+        {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
+/// What a run has said of itself.
+#[derive(Default)]
+struct Told {
+    done: Option<Value>,
+    problem: Option<String>,
+}

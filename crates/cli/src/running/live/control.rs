@@ -1,0 +1,181 @@
+//! What is asked of a run while it runs: `{"do":"pause"}`, `go`, `step`, `stop`, and `{"do":"speed","speed":0.5}`, times real time, or 0
+//! for as fast as it can.
+
+use std::io::BufRead;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::running::interrupt;
+
+/// How long a run that waits sleeps before it looks again.
+const LOOK: Duration = Duration::from_millis(4);
+
+/// What was asked for last.
+pub struct Control {
+    paused: AtomicBool,
+    /// Rows that a paused run may still go.
+    steps: AtomicU32,
+    /// A step that began between rows is on its way.
+    between: AtomicBool,
+    /// Nobody asks any more.
+    left: AtomicBool,
+    pace: Mutex<Pace>,
+}
+
+/// How simulated time follows the clock on the wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Pace {
+    /// Simulated seconds a second; 0 without a limit.
+    speed: f64,
+    /// When the pace was set, and the simulated time then, once a row has come.
+    since: Option<(Instant, f64)>,
+}
+
+impl Control {
+    fn new(speed: f64) -> Control {
+        Control {
+            paused: AtomicBool::new(false),
+            steps: AtomicU32::new(0),
+            between: AtomicBool::new(false),
+            left: AtomicBool::new(false),
+            pace: Mutex::new(Pace { speed, since: None }),
+        }
+    }
+
+    /// Listens to lines of the standard input, on a thread of its own.
+    pub fn of_standard_input(speed: f64) -> Arc<Control> {
+        let control = Arc::new(Control::new(speed));
+        let told = Arc::clone(&control);
+        std::thread::spawn(move || {
+            for line in std::io::stdin().lock().lines() {
+                let Ok(line) = line else { break };
+                if let Ok(asked) = serde_json::from_str(&line) {
+                    told.take(&asked);
+                }
+            }
+            // Whoever started the run has gone.
+            told.left.store(true, Ordering::Relaxed);
+            told.paused.store(false, Ordering::Relaxed);
+            interrupt::request();
+        });
+        control
+    }
+
+    fn take(&self, asked: &Value) {
+        match asked["do"].as_str() {
+            Some("pause") => {
+                self.steps.store(0, Ordering::Relaxed);
+                self.paused.store(true, Ordering::Relaxed);
+            }
+            Some("go") => {
+                self.pace().since = None;
+                self.paused.store(false, Ordering::Relaxed);
+            }
+            Some("step") => {
+                self.steps.fetch_add(1, Ordering::Relaxed);
+            }
+            Some("speed") => {
+                let speed = asked["speed"].as_f64().filter(|speed| speed.is_finite() && *speed >= 0.0);
+                *self.pace() = Pace { speed: speed.unwrap_or(0.0), since: None };
+            }
+            Some("stop") => interrupt::request(),
+            _ => {}
+        }
+    }
+
+    fn pace(&self) -> std::sync::MutexGuard<'_, Pace> {
+        self.pace.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether nobody asks any more.
+    pub fn is_left(&self) -> bool {
+        self.left.load(Ordering::Relaxed)
+    }
+
+    /// Whether the run has to wait at this time.
+    pub fn holds(&self, t: f64) -> bool {
+        self.paused.load(Ordering::Relaxed) || self.early(t).is_some()
+    }
+
+    /// How much too early the run is at this time; nothing if it is not.
+    fn early(&self, t: f64) -> Option<Duration> {
+        let mut pace = self.pace();
+        if pace.speed == 0.0 {
+            return None;
+        }
+        let (since, begin) = *pace.since.get_or_insert_with(|| (Instant::now(), t));
+        let due = Duration::try_from_secs_f64((t - begin) / pace.speed).ok()?;
+        due.checked_sub(since.elapsed()).filter(|early| !early.is_zero())
+    }
+
+    /// Waits as long as it was asked for; `is_row` says whether the wait stands behind a row, of which a paused run may be allowed some.
+    pub fn wait(&self, t: f64, is_row: bool) {
+        while !interrupt::is_requested() {
+            if self.paused.load(Ordering::Relaxed) {
+                let has_step = self.steps.load(Ordering::Relaxed) > 0;
+                // Whoever stood between rows has made the step when the next one comes.
+                let arrives = is_row && has_step && self.between.swap(false, Ordering::Relaxed);
+                if has_step && (is_row || arrives) {
+                    self.steps.fetch_sub(1, Ordering::Relaxed);
+                }
+                if has_step && !arrives {
+                    self.between.store(!is_row, Ordering::Relaxed);
+                    return;
+                }
+                std::thread::sleep(LOOK);
+            } else {
+                match self.early(t) {
+                    Some(early) => std::thread::sleep(early.min(LOOK)),
+                    None => return,
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_run_keeps_pace_with_the_clock() {
+        let control = Control::new(0.0);
+        assert!(!control.holds(5.0));
+        control.take(&json!({ "do": "speed", "speed": 10.0 }));
+        let begin = Instant::now();
+        assert!(!control.holds(1.0), "the pace begins where the run is");
+        assert!(control.holds(1.5));
+        control.wait(1.5, true);
+        let took = begin.elapsed();
+        assert!(took >= Duration::from_millis(49), "{took:?}");
+        for nonsense in [json!({ "do": "speed", "speed": -1.0 }), json!({ "do": "speed" }), json!(3)] {
+            control.take(&nonsense);
+        }
+        assert!(!control.holds(1e9));
+    }
+
+    #[test]
+    fn a_paused_run_goes_row_by_row() {
+        let control = Control::new(0.0);
+        control.take(&json!({ "do": "pause" }));
+        assert!(control.holds(0.0));
+        let steps = || control.steps.load(Ordering::Relaxed);
+        control.take(&json!({ "do": "step" }));
+        control.wait(0.0, true);
+        assert_eq!(steps(), 0, "from row to row");
+        control.take(&json!({ "do": "step" }));
+        control.take(&json!({ "do": "step" }));
+        control.wait(0.0, false);
+        assert_eq!(steps(), 2, "between rows");
+        // Arrives at the row with the first, and leaves it with the second.
+        control.wait(0.0, true);
+        assert_eq!(steps(), 0);
+        control.take(&json!({ "do": "go" }));
+        control.wait(0.0, true);
+    }
+}

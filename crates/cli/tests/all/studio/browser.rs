@@ -1,0 +1,191 @@
+//! A browser without a window that does what a person does: over the pipes of the DevTools protocol
+//! (<https://chromedevtools.github.io/devtools-protocol/>), which needs neither a port nor a library.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Write};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+/// How long a page may take for anything.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A page of a browser.
+pub struct Page {
+    folder: PathBuf,
+    child: Child,
+    to: File,
+    from: File,
+    read: Vec<u8>,
+    session: String,
+    asked: u64,
+    /// What the page complained about.
+    pub complaints: Vec<String>,
+}
+
+/// The program of the browser; nothing where none is installed, which is an error if one is required.
+fn installed() -> Option<&'static str> {
+    let works =
+        |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success());
+    let found = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(works);
+    let required = std::env::var("BLOCKSIM_BROWSER").is_ok_and(|value| value == "required");
+    assert!(found.is_some() || !required, "no Chromium is installed, and BLOCKSIM_BROWSER=required");
+    found
+}
+
+impl Page {
+    /// An empty page, if there is a browser.
+    pub fn new() -> Option<Page> {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let Some(program) = installed() else {
+            let notice = "SKIPPED: no Chromium is installed; the studio was not looked at in a browser";
+            let _ = writeln!(std::io::stderr(), "{notice}");
+            return None;
+        };
+        let n = COUNT.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("blocksim-browser-{}-{n}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let made = Command::new("mkfifo").arg(folder.join("to")).arg(folder.join("from")).status();
+        assert!(made.expect("mkfifo").success());
+        let child = Command::new("sh")
+            .args(["-c", "exec \"$0\" \"$@\" 3<to 4>from", program])
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--remote-debugging-pipe",
+                "--window-size=1300,900",
+            ])
+            .arg(format!("--user-data-dir={}", folder.join("profile").display()))
+            .current_dir(&folder)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("a browser");
+        // In the order in which the shell opens them.
+        let to = OpenOptions::new().write(true).open(folder.join("to")).expect("a pipe");
+        let from = File::open(folder.join("from")).expect("a pipe");
+        let complaints = Vec::new();
+        let mut page =
+            Page { folder, child, to, from, read: Vec::new(), session: String::new(), asked: 0, complaints };
+        let target = page.ask("Target.createTarget", json!({ "url": "about:blank" }))["targetId"].clone();
+        let attached = page.ask("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
+        page.session = attached["sessionId"].as_str().expect("a session").to_owned();
+        for domain in ["Page", "Runtime", "Log"] {
+            page.ask(&format!("{domain}.enable"), json!({}));
+        }
+        Some(page)
+    }
+
+    fn message(&mut self) -> Value {
+        let mut part = [0; 65_536];
+        loop {
+            if let Some(end) = self.read.iter().position(|byte| *byte == 0) {
+                let message: Vec<u8> = self.read.drain(..=end).collect();
+                return serde_json::from_slice(&message[..end]).expect("JSON of the browser");
+            }
+            let count = self.from.read(&mut part).expect("the browser speaks");
+            assert!(count > 0, "the browser has gone");
+            self.read.extend_from_slice(&part[..count]);
+        }
+    }
+
+    fn ask(&mut self, method: &str, parameters: Value) -> Value {
+        self.asked += 1;
+        let mut request = json!({ "id": self.asked, "method": method, "params": parameters });
+        if !self.session.is_empty() {
+            request["sessionId"] = self.session.as_str().into();
+        }
+        self.to.write_all(format!("{request}\0").as_bytes()).expect("the browser listens");
+        loop {
+            let mut message = self.message();
+            if message["id"] == self.asked {
+                assert!(message["error"].is_null(), "{method}: {}", message["error"]);
+                return message["result"].take();
+            }
+            let complains =
+                ["Runtime.exceptionThrown", "Log.entryAdded"].iter().any(|name| message["method"] == *name);
+            if complains {
+                self.complaints.push(message["params"].to_string());
+            }
+        }
+    }
+
+    /// Opens an address.
+    pub fn open(&mut self, address: &str) {
+        self.ask("Page.navigate", json!({ "url": address }));
+    }
+
+    /// What an expression of the page gives, as soon as that is anything but null; the page may be on its way.
+    fn tried(&mut self, expression: &str) -> Option<Value> {
+        let parameters = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
+        let mut result = self.ask("Runtime.evaluate", parameters);
+        result["exceptionDetails"].is_null().then(|| result["result"]["value"].take())
+    }
+
+    /// What an expression of the page gives.
+    pub fn value(&mut self, expression: &str) -> Value {
+        self.tried(expression).unwrap_or_else(|| panic!("{expression} fails; {:?}", self.complaints))
+    }
+
+    /// Waits until an expression is true; how long that took.
+    pub fn until(&mut self, expression: &str) -> Duration {
+        let begin = Instant::now();
+        while self.tried(&format!("!!({expression})")) != Some(Value::Bool(true)) {
+            if begin.elapsed() > PATIENCE {
+                let text = self.tried("document.body.innerText");
+                panic!("`{expression}` does not become true; the page says {text:?}; {:?}", self.complaints);
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        begin.elapsed()
+    }
+
+    /// Presses a key.
+    pub fn key(&mut self, key: &str) {
+        let code = match key {
+            "F5" => 116,
+            "Enter" => 13,
+            "Escape" => 27,
+            one => u32::from(one.to_uppercase().as_bytes()[0]),
+        };
+        let text = if key.chars().count() == 1 {
+            json!(key)
+        } else if key == "Enter" {
+            json!("\r")
+        } else {
+            json!(null)
+        };
+        for kind in ["keyDown", "keyUp"] {
+            let mut event = json!({ "type": kind, "key": key, "windowsVirtualKeyCode": code });
+            if kind == "keyDown" && !text.is_null() {
+                event["text"] = text.clone();
+            }
+            self.ask("Input.dispatchKeyEvent", event);
+        }
+    }
+
+    /// Types text where the focus is, in the place of what is there.
+    pub fn replace(&mut self, text: &str) {
+        self.value("document.activeElement.select()");
+        self.ask("Input.insertText", json!({ "text": text }));
+    }
+
+    /// A picture of the page, for those who look at a test.
+    #[expect(dead_code, reason = "for those who look at a test")]
+    pub fn picture(&mut self) -> String {
+        self.ask("Page.captureScreenshot", json!({}))["data"].as_str().unwrap_or_default().to_owned()
+    }
+}
+
+impl Drop for Page {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}

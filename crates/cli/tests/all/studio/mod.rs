@@ -1,0 +1,405 @@
+//! The studio as a person uses it, and as strangers would like to.
+
+mod browser;
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use self::browser::Page;
+use crate::desk::Desk;
+
+const SERVO: &str = r#"// A drive that follows a step.
+Diagram(
+    title: "Servo",
+    simulation: (stop_time: "2 s"),
+    blocks: {
+        "demand": Step(time: "0.5 s", after: "90 deg"), // the target
+        "error": Sum(signs: "+-"),
+        "gain": Gain(k: "6 1/s"),
+        "angle": Integrator(),
+        "scope": Scope(inputs: ["set", "actual"], display: "deg"),
+    },
+    connections: ["demand.y -> error.u1, scope.set", "angle.y -> error.u2, scope.actual", "error.y -> gain.u", "gain.y -> angle.u"],
+)
+"#;
+
+/// A studio that serves a folder.
+struct Studio {
+    child: Child,
+    address: String,
+}
+
+impl Studio {
+    fn of(desk: &Desk, arguments: &[&str]) -> Studio {
+        let mut words = vec!["studio", "--no-open"];
+        words.extend(arguments);
+        if !words.contains(&"--port") {
+            words.extend(["--port", "0"]);
+        }
+        // Its own settings, so that tests beside it do not join.
+        let mut command = desk.command(&words);
+        command.env("BLOCKSIM_HOME", desk.0.join("home"));
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("the program");
+        let mut address = String::new();
+        let out = child.stdout.take().expect("a pipe");
+        BufReader::new(out).read_line(&mut address).expect("an address");
+        assert!(address.starts_with("http://127.0.0.1:"), "{address:?}");
+        Studio { child, address: address.trim().to_owned() }
+    }
+
+    fn port(&self) -> u16 {
+        let rest = self.address.trim_start_matches("http://127.0.0.1:");
+        rest.split('/').next().and_then(|port| port.parse().ok()).expect("a port")
+    }
+
+    fn token(&self) -> &str {
+        self.address.split("token=").nth(1).expect("a token")
+    }
+
+    /// What the server answers to lines of a request.
+    fn raw(&self, request: &[u8]) -> String {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port())).expect("the server");
+        stream.set_read_timeout(Some(Duration::from_secs(20))).expect("a limit");
+        let _ = stream.write_all(request);
+        let mut answer = Vec::new();
+        let _ = stream.read_to_end(&mut answer);
+        String::from_utf8_lossy(&answer).into_owned()
+    }
+
+    /// What it answers to the person who started it, but for what `headers` say.
+    fn asked(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> String {
+        let port = self.port();
+        let (host, cookie) = (format!("127.0.0.1:{port}"), format!("blocksim-{port}={}", self.token()));
+        let mut all =
+            vec![("Host", host.as_str()), ("Cookie", &cookie), ("X-Blocksim", "1"), ("Connection", "close")];
+        for (name, value) in headers {
+            all.retain(|(known, _)| known != name);
+            all.push((name, value));
+        }
+        let lines: String = all
+            .iter()
+            .filter(|(_, value)| !value.is_empty())
+            .map(|(name, value)| format!("{name}: {value}\r\n"))
+            .collect();
+        self.raw(
+            format!("{method} {path} HTTP/1.1\r\n{lines}Content-Length: {}\r\n\r\n{body}", body.len())
+                .as_bytes(),
+        )
+    }
+
+    fn status(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> u16 {
+        let answer = self.asked(method, path, headers, body);
+        answer
+            .split(' ')
+            .nth(1)
+            .and_then(|status| status.parse().ok())
+            .unwrap_or_else(|| panic!("{answer:?}"))
+    }
+
+    /// Ctrl-C, and how the program ends.
+    fn interrupt(mut self) -> Option<i32> {
+        let sent = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status();
+        assert!(sent.expect("kill").success());
+        let status = self.child.wait().expect("an end");
+        status.code()
+    }
+}
+
+impl Drop for Studio {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[test]
+fn strangers_are_not_answered() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let studio = Studio::of(&desk, &[]);
+    assert_eq!(studio.status("GET", "/", &[], ""), 200);
+    assert_eq!(studio.status("GET", "/api/project", &[], ""), 200);
+    let evil = [
+        ("Cookie", "x=y"),
+        ("Host", "evil.example"),
+        ("Origin", "http://evil.example"),
+        ("Origin", "null"),
+        ("Sec-Fetch-Site", "cross-site"),
+    ];
+    for header in evil {
+        for path in ["/", "/api/project", "/api/news", "/assets/studio.js", "/nothing"] {
+            assert_eq!(studio.status("GET", path, &[header], ""), 403, "{header:?} {path}");
+        }
+        assert_eq!(studio.status("POST", "/api/run", &[header], "{}"), 403, "{header:?}");
+    }
+    assert_eq!(studio.status("POST", "/api/run", &[("X-Blocksim", "")], "{}"), 403);
+    assert!(!desk.0.join("runs").exists(), "nothing was run");
+    let told = studio.asked("GET", "/", &[("Cookie", "x=y")], "");
+    assert!(told.contains("open the whole address that `blocksim studio` has printed"), "{told}");
+}
+
+#[test]
+fn nothing_outside_of_the_project_is_shown_and_nothing_is_written_unless_it_may_be() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    fs::create_dir_all(desk.0.join("secret")).expect("a folder");
+    fs::write(desk.0.join("secret/manifest.json"), "{}").expect("a file");
+    let studio = Studio::of(&desk, &[]);
+    for path in [
+        "/runs/..%2fsecret",
+        "/runs/../secret",
+        "/runs/.",
+        "/runs/..",
+        "/runs/",
+        "/runs/%00",
+        "/assets/..%2f..%2fCargo.toml",
+        "/api/../servo.ron",
+    ] {
+        let status = studio.status("GET", path, &[], "");
+        assert!(status == 404 || status == 400, "{path}: {status}");
+    }
+    let set = r#"{"target": "gain.k", "value": "9 1/s"}"#;
+    let told = studio.asked("POST", "/api/set", &[], set);
+    assert!(told.starts_with("HTTP/1.1 409") && told.contains("--edit"), "{told}");
+    assert_eq!(desk.read("servo.ron"), SERVO);
+    assert_eq!(studio.status("DELETE", "/", &[], ""), 405);
+    let elsewhere = r#"{"model": "/etc/passwd"}"#;
+    assert!(studio.asked("POST", "/api/model", &[], elsewhere).contains("there is no such model"));
+}
+
+#[test]
+fn whatever_is_sent_the_server_goes_on() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let studio = Studio::of(&desk, &["--edit"]);
+    let mut random = 7_u64;
+    let mut next = |below: u64| {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (random >> 33) % below
+    };
+    let bodies = [
+        "",
+        "{",
+        "[]",
+        "null",
+        "{\"do\": 3}",
+        "{\"target\": \"\", \"value\": \"\"}",
+        "{\"target\": \"gain.k\", \"value\": \"\\u0000\"}",
+        "{\"set\": [1, {}], \"speed\": \"x\"}",
+        "\u{feff}{}",
+    ];
+    let paths = [
+        "/",
+        "/api/set",
+        "/api/undo",
+        "/api/control",
+        "/api/model",
+        "/api/parameters",
+        "/api/diagram",
+        "/runs/x",
+        "/api/%",
+        "/assets/",
+    ];
+    for n in 0..1000 {
+        let method = ["GET", "POST", "HEAD", "PUT", "G\u{e4}T", ""][next(6) as usize];
+        let path = paths[next(paths.len() as u64) as usize];
+        let body = bodies[next(bodies.len() as u64) as usize];
+        if n % 4 == 0 {
+            // Damaged requests, cut anywhere, are closed at once.
+            let whole = format!(
+                "{method} {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nContent-Length: 99999999999\r\n\r\n{body}",
+                studio.port()
+            );
+            let mut stream = TcpStream::connect(("127.0.0.1", studio.port())).expect("the server");
+            let _ = stream.write_all(&whole.as_bytes()[..next(whole.len() as u64) as usize]);
+            continue;
+        }
+        studio.asked(if method.is_empty() { "POST" } else { method }, path, &[], body);
+    }
+    assert_eq!(studio.status("GET", "/api/project", &[], ""), 200);
+    assert_eq!(desk.read("servo.ron"), SERVO);
+}
+
+#[test]
+fn a_second_studio_joins_the_first_and_ctrl_c_ends_it() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let studio = Studio::of(&desk, &[]);
+    let mut second = desk.command(&["studio", "--no-open"]);
+    let second = second.env("BLOCKSIM_HOME", desk.0.join("home")).output().expect("the program");
+    assert_eq!(String::from_utf8_lossy(&second.stdout).trim(), studio.address);
+    assert!(String::from_utf8_lossy(&second.stderr).contains("runs already"));
+    assert_eq!(studio.interrupt(), Some(0));
+    // The next one finds nobody to join.
+    let third = Studio::of(&desk, &[]);
+    assert_eq!(third.status("GET", "/api/project", &[], ""), 200);
+}
+
+#[test]
+fn what_cannot_be_served_is_explained() {
+    let desk = Desk::with(&[("notes.txt", "none")]);
+    let told = desk.said(&["studio", "--no-open"]);
+    assert!(told.contains("there are no models in `.`") && told.contains("blocksim new NAME"), "{told}");
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let taken = std::net::TcpListener::bind(("127.0.0.1", 0)).expect("a port");
+    let port = taken.local_addr().expect("an address").port().to_string();
+    let told = desk.said(&["studio", "--no-open", "--port", &port]);
+    assert!(told.contains("no page can be served at port") && told.contains("--port 0"), "{told}");
+    let told = desk.said(&["studio", "missing.ron"]);
+    assert!(told.contains("missing.ron") && told.contains("the file does not exist"), "{told}");
+}
+
+/// A page that shows the project of a studio.
+fn shown(studio: &Studio) -> Option<Page> {
+    let mut page = Page::new()?;
+    page.open(&studio.address);
+    page.until("document.documentElement.dataset.ready === 'true'");
+    Some(page)
+}
+
+#[test]
+fn a_run_fills_scopes_and_leaves_what_the_command_leaves() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let studio = Studio::of(&desk, &[]);
+    let Some(mut page) = shown(&studio) else { return };
+    assert_eq!(page.value("document.title"), "Servo – blocksim");
+    page.key("F5");
+    page.until("document.querySelector('.run-line').textContent.includes('2 s simulated')");
+    page.until("R.Live.rows() > 20");
+    // The last values of the scope, as its legend has them.
+    page.until(
+        "[...document.querySelectorAll('#plots .entry b')].map((b) => b.textContent).join() === '89.989,90'",
+    );
+    // All values on the wires of the diagram.
+    page.value("location.hash = '#diagram'");
+    page.until("[...document.querySelectorAll('#diagram-view .value')].some((text) => text.textContent === '89.99 °')");
+    let runs = desk.names("runs");
+    assert_eq!(runs.len(), 1, "{runs:?}");
+    let by_command = desk.call(&["run", "servo.ron", "--out", "command", "--quiet"]);
+    assert_eq!(by_command.code, Some(0), "{}", by_command.err);
+    let recorded = |folder: &str| fs::read(desk.0.join(folder).join("signals.csv")).expect("signals");
+    assert_eq!(recorded(&format!("runs/{}", runs[0])), recorded("command"), "the same to the bit");
+    // The page of the run, in a frame that can reach nothing of the studio.
+    page.value(&format!("location.hash = '#runs/{}'", runs[0]));
+    page.until("document.querySelector('iframe')");
+    page.until("document.querySelector('iframe').contentDocument === null");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn a_parameter_is_changed_and_changed_back_and_wrong_ones_stay_where_they_were_typed() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let studio = Studio::of(&desk, &["--edit"]);
+    let Some(mut page) = shown(&studio) else { return };
+    page.value("location.hash = '#values'");
+    let field = "document.querySelector('input[aria-label=\"gain.k\"]')";
+    page.until(field);
+    page.value(&format!("{field}.focus()"));
+    page.replace("9 1/s");
+    page.key("Enter");
+    page.until("document.querySelector('.difference')?.textContent.includes('+        \"gain\": Gain(k: \"9 1/s\"),')");
+    assert_eq!(desk.read("servo.ron"), SERVO.replace("6 1/s", "9 1/s"), "a small edit; comments stay");
+    page.until(&format!("{field}?.value === '9 1/s'"));
+    page.value("document.activeElement.blur(); R.Values.undo()");
+    page.until(&format!("{field}?.value === '6 1/s'"));
+    assert_eq!(desk.read("servo.ron"), SERVO);
+    // A unit of something else.
+    page.value(&format!("{field}.focus()"));
+    page.replace("9 kg");
+    page.key("Enter");
+    page.until("document.querySelector('#values-view .answer .bad')");
+    assert_eq!(page.value(&format!("{field}.value")), "9 kg");
+    assert_eq!(desk.read("servo.ron"), SERVO);
+    // For one run alone.
+    page.value(&format!("{field}.focus()"));
+    page.replace("3 1/s");
+    page.value(&format!("{field}.closest('td').querySelectorAll('button')[1].click()"));
+    page.until("document.querySelector('.run-line').textContent.includes('2 s simulated')");
+    page.until(
+        "[...document.querySelectorAll('#plots .entry b')].map((b) => b.textContent).join() === '89,90'",
+    );
+    assert_eq!(desk.read("servo.ron"), SERVO);
+}
+
+#[test]
+fn what_is_saved_elsewhere_is_seen_at_once_with_its_problems() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let studio = Studio::of(&desk, &[]);
+    let (Some(mut page), Some(mut other)) = (shown(&studio), shown(&studio)) else { return };
+    page.value("location.hash = '#diagram'");
+    page.until("document.querySelectorAll('#diagram-view [data-node]').length === 5");
+    fs::write(
+        desk.0.join("servo.ron"),
+        SERVO.replace("\"gain\": Gain", "\"half\": Gain(k: 0.5), \"gain\": Gain"),
+    )
+    .expect("a file");
+    page.until("document.querySelectorAll('#diagram-view [data-node]').length === 6");
+    fs::write(desk.0.join("servo.ron"), SERVO.replace("gain.u", "gain.v")).expect("a file");
+    page.until("document.querySelector('#problems .error')?.textContent.includes('has no input `v`')");
+    other.until("document.querySelector('#project-view .state.error')");
+    assert!(
+        other
+            .value("document.querySelector('#project-view').innerText")
+            .as_str()
+            .expect("text")
+            .contains("servo.ron:12")
+    );
+    fs::write(desk.0.join("servo.ron"), SERVO).expect("a file");
+    page.until("!document.querySelector('#problems .error')");
+    other.until("document.querySelector('#project-view .state.ready')");
+    assert_eq!([page.complaints.len(), other.complaints.len()], [0, 0], "{:?}", page.complaints);
+}
+
+#[test]
+fn a_run_can_be_paused_and_ended_and_what_it_recorded_is_kept() {
+    let desk =
+        Desk::with(&[("servo.ron", &SERVO.replace("\"2 s\"", "\"1000 s\", solver: Ode4(step: \"10 ms\")"))]);
+    let studio = Studio::of(&desk, &[]);
+    let Some(mut page) = shown(&studio) else { return };
+    page.value("R.Desk.ask('run', { speed: 1 }).then(() => null)");
+    page.value("location.hash = '#run'");
+    page.until("R.Live.rows() > 3");
+    page.key(" ");
+    page.until("document.querySelector('.run-line').textContent.includes('paused')");
+    std::thread::sleep(Duration::from_millis(300));
+    let still = page.value("R.Live.rows()");
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(page.value("R.Live.rows()"), still);
+    page.key("s");
+    page.until(&format!("R.Live.rows() === {still} + 1"));
+    page.key("Escape");
+    page.until("document.querySelector('.run-line').textContent.includes('ended at')");
+    let runs = desk.names("runs");
+    assert_eq!(runs.len(), 1);
+    assert!(desk.read(&format!("runs/{}/manifest.json", runs[0])).contains("interrupted"));
+    // A run that goes on when the program is ended is kept as well.
+    page.value("R.Desk.ask('run', { speed: 1 }).then(() => null)");
+    page.until("document.querySelector('.run-line').textContent.includes('times real time')");
+    assert_eq!(studio.interrupt(), Some(0));
+    let runs = desk.names("runs");
+    assert!(runs.len() == 2 && runs.iter().all(|name| !name.contains("partial")), "{runs:?}");
+    page.until("!document.getElementById('lost').hidden");
+}
+
+#[test]
+fn the_page_finds_the_program_again() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let studio = Studio::of(&desk, &[]);
+    let Some(mut page) = shown(&studio) else { return };
+    let port = studio.port().to_string();
+    assert_eq!(studio.interrupt(), Some(0));
+    page.until("!document.getElementById('lost').hidden");
+    assert_eq!(
+        page.value("document.querySelector('#project-view').innerText.includes('servo.ron')"),
+        true,
+        "what is here stays"
+    );
+    // Somebody else's server at the same port, with another token, does not get the page.
+    let again = Studio::of(&desk, &["--port", &port]);
+    page.open(&again.address);
+    page.until("document.documentElement.dataset.ready === 'true' && document.getElementById('lost').hidden");
+    let begin = Instant::now();
+    fs::write(desk.0.join("servo.ron"), SERVO.replace("title: \"Servo\"", "title: \"Drive\""))
+        .expect("a file");
+    page.until("document.title === 'Drive – blocksim'");
+    assert!(begin.elapsed() < Duration::from_secs(20));
+}

@@ -1,0 +1,175 @@
+// @ts-check
+'use strict';
+// A run while it runs: how far it is, scopes that fill, pause, speed, and what became of it.
+/* global R */
+
+/** @type {any} */ (R).Live = (() => {
+  const { Desk } = /** @type {any} */ (R);
+  /** Numbers that a scope has room for at first. */
+  const ROOM = 4096;
+  /** @type {any} */ let state = null;
+  /** @type {any[]} */ let panels = [];
+  /** @type {Float64Array[]} Columns with room behind what is known: the times, then the values. */ let columns = [];
+  let rows = 0, dirty = false, follow = 0, said = '';
+  /** @type {any} */ const place = { line: null, bar: null, pause: null, step: null, speed: null, follow: null };
+  const running = () => state?.state === 'running' || state?.state === 'paused';
+
+  /** Bytes of a text in base64. @param {string} text */
+  const bytes = (text) => Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0)).buffer;
+
+  /** Lays the scopes of a run out, empty. @param {any} told */
+  const scopes = (told) => {
+    const place = document.getElementById('plots');
+    if (!place) return;
+    place.replaceChildren();
+    panels = told.panels;
+    R.data.panels = panels;
+    columns = [];
+    rows = 0;
+    R.span = [0, told.until];
+    const count = 1 + Math.max(-1, ...panels.flatMap((panel) => panel.series.map((/** @type {any} */ s) => s.column)));
+    for (let n = 0; n <= count; n++) columns.push(new Float64Array(ROOM));
+    let group = null, box = place;
+    // All cards are laid out before anything is drawn: a row that is not full yet is wider.
+    /** @type {(() => void)[]} */ const draw = [];
+    for (const panel of panels) {
+      panel.time = columns[0].subarray(0, 0);
+      for (const s of panel.series) s.values = panel.time;
+      panel.byOrder = [...panel.series];
+      const pair = panel.series.findIndex((/** @type {any} */ s) => s.role === 'set') >= 0 && panel.series.length === 2;
+      panel.series.sort((/** @type {any} */ a, /** @type {any} */ b) => Number(a.role === 'set') - Number(b.role === 'set'));
+      panel.pair = pair ? [1, 0] : null;
+      if (pair) panel.series[0].error = panel.time;
+      if (panel.group !== group) {
+        group = panel.group;
+        if (group) place.append(R.make('h3', {}, group));
+        box = R.make('div', { class: 'grid' });
+        place.append(box);
+      }
+      draw.push(...R.Picture.lay(panel, box));
+    }
+    for (const one of draw) one();
+    // The range of times is that of the run; nobody zooms while it grows.
+    for (const panel of panels) for (const u of [panel.main, panel.strip]) if (u) u.live = false;
+    range();
+  };
+
+  /** Times that are shown: all, or the last ones. */
+  const range = () => {
+    const now = rows ? columns[0][rows - 1] : 0;
+    const [min, max] = follow && now > follow ? [now - follow, now] : [0, follow || R.span[1]];
+    for (const panel of panels) for (const u of [panel.main, panel.strip]) u?.setScale('x', { min, max });
+  };
+
+  /** Adds rows. @param {any} told */
+  const add = (told) => {
+    const times = new Float64Array(bytes(told.t)), values = new Float32Array(bytes(told.values));
+    const more = times.length;
+    if (rows + more > columns[0]?.length) {
+      columns = columns.map((column) => { const wide = new Float64Array(Math.max(2 * column.length, rows + more)); wide.set(column); return wide; });
+    }
+    columns[0]?.set(times, rows);
+    for (let n = 1; n < columns.length; n++) columns[n].set(values.subarray((n - 1) * more, n * more), rows);
+    rows += more;
+    if (!dirty) { dirty = true; requestAnimationFrame(draw); }
+  };
+
+  const draw = () => {
+    dirty = false;
+    if (!columns.length) return;
+    const time = columns[0].subarray(0, rows);
+    for (const panel of panels) {
+      panel.time = time;
+      for (const s of panel.series) {
+        s.values = columns[s.column + 1].subarray(0, rows);
+        if (s.signal) [s.signal.time, s.signal.values] = [time, s.values];
+      }
+      const shown = panel.series.map((/** @type {any} */ s) => s.values);
+      panel.main.setData([time, ...shown.map(plain)], false);
+      if (panel.strip) {
+        const [set, actual] = panel.pair.map((/** @type {number} */ at) => panel.series[at].values);
+        panel.strip.setData([time, plain(actual.map((/** @type {number} */ x, /** @type {number} */ n) => set[n] - x))], false);
+      }
+    }
+    range();
+    R.setTime(rows ? time[rows - 1] : 0);
+    for (const panel of panels) { R.Picture.mark(panel); for (const s of panel.series) s.tell(); }
+  };
+  /** What is missing is null for the plots. @param {Float64Array} values */
+  const plain = (values) => values.every(Number.isFinite) ? values : Array.from(values, (x) => Number.isFinite(x) ? x : null);
+
+  const told = () => {
+    if (!place.line) return;
+    const { model, t, until, factor, reason, name } = state ?? {};
+    const text = {
+      idle: 'Nothing runs. F5 or the button above runs the model.',
+      starting: `${model} is compiled …`,
+      running: `${model}: ${R.say(t ?? 0)} of ${R.say(until ?? 0)} s, ${factor ? `${R.say(factor, 3)} times real time` : ''}`,
+      paused: `${model}: paused at ${R.say(t ?? 0)} of ${R.say(until ?? 0)} s`,
+      done: `${model}: ${R.say(until ?? 0)} s simulated in ${R.say(state?.took ?? 0, 3)} s. `,
+      stopped: `${model}: ended at ${R.say(t ?? 0)} s. `,
+      failed: `${model}: ${reason}`,
+    }[/** @type {'idle'} */ (state?.state ?? 'idle')];
+    said = text ?? '';
+    place.line.replaceChildren(said, ...(name ? [R.make('a', { href: `#runs/${encodeURIComponent(name)}` }, 'Results')] : []));
+    place.line.classList.toggle('bad', state?.state === 'failed');
+    place.bar.value = until ? Math.min(1, (t ?? 0) / until) : 0;
+    place.bar.hidden = !running();
+    place.pause.textContent = state?.state === 'paused' ? '▶ Go on' : '❚❚ Pause';
+    for (const one of [place.pause, place.step]) one.disabled = !running();
+    place.step.disabled = state?.state !== 'paused';
+    /** @type {HTMLButtonElement} */ (document.getElementById('end')).hidden = !running() && state?.state !== 'starting';
+    /** @type {HTMLButtonElement} */ (document.getElementById('start')).disabled = running() || state?.state === 'starting';
+  };
+
+  /** @param {any} now */
+  const renew = (now) => {
+    const before = state?.state;
+    state = now;
+    told();
+    if (before !== now.state && before !== undefined) Desk.say(said, now.state === 'failed');
+  };
+
+  const control = (/** @type {any} */ body) => Desk.ask('control', body).catch(Desk.refuse);
+  /** Runs the model. */
+  const start = async () => {
+    if (running()) return;
+    location.hash = '#run';
+    try { await Desk.ask('run', { speed: Number(place.speed.value) }); } catch (error) { Desk.refuse(error); }
+  };
+
+  const build = () => {
+    const view = document.getElementById('run-bar');
+    if (!view) return;
+    place.line = R.make('p', { class: 'run-line' });
+    place.bar = R.make('progress', { max: '1', value: '0', 'aria-label': 'Simulated time' });
+    place.pause = Desk.button('❚❚ Pause', () => control({ do: state?.state === 'paused' ? 'go' : 'pause' }), { title: 'Pause and go on (Space)' });
+    place.step = Desk.button('Step', () => control({ do: 'step' }), { title: 'To the next row (S)' });
+    place.speed = R.make('select', { 'aria-label': 'Speed', title: 'Speed' }, ...[['0', 'as fast as it can'], ['0.1', '0.1 × real time'], ['0.5', '0.5 × real time'], ['1', 'real time'], ['2', '2 × real time'], ['10', '10 × real time']].map(([value, text]) => R.make('option', { value }, text)));
+    place.speed.addEventListener('change', () => control({ do: 'speed', speed: Number(place.speed.value) }));
+    place.follow = R.make('select', { 'aria-label': 'Times shown', title: 'Times shown' }, ...[['0', 'all times'], ['0.1', 'the last 0.1 s'], ['1', 'the last 1 s'], ['2', 'the last 2 s'], ['10', 'the last 10 s']].map(([value, text]) => R.make('option', { value }, text)));
+    place.follow.addEventListener('change', () => { follow = Number(place.follow.value); range(); });
+    view.replaceChildren(place.line, place.bar, R.make('div', { class: 'run-tools' }, place.pause, place.step, place.speed, place.follow));
+    told();
+    Desk.on('scopes', (/** @type {any} */ data) => { R.guarded('The scopes', () => scopes(data)); });
+    Desk.on('rows', add);
+    Desk.on('run', renew);
+    R.onTheme.push(() => { for (const panel of panels) for (const u of [panel.main, panel.strip]) u?.redraw(false, true); });
+    window.addEventListener('resize', fit);
+  };
+  /** What a run that goes on, or the last one, has shown before this page was there. */
+  const catchUp = async () => {
+    if (rows || !['running', 'paused', 'done', 'stopped', 'failed'].includes(state?.state)) return;
+    const { scopes: told, rows: all } = await Desk.ask('live');
+    if (!told || rows) return;
+    R.guarded('The scopes', () => scopes(told));
+    for (const one of all) add(one);
+  };
+  const fit = () => {
+    for (const panel of panels) for (const u of [panel.main, panel.strip]) {
+      const width = u?.root.parentElement.clientWidth;
+      if (width > 0) u.setSize({ width, height: u.heights.screen });
+    }
+  };
+  return { build, renew, start, fit, speed: () => Number(place.speed.value), catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
+})();
