@@ -128,13 +128,15 @@ R.Space = (() => {
     data = R.data.space;
     if (!place || !data) return;
     scene = data.scene;
-    data.time = R.list(data.time);
-    data.positions = data.positions.map(R.list);
-    data.set = data.set?.map(R.list);
+    const list = (/** @type {any} */ given) => ArrayBuffer.isView(given) ? given : R.list(given);
+    data.time = list(data.time);
+    data.positions = data.positions.map(list);
+    data.set = data.set?.map(list);
     if (!(data.time.length > 0)) throw new Error('nothing was recorded');
     for (const f of scene.frames) f.matrix = S.placed(f);
     const named = scene.frames.filter((/** @type {any} */ f) => /tcp|tool|effector/i.test(f.name));
     tool = named[named.length - 1] ?? scene.frames[scene.frames.length - 1];
+    parts = [];
     let left = 0;
     for (const shape of scene.shapes) {
       if (shape.use === 'collision') continue;
@@ -195,9 +197,16 @@ R.Space = (() => {
     paint();
   };
 
+  /** Another movement of the same mechanism. @param {Float64Array} time @param {Float64Array[]} positions @param {Float64Array[]} set */
+  const renew = (time, positions, set) => {
+    Object.assign(data, { time, positions, set });
+    trace();
+    ask();
+  };
+
   const flip = (/** @type {string} */ key) => () => { shown[key].checked = !shown[key].checked; ask(); };
   /** @type {Record<string, () => void>} */
   const keys = { g: flip('ghost'), p: flip('path'), m: flip('frames'), c: flip('masses'), f: () => { fit(); ask(); } };
   for (const number of Object.keys(C.VIEWS)) keys[number] = () => look(number);
-  return { build, keys, poses, paint };
+  return { build, renew, fit, keys, poses, paint };
 })();

@@ -7,11 +7,11 @@
   const { Live, Values } = /** @type {any} */ (R);
   const KEYS = [
     ['F5', 'run the model'], ['Esc', 'end the run; what it has recorded is kept'], ['Space', 'pause and go on'], ['S', 'paused: to the next row'],
-    ['1 – 5', 'project, diagram, parameters, run, results'], ['Ctrl Z', 'take the last change of a text back'],
+    ['1 – 6', 'project, diagram, parameters, motion, run, results'], ['Ctrl Z', 'take the last change of a text back'],
     ['arrows', 'diagram: along the wires, where a block is chosen'], ['Enter, Backspace', 'diagram: into a block, one level up'], ['W', 'diagram: from wire to wire (Shift: back)'],
     ['V', 'diagram: values on wires'], ['/', 'find a block, a signal, a parameter (also Ctrl K)'], ['D', 'light or dark'], ['?', 'this list'],
   ];
-  const SCREENS = ['project', 'diagram', 'values', 'run', 'runs'];
+  const SCREENS = ['project', 'diagram', 'values', 'motion', 'run', 'runs'];
   let single = true;
 
   const theme = () => {

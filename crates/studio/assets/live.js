@@ -10,7 +10,7 @@
   /** @type {any} */ let state = null;
   /** @type {any[]} */ let panels = [];
   /** @type {Float64Array[]} Columns with room behind what is known: the times, then the values. */ let columns = [];
-  let rows = 0, dirty = false, follow = 0, said = '';
+  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '';
   /** @type {any} */ const place = { line: null, bar: null, pause: null, step: null, speed: null, follow: null };
   const running = () => state?.state === 'running' || state?.state === 'paused';
 
@@ -26,7 +26,8 @@
     R.data.panels = panels;
     columns = [];
     rows = 0;
-    R.span = [0, told.until];
+    until = told.until;
+    R.span = [0, until];
     const count = 1 + Math.max(-1, ...panels.flatMap((panel) => panel.series.map((/** @type {any} */ s) => s.column)));
     for (let n = 0; n <= count; n++) columns.push(new Float64Array(ROOM));
     let group = null, box = place;
@@ -57,7 +58,7 @@
   /** Times that are shown: all, or the last ones. */
   const range = () => {
     const now = rows ? columns[0][rows - 1] : 0;
-    const [min, max] = follow && now > follow ? [now - follow, now] : [0, follow || R.span[1]];
+    const [min, max] = follow && now > follow ? [now - follow, now] : [0, follow || until];
     for (const panel of panels) for (const u of [panel.main, panel.strip]) u?.setScale('x', { min, max });
   };
 
@@ -124,6 +125,9 @@
 
   /** @param {any} now */
   const renew = (now) => {
+    // What was asked for may come behind what has been told since.
+    if (state && (now.count ?? 0) < (state.count ?? 0) && !fresh) return;
+    fresh = false;
     const before = state?.state;
     state = now;
     told();
@@ -157,6 +161,8 @@
     R.onTheme.push(() => { for (const panel of panels) for (const u of [panel.main, panel.strip]) u?.redraw(false, true); });
     window.addEventListener('resize', fit);
   };
+  /** The times of the page are those of the run again, with its last one. */
+  const span = () => { if (rows) { R.span = [0, until]; R.setTime(columns[0][rows - 1]); } };
   /** What a run that goes on, or the last one, has shown before this page was there. */
   const catchUp = async () => {
     if (rows || !['running', 'paused', 'done', 'stopped', 'failed'].includes(state?.state)) return;
@@ -171,5 +177,5 @@
       if (width > 0) u.setSize({ width, height: u.heights.screen });
     }
   };
-  return { build, renew, start, fit, speed: () => Number(place.speed.value), catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
+  return { build, renew, again: () => { fresh = true; }, start, fit, span, speed: () => Number(place.speed.value), catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
 })();

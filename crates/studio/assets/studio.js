@@ -4,7 +4,7 @@
 /* global R */
 
 (() => {
-  const { Desk, Project, Live, Values, Runs, Keys } = /** @type {any} */ (R);
+  const { Desk, Project, Live, Values, Motion, Runs, Keys } = /** @type {any} */ (R);
   let drawn = 0;
 
   /** The screen that the address names, and what stands behind it. */
@@ -16,8 +16,9 @@
     for (const link of document.querySelectorAll('#rail a')) if (link.getAttribute('href') === `#${screen}`) link.setAttribute('aria-current', 'page'); else link.removeAttribute('aria-current');
     if (screen === 'values') Values.renew();
     if (screen === 'runs') Runs.renew(rest);
-    if (screen === 'run') Live.fit();
-    if (screen === 'diagram') diagram();
+    if (screen === 'run') { Live.span(); Live.fit(); }
+    if (screen === 'motion') Motion.renew(Project.known()?.version ?? 0);
+    if (screen === 'diagram') { Live.span(); diagram(); }
     scrollTo(0, 0);
   };
 
@@ -51,6 +52,7 @@
       await diagram();
       const [screen, rest] = asked();
       if (screen === 'values') await Values.renew();
+      if (screen === 'motion') await Motion.renew(told.version);
       if (screen === 'runs') await Runs.renew(rest);
       document.documentElement.dataset.ready = 'true';
     } catch (error) {
@@ -73,7 +75,7 @@
   });
   window.addEventListener('hashchange', show);
   // Whoever comes back, or was away for a while, asks for everything anew.
-  Desk.on('open', renew);
+  Desk.on('open', () => { Live.again(); renew(); });
   Desk.on('model', renew);
   Desk.on('run', (/** @type {any} */ now) => { if (['done', 'stopped', 'failed'].includes(now.state)) renew(); });
   show();

@@ -39,12 +39,12 @@
   };
   /** Shows what was written. @param {any} done */
   const told = (done) => {
-    place.change.replaceChildren(R.make('pre', { class: 'difference' }, done.difference || done.message), Desk.button('Undo (Ctrl Z)', undo));
+    place.change?.replaceChildren(R.make('pre', { class: 'difference' }, done.difference || done.message), Desk.button('Undo (Ctrl Z)', undo));
     Desk.say(done.message);
   };
   /** Takes the last change back. */
   const undo = async () => {
-    try { const done = await Desk.ask('undo', {}); place.change.replaceChildren(R.make('pre', { class: 'difference' }, done.difference)); Desk.say(done.message); } catch (error) { Desk.refuse(error); }
+    try { const done = await Desk.ask('undo', {}); place.change?.replaceChildren(R.make('pre', { class: 'difference' }, done.difference)); Desk.say(done.message); } catch (error) { Desk.refuse(error); }
   };
 
   /** @param {any} target */

@@ -9,11 +9,12 @@ macro_rules! own {
 }
 
 /// Scripts of the studio, in their order behind those of the page of a run.
-pub(crate) const OWN: [Asset; 7] = [
+pub(crate) const OWN: [Asset; 8] = [
     own!("desk.js"),
     own!("project.js"),
     own!("live.js"),
     own!("values.js"),
+    own!("motion.js"),
     own!("runs.js"),
     own!("keys.js"),
     own!("studio.js"),

@@ -4,11 +4,12 @@ use blocksim_report::escape;
 
 use crate::assets::{scripts, styles};
 
-/// Screens: the name in the address, what it is called, the key behind `g`.
-const SCREENS: [(&str, &str); 5] = [
+/// Screens: the name in the address, and what it is called.
+const SCREENS: [(&str, &str); 6] = [
     ("project", "Project"),
     ("diagram", "Diagram"),
     ("values", "Parameters"),
+    ("motion", "Motion"),
     ("run", "Run"),
     ("runs", "Results"),
 ];

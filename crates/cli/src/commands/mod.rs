@@ -21,7 +21,7 @@ mod lsp;
 mod manual;
 mod new;
 pub mod params;
-mod plan;
+pub mod plan;
 pub mod plot;
 mod plugin;
 pub mod report;

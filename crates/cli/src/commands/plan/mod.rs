@@ -6,6 +6,7 @@ mod request;
 mod space;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use blocksim_block::ParamError;
 use blocksim_blocks::motion::{JointPath, Rule, ToolPath, planned, refused};
@@ -14,8 +15,8 @@ use blocksim_diagram::{Reader, Sources, parameter};
 use blocksim_motion::AxisLimits;
 use blocksim_multibody::{EulerZyx, Placement};
 use blocksim_planner::{
-    CartesianRequest, Chosen, Configuration, Findings, Quantity, Start, choose, configurations, encounters,
-    inspect,
+    CartesianRequest, Chosen, Configuration, Course, Encounters, Findings, Quantity, Space, Start, choose,
+    configurations, encounters, inspect,
 };
 use blocksim_robot::Robot;
 use nalgebra::Vector3;
@@ -33,11 +34,29 @@ const COMMAND_LINE: &str = "command line";
 /// Waypoints in time at which a move is looked at, at least.
 const WAYPOINTS: usize = 2000;
 
-/// Plans a move, tells how near it comes to the limits, and writes it.
+/// A move that was looked at along its whole way.
+pub struct Considered {
+    /// The robot.
+    pub robot: Robot,
+    /// The move.
+    pub course: Arc<dyn Course>,
+    /// How near it comes to the limits.
+    pub findings: Findings,
+    /// What it comes near to; nothing where nothing has a shape.
+    met: Option<(Space, Encounters)>,
+    /// As the text of a move.
+    text: String,
+    chosen: Option<Chosen>,
+    kept: Option<CartesianRequest>,
+    /// Speed that was asked of the tool, m/s.
+    velocity: Option<f64>,
+}
+
+/// Plans a move and looks at it along its whole way.
 ///
 /// # Errors
 /// Why there is no such move.
-pub fn plan(command: &PlanCommand, console: Console) -> Outcome {
+pub fn consider(command: &PlanCommand) -> Result<Considered, Failure> {
     let common = command.common();
     let (robot, description) = robot(common)?;
     let space = space::read(common, &robot, &description)?;
@@ -52,34 +71,69 @@ pub fn plan(command: &PlanCommand, console: Console) -> Outcome {
         }
     })?;
     let findings = inspect(&robot, course.as_ref(), WAYPOINTS);
-    let met = space.as_ref().map(|space| (space, encounters(&robot, course.as_ref(), space, WAYPOINTS)));
+    let met = space.map(|space| {
+        let met = encounters(&robot, course.as_ref(), &space, WAYPOINTS);
+        (space, met)
+    });
     let velocity = path.tool.as_ref().map(|tool| tool.velocity);
+    Ok(Considered { robot, course, findings, met, text, chosen, kept, velocity })
+}
+
+impl Considered {
+    /// Whether it keeps all limits and touches nothing.
+    pub fn passes(&self) -> bool {
+        let hits = self.met.as_ref().is_some_and(|(_, met)| met.first.is_some());
+        !hits && self.findings.violations.is_empty()
+    }
+
+    /// For programs; SI units.
+    pub fn data(&self) -> Value {
+        let mut data = report::data(self.course.as_ref(), &self.findings, self.velocity);
+        data["configuration"] = report::choice(self.chosen.as_ref());
+        data["collisions"] = self.met.as_ref().map_or(Value::Null, |(space, met)| meeting::data(space, met));
+        data
+    }
+
+    /// The first collision in words, and what helps.
+    pub fn collision(&self) -> Option<[String; 2]> {
+        let (_, met) = self.met.as_ref()?;
+        met.first.as_ref().map(|first| [first.to_string(), first.help().to_owned()])
+    }
+
+    /// The text of a file with the move.
+    pub fn file(&self) -> String {
+        report::file(&self.text, self.course.as_ref(), &self.findings)
+    }
+}
+
+/// Plans a move, tells how near it comes to the limits, and writes it.
+///
+/// # Errors
+/// Why there is no such move.
+pub fn plan(command: &PlanCommand, console: Console) -> Outcome {
+    let common = command.common();
+    let found = consider(command)?;
+    let Considered { robot, course, findings, met, chosen, kept, velocity, .. } = &found;
     match common.json {
-        true => {
-            let mut data = report::data(course.as_ref(), &findings, velocity);
-            data["configuration"] = report::choice(chosen.as_ref());
-            data["collisions"] = met.as_ref().map_or(Value::Null, |(space, met)| meeting::data(space, met));
-            console.data(&format!("{data}\n"))?;
-        }
+        true => console.data(&format!("{}\n", found.data()))?,
         false => {
-            console.data(&report::text(&robot, course.as_ref(), &findings, velocity))?;
+            console.data(&report::text(robot, course.as_ref(), findings, *velocity))?;
             console.data(&report::chosen(chosen.as_ref()))?;
-            if let Some(word) = kept.filter(|_| stuck(&findings)).and_then(|kept| other(&robot, &kept)) {
+            let stuck = kept.as_ref().filter(|_| stuck(findings));
+            if let Some(word) = stuck.and_then(|kept| other(robot, kept)) {
                 console.data(&format!("           --configuration {word} can go the whole way\n"))?;
             }
-            console.data(&meeting::text(met.as_ref().map(|(space, met)| (*space, met))))?;
+            console.data(&meeting::text(met.as_ref().map(|(space, met)| (space, met))))?;
         }
     }
-    let hits = met.as_ref().is_some_and(|(_, met)| met.first.is_some());
-    if hits || !findings.violations.is_empty() {
+    if !found.passes() {
         if common.out.is_some() {
             console.say("nothing was written");
         }
         return Ok(Exit::Failed);
     }
     if let Some(out) = &common.out {
-        let file = report::file(&text, course.as_ref(), &findings);
-        write_file(out, file.as_bytes(), common.yes)?;
+        write_file(out, found.file().as_bytes(), common.yes)?;
         if !common.json {
             console.data(&format!("written    {}\n", out.display()))?;
         }
@@ -101,7 +155,10 @@ fn other(robot: &Robot, request: &CartesianRequest) -> Option<String> {
 }
 
 /// The robot that the move is for.
-fn robot(common: &PlanCommon) -> Result<(Robot, RobotDescription), Failure> {
+///
+/// # Errors
+/// If the model has none.
+pub fn robot(common: &PlanCommon) -> Result<(Robot, RobotDescription), Failure> {
     let disk = Disk::default();
     let read: RobotDescription = read(&disk, &common.robot, &common.set, "manipulator")?;
     let robot = read.robot("manipulator").map_err(|error| told(&error))?;

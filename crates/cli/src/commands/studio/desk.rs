@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::model::{self, Shown};
 use super::runner::Runner;
 use super::values::{Changes, list, refusal};
-use super::{name_of, project};
+use super::{motion, name_of, project};
 use crate::args::values::RUNS;
 use crate::commands::report;
 use crate::terminal::console::Console;
@@ -124,6 +124,33 @@ impl Studio {
         })
     }
 
+    /// Keeps a move as a file, and has the model use it if that is wanted.
+    fn keep(&self, model: &Path, body: &Value) -> Reply {
+        let model = self.root.join(model);
+        let name = match motion::save(&model, body) {
+            Ok(name) => name,
+            Err(refused) => return refused,
+        };
+        let told = format!("{name} is kept");
+        if body["use"] != true {
+            return Reply::Data(json!({ "message": told, "name": name }));
+        }
+        let mut changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
+        let set = json!({ "target": "move", "value": format!("File({name:?})") });
+        match changes.set(&model, &set, self.console) {
+            Reply::Data(mut done) => {
+                done["name"] = name.into();
+                Reply::Data(done)
+            }
+            Reply::Refused(mut reason) => {
+                let why = reason["message"].as_str().unwrap_or_default();
+                reason["message"] = format!("{told}, but the model is not changed: {why}").into();
+                Reply::Refused(reason)
+            }
+            other => other,
+        }
+    }
+
     /// Shows another of the models.
     fn choose(&self, body: &Value) -> Reply {
         let mut now = self.now();
@@ -166,6 +193,12 @@ impl Desk for Studio {
                 let model = self.now().model.clone();
                 Reply::Data(list(&self.root, &model, self.may_edit))
             }
+            "robot" => {
+                let now = self.now();
+                let (model, scene) = (self.root.join(&now.model), now.shown.scene.clone());
+                drop(now);
+                Reply::Data(motion::robot_of(&model, &scene))
+            }
             "runs" => Reply::Data(project::runs().into()),
             "live" => self.runner.so_far(),
             _ => Reply::Missing,
@@ -178,7 +211,9 @@ impl Desk for Studio {
             "run" => self.runner.start(&self.root.join(model), body),
             "control" => self.runner.control(body),
             "model" => self.choose(body),
-            "set" | "undo" if !self.may_edit => Reply::refused(
+            "plan" => motion::plan(&self.root.join(model), body),
+            "kept" => motion::kept(&self.root.join(model), body["name"].as_str().unwrap_or_default()),
+            "set" | "undo" | "keep" if !self.may_edit => Reply::refused(
                 "this page may not change files",
                 "start it with `blocksim studio --edit`; `Run with it` needs no file",
             ),
@@ -186,6 +221,7 @@ impl Desk for Studio {
                 let mut changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
                 changes.set(&self.root.join(model), body, self.console)
             }
+            "keep" => self.keep(&model, body),
             "undo" => self.changes.lock().unwrap_or_else(PoisonError::into_inner).undo(),
             _ => Reply::Missing,
         }

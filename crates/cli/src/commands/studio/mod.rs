@@ -5,6 +5,7 @@
 //! | `desk` | answers what the page asks |
 //! | `project` | which models there are; what is ready, stale, wrong or missing |
 //! | `model` | a model as the page shows it: drawings, scopes, problems |
+//! | `motion` | moves of its robot: planned, checked, kept |
 //! | `runner` | a run, as another process of this program |
 //! | `values` | parameters, and texts that change and change back |
 //! | `joined` | a studio of the same project that runs already |
@@ -12,6 +13,7 @@
 mod desk;
 mod joined;
 mod model;
+mod motion;
 mod project;
 mod runner;
 mod values;

@@ -1,5 +1,6 @@
 //! A model as the page shows it.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
@@ -14,6 +15,7 @@ use crate::commands::report::diagram;
 use crate::disk::Disk;
 use crate::loaded::{Loaded, load};
 use crate::running::live::scopes;
+use crate::scene::json as scene_json;
 use crate::terminal::places::Texts;
 use crate::terminal::render;
 use crate::trust::{Purpose, is_about_trust};
@@ -43,6 +45,8 @@ pub struct Shown {
     pub files: Vec<(PathBuf, Option<SystemTime>)>,
     /// End of its simulation, s.
     pub until: f64,
+    /// What is seen of its mechanism, where each of its joints has one freedom; null without.
+    pub scene: Value,
 }
 
 /// Reads a model that lies at `root` as `file`.
@@ -59,6 +63,7 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
         drawn: "null".into(),
         files: Vec::new(),
         until: 0.0,
+        scene: Value::Null,
     };
     let (problems, loaded) = match load(&args, Purpose::Look) {
         Ok(mut loaded) => (std::mem::take(&mut loaded.compiled.problems), Some(loaded)),
@@ -73,6 +78,9 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
     shown.problems =
         render::first(&problems, PROBLEMS).into_iter().map(|problem| data(problem, &told, root)).collect();
     let mut report = Report::default();
+    if let Some(scene) = loaded.as_ref().and_then(Loaded::scene) {
+        shown.scene = serde_json::from_str(&scene_json(scene, &HashMap::new())).unwrap_or_default();
+    }
     if let Some(Loaded { compiled, on_disk, .. }) = &loaded {
         let written = |path: &Path| path.metadata().ok().and_then(|data| data.modified().ok());
         shown.files = on_disk.iter().map(|file| (file.path.clone(), written(&file.path))).collect();

@@ -78,8 +78,14 @@ impl Runner {
 
     /// Changes the state and tells it.
     fn tell(&self, change: impl FnOnce(&mut Value)) {
-        let mut now = self.now();
+        self.change(&mut self.now(), change);
+    }
+
+    /// The same with the state at hand. States are counted, since one that was asked for may arrive behind a newer one.
+    fn change(&self, now: &mut Now, change: impl FnOnce(&mut Value)) {
+        let count = now.state["count"].as_u64().unwrap_or(0) + 1;
         change(&mut now.state);
+        now.state["count"] = count.into();
         self.news.tell("run", &now.state.to_string());
     }
 
@@ -107,8 +113,9 @@ impl Runner {
         now.input = child.stdin.take();
         (now.scopes, now.bytes) = (None, 0);
         now.rows.clear();
-        now.state = json!({ "state": "starting", "model": model.display().to_string(), "set": body["set"] });
-        self.news.tell("run", &now.state.to_string());
+        self.change(&mut now, |state| {
+            *state = json!({ "state": "starting", "model": model.display().to_string(), "set": body["set"] });
+        });
         drop(now);
         let runner = self.clone();
         std::thread::spawn(move || runner.follow(child, out));
@@ -220,8 +227,8 @@ impl Runner {
             return Reply::refused("the run has just ended", "");
         }
         if let (Some(paused), Some("running" | "paused")) = (paused, now.state["state"].as_str()) {
-            now.state["state"] = if paused { "paused" } else { "running" }.into();
-            self.news.tell("run", &now.state.to_string());
+            let word = if paused { "paused" } else { "running" };
+            self.change(&mut now, |state| state["state"] = word.into());
         }
         Reply::Data(json!({}))
     }

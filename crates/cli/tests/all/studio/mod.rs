@@ -42,6 +42,10 @@ impl Studio {
         // Its own settings, so that tests beside it do not join.
         let mut command = desk.command(&words);
         command.env("BLOCKSIM_HOME", desk.0.join("home"));
+        Studio::start(&mut command)
+    }
+
+    fn start(command: &mut Command) -> Studio {
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("the program");
         let mut address = String::new();
         let out = child.stdout.take().expect("a pipe");
@@ -402,4 +406,127 @@ fn the_page_finds_the_program_again() {
         .expect("a file");
     page.until("document.title === 'Drive – blocksim'");
     assert!(begin.elapsed() < Duration::from_secs(20));
+}
+
+/// A folder with the model of the robot and what it is made of.
+fn with_robot() -> Desk {
+    let desk = Desk::with(&[]);
+    for folder in ["diagrams/irb2600", "params", "plugins"] {
+        let to = desk.0.join(folder);
+        fs::create_dir_all(to.parent().expect("a folder")).expect("a folder");
+        let copied = Command::new("cp").arg("-r").arg(crate::support::root().join(folder)).arg(&to).status();
+        assert!(copied.expect("cp").success());
+    }
+    desk
+}
+
+#[test]
+fn a_move_is_seen_in_3d() {
+    // The project itself is trusted by the tests, as its plug-ins are built there.
+    let home = crate::support::home();
+    let mut command = crate::support::program();
+    command
+        .args(["studio", "--no-open", "--port", "0", "diagrams/irb2600/irb2600.ron"])
+        .current_dir(crate::support::root());
+    let studio = Studio::start(command.env("BLOCKSIM_HOME", home));
+    let Some(mut page) = shown(&studio) else { return };
+    page.value("location.hash = '#motion'");
+    page.until("document.querySelectorAll('.axes tbody tr').length === 6");
+    page.value("R.Motion.load('moves/demo_joint.ron')");
+    page.until("R.Motion.found()?.passes && window.__m.frames > 0");
+    // The tool where the axes lead it, at the start and at the end.
+    let at = |page: &mut Page, t: f64| {
+        page.value(&format!("R.setTime({t}); R.Space.paint(); document.querySelector('.pose').textContent"))
+            .as_str()
+            .expect("text")
+            .to_owned()
+    };
+    let (start, end) = (at(&mut page, 0.0), at(&mut page, 9.0));
+    assert!(start.contains("tcp") && end.contains("tcp") && start != end, "{start} and {end}");
+}
+
+#[test]
+fn moves_are_planned_while_one_types_and_kept() {
+    let desk = with_robot();
+    let model = "diagrams/irb2600/irb2600.ron";
+    let studio = Studio::of(&desk, &["--edit", model]);
+    let Some(mut page) = shown(&studio) else { return };
+    page.value("location.hash = '#motion'");
+    page.until("document.querySelectorAll('.axes tbody tr').length === 6");
+    // Nothing moves yet, which the planner refuses.
+    page.until("document.querySelector('.move-result .bad')");
+    let field = |name: &str| format!("document.querySelector('input[aria-label=\"{name}\"]')");
+    for (name, value) in [
+        ("A1 target", "60"),
+        ("A2 target", "30"),
+        ("A3 target", "-20"),
+        ("A4 target", "45"),
+        ("A5 target", "60"),
+        ("A6 target", "90"),
+    ] {
+        page.value(&format!("{}.focus()", field(name)));
+        page.replace(value);
+    }
+    page.until("R.Motion.found()?.passes");
+    let by_command = desk.call(&[
+        "plan",
+        "joint",
+        "--robot",
+        model,
+        "--from",
+        "0,0,0,0,0,0",
+        "--to",
+        "60,30,-20,45,60,90",
+        "--json",
+    ]);
+    page.until(&format!(
+        "JSON.stringify(R.Motion.found().axes) === JSON.stringify(({}).axes)",
+        by_command.out.trim()
+    ));
+    // Beyond the limit, with a decimal comma: told beside the field, and what was typed stays.
+    page.value(&format!("{}.focus()", field("A3 target")));
+    page.replace("90,5");
+    page.until(
+        "document.querySelectorAll('.axes .told')[2].textContent === 'target 90.50 is above the limit 75.00'",
+    );
+    page.until("document.querySelector('.move-result .bad') && R.Motion.found() === null");
+    assert_eq!(page.value(&format!("{}.value", field("A3 target"))), "90,5");
+    assert_eq!(page.value("document.querySelector('.keep button').disabled"), true);
+    page.replace("abc");
+    page.until("document.querySelectorAll('.axes .told')[2].textContent === 'target abc is not a number'");
+    page.replace("-20,5");
+    page.until("R.Motion.found()?.passes");
+    // Kept as a file that the command reads, and used by the model; then taken back.
+    page.value(&format!("{}.focus()", field("Name of the move")));
+    page.replace("pick");
+    page.value("document.querySelectorAll('.keep button')[1].click()");
+    page.until("document.getElementById('status').textContent.includes('File(')");
+    let kept = desk.read("diagrams/irb2600/moves/pick.ron");
+    assert!(kept.contains("\"-20.5 deg\""), "{kept}");
+    assert!(desk.read(model).contains("\"move\": File(\"moves/pick.ron\")"), "{}", desk.read(model));
+    let checked = desk.call(&["plan", "sequence", "diagrams/irb2600/moves/pick.ron", "--robot", model]);
+    assert_eq!(checked.code, Some(0), "{}", checked.err);
+    page.value("document.activeElement.blur(); R.Values.undo()");
+    page.until("document.getElementById('status').textContent.includes('before the last change')");
+    assert!(desk.read(model).contains("moves/demo_joint.ron"));
+    // A name that leads elsewhere, and a file that is there.
+    for (name, told) in
+        [("../escape", "the name of a move is a word"), ("pick", "there is a move `pick` already")]
+    {
+        page.value(&format!("{}.focus()", field("Name of the move")));
+        page.replace(name);
+        page.value("document.querySelector('.keep button').click()");
+        page.until(&format!("document.getElementById('status').textContent.includes('{told}')"));
+    }
+    assert!(!desk.0.join("diagrams/irb2600/escape.ron").exists());
+    // A line of the tool that was kept, and one out of reach.
+    page.value("R.Motion.load('moves/demo_linear.ron')");
+    page.until("R.Motion.typed().kind === 'linear' && R.Motion.found()?.passes");
+    page.value(&format!("{}.focus()", field("target z")));
+    page.replace("3000");
+    page.until("document.querySelector('.move-result .bad')?.textContent.includes('does not reach')");
+    assert_eq!(page.value("document.querySelector('.move-seen').classList.contains('old')"), true);
+    // Its plug-ins have never been loaded here, so what the model looks like is not known.
+    page.until("document.getElementById('space-view').textContent.includes('has been run once')");
+    assert_eq!(page.complaints.len(), 2, "two refusals: {:?}", page.complaints);
 }
