@@ -26,6 +26,7 @@ mod simulation;
 mod snapshot;
 mod steady;
 mod stepping;
+mod tuning;
 mod variation;
 mod verify;
 

@@ -79,6 +79,8 @@ pub struct Simulation {
     /// The steady state that it began in.
     pub(crate) rest: Option<Rest>,
     pub(crate) majors: u64,
+    /// Work done with other parameters before.
+    pub(crate) carried: Counts,
     pub(crate) events: u64,
     pub(crate) hit_count: u64,
 }
@@ -200,6 +202,7 @@ impl Simulation {
             audit: None,
             rest: None,
             majors: 0,
+            carried: Counts::default(),
             events: 0,
             hit_count: 0,
             relearnt: false,
@@ -235,7 +238,10 @@ impl Simulation {
             }
             // Who runs again has changed the answer.
             let answered = std::mem::take(&mut self.interrupted);
-            if !answered && self.asks() && observer.progress(self.t, &self.counts()) == Control::Stop {
+            if !answered
+                && (self.asks() || observer.is_waiting(self.t))
+                && observer.progress(self.t, &self.counts()) == Control::Stop
+            {
                 self.interrupted = true;
                 return Ok(Ended::Interrupted);
             }
@@ -365,12 +371,12 @@ impl Simulation {
         let solver = self.stepper.as_ref().map(|stepper| stepper.counts()).unwrap_or_default();
         Counts {
             major: self.majors,
-            accepted: solver.accepted,
-            rejected: solver.rejected,
-            evaluations: solver.evaluations,
+            accepted: self.carried.accepted + solver.accepted,
+            rejected: self.carried.rejected + solver.rejected,
+            evaluations: self.carried.evaluations + solver.evaluations,
             events: self.events,
             hits: self.hit_count,
-            limited: solver.limited,
+            limited: self.carried.limited + solver.limited,
             share: self.stepper.as_ref().and_then(|stepper| stepper.share()),
         }
     }

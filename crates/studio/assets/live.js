@@ -93,6 +93,7 @@
       }
     }
     range();
+    if (running() && rows) { state.t = time[rows - 1]; told(); }
     R.setTime(rows ? time[rows - 1] : 0);
     for (const panel of panels) { R.Picture.mark(panel); for (const s of panel.series) s.tell(); }
   };
@@ -139,13 +140,14 @@
   const start = async () => {
     if (running()) return;
     location.hash = '#run';
-    try { await Desk.ask('run', { speed: Number(place.speed.value) }); } catch (error) { Desk.refuse(error); }
+    try { await Desk.ask('run', { speed: Number(place.speed.value), set: settings() }); } catch (error) { Desk.refuse(error); }
   };
 
   const build = () => {
     const view = document.getElementById('run-bar');
     if (!view) return;
     place.line = R.make('p', { class: 'run-line' });
+    place.knobs = R.make('div', { class: 'knobs' });
     place.bar = R.make('progress', { max: '1', value: '0', 'aria-label': 'Simulated time' });
     place.pause = Desk.button('❚❚ Pause', () => control({ do: state?.state === 'paused' ? 'go' : 'pause' }), { title: 'Pause and go on (Space)' });
     place.step = Desk.button('Step', () => control({ do: 'step' }), { title: 'To the next row (S)' });
@@ -153,16 +155,50 @@
     place.speed.addEventListener('change', () => control({ do: 'speed', speed: Number(place.speed.value) }));
     place.follow = R.make('select', { 'aria-label': 'Times shown', title: 'Times shown' }, ...[['0', 'all times'], ['0.1', 'the last 0.1 s'], ['1', 'the last 1 s'], ['2', 'the last 2 s'], ['10', 'the last 10 s']].map(([value, text]) => R.make('option', { value }, text)));
     place.follow.addEventListener('change', () => { follow = Number(place.follow.value); range(); });
-    view.replaceChildren(place.line, place.bar, R.make('div', { class: 'run-tools' }, place.pause, place.step, place.speed, place.follow));
+    view.replaceChildren(place.line, place.bar, R.make('div', { class: 'run-tools' }, place.pause, place.step, place.speed, place.follow), place.knobs);
     told();
     Desk.on('scopes', (/** @type {any} */ data) => { R.guarded('The scopes', () => scopes(data)); });
     Desk.on('rows', add);
+    Desk.on('tuned', (/** @type {any} */ { t, set, refused, help }) => {
+      const one = knobs.get(set.split('=')[0]);
+      if (one) { one.told.textContent = refused ? [refused, help].filter(Boolean).join(' – ') : `since ${R.say(t)} s`; one.told.classList.toggle('bad', Boolean(refused)); }
+    });
     Desk.on('run', renew);
     R.onTheme.push(() => { for (const panel of panels) for (const u of [panel.main, panel.strip]) u?.redraw(false, true); });
     window.addEventListener('resize', fit);
   };
   /** The times of the page are those of the run again, with its last one. */
   const span = () => { if (rows) { R.span = [0, until]; R.setTime(columns[0][rows - 1]); } };
+  /** Parameters that one wants to turn while a run goes on, and what they were set to. @type {Map<string, any>} */ const knobs = new Map();
+  /** A parameter with a slider, from nothing to twice its value, and a field. @param {string} name @param {any} target */
+  const knob = (name, target) => {
+    const [, number, unit] = /^([+-]?[\d.]+(?:e[+-]?\d+)?)\s*(.*)$/i.exec(target.written) ?? [], start = Number(number);
+    const told = R.make('span', { class: 'note', role: 'status' });
+    const field = R.make('input', { type: 'text', value: target.written, 'aria-label': name, size: '12', spellcheck: 'false' });
+    const set = (/** @type {string} */ value) => { told.textContent = ''; field.value = value; if (running()) control({ do: 'set', set: `${name}=${value}` }); else told.textContent = 'for the next run'; };
+    field.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => { if (event.key === 'Enter') set(field.value); });
+    const parts = [R.make('bdi', {}, name), field];
+    if (start) {
+      const [low, high] = start > 0 ? [0, 2 * start] : [2 * start, 0];
+      const slider = R.make('input', { type: 'range', min: String(low), max: String(high), step: String((high - low) / 200), value: String(start), 'aria-label': `${name}, slider` });
+      let wait = 0;
+      slider.addEventListener('input', () => { field.value = `${Number(Number(slider.value).toPrecision(4))} ${unit}`.trim(); clearTimeout(wait); wait = setTimeout(() => set(field.value), 60); });
+      parts.push(slider);
+    } else if (target.written === 'true' || target.written === 'false') parts.push(Desk.button('switch', () => set(field.value === 'true' ? 'false' : 'true')));
+    const away = Desk.button('×', () => { knobs.delete(name); panel(); }, { 'aria-label': `Take ${name} away` });
+    return { told, field, row: R.make('div', { class: 'knob' }, ...parts, away, told) };
+  };
+  const panel = () => place.knobs.replaceChildren(...[...knobs.values()].map((one) => one.row));
+  /** Puts a parameter among those that one wants to turn. @param {string} name @param {any} target */
+  const turn = (name, target) => {
+    if (!knobs.has(name)) knobs.set(name, knob(name, target));
+    panel();
+    location.hash = '#run';
+    Desk.say(`${name} can be turned while a run goes on`);
+  };
+  /** What has been set for runs, as `--set` takes it: what stands in the fields. */
+  const settings = () => [...knobs].filter(([, one]) => one.field.value !== one.field.defaultValue).map(([name, one]) => `${name}=${one.field.value}`);
+
   /** What a run that goes on, or the last one, has shown before this page was there. */
   const catchUp = async () => {
     if (rows || !['running', 'paused', 'done', 'stopped', 'failed'].includes(state?.state)) return;
@@ -177,5 +213,5 @@
       if (width > 0) u.setSize({ width, height: u.heights.screen });
     }
   };
-  return { build, renew, again: () => { fresh = true; }, start, fit, span, speed: () => Number(place.speed.value), catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
+  return { build, renew, turn, again: () => { fresh = true; }, start, fit, span, speed: () => Number(place.speed.value), catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
 })();

@@ -58,6 +58,7 @@
     if (!known.edit) field.setAttribute('data-look', 'true');
     const write = Desk.button('Write', () => change(target.name, field.value, false), { title: `Write it to ${target.place} (Enter)` });
     const run = Desk.button('Run with it', () => change(target.name, field.value, true), { title: 'Run with this value; no file is changed (Shift Enter)' });
+    const turn = Desk.button('Turn', () => Live.turn(target.name, target), { title: 'Turn it while a run goes on' });
     const differs = () => field.value !== target.written;
     const shown = () => { write.hidden = !differs() || !known.edit; run.hidden = !differs(); if (differs()) typed.set(target.name, field.value); else typed.delete(target.name); };
     field.addEventListener('input', shown);
@@ -66,7 +67,7 @@
       if (event.key === 'Escape') { field.value = target.written; wrong.delete(target.name); explain(target.name); shown(); }
     });
     shown();
-    return [R.make('bdi', {}, target.name), R.make('div', {}, field, write, run, answer), target.worth, where, shared];
+    return [R.make('bdi', {}, target.name), R.make('div', {}, field, write, run, turn, answer), target.worth, where, shared];
   };
 
   const show = () => {

@@ -78,6 +78,7 @@ mod tapes;
 mod thermal;
 mod tolerances;
 mod translation;
+mod tuning;
 mod turning;
 mod values_in_loops;
 mod windings;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::values::{assignment, positive, speed, time};
+use super::values::{assignment, change, positive, speed, time};
 use crate::running::selection::{Wanted, wanted};
 
 /// A model and what to change in it.
@@ -72,6 +72,10 @@ pub struct RunArgs {
     /// Folder for the results, which must be new or empty; without it `runs/<time>_<model>`.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Change a parameter while the run goes on, at a time: `0.5s:pid.kp=12`; may be repeated.
+    /// Numbers may change, but not what blocks and states there are; values at the start act no more.
+    #[arg(long, value_name = "TIME:TARGET=VALUE", value_parser = change, allow_hyphen_values = true)]
+    pub change: Vec<(f64, String)>,
     /// Signals to keep, of those that the diagram records: parts of their paths or patterns with `*`, separated by
     /// commas. A rate may follow: `arm/**@10ms`, `arm/**@10rows`, or the minimum and maximum with `@minmax:10ms`.
     #[arg(long, value_name = "PATTERN[@RATE]", value_delimiter = ',', value_parser = wanted)]

@@ -76,6 +76,19 @@ pub fn assignment(text: &str) -> Result<String, String> {
     }
 }
 
+/// `time:target=value`.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn change(text: &str) -> Result<(f64, String), String> {
+    let (at, set) = text.split_once(':').ok_or("write time:target=value, such as 0.5s:pid.kp=12")?;
+    let at = moment(at)?;
+    if at < 0.0 {
+        return Err("a parameter changes at a time from 0 on".to_owned());
+    }
+    Ok((at, assignment(set.trim())?))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -17,3 +17,4 @@ pub mod selection;
 pub mod solver;
 pub mod start;
 mod summary;
+pub mod tuning;

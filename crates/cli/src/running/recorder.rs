@@ -6,6 +6,7 @@ use blocksim_results::{EventRow, RecordingError, Stream};
 use blocksim_sim::{Control, Counts, Observer};
 
 use crate::running::interrupt;
+use crate::running::tuning::{self, Planned, Tunes};
 use crate::terminal::progress::Progress;
 
 /// Rows and events of a run on their way to the disk, and who is told how far it is.
@@ -44,6 +45,62 @@ impl Observer for Shared<'_> {
 
     fn progress(&mut self, t: f64, counts: &Counts) -> Control {
         self.with(|recorder| recorder.progress(t, counts)).unwrap_or(Control::Stop)
+    }
+}
+
+/// A recorder with parameters that change at times that are known before.
+pub struct WithChanges<'a> {
+    recorder: Shared<'a>,
+    planned: Planned,
+    /// Why a change was refused, which ends the run.
+    pub refused: Option<(String, Option<String>)>,
+}
+
+impl<'a> WithChanges<'a> {
+    /// Nothing has changed yet.
+    pub fn new(recorder: Shared<'a>, planned: Planned) -> WithChanges<'a> {
+        WithChanges { recorder, planned, refused: None }
+    }
+}
+
+impl Observer for WithChanges<'_> {
+    fn row(&mut self, t: f64, values: &[f64]) {
+        self.recorder.row(t, values);
+    }
+
+    fn event(&mut self, t: f64, path: &str, what: &str) {
+        self.recorder.event(t, path, what);
+    }
+
+    fn is_waiting(&self, _t: f64) -> bool {
+        self.refused.is_some()
+    }
+
+    fn progress(&mut self, t: f64, counts: &Counts) -> Control {
+        let control = self.recorder.progress(t, counts);
+        if self.refused.is_some() { Control::Stop } else { control }
+    }
+}
+
+impl Tunes for WithChanges<'_> {
+    fn planned(&self) -> Option<f64> {
+        self.planned.time().filter(|_| self.refused.is_none())
+    }
+
+    fn wanted(&mut self, t: f64) -> Option<String> {
+        if self.refused.is_some() { None } else { self.planned.next(t) }
+    }
+
+    fn tuned(&mut self, t: f64, set: &str, refused: Option<(String, Option<String>)>) {
+        match refused {
+            None => {
+                let (target, what) = tuning::event(set);
+                self.recorder.event(t, target, &what);
+            }
+            Some((why, help)) => {
+                self.refused = Some((format!("`{set}` cannot be set at {t} s: {why}"), help));
+            }
+        }
     }
 }
 

@@ -48,6 +48,7 @@ mod tables;
 mod trim;
 #[cfg(unix)]
 mod trust;
+mod tuning;
 mod tutorials;
 mod units;
 mod verify;

@@ -20,6 +20,11 @@ pub trait Observer {
     /// the path and begins with a verb: `switches on`, `touches the upper end (axis 2)`.
     fn event(&mut self, _t: f64, _path: &str, _what: &str) {}
 
+    /// Whether the observer wants to be asked now, at the end of a major step, whether to go on, and not only when it is time.
+    fn is_waiting(&self, _t: f64) -> bool {
+        false
+    }
+
     /// Asked about every 256 steps whether to go on.
     fn progress(&mut self, _t: f64, _counts: &Counts) -> Control {
         Control::Go

@@ -103,6 +103,26 @@ impl Simulation {
         Ok(jumped || reset)
     }
 
+    /// The present instant with other parameters: everything is evaluated, constants as well, and what jumps by that has a row on both
+    /// sides, of which the one before has been recorded.
+    pub(crate) fn begin_anew(&mut self, observer: &mut dyn Observer) -> Result<(), SimError> {
+        self.diagram.settle.changed = false;
+        self.pass(true)?;
+        self.diagram.hold_steps();
+        self.jump_early(false, observer)?;
+        self.pass(true)?;
+        self.jump(true, observer)?;
+        self.diagram.hold_outputs();
+        self.report_modes(false, observer);
+        observer.row(self.t, &self.rows.values);
+        self.guards.known = false;
+        self.guards.turns.forget();
+        self.guards.turns.forget_slopes();
+        self.past.fresh = true;
+        self.relearnt = false;
+        Ok(())
+    }
+
     /// Whether derivatives just behind this instant may differ from those just before it.
     fn is_discontinuous(&self) -> bool {
         let plan = &self.diagram.plan;

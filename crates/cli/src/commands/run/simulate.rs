@@ -18,8 +18,9 @@ use crate::running::blame::{failure, reason, warnings};
 use crate::running::keep::{self, Seen};
 use crate::running::live::Live;
 use crate::running::model_text::{self, MODEL};
-use crate::running::recorder::{Recorder, Shared};
+use crate::running::recorder::{Recorder, Shared, WithChanges};
 use crate::running::start::Began;
+use crate::running::tuning::{Planned, Tuner};
 use crate::running::{manifest, rescue};
 use crate::terminal::console::Console;
 use crate::terminal::format::short_time;
@@ -95,6 +96,7 @@ pub fn simulate(args: &RunArgs, mut setup: Setup, mut simulation: Simulation, co
         .map_err(|error| unwritten(&error))?;
     let progress = Progress::new(console, telling, schedule.settings.stop_time);
     let recorder = Mutex::new(Some(Recorder::new(stream, progress)));
+    let mut tuner = Tuner::new(&args.model, &args.solver, &setup.loaded.on_disk);
     let setup = Mutex::new(Some(setup));
     let began = Began::of(&simulation);
     let keep = |death: &Death| {
@@ -102,16 +104,28 @@ pub fn simulate(args: &RunArgs, mut setup: Setup, mut simulation: Simulation, co
         let end = End::by_death(death, &setup.schedule, recorder.counts, began.clone());
         finish(args, setup, recorder, end, console).unwrap_or_else(|failure| failure.tell(console))
     };
+    let planned = Planned::new(&args.change);
+    let mut refused = None;
     let outcome = if let Some(speed) = args.live {
-        let mut live = Live::begin(Shared(&recorder), simulation.schedule(), speed, console);
-        let outcome = rescue::during(keep, || simulation.run(&mut live));
+        let mut live = Live::begin(Shared(&recorder), simulation.schedule(), planned, speed, console);
+        let outcome = rescue::during(keep, || tuner.run(&mut simulation, &mut live));
         live.finish();
+        outcome
+    } else if !args.change.is_empty() {
+        let mut changes = WithChanges::new(Shared(&recorder), planned);
+        let outcome = rescue::during(keep, || tuner.run(&mut simulation, &mut changes));
+        refused = changes.refused;
         outcome
     } else {
         rescue::during(keep, || simulation.run(&mut Shared(&recorder)))
     };
     let (Some(recorder), Some(setup)) = (taken(&recorder), taken(&setup)) else { return Ok(Exit::Failed) };
     let (ended, exit, problem) = match outcome {
+        Ok(_) if refused.is_some() => {
+            let (message, help) = refused.unwrap_or_default();
+            let problem = Problem { help, ..Problem::error("tuning", message.clone()) };
+            (Ended::Failed { reason: message }, Exit::Failed, Some(problem))
+        }
         Ok(blocksim_sim::Ended::Finished) => (Ended::Complete, Exit::Done, None),
         Ok(blocksim_sim::Ended::Stopped) => {
             let reason = simulation.stop_reason().unwrap_or_default();

@@ -193,6 +193,7 @@ impl Runner {
                 }
                 self.news.tell("rows", line);
             }
+            Some("tuned") => self.news.tell("tuned", line.trim_end()),
             Some("progress") => self.tell(|state| {
                 state["t"] = event["t"].clone();
                 state["factor"] = event["real_time_factor"].clone();
@@ -211,8 +212,13 @@ impl Runner {
         let paused = match body["do"].as_str() {
             Some("pause" | "step") => Some(true),
             Some("go") => Some(false),
-            Some("stop" | "speed") => None,
-            _ => return Reply::refused("a run can pause, go, step, stop, or go at a speed", ""),
+            Some("stop" | "speed" | "set") => None,
+            _ => {
+                return Reply::refused(
+                    "a run can pause, go, step, stop, go at a speed, or be given a parameter",
+                    "",
+                );
+            }
         };
         let mut now = self.now();
         let Some(input) = &mut now.input else {

@@ -1,6 +1,7 @@
-//! What is asked of a run while it runs: `{"do":"pause"}`, `go`, `step`, `stop`, and `{"do":"speed","speed":0.5}`, times real time, or 0
-//! for as fast as it can.
+//! What is asked of a run while it runs: `{"do":"pause"}`, `go`, `step`, `stop`, `{"do":"set","set":"pid.kp=12"}`, and
+//! `{"do":"speed","speed":0.5}`, times real time, or 0 for as fast as it can.
 
+use std::collections::VecDeque;
 use std::io::BufRead;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -20,9 +21,11 @@ pub struct Control {
     steps: AtomicU32,
     /// A step that began between rows is on its way.
     between: AtomicBool,
-    /// Nobody asks any more.
-    left: AtomicBool,
+    /// A parameter is to be set.
+    wished: AtomicBool,
     pace: Mutex<Pace>,
+    /// Parameters that are to be set.
+    wishes: Mutex<VecDeque<String>>,
 }
 
 /// How simulated time follows the clock on the wall.
@@ -40,8 +43,9 @@ impl Control {
             paused: AtomicBool::new(false),
             steps: AtomicU32::new(0),
             between: AtomicBool::new(false),
-            left: AtomicBool::new(false),
+            wished: AtomicBool::new(false),
             pace: Mutex::new(Pace { speed, since: None }),
+            wishes: Mutex::default(),
         }
     }
 
@@ -57,7 +61,6 @@ impl Control {
                 }
             }
             // Whoever started the run has gone.
-            told.left.store(true, Ordering::Relaxed);
             told.paused.store(false, Ordering::Relaxed);
             interrupt::request();
         });
@@ -81,6 +84,12 @@ impl Control {
                 let speed = asked["speed"].as_f64().filter(|speed| speed.is_finite() && *speed >= 0.0);
                 *self.pace() = Pace { speed: speed.unwrap_or(0.0), since: None };
             }
+            Some("set") => {
+                if let Some(set) = asked["set"].as_str() {
+                    self.wishes().push_back(set.to_owned());
+                    self.wished.store(true, Ordering::Relaxed);
+                }
+            }
             Some("stop") => interrupt::request(),
             _ => {}
         }
@@ -90,9 +99,21 @@ impl Control {
         self.pace.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether nobody asks any more.
-    pub fn is_left(&self) -> bool {
-        self.left.load(Ordering::Relaxed)
+    fn wishes(&self) -> std::sync::MutexGuard<'_, VecDeque<String>> {
+        self.wishes.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether a parameter is to be set.
+    pub fn has_wishes(&self) -> bool {
+        self.wished.load(Ordering::Relaxed)
+    }
+
+    /// The next parameter that is to be set.
+    pub fn wish(&self) -> Option<String> {
+        let mut wishes = self.wishes();
+        let wish = wishes.pop_front();
+        self.wished.store(!wishes.is_empty(), Ordering::Relaxed);
+        wish
     }
 
     /// Whether the run has to wait at this time.
@@ -113,7 +134,8 @@ impl Control {
 
     /// Waits as long as it was asked for; `is_row` says whether the wait stands behind a row, of which a paused run may be allowed some.
     pub fn wait(&self, t: f64, is_row: bool) {
-        while !interrupt::is_requested() {
+        // What is to be set is set at the end of this instant.
+        while !interrupt::is_requested() && !self.has_wishes() {
             if self.paused.load(Ordering::Relaxed) {
                 let has_step = self.steps.load(Ordering::Relaxed) > 0;
                 // Whoever stood between rows has made the step when the next one comes.

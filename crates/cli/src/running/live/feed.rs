@@ -116,6 +116,14 @@ impl Feed {
         self.times.truncate(ROWS / 2);
     }
 
+    /// Tells what came of a parameter that was to change.
+    pub fn tuned(&mut self, t: f64, set: &str, refused: Option<(String, Option<String>)>) {
+        self.tell();
+        let (message, help) = refused.map_or((None, None), |(message, help)| (Some(message), help));
+        let event = json!({ "v": 1, "type": "tuned", "t": t, "set": set, "refused": message, "help": help });
+        let _ = self.console.data(&format!("{event}\n"));
+    }
+
     /// Tells what waits.
     pub fn tell(&mut self) {
         self.told = Instant::now();

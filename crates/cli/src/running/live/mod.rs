@@ -16,8 +16,8 @@ pub use scopes::scopes;
 
 use self::control::Control;
 use self::feed::Feed;
-use crate::running::interrupt;
 use crate::running::recorder::Shared;
+use crate::running::tuning::{self, Planned, Tunes};
 use crate::terminal::console::Console;
 
 /// Hands all to the recorder, and to who looks.
@@ -25,14 +25,23 @@ pub struct Live<'a> {
     recorder: Shared<'a>,
     feed: Feed,
     control: Arc<Control>,
+    planned: Planned,
+    /// A parameter is being set: the rows of that come all at once, also where the run is paused.
+    tuning: bool,
 }
 
 impl<'a> Live<'a> {
     /// Tells which scopes there are, and listens to the standard input from now on; `speed` is that at first, times real time.
-    pub fn begin(recorder: Shared<'a>, schedule: &Schedule, speed: f64, console: Console) -> Live<'a> {
+    pub fn begin(
+        recorder: Shared<'a>,
+        schedule: &Schedule,
+        planned: Planned,
+        speed: f64,
+        console: Console,
+    ) -> Live<'a> {
         let scopes = scopes(schedule);
         let feed = Feed::begin(&scopes, schedule.settings.stop_time, console);
-        Live { recorder, feed, control: Control::of_standard_input(speed) }
+        Live { recorder, feed, control: Control::of_standard_input(speed), planned, tuning: false }
     }
 
     /// Tells what has not been told.
@@ -44,7 +53,7 @@ impl<'a> Live<'a> {
 impl Observer for Live<'_> {
     fn row(&mut self, t: f64, values: &[f64]) {
         self.recorder.row(t, values);
-        if self.control.holds(t) {
+        if !self.tuning && self.control.holds(t) {
             // Who looks at a run that stands still is to see all that was before.
             self.feed.tell();
             self.control.wait(t, true);
@@ -56,11 +65,36 @@ impl Observer for Live<'_> {
         self.recorder.event(t, path, what);
     }
 
+    fn is_waiting(&self, _t: f64) -> bool {
+        self.control.has_wishes()
+    }
+
     fn progress(&mut self, t: f64, counts: &Counts) -> Answer {
-        self.control.wait(t, false);
-        if self.control.is_left() {
-            interrupt::request();
+        if !self.is_waiting(t) {
+            self.control.wait(t, false);
         }
-        self.recorder.progress(t, counts)
+        let answer = self.recorder.progress(t, counts);
+        if self.is_waiting(t) { Answer::Stop } else { answer }
+    }
+}
+
+impl Tunes for Live<'_> {
+    fn planned(&self) -> Option<f64> {
+        self.planned.time()
+    }
+
+    fn wanted(&mut self, t: f64) -> Option<String> {
+        let wish = self.planned.next(t).or_else(|| self.control.wish());
+        self.tuning = wish.is_some();
+        wish
+    }
+
+    fn tuned(&mut self, t: f64, set: &str, refused: Option<(String, Option<String>)>) {
+        self.tuning = false;
+        let (target, what) = tuning::event(set);
+        if refused.is_none() {
+            self.recorder.event(t, target, &what);
+        }
+        self.feed.tuned(t, set, refused);
     }
 }

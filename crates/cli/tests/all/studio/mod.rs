@@ -530,3 +530,42 @@ fn moves_are_planned_while_one_types_and_kept() {
     page.until("document.getElementById('space-view').textContent.includes('has been run once')");
     assert_eq!(page.complaints.len(), 2, "two refusals: {:?}", page.complaints);
 }
+
+#[test]
+fn a_parameter_is_turned_while_a_run_goes_on_and_the_run_can_be_repeated() {
+    let text = SERVO.replace("\"2 s\"", "\"60 s\", solver: Ode4(step: \"10 ms\")");
+    let desk = Desk::with(&[("servo.ron", &text)]);
+    let studio = Studio::of(&desk, &[]);
+    let Some(mut page) = shown(&studio) else { return };
+    page.value("location.hash = '#values'");
+    page.until("document.querySelector('input[aria-label=\"demand.after\"]')");
+    page.value("[...document.querySelector('input[aria-label=\"demand.after\"]').closest('td').querySelectorAll('button')].find((b) => b.textContent === 'Turn').click()");
+    page.until("document.querySelector('.knob input[type=range]')");
+    page.value("R.Desk.ask('run', { speed: 1 }).then(() => null)");
+    page.until("R.Live.rows() > 60");
+    page.key(" ");
+    page.until("document.querySelector('.run-line').textContent.includes('paused')");
+    page.value("(() => { const slider = document.querySelector('.knob input[type=range]'); slider.value = 45; slider.dispatchEvent(new Event('input')); })()");
+    page.until("/^since [0-9.]+ s$/.test(document.querySelector('.knob .note').textContent)");
+    // A unit of something else is refused, and the run goes on.
+    page.value("document.querySelector('.knob input[type=text]').focus()");
+    page.replace("3 kg");
+    page.key("Enter");
+    page.until("document.querySelector('.knob .note.bad')");
+    page.value("document.activeElement.blur(); R.Desk.ask('control', { do: 'speed', speed: 0 }).then(() => R.Desk.ask('control', { do: 'go' })).then(() => null)");
+    page.until("document.querySelector('.run-line').textContent.includes('60 s simulated')");
+    page.until(
+        "[...document.querySelectorAll('#plots .entry b')].map((b) => b.textContent).join() === '45,45'",
+    );
+    let run = format!("runs/{}", desk.names("runs")[0]);
+    let events = desk.read(&format!("{run}/events.csv"));
+    let line = events.lines().find(|line| line.contains("is set to")).expect("an event");
+    let at = line.split(',').next().expect("a time");
+    assert!(line.contains("demand.after") && line.contains("is set to 45 deg"), "{line}");
+    // The same by a command, to the bit.
+    let change = format!("{at}:demand.after=45 deg");
+    let again = desk.call(&["run", "servo.ron", "--change", &change, "--out", "again", "--quiet"]);
+    assert_eq!(again.code, Some(0), "{}", again.err);
+    assert_eq!(desk.read(&format!("{run}/signals.csv")), desk.read("again/signals.csv"));
+    assert_eq!(desk.read("servo.ron"), text);
+}

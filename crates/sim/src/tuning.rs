@@ -1,0 +1,103 @@
+//! Other parameters in the middle of a run.
+//!
+//! A block holds its parameters and nothing that changes, so a run goes on with other parameters as a run of another schedule of
+//! the same shape: time, states, memories and held outputs are carried over, constants and branches are evaluated anew, and what
+//! jumps by that is recorded on both sides.
+
+use std::sync::Arc;
+
+use blocksim_block::schedule::Schedule;
+
+use crate::{Observer, SimError, Simulation};
+
+impl Simulation {
+    /// Goes on with other parameters: those of a schedule of the same diagram. Values at the start act no more. Sampled blocks
+    /// use theirs from their next hit on.
+    ///
+    /// # Errors
+    /// `tuning` if blocks, states, signals or sample times differ; the run is then as it was. Those of a major step, if one
+    /// with these parameters cannot be made.
+    pub fn tune(&mut self, schedule: Arc<Schedule>, observer: &mut dyn Observer) -> Result<(), SimError> {
+        if let Some(difference) = difference(&self.schedule, &schedule) {
+            let message = format!("the parameters make another model: {difference}");
+            let help = "run it from the start; while a run goes on, parameters may change numbers, not what there is";
+            return Err(SimError::new("tuning", self.t, message).help(help));
+        }
+        let mut next = Self::given(schedule)?;
+        if !self.started {
+            *self = next;
+            return Ok(());
+        }
+        next.t = self.t;
+        next.x.clone_from(&self.x);
+        next.diagram.d.clone_from(&self.diagram.d);
+        next.modes.note(&next.diagram.d);
+        for signal in &self.schedule.signals {
+            let cells = signal.offset..signal.offset + signal.shape.len();
+            next.diagram.signals[cells.clone()].copy_from_slice(&self.diagram.signals[cells]);
+        }
+        next.diagram.loops.anchors.clone_from(&self.diagram.loops.anchors);
+        next.diagram.place(next.t, &next.x);
+        next.started = true;
+        next.hits.next.clone_from(&self.hits.next);
+        next.hits.due.clone_from(&self.hits.due);
+        next.hits.tell_times();
+        if let (Some(to), Some(from)) = (&mut next.rows.grid, &self.rows.grid) {
+            to.next = from.next;
+        }
+        if let (Some(to), Some(from)) = (&mut next.grid, &self.grid) {
+            to.next = from.next;
+        }
+        next.pace.clone_from(&self.pace);
+        next.past.clone_from(&self.past);
+        next.sizes.clone_from(&self.sizes);
+        (next.majors, next.events, next.hit_count) = (self.majors, self.events, self.hit_count);
+        next.carried = self.counts();
+        // It was interrupted, and that has been told.
+        next.interrupted = self.interrupted;
+        next.begin_anew(observer)?;
+        *self = next;
+        Ok(())
+    }
+}
+
+/// What makes it impossible to carry states over; nothing if they mean the same in both.
+fn difference(now: &Schedule, next: &Schedule) -> Option<String> {
+    for (one, other) in now.blocks.iter().zip(&next.blocks) {
+        if one.path != other.path || one.kind != other.kind {
+            return Some(format!("`{}` stands where `{}` stood", other.path, one.path));
+        }
+        let names = |block: &blocksim_block::schedule::Instance| -> Vec<String> {
+            let states = block.interface.states.iter().map(|state| state.name.clone());
+            let discrete = block.interface.discrete.iter().map(|state| state.name().into_owned());
+            states.chain(discrete).collect()
+        };
+        let same = (one.x, one.d, one.g, one.rate) == (other.x, other.d, other.g, other.rate)
+            && one.interface.guards.len() == other.interface.guards.len()
+            && names(one) == names(other);
+        if !same {
+            return Some(format!("`{}` has other states, conditions or sample times", one.path));
+        }
+    }
+    let signals = |schedule: &Schedule| -> Vec<_> {
+        schedule
+            .signals
+            .iter()
+            .map(|signal| (signal.path.clone(), signal.offset, signal.shape.len()))
+            .collect()
+    };
+    let recorded = |schedule: &Schedule| -> Vec<_> {
+        schedule.recorded.iter().map(|recorded| (recorded.path.clone(), recorded.cell)).collect()
+    };
+    let differs = |differs: bool, what: &str| differs.then(|| what.to_owned());
+    differs(now.blocks.len() != next.blocks.len(), "it has more blocks, or fewer")
+        .or_else(|| differs(signals(now) != signals(next), "its signals are others"))
+        .or_else(|| differs(recorded(now) != recorded(next), "other signals are recorded"))
+        .or_else(|| {
+            differs((now.states, now.discrete) != (next.states, next.discrete), "its states are others")
+        })
+        .or_else(|| differs(now.loops.len() != next.loops.len(), "its algebraic loops are others"))
+        .or_else(|| differs(now.clock != next.clock, "its sample times are others"))
+        .or_else(|| differs(now.settings.solver != next.settings.solver, "the method of solution is another"))
+        .or_else(|| differs(now.settings.output != next.settings.output, "rows are recorded at other times"))
+}

@@ -1,0 +1,210 @@
+//! Parameters that change in the middle of a run, against closed forms and against models in which a signal does the same.
+
+use std::sync::Arc;
+
+use blocksim_block::schedule::Schedule;
+use blocksim_sim::{Control, Counts, Ended, Observer, Simulation};
+use blocksim_tests::compile_text;
+
+/// Keeps all rows, and interrupts the run at the first step at or behind a time.
+#[derive(Default)]
+struct Watch {
+    rows: Vec<(f64, Vec<f64>)>,
+    stop: Option<f64>,
+}
+
+impl Observer for Watch {
+    fn row(&mut self, t: f64, values: &[f64]) {
+        self.rows.push((t, values.to_vec()));
+    }
+
+    fn is_waiting(&self, t: f64) -> bool {
+        self.stop.is_some_and(|stop| t >= stop)
+    }
+
+    fn progress(&mut self, t: f64, _: &Counts) -> Control {
+        if self.is_waiting(t) { Control::Stop } else { Control::Go }
+    }
+}
+
+fn schedule(text: &str) -> Arc<Schedule> {
+    let (compiled, problems) = compile_text(text);
+    Arc::new(compiled.schedule.unwrap_or_else(|| panic!("{problems}")))
+}
+
+/// Rows of a run in which `text` becomes another text at the first step at or behind `at`, and that time.
+fn tuned(text: &str, other: &str, at: f64) -> (Vec<(f64, Vec<f64>)>, f64) {
+    let mut simulation = Simulation::new(schedule(text)).expect("a start");
+    let mut watch = Watch { stop: Some(at), ..Watch::default() };
+    assert_eq!(simulation.run(&mut watch).expect("a run"), Ended::Interrupted);
+    let t = simulation.time();
+    let before = simulation.counts();
+    simulation.tune(schedule(other), &mut watch).expect("other parameters");
+    watch.stop = None;
+    assert_eq!(simulation.run(&mut watch).expect("a run"), Ended::Finished);
+    let after = simulation.counts();
+    assert!(after.accepted > before.accepted && after.major > before.major, "work is counted on");
+    (watch.rows, t)
+}
+
+fn untouched(text: &str) -> Vec<(f64, Vec<f64>)> {
+    let mut watch = Watch::default();
+    Simulation::new(schedule(text)).expect("a start").run(&mut watch).expect("a run");
+    watch.rows
+}
+
+/// x' = -k x.
+fn decay(k: &str, solver: &str) -> String {
+    format!(
+        r#"Diagram(simulation: (stop_time: "2 s", solver: {solver}), blocks: {{
+            "k": Gain(k: "{k}"), "x": Integrator(x0: 1), "s": Scope(inputs: ["x", "rate"]) }},
+           connections: ["x.y -> k.u, s.x", "k.y -> x.u, s.rate"])"#
+    )
+}
+
+#[test]
+fn a_gain_acts_from_its_change_on() {
+    for (solver, tolerance) in [
+        ("Ode45(rtol: 1e-9)", 1e-7),
+        ("Ode4(step: \"1 ms\")", 1e-9),
+        ("Ode15s(rtol: 1e-8)", 1e-6),
+        ("Rodas4(rtol: 1e-8)", 1e-6),
+    ] {
+        let (rows, t) = tuned(&decay("-1 1/s", solver), &decay("-3 1/s", solver), 0.7);
+        let expected = (-t).exp() * (-3.0 * (2.0 - t)).exp();
+        let (end, last) = rows.last().expect("rows");
+        assert_eq!(*end, 2.0);
+        assert!((last[0] - expected).abs() < tolerance, "{solver}: {} and {expected}", last[0]);
+        // The state does not jump, the rate does: rows on both sides.
+        let around: Vec<_> = rows.iter().filter(|(time, _)| *time == t).collect();
+        let [.., (_, before), (_, after)] = around.as_slice() else { panic!("{solver}: {around:?}") };
+        assert_eq!(before[0], after[0]);
+        assert!((after[1] / before[1] - 3.0).abs() < 1e-12, "{solver}: {before:?} and {after:?}");
+    }
+}
+
+#[test]
+fn constants_initial_values_and_limits() {
+    let text = |value: &str, x0: &str, upper: &str| {
+        format!(
+            r#"Diagram(simulation: (stop_time: "2 s", solver: Ode4(step: "10 ms")), blocks: {{
+                "c": Constant(value: {value}), "x": Integrator(x0: {x0}), "l": Saturation(lower: -1, upper: {upper}), "s": Scope(inputs: ["x", "l"]) }},
+               connections: ["c.y -> x.u", "x.y -> l.u, s.x", "l.y -> s.l"])"#
+        )
+    };
+    let (rows, t) = tuned(&text("1", "0", "0.5"), &text("-1", "7", "0.8"), 1.0);
+    assert_eq!(t, 1.0);
+    let at = |time: f64| rows.iter().rev().find(|(t, _)| (t - time).abs() < 1e-9).expect("a row").1.clone();
+    // It goes on from where it was, whatever it would begin with.
+    assert!((at(1.0)[0] - 1.0).abs() < 1e-12 && (at(1.0)[1] - 0.8).abs() < 1e-12, "{:?}", at(1.0));
+    assert!((at(1.5)[0] - 0.5).abs() < 1e-12 && (at(2.0)[0] - 0.0).abs() < 1e-12);
+    assert!((at(1.1)[1] - 0.8).abs() < 1e-12, "the limit holds: {:?}", at(1.1));
+}
+
+#[test]
+fn a_sampled_controller_goes_on_as_with_a_gain_that_is_a_signal() {
+    let text = |gain: &str, solver: &str| {
+        format!(
+            r#"Diagram(simulation: (stop_time: "1 s", solver: {solver}), blocks: {{
+                "w": Constant(value: 1), "e": Sum(signs: "+-"), "hold": ZeroOrderHold(ts: "10 ms"), {gain}
+                "d": DiscreteIntegrator(ts: "10 ms"), "u": Sum(signs: "++"), "x": FirstOrder, "s": Scope(inputs: ["x", "u"]) }},
+               connections: ["w.y -> e.u1", "x.y -> e.u2", "e.y -> hold.u", "hold.y -> d.u", "d.y -> u.u2", "u.y -> x.u, s.u", "x.y -> s.x", {}])"#,
+            if gain.contains("Product") {
+                r#""hold.y -> k.u1", "step.y -> k.u2", "k.y -> u.u1""#
+            } else {
+                r#""hold.y -> k.u", "k.y -> u.u1""#
+            }
+        )
+        .replace("FirstOrder", "TransferFunction(num: [1], den: [0.1, 1])")
+    };
+    for (solver, tolerance) in [("Ode4(step: \"2 ms\")", 1e-13), ("Ode45(rtol: 1e-10)", 1e-8)] {
+        let plain = |k: &str| text(&format!("\"k\": Gain(k: {k}),"), solver);
+        let (rows, t) = tuned(&plain("4"), &plain("0.5"), 0.5);
+        assert!((t - 0.5).abs() < 1e-12);
+        let signal = text(
+            "\"k\": Product(factors: 2), \"step\": Step(time: \"0.5 s\", before: 4, after: 0.5),",
+            solver,
+        );
+        let signal = signal.replace("Product(factors: 2)", "Product");
+        let expected = untouched(&signal);
+        let (end, last) = rows.last().expect("rows");
+        let (same, wanted) = expected.last().expect("rows");
+        assert_eq!(end, same);
+        for (a, b) in last.iter().zip(wanted) {
+            assert!((a - b).abs() < tolerance, "{solver}: {last:?} and {wanted:?}");
+        }
+    }
+}
+
+#[test]
+fn a_network_goes_on_with_another_resistance() {
+    let text = |r: &str| {
+        format!(
+            r#"Diagram(simulation: (stop_time: "2 s", solver: Ode45(rtol: 1e-9)), blocks: {{
+                "u": VoltageSource(v: "10 V"), "r": Resistor(r: "{r}"), "c": Capacitor(c: "1 mF"), "g": ElectricalReference,
+                "m": VoltageSensor, "s": Scope(inputs: ["v"]) }},
+               connections: ["u.p <-> r.p", "r.n <-> c.p", "c.p <-> m.p", "c.n <-> u.n", "c.n <-> m.n", "c.n <-> g.p", "m.v -> s.v"])"#
+        )
+    };
+    let (rows, t) = tuned(&text("1 kOhm"), &text("100 Ohm"), 0.5);
+    let at = 10.0 - 10.0 * (-t).exp();
+    let expected = 10.0 + (at - 10.0) * (-(2.0 - t) / 0.1).exp();
+    assert!((rows.last().expect("rows").1[0] - expected).abs() < 1e-6, "{:?} and {expected}", rows.last());
+}
+
+#[test]
+fn the_same_parameters_change_nothing() {
+    for file in [
+        "diagrams/servo.ron",
+        "diagrams/pid_anti_windup.ron",
+        "diagrams/bouncing_mass.ron",
+        "diagrams/pendulum.ron",
+        "diagrams/dc_motor_start.ron",
+    ] {
+        let (compiled, problems) = blocksim_tests::compile_file(file, &[]);
+        let schedule = Arc::new(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+        let (mut touched, mut plain) = (Watch::default(), Watch::default());
+        let stop = schedule.settings.stop_time;
+        Simulation::new(Arc::clone(&schedule)).expect("a start").run(&mut plain).expect("a run");
+        let mut simulation = Simulation::new(Arc::clone(&schedule)).expect("a start");
+        for part in [0.2, 0.5, 0.7] {
+            touched.stop = Some(part * stop);
+            simulation.run(&mut touched).expect("a run");
+            simulation.tune(Arc::clone(&schedule), &mut touched).expect("the same");
+        }
+        touched.stop = None;
+        simulation.run(&mut touched).expect("a run");
+        let (end, last) = touched.rows.last().expect("rows");
+        let (same, wanted) = plain.rows.last().expect("rows");
+        assert_eq!(end, same, "{file}");
+        for (n, (a, b)) in last.iter().zip(wanted).enumerate() {
+            let size = plain.rows.iter().fold(0.0_f64, |size, (_, row)| size.max(row[n].abs()));
+            assert!((a - b).abs() <= 1e-3 * size + 1e-9, "{file}: signal {n} is {a} and {b}");
+        }
+    }
+}
+
+#[test]
+fn another_model_is_refused_and_the_run_goes_on() {
+    let text = decay("-1 1/s", "Ode4(step: \"1 ms\")");
+    let mut simulation = Simulation::new(schedule(&text)).expect("a start");
+    let mut watch = Watch { stop: Some(0.5), ..Watch::default() };
+    simulation.run(&mut watch).expect("a run");
+    let others = [
+        (text.replace("\"k\": Gain", "\"j\": Constant(value: 1), \"k\": Gain"), "`j` stands where `k` stood"),
+        (text.replace("Integrator(x0: 1)", "TransferFunction(num: [1], den: [1, 2, 1])"), "`x`"),
+        (text.replace("1 ms", "2 ms"), "the method of solution is another"),
+        (
+            text.replace("\"x\", \"rate\"", "\"x\", \"rates\"").replace("s.rate\"", "s.rates\""),
+            "other signals are recorded",
+        ),
+    ];
+    for (other, told) in others {
+        let error = simulation.tune(schedule(&other), &mut watch).expect_err("another model");
+        assert_eq!(error.code, "tuning");
+        assert!(error.message.contains(told), "{}", error.message);
+    }
+    watch.stop = None;
+    simulation.run(&mut watch).expect("a run");
+    assert!((watch.rows.last().expect("rows").1[0] - (-2.0_f64).exp()).abs() < 1e-9);
+}
