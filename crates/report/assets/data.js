@@ -29,6 +29,7 @@ const R = {
   /** @type {any} */ Tables: null,
   /** @type {any} */ Search: null,
   /** @type {any} */ Measure: null,
+  /** Leads to where a parameter can be changed, if it can. @type {((name: string) => void)|null} */ change: null,
 
   /** A list of numbers from the block. @param {[number, number, number]} where @returns {Float64Array} */
   list([at, count, width]) {

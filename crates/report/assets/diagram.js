@@ -66,6 +66,8 @@ R.Diagram = (() => {
     made.addEventListener('click', does);
     return made;
   };
+  /** The name of a parameter; where it can be changed it leads there. @param {string} path @param {string} own */
+  const named = (path, own) => R.change ? button(own, () => R.change(`${path}.${own}`)) : own;
   /** Values of a wire that go with the time. @param {number} at */
   const courses = (at) => R.Wires.on(level, at).map((/** @type {any} */ { element, signal }) => {
     const value = R.make('b', {}, signal.say());
@@ -124,7 +126,7 @@ R.Diagram = (() => {
     if (parameters.length) {
       const means = new Map(known?.parameters ?? []);
       parts.push(R.make('table', {}, R.make('thead', {}, R.make('tr', {}, ...['parameter', 'written', 'value'].map((head) => R.make('th', { scope: 'col' }, head)))),
-        R.make('tbody', {}, ...parameters.map((/** @type {string[]} */ [own, text, value]) => R.make('tr', { title: means.get(own) ?? '' }, R.make('td', {}, own), R.make('td', {}, R.make('code', {}, text)), R.make('td', { class: 'n' }, value))))));
+        R.make('tbody', {}, ...parameters.map((/** @type {string[]} */ [own, text, value]) => R.make('tr', { title: means.get(own) ?? '' }, R.make('td', {}, named(level.path ? `${level.path}/${name}` : name, own)), R.make('td', {}, R.make('code', {}, text)), R.make('td', { class: 'n' }, value))))));
     }
     const out = texts.drawings[level.drawing].nets.flatMap((/** @type {any} */ [, ends, directed], /** @type {number} */ at) => directed && ends[0] === n ? courses(at) : []);
     if (out.length) parts.push(R.make('h4', {}, 'its outputs now'), R.make('ul', { class: 'carried' }, ...out));

@@ -8,15 +8,20 @@
   const SIGNS = { ready: '✔', stale: '↻', error: '✕', missing: '○' };
   /** @type {any} */ let known = null;
 
-  /** A problem with its place and its remedy. @param {any} problem */
-  const item = (problem) => {
+  /** Corrects a problem as it proposes itself. @param {number} n */
+  const fix = async (n) => {
+    try { const done = await Desk.ask('fix', { problem: n, version: known.version }); Desk.say(`${done.message}; Ctrl Z takes it back`); } catch (error) { Desk.refuse(error); }
+  };
+  /** A problem with its place and its remedy. @param {any} problem @param {number} n */
+  const item = (problem, n) => {
     const place = problem.file ? `${problem.file}${problem.line ? `:${problem.line}` : ''}` : '';
     const parts = [R.make('b', {}, problem.severity), ` ${problem.message} `, place ? R.make('code', {}, place) : ''];
     if (problem.help) parts.push(R.make('div', { class: 'note' }, problem.help));
+    if (problem.fix !== null && known.edit) parts.push(Desk.button('Fix', () => fix(n), { title: `Write ${problem.fix.trim() || 'nothing'} there` }));
     return R.make('li', { class: problem.severity }, ...parts);
   };
   /** @param {any[]} problems */
-  const list = (problems) => R.make('ul', { class: 'problems' }, ...problems.map(item));
+  const list = (problems) => R.make('ul', { class: 'problems' }, ...problems.map((one) => item(one, known.problems.indexOf(one))));
 
   const problems = () => {
     const place = document.getElementById('problems');

@@ -67,6 +67,8 @@
   };
   onScreen(R.Diagram, 'show', 'diagram');
   onScreen(R.Plots, 'find', 'run');
+  onScreen(Values, 'find', 'values');
+  R.change = Values.find;
   Keys.build();
   Live.build();
   document.getElementById('models')?.addEventListener('change', (event) => {

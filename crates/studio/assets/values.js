@@ -91,13 +91,15 @@
     }
     // Who types goes on typing.
     const focus = /** @type {any} */ (document.activeElement), name = place.list.contains(focus) ? focus.getAttribute('aria-label') : null;
+    const [from, to] = name ? [focus.selectionStart, focus.selectionEnd] : [0, 0];
     show();
-    if (name) place.list.querySelector(`input[aria-label="${CSS.escape(name)}"]`)?.focus();
+    const again = name && place.list.querySelector(`input[aria-label="${CSS.escape(name)}"]`);
+    if (again) { again.focus(); again.setSelectionRange(from, to); }
   };
   /** Shows one parameter, or those of a block. @param {string} name */
   const find = async (name) => {
-    location.hash = '#values';
     await renew();
+    if (!place.filter) return;
     place.filter.value = name;
     show();
   };

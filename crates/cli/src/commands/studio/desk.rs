@@ -124,6 +124,23 @@ impl Studio {
         })
     }
 
+    /// Corrects a problem as it proposes itself.
+    fn fix(&self, body: &Value) -> Reply {
+        let now = self.now();
+        let fix =
+            body["problem"].as_u64().and_then(|n| now.shown.fixes.get(usize::try_from(n).ok()?)?.clone());
+        let Some(fix) = fix.filter(|_| body["version"] == now.shown.version) else {
+            return Reply::refused(
+                "the model has been read anew since",
+                "look at its problems as they are now",
+            );
+        };
+        drop(now);
+        let told = format!("{} is corrected", fix.path.display());
+        let mut changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
+        changes.write(fix.path, fix.old, fix.new, &told)
+    }
+
     /// Keeps a move as a file, and has the model use it if that is wanted.
     fn keep(&self, model: &Path, body: &Value) -> Reply {
         let model = self.root.join(model);
@@ -213,7 +230,7 @@ impl Desk for Studio {
             "model" => self.choose(body),
             "plan" => motion::plan(&self.root.join(model), body),
             "kept" => motion::kept(&self.root.join(model), body["name"].as_str().unwrap_or_default()),
-            "set" | "undo" | "keep" if !self.may_edit => Reply::refused(
+            "set" | "undo" | "keep" | "fix" if !self.may_edit => Reply::refused(
                 "this page may not change files",
                 "start it with `blocksim studio --edit`; `Run with it` needs no file",
             ),
@@ -222,6 +239,7 @@ impl Desk for Studio {
                 changes.set(&self.root.join(model), body, self.console)
             }
             "keep" => self.keep(&model, body),
+            "fix" => self.fix(body),
             "undo" => self.changes.lock().unwrap_or_else(PoisonError::into_inner).undo(),
             _ => Reply::Missing,
         }

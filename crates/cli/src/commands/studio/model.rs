@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use blocksim_block::problem::{Problem, Severity};
-use blocksim_diagram::{Sources, model};
+use blocksim_diagram::{SourceFile, Sources, model};
 use blocksim_report::{Report, texts};
 use serde_json::{Value, json};
 
@@ -39,6 +39,8 @@ pub struct Shown {
     pub warnings: usize,
     /// All problems for the page.
     pub problems: Vec<Value>,
+    /// For each of them the one likely remedy, where there is one.
+    pub fixes: Vec<Option<Fix>>,
     /// Drawings of all levels, for the page.
     pub drawn: Arc<str>,
     /// Files that it was read from, and when each was written.
@@ -47,6 +49,34 @@ pub struct Shown {
     pub until: f64,
     /// What is seen of its mechanism, where each of its joints has one freedom; null without.
     pub scene: Value,
+}
+
+/// A change of a text that corrects a problem.
+#[derive(Debug, Clone)]
+pub struct Fix {
+    /// The file.
+    pub path: PathBuf,
+    /// Its text, as it was read.
+    pub old: String,
+    /// Its text with the change.
+    pub new: String,
+}
+
+impl Fix {
+    /// The change that a problem carries, if it is about a file.
+    fn of(problem: &Problem, files: &[SourceFile], on_disk: &[SourceFile]) -> Option<Fix> {
+        let edit = problem.remedy()?;
+        let file = files.get(edit.place.file.0 as usize)?;
+        let is_file = on_disk.iter().any(|known| known.path == file.path);
+        let fits = file.text.get(edit.place.span.clone()) == Some(edit.old.as_str());
+        if !is_file || !fits {
+            return None;
+        }
+        let old = file.text.to_string();
+        let mut new = old.clone();
+        new.replace_range(edit.place.span.clone(), &edit.new);
+        Some(Fix { path: file.path.clone(), old, new })
+    }
 }
 
 /// Reads a model that lies at `root` as `file`.
@@ -60,6 +90,7 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
         untrusted: None,
         warnings: 0,
         problems: Vec::new(),
+        fixes: Vec::new(),
         drawn: "null".into(),
         files: Vec::new(),
         until: 0.0,
@@ -75,8 +106,14 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
     let counts = |severity| problems.iter().filter(|problem| problem.severity == severity).count();
     (shown.errors, shown.warnings) = (counts(Severity::Error), counts(Severity::Warning));
     let told = Texts::of(&sources);
-    shown.problems =
-        render::first(&problems, PROBLEMS).into_iter().map(|problem| data(problem, &told, root)).collect();
+    let on_disk = loaded.as_ref().map(|loaded| loaded.on_disk.as_slice()).unwrap_or_default();
+    for problem in render::first(&problems, PROBLEMS) {
+        let fix = Fix::of(problem, &sources, on_disk);
+        let mut data = data(problem, &told, root);
+        data["fix"] = problem.remedy().filter(|_| fix.is_some()).map(|edit| edit.new.clone()).into();
+        shown.problems.push(data);
+        shown.fixes.push(fix);
+    }
     let mut report = Report::default();
     if let Some(scene) = loaded.as_ref().and_then(Loaded::scene) {
         shown.scene = serde_json::from_str(&scene_json(scene, &HashMap::new())).unwrap_or_default();

@@ -77,16 +77,25 @@ impl Changes {
         if edit.old == edit.new {
             return Reply::Data(json!({ "message": edit.told(), "difference": "" }));
         }
-        if let Err(failure) = write_file(&edit.path, edit.new.as_bytes(), true) {
+        let told = edit.told();
+        self.write(edit.path, edit.old, edit.new, &told)
+    }
+
+    /// Writes another text in the place of one that is still there.
+    pub fn write(&mut self, path: PathBuf, old: String, new: String, told: &str) -> Reply {
+        if limited_text(&path, MOST_TEXT).ok().as_deref() != Some(&old) {
+            let message = format!("`{}` has been changed meanwhile", path.display());
+            return Reply::refused(message, "look at it as it is now");
+        }
+        if let Err(failure) = write_file(&path, new.as_bytes(), true) {
             return refusal(failure);
         }
-        let told =
-            json!({ "message": edit.told(), "difference": difference(&edit.path, &edit.old, &edit.new) });
+        let done = json!({ "message": told, "difference": difference(&path, &old, &new) });
         if self.0.len() == KEPT {
             self.0.remove(0);
         }
-        self.0.push(Change { path: edit.path, old: edit.old, new: edit.new });
-        Reply::Data(told)
+        self.0.push(Change { path, old, new });
+        Reply::Data(done)
     }
 
     /// Takes the last change back, unless somebody else has changed the file since.

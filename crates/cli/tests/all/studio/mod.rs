@@ -354,6 +354,30 @@ fn what_is_saved_elsewhere_is_seen_at_once_with_its_problems() {
 }
 
 #[test]
+fn a_problem_is_fixed_by_a_press_and_a_parameter_is_found_from_its_block() {
+    let desk = Desk::with(&[("servo.ron", &SERVO.replace("Integrator", "Intergrator"))]);
+    let studio = Studio::of(&desk, &["--edit"]);
+    let Some(mut page) = shown(&studio) else { return };
+    page.until("document.querySelector('#project-view .problems button')");
+    page.value("document.querySelector('#project-view .problems button').click()");
+    page.until("document.querySelector('#project-view .state.ready') && !document.querySelector('#project-view .problems')");
+    assert_eq!(desk.read("servo.ron"), SERVO);
+    page.value("R.Values.undo()");
+    page.until("document.querySelector('#project-view .problems button')");
+    assert!(desk.read("servo.ron").contains("Intergrator"));
+    fs::write(desk.0.join("servo.ron"), SERVO).expect("a file");
+    page.until("document.querySelector('#project-view .state.ready')");
+    // From a block of the diagram to its parameter.
+    page.value("location.hash = '#diagram'");
+    page.until("document.querySelectorAll('#diagram-view [data-node]').length === 5");
+    page.value("R.Diagram.show('', 'gain')");
+    page.until("document.querySelector('.inspector td button')?.textContent === 'k'");
+    page.value("document.querySelector('.inspector td button').click()");
+    page.until("document.querySelectorAll('#values-view tbody tr').length === 1 && document.querySelector('#values-view input[aria-label=\"gain.k\"]')");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+#[test]
 fn a_run_can_be_paused_and_ended_and_what_it_recorded_is_kept() {
     let desk =
         Desk::with(&[("servo.ron", &SERVO.replace("\"2 s\"", "\"1000 s\", solver: Ode4(step: \"10 ms\")"))]);
