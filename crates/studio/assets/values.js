@@ -67,7 +67,7 @@
       if (event.key === 'Escape') { field.value = target.written; wrong.delete(target.name); explain(target.name); shown(); }
     });
     shown();
-    return [R.make('bdi', {}, target.name), R.make('div', {}, field, write, run, turn, answer), target.worth, where, shared];
+    return [R.make('bdi', {}, target.name), R.make('div', {}, field, write, run, ...(/^[+-]?[\d.]|^(true|false)$/.test(target.written) ? [turn] : []), answer), target.worth, where, shared];
   };
 
   const show = () => {

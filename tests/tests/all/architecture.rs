@@ -236,6 +236,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("linear", &["block", "blocks", "ron", "serde", "diagram", "sim"]),
         ("drawing", &["blocks", "sim", "host", "results", "plot"]),
         ("report", &["block", "blocks", "diagram", "results"]),
+        ("studio", &["block", "blocks", "diagram", "sim", "results"]),
         ("lsp", &["blocks", "sim", "host"]),
         ("site", &["signal", "block", "blocks", "diagram", "sim", "results", "plot", "drawing"]),
     ];

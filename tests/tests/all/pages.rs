@@ -10,7 +10,7 @@ use blocksim_sim::Simulation;
 use blocksim_tests::{Desk, root, run};
 
 /// Pages without a diagram that could fail here, and why.
-const WITHOUT_DIAGRAM: [(&str, &str); 25] = [
+const WITHOUT_DIAGRAM: [(&str, &str); 27] = [
     ("bare_number", "is an error by an option; the tests of the program run it"),
     ("coupling_error", "is told at the end of a run, and tested with inverters"),
     ("exists", "comes from a command; the tests of the program run it"),
@@ -30,6 +30,8 @@ const WITHOUT_DIAGRAM: [(&str, &str); 25] = [
     ("plugin_symbol", "needs a library of something else"),
     ("plugin_untrusted", "needs a plug-in"),
     ("settings", "comes from the command line; the compiler refuses such numbers before"),
+    ("studio", "comes from a command; the tests of the program run it"),
+    ("tuning", "comes from a command; the tests of the program run it"),
     ("unreadable", "comes from a command; the tests of the program run it"),
     ("unwritable", "comes from a command; the tests of the program run it"),
     ("usage", "comes from a command; the tests of the program run it"),
