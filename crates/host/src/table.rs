@@ -231,7 +231,7 @@ unsafe fn quantity(row: &Row, i: usize) -> Result<Quantity, String> {
         length,
         doc: text(&row.doc, &format!("the description of `{name}`"))?,
         // SAFETY: not NULL and aligned; the caller vouches for `length` constant numbers.
-        default: (!default.is_null()).then(|| unsafe { std::slice::from_raw_parts(default, length) }),
+        default: (!default.is_null()).then(|| kept(unsafe { std::slice::from_raw_parts(default, length) })),
         reads: (0..u64::BITS as usize).filter(|bit| row.reads >> bit & 1 == 1).collect(),
     })
 }
@@ -251,7 +251,14 @@ pub(crate) fn dimension(name: &str, unit: &str) -> Result<Option<Dimension>, Str
 
 fn text(text: &Text, what: &str) -> Result<&'static str, String> {
     // SAFETY: part of a table that keeps the contract, and libraries are never unloaded.
-    unsafe { text.as_str() }.ok_or_else(|| format!("{what} is no UTF-8 text"))
+    let text = unsafe { text.as_str() }.ok_or_else(|| format!("{what} is not UTF-8 text"))?;
+    Ok(Box::leak(Box::from(text)))
+}
+
+/// A copy that is there for the life of the process. It is read now, while a crash still names the plug-in: the address may be
+/// wrong, and a plug-in can change its memory later.
+fn kept(numbers: &[f64]) -> &'static [f64] {
+    Box::leak(Box::from(numbers))
 }
 
 pub(crate) fn is_name(name: &str) -> bool {

@@ -125,7 +125,7 @@ const MODEL: &str = r#"Diagram(
 "#;
 
 /// Name, place, code. Those that no process survives, whatever it does, are only run isolated.
-const DEFECTS: [(&str, &str, &str); 52] = [
+const DEFECTS: [(&str, &str, &str); 53] = [
     ("writes behind outputs", "outputs", "y[1] = 1.0;"),
     ("writes far behind outputs", "outputs", "y[15] = 1.0;"),
     ("writes before outputs", "outputs", "y[-1] = 1.0;"),
@@ -183,6 +183,13 @@ const DEFECTS: [(&str, &str, &str); 52] = [
     ("crashes when it is loaded", "load", "*null = 1;"),
     ("rounds upwards when it is loaded", "load", "fesetround(FE_UPWARD);"),
     ("exits instead of a table", "entry", "exit(2);"),
+    (
+        "has a default at no address",
+        "entry",
+        "static blocksim_quantity wrong[2]; static blocksim_block_table b[1]; static blocksim_plugin_table all; \
+      memcpy(wrong, params, sizeof params); wrong[0].default_value = (const double *)16; \
+      b[0] = blocks[0]; b[0].parameters = wrong; all = table; all.blocks = b; return &all;",
+    ),
 ];
 /// Those that end the process without a word, or leave its memory in disorder.
 const ABRUPT: [&str; 3] = ["exits at once", "raises SIGKILL", "frees what is not its own"];

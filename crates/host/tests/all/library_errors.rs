@@ -169,7 +169,7 @@ fn tables_that_break_the_rules() {
     check(
         &["KIND=\"\\xff\""],
         expect![[r#"
-        [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: the name of block 0 is no UTF-8 text
+        [plugin_abi] library: `[folder]/lib.so` breaks the rules of plug-ins: the name of block 0 is not UTF-8 text
         help: fix the plug-in; `blocksim_plugin.h` states the rules
     "#]],
     );

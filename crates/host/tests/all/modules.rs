@@ -282,7 +282,7 @@ fn a_module_that_makes_no_sense_is_refused() {
               help: fix the plug-in; `blocksim_plugin.h` states the rules
             text beyond all: [plugin_abi] library: `[folder]/law.wasm` breaks the rules of plug-ins: its table describes more than 8 MB
               help: fix the plug-in; `blocksim_plugin.h` states the rules
-            text not UTF-8: [plugin_abi] library: `[folder]/law.wasm` breaks the rules of plug-ins: the name of block 0 is no UTF-8 text
+            text not UTF-8: [plugin_abi] library: `[folder]/law.wasm` breaks the rules of plug-ins: the name of block 0 is not UTF-8 text
               help: fix the plug-in; `blocksim_plugin.h` states the rules
             list outside: [plugin_abi] library: `[folder]/law.wasm` breaks the rules of plug-ins: the parameters of `Gain`: number 0 is NULL or has a size that no version has
               help: fix the plug-in; `blocksim_plugin.h` states the rules
