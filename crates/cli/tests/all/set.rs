@@ -242,3 +242,41 @@ fn every_command_takes_a_bare_number_in_the_written_unit_and_says_so() {
         assert!(refused.text().contains("unit_mismatch"), "{set}: {}", refused.text());
     }
 }
+
+/// A parameter and a block of one name, both with a member `k`.
+const ALIKE: &str = r#"Diagram(
+    simulation: (stop_time: "1 s"),
+    parameters: { "g": (k: "2 V") },
+    blocks: {
+        "c": Constant(value: 1),
+        "g": Gain(k: "8 V"),
+        "h": Gain(k: "g.k"),
+        "s": Scope(inputs: ["block", "parameter"]),
+    },
+    connections: ["c.y -> g.u, h.u", "g.y -> s.block", "h.y -> s.parameter"],
+)
+"#;
+
+#[test]
+fn a_parameter_comes_before_a_block_of_its_name_and_leaves_it_alone() {
+    let desk = Desk::with(&[("alike.ron", ALIKE)]);
+    let last = |set: &str, out: &str| {
+        let answer = desk.call(&["run", "alike.ron", "--set", set, "--out", out, "--quiet"]);
+        assert_eq!(answer.code, Some(0), "{}", answer.text());
+        desk.read(&format!("{out}/signals.csv")).lines().last().map(str::to_owned)
+    };
+    assert_eq!(last("g.k=3", "member").as_deref(), Some("1,8,3"));
+    // The parameter has no such member, so the block is meant.
+    assert_eq!(last("g.multiplication=UTimesK", "block").as_deref(), Some("1,8,2"));
+}
+
+#[test]
+fn a_value_in_another_unit_is_one_error() {
+    let desk = Desk::with(&[("alike.ron", ALIKE)]);
+    let answer = desk.call(&["check", "alike.ron", "--set", "g.k=3 s", "--output-format", "short"]);
+    assert_eq!(answer.code, Some(3));
+    assert_eq!(answer.text().matches("error[").count(), 1, "{}", answer.text());
+    assert!(answer.text().contains("`g.k` is written in V, but `3 s` is in s"), "{}", answer.text());
+    let answer = desk.call(&["check", "alike.ron", "--set", "c.value=3 s", "--output-format", "short"]);
+    assert_eq!(answer.text().matches("error[").count(), 0, "a bare number takes any unit: {}", answer.text());
+}

@@ -32,6 +32,10 @@ impl<'a> Resolver<'a> {
             Some(Where { scope: scope.clone(), file, node: Rc::new(node.clone()) })
         };
         for (over, names) in self.overrides_of(path) {
+            // A parameter of the diagram that has the member comes before a block of the same name.
+            if over.path.is_empty() && over.of_parameter.get() {
+                continue;
+            }
             let Some((first, rest)) = names.split_first() else { continue };
             let Some(parameter) = info.parameters.iter().find(|parameter| parameter.name == *first) else {
                 // The parameters of a plug-in stand in a set of their own.
