@@ -36,6 +36,11 @@ pub(super) fn first(text: &str) -> Option<Mistake> {
         {
             return Some(mistake);
         }
+        if let Some(opener) = open.last().filter(|opener| text[**opener..].starts_with('{'))
+            && let Some(mistake) = without_quotes(text, *opener, at)
+        {
+            return Some(mistake);
+        }
         before = Some(sign);
         match sign {
             '(' | '[' | '{' => {
@@ -114,6 +119,43 @@ fn mixed(text: &str, opener: usize, at: usize, named: &mut Option<bool>) -> Opti
         SyntaxError::new(at..at + word.max(1), "this value has no name, but the one before it has")
     };
     Some(Mistake { at, error: error.help(help) })
+}
+
+/// A name at `at` without quotes, between the braces that `opener` opens: perhaps they were to end before it.
+fn without_quotes(text: &str, opener: usize, at: usize) -> Option<Mistake> {
+    let word = word_length(&text[at..]);
+    let behind = &text[at + word..];
+    if word == 0 || !behind[skip(behind)..].starts_with(':') {
+        return None;
+    }
+    let name = &text[at..at + word];
+    let error = SyntaxError::new(at..at + word, "names between braces are written in quotes")
+        .beside(opener..opener + 1, "this `{` is still open");
+    let error = match is_balanced(text) {
+        true => {
+            let new = format!("\"{name}\"");
+            let help = format!("write {new}");
+            let remedy = Remedy { span: at..at + word, old: name.to_owned(), new };
+            SyntaxError { remedy: Some(Box::new(remedy)), ..error.help(help) }
+        }
+        false => error.help("close it with `}` before the name, or write the name in quotes"),
+    };
+    Some(Mistake { at, error })
+}
+
+/// Whether each bracket of a text is closed by its own.
+fn is_balanced(text: &str) -> bool {
+    let (mut at, mut open) = (0, Vec::<usize>::new());
+    loop {
+        at += skip(&text[at..]);
+        let Some(sign) = text[at..].chars().next() else { return open.is_empty() };
+        match sign {
+            '(' | '[' | '{' => open.push(at),
+            ')' | ']' | '}' if open.pop().is_none_or(|opener| closer(text, opener) != sign) => return false,
+            _ => {}
+        }
+        at += length(&text[at..]);
+    }
 }
 
 /// Length of a word, a text, a character between quotes or a single sign.
@@ -209,8 +251,18 @@ mod tests {
         );
         assert_eq!(
             told("(a: {\"b\": 1,\n c: 2,\n"),
+            "names between braces are written in quotes: `c` | `{` this `{` is still open | close it with `}` before the name, or write the name in quotes"
+        );
+        assert_eq!(
+            told("(a: {\"b\": 1,\n \"c\": 2,\n"),
             "this `{` is never closed: `{` | a `}` is missing behind what belongs to it"
         );
+        for comma in ["", ","] {
+            let text = format!("(blocks: {{ \"b\": Gain(k: 1){comma}\n connections: [])");
+            assert!(
+                told(&text).starts_with("names between braces are written in quotes: `connections` | `{`")
+            );
+        }
         assert_eq!(
             told("(a: 1))"),
             "this `)` closes nothing: `)` | take it away, or open what it is to close"
@@ -239,7 +291,15 @@ mod tests {
         assert_eq!(told("(\n  # on\n  a: 1)"), "`#` begins no comment: `#` | a comment begins with `//`");
         assert_eq!(told("(a=1)").split(": ").next(), Some("`=` gives no value here"));
         assert_eq!(told("(a: 1; b: 2)").split(": ").next(), Some("`;` separates nothing here"));
-        for (text, mended) in [("(a=1)", "(a:1)"), ("(a: 1; b: 2)", "(a: 1, b: 2)")] {
+        assert_eq!(
+            told("(a: {b: 1})"),
+            "names between braces are written in quotes: `b` | `{` this `{` is still open | write \"b\""
+        );
+        for (text, mended) in [
+            ("(a=1)", "(a:1)"),
+            ("(a: 1; b: 2)", "(a: 1, b: 2)"),
+            ("(a: {b: 1, \"c\": 2})", "(a: {\"b\": 1, \"c\": 2})"),
+        ] {
             let remedy = read(text).unwrap_err().remedy.expect("a remedy");
             let mut text = text.to_owned();
             text.replace_range(remedy.span, &remedy.new);
