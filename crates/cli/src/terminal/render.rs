@@ -18,17 +18,30 @@ pub fn full(problem: &Problem, texts: &Texts, colour: bool) -> String {
     };
     let title = level.primary_title(clean(&problem.message)).id(problem.code);
     let mut group = Group::with_title(title);
+    let mut far = Vec::new();
     for file in files_in_order(&problem.labels) {
         let Some(source) = texts.file(file.0) else { continue };
         let path = clean(&source.path.display().to_string()).into_owned();
         let mut snippet = Snippet::source(&*source.text).path(path);
+        let mut shown: Vec<usize> = Vec::new();
         for (n, label) in problem.labels.iter().enumerate().filter(|(_, label)| label.place.file == file) {
             let kind = if n == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
             let span = within(&source.text, &label.place.span);
+            if shown.iter().any(|other| are_far_apart(&source.text, *other, span.start)) {
+                let place = texts
+                    .located(&label.place)
+                    .map_or_else(String::new, |(_, line, column)| format!("line {line}, column {column}"));
+                far.push(format!("{place}: {}", clean(&label.text)));
+                continue;
+            }
+            shown.push(span.start);
             let text = (!label.text.is_empty()).then(|| clean(&label.text));
             snippet = snippet.annotation(kind.span(span).label(text));
         }
         group = group.element(snippet);
+    }
+    for note in far {
+        group = group.element(Level::NOTE.message(wrapped(&note, LINE)));
     }
     for note in &problem.notes {
         group = group.element(Level::NOTE.message(wrapped(&clean(note), LINE)));
@@ -39,6 +52,12 @@ pub fn full(problem: &Problem, texts: &Texts, colour: bool) -> String {
     let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
     let text = renderer.render(&[group]);
     if problem.labels.is_empty() { without_margin(&text) } else { text + "\n" }
+}
+
+/// Whether two places are in one line that is too long to be shown from the one to the other.
+fn are_far_apart(text: &str, one: usize, other: usize) -> bool {
+    let between = one.min(other)..one.max(other);
+    between.len() > WIDE && !text[between].contains('\n')
 }
 
 /// A problem without a place needs no margin for the numbers of lines.
@@ -109,6 +128,8 @@ pub fn json(problem: &Problem, texts: &Texts, exit: Option<Exit>) -> Value {
 
 /// Longest line of a note or a help, in characters.
 const LINE: usize = 100;
+/// Most bytes of a line between two places that are marked in it.
+const WIDE: usize = 300;
 
 /// The first of many problems, in their order; the severe ones where there is not room for all.
 pub fn first(problems: &[Problem], most: usize) -> Vec<&Problem> {

@@ -97,3 +97,25 @@ fn problems_are_counted() {
     assert_eq!(tally(&[problem.clone(), problem.clone(), warning.clone()]), "2 errors, 1 warning");
     assert_eq!(tally(&[warning]), "1 warning");
 }
+
+#[test]
+fn a_line_that_is_too_long_is_shown_at_one_place() {
+    let text = format!(
+        "Diagram(blocks: {{\"a\": Gain(k: 1.0){} }}, connections: [\"a.z -> b.u\"])",
+        " ".repeat(5000)
+    );
+    let place = |what: &str| {
+        let start = text.find(what).unwrap();
+        Place { file: FileId(0), span: start..start + what.len() }
+    };
+    let problem = Problem::error("unknown_port", "`a` has no output `z`")
+        .at(&place("a.z"), "no such port")
+        .at(&place("\"a\""), "`a` is of kind Gain");
+    let files = [SourceFile { path: "long.ron".into(), text: text.clone().into() }];
+    let shown = full(&problem, &Texts::of(&files), false);
+    assert!(shown.lines().all(|line| line.chars().count() < 200), "{shown}");
+    assert!(
+        shown.contains("no such port") && shown.contains("line 1, column 18: `a` is of kind Gain"),
+        "{shown}"
+    );
+}
