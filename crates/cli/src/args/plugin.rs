@@ -62,6 +62,7 @@ pub enum Language {
     /// C99, built with `cc`.
     C,
     /// C++20, built with `c++`.
+    #[value(alias = "c++")]
     Cpp,
 }
 

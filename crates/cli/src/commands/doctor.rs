@@ -103,6 +103,7 @@ fn parts() -> Finding {
         ("parquet", cfg!(feature = "parquet")),
         ("lsp", cfg!(feature = "lsp")),
         ("wasm", cfg!(feature = "wasm")),
+        ("site", cfg!(feature = "site")),
     ];
     let names = |is_there: bool| {
         let names: Vec<&str> =
@@ -242,7 +243,7 @@ fn browser() -> Finding {
     }
 }
 
-/// Crates of plug-ins in this folder and one below it, in `plugins` and one below that.
+/// Crates of plug-ins, and folders with sources of one in C or C++, in this folder and in `plugins`.
 fn plugins(folder: &Path) -> Vec<Finding> {
     let mut crates = Vec::new();
     for parent in [folder.to_owned(), folder.join("plugins")] {
@@ -251,18 +252,42 @@ fn plugins(folder: &Path) -> Vec<Finding> {
         found.sort();
         crates.extend(found);
     }
-    crates.iter().map(|path| plugin(path)).collect()
+    crates.iter().map(|path| if is_crate(path) { plugin(path) } else { plugin_in_c(path) }).collect()
 }
 
 fn is_plugin(folder: &Path) -> bool {
+    is_crate(folder) || is_in_c(folder)
+}
+
+fn is_crate(folder: &Path) -> bool {
     limited_text(&folder.join("Cargo.toml"), MOST_TEXT)
         .is_ok_and(|text| text.contains("blocksim-controller") && text.contains("cdylib"))
 }
 
+/// Whether a folder holds a source in C or C++ that names the header of plug-ins.
+fn is_in_c(folder: &Path) -> bool {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut sources = entries.filter(|path| {
+        let ending = path.extension().and_then(|ending| ending.to_str());
+        ending.is_some_and(|ending| ["c", "cpp", "cc", "cxx"].contains(&ending))
+    });
+    sources.any(|path| limited_text(&path, MOST_TEXT).is_ok_and(|text| text.contains("blocksim_plugin.h")))
+}
+
+fn plugin_in_c(folder: &Path) -> Finding {
+    let target = folder.join("target");
+    let libraries = fs::read_dir(target.join("blocksim")).into_iter().flatten().flatten();
+    let is_library = |path: &PathBuf| path.to_string_lossy().ends_with(std::env::consts::DLL_SUFFIX);
+    let libraries = libraries.map(|entry| entry.path()).filter(is_library);
+    let built = libraries.filter_map(|path| modified(&path)).max();
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let sources = entries.filter(|path| *path != target);
+    let source = sources.filter_map(|path| if path.is_dir() { newest(&path) } else { modified(&path) }).max();
+    state_of(folder, built, source)
+}
+
 fn plugin(folder: &Path) -> Finding {
-    let what = "plug-in";
     let name = folder.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let shown = folder.strip_prefix(".").unwrap_or(folder).display().to_string();
     let file =
         format!("{}{}{}", std::env::consts::DLL_PREFIX, name.replace('-', "_"), std::env::consts::DLL_SUFFIX);
     let named = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
@@ -271,8 +296,15 @@ fn plugin(folder: &Path) -> Finding {
     let above = std::env::current_dir().unwrap_or_default();
     let targets = targets.chain(above.ancestors().map(|above| above.join("target")));
     let built = targets.map(|target| target.join("release").join(&file)).find_map(|path| modified(&path));
+    state_of(folder, built, newest(&folder.join("src")).max(modified(&folder.join("Cargo.toml"))))
+}
+
+/// How the library of a plug-in and its newest source stand to each other.
+fn state_of(folder: &Path, built: Option<SystemTime>, source: Option<SystemTime>) -> Finding {
+    let what = "plug-in";
+    let shown = folder.strip_prefix(".").unwrap_or(folder).display().to_string();
     let remedy = format!("the next run builds it; `blocksim plugin show {shown}` does so now");
-    match (built, newest(&folder.join("src")).max(modified(&folder.join("Cargo.toml")))) {
+    match (built, source) {
         (None, _) => Finding::not(what, State::Note, format!("{shown} is not built yet"), remedy),
         (Some(built), Some(source)) if built < source => {
             Finding::not(what, State::Note, format!("{shown} is older than its source"), remedy)

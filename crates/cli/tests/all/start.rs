@@ -142,6 +142,12 @@ fn the_doctor_tells_each_thing_with_a_remedy() {
     doctor.env_remove("CARGO_TARGET_DIR").current_dir(folder.0.join("lab"));
     let within = doctor.output().expect("the program runs");
     assert!(String::from_utf8_lossy(&within.stdout).contains("controller is not built yet"), "{within:?}");
+    folder.call(&["plugin", "new", "law", "--language", "c"]);
+    let answer = folder.call(&["doctor"]);
+    assert!(answer.out.contains("note     plug-in      law is not built yet\n"), "{}", answer.out);
+    folder.call(&["plugin", "show", "law"]);
+    let answer = folder.call(&["doctor"]);
+    assert!(answer.out.contains("ok       plug-in      law is built\n"), "{}", answer.out);
 }
 
 #[test]
