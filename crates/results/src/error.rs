@@ -158,6 +158,7 @@ impl ResultsError {
             }
             ResultsError::NoFolderName { .. } => "choose another folder with --out",
             _ if self.is_gone() => "run it again, with --out in a place that nothing clears away",
+            ResultsError::Io { doing: "read", source, .. } => remedy_of_reading(source),
             ResultsError::Io { source, .. } => io_remedy(source),
             ResultsError::Csv { .. } => "correct the file, or export it again",
             ResultsError::Damaged { .. } => {
@@ -201,6 +202,14 @@ fn io_remedy(error: &io::Error) -> &'static str {
         io::ErrorKind::NotFound => "check the path",
         io::ErrorKind::InvalidFilename => "choose a shorter, plainer name",
         _ => "choose another place with --out",
+    }
+}
+
+fn remedy_of_reading(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => "check the path",
+        io::ErrorKind::PermissionDenied => "ask its owner for the right to read it, or name a copy",
+        _ => "name a recording, a table or the folder of a run",
     }
 }
 

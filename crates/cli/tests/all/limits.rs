@@ -180,7 +180,11 @@ fn only_regular_files_are_read() {
     folder.says(&["report", "given", "--out", "none.html"], 4);
     zero("manifest.json");
     folder.says(&["plot", "given"], 4);
-    folder.says(&["plot", "/dev/zero"], 4);
+    let said = folder.says(&["plot", "/dev/zero"], 4);
+    assert!(
+        said.contains("name a recording, a table or the folder of a run") && !said.contains("--out"),
+        "{said}"
+    );
 }
 
 #[test]
