@@ -9,3 +9,4 @@ pub mod places;
 pub mod progress;
 pub mod prose;
 pub mod render;
+pub mod shell;

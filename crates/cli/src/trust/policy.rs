@@ -13,6 +13,7 @@ use super::{TrustList, memory};
 use crate::args::model::PluginArgs;
 use crate::loaded::with_slashes;
 use crate::terminal::console::notice;
+use crate::terminal::shell::quoted;
 
 /// What a command wants of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -150,25 +151,7 @@ fn near(path: &Path) -> PathBuf {
     below.filter(|below| !below.as_os_str().is_empty()).unwrap_or_else(|| path.to_owned())
 }
 
-/// A path as it can be pasted into a shell.
-fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
-    let is_plain = |c: char| c.is_alphanumeric() || "/\\:._-+~".contains(c);
-    if text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
-}
-
 /// Whether a problem is only that a plug-in was not loaded, which says nothing about the model itself.
 pub fn is_about_trust(problem: &Problem) -> bool {
     problem.code == UNTRUSTED
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_can_be_pasted() {
-        assert_eq!(quoted(Path::new("/home/a/my-plugin_1")), "/home/a/my-plugin_1");
-        assert_eq!(quoted(Path::new("/home/a b/it's; rm")), r"'/home/a b/it'\''s; rm'");
-    }
 }

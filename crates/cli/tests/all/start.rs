@@ -83,6 +83,8 @@ fn nothing_that_is_there_is_replaced_by_a_project() {
     let answer = desk.call(&["new", "lab"]);
     assert_eq!((answer.code, desk.read("lab").as_str()), (Some(4), "a file"));
     assert!(answer.err.contains("`lab` already exists"), "{}", answer.err);
+    let spaced = Desk::with(&[]).call(&["new", "my lab"]);
+    assert!(spaced.out.contains("blocksim run 'my lab/servo.ron'"), "{}", spaced.out);
     std::fs::create_dir(desk.0.join("empty")).expect("a folder");
     assert_eq!(desk.call(&["new", "empty"]).code, Some(0), "an empty folder is as good as none");
     assert_eq!(desk.call(&["new", "empty"]).code, Some(4));

@@ -15,6 +15,7 @@ use crate::args::start::{NewArgs, TemplateName};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
+use crate::terminal::shell::quoted;
 
 /// Results and what cargo builds do not belong into the history of a project.
 const IGNORED: &str = "runs/\ntarget/\n";
@@ -57,7 +58,7 @@ fn list() -> String {
 
 /// The three commands, with the folder before the file.
 fn commands(folder: &str, template: &Template) -> String {
-    let model = format!("{folder}{}", template.model);
+    let model = quoted(Path::new(&format!("{folder}{}", template.model)));
     let lines = [
         (format!("blocksim run {model}{}", template.change), "simulate"),
         (format!("blocksim graph {model}"), "draw the block diagram"),

@@ -9,6 +9,7 @@ use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::loaded::with_slashes;
 use crate::terminal::console::Console;
+use crate::terminal::shell::quoted;
 use crate::trust::note_trust;
 
 /// Names in the template, which are replaced.
@@ -55,10 +56,10 @@ pub fn new(args: &PluginNewArgs, console: Console) -> Outcome {
     if let Ok(path) = args.folder.canonicalize() {
         note_trust(&path);
     }
-    let folder = args.folder.display();
+    let (folder, demo) = (args.folder.display(), quoted(&args.folder.join(DEMO.0)));
     console.data(&format!(
         "{folder}\n  {:14} the controller `{kind}`: write your law here\n  {:14} a loop with it: \
-         blocksim run {folder}/demo.ron\n",
+         blocksim run {demo}\n",
         source(args.language),
         DEMO.0
     ))?;
