@@ -103,6 +103,7 @@ const OTHERS: &[(&str, &str, Form, &[&str])] = &[
     ("manifest.json", "run/manifest.json", Form::Text, &[REPORT, "plot run", "runs ."]),
     ("model.json", "run/model.json", Form::Text, &[REPORT]),
     ("model.json", "moving/model.json", Form::Text, OF_SCENE),
+    ("log.txt", "run/log.txt", Form::Text, &[REPORT]),
     ("events.csv", "run/events.csv", Form::Text, &[REPORT, "plot run"]),
     ("scene.json", "moving/scene.json", Form::Text, OF_SCENE),
     (
