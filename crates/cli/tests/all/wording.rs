@@ -1,5 +1,6 @@
 //! The words of the program and of its manual: plain English, the terms of the field.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -211,6 +212,26 @@ fn the_manual_is_in_plain_english() {
         let text = fs::read_to_string(&file).expect("a page");
         for (number, line) in text.lines().enumerate() {
             look(&mut faults, &name, number + 1, line);
+        }
+    }
+    none(faults);
+}
+
+/// A sentence that stands twice in a page was pasted into the place of another one.
+#[test]
+fn no_line_of_a_guide_is_there_twice() {
+    let (mut files, mut faults) =
+        (vec![root().join("README.md"), root().join("ARCHITECTURE.md")], Vec::new());
+    files_below(&root().join("docs"), "md", &mut files);
+    for file in files {
+        let text = fs::read_to_string(&file).expect("a page");
+        let (mut is_code, mut seen) = (false, BTreeSet::new());
+        for line in text.lines() {
+            is_code ^= line.starts_with("```");
+            let is_prose = !is_code && !line.starts_with('|') && line.chars().count() > 60;
+            if is_prose && !seen.insert(line) {
+                faults.push(format!("{}: {line}", file.display()));
+            }
         }
     }
     none(faults);

@@ -160,7 +160,7 @@ fn of_way(found: &Found, way: &Way, output: usize) -> String {
     let states = found.linearised.names.len();
     let left = match way.reduction {
         0.0 => String::new(),
-        change => format!("; leaving the others away changes the response by {}", changed(change)),
+        change => format!("; leaving the others out changes the response by {}", changed(change)),
     };
     text.push_str(&format!("{} of {states} states take part{left}\n", way.order()));
     if way.zeros.is_none() {
