@@ -88,7 +88,29 @@ impl Order<'_> {
                 graph.edge_endpoints(edge).is_none_or(|(from, _)| graph[from] != group)
             });
         }
-        Ring { groups: in_order(&graph), cut, chosen, constraints, cycle, slip }
+        Ring { groups: self.rests_last(in_order(&graph)), cut, chosen, constraints, cycle, slip }
+    }
+
+    /// The same groups with those behind all others that write what is left over of constraints: it stands in the places of the
+    /// unknowns, which nobody may read any more. One of them that reads the unknown of another comes before it.
+    fn rests_last(&self, groups: Vec<Group>) -> Vec<Group> {
+        let (rests, mut groups): (Vec<Group>, Vec<Group>) =
+            groups.into_iter().partition(|group| self.is_rest(*group));
+        let mut graph: DiGraph<Group, ()> = DiGraph::new();
+        let nodes: Vec<NodeIndex> = rests.iter().map(|rest| graph.add_node(*rest)).collect();
+        for (reader, (block, group)) in nodes.iter().zip(&rests) {
+            let read: HashSet<usize> = self.reads_cells(*block, *group).iter().map(|cell| cell.0).collect();
+            let written =
+                nodes.iter().zip(&rests).filter(|(_, (other, _))| other != block && read.contains(other));
+            written.for_each(|(writer, _)| {
+                graph.update_edge(*reader, *writer, ());
+            });
+        }
+        let ordered = in_order(&graph);
+        groups.extend(&ordered);
+        // Each of two that read each other's unknown at once would see what is left over: such unknowns determine nothing.
+        groups.extend(rests.iter().filter(|rest| !ordered.contains(rest)));
+        groups
     }
 
     /// Whether a group gives what is left over of a constraint.
