@@ -81,14 +81,15 @@ pub struct Joined {
 }
 
 impl Joined {
-    /// The outputs of one group of a block; where it `settles`, its modes before.
+    /// The outputs of one group of a block; where it `settles`, the modes that are chosen with it before.
     pub fn call(&mut self, placed: Placed, group: usize, settles: bool) {
         let law = placed.law;
         let mut inlined = Inlined::new(placed);
         let mut wanted: Vec<Id> = Vec::new();
         if settles {
-            self.settle_with(&mut inlined);
-            wanted.extend(law.settled.iter().map(|(_, id)| *id));
+            let chosen = law.chosen_in(group).iter().map(|member| law.settled[*member]).collect::<Vec<_>>();
+            self.settle_with(&chosen, &mut inlined);
+            wanted.extend(chosen.iter().map(|(_, id)| *id));
         }
         for cell in law.cells_of(group) {
             let id = law.outputs[cell];
@@ -105,7 +106,7 @@ impl Joined {
     /// The modes of a block without outputs.
     pub fn settle(&mut self, placed: Placed) {
         let mut inlined = Inlined::new(placed);
-        self.settle_with(&mut inlined);
+        self.settle_with(&placed.law.settled, &mut inlined);
         let wanted: Vec<Id> = placed.law.settled.iter().map(|(_, id)| *id).collect();
         self.require(&wanted, &mut inlined);
     }
@@ -202,18 +203,17 @@ impl Joined {
         Draft { program, roots }
     }
 
-    fn settle_with(&mut self, inlined: &mut Inlined) {
-        let law = inlined.law;
-        for (i, id) in &law.settled {
+    fn settle_with(&mut self, chosen: &[(usize, Id)], inlined: &mut Inlined) {
+        for (i, id) in chosen {
             let value = inlined.value(*id, self);
             self.roots.push(Root::Held(value, inlined.held(*i)));
         }
-        for (i, id) in &law.settled {
+        for (i, id) in chosen {
             let value = inlined.value(*id, self);
             self.settled.insert(inlined.held(*i), value);
         }
         // Discrete states are others from here.
-        if !law.settled.is_empty() {
+        if !chosen.is_empty() {
             inlined.values.clear();
         }
     }

@@ -242,9 +242,8 @@ impl Block for DescriptorStateSpace {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let y = Output::like("y", PortType::UNKNOWN.shaped(column(self.c.len())));
         let interface = Interface::new().input(Input::real("u").shape(column(self.inputs())));
-        let Ok(system) = self.system() else { return Ok(interface.output(y)) };
-        let mut interface =
-            if system.feeds_through() { interface.output(y) } else { interface.output_from_state(y) };
+        let mut interface = interface.output(y);
+        let Ok(system) = self.system() else { return Ok(interface) };
         for (name, start) in system.names.iter().zip(&system.start) {
             interface = interface.state(name.clone(), *start);
         }

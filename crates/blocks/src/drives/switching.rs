@@ -31,7 +31,7 @@ pub(super) fn gates(number: usize, order: &'static str) -> Output {
 
 /// Adds the memory, the events and, for natural sampling, the guards of a modulator of as many legs as there are names.
 pub(super) fn remember(interface: Interface, sampling: Sampling, legs: &[&str]) -> Interface {
-    let mut interface = interface.settles().time_events();
+    let mut interface = interface.time_events();
     for (i, initial) in Modulator::initial(legs.len()).into_iter().enumerate() {
         interface = interface.discrete(format!("modulator[{i}]"), initial);
     }

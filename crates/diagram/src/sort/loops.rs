@@ -80,7 +80,9 @@ impl Order<'_> {
                     cells.map_or(0, |cells| cells.iter().filter(|cell| !self.is_real(**cell)).count());
                 (tried, cells.map_or(0, BTreeSet::len), Reverse(ways(*node)), graph[*node])
             };
-            let Some((_, _, _, group)) = part.iter().map(cost).min() else { break };
+            // Groups that only choose modes write nothing that could be cut.
+            let writes = |node: &&NodeIndex| read.contains_key(&graph[**node]);
+            let Some((_, _, _, group)) = part.iter().filter(writes).map(cost).min() else { break };
             for cell in read.get(&group).into_iter().flatten() {
                 if self.is_real(*cell) { cut.push(*cell) } else { chosen.push(*cell) }
             }
@@ -207,7 +209,12 @@ impl Order<'_> {
 
     /// A shortest cycle through the first group of a component.
     fn cycle(&self, component: &[NodeIndex]) -> Vec<Group> {
-        let start = component[0];
+        let writes = |node: &&NodeIndex| {
+            let (block, group) = self.graph[**node];
+            self.laws.blocks[block].values().is_some()
+                || self.typed.interfaces[block].group_of.contains(&group)
+        };
+        let start = component.iter().find(writes).copied().unwrap_or(component[0]);
         let inside: HashSet<&NodeIndex> = component.iter().collect();
         let mut come_from: HashMap<NodeIndex, NodeIndex> = HashMap::new();
         let mut queue = VecDeque::from([start]);

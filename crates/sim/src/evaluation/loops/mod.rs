@@ -26,7 +26,7 @@ use blocksim_solve::Failed;
 use crate::diagnose::signal_name;
 use crate::evaluation::evaluate::{Diagram, Now, outputs};
 use crate::program::fused::{Fused, LoopTapes};
-use crate::program::plan::Call;
+use crate::program::plan::{Call, Settles};
 use crate::program::spread::written;
 use elimination::Factors;
 use newton::{Given, Work};
@@ -113,7 +113,8 @@ impl Loops {
             let start = end;
             end += found.cells.len() + found.chosen.len();
             let steps = &schedule.steps[found.first..found.first + found.count];
-            let settles = |block: u32| schedule.blocks[block as usize].interface.settles;
+            let settles =
+                |step: &Step| schedule.blocks[step.block as usize].interface.settles_in(step.group as usize);
             let owns = |step: &Step| {
                 let constraint = &schedule.blocks[step.block as usize].interface.constraint;
                 constraint.as_ref().is_some_and(|constraint| constraint.group == step.group as usize)
@@ -128,7 +129,7 @@ impl Loops {
                 chosen: found.chosen.clone(),
                 written: steps.iter().flat_map(|step| written(schedule, step)).collect(),
                 anchors: start..end,
-                settles: steps.iter().any(|step| settles(step.block)),
+                settles: steps.iter().any(settles),
             }
         });
         let rings: Vec<Ring> = rings.collect();
@@ -177,9 +178,9 @@ impl Diagram {
         for call in first..first + count {
             let Self { plan, now, signals, d, settle, .. } = self;
             let call = &plan.major[call];
-            if call.settles {
+            if call.settles != Settles::Nothing {
                 let block = call.block as usize;
-                settle.run(block, &call.unit, now, signals, d);
+                settle.before(call, now, signals, d);
                 self.checked(block)?;
             }
         }
