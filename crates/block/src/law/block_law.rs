@@ -38,6 +38,11 @@ pub struct BlockLaw {
     pub guards: Vec<Id>,
     /// Discrete states that are set at major steps, and to what.
     pub settled: Vec<(usize, Id)>,
+    /// Unknowns that the engine finds, by their places among all outputs, and what is to become zero. In the program they are
+    /// parameters.
+    pub rest: Vec<(usize, Id)>,
+    /// The group that writes what is left over, where there are unknowns.
+    rest_group: Option<usize>,
     /// Discrete states that change at sample hits, and what they become.
     pub updated: Vec<(usize, Id)>,
     codes: OnceLock<Codes>,
@@ -92,6 +97,7 @@ impl BlockLaw {
             Some(i) => Err(format!("{what} {i} is not set")),
             None => Ok(list.len()),
         };
+        whole(&written.rest, "equation")?;
         let counts = [
             whole(&written.outputs, "output")?,
             whole(&written.derivatives, "derivative")?,
@@ -108,6 +114,9 @@ impl BlockLaw {
             said.zip(ids.by_ref()).collect::<Vec<_>>()
         };
         let (settled, updated) = (some(&written.settled), some(&written.updated));
+        let rest = some(&written.rest);
+        let unknowns = interface.constraint.iter().flat_map(|constraint| &constraint.unknowns);
+        let rest = unknowns.zip(rest).map(|((place, _), (_, id))| (*place, id)).collect();
         let mut law = Self {
             block: Arc::clone(block),
             group_of: vec![0; y.len()],
@@ -119,11 +128,16 @@ impl BlockLaw {
             values: None,
             derivatives: dx,
             guards: g,
+            rest,
+            rest_group: interface.constraint.as_ref().map(|constraint| constraint.rest),
             settled,
             updated,
             codes: OnceLock::new(),
             program,
         };
+        if law.reads_unknown(law.derivatives.iter().chain(&law.guards)) {
+            return Err("a derivative or guard depends on an unknown".to_owned());
+        }
         law.of_outputs = outputs.iter().map(|span| law.reads(&law.outputs[cells(*span)])).collect();
         law.of_rates = law.reads(&law.derivatives);
         law.of_guards = law.reads(&law.guards);
@@ -178,6 +192,8 @@ impl BlockLaw {
             values: Some(groups),
             derivatives: self.derivatives.clone(),
             guards: self.guards.clone(),
+            rest: Vec::new(),
+            rest_group: None,
             settled: Vec::new(),
             updated: self.updated.clone(),
             codes: OnceLock::new(),
@@ -200,6 +216,30 @@ impl BlockLaw {
         .unwrap_or_default()
     }
 
+    /// The output cells that a group writes, and what they are: of what is left over of constraints, in the places of the unknowns.
+    pub fn written(&self, group: usize) -> Vec<(usize, Id)> {
+        if self.rest_group == Some(group) {
+            return self.rest.clone();
+        }
+        let is_found = |cell: &usize| self.rest.iter().any(|(place, _)| place == cell);
+        let cells = self.cells_of(group).into_iter().filter(|cell| !is_found(cell));
+        cells.map(|cell| (cell, self.outputs[cell])).collect()
+    }
+
+    /// Whether any of these values depends on what the engine finds.
+    fn reads_unknown<'i>(&self, ids: impl Iterator<Item = &'i Id>) -> bool {
+        let mut open: Vec<Id> = if self.rest.is_empty() { Vec::new() } else { ids.copied().collect() };
+        let mut seen = vec![false; self.program.instructions.len()];
+        while let Some(id) = open.pop() {
+            match self.program.op(id) {
+                Op::Parameter(_) => return true,
+                op if !std::mem::replace(&mut seen[id.0 as usize], true) => open.extend(op.operands()),
+                _ => (),
+            }
+        }
+        false
+    }
+
     fn codes(&self) -> &Codes {
         self.codes.get_or_init(|| {
             let code = |ids: Vec<Id>| {
@@ -208,10 +248,9 @@ impl BlockLaw {
                 Code::new(&self.program, &wanted)
             };
             let seconds = |list: &[(usize, Id)]| list.iter().map(|(_, id)| *id).collect::<Vec<Id>>();
-            let count = self.group_of.iter().max().map_or(0, |group| group + 1);
+            let count = self.group_of.iter().chain(&self.rest_group).max().map_or(0, |group| group + 1);
             let groups = (0..count).map(|group| {
-                let cells = self.cells_of(group);
-                let ids = cells.iter().map(|cell| self.outputs[*cell]).collect();
+                let (cells, ids) = self.written(group).into_iter().unzip();
                 (cells, code(ids))
             });
             let mut codes = Codes {
@@ -269,12 +308,17 @@ impl BlockLaw {
         }
     }
 
-    fn run<'w>(&self, code: &Code, c: &Context, w: &'w mut Scratch) -> &'w [f64] {
+    /// Runs a code; `y` are all outputs, among which unknowns stand where the code may need them.
+    fn run<'w>(&self, code: &Code, c: &Context, y: &[f64], w: &'w mut Scratch) -> &'w [f64] {
         if w.get::<Vec<f64>>().is_none() {
             *w = self.scratch();
         }
-        let registers = w.get::<Vec<f64>>().map(Vec::as_mut_slice).unwrap_or_default();
-        self.run_in(code, c, c.d, registers);
+        let room = w.get::<Vec<f64>>().map(Vec::as_mut_slice).unwrap_or_default();
+        let (registers, unknowns) = room.split_at_mut(self.codes().registers);
+        if !y.is_empty() {
+            unknowns.iter_mut().zip(&self.rest).for_each(|(z, (place, _))| *z = y[*place]);
+        }
+        self.run_in(code, c, c.d, unknowns, registers);
         registers
     }
 
@@ -289,16 +333,17 @@ impl BlockLaw {
             many.resize(registers, 0.0);
             &mut many[..]
         };
-        self.run_in(code, c, d, registers);
+        self.run_in(code, c, d, &[], registers);
         states.enumerate().for_each(|(k, i)| d[i] = code.result(registers, k));
     }
 
-    fn run_in(&self, code: &Code, c: &Context, d: &[f64], registers: &mut [f64]) {
+    fn run_in(&self, code: &Code, c: &Context, d: &[f64], unknowns: &[f64], registers: &mut [f64]) {
         let sources = Sources {
             time: c.t,
             inputs: c.u,
             states: c.x,
             memories: d,
+            parameters: unknowns,
             ..Sources::default()
         };
         if let Some(failure) = code.run(&sources, registers) {
@@ -324,7 +369,7 @@ impl Block for BlockLaw {
 
     /// Room to run the law. Without it the first run takes the memory.
     fn scratch(&self) -> Scratch {
-        Scratch::new(vec![0.0_f64; self.codes().registers])
+        Scratch::new(vec![0.0_f64; self.codes().registers + self.rest.len()])
     }
 
     fn initialize(&self, c: &Context, x: &mut [f64], d: &mut [f64]) {
@@ -351,19 +396,19 @@ impl Block for BlockLaw {
     fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
         // A group without outputs has no code.
         let Some((cells, code)) = self.codes().groups.get(group) else { return };
-        let registers = self.run(code, c, w);
+        let registers = self.run(code, c, y, w);
         cells.iter().enumerate().for_each(|(k, cell)| y[*cell] = code.result(registers, k));
     }
 
     fn derivatives(&self, c: &Context, w: &mut Scratch, dx: &mut [f64]) {
         let code = &self.codes().derivatives;
-        let registers = self.run(code, c, w);
+        let registers = self.run(code, c, &[], w);
         dx.iter_mut().enumerate().for_each(|(k, dx)| *dx = code.result(registers, k));
     }
 
     fn guards(&self, c: &Context, w: &mut Scratch, g: &mut [f64]) {
         let code = &self.codes().guards;
-        let registers = self.run(code, c, w);
+        let registers = self.run(code, c, &[], w);
         g.iter_mut().enumerate().for_each(|(k, g)| *g = code.result(registers, k));
     }
 
@@ -373,7 +418,7 @@ impl Block for BlockLaw {
         }
         let code = &self.codes().updated;
         let here = Context { d, ..*c };
-        let registers = self.run(code, &here, w);
+        let registers = self.run(code, &here, &[], w);
         self.updated.iter().enumerate().for_each(|(k, (i, _))| d[*i] = code.result(registers, k));
     }
 

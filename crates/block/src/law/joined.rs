@@ -91,8 +91,7 @@ impl Joined {
             self.settle_with(&chosen, &mut inlined);
             wanted.extend(chosen.iter().map(|(_, id)| *id));
         }
-        for cell in law.cells_of(group) {
-            let id = law.outputs[cell];
+        for (cell, id) in law.written(group) {
             let value = inlined.value(id, self);
             let cell = (placed.instance.y + cell) as u32;
             self.roots.push(Root::Cell(value, cell));
@@ -318,6 +317,8 @@ impl<'l> Inlined<'l> {
                 Op::Memory(number)
             }
             Op::State(i) => Op::State(self.instance.x as u32 + i),
+            // An unknown stands among the outputs.
+            Op::Parameter(i) => Op::Input((self.instance.y + self.law.rest[i as usize].0) as u32),
             op => op.map(of),
         };
         joined.push(op, self.number)

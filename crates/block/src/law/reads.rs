@@ -64,6 +64,8 @@ impl<'l> Walk<'l> {
                 Op::Input(cell) => reads.inputs.push(cell),
                 Op::Memory(i) => reads.discrete.push(i),
                 Op::State(_) => reads.states = true,
+                // Unknowns are written where the law is evaluated: no group reads them from outside.
+                Op::Parameter(_) => (),
                 Op::Time => reads.time = true,
                 op => open.extend(op.operands()),
             }

@@ -333,7 +333,8 @@ impl<T: FnMut(usize, &mut [f64])> Round<'_, T> {
             largest = written.iter().fold(largest, |size, y| size.max(y.abs()));
         }
         // Of what is a program nothing is known on the way.
-        let found = self.read(f).map(|size| if self.tapes.is_some() { size } else { largest });
+        let is_program = self.tapes.is_some() && self.ring.sought == 0;
+        let found = self.read(f).map(|size| if is_program { size } else { largest });
         if let Some((cell, None)) = nudged {
             self.signals[cell] /= 1.0 + newton::NUDGE;
         }
@@ -346,7 +347,9 @@ impl<T: FnMut(usize, &mut [f64])> Given for Round<'_, T> {
         if let Some(values) = self.tapes.and_then(|tapes| tapes.values.as_ref()) {
             self.hand(z);
             if values.run(self.signals, self.d).failed.is_none() {
-                return self.read(f);
+                // What is left over of constraints stands in the places of unknowns.
+                let sought = &z[z.len() - self.ring.sought..];
+                return self.read(f).map(|size| sought.iter().fold(size, |size, z| size.max(z.abs())));
             }
             // Once more, to find out which block it was.
         }
@@ -354,7 +357,8 @@ impl<T: FnMut(usize, &mut [f64])> Given for Round<'_, T> {
     }
 
     fn slopes(&mut self, z: &[f64], rows: &mut [f64], column: &mut [f64]) -> bool {
-        let Some(tapes) = self.tapes else { return false };
+        // Of what constraints seek the size is not known, and differences see where nothing but rounding is left.
+        let Some(tapes) = self.tapes.filter(|_| self.ring.sought == 0) else { return false };
         self.hand(z);
         tapes.slopes(z.len(), self.signals, self.d, rows, column);
         true
