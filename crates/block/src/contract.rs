@@ -79,6 +79,11 @@ pub trait Block: Any + Debug + Send + Sync {
     /// Chooses the branch (mode) at a major step, just before `outputs`, with the inputs of output group 0 known.
     fn settle(&self, _c: &Context, _d: &mut [f64]) {}
 
+    /// The part of [`settle`](Self::settle) that comes before the outputs of one group, see [`Interface::settling`].
+    fn settle_in(&self, _group: usize, c: &Context, d: &mut [f64]) {
+        self.settle(c, d);
+    }
+
     /// Writes the outputs of one group: `y = h(t, x, d, u)`. `y` holds all outputs of the block, port after port.
     fn outputs(&self, _group: usize, _c: &Context, _w: &mut Scratch, _y: &mut [f64]) {}
 

@@ -205,6 +205,10 @@ pub struct Interface {
     pub uses_time: bool,
     /// Has `settle`.
     pub settles: bool,
+    /// The output groups before each of which some modes are chosen (`settle_in`); `None` for all of them before the first one.
+    pub settling: Option<Vec<usize>>,
+    /// Output groups that choose modes, and others that depend on these.
+    pub before: Vec<(usize, usize)>,
     /// Has `jump`.
     pub jumps: bool,
     /// What a jump is called; empty where guards or discrete states have the words for it.
@@ -507,6 +511,11 @@ impl Interface {
     pub fn port(mut self, port: PhysicalPort) -> Self {
         self.ports.push(port);
         self
+    }
+
+    /// Whether modes are chosen before output group `group`, unless those of an earlier one have been.
+    pub fn settles_in(&self, group: usize) -> bool {
+        self.settles && self.settling.as_ref().is_none_or(|groups| groups.contains(&group))
     }
 
     /// Whether output group `group` reads input `input` at the same instant.

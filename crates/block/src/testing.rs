@@ -74,7 +74,10 @@ impl Bench {
         let w = block.scratch();
         let plain: Arc<dyn Block> = Arc::new(block);
         let law = BlockLaw::record(&plain, &interface, &inputs, &outputs).expect("a law that makes sense");
-        let block = law.map_or(plain, |law| Arc::new(law));
+        let (interface, block): (_, Arc<dyn Block>) = match law {
+            Some(law) => (law.complete(interface), Arc::new(law)),
+            None => (interface, plain),
+        };
         let mut bench = Self {
             x: interface.states.iter().map(|state| state.initial).collect(),
             d: interface.discrete.iter().map(|state| state.initial).collect(),

@@ -35,9 +35,10 @@ impl Programs {
                 When::Major | When::Continuous => Due::Always,
             };
             let at = step.block as usize;
-            let first = !std::mem::replace(&mut seen[at], true);
+            let group = step.group as usize;
+            seen[at] = true;
             if let Some(placed) = placed(selected, at) {
-                joining.at(when).call(placed, step.group as usize, first);
+                joining.at(when).call(placed, group, true);
             }
         }
         for &at in selected.blocks.iter().filter(|at| selected.block(**at).interface.settles && !seen[**at]) {

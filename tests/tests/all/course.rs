@@ -1,8 +1,9 @@
 //! Blocks of a first course in whole diagrams, at default settings, against closed forms.
 
 use std::f64::consts::PI;
+use std::path::Path;
 
-use blocksim_tests::{Run, close, compile_text, run, run_text};
+use blocksim_tests::{Desk, Run, close, compile_text, compile_with, run, run_text};
 
 fn diagram(settings: &str, blocks: &str, connections: &str) -> String {
     format!("Diagram(simulation: ({settings}), blocks: {{ {blocks} }}, connections: [ {connections} ])")
@@ -87,6 +88,45 @@ fn equations_in_text_switch_at_the_zeros_of_their_conditions() {
     close(run.last("show.x"), 3.0 * (0.5 - 1.0) + 0.25, 1e-8, "state");
     close(run.last("show.half"), 0.5 * run.last("show.x"), 1e-15, "definition");
     assert_eq!((run.at("show.up", 0.2), run.at("show.up", 0.7)), (1.0, 0.0));
+}
+
+/// `x' = 1` where `u = -x` is positive, else -1: from -1 the state rises to zero, whatever the block saw before the start.
+#[test]
+fn a_mode_in_a_loop_around_a_state_is_chosen_with_the_input_of_the_same_instant() {
+    let ode = r#""ode": OdeSystem(law: "x' = if(u > 0, 1, -1); is_up = x > -0.5", start: { "x": -1 })"#;
+    let alone = run_text(&diagram(
+        r#"stop_time: "0.6 s""#,
+        &format!(r#"{ode}, "back": Gain(k: -1), "show": Scope(inputs: ["x", "up"])"#),
+        r#""ode.x -> back.u, show.x", "back.y -> ode.u", "ode.is_up -> show.up""#,
+    ));
+    // The same where a subsystem is enabled from the beginning, and where what the state has chosen leads back to the input.
+    let inside = format!(
+        r#"Diagram(inputs: {{ "u": () }}, outputs: {{ "x": "ode.x", "up": "ode.is_up" }}, blocks: {{ {ode} }}, connections: ["in.u -> ode.u"])"#
+    );
+    let around = diagram(
+        r#"stop_time: "0.6 s""#,
+        r#""on": Constant(value: true), "back": Gain(k: -1), "inside": Subsystem(file: "inside.ron", enable: Held),
+           "show": Scope(inputs: ["x", "up"])"#,
+        r#""on.y -> inside.enable", "inside.x -> back.u, show.x", "back.y -> inside.u", "inside.up -> show.up""#,
+    );
+    let desk = Desk::new().with("around.ron", &around).with("inside.ron", &inside);
+    let (compiled, problems) = compile_with(&desk, Path::new("around.ron"), &[]);
+    let paused = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+    let chosen = compile_text(&diagram(
+        r#"stop_time: "0.6 s""#,
+        &format!(
+            r#"{ode}, "one": Constant(value: 1), "two": Constant(value: 2), "which": Switch, "show": Scope(inputs: ["x", "up"])"#
+        ),
+        r#""ode.is_up -> which.control, show.up", "two.y -> which.u1", "one.y -> which.u3", "which.y -> ode.u", "ode.x -> show.x""#,
+    ));
+    let chosen = chosen.0.schedule.expect("a schedule");
+    assert!(chosen.loops.is_empty(), "{:?}", chosen.loops);
+    for run in [alone, paused, run(chosen)] {
+        close(run.at("show.x", 0.3), -0.7, 1e-9, "state");
+        close(run.last("show.x"), -0.4, 1e-9, "state");
+        assert_eq!((run.at("show.up", 0.4), run.last("show.up")), (0.0, 1.0));
+        assert!(run.events.iter().all(|(t, ..)| (t - 0.5).abs() < 1e-9), "{:?}", run.events);
+    }
 }
 
 /// A system of equations in a loop around which only a state leads is no algebraic loop, and agrees with the same blocks.

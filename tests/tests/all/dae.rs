@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use blocksim_sim::{Ended, Frozen, Observer, Simulation, Tap};
-use blocksim_tests::{Run, compile_text, run, run_text};
+use blocksim_tests::{Run, close, compile_text, run, run_text};
 
 const SOLVERS: [&str; 6] = ["Auto", "Ode23", "Ode15s", "Radau5", "Rodas4", "Ode4(step: \"1 ms\")"];
 
@@ -26,6 +26,26 @@ fn every_row(run: &Run, column: &str, tolerance: f64, expected: impl Fn(f64) -> 
     assert!(run.time.len() > 10, "{:?}", run.time);
     for (t, y) in run.time.iter().zip(run.column(column)) {
         assert!((y - expected(*t)).abs() <= tolerance, "{column} at {t}: {y} instead of {}", expected(*t));
+    }
+}
+
+/// What is left over stands in the place of an unknown, wherever the blocks come that read it: m + n = 3, m - n = 1, with names in
+/// each order.
+#[test]
+fn nobody_reads_what_is_left_over_in_the_place_of_an_unknown() {
+    for (first, second) in [("a_sum", "z_sum"), ("z_sum", "a_sum"), ("a_sum", "b_sum"), ("y_sum", "z_sum")] {
+        let run = run_text(&format!(
+            r#"Diagram(simulation: (stop_time: "1 s"), blocks: {{
+                "m": AlgebraicConstraint(z0: 0.5), "n": AlgebraicConstraint(z0: 0.3),
+                "{first}": Sum(signs: "++-"), "{second}": Sum(signs: "+--"),
+                "three": Constant(value: 3), "one": Constant(value: 1), "show": Scope(inputs: ["m", "n"]),
+            }}, connections: [
+                "m.z -> {first}.u1, {second}.u1, show.m", "n.z -> {first}.u2, {second}.u2, show.n",
+                "three.y -> {first}.u3", "one.y -> {second}.u3", "{first}.y -> m.f", "{second}.y -> n.f",
+            ])"#
+        ));
+        close(run.last("show.m"), 2.0, 1e-12, "m");
+        close(run.last("show.n"), 1.0, 1e-12, "n");
     }
 }
 

@@ -83,6 +83,36 @@ fn natural_edges_lie_where_the_reference_meets_the_carrier() {
     assert_eq!(run.counts.events, 1200);
 }
 
+/// With references that never change only the carrier moves: its crossings count as well.
+#[test]
+fn natural_edges_of_constant_references_lie_where_the_carrier_meets_them() {
+    let run = run_text(
+        r#"Diagram(
+    simulation: (stop_time: "3 ms", output: Every("1 s")),
+    blocks: {
+        "v": Constant(value: ["5 V", "-1 V", "2 V"]), "vdc": Constant(value: "20 V"),
+        "pwm": PwmGenerator(switching_frequency: "1 kHz", modulation: Sine, sampling: Natural),
+        "m": Constant(value: 0.4), "bridge": HBridgePwm(switching_frequency: "1 kHz", sampling: Natural),
+        "s": Scope(inputs: ["gates", "bridge"]),
+    },
+    connections: [
+        "v.y -> pwm.v", "vdc.y -> pwm.vdc", "m.y -> bridge.m", "pwm.gates -> s.gates", "bridge.gates -> s.bridge",
+    ],
+)"#,
+    );
+    for (leg, duty) in [0.75, 0.45, 0.6].into_iter().enumerate() {
+        let edges = edges(&run, 2 * leg);
+        let ends = (0..3).flat_map(|k| {
+            [0.5 * (1.0 - duty), 0.5 * (1.0 + duty)].map(|share| (f64::from(k) + share) * 1e-3)
+        });
+        let expected: Vec<f64> = ends.collect();
+        assert_eq!(edges.len(), expected.len(), "leg {leg}: {edges:?}");
+        assert!(edges.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12), "leg {leg}: {edges:?}");
+    }
+    let gate = run.column("s.bridge[0]");
+    assert!((1..gate.len()).filter(|&row| gate[row] != gate[row - 1]).count() == 6, "{gate:?}");
+}
+
 /// The carrier has 42 periods a turn, so sidebands that reach the fundamental are of the order 41: nothing.
 #[test]
 fn the_fundamental_of_natural_sampling_is_the_reference() {

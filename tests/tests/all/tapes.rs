@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use blocksim_block::law::{Machine, Ran};
-use blocksim_block::schedule::{Schedule, Start};
+use blocksim_block::schedule::{Schedule, Start, When};
 use blocksim_host::machines;
 use blocksim_sim::{Counts, Observer, SimError, Simulation};
 use blocksim_tests::random::{Circuit, Mechanisms, Puzzle, Sampled, Shafts, Signals, Variant};
@@ -89,6 +89,62 @@ fn random_models_give_the_bits_of_single_calls() {
         + random::<Circuit>("circuits", &mut wrong);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(laws > 300, "only {laws} blocks have laws");
+}
+
+/// The same model, in which all that may change between major steps is evaluated at every stage of the solver, every condition is
+/// watched, and what is constant is evaluated at each major step, unless that alone made steps major.
+fn by_no_need(mut schedule: Schedule) -> Schedule {
+    let has_major = schedule.steps.iter().any(|step| step.when == When::Major);
+    for step in &mut schedule.steps {
+        if step.when == When::Constant && has_major {
+            step.when = When::Major;
+        }
+        step.minor = step.when == When::Continuous;
+    }
+    for block in &mut schedule.blocks {
+        block.watched |= block.rate.is_none() && !block.interface.guards.is_empty();
+    }
+    schedule
+}
+
+/// What is not evaluated has not changed: with nothing left out, runs have the same bits.
+#[test]
+fn what_is_left_out_between_major_steps_is_needed_by_nobody() {
+    fn random<P: Puzzle>(class: &str) -> impl Iterator<Item = (String, Schedule)> {
+        let of_seed = |seed: u64| compile_text(&P::of(seed).text(&Variant::plain())).0.schedule;
+        (1..41).filter_map(move |seed| Some((format!("{class} {seed}"), of_seed(seed)?)))
+    }
+    let files = [diagrams_below("diagrams"), diagrams_below("docs/blocks")].concat().into_iter();
+    let files = files.filter_map(|path| {
+        let name = path.strip_prefix(root()).expect("below the root").display().to_string();
+        Some((compile_file(&name, &[]).0.schedule?, name))
+    });
+    let files = files.map(|(schedule, name)| (name, schedule));
+    let models = files
+        .chain(random::<Signals>("signals"))
+        .chain(random::<Sampled>("sampled"))
+        .chain(random::<Mechanisms>("mechanisms"))
+        .chain(random::<Circuit>("circuits"));
+    let (mut left_out, mut wrong) = (0, Vec::new());
+    for (name, mut schedule) in models {
+        schedule.settings.start = Start::Given;
+        // How long steps may be follows from what is left out.
+        for interface in schedule.blocks.iter_mut().map(|block| &mut block.interface) {
+            interface.period = None;
+            interface.turning_inputs.clear();
+            interface.turning_states.clear();
+        }
+        let end = schedule.settings.stop_time.min(LONGEST);
+        left_out += schedule.steps.iter().filter(|step| step.when != When::Major && !step.minor).count();
+        let by_need = run(Simulation::new(Arc::new(schedule.clone())), end);
+        let all = run(Simulation::new(Arc::new(by_no_need(schedule))), end);
+        if (&by_need.0, &by_need.2) != (&all.0, &all.2) {
+            let row = by_need.0.rows.iter().zip(&all.0.rows).position(|(a, b)| a != b);
+            wrong.push(format!("{name}: number {row:?} of the rows, {:?} {:?}", by_need.2, all.2));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(left_out > 1000, "only {left_out} groups are left out");
 }
 
 /// One source holds the tapes of all models, so that the compiler is started once.

@@ -2,10 +2,12 @@
 
 use std::collections::HashMap;
 use std::fmt::{self, Debug};
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use blocksim_law::{Code, Failure, Id, Op, Program, Recorder, Sources};
 
+use super::reads::{Groups, Reads};
 use super::recording::{self, Recording};
 use crate::physical::Component;
 use crate::problem::Problem;
@@ -20,6 +22,14 @@ pub struct BlockLaw {
     pub outputs: Vec<Id>,
     /// Output group of each cell.
     pub group_of: Vec<usize>,
+    /// Output groups of the ports, as they follow from the law.
+    pub(super) groups: Groups,
+    /// What each output port depends on.
+    pub of_outputs: Vec<Reads>,
+    /// What the derivatives depend on.
+    pub of_rates: Reads,
+    /// What the guards depend on.
+    pub of_guards: Reads,
     /// The groups by values, see [`by_values`](Self::by_values); nothing where they are those of the interface.
     pub values: Option<Vec<ValueGroup>>,
     /// What each derivative is.
@@ -28,6 +38,11 @@ pub struct BlockLaw {
     pub guards: Vec<Id>,
     /// Discrete states that are set at major steps, and to what.
     pub settled: Vec<(usize, Id)>,
+    /// Unknowns that the engine finds, by their places among all outputs, and what is to become zero. In the program they are
+    /// parameters.
+    pub rest: Vec<(usize, Id)>,
+    /// The group that writes what is left over, where there are unknowns.
+    rest_group: Option<usize>,
     /// Discrete states that change at sample hits, and what they become.
     pub updated: Vec<(usize, Id)>,
     codes: OnceLock<Codes>,
@@ -52,6 +67,8 @@ struct Codes {
     derivatives: Code,
     guards: Code,
     settled: Code,
+    /// What is settled with each group: the numbers of the states, and their values.
+    chosen: Vec<(Vec<usize>, Code)>,
     updated: Code,
     registers: usize,
 }
@@ -63,8 +80,7 @@ impl BlockLaw {
     /// The law of a block with this interface, whose input and output ports lie so; `None` if the block records none.
     ///
     /// # Errors
-    /// What is wrong with the law: an output, derivative or guard that is not said or said twice, an output that reads an
-    /// input of which its group says nothing.
+    /// What is wrong with the law: an output, derivative or guard that is not said or said twice.
     pub fn record(
         block: &Arc<dyn Block>,
         interface: &Interface,
@@ -81,6 +97,7 @@ impl BlockLaw {
             Some(i) => Err(format!("{what} {i} is not set")),
             None => Ok(list.len()),
         };
+        whole(&written.rest, "equation")?;
         let counts = [
             whole(&written.outputs, "output")?,
             whole(&written.derivatives, "derivative")?,
@@ -97,23 +114,37 @@ impl BlockLaw {
             said.zip(ids.by_ref()).collect::<Vec<_>>()
         };
         let (settled, updated) = (some(&written.settled), some(&written.updated));
-        let mut group_of = vec![0; y.len()];
-        for (port, (start, end)) in outputs.iter().enumerate() {
-            group_of[*start as usize..*end as usize].fill(interface.group_of[port]);
-        }
-        let law = Self {
+        let rest = some(&written.rest);
+        let unknowns = interface.constraint.iter().flat_map(|constraint| &constraint.unknowns);
+        let rest = unknowns.zip(rest).map(|((place, _), (_, id))| (*place, id)).collect();
+        let mut law = Self {
             block: Arc::clone(block),
+            group_of: vec![0; y.len()],
+            groups: Groups::default(),
+            of_outputs: Vec::new(),
+            of_rates: Reads::default(),
+            of_guards: Reads::default(),
             outputs: y,
-            group_of,
             values: None,
             derivatives: dx,
             guards: g,
+            rest,
+            rest_group: interface.constraint.as_ref().map(|constraint| constraint.rest),
             settled,
             updated,
             codes: OnceLock::new(),
             program,
         };
-        law.reads_what_it_says(interface, inputs)?;
+        if law.reads_unknown(law.derivatives.iter().chain(&law.guards)) {
+            return Err("a derivative or guard depends on an unknown".to_owned());
+        }
+        law.of_outputs = outputs.iter().map(|span| law.reads(&law.outputs[cells(*span)])).collect();
+        law.of_rates = law.reads(&law.derivatives);
+        law.of_guards = law.reads(&law.guards);
+        law.groups = law.output_groups(interface, inputs, outputs);
+        for (span, group) in outputs.iter().zip(&law.groups.of) {
+            law.group_of[cells(*span)].fill(*group);
+        }
         Ok(Some(law))
     }
 
@@ -121,7 +152,7 @@ impl BlockLaw {
     /// ports these cells are of. Nothing if the groups of the interface are as fine already, or if the block chooses modes, which
     /// takes all inputs at once.
     pub fn by_values(&self, interface: &Interface, inputs: &[(u32, u32)]) -> Option<Self> {
-        if interface.settles || !self.settled.is_empty() || interface.constraint.is_some() {
+        if interface.settles || interface.constraint.is_some() {
             return None;
         }
         let mut groups: Vec<ValueGroup> = Vec::new();
@@ -129,11 +160,7 @@ impl BlockLaw {
         let mut group_of = Vec::with_capacity(self.outputs.len());
         let mut dependences = 0;
         for (cell, id) in self.outputs.iter().enumerate() {
-            let wanted = [*id];
-            let about = self.requirements_of(&wanted);
-            let mut reads = self.inputs_behind(wanted.into_iter().chain(about));
-            reads.sort_unstable();
-            reads.dedup();
+            let reads = self.reads(&[*id]).inputs;
             dependences += reads.len();
             if dependences > MOST_DEPENDENCES {
                 return None;
@@ -158,13 +185,24 @@ impl BlockLaw {
             program: self.program.clone(),
             outputs: self.outputs.clone(),
             group_of,
+            groups: self.groups.clone(),
+            of_outputs: self.of_outputs.clone(),
+            of_rates: self.of_rates.clone(),
+            of_guards: self.of_guards.clone(),
             values: Some(groups),
             derivatives: self.derivatives.clone(),
             guards: self.guards.clone(),
+            rest: Vec::new(),
+            rest_group: None,
             settled: Vec::new(),
             updated: self.updated.clone(),
             codes: OnceLock::new(),
         })
+    }
+
+    /// The settled states that are chosen with a group, by their number among [`settled`](Self::settled).
+    pub fn chosen_in(&self, group: usize) -> &[usize] {
+        self.groups.chosen.get(group).map_or(&[], Vec::as_slice)
     }
 
     /// The output cells of a group.
@@ -178,37 +216,28 @@ impl BlockLaw {
         .unwrap_or_default()
     }
 
-    /// Whether each output reads inputs of its group alone.
-    fn reads_what_it_says(&self, interface: &Interface, inputs: &[(u32, u32)]) -> Result<(), String> {
-        for (group, reads) in interface.groups.iter().enumerate() {
-            let Some(reads) = reads else { continue };
-            let of_group = self.outputs.iter().zip(&self.group_of).filter(|(_, of)| **of == group);
-            for cell in self.inputs_behind(of_group.map(|(id, _)| *id)) {
-                let port = inputs.iter().position(|(start, end)| (*start..*end).contains(&cell));
-                if let Some(port) = port.filter(|port| !reads.contains(port)) {
-                    let name = &interface.inputs[port].name;
-                    return Err(format!("output group {group} reads `{name}` without saying so"));
-                }
-            }
+    /// The output cells that a group writes, and what they are: of what is left over of constraints, in the places of the unknowns.
+    pub fn written(&self, group: usize) -> Vec<(usize, Id)> {
+        if self.rest_group == Some(group) {
+            return self.rest.clone();
         }
-        Ok(())
+        let is_found = |cell: &usize| self.rest.iter().any(|(place, _)| place == cell);
+        let cells = self.cells_of(group).into_iter().filter(|cell| !is_found(cell));
+        cells.map(|cell| (cell, self.outputs[cell])).collect()
     }
 
-    /// The input cells that these values depend on.
-    pub fn inputs_behind(&self, ids: impl Iterator<Item = Id>) -> Vec<u32> {
+    /// Whether any of these values depends on what the engine finds.
+    fn reads_unknown<'i>(&self, ids: impl Iterator<Item = &'i Id>) -> bool {
+        let mut open: Vec<Id> = if self.rest.is_empty() { Vec::new() } else { ids.copied().collect() };
         let mut seen = vec![false; self.program.instructions.len()];
-        let mut open: Vec<Id> = ids.collect();
-        let mut inputs = Vec::new();
         while let Some(id) = open.pop() {
-            if std::mem::replace(&mut seen[id.0 as usize], true) {
-                continue;
-            }
             match self.program.op(id) {
-                Op::Input(cell) => inputs.push(cell),
-                op => open.extend(op.operands()),
+                Op::Parameter(_) => return true,
+                op if !std::mem::replace(&mut seen[id.0 as usize], true) => open.extend(op.operands()),
+                _ => (),
             }
         }
-        inputs
+        false
     }
 
     fn codes(&self) -> &Codes {
@@ -219,10 +248,9 @@ impl BlockLaw {
                 Code::new(&self.program, &wanted)
             };
             let seconds = |list: &[(usize, Id)]| list.iter().map(|(_, id)| *id).collect::<Vec<Id>>();
-            let count = self.group_of.iter().max().map_or(0, |group| group + 1);
+            let count = self.group_of.iter().chain(&self.rest_group).max().map_or(0, |group| group + 1);
             let groups = (0..count).map(|group| {
-                let cells = self.cells_of(group);
-                let ids = cells.iter().map(|cell| self.outputs[*cell]).collect();
+                let (cells, ids) = self.written(group).into_iter().unzip();
                 (cells, code(ids))
             });
             let mut codes = Codes {
@@ -230,11 +258,21 @@ impl BlockLaw {
                 derivatives: code(self.derivatives.clone()),
                 guards: code(self.guards.clone()),
                 settled: code(seconds(&self.settled)),
+                chosen: self
+                    .groups
+                    .chosen
+                    .iter()
+                    .map(|members| {
+                        let states = members.iter().map(|member| self.settled[*member].0).collect();
+                        (states, code(members.iter().map(|member| self.settled[*member].1).collect()))
+                    })
+                    .collect(),
                 updated: code(seconds(&self.updated)),
                 registers: 0,
             };
             let single = [&codes.derivatives, &codes.guards, &codes.settled, &codes.updated];
-            let all = codes.groups.iter().map(|(_, code)| code).chain(single);
+            let several = codes.groups.iter().chain(&codes.chosen).map(|(_, code)| code);
+            let all = several.chain(single);
             codes.registers = all.map(Code::registers).max().unwrap_or(0);
             codes
         })
@@ -270,21 +308,52 @@ impl BlockLaw {
         }
     }
 
-    fn run<'w>(&self, code: &Code, c: &Context, w: &'w mut Scratch) -> &'w [f64] {
+    /// Runs a code; `y` are all outputs, among which unknowns stand where the code may need them.
+    fn run<'w>(&self, code: &Code, c: &Context, y: &[f64], w: &'w mut Scratch) -> &'w [f64] {
         if w.get::<Vec<f64>>().is_none() {
-            *w = Scratch::new(vec![0.0_f64; self.codes().registers]);
+            *w = self.scratch();
         }
-        let registers = w.get::<Vec<f64>>().map(Vec::as_mut_slice).unwrap_or_default();
-        self.run_in(code, c, c.d, registers);
+        let room = w.get::<Vec<f64>>().map(Vec::as_mut_slice).unwrap_or_default();
+        let (registers, unknowns) = room.split_at_mut(self.codes().registers);
+        if !y.is_empty() {
+            unknowns.iter_mut().zip(&self.rest).for_each(|(z, (place, _))| *z = y[*place]);
+        }
+        self.run_in(code, c, c.d, unknowns, registers);
         registers
     }
 
-    fn run_in(&self, code: &Code, c: &Context, d: &[f64], registers: &mut [f64]) {
-        let sources = Sources { time: c.t, inputs: c.u, states: c.x, memories: d, ..Sources::default() };
+    /// Sets discrete states to what a code computes.
+    fn choose(&self, code: &Code, states: impl Iterator<Item = usize>, c: &Context, d: &mut [f64]) {
+        let registers = self.codes().registers;
+        let mut few = [0.0; FEW];
+        let mut many = Vec::new();
+        let registers = if registers <= FEW {
+            &mut few[..]
+        } else {
+            many.resize(registers, 0.0);
+            &mut many[..]
+        };
+        self.run_in(code, c, d, &[], registers);
+        states.enumerate().for_each(|(k, i)| d[i] = code.result(registers, k));
+    }
+
+    fn run_in(&self, code: &Code, c: &Context, d: &[f64], unknowns: &[f64], registers: &mut [f64]) {
+        let sources = Sources {
+            time: c.t,
+            inputs: c.u,
+            states: c.x,
+            memories: d,
+            parameters: unknowns,
+            ..Sources::default()
+        };
         if let Some(failure) = code.run(&sources, registers) {
             c.fail(self.block.no_value(&failure, c).unwrap_or_else(|| Self::reason(&failure)));
         }
     }
+}
+
+fn cells((start, end): (u32, u32)) -> Range<usize> {
+    start as usize..end as usize
 }
 
 impl Debug for BlockLaw {
@@ -295,12 +364,12 @@ impl Debug for BlockLaw {
 
 impl Block for BlockLaw {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
-        self.block.interface(given)
+        Ok(self.complete(self.block.interface(given)?))
     }
 
     /// Room to run the law. Without it the first run takes the memory.
     fn scratch(&self) -> Scratch {
-        Scratch::new(vec![0.0_f64; self.codes().registers])
+        Scratch::new(vec![0.0_f64; self.codes().registers + self.rest.len()])
     }
 
     fn initialize(&self, c: &Context, x: &mut [f64], d: &mut [f64]) {
@@ -311,35 +380,35 @@ impl Block for BlockLaw {
         if self.settled.is_empty() {
             return self.block.settle(c, d);
         }
-        let Codes { settled, registers, .. } = self.codes();
-        let mut few = [0.0; FEW];
-        let mut many = Vec::new();
-        let registers = if *registers <= FEW {
-            &mut few[..]
-        } else {
-            many.resize(*registers, 0.0);
-            &mut many[..]
-        };
-        self.run_in(settled, c, d, registers);
-        self.settled.iter().enumerate().for_each(|(k, (i, _))| d[*i] = settled.result(registers, k));
+        self.choose(&self.codes().settled, self.settled.iter().map(|(i, _)| *i), c, d);
+    }
+
+    fn settle_in(&self, group: usize, c: &Context, d: &mut [f64]) {
+        match self.codes().chosen.get(group) {
+            Some((states, code)) if !self.settled.is_empty() => {
+                self.choose(code, states.iter().copied(), c, d)
+            }
+            Some(_) => self.block.settle(c, d),
+            None => self.settle(c, d),
+        }
     }
 
     fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
         // A group without outputs has no code.
         let Some((cells, code)) = self.codes().groups.get(group) else { return };
-        let registers = self.run(code, c, w);
+        let registers = self.run(code, c, y, w);
         cells.iter().enumerate().for_each(|(k, cell)| y[*cell] = code.result(registers, k));
     }
 
     fn derivatives(&self, c: &Context, w: &mut Scratch, dx: &mut [f64]) {
         let code = &self.codes().derivatives;
-        let registers = self.run(code, c, w);
+        let registers = self.run(code, c, &[], w);
         dx.iter_mut().enumerate().for_each(|(k, dx)| *dx = code.result(registers, k));
     }
 
     fn guards(&self, c: &Context, w: &mut Scratch, g: &mut [f64]) {
         let code = &self.codes().guards;
-        let registers = self.run(code, c, w);
+        let registers = self.run(code, c, &[], w);
         g.iter_mut().enumerate().for_each(|(k, g)| *g = code.result(registers, k));
     }
 
@@ -349,7 +418,7 @@ impl Block for BlockLaw {
         }
         let code = &self.codes().updated;
         let here = Context { d, ..*c };
-        let registers = self.run(code, &here, w);
+        let registers = self.run(code, &here, &[], w);
         self.updated.iter().enumerate().for_each(|(k, (i, _))| d[*i] = code.result(registers, k));
     }
 

@@ -81,17 +81,17 @@ pub struct Joined {
 }
 
 impl Joined {
-    /// The outputs of one group of a block; where it `settles`, its modes before.
+    /// The outputs of one group of a block; where it `settles`, the modes that are chosen with it before.
     pub fn call(&mut self, placed: Placed, group: usize, settles: bool) {
         let law = placed.law;
         let mut inlined = Inlined::new(placed);
         let mut wanted: Vec<Id> = Vec::new();
         if settles {
-            self.settle_with(&mut inlined);
-            wanted.extend(law.settled.iter().map(|(_, id)| *id));
+            let chosen = law.chosen_in(group).iter().map(|member| law.settled[*member]).collect::<Vec<_>>();
+            self.settle_with(&chosen, &mut inlined);
+            wanted.extend(chosen.iter().map(|(_, id)| *id));
         }
-        for cell in law.cells_of(group) {
-            let id = law.outputs[cell];
+        for (cell, id) in law.written(group) {
             let value = inlined.value(id, self);
             let cell = (placed.instance.y + cell) as u32;
             self.roots.push(Root::Cell(value, cell));
@@ -105,7 +105,7 @@ impl Joined {
     /// The modes of a block without outputs.
     pub fn settle(&mut self, placed: Placed) {
         let mut inlined = Inlined::new(placed);
-        self.settle_with(&mut inlined);
+        self.settle_with(&placed.law.settled, &mut inlined);
         let wanted: Vec<Id> = placed.law.settled.iter().map(|(_, id)| *id).collect();
         self.require(&wanted, &mut inlined);
     }
@@ -202,18 +202,17 @@ impl Joined {
         Draft { program, roots }
     }
 
-    fn settle_with(&mut self, inlined: &mut Inlined) {
-        let law = inlined.law;
-        for (i, id) in &law.settled {
+    fn settle_with(&mut self, chosen: &[(usize, Id)], inlined: &mut Inlined) {
+        for (i, id) in chosen {
             let value = inlined.value(*id, self);
             self.roots.push(Root::Held(value, inlined.held(*i)));
         }
-        for (i, id) in &law.settled {
+        for (i, id) in chosen {
             let value = inlined.value(*id, self);
             self.settled.insert(inlined.held(*i), value);
         }
         // Discrete states are others from here.
-        if !law.settled.is_empty() {
+        if !chosen.is_empty() {
             inlined.values.clear();
         }
     }
@@ -318,6 +317,8 @@ impl<'l> Inlined<'l> {
                 Op::Memory(number)
             }
             Op::State(i) => Op::State(self.instance.x as u32 + i),
+            // An unknown stands among the outputs.
+            Op::Parameter(i) => Op::Input((self.instance.y + self.law.rest[i as usize].0) as u32),
             op => op.map(of),
         };
         joined.push(op, self.number)

@@ -2,6 +2,7 @@
 
 mod block_law;
 mod joined;
+mod reads;
 mod recording;
 
 pub use block_law::{BlockLaw, ValueGroup};
@@ -9,4 +10,5 @@ pub use blocksim_law::{
     Binary, Domain, Failure, Id, Machine, Op, Program, Ran, Root, Tape, Unary, Word, WordCode,
 };
 pub use joined::{Draft, Joined, Placed};
+pub use reads::Reads;
 pub use recording::{Condition, Recording, Relation, Value};

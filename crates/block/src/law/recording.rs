@@ -19,6 +19,8 @@ pub struct Recording<'r> {
     x: Vec<Value<'r>>,
     discrete: &'r [Discrete],
     d: OnceCell<Vec<Value<'r>>>,
+    /// What the engine finds, with its place among all outputs.
+    unknowns: Vec<(usize, Value<'r>)>,
     written: RefCell<Written>,
 }
 
@@ -31,6 +33,8 @@ pub(super) struct Written {
     pub guards: Vec<Option<Id>>,
     pub settled: Vec<Option<Id>>,
     pub updated: Vec<Option<Id>>,
+    /// What is left over of constraints.
+    pub rest: Vec<Option<Id>>,
     /// Start of each output port among the cells.
     starts: Vec<usize>,
     /// The first thing that is wrong.
@@ -50,6 +54,12 @@ impl<'r> Recording<'r> {
         };
         let cells = outputs.iter().map(|span| span.1 as usize).max().unwrap_or(0);
         let none = |n: usize| vec![None; n];
+        let sought = interface.constraint.iter().flat_map(|constraint| &constraint.unknowns).enumerate();
+        let unknowns: Vec<(usize, Value)> = sought
+            .map(|(k, (place, guess))| (*place, recorder.parameter(&format!("z[{k}]"), *guess)))
+            .collect();
+        let mut given = none(cells);
+        unknowns.iter().for_each(|(place, value)| given[*place] = Some(value.id()));
         Self {
             inputs: inputs.iter().enumerate().map(|(k, span)| port(k, *span)).collect(),
             shapes: interface.inputs.iter().map(|input| input.shape).collect(),
@@ -57,14 +67,16 @@ impl<'r> Recording<'r> {
             discrete: &interface.discrete,
             d: OnceCell::new(),
             written: RefCell::new(Written {
-                outputs: none(cells),
+                outputs: given,
                 derivatives: none(interface.states.len()),
                 guards: none(interface.guards.len()),
                 settled: none(interface.discrete.len()),
                 updated: none(interface.discrete.len()),
+                rest: none(unknowns.len()),
                 starts: outputs.iter().map(|span| span.0 as usize).collect(),
                 wrong: None,
             }),
+            unknowns,
             recorder,
         }
     }
@@ -134,6 +146,11 @@ impl<'r> Recording<'r> {
         self.d.get_or_init(|| self.discrete.iter().map(memory).collect())
     }
 
+    /// Output `place`, counted over all ports, which the engine finds; nothing if it does not.
+    pub fn unknown(&self, place: usize) -> Option<Value<'r>> {
+        self.unknowns.iter().find(|(at, _)| *at == place).map(|(_, value)| *value)
+    }
+
     /// The time, s.
     pub fn time(&self) -> Value<'r> {
         self.recorder.time()
@@ -189,6 +206,11 @@ impl<'r> Recording<'r> {
         self.written.borrow_mut().note(|written| &mut written.settled, "settled state", i, value);
     }
 
+    /// Says what becomes zero when unknown `i` is found.
+    pub fn rest(&self, i: usize, value: Value<'r>) {
+        self.written.borrow_mut().note(|written| &mut written.rest, "equation", i, value);
+    }
+
     /// Says what discrete state `i` becomes at a sample hit, after the outputs of that instant.
     pub fn update(&self, i: usize, value: Value<'r>) {
         self.written.borrow_mut().note(|written| &mut written.updated, "updated state", i, value);
@@ -227,6 +249,7 @@ pub(super) fn program(recorder: Recorder, written: &Written) -> Program {
         ("g", &written.guards),
         ("settle", &written.settled),
         ("update", &written.updated),
+        ("rest", &written.rest),
     ];
     for (name, list) in lists {
         let said = list.iter().enumerate().filter_map(|(i, id)| Some((i, (*id)?)));

@@ -185,25 +185,31 @@ impl DescriptorStateSpace {
         self.system.get_or_init(|| System::new(self))
     }
 
-    /// Says so if the values at the start contradict the constraints.
-    fn compare(&self, system: &System, c: &Context) {
-        let found = |i: usize| dot(&system.of_w[i], c.x) + dot(&system.of_u[i], c.u);
-        let size = |i: usize| {
-            let terms = |row: &[f64], v: &[f64]| row.iter().zip(v).map(|(m, v)| (m * v).abs()).sum::<f64>();
-            terms(&system.of_w[i], c.x) + terms(&system.of_u[i], c.u)
-        };
-        let wrong =
-            |i: &usize| (found(*i) - self.x0[*i]).abs() > CONSISTENT * size(*i).max(self.x0[*i].abs());
-        let wrong: Vec<String> = (0..self.x0.len())
-            .filter(wrong)
-            .map(|i| format!("x0[{i}] is {}, but {:.6e} follows", self.x0[i], found(i)))
-            .collect();
-        if !wrong.is_empty() {
-            c.fail(format!(
-                "`x0` contradicts the constraints at the start: {}; write these values, or `initial: Differential` to have them found",
-                wrong.join(", ")
-            ));
+    /// Whether the values at the start fulfil the constraints; nothing where any values do.
+    fn is_consistent<'r>(&self, system: &System, l: &Recording<'r>) -> Option<Condition<'r>> {
+        if self.initial == InitialValues::Differential || self.x0.is_empty() {
+            return None;
         }
+        let (x, u, zero) = (l.x(), l.input(0), l.constant(0.0));
+        let mut holds = l.time().live(Relation::NotEqual, zero);
+        // Methods look at other states at the start as well.
+        for (x, start) in x.iter().zip(&system.start) {
+            holds = holds.or(x.live(Relation::NotEqual, l.constant(*start)));
+        }
+        let magnitude = |value: Value<'r>| value.live(Relation::Less, zero).select(-value, value);
+        let mut fits: Option<Condition> = None;
+        for ((of_w, of_u), x0) in system.of_w.iter().zip(&system.of_u).zip(&self.x0) {
+            let found = l.dot(of_w, x) + l.dot(of_u, u);
+            let terms = of_w.iter().zip(x).chain(of_u.iter().zip(u));
+            let size = terms.fold(zero, |size, (factor, value)| size + magnitude(*factor * *value));
+            let least = l.constant(x0.abs());
+            let size = size.live(Relation::Less, least).select(least, size);
+            let near = magnitude(found - *x0).live(Relation::LessEqual, size * CONSISTENT);
+            // What is not a number has another cause.
+            let near = near.or(!found.is_number());
+            fits = Some(fits.map_or(near, |fits| fits.and(near)));
+        }
+        fits.map(|fits| holds.or(fits))
     }
 }
 
@@ -236,35 +242,56 @@ impl Block for DescriptorStateSpace {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let y = Output::like("y", PortType::UNKNOWN.shaped(column(self.c.len())));
         let interface = Interface::new().input(Input::real("u").shape(column(self.inputs())));
-        let Ok(system) = self.system() else { return Ok(interface.output(y)) };
-        let mut interface =
-            if system.feeds_through() { interface.output(y) } else { interface.output_from_state(y) };
+        let mut interface = interface.output(y);
+        let Ok(system) = self.system() else { return Ok(interface) };
         for (name, start) in system.names.iter().zip(&system.start) {
             interface = interface.state(name.clone(), *start);
         }
         Ok(interface)
     }
 
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let Ok(system) = self.system() else { return };
-        y.iter_mut().zip(&system.c).for_each(|(y, row)| *y = dot(row, c.x));
-        if system.feeds_through() {
-            y.iter_mut().zip(&system.d).for_each(|(y, row)| *y += dot(row, c.u));
+    fn law(&self, l: &Recording) -> bool {
+        let Ok(system) = self.system() else { return false };
+        let (x, u) = (l.x(), l.input(0));
+        let consistent = self.is_consistent(system, l);
+        let start = |first: bool, value: Value| match consistent {
+            Some(holds) if first => value.only_where(holds),
+            _ => (),
+        };
+        for (i, c) in system.c.iter().enumerate() {
+            let free = l.dot(c, x);
+            let y = if system.feeds_through() { free + l.dot(&system.d[i], u) } else { free };
+            start(i == 0 && x.is_empty() && system.feeds_through(), y);
+            l.set(0, i, y);
         }
-        if c.t == 0.0 && c.x.is_empty() && self.initial == InitialValues::Exact && system.feeds_through() {
-            self.compare(system, c);
+        for (i, (a, b)) in system.a.iter().zip(&system.b).enumerate() {
+            let dx = l.dot(a, x) + l.dot(b, u);
+            start(i == 0, dx);
+            l.derive(i, dx);
         }
+        true
     }
 
-    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
-        let Ok(system) = self.system() else { return };
-        for ((dx, a), b) in dx.iter_mut().zip(&system.a).zip(&system.b) {
-            *dx = dot(a, c.x) + dot(b, c.u);
-        }
-        if c.t == 0.0 && self.initial == InitialValues::Exact && c.x == system.start {
-            self.compare(system, c);
-        }
+    fn no_value(&self, _failure: &Failure, c: &Context) -> Option<String> {
+        let Ok(system) = self.system() else { return None };
+        let wrong: Vec<String> = (0..self.x0.len())
+            .filter_map(|i| {
+                let found = dot(&system.of_w[i], c.x) + dot(&system.of_u[i], c.u);
+                let size = size(&system.of_w[i], c.x) + size(&system.of_u[i], c.u);
+                let is_wrong = (found - self.x0[i]).abs() > CONSISTENT * size.max(self.x0[i].abs());
+                is_wrong.then(|| format!("x0[{i}] is {}, but {found:.6e} follows", self.x0[i]))
+            })
+            .collect();
+        Some(format!(
+            "`x0` contradicts the constraints at the start: {}; write these values, or `initial: Differential` to have them found",
+            wrong.join(", ")
+        ))
     }
+}
+
+/// The sum of the magnitudes of `row[i] * v[i]`.
+fn size(row: &[f64], v: &[f64]) -> f64 {
+    row.iter().zip(v).map(|(m, v)| (m * v).abs()).sum()
 }
 
 #[cfg(test)]

@@ -162,7 +162,7 @@ impl Block for Integrator {
             interface = interface.input(Input::real("x0").dimension(own).doc(doc));
         }
         let y = PortType::UNKNOWN.shaped(shape).of(dimension);
-        interface = interface.output_from_state(Output::like("y", y));
+        interface = interface.output(Output::like("y", y));
         for i in 0..shape.len() {
             interface = interface.state_in("x", element(self.x0(), i), dimension);
         }

@@ -35,7 +35,7 @@ impl Block for LowPass {
         let u = given.input_or_unknown("u");
         let shape = given.common_shape(&["u"], &[self.y0.shape])?;
         let y = Output::like("y", u.shaped(shape));
-        let mut interface = Interface::new().input(Input::real("u")).output_from_state(y);
+        let mut interface = Interface::new().input(Input::real("u")).output(y);
         for i in 0..shape.len() {
             interface = interface.state_in("x", self.y0.at(i), u.dimension);
         }

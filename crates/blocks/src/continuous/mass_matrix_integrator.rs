@@ -1,6 +1,7 @@
 use std::sync::OnceLock;
 
 use blocksim_block::prelude::*;
+use nalgebra::DMatrix;
 
 use super::descriptor::{Reduction, matrix, undecided};
 use super::state_space::{column, initial, sized};
@@ -36,9 +37,6 @@ pub struct MassMatrixIntegrator {
     #[block(skip)]
     reduction: OnceLock<Result<Reduction, f64>>,
 }
-
-/// The group that gives what is left over of the constraints.
-const REST: usize = 1;
 
 impl MassMatrixIntegrator {
     fn reduction(&self) -> &Result<Reduction, f64> {
@@ -89,26 +87,18 @@ impl Block for MassMatrixIntegrator {
         Ok(interface)
     }
 
-    fn outputs(&self, group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let Ok(found) = self.reduction() else { return };
-        let algebraic = found.algebraic();
-        if group == REST {
-            for (row, &place) in found.g.row_iter().zip(algebraic) {
-                y[place] = row.iter().zip(c.u).map(|(g, u)| g * u).sum();
-            }
-            return;
+    fn law(&self, l: &Recording) -> bool {
+        let Ok(found) = self.reduction() else { return false };
+        let rows = |m: &DMatrix<f64>| -> Vec<Vec<f64>> {
+            m.row_iter().map(|row| row.iter().copied().collect()).collect()
+        };
+        let unknowns: Vec<Value> = found.algebraic().iter().filter_map(|&place| l.unknown(place)).collect();
+        for ((&place, x), t) in found.order.iter().zip(l.x()).zip(rows(&found.t)) {
+            l.set(0, place, if unknowns.is_empty() { *x } else { *x - l.dot(&t, &unknowns) });
         }
-        for (i, &place) in found.order[..found.states()].iter().enumerate() {
-            let moved: f64 = algebraic.iter().enumerate().map(|(j, &other)| found.t[(i, j)] * y[other]).sum();
-            y[place] = c.x[i] - moved;
-        }
-    }
-
-    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
-        let Ok(found) = self.reduction() else { return };
-        for (dx, row) in dx.iter_mut().zip(found.f.row_iter()) {
-            *dx = row.iter().zip(c.u).map(|(f, u)| f * u).sum();
-        }
+        rows(&found.f).iter().enumerate().for_each(|(i, f)| l.derive(i, l.dot(f, l.input(0))));
+        rows(&found.g).iter().enumerate().for_each(|(i, g)| l.rest(i, l.dot(g, l.input(0))));
+        true
     }
 }
 

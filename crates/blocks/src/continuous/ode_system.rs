@@ -135,24 +135,20 @@ impl Block for OdeSystem {
             let input = if *is_truth { Input::boolean(name) } else { Input::real(name) };
             interface = interface.input(input.scalar());
         }
-        // Modes are chosen before the first group is evaluated: it is the one that knows all inputs.
-        interface.groups = vec![None, Some(Vec::new())];
         for (rate, dimension) in system.rates.iter().zip(&known.states) {
             let y = Output::like(&rate.name, PortType::UNKNOWN.of(*dimension));
-            interface = interface.output_from_state(y);
+            interface = interface.output(y);
             let start = self.start(&rate.name).map_or(0.0, |start| start.value);
             interface = interface.state_in(&rate.name, start, *dimension);
         }
-        for (list, is_free) in [(&system.free, true), (&system.bound, false)] {
-            for i in list {
-                let definition = &system.definitions[*i];
-                let y = match definition.formula.is_truth() {
-                    true => PortType::boolean(),
-                    false => PortType::UNKNOWN.of(known.definitions[*i]),
-                };
-                let y = Output::like(&definition.name, y);
-                interface = if is_free { interface.output_from_state(y) } else { interface.output(y) };
-            }
+        for i in system.free.iter().chain(&system.bound) {
+            let definition = &system.definitions[*i];
+            let y = match definition.formula.is_truth() {
+                true => PortType::boolean(),
+                false => PortType::UNKNOWN.of(known.definitions[*i]),
+            };
+            let y = Output::like(&definition.name, y);
+            interface = interface.output(y);
         }
         interface = system.of_free.declare(interface, 1, &self.law);
         Ok(system.of_bound.declare(interface, 1, &self.law))

@@ -45,9 +45,19 @@ fn an_oscillator_swings_as_its_closed_form() {
 
 #[test]
 fn only_what_depends_on_inputs_feeds_through() {
-    let interface = oscillator().interface(&Given::nothing()).unwrap();
+    let force = PortType::scalar().of(Some(dimension("N")));
+    let interface = Bench::with_inputs(oscillator(), vec![("force".to_owned(), force)]).interface;
     let reads = |output: usize| interface.reads(interface.group_of[output], 0);
     assert_eq!([0, 1, 2, 3].map(reads), [false, false, false, true]);
+}
+
+#[test]
+fn modes_are_chosen_with_the_inputs_that_choose_them_and_states_do_not_wait_for_them() {
+    let interface = Bench::new(system("x' = if(u > 0, 1, -1); full = x > 1")).interface;
+    // What follows from the state is chosen with it; the mode of the derivative with a group without outputs, which knows the input.
+    assert_eq!(interface.group_of, [0, 0]);
+    assert!(!interface.reads(0, 0) && interface.settles_in(0));
+    assert!(interface.reads(1, 0) && interface.settles_in(1));
 }
 
 #[test]

@@ -128,25 +128,23 @@ impl Block for Pid {
         let e = given.input_or_unknown("e");
         let dimension = self.law.dimension(given)?;
         let mut interface = Interface::new().input(Input::real("e").doc("Set value minus actual value."));
-        let mut reads = vec![0];
         if let Some(reset) = self.reset.input() {
             interface = interface.input(reset).jumps();
         }
         interface = self.law.inputs_of_limits(interface, dimension);
-        reads.extend(1 + usize::from(self.reset != Reset::None)..interface.inputs.len());
         let limits: &[&str] = if self.law.external_limits { &["e", "lower", "upper"] } else { &["e"] };
         given.common_shape(limits, &[]).and_then(|shape| {
             let message = || format!("the limits are a {shape}, but `e` is a {}", e.shape);
             if shape == e.shape { Ok(()) } else { Err(InterfaceError::types(&["e"], message())) }
         })?;
-        interface = interface.output_reading(&reads, Output::like("u", e.of(dimension)));
+        interface = interface.output(Output::like("u", e.of(dimension)));
         interface = interface.discrete("trigger", UNSEEN);
         let n = e.shape.len();
         for i in 0..n {
             let detail = || (n > 1).then(|| format!("element {i}"));
             interface = interface.state("integral", self.law.x0).state("filter", self.law.d0);
             if self.law.limited() {
-                interface = interface.settles().discrete("mode", 0.0);
+                interface = interface.discrete("mode", 0.0);
                 interface = interface
                     .kink("upper")
                     .detail(detail())

@@ -110,8 +110,7 @@ impl Block for StateSpace {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let y = Output::like("y", PortType::UNKNOWN.shaped(column(self.c.len())));
         let interface = Interface::new().input(Input::real("u").shape(column(self.inputs())));
-        let mut interface =
-            if self.feeds_through() { interface.output(y) } else { interface.output_from_state(y) };
+        let mut interface = interface.output(y);
         for i in 0..self.a.len() {
             interface = interface.state(format!("x{}", i + 1), self.x0.get(i).copied().unwrap_or(0.0));
         }
@@ -181,7 +180,7 @@ mod tests {
     #[test]
     fn a_feedthrough_of_zeros_breaks_loops() {
         let block = StateSpace { d: matrix(&[[0.0], [0.0]]), ..oscillator() };
-        let interface = block.interface(&Given::nothing()).unwrap();
+        let interface = Bench::new(block).interface;
         assert!(!interface.reads(0, 0));
         assert_eq!(interface.inputs[0].shape, Some(Shape::Scalar));
         assert_eq!(interface.outputs[0].port_type.shape, Shape::Vector(2));

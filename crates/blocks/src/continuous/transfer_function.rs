@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn the_input_reaches_the_output_at_once_only_for_equal_degrees() {
-        let reads = |num: &[f64]| block(num, &[1.0, 3.0]).interface(&Given::nothing()).unwrap().reads(0, 0);
+        let reads = |num: &[f64]| Bench::new(block(num, &[1.0, 3.0])).interface.reads(0, 0);
         assert!(!reads(&[1.0]) && !reads(&[0.0, 1.0]) && reads(&[1.0, 0.0]));
     }
 

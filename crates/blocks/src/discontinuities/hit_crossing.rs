@@ -52,8 +52,7 @@ impl Block for HitCrossing {
             )
             .memory("side", n, UNSEEN)
             .memory("count", n, 0.0)
-            .memory("time", n, 0.0)
-            .settles();
+            .memory("time", n, 0.0);
         let guarded = interface.guard_each_when(self.direction, "crosses", n);
         Ok(guarded.called("counts a crossing upwards", "counts a crossing downwards"))
     }

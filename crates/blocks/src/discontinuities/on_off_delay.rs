@@ -38,7 +38,6 @@ impl Block for OnOffDelay {
             .modes("y", 1, 0.0, SWITCHED)
             .discrete("due", -1.0)
             .discrete("started", 0.0)
-            .settles()
             .time_events())
     }
 

@@ -40,8 +40,7 @@ impl Block for Quantizer {
         let interface = Interface::new()
             .input(Input::real("u"))
             .output(Output::like("y", u.of(dimension)))
-            .modes("y", n, 0.0, LEVELS)
-            .settles();
+            .modes("y", n, 0.0, LEVELS);
         Ok(interface.guard_each_when(Crossing::Holds, "level", n).called_by_mode())
     }
 

@@ -163,7 +163,6 @@ impl Block for RateLimiter {
             .memory("y", n, self.y0)
             .memory("mode", n, 0.0)
             .memory("rate", if self.external { EACH * n } else { 0 }, 0.0)
-            .uses_time()
             .settles()
             .accepts();
         let states = if self.external { n } else { 0 };

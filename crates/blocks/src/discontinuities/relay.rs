@@ -49,8 +49,7 @@ impl Block for Relay {
         let interface = Interface::new()
             .input(Input::real("u"))
             .output(Output::like("y", u.of(Some(dimension))))
-            .modes("on", n, 0.0, ON_OFF)
-            .settles();
+            .modes("on", n, 0.0, ON_OFF);
         Ok(interface.guard_each("switches", n).called_by_mode())
     }
 

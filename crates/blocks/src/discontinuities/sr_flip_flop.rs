@@ -44,8 +44,7 @@ impl Block for SrFlipFlop {
             .input(Input::boolean("reset").scalar())
             .output(Output::boolean("q"))
             .output(Output::boolean("not_q").doc("the opposite of `q`"))
-            .modes("q", 1, self.q0, STORED)
-            .settles())
+            .modes("q", 1, self.q0, STORED))
     }
 
     fn law(&self, l: &Recording) -> bool {

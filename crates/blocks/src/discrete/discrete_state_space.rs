@@ -78,12 +78,7 @@ impl Block for DiscreteStateSpace {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let y = Output::like("y", PortType::UNKNOWN.shaped(column(self.c.len())));
         let mut interface = Interface::new().input(Input::real("u").shape(column(self.inputs())));
-        let mut reads = if self.feeds_through() { vec![0] } else { Vec::new() };
-        if let Some(reset) = self.reset.input() {
-            interface = interface.input(reset);
-            reads.push(1);
-        }
-        interface = interface.output_reading(&reads, y);
+        interface = self.reset.input().into_iter().fold(interface, Interface::input).output(y);
         for i in 0..self.a.len() {
             interface = interface.discrete(format!("x{}", i + 1), self.start(i));
         }

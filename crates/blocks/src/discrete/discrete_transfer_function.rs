@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn the_input_shows_at_the_same_sample_only_for_equal_degrees() {
-        let reads = |num: &[f64]| block(num, &[1.0, 0.5]).interface(&Given::nothing()).unwrap().reads(0, 0);
+        let reads = |num: &[f64]| Bench::new(block(num, &[1.0, 0.5])).interface.reads(0, 0);
         assert!(!reads(&[1.0]) && reads(&[1.0, 0.0]));
     }
 
@@ -165,7 +165,7 @@ mod tests {
             x = 0.5 * x + u;
         }
         let strict = DiscreteTransferFunction { reset: Reset::Rising, ..block(&[1.0], &[1.0, 0.5]) };
-        let interface = strict.interface(&Given::nothing()).unwrap();
+        let interface = Bench::new(strict).interface;
         assert!(!interface.reads(0, 0) && interface.reads(0, 1));
     }
 }

@@ -35,7 +35,7 @@ impl Block for FirstOrderHold {
         agrees_as_written(self.x0.written(given, "x0"), "x0", "u", u.dimension)?;
         let shape = given.common_shape(&["u"], &[self.x0.shape])?;
         let y = Output::like("y", u.shaped(shape));
-        let mut interface = Interface::new().input(Input::real("u")).output_from_state(y);
+        let mut interface = Interface::new().input(Input::real("u")).output(y);
         for i in 0..shape.len() {
             interface = interface.state_in("x", self.x0.at(i), u.dimension);
         }

@@ -32,7 +32,7 @@ impl Block for Memory {
         agrees_as_written(self.x0.written(given, "x0"), "x0", "u", u.dimension)?;
         let shape = given.common_shape(&["u"], &[self.x0.shape])?;
         let mut interface =
-            Interface::new().input(Input::any("u")).output_from_state(Output::like("y", u.shaped(shape)));
+            Interface::new().input(Input::any("u")).output(Output::like("y", u.shaped(shape)));
         for name in ["y", "u"] {
             for i in 0..shape.len() {
                 interface = interface.discrete(format!("{name}[{i}]"), self.x0.at(i));

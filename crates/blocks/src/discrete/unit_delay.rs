@@ -41,10 +41,7 @@ impl Block for UnitDelay {
         let shape = given.common_shape(&["u"], &[self.x0.shape])?;
         let y = Output::like("y", u.shaped(shape));
         let interface = Interface::new().input(Input::any("u"));
-        let interface = match self.reset.input() {
-            Some(reset) => interface.input(reset).output_reading(&[1], y),
-            None => interface.output_from_state(y),
-        };
+        let interface = self.reset.input().into_iter().fold(interface, Interface::input).output(y);
         let interface =
             (0..shape.len()).fold(interface, |all, i| all.discrete(format!("x[{i}]"), self.x0.at(i)));
         let interface =

@@ -42,8 +42,7 @@ impl Block for ChopperControl {
             .output(Output::boolean("gate").doc("of the switch of the chopper"))
             .modes("on", 1, 0.0, ON_OFF)
             .guard("switches")
-            .called_by_mode()
-            .settles())
+            .called_by_mode())
     }
 
     fn law(&self, l: &Recording) -> bool {

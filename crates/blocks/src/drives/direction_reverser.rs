@@ -53,7 +53,6 @@ impl Block for DirectionReverser {
             .called_by_mode()
             .guard("zero")
             .called("turns positive", "turns negative")
-            .settles()
             .time_events())
     }
 

@@ -1,7 +1,7 @@
 use blocksim_block::prelude::*;
 
-use super::modulation::{Carrier, Modulator, Sampling};
-use super::switching;
+use super::modulation::{Amount, Carrier, Modulator, Sampling};
+use super::switching::{self, GATES};
 
 /// Gates of an H bridge (two legs, four switches) for a DC machine or one phase: pulse-width modulation.
 ///
@@ -44,7 +44,6 @@ pub enum Scheme {
     Unipolar,
 }
 
-const GATES: usize = 0;
 const DUTY: usize = 1;
 
 impl HBridgePwm {
@@ -54,11 +53,6 @@ impl HBridgePwm {
             sampling: self.sampling,
             dead_time: self.dead_time,
         }
-    }
-
-    /// Duties of both legs by the input of this instant, not limited.
-    fn duties(&self, c: &Context) -> [f64; 2] {
-        [0.5 * (1.0 + c.scalar(0)), 0.5 * (1.0 - c.scalar(0))]
     }
 
     /// Legs that are compared with the carrier.
@@ -86,27 +80,21 @@ impl Block for HBridgePwm {
         Ok(switching::remember(interface, self.sampling, &["a", "b"][..self.legs()]))
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        self.modulator().settle(c.t, &self.duties(c)[..self.legs()], d);
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let gates = &mut y[c.output(GATES)];
-        let legs = self.legs();
-        Modulator::gates(c.d, &mut gates[..2 * legs]);
+    fn law(&self, l: &Recording) -> bool {
+        // Not limited, as natural sampling needs no limits.
+        let duties = [0.5 * (1.0 + l.u(0)), 0.5 * (1.0 - l.u(0))];
+        switching::record(l, &self.modulator(), &duties[..self.legs()]);
         if self.scheme == Scheme::Bipolar {
-            (gates[2], gates[3]) = (gates[1], gates[0]);
+            let [upper, lower] = Modulator::leg(l.d(), 0);
+            l.set(GATES, 2, lower);
+            l.set(GATES, 3, upper);
         }
-        let duties = match (self.sampling, self.scheme) {
-            (Sampling::Natural, _) => self.duties(c).map(|d| d.clamp(0.0, 1.0)),
-            (_, Scheme::Bipolar) => [Modulator::duty(c.d, 0), 1.0 - Modulator::duty(c.d, 0)],
-            (_, Scheme::Unipolar) => [Modulator::duty(c.d, 0), Modulator::duty(c.d, 1)],
-        };
-        y[c.output(DUTY)].copy_from_slice(&duties);
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        self.modulator().guards(c.t, &self.duties(c), c.d, g);
+        l.each(DUTY, |leg| match (self.sampling, self.scheme) {
+            (Sampling::Natural, _) => duties[leg].within(0.0, 1.0),
+            (_, Scheme::Bipolar) if leg == 1 => 1.0 - Modulator::duty(l.d(), 0),
+            _ => Modulator::duty(l.d(), leg),
+        });
+        true
     }
 
     fn next_event(&self, c: &Context) -> f64 {

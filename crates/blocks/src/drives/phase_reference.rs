@@ -36,8 +36,8 @@ impl Block for PhaseReference {
         Ok(Interface::new()
             .input(Input::real("v").scalar().unit("V").doc("amplitude: peak phase voltage"))
             .input(Input::real("f").scalar().unit("Hz").doc("frequency; may be negative"))
-            .output_reading(&[V], abc)
-            .output_from_state(Output::real("theta").unit("rad").doc("angle of phase a"))
+            .output(abc)
+            .output(Output::real("theta").unit("rad").doc("angle of phase a"))
             .drifting_state("theta", self.theta0)
             .turning_state(0))
     }
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn the_angle_does_not_read_the_amplitude_nor_the_voltages_the_frequency() {
-        let interface = PhaseReference { theta0: 0.0 }.interface(&Given::nothing()).unwrap();
+        let interface = Bench::new(PhaseReference { theta0: 0.0 }).interface;
         assert!(interface.reads(0, V) && !interface.reads(0, F));
         assert!(!interface.reads(1, V) && !interface.reads(1, F));
         assert_eq!(PhaseReference { theta0: f64::NAN }.check().unwrap_err().param, "theta0");

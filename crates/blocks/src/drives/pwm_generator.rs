@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use super::modulation::{Carrier, Modulation, Modulator, Sampling};
+use super::modulation::{Amount, Carrier, Modulation, Modulator, Sampling};
 use super::switching;
 
 /// Gates of a three-phase bridge for phase voltages: pulse-width modulation.
@@ -53,7 +53,6 @@ pub struct PwmGenerator {
 const V: usize = 0;
 const VDC: usize = 1;
 
-const GATES: usize = 0;
 const MODULATION: usize = 1;
 const DUTY: usize = 2;
 
@@ -64,13 +63,6 @@ impl PwmGenerator {
             sampling: self.sampling,
             dead_time: self.dead_time,
         }
-    }
-
-    /// Duties by the inputs of this instant, not limited: natural sampling needs no limits, and a reference that stays
-    /// beyond the carrier must not touch it.
-    fn duties(&self, c: &Context) -> [f64; 3] {
-        let v = c.input(V);
-        self.modulation.references([v[0], v[1], v[2]], c.scalar(VDC)).map(|m| 0.5 * (1.0 + m))
     }
 }
 
@@ -90,22 +82,18 @@ impl Block for PwmGenerator {
         Ok(switching::remember(interface, self.sampling, &["a", "b", "c"]))
     }
 
-    fn settle(&self, c: &Context, d: &mut [f64]) {
-        self.modulator().settle(c.t, &self.duties(c), d);
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let duties = match self.sampling {
-            Sampling::Natural => self.duties(c).map(|d| d.clamp(0.0, 1.0)),
-            _ => [0, 1, 2].map(|leg| Modulator::duty(c.d, leg)),
+    fn law(&self, l: &Recording) -> bool {
+        let v = [0, 1, 2].map(|phase| l.input(V)[phase]);
+        // Not limited: natural sampling needs no limits, and a reference that stays beyond the carrier must not touch it.
+        let duties = self.modulation.references(v, l.u(VDC)).map(|m| 0.5 * (1.0 + m));
+        switching::record(l, &self.modulator(), &duties);
+        let duty = |leg: usize| match self.sampling {
+            Sampling::Natural => duties[leg].within(0.0, 1.0),
+            _ => Modulator::duty(l.d(), leg),
         };
-        Modulator::gates(c.d, &mut y[c.output(GATES)]);
-        y[c.output(MODULATION)].copy_from_slice(&duties.map(|d| 2.0 * d - 1.0));
-        y[c.output(DUTY)].copy_from_slice(&duties);
-    }
-
-    fn guards(&self, c: &Context, _w: &mut Scratch, g: &mut [f64]) {
-        self.modulator().guards(c.t, &self.duties(c), c.d, g);
+        l.each(MODULATION, |leg| 2.0 * duty(leg) - 1.0);
+        l.each(DUTY, duty);
+        true
     }
 
     fn next_event(&self, c: &Context) -> f64 {

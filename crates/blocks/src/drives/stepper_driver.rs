@@ -146,8 +146,7 @@ impl Block for StepperDriver {
             .output(phase("b").doc("command for phase B"))
             .output(Output::real("position").unit("1").doc("positions counted"))
             .discrete("position", 0.0)
-            .discrete("step", 0.0)
-            .settles())
+            .discrete("step", 0.0))
     }
 
     fn law(&self, l: &Recording) -> bool {

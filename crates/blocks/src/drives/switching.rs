@@ -4,6 +4,9 @@ use blocksim_block::prelude::*;
 
 use super::modulation::{Modulator, Sampling};
 
+/// The output of the gates, which comes first.
+pub(super) const GATES: usize = 0;
+
 /// Checks a switching frequency, Hz, and a dead time, s.
 ///
 /// # Errors
@@ -28,7 +31,7 @@ pub(super) fn gates(number: usize, order: &'static str) -> Output {
 
 /// Adds the memory, the events and, for natural sampling, the guards of a modulator of as many legs as there are names.
 pub(super) fn remember(interface: Interface, sampling: Sampling, legs: &[&str]) -> Interface {
-    let mut interface = interface.settles().time_events();
+    let mut interface = interface.time_events();
     for (i, initial) in Modulator::initial(legs.len()).into_iter().enumerate() {
         interface = interface.discrete(format!("modulator[{i}]"), initial);
     }
@@ -39,4 +42,18 @@ pub(super) fn remember(interface: Interface, sampling: Sampling, legs: &[&str]) 
         interface = interface.called("switches up", "switches down");
     }
     interface
+}
+
+/// Records what the memory of a modulator becomes, its guards and its first gates, those of all legs.
+pub(super) fn record<'r>(l: &Recording<'r>, modulator: &Modulator, duties: &[Value<'r>]) {
+    let (t, memory) = (l.time(), l.d());
+    let settled = modulator.settled(t, duties, memory);
+    settled.into_iter().enumerate().for_each(|(i, value)| l.settle(i, value));
+    if modulator.sampling == Sampling::Natural {
+        modulator.guards(t, duties, memory).enumerate().for_each(|(i, guard)| l.guard(i, guard));
+    }
+    for leg in 0..duties.len() {
+        let gates = Modulator::leg(memory, leg);
+        gates.into_iter().enumerate().for_each(|(i, gate)| l.set(GATES, 2 * leg + i, gate));
+    }
 }

@@ -115,7 +115,7 @@ impl TextLaw {
                 _ => interface,
             };
         }
-        if self.program.modes.is_empty() { interface } else { interface.settles() }
+        interface
     }
 }
 

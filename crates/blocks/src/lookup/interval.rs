@@ -89,6 +89,59 @@ impl<F: Fn(usize) -> bool> Kinks<'_, F> {
         let [above, below] = self.next(at);
         [above.map_or(-1.0, |i| u - self.breakpoints[i]), below.map_or(1.0, |i| u - self.breakpoints[i])]
     }
+
+    /// The same of a place that is not known before a run.
+    pub fn recorded<'r>(&self, l: &Recording<'r>, u: Value<'r>, at: Value<'r>) -> [Value<'r>; 2] {
+        let none = [-1.0, 1.0].map(|number| l.constant(number));
+        (0..=self.breakpoints.len()).fold(none, |[above, below], place| {
+            let here = at.live(Relation::Equal, l.constant(place as f64));
+            let distance = |side: usize| {
+                let kink = self.next(place)[side];
+                kink.map_or(none[side], |i| u - self.breakpoints[i])
+            };
+            [here.select(distance(0), above), here.select(distance(1), below)]
+        })
+    }
+}
+
+/// Records how many breakpoints lie at or below `u`.
+pub(super) fn recorded_below<'r>(l: &Recording<'r>, breakpoints: &[f64], u: Value<'r>) -> Value<'r> {
+    breakpoints.iter().fold(l.constant(0.0), |below, breakpoint| {
+        below + u.live(Relation::GreaterEqual, l.constant(*breakpoint)).number()
+    })
+}
+
+/// Of values for each interval, records that of the one in which `u` lies or which is nearest. There must be one.
+pub(super) fn in_interval<'r>(
+    l: &Recording<'r>,
+    breakpoints: &[f64],
+    u: Value<'r>,
+    value: impl Fn(usize) -> Value<'r>,
+) -> Value<'r> {
+    (1..breakpoints.len() - 1).fold(value(0), |before, i| {
+        u.live(Relation::GreaterEqual, l.constant(breakpoints[i])).select(value(i), before)
+    })
+}
+
+/// Records how far `u` is through its interval, see [`share`].
+pub(super) fn recorded_share<'r>(
+    l: &Recording<'r>,
+    breakpoints: &[f64],
+    u: Value<'r>,
+    extrapolation: Extrapolation,
+) -> Value<'r> {
+    let [start, end] =
+        [0, 1].map(|side| in_interval(l, breakpoints, u, |i| l.constant(breakpoints[i + side])));
+    let share = (u - start) / (end - start);
+    match extrapolation {
+        Extrapolation::Clip => share.clamp(l.constant(0.0), l.constant(1.0)),
+        Extrapolation::Linear => share,
+    }
+}
+
+/// Records a value between two, see [`mix`].
+pub(super) fn recorded_mix<'r>(a: Value<'r>, b: Value<'r>, share: Value<'r>) -> Value<'r> {
+    share.live(Relation::Equal, share.zero() + 1.0).select(b, a + share * (b - a))
 }
 
 /// The interval of `u`, and how far `u` is through it: 0 at its start, 1 at its end, beyond that only when it is

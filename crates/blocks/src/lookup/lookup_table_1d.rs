@@ -1,7 +1,10 @@
 use blocksim_block::prelude::*;
 
 use super::akima;
-use super::interval::{Extrapolation, Kinks, below, bends, check_breakpoints, interval, mix, share};
+use super::interval::{
+    Extrapolation, Kinks, below, bends, check_breakpoints, in_interval, interval, mix, recorded_below,
+    recorded_mix, recorded_share, share,
+};
 use crate::continuous::units::{agrees, element};
 
 /// Looks a value up in a table, with interpolation: $y = f(u)$ through the points
@@ -112,20 +115,6 @@ impl LookupTable1D {
         }
     }
 
-    /// How far `u` is beyond the next kinks above and below a place with `at` breakpoints at or below it, see [`Kinks::around`].
-    fn kinks_of<'r>(&self, l: &Recording<'r>, u: Value<'r>, at: Value<'r>) -> [Value<'r>; 2] {
-        let none = [-1.0, 1.0].map(|number| l.constant(number));
-        let kinks = self.kinks();
-        (0..=self.breakpoints.len()).fold(none, |[above, below], place| {
-            let here = at.live(Relation::Equal, l.constant(place as f64));
-            let distance = |side: usize| {
-                let kink = kinks.next(place)[side];
-                kink.map_or(none[side], |i| u - self.breakpoints[i])
-            };
-            [here.select(distance(0), above), here.select(distance(1), below)]
-        })
-    }
-
     fn smooth(&self, u: f64) -> f64 {
         let (x, y) = (&self.breakpoints, &self.table);
         let (i, share) = share(x, u, self.extrapolation);
@@ -199,33 +188,15 @@ impl Block for LookupTable1D {
         if self.interpolation != Interpolation::Linear || !(2..=FEW).contains(&x.len()) {
             return false;
         }
-        let ends = |values: &[f64], i: usize| [l.constant(values[i]), l.constant(values[i + 1])];
         for i in 0..l.width(0) {
             let u = l.element(0, i);
-            let ([mut x0, mut x1], [mut y0, mut y1]) = (ends(x, 0), ends(y, 0));
-            for k in 1..x.len() - 1 {
-                let beyond = u.live(Relation::GreaterEqual, l.constant(x[k]));
-                let ([a, b], [c, d]) = (ends(x, k), ends(y, k));
-                (x0, x1) = (beyond.select(a, x0), beyond.select(b, x1));
-                (y0, y1) = (beyond.select(c, y0), beyond.select(d, y1));
-            }
-            let share = (u - x0) / (x1 - x0);
-            let share = match self.extrapolation {
-                Extrapolation::Clip => share.clamp(l.constant(0.0), l.constant(1.0)),
-                Extrapolation::Linear => share,
-            };
-            let line = y0 + share * (y1 - y0);
-            l.set(0, i, share.live(Relation::Equal, l.constant(1.0)).select(y1, line));
+            let [y0, y1] = [0, 1].map(|side| in_interval(l, x, u, |i| l.constant(y[i + side])));
+            l.set(0, i, recorded_mix(y0, y1, recorded_share(l, x, u, self.extrapolation)));
             if l.guards() > 0 {
-                let [above, below] = self.kinks_of(l, u, l.d()[i]);
+                let [above, below] = self.kinks().recorded(l, u, l.d()[i]);
                 l.guard(2 * i, above);
                 l.guard(2 * i + 1, below);
-                let [zero, one] = [0.0, 1.0].map(|number| l.constant(number));
-                let passed = x.iter().fold(zero, |passed, breakpoint| {
-                    let is_passed = u.live(Relation::GreaterEqual, l.constant(*breakpoint));
-                    passed + is_passed.select(one, zero)
-                });
-                l.settle(i, passed);
+                l.settle(i, recorded_below(l, x, u));
             }
         }
         true

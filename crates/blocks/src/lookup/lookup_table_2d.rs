@@ -1,6 +1,9 @@
 use blocksim_block::prelude::*;
 
-use super::interval::{Extrapolation, Kinks, below, bends, check_breakpoints, mix, share};
+use super::interval::{
+    Extrapolation, Kinks, below, bends, check_breakpoints, in_interval, mix, recorded_below, recorded_mix,
+    recorded_share, share,
+};
 use crate::continuous::units::{agrees, element};
 
 /// Looks a value up in a table with rows and columns, bilinearly: $y = f(u_1, u_2)$ with
@@ -35,6 +38,9 @@ pub struct LookupTable2D {
 
 /// Guards of an element: the next row and column above, the next below.
 const GUARDS: usize = 4;
+
+/// Most values of a table that is a law: in a larger one the place of a value is searched for.
+const FEW: usize = 64;
 
 impl LookupTable2D {
     /// Whether the slope across breakpoint `i` of an axis changes there, `value(i, k)` being the `k`th of `lines` values at it.
@@ -122,6 +128,39 @@ impl Block for LookupTable2D {
         Ok(interface)
     }
 
+    /// Tables of few values; all others are called.
+    fn law(&self, l: &Recording) -> bool {
+        let (rows, columns) = (&self.rows, &self.columns);
+        if rows.len() < 2 || columns.len() < 2 || rows.len() * columns.len() > FEW {
+            return false;
+        }
+        let n = l.width(0);
+        for i in 0..n {
+            let (u1, u2) = (l.element(0, i), l.element(1, i));
+            let s = recorded_share(l, rows, u1, self.extrapolation);
+            let t = recorded_share(l, columns, u2, self.extrapolation);
+            let along: Vec<Value> = self
+                .table
+                .iter()
+                .map(|row| {
+                    let ends = [0, 1].map(|side| in_interval(l, columns, u2, |j| l.constant(row[j + side])));
+                    recorded_mix(ends[0], ends[1], t)
+                })
+                .collect();
+            let [low, high] = [0, 1].map(|side| in_interval(l, rows, u1, |i| along[i + side]));
+            l.set(0, i, recorded_mix(low, high, s));
+            if l.guards() > 0 {
+                let of_rows = self.kinks_of_rows().recorded(l, u1, l.d()[i]);
+                let of_columns = self.kinks_of_columns().recorded(l, u2, l.d()[n + i]);
+                let guards = of_rows.into_iter().chain(of_columns).enumerate();
+                guards.for_each(|(k, guard)| l.guard(GUARDS * i + k, guard));
+                l.settle(i, recorded_below(l, rows, u1));
+                l.settle(n + i, recorded_below(l, columns, u2));
+            }
+        }
+        true
+    }
+
     /// In which cell the inputs are; guards alone read that.
     fn settle(&self, c: &Context, d: &mut [f64]) {
         let (rows, columns) = d.split_at_mut(d.len() / 2);
@@ -174,6 +213,24 @@ mod tests {
                 for (j, column) in block.columns.iter().enumerate() {
                     assert_eq!(value(&block, *row, *column), block.table[i][j]);
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn the_law_leaves_the_bits_of_the_search() {
+        for extrapolation in [Extrapolation::Clip, Extrapolation::Linear] {
+            let block = block(extrapolation);
+            let mut bench = Bench::new(block.clone());
+            for k in 0..500 {
+                // Inside, at breakpoints and beyond all borders.
+                let (u1, u2) = (f64::from(k % 25) * 0.25 - 1.0, f64::from(k / 25) * 0.3 - 0.2);
+                let y = bench.set(0, &[u1]).set(1, &[u2]).major()[0];
+                assert_eq!(y.to_bits(), block.value(u1, u2).to_bits(), "f({u1}, {u2})");
+                let [row, column] = [(&block.rows, u1), (&block.columns, u2)].map(|(axis, u)| below(axis, u));
+                assert_eq!(bench.d, [row as f64, column as f64], "f({u1}, {u2})");
+                let rows = block.kinks_of_rows().around(row, u1);
+                assert_eq!(bench.guards(), [rows, block.kinks_of_columns().around(column, u2)].concat());
             }
         }
     }

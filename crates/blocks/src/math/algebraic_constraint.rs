@@ -93,15 +93,11 @@ impl Block for AlgebraicConstraint {
         Ok(Interface::new().input(f).output_sought(z, unknowns))
     }
 
-    fn outputs(&self, group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        if group == REST {
-            y.copy_from_slice(c.u);
-        }
+    fn law(&self, l: &Recording) -> bool {
+        l.input(0).iter().enumerate().for_each(|(i, f)| l.rest(i, *f));
+        true
     }
 }
-
-/// The group that gives what is left over.
-const REST: usize = 1;
 
 #[cfg(test)]
 mod tests {

@@ -75,10 +75,8 @@ impl Block for Compare {
                 given.common_shape(&["u1", "u2"], &[])?
             }
         };
-        interface = interface
-            .output(Output::boolean("y").shape(shape))
-            .modes("holds", shape.len(), 0.0, TRUTH)
-            .settles();
+        interface =
+            interface.output(Output::boolean("y").shape(shape)).modes("holds", shape.len(), 0.0, TRUTH);
         Ok(interface.guard_each("difference", shape.len()).called_by_mode())
     }
 

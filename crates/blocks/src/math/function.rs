@@ -170,7 +170,7 @@ impl Function {
             return Ok(interface);
         }
         let n = shape.len();
-        let interface = interface.modes("whole", n, 0.0, STEPS).settles();
+        let interface = interface.modes("whole", n, 0.0, STEPS);
         Ok(interface.guard_each_when(Crossing::Holds, "whole", n).called_by_mode())
     }
 

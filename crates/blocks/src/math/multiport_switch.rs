@@ -66,8 +66,7 @@ impl Block for MultiportSwitch {
             .output(Output::like("y", y))
             .modes("index", 1, self.first as f64, CHOSEN)
             .guard_when(Crossing::Holds, "index")
-            .called_by_mode()
-            .settles())
+            .called_by_mode())
     }
 
     fn law(&self, l: &Recording) -> bool {

@@ -17,8 +17,7 @@ impl Block for Sign {
         let interface = Interface::new()
             .input(Input::real("u"))
             .output(Output::real("y").shape(shape))
-            .memory("sign", shape.len(), 0.0)
-            .settles();
+            .memory("sign", shape.len(), 0.0);
         Ok(interface.guard_each("zero", shape.len()).called("turns positive", "turns negative"))
     }
 

@@ -41,8 +41,7 @@ impl Block for Switch {
             .input(Input::any("control").doc("Chooses; Bool or real."))
             .input(Input::any("u3").doc("Passed otherwise."))
             .output(Output::like("y", PortType { kind, shape, dimension }))
-            .memory("first", n, 0.0)
-            .settles();
+            .memory("first", n, 0.0);
         let guards = if boolean { 0 } else { n };
         Ok(interface.guard_each("threshold", guards).called("passes `u1`", "passes `u3`"))
     }

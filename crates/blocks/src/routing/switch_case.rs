@@ -109,11 +109,7 @@ impl Block for SwitchCase {
         let interface = names
             .iter()
             .fold(interface, |interface, name| interface.output(Output::like(name, PortType::boolean())));
-        Ok(interface
-            .modes("stretch", 1, 0.0, CHOSEN)
-            .guard_when(Crossing::Holds, "stretch")
-            .called_by_mode()
-            .settles())
+        Ok(interface.modes("stretch", 1, 0.0, CHOSEN).guard_when(Crossing::Holds, "stretch").called_by_mode())
     }
 
     fn law(&self, l: &Recording) -> bool {

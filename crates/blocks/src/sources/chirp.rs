@@ -41,7 +41,6 @@ impl Block for Chirp {
         let dimension = common_unit(given, &[("amplitude", self.amplitude), ("bias", self.bias)])?;
         Ok(Interface::new()
             .output(Output::real("y").dimension(Some(dimension)))
-            .uses_time()
             .period(1.0 / self.from.max(self.to)))
     }
 

@@ -11,7 +11,7 @@ pub struct Clock;
 
 impl Block for Clock {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
-        Ok(Interface::new().output(Output::real("y").unit("s")).uses_time())
+        Ok(Interface::new().output(Output::real("y").unit("s")))
     }
 
     fn law(&self, l: &Recording) -> bool {

@@ -46,7 +46,7 @@ impl Block for Ramp {
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let output = Output::real("y").dimension(Some(self.dimension(given)?));
-        Ok(Interface::new().output(output).uses_time().time_events())
+        Ok(Interface::new().output(output).time_events())
     }
 
     fn law(&self, l: &Recording) -> bool {

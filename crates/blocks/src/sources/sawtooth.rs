@@ -69,7 +69,6 @@ impl Block for Sawtooth {
         Ok(Interface::new()
             .output(Output::real("y").dimension(Some(dimension)))
             .discrete("kinks", 0.0)
-            .uses_time()
             .settles()
             .time_events())
     }

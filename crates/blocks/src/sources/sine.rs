@@ -33,10 +33,7 @@ impl Block for Sine {
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let dimension = common_unit(given, &[("amplitude", self.amplitude), ("bias", self.bias)])?;
-        Ok(Interface::new()
-            .output(Output::real("y").dimension(Some(dimension)))
-            .uses_time()
-            .period(1.0 / self.frequency))
+        Ok(Interface::new().output(Output::real("y").dimension(Some(dimension))).period(1.0 / self.frequency))
     }
 
     fn law(&self, l: &Recording) -> bool {

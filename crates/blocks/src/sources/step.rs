@@ -34,7 +34,6 @@ impl Block for Step {
         Ok(Interface::new()
             .output(Output::real("y").dimension(Some(dimension)))
             .discrete("happened", 0.0)
-            .settles()
             .time_events())
     }
 

@@ -21,6 +21,7 @@ pub(crate) struct Conditional {
     /// Whether a subsystem around it has a trigger, sets states back, or does not always run.
     triggered: bool,
     resets: bool,
+    pauses: bool,
     /// Output groups that need not ask the gate: they show states, which stand still.
     free: Vec<bool>,
     /// Output groups that show states alone, so that they have a value before the block has run.
@@ -77,10 +78,11 @@ impl Conditional {
         };
         let ports = (0..interface.groups.len()).map(of).collect();
         let own_time = interface.accepts && interface.uses_time;
-        Self { free, shows_states, ports, own_time, holds: interface.holds, inner, triggered, resets }
+        Self { free, shows_states, ports, own_time, holds: interface.holds, inner, triggered, resets, pauses }
     }
 
-    /// The same with the law of the block inside, if that records one; `given` is what is known of the inputs, which lie so.
+    /// The same with the law of the block inside, if that records one, and the interface that follows; `given` is what is known of the
+    /// inputs, which lie so.
     ///
     /// # Errors
     /// What is wrong with the law.
@@ -89,12 +91,14 @@ impl Conditional {
         given: &Given,
         inputs: &[(u32, u32)],
         outputs: &[(u32, u32)],
-    ) -> Result<Option<Self>, String> {
+    ) -> Result<Option<(Self, Interface)>, String> {
         // Who has mistakes of its own has reported them.
         let Ok(interface) = self.inner.interface(given) else { return Ok(None) };
         let own = &inputs[..inputs.len().saturating_sub(1)];
-        let law = BlockLaw::record(&self.inner, &interface, own, outputs)?;
-        Ok(law.map(|law| Self { inner: Arc::new(law), ..self.clone() }))
+        let Some(law) = BlockLaw::record(&self.inner, &interface, own, outputs)? else { return Ok(None) };
+        let interface = law.complete(interface);
+        let block = Self::new(Arc::new(law), &interface, self.triggered, self.resets, self.pauses);
+        Ok(block.interface(given).ok().map(|interface| (block, interface)))
     }
 
     fn layout(&self, c: &Context, states: usize, all: usize) -> Layout {
@@ -200,6 +204,7 @@ impl Block for Conditional {
         }
         if self.own_time {
             interface.settles = true;
+            interface.settling = interface.settling.map(|_| (0..interface.groups.len()).collect());
             interface = interface.discrete("behind", 0.0).discrete("stopped", RUNNING);
         }
         Ok(interface)
@@ -232,6 +237,15 @@ impl Block for Conditional {
         if Self::runs(c) {
             let t = self.time(c, d, &layout);
             self.inner.settle(&self.inside(c, &[], t), &mut d[..layout.own]);
+        }
+    }
+
+    fn settle_in(&self, group: usize, c: &Context, d: &mut [f64]) {
+        let layout = self.layout(c, c.x.len(), d.len());
+        self.keep_time(c, d, &layout);
+        if Self::runs(c) {
+            let t = self.time(c, d, &layout);
+            self.inner.settle_in(group, &self.inside(c, &[], t), &mut d[..layout.own]);
         }
     }
 

@@ -3,9 +3,9 @@
 use std::any::Any;
 use std::sync::Arc;
 
-use blocksim_block::Block;
 use blocksim_block::law::{BlockLaw, ValueGroup};
 use blocksim_block::problem::Problem;
+use blocksim_block::{Block, Interface};
 
 use crate::condition::Conditional;
 use crate::flatten::{Flat, FlatBlock};
@@ -43,8 +43,9 @@ pub(super) struct Laws {
 }
 
 impl Laws {
-    /// Has all blocks record their laws that can. Those of conditional subsystems run the laws of the blocks within them.
-    pub fn record(flat: &Flat, typed: &Typed, problems: &mut Problems) -> Self {
+    /// Has all blocks record their laws that can, and completes their interfaces by them. Those of conditional subsystems run the laws
+    /// of the blocks within them.
+    pub fn record(flat: &Flat, typed: &mut Typed, problems: &mut Problems) -> Self {
         let blocks = flat.blocks.iter().enumerate();
         let known = blocks.map(|(number, block)| {
             let (inputs, outputs) = spans(typed, number, block);
@@ -53,11 +54,24 @@ impl Laws {
                 Some(conditional) => {
                     let law = conditional.with_law(&typed.given(block), &inputs, &outputs);
                     law.map(|law| {
-                        law.into_iter().for_each(|block| run = Arc::new(block));
+                        if let Some((block, interface)) = law {
+                            run = Arc::new(block);
+                            // Types are known already.
+                            let Interface { inputs, outputs, .. } =
+                                std::mem::take(&mut typed.interfaces[number]);
+                            typed.interfaces[number] = Interface { inputs, outputs, ..interface };
+                        }
                         None
                     })
                 }
-                None => BlockLaw::record(&block.block, &typed.interfaces[number], &inputs, &outputs),
+                None => {
+                    let interface = &mut typed.interfaces[number];
+                    let law = BlockLaw::record(&block.block, interface, &inputs, &outputs);
+                    if let Ok(Some(law)) = &law {
+                        *interface = law.complete(std::mem::take(interface));
+                    }
+                    law
+                }
             };
             let law = recorded.unwrap_or_else(|wrong| {
                 let message = format!("the law of the kind {} is wrong: {wrong}", block.kind);

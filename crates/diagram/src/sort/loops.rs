@@ -80,7 +80,9 @@ impl Order<'_> {
                     cells.map_or(0, |cells| cells.iter().filter(|cell| !self.is_real(**cell)).count());
                 (tried, cells.map_or(0, BTreeSet::len), Reverse(ways(*node)), graph[*node])
             };
-            let Some((_, _, _, group)) = part.iter().map(cost).min() else { break };
+            // Groups that only choose modes write nothing that could be cut.
+            let writes = |node: &&NodeIndex| read.contains_key(&graph[**node]);
+            let Some((_, _, _, group)) = part.iter().filter(writes).map(cost).min() else { break };
             for cell in read.get(&group).into_iter().flatten() {
                 if self.is_real(*cell) { cut.push(*cell) } else { chosen.push(*cell) }
             }
@@ -88,7 +90,29 @@ impl Order<'_> {
                 graph.edge_endpoints(edge).is_none_or(|(from, _)| graph[from] != group)
             });
         }
-        Ring { groups: in_order(&graph), cut, chosen, constraints, cycle, slip }
+        Ring { groups: self.rests_last(in_order(&graph)), cut, chosen, constraints, cycle, slip }
+    }
+
+    /// The same groups with those behind all others that write what is left over of constraints: it stands in the places of the
+    /// unknowns, which nobody may read any more. One of them that reads the unknown of another comes before it.
+    fn rests_last(&self, groups: Vec<Group>) -> Vec<Group> {
+        let (rests, mut groups): (Vec<Group>, Vec<Group>) =
+            groups.into_iter().partition(|group| self.is_rest(*group));
+        let mut graph: DiGraph<Group, ()> = DiGraph::new();
+        let nodes: Vec<NodeIndex> = rests.iter().map(|rest| graph.add_node(*rest)).collect();
+        for (reader, (block, group)) in nodes.iter().zip(&rests) {
+            let read: HashSet<usize> = self.reads_cells(*block, *group).iter().map(|cell| cell.0).collect();
+            let written =
+                nodes.iter().zip(&rests).filter(|(_, (other, _))| other != block && read.contains(other));
+            written.for_each(|(writer, _)| {
+                graph.update_edge(*reader, *writer, ());
+            });
+        }
+        let ordered = in_order(&graph);
+        groups.extend(&ordered);
+        // Each of two that read each other's unknown at once would see what is left over: such unknowns determine nothing.
+        groups.extend(rests.iter().filter(|rest| !ordered.contains(rest)));
+        groups
     }
 
     /// Whether a group gives what is left over of a constraint.
@@ -185,7 +209,12 @@ impl Order<'_> {
 
     /// A shortest cycle through the first group of a component.
     fn cycle(&self, component: &[NodeIndex]) -> Vec<Group> {
-        let start = component[0];
+        let writes = |node: &&NodeIndex| {
+            let (block, group) = self.graph[**node];
+            self.laws.blocks[block].values().is_some()
+                || self.typed.interfaces[block].group_of.contains(&group)
+        };
+        let start = component.iter().find(writes).copied().unwrap_or(component[0]);
         let inside: HashSet<&NodeIndex> = component.iter().collect();
         let mut come_from: HashMap<NodeIndex, NodeIndex> = HashMap::new();
         let mut queue = VecDeque::from([start]);

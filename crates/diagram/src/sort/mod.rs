@@ -24,11 +24,12 @@ use when::when;
 pub(crate) fn sort(
     title: String,
     flat: &Flat,
-    typed: &Typed,
+    mut typed: Typed,
     settings: Settings,
     problems: &mut Problems,
 ) -> Option<Schedule> {
-    let mut laws = Laws::record(flat, typed, problems);
+    let mut laws = Laws::record(flat, &mut typed, problems);
+    let typed = &typed;
     // Where blocks seem to need each other's outputs, only their values may tell whether they do.
     let mut order = Order::new(flat, typed, &laws);
     let bound = order.in_loops();
@@ -87,7 +88,7 @@ mod tests {
         };
         let (flat, _) = elaborate(flat, [].iter(), &mut problems);
         let typed = infer(&flat, &mut problems);
-        let schedule = sort(String::new(), &flat, &typed, settings, &mut problems);
+        let schedule = sort(String::new(), &flat, typed, settings, &mut problems);
         (schedule, messages(&problems))
     }
 

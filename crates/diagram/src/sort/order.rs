@@ -59,6 +59,10 @@ impl<'a> Order<'a> {
                     order.graph.update_edge(a, b, ());
                 }
             }
+            for (from, to) in &typed.interfaces[block].before {
+                let (a, b) = (order.node_of[&(block, *from)], order.node_of[&(block, *to)]);
+                order.graph.update_edge(a, b, ());
+            }
             if let Some(constraint) = &typed.interfaces[block].constraint {
                 let (rest, group) = ((block, constraint.rest), (block, constraint.group));
                 order.graph.update_edge(order.node_of[&rest], order.node_of[&group], ());
@@ -109,6 +113,14 @@ impl<'a> Order<'a> {
         for (input, source) in inputs.iter().enumerate().filter(|(input, _)| interface.reads(group, *input)) {
             source.iter().for_each(|source| read(source, None, input));
         }
+    }
+
+    /// The groups that write cells of the inputs of a block.
+    pub(super) fn writers_of(&self, block: usize, cells: &[u32]) -> Vec<Group> {
+        let known = &self.laws.blocks[block];
+        let read = cells.iter().filter_map(|cell| known.input(*cell));
+        let inputs = &self.flat.blocks[block].inputs;
+        read.filter_map(|(input, element)| Some(self.writer(inputs[input].as_ref()?, element))).collect()
     }
 
     /// The group that writes an element of an output.

@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use blocksim_block::law::Reads;
 use blocksim_block::schedule::When;
 use blocksim_signal::SampleTime;
 
@@ -20,15 +21,8 @@ pub(super) fn when(order: &Order, sorted: &Sorted, rates: &HashMap<usize, usize>
             When::Sampled(*rate as u32)
         } else if interface.sample_time == Some(SampleTime::Constant) {
             When::Constant
-        } else if !interface.states.is_empty() || interface.uses_time {
-            When::Continuous
         } else {
-            let mut latest =
-                if interface.settles || interface.time_events || interface.accepts || interface.jumps {
-                    When::Major
-                } else {
-                    When::Constant
-                };
+            let mut latest = by_itself(order, (*block, *group));
             for (from, _) in order.reads(*block, *group) {
                 latest = match (latest, when.get(&from)) {
                     (When::Continuous, _) | (_, Some(When::Continuous)) => When::Continuous,
@@ -45,6 +39,30 @@ pub(super) fn when(order: &Order, sorted: &Sorted, rates: &HashMap<usize, usize>
         }
     }
     when
+}
+
+/// When a group changes if its inputs do not.
+fn by_itself(order: &Order, (block, group): Group) -> When {
+    let interface = &order.typed.interfaces[block];
+    let (flows, changes) = match &order.laws.blocks[block].law {
+        Some(law) => {
+            let reads = || law.of_group(group);
+            // Modes are chosen at each major step.
+            (
+                reads().any(Reads::flow),
+                interface.settles_in(group) || reads().any(|reads| !reads.discrete.is_empty()),
+            )
+        }
+        None => (
+            !interface.states.is_empty() || interface.uses_time,
+            interface.settles || interface.time_events || interface.accepts || interface.jumps,
+        ),
+    };
+    match (flows, changes) {
+        (true, _) => When::Continuous,
+        (false, true) => When::Major,
+        (false, false) => When::Constant,
+    }
 }
 
 /// A loop is evaluated as a whole: whenever one of its members is. Those of a sample time stay as they are.
@@ -67,11 +85,18 @@ pub(super) fn watched(
     let interfaces = order.typed.interfaces.iter().enumerate();
     interfaces
         .map(|(block, interface)| {
-            let changes = |(from, group): (usize, usize)| when.get(&(from, group)) == Some(&When::Continuous);
-            !interface.guards.is_empty()
-                && (!interface.states.is_empty()
-                    || !rates.contains_key(&block)
-                        && (interface.uses_time || sources(order, block).any(changes)))
+            let changes = |group: &Group| when.get(group) == Some(&When::Continuous);
+            if interface.guards.is_empty() {
+                return false;
+            }
+            let (states, time, sources) = match &order.laws.blocks[block].law {
+                Some(law) => {
+                    let Reads { states, time, .. } = law.of_guards;
+                    (states, time, order.writers_of(block, &law.of_guards.inputs))
+                }
+                None => (!interface.states.is_empty(), interface.uses_time, sources(order, block).collect()),
+            };
+            states || !rates.contains_key(&block) && (time || sources.iter().any(changes))
         })
         .collect()
 }
@@ -91,8 +116,17 @@ pub(super) fn needed_in_minor_steps(
     let mut needed: HashSet<Group> = HashSet::new();
     let mut stack: Vec<Group> = Vec::new();
     for (block, interface) in order.typed.interfaces.iter().enumerate() {
-        if !interface.states.is_empty() || watched[block] || interface.accepts {
-            stack.extend(sources(order, block));
+        match &order.laws.blocks[block].law {
+            Some(law) if !interface.accepts => {
+                stack.extend(order.writers_of(block, &law.of_rates.inputs));
+                if watched[block] {
+                    stack.extend(order.writers_of(block, &law.of_guards.inputs));
+                }
+            }
+            _ if !interface.states.is_empty() || watched[block] || interface.accepts => {
+                stack.extend(sources(order, block));
+            }
+            _ => (),
         }
     }
     while let Some(next) = stack.pop() {

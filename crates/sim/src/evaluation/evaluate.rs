@@ -4,14 +4,14 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use blocksim_block::schedule::{Schedule, When};
-use blocksim_block::{Context, Fault, Scratch};
+use blocksim_block::{Block, Context, Fault, Scratch};
 use blocksim_solve::Failed;
 
 use crate::evaluation::loops::{Loops, Pass};
 use crate::evaluation::stepwise::Stepwise;
 use crate::events::looks::Looks;
 use crate::program::fused::Part;
-use crate::program::plan::{Call, Plan, Source, Span, Unit};
+use crate::program::plan::{Call, Plan, Settles, Source, Span, Unit};
 
 /// Everything that the evaluation of a diagram needs and changes, except time and states, which belong to whoever
 /// asks for it.
@@ -236,8 +236,10 @@ impl Diagram {
         }
         if wanted {
             let block = call.block as usize;
-            if call.settles && settle.last[block] != now.evaluation {
-                settle.run(block, &call.unit, now, signals, d);
+            match call.settles {
+                Settles::Nothing => (),
+                Settles::First if settle.last[block] == now.evaluation => (),
+                Settles::First | Settles::Own => settle.before(call, now, signals, d),
             }
             outputs(call, now, signals, d, scratch);
             if now.fault.is_raised() {
@@ -510,12 +512,30 @@ pub(crate) fn outputs(call: &Call, now: &mut Now, signals: &mut [f64], d: &[f64]
 }
 
 impl Settling {
-    /// Lets a block choose its branch.
+    /// Lets a block choose the branches that belong to a group.
+    pub fn before(&mut self, call: &Call, now: &mut Now, signals: &[f64], d: &mut [f64]) {
+        let (block, group) = (call.block as usize, call.group as usize);
+        self.choose(block, &call.unit, now, signals, d, |block, c, d| block.settle_in(group, c, d));
+    }
+
+    /// Lets a block choose its branches.
     pub fn run(&mut self, block: usize, unit: &Unit, now: &mut Now, signals: &[f64], d: &mut [f64]) {
+        self.choose(block, unit, now, signals, d, |block, c, d| block.settle(c, d));
+    }
+
+    fn choose(
+        &mut self,
+        block: usize,
+        unit: &Unit,
+        now: &mut Now,
+        signals: &[f64],
+        d: &mut [f64],
+        choose: impl Fn(&dyn Block, &Context, &mut [f64]),
+    ) {
         let d = &mut d[unit.d.range()];
         let before = &mut self.before[..d.len()];
         before.copy_from_slice(d);
-        unit.block.settle(&now.context(unit, signals, &[]), d);
+        choose(&*unit.block, &now.context(unit, signals, &[]), d);
         self.changed |= *before != *d;
         self.last[block] = now.evaluation;
     }

@@ -12,7 +12,7 @@ use blocksim_law::passes::Map;
 use blocksim_law::{Id, Leaf, Met, Op, Program, Tape};
 
 use crate::evaluation::loops::{self, Form};
-use crate::program::plan::{Call, Plan, Unit};
+use crate::program::plan::{Call, Plan, Settles, Unit};
 
 /// The tapes of a diagram.
 #[derive(Debug, Default)]
@@ -297,24 +297,17 @@ pub(crate) type Stretch = (Range<usize>, Option<(Draft, When)>);
 pub(crate) struct Laws<'p> {
     schedule: &'p Schedule,
     plan: &'p Plan,
-    /// The first call of each block in a major pass.
-    first: Vec<u32>,
     /// Calls of a major pass that belong to algebraic loops.
     in_ring: Vec<bool>,
 }
 
 impl<'p> Laws<'p> {
     pub fn new(schedule: &'p Schedule, plan: &'p Plan) -> Self {
-        let mut first = vec![u32::MAX; schedule.blocks.len()];
-        for call in &plan.major {
-            let first = &mut first[call.block as usize];
-            *first = (*first).min(call.number);
-        }
         let mut in_ring = vec![false; plan.major.len()];
         for found in &schedule.loops {
             in_ring[found.first..found.first + found.count].fill(true);
         }
-        Self { schedule, plan, first, in_ring }
+        Self { schedule, plan, in_ring }
     }
 
     /// The calls of a pass cut into ranges: those that run as one program, with when it is due, and those that are called.
@@ -372,15 +365,15 @@ impl<'p> Laws<'p> {
     /// Whether all that a pass wants of a call is recorded.
     fn is_recorded(&self, call: &Call, major: bool) -> bool {
         let law = self.law(call.block as usize);
-        law.is_some_and(|law| !(major && call.settles && law.settled.is_empty()))
+        law.is_some() && !(major && call.settles == Settles::First)
     }
 
-    /// Calls that follow each other. In a major pass blocks settle before their first outputs.
+    /// Calls that follow each other. In a major pass modes are chosen before the outputs.
     fn pass(&self, calls: &[Call], major: bool) -> Draft {
         let mut joined = Joined::default();
         for call in calls {
             let Some(law) = self.law(call.block as usize) else { continue };
-            let settles = major && self.first[call.block as usize] == call.number;
+            let settles = major && call.settles == Settles::Own;
             joined.call(self.placed(call.block as usize, law), call.group as usize, settles);
         }
         joined.finish()

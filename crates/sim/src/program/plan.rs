@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use blocksim_block::schedule::{Instance, Schedule, Step, When};
-use blocksim_block::{Block, Scratch};
+use blocksim_block::{Block, Interface, Scratch};
 
 use crate::program::fused::Fused;
 use crate::program::graph::Graph;
@@ -64,6 +64,28 @@ pub(crate) enum Source {
     Scattered,
 }
 
+/// Which modes are chosen before an output group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Settles {
+    Nothing,
+    /// Those that belong to the group.
+    Own,
+    /// Those of the block, if this is the first of its groups.
+    First,
+}
+
+impl Settles {
+    fn of(interface: &Interface, group: u32) -> Self {
+        if !interface.settles_in(group as usize) {
+            Self::Nothing
+        } else if interface.settling.is_some() {
+            Self::Own
+        } else {
+            Self::First
+        }
+    }
+}
+
 /// Evaluation of one output group.
 #[derive(Debug, Clone)]
 pub(crate) struct Call {
@@ -71,7 +93,7 @@ pub(crate) struct Call {
     pub block: u32,
     pub group: u32,
     pub when: When,
-    pub settles: bool,
+    pub settles: Settles,
     /// Number among the calls of a major pass.
     pub number: u32,
     /// The algebraic loop that begins here.
@@ -149,14 +171,15 @@ impl Plan {
         };
         let loops = schedule.loops.iter().enumerate();
         let loops: BTreeMap<usize, u32> = loops.map(|(ring, found)| (found.first, ring as u32)).collect();
-        let settles = |block: u32| schedule.blocks[block as usize].interface.settles;
+        let settles = |block: u32, group: u32| Settles::of(&schedule.blocks[block as usize].interface, group);
         let steps = schedule.steps.iter();
         let major: Vec<Call> = steps
             .enumerate()
             .map(|(number, &Step { block, group, when, .. })| {
                 let unit = units[block as usize].clone();
                 let begins = loops.get(&number).copied();
-                Call { unit, block, group, when, settles: settles(block), number: number as u32, begins }
+                let settles = settles(block, group);
+                Call { unit, block, group, when, settles, number: number as u32, begins }
             })
             .collect();
         let between = |minor: bool| {
@@ -200,7 +223,7 @@ impl Plan {
         };
         // What settles at the hits of a rate alone needs no other major steps.
         let settles = plan.settling.iter().any(|(_, rate)| rate.is_none())
-            || plan.major.iter().any(|call| call.settles && !call.rests());
+            || plan.major.iter().any(|call| call.settles != Settles::Nothing && !call.rests());
         plan.every_step = settles || plan.stepwise || !plan.jumping.is_empty() || !plan.accepting.is_empty();
         plan.fused = Fused::new(schedule, &plan);
         plan

@@ -203,14 +203,14 @@ impl Chain {
         let step = &schedule.steps[call];
         let (block, group) = (step.block as usize, step.group as usize);
         let instance = &schedule.blocks[block];
-        if let Some(law) = &instance.law {
+        let constraint = instance.interface.constraint.as_ref();
+        if let Some(law) = instance.law.as_ref().filter(|_| constraint.is_none()) {
             let own = law.outputs.iter().zip(&law.group_of).enumerate().filter(|(_, (_, of))| **of == group);
             let (cells, wanted): (Vec<usize>, Vec<Id>) =
                 own.map(|(cell, (id, _))| (instance.y + cell, *id)).unzip();
             let how = of_law(diagram, block, &wanted);
             return self.links.push(Link { block, call: Some(call), to: cells, how });
         }
-        let constraint = instance.interface.constraint.as_ref();
         let unknowns = constraint.iter().flat_map(|constraint| &constraint.unknowns);
         let unknowns: Vec<usize> = unknowns.map(|(cell, _)| *cell).collect();
         let cells: Vec<usize> = match constraint {

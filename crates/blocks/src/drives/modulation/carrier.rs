@@ -1,5 +1,7 @@
 //! The triangular carrier: from duties to instants.
 
+use super::Amount;
+
 /// A triangle between 0 and 1. It begins at 1 at time 0, is 0 in the middle of each period and 1 at its end; a leg is high
 /// while its duty is above the carrier. Halves of periods are counted from 0: even ones fall, odd ones rise.
 ///
@@ -18,38 +20,44 @@ pub struct Carrier {
 /// Numbers of halves above this are no longer exact.
 const MOST_HALVES: f64 = 9e15;
 
+/// How far the product of time and frequency, rounded down, may be from the half, with one to spare.
+const ROUNDED: usize = 3;
+
 /// Distance from the carrier below which a reference is on it: what rounding of times leaves.
 const ON_CARRIER: f64 = 1e-9;
 
 impl Carrier {
     /// When a half begins, s. Period `k` begins with half `2 k`.
     #[inline]
-    pub fn start(&self, half: f64) -> f64 {
-        half / (2.0 * self.frequency)
+    pub fn start<N: Amount>(&self, half: N) -> N {
+        half / half.fixed(2.0 * self.frequency)
     }
 
     /// The half in which `t`, s, lies; the start of a half belongs to it. 0 before time 0.
-    pub fn half(&self, t: f64) -> f64 {
+    pub fn half<N: Amount>(&self, t: N) -> N {
+        let (none, most) = (t.fixed(0.0), t.fixed(MOST_HALVES));
         // The product may be off by a rounding, so it counts only as a start for the comparison with true starts.
-        let mut half = ((2.0 * self.frequency * t).floor() - 1.0).max(0.0);
-        while half < MOST_HALVES && self.start(half + 1.0) <= t {
-            half += 1.0;
-        }
-        half
+        let first = (t * (2.0 * self.frequency)).whole() + -1.0;
+        let first = first.greater(none, first, none);
+        [(); ROUNDED].into_iter().fold(first, |half, ()| {
+            let next = half + 1.0;
+            let later = self.start(next).greater(t, half, next);
+            most.greater(half, later, half)
+        })
     }
 
     /// Value of the carrier at `t`, s, within `half`.
     #[inline]
-    pub fn level(&self, t: f64, half: f64) -> f64 {
-        let risen = ((t - self.start(half)) * 2.0 * self.frequency).clamp(0.0, 1.0);
-        if is_falling(half) { 1.0 - risen } else { risen }
+    pub fn level<N: Amount>(&self, t: N, half: N) -> N {
+        let risen = ((t - self.start(half)) * 2.0 * self.frequency).within(0.0, 1.0);
+        falling(half, -risen + 1.0, risen)
     }
 
     /// When a leg of this duty switches in a half, s: it rises in an even half and falls in an odd one. A duty of 0 or 1
     /// gives an end of the half, where nothing switches.
     #[inline]
-    pub fn edge(&self, half: f64, duty: f64) -> f64 {
-        self.start(half + if is_falling(half) { 1.0 - duty } else { duty })
+    pub fn edge<N: Amount>(&self, half: N, duty: N) -> N {
+        self.start(half + falling(half, -duty + 1.0, duty))
     }
 
     /// When a leg of this duty rises and falls in period `period`, s. The difference is the duty times the period.
@@ -57,17 +65,11 @@ impl Carrier {
         (self.edge(2.0 * period, duty), self.edge(2.0 * period + 1.0, duty))
     }
 
-    /// Whether a leg of this duty is high at `t`, s, within `half`. At an edge the value after it holds.
+    /// 1 where a leg of this duty is high at `t`, s, within `half`, else 0. At an edge the value after it holds.
     #[inline]
-    pub fn is_high(&self, t: f64, half: f64, duty: f64) -> bool {
-        let edge = self.edge(half, duty);
-        if is_falling(half) { t >= edge } else { t < edge }
-    }
-
-    /// Which legs of these (constant) duties are high at `t`, s.
-    pub fn poles_at<const LEGS: usize>(&self, t: f64, duties: [f64; LEGS]) -> [bool; LEGS] {
-        let half = self.half(t);
-        duties.map(|duty| self.is_high(t, half, duty))
+    pub fn high<N: Amount>(&self, t: N, half: N, duty: N) -> N {
+        let (edge, zero, one) = (self.edge(half, duty), t.fixed(0.0), t.fixed(1.0));
+        falling(half, edge.greater(t, zero, one), edge.greater(t, one, zero))
     }
 
     /// The first time after `t`, s, at which a leg of these (constant) duties switches; infinite if none ever does.
@@ -119,10 +121,16 @@ impl Carrier {
     }
 }
 
-/// Whether the carrier falls in this half.
+/// Whether the carrier falls in a half.
 #[inline]
 pub(super) fn is_falling(half: f64) -> bool {
     half % 2.0 == 0.0
+}
+
+/// The first where the carrier falls in a half, else the second.
+#[inline]
+pub(super) fn falling<N: Amount>(half: N, falls: N, rises: N) -> N {
+    ((half * 0.5).whole() * 2.0).equal(half, falls, rises)
 }
 
 #[cfg(test)]
@@ -132,6 +140,12 @@ mod tests {
     use super::*;
 
     const CARRIER: Carrier = Carrier { frequency: 8e3 };
+
+    /// Which legs of these constant duties are high at `t`, s.
+    fn poles_at<const LEGS: usize>(t: f64, duties: [f64; LEGS]) -> [bool; LEGS] {
+        let half = CARRIER.half(t);
+        duties.map(|duty| CARRIER.high(t, half, duty) == 1.0)
+    }
 
     #[test]
     fn edges_stay_at_their_instants_over_ten_thousand_periods() {
@@ -183,9 +197,9 @@ mod tests {
         let duties = [0.3, 0.5, 0.8];
         let (mut t, mut count) = (0.0, 0);
         while t < 100.0 / CARRIER.frequency {
-            let before = CARRIER.poles_at(t, duties);
+            let before = poles_at(t, duties);
             t = CARRIER.next_edge(t, &duties);
-            let (just, after) = (CARRIER.poles_at(t.next_down(), duties), CARRIER.poles_at(t, duties));
+            let (just, after) = (poles_at(t.next_down(), duties), poles_at(t, duties));
             assert_eq!(before, just, "edge {count}");
             assert_eq!(just.iter().zip(&after).filter(|(a, b)| a != b).count(), 1, "edge {count}");
             count += 1;
@@ -197,7 +211,7 @@ mod tests {
     fn full_and_empty_duties_never_switch() {
         assert_eq!(CARRIER.next_edge(0.0, &[0.0, 1.0, f64::NAN]), f64::INFINITY);
         for t in (0..1000).map(|k| CARRIER.start(f64::from(k) / 4.0)) {
-            assert_eq!(CARRIER.poles_at(t, [0.0, 1.0]), [false, true], "{t}");
+            assert_eq!(poles_at(t, [0.0, 1.0]), [false, true], "{t}");
         }
     }
 

@@ -1,9 +1,8 @@
 //! From voltages to modulation and duties.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
-
-use blocksim_block::law::{Relation, Value};
 use serde::Deserialize;
+
+use super::amount::Amount;
 
 /// How a bridge makes its voltages: what is added to all three references alike, which no winding sees.
 ///
@@ -29,57 +28,6 @@ pub enum Modulation {
     Discontinuous120Upper,
     /// Each leg rests low for 120 degrees.
     Discontinuous120Lower,
-}
-
-/// What voltages and duties are calculated with: numbers, and the numbers of a law.
-pub trait Amount:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Neg<Output = Self>
-    + Div<Output = Self>
-    + Add<f64, Output = Self>
-    + Mul<f64, Output = Self>
-{
-    /// The first of the others where this is greater than `than`, else the second.
-    fn greater(self, than: Self, one: Self, other: Self) -> Self;
-
-    /// A number that never changes.
-    fn fixed(self, number: f64) -> Self;
-
-    /// It between two limits; what is not a number stays so.
-    fn within(self, low: f64, high: f64) -> Self;
-}
-
-impl Amount for f64 {
-    #[inline]
-    fn greater(self, than: Self, one: Self, other: Self) -> Self {
-        if self > than { one } else { other }
-    }
-
-    #[inline]
-    fn fixed(self, number: f64) -> Self {
-        number
-    }
-
-    #[inline]
-    fn within(self, low: f64, high: f64) -> Self {
-        self.clamp(low, high)
-    }
-}
-
-impl Amount for Value<'_> {
-    fn greater(self, than: Self, one: Self, other: Self) -> Self {
-        self.live(Relation::Greater, than).select(one, other)
-    }
-
-    fn fixed(self, number: f64) -> Self {
-        self.zero() + number
-    }
-
-    fn within(self, low: f64, high: f64) -> Self {
-        self.clamp(self.fixed(low), self.fixed(high))
-    }
 }
 
 /// Share of a period during which a leg is high, from its modulation: $(1 + m)/2$, limited to 0 to 1. What is not a number

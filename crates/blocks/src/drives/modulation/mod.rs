@@ -5,10 +5,12 @@
 //! begins low, is high in its middle and ends low; it consists of two halves, which are counted from time 0. All
 //! instants are computed from these counts, so they do not drift, however long a run is.
 
+mod amount;
 mod carrier;
 mod law;
 mod modulator;
 
+pub use amount::Amount;
 pub use carrier::Carrier;
 pub use law::{Modulation, duty};
-pub use modulator::{Leg, Modulator, Sampling};
+pub use modulator::{Modulator, Sampling};

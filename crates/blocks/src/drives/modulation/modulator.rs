@@ -2,8 +2,8 @@
 
 use serde::Deserialize;
 
-use super::Carrier;
-use super::carrier::is_falling;
+use super::carrier::{falling, is_falling};
+use super::{Amount, Carrier};
 
 /// When the references are looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -15,15 +15,6 @@ pub enum Sampling {
     Symmetric,
     /// At the start and in the middle of each period: each edge has a sample of its own.
     Asymmetric,
-}
-
-/// What the switches of a leg are told.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Leg {
-    /// Gate of the upper switch, to the positive rail.
-    pub upper: bool,
-    /// Gate of the lower switch, to the negative rail.
-    pub lower: bool,
 }
 
 /// Pulse-width modulation of any number of legs, as pure functions on memory that the caller keeps in its discrete
@@ -73,45 +64,78 @@ impl Modulator {
     ///
     /// With natural sampling duties need not be limited to 0 to 1. A leg whose duty is not a number stays as it is.
     pub fn settle(&self, t: f64, duties: &[f64], memory: &mut [f64]) -> bool {
+        let mut changed = false;
+        let mut put = |cell: &mut f64, value: f64| {
+            // NaN equals itself.
+            changed |= cell.to_bits() != value.to_bits();
+            *cell = value;
+        };
         let (common, legs) = memory.split_at_mut(COMMON);
-        let (half, last) = (self.carrier.half(t), common[HALF]);
-        let first = last < 0.0;
-        let mut changed = put(&mut common[HALF], half);
-        if first || self.samples_between(last, half) {
-            changed |= put(&mut common[SAMPLED], t);
-        }
-        let samples = common[SAMPLED] == t;
-        for (leg, duty) in legs.chunks_exact_mut(EACH).zip(duties) {
-            if samples && self.sampling != Sampling::Natural {
-                changed |= put(&mut leg[DUTY], duty.clamp(0.0, 1.0));
-            }
-            if let Some(high) = self.command(t, half, *duty, leg[DUTY])
-                && put(&mut leg[HIGH], f64::from(high))
-            {
-                changed = true;
-                // Which switch was on before the start, if any, is not known.
-                leg[FREE] = if first { t } else { t + self.dead_time };
-            }
-            let on = f64::from(t >= leg[FREE]);
-            changed |= put(&mut leg[ON], on);
+        let last = common[HALF];
+        let now = self.common(t, [last, common[SAMPLED]]);
+        common.iter_mut().zip(now).for_each(|(cell, value)| put(cell, value));
+        for (cells, duty) in legs.chunks_exact_mut(EACH).zip(duties) {
+            let held = [cells[DUTY], cells[HIGH], cells[FREE], cells[ON]];
+            let leg = self.cells_of_leg(t, last, now, *duty, held);
+            cells.iter_mut().zip(leg).for_each(|(cell, value)| put(cell, value));
         }
         changed
+    }
+
+    /// What the memory becomes, cell by cell, see [`settle`](Self::settle).
+    pub fn settled<N: Amount>(&self, t: N, duties: &[N], memory: &[N]) -> Vec<N> {
+        let (common, legs) = memory.split_at(COMMON);
+        let now = self.common(t, [common[HALF], common[SAMPLED]]);
+        let mut settled = now.to_vec();
+        for (cells, duty) in legs.chunks_exact(EACH).zip(duties) {
+            let held = [cells[DUTY], cells[HIGH], cells[FREE], cells[ON]];
+            settled.extend(self.cells_of_leg(t, common[HALF], now, *duty, held));
+        }
+        settled
+    }
+
+    /// The half of the carrier and when duties were sampled.
+    fn common<N: Amount>(&self, t: N, [last, sampled]: [N; COMMON]) -> [N; COMMON] {
+        let half = self.carrier.half(t);
+        let counted = match self.sampling {
+            Sampling::Symmetric => [last, half].map(|half| (half * 0.5).whole()),
+            Sampling::Asymmetric | Sampling::Natural => [last, half],
+        };
+        let kept = counted[0].equal(counted[1], sampled, t);
+        [half, t.fixed(0.0).greater(last, t, kept)]
+    }
+
+    /// The cells of a leg, of which some are held; `last` is the half before.
+    fn cells_of_leg<N: Amount>(
+        &self,
+        t: N,
+        last: N,
+        [half, sampled]: [N; COMMON],
+        duty: N,
+        [held, high, free, _]: [N; EACH],
+    ) -> [N; EACH] {
+        let (zero, one) = (t.fixed(0.0), t.fixed(1.0));
+        let (kept, known, wanted) = if self.sampling == Sampling::Natural {
+            // On the carrier itself counts what comes after: in a half in which it falls, the leg rises.
+            let above = duty - self.carrier.level(t, half);
+            let on_carrier = above.equal(zero, falling(half, one, zero), zero);
+            (held, above, above.greater(zero, one, on_carrier))
+        } else {
+            let kept = sampled.equal(t, duty.within(0.0, 1.0), held);
+            (kept, kept, self.carrier.high(t, half, kept))
+        };
+        // What is not a number switches nothing.
+        let now = known.equal(known, wanted, high);
+        // Which switch was on before the start, if any, is not known.
+        let turned = zero.greater(last, t, t + self.dead_time);
+        let free = now.equal(high, free, turned);
+        [kept, now, free, free.greater(t, zero, one)]
     }
 
     /// Whether the duties of the instant `t`, s, are those that [`settle`](Self::settle) would sample.
     pub fn samples(&self, t: f64, memory: &[f64]) -> bool {
         let last = memory[HALF];
         last < 0.0 || memory[SAMPLED] == t || self.samples_between(last, self.carrier.half(t))
-    }
-
-    /// Whether a leg is to be high; none if that cannot be told.
-    fn command(&self, t: f64, half: f64, duty: f64, sampled: f64) -> Option<bool> {
-        if self.sampling != Sampling::Natural {
-            return (!sampled.is_nan()).then(|| self.carrier.is_high(t, half, sampled));
-        }
-        // On the carrier itself counts what comes after: in a half in which it falls, the leg rises.
-        let above = duty - self.carrier.level(t, half);
-        (!above.is_nan()).then_some(above > 0.0 || above == 0.0 && is_falling(half))
     }
 
     /// Whether samples are taken between the starts of two halves.
@@ -149,13 +173,19 @@ impl Modulator {
 
     /// Functions whose sign changes are edges of natural sampling: duty minus carrier, one for each leg. Not for the other
     /// kinds of sampling, whose edges are known beforehand.
-    pub fn guards(&self, t: f64, duties: &[f64], memory: &[f64], guards: &mut [f64]) {
-        let half = memory[HALF].max(0.0);
-        guards.iter_mut().zip(duties).for_each(|(guard, duty)| *guard = duty - self.carrier.level(t, half));
+    pub fn guards<'a, N: Amount>(
+        &'a self,
+        t: N,
+        duties: &'a [N],
+        memory: &[N],
+    ) -> impl Iterator<Item = N> + use<'a, N> {
+        let (half, zero) = (memory[HALF], t.fixed(0.0));
+        let level = self.carrier.level(t, zero.greater(half, zero, half));
+        duties.iter().map(move |duty| *duty - level)
     }
 
     /// The duty of a leg that was sampled last, 0 to 1. Not with natural sampling.
-    pub fn duty(memory: &[f64], leg: usize) -> f64 {
+    pub fn duty<N: Amount>(memory: &[N], leg: usize) -> N {
         memory[COMMON + EACH * leg + DUTY]
     }
 
@@ -164,26 +194,12 @@ impl Modulator {
         memory[COMMON + EACH * leg + HIGH] == 1.0
     }
 
-    /// What the switches of a leg are told. Both are off during the dead time.
-    pub fn leg(memory: &[f64], leg: usize) -> Leg {
-        let (high, on) = (Self::is_high(memory, leg), memory[COMMON + EACH * leg + ON] == 1.0);
-        Leg { upper: high && on, lower: !high && on }
+    /// What the switches of a leg are told, upper and lower, 0 or 1. Both are off during the dead time.
+    pub fn leg<N: Amount>(memory: &[N], leg: usize) -> [N; 2] {
+        let cells = &memory[COMMON + EACH * leg..][..EACH];
+        let (high, on, zero) = (cells[HIGH], cells[ON], cells[ON].fixed(0.0));
+        [high.equal(zero, zero, on), high.equal(zero, on, zero)]
     }
-
-    /// Writes the gates of all legs, 0 or 1, in the order a+, a-, b+, b- ...
-    pub fn gates(memory: &[f64], gates: &mut [f64]) {
-        for (i, pair) in gates.chunks_exact_mut(2).enumerate() {
-            let leg = Self::leg(memory, i);
-            pair.copy_from_slice(&[f64::from(leg.upper), f64::from(leg.lower)]);
-        }
-    }
-}
-
-/// Sets a cell and tells whether that changed it; bits are compared, so that NaN equals itself.
-fn put(cell: &mut f64, value: f64) -> bool {
-    let changed = cell.to_bits() != value.to_bits();
-    *cell = value;
-    changed
 }
 
 #[cfg(test)]
@@ -279,7 +295,7 @@ mod tests {
             let mut turns = 0;
             walk(modulator, 0.3, duty, |t, memory| {
                 for (i, (upper_off, lower_off)) in off_since.iter_mut().enumerate() {
-                    let Leg { upper, lower } = Modulator::leg(memory, i);
+                    let [upper, lower] = Modulator::leg(memory, i).map(|gate| gate == 1.0);
                     assert!(!(upper && lower), "shoot-through at {t}");
                     if t > dead {
                         assert!(!upper || t - *lower_off >= dead - 1e-15, "leg {i} at {t}");
@@ -306,7 +322,7 @@ mod tests {
             10.0 * PERIOD,
             |_| [3e-6 / PERIOD],
             |_, memory| {
-                let Leg { upper, lower } = Modulator::leg(memory, 0);
+                let [upper, lower] = Modulator::leg(memory, 0).map(|gate| gate == 1.0);
                 assert!(!upper);
                 lower_was_off |= !lower;
             },
@@ -318,7 +334,7 @@ mod tests {
     fn dead_time_takes_the_same_time_from_both_switches() {
         let (dead, d) = (2e-6, 0.4);
         let modulator = modulator(Sampling::Symmetric, dead);
-        let (mut on, mut before) = ([0.0; 2], None::<(f64, Leg)>);
+        let (mut on, mut before) = ([0.0; 2], None::<(f64, [f64; 2])>);
         walk(
             modulator,
             100.5 * PERIOD,
@@ -327,8 +343,8 @@ mod tests {
                 if let Some((start, leg)) = before {
                     // Whole periods, away from the start.
                     if start >= 0.9999 * PERIOD && t <= 100.0001 * PERIOD {
-                        on[0] += f64::from(leg.upper) * (t - start);
-                        on[1] += f64::from(leg.lower) * (t - start);
+                        on[0] += leg[0] * (t - start);
+                        on[1] += leg[1] * (t - start);
                     }
                 }
                 before = Some((t, Modulator::leg(memory, 0)));
@@ -342,13 +358,12 @@ mod tests {
     fn natural_sampling_switches_with_the_sign_of_its_guard() {
         let modulator = modulator(Sampling::Natural, 0.0);
         let mut memory = Modulator::initial(1);
-        let mut guard = [0.0];
         for k in 0..1000 {
             let t = f64::from(k) * PERIOD / 37.0;
             let duty = [0.5 + 0.7 * (300.0 * t).sin()];
             modulator.settle(t, &duty, &mut memory);
-            modulator.guards(t, &duty, &memory, &mut guard);
-            assert!(guard[0] == 0.0 || Modulator::is_high(&memory, 0) == (guard[0] > 0.0), "{t}");
+            let guard = modulator.guards(t, &duty, &memory).next().expect("one for each leg");
+            assert!(guard == 0.0 || Modulator::is_high(&memory, 0) == (guard > 0.0), "{t}");
             let turn = modulator.next_event(t, &memory);
             assert_eq!(turn, modulator.carrier.start(modulator.carrier.half(t) + 1.0));
         }

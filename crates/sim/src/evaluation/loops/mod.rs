@@ -26,7 +26,7 @@ use blocksim_solve::Failed;
 use crate::diagnose::signal_name;
 use crate::evaluation::evaluate::{Diagram, Now, outputs};
 use crate::program::fused::{Fused, LoopTapes};
-use crate::program::plan::Call;
+use crate::program::plan::{Call, Settles};
 use crate::program::spread::written;
 use elimination::Factors;
 use newton::{Given, Work};
@@ -113,7 +113,8 @@ impl Loops {
             let start = end;
             end += found.cells.len() + found.chosen.len();
             let steps = &schedule.steps[found.first..found.first + found.count];
-            let settles = |block: u32| schedule.blocks[block as usize].interface.settles;
+            let settles =
+                |step: &Step| schedule.blocks[step.block as usize].interface.settles_in(step.group as usize);
             let owns = |step: &Step| {
                 let constraint = &schedule.blocks[step.block as usize].interface.constraint;
                 constraint.as_ref().is_some_and(|constraint| constraint.group == step.group as usize)
@@ -128,7 +129,7 @@ impl Loops {
                 chosen: found.chosen.clone(),
                 written: steps.iter().flat_map(|step| written(schedule, step)).collect(),
                 anchors: start..end,
-                settles: steps.iter().any(|step| settles(step.block)),
+                settles: steps.iter().any(settles),
             }
         });
         let rings: Vec<Ring> = rings.collect();
@@ -177,9 +178,9 @@ impl Diagram {
         for call in first..first + count {
             let Self { plan, now, signals, d, settle, .. } = self;
             let call = &plan.major[call];
-            if call.settles {
+            if call.settles != Settles::Nothing {
                 let block = call.block as usize;
-                settle.run(block, &call.unit, now, signals, d);
+                settle.before(call, now, signals, d);
                 self.checked(block)?;
             }
         }
@@ -332,7 +333,8 @@ impl<T: FnMut(usize, &mut [f64])> Round<'_, T> {
             largest = written.iter().fold(largest, |size, y| size.max(y.abs()));
         }
         // Of what is a program nothing is known on the way.
-        let found = self.read(f).map(|size| if self.tapes.is_some() { size } else { largest });
+        let is_program = self.tapes.is_some() && self.ring.sought == 0;
+        let found = self.read(f).map(|size| if is_program { size } else { largest });
         if let Some((cell, None)) = nudged {
             self.signals[cell] /= 1.0 + newton::NUDGE;
         }
@@ -345,7 +347,9 @@ impl<T: FnMut(usize, &mut [f64])> Given for Round<'_, T> {
         if let Some(values) = self.tapes.and_then(|tapes| tapes.values.as_ref()) {
             self.hand(z);
             if values.run(self.signals, self.d).failed.is_none() {
-                return self.read(f);
+                // What is left over of constraints stands in the places of unknowns.
+                let sought = &z[z.len() - self.ring.sought..];
+                return self.read(f).map(|size| sought.iter().fold(size, |size, z| size.max(z.abs())));
             }
             // Once more, to find out which block it was.
         }
@@ -353,7 +357,8 @@ impl<T: FnMut(usize, &mut [f64])> Given for Round<'_, T> {
     }
 
     fn slopes(&mut self, z: &[f64], rows: &mut [f64], column: &mut [f64]) -> bool {
-        let Some(tapes) = self.tapes else { return false };
+        // Of what constraints seek the size is not known, and differences see where nothing but rounding is left.
+        let Some(tapes) = self.tapes.filter(|_| self.ring.sought == 0) else { return false };
         self.hand(z);
         tapes.slopes(z.len(), self.signals, self.d, rows, column);
         true

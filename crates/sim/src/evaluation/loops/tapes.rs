@@ -31,9 +31,6 @@ pub(crate) enum Form {
 impl Drafts {
     /// The programs of a loop; nothing where a block of it records no law.
     pub fn new(schedule: &Schedule, found: &Loop) -> Option<Self> {
-        if found.sought > 0 {
-            return None;
-        }
         let mut joined = Joined::default();
         for step in &schedule.steps[found.first..found.first + found.count] {
             let block = &schedule.blocks[step.block as usize];
@@ -42,6 +39,10 @@ impl Drafts {
         }
         let cells: Vec<u32> = found.cells.iter().map(|cell| *cell as u32).collect();
         let values = joined.clone().finish();
+        if found.sought > 0 {
+            // What becomes zero is searched for, with slopes that are differences.
+            return Some(Self { values, slopes: Draft::default(), along: false, form: Form::Nonlinear });
+        }
         let along = cells.len() * values.program.instructions.len() > MOST;
         let slopes = if along { joined.slopes_along(&cells)? } else { joined.slopes_by(&cells)? };
         let form = match is_affine(&values, &cells) {

@@ -434,6 +434,8 @@ fn tangent_instance(
         states: values.chain(slopes).collect(),
         discrete: held.chain(sampled).collect(),
         settles: instance.interface.settles,
+        settling: instance.interface.settling.clone(),
+        before: instance.interface.before.clone(),
         uses_time: instance.interface.uses_time,
         ..Interface::new()
     };
@@ -547,6 +549,30 @@ impl Tangent {
         y.extend(dx);
         y
     }
+
+    /// Chooses modes as the other block does, unless that makes its values jump at a time that the parameter moves.
+    fn choose(&self, c: &Context, d: &mut [f64], choose: impl Fn(&Context, &mut [f64])) {
+        let own = &mut d[..self.widths[2]];
+        let (mut few, many);
+        let before = if own.len() <= FEW {
+            few = [0.0; FEW];
+            few[..own.len()].copy_from_slice(own);
+            &few[..own.len()]
+        } else {
+            many = own.to_vec();
+            &many[..]
+        };
+        choose(&self.inner(c, &[]), own);
+        if before == &*own || self.is_timed || c.t <= 0.0 {
+            return;
+        }
+        let (last, next) = (self.law_with(c, before), self.law_with(c, own));
+        let jumps =
+            last.iter().zip(&next).any(|(a, b)| (a - b).abs() > CONTINUOUS * a.abs().max(b.abs()).max(1e-6));
+        if jumps {
+            c.fail(JUMPS);
+        }
+    }
 }
 
 impl Block for Tangent {
@@ -560,26 +586,11 @@ impl Block for Tangent {
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {
-        let own = &mut d[..self.widths[2]];
-        let (mut few, many);
-        let before = if own.len() <= FEW {
-            few = [0.0; FEW];
-            few[..own.len()].copy_from_slice(own);
-            &few[..own.len()]
-        } else {
-            many = own.to_vec();
-            &many[..]
-        };
-        self.inner.settle(&self.inner(c, &[]), own);
-        if before == &*own || self.is_timed || c.t <= 0.0 {
-            return;
-        }
-        let (last, next) = (self.law_with(c, before), self.law_with(c, own));
-        let jumps =
-            last.iter().zip(&next).any(|(a, b)| (a - b).abs() > CONTINUOUS * a.abs().max(b.abs()).max(1e-6));
-        if jumps {
-            c.fail(JUMPS);
-        }
+        self.choose(c, d, |c, own| self.inner.settle(c, own));
+    }
+
+    fn settle_in(&self, group: usize, c: &Context, d: &mut [f64]) {
+        self.choose(c, d, |c, own| self.inner.settle_in(group, c, own));
     }
 
     fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
