@@ -282,6 +282,29 @@ fn what_exceeds_a_limit_is_written_only_with_the_option_that_the_message_names()
 }
 
 #[test]
+fn a_run_along_a_move_that_is_too_fast_or_hits_something_warns_once() {
+    let check = |set: &str| {
+        let mut command = program();
+        let model = "diagrams/irb2600/irb2600.ron";
+        command.current_dir(root()).args(["check", model, "--set", set]).env_remove("CLICOLOR_FORCE");
+        String::from_utf8(command.output().unwrap().stderr).unwrap()
+    };
+    let told = check("move=File(\"diagrams/irb2600/moves/exciting.ron\")");
+    let count = |what: &str| told.matches(what).count();
+    // Seven blocks have this move; the two that look for collisions are one.
+    assert_eq!((count("[move_limits]"), count("[move_collision]")), (2, 1), "{told}");
+    assert!(
+        told.contains("in move 3, at 23.787 % of the time (t = 3.743 s) `tool` meets `workpiece`"),
+        "{told}"
+    );
+    assert!(told.contains("`link4` is 156.4 mm in `workbench` in move 3"), "{told}");
+    for shipped in ["demo_joint", "demo_linear"] {
+        let told = check(&format!("move=File(\"diagrams/irb2600/moves/{shipped}.ron\")"));
+        assert!(!told.contains("[move_"), "{told}");
+    }
+}
+
+#[test]
 fn a_threshold_of_singular_poses_can_be_chosen() {
     let line = [
         "linear",
