@@ -54,6 +54,8 @@ numbers_in! {
     speed, "rad/s";
     /// An angular acceleration, rad/s^2.
     acceleration, "rad/s^2";
+    /// A time, s.
+    time, "s";
     /// A length, m.
     length, "m";
     /// A velocity, m/s.
@@ -234,6 +236,14 @@ pub fn share_if_given<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Resu
 /// No number, or one in another unit.
 pub fn jerk_if_given<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     checked(&ParamValue::deserialize(deserializer)?.0, "m/s^3").map(Some)
+}
+
+/// A torque, N*m, that may be absent, with `#[serde(default)]`.
+///
+/// # Errors
+/// No number, or one in another unit.
+pub fn torque_if_given<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    checked(&ParamValue::deserialize(deserializer)?.0, "N*m").map(Some)
 }
 
 /// A length, m, that may be absent, with `#[serde(default)]`.

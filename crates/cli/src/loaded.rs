@@ -106,12 +106,26 @@ pub fn load_with(args: &ModelArgs, purpose: Purpose, options: &Options) -> Resul
     tell_builds();
     let disk = Disk::with(Plugins::of(args.plugins, purpose));
     let sources = Sources::new(&disk);
-    let compiled = compile_with(&sources, &args.model, &Options { overrides: &args.set, ..*options });
+    let mut compiled = compile_with(&sources, &args.model, &Options { overrides: &args.set, ..*options });
+    once_for_each_move(&mut compiled.problems);
     let files = sources.all();
     let on_disk = files.iter().filter(|file| disk.has_read(&file.path)).cloned().collect();
     // Hashed now, before anybody builds them anew.
     let plugins = blocksim_host::opened().into_iter().map(|library| library_used(&library.path));
     Ok(Loaded { compiled, files, on_disk, plugins: plugins.collect(), offers: disk.offers() })
+}
+
+/// Keeps the first of warnings of one move that stands in several blocks, such as one for each axis.
+fn once_for_each_move(problems: &mut Vec<Problem>) {
+    let mut seen: Vec<String> = Vec::new();
+    problems.retain(|problem| {
+        let is_of_move = problem.code.starts_with("move_");
+        let again = is_of_move && seen.contains(&problem.message);
+        if is_of_move && !again {
+            seen.push(problem.message.clone());
+        }
+        !again
+    });
 }
 
 /// Files that a model is read from, and folders of sources whose plug-ins it has loaded; the file of the model itself in

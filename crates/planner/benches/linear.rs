@@ -5,7 +5,7 @@ mod arm;
 
 use blocksim_multibody::EulerZyx;
 use blocksim_planner::{
-    CartesianMove, CartesianRequest, Orientation, Speeds, Start, Timing, Turning, choose, inspect,
+    CartesianMove, CartesianRequest, Orientation, Scrutiny, Speeds, Start, Timing, Turning, choose, inspect,
 };
 use blocksim_robot::Robot;
 use nalgebra::Vector3;
@@ -56,7 +56,7 @@ fn line_of_1233_waypoints(bencher: divan::Bencher, kind: &str) {
     let request = request(&robot, orientation, timing);
     bencher.bench(|| {
         let planned = CartesianMove::plan(&robot, &request).expect("a move");
-        inspect(&robot, &planned, 1233)
+        inspect(&robot, &planned, &Scrutiny::at(1233))
     });
 }
 

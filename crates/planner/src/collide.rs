@@ -9,7 +9,7 @@ use blocksim_scene::Shape;
 use nalgebra::Vector3;
 
 use crate::check::FEWEST;
-use crate::course::{Course, Way};
+use crate::course::{Course, Spot};
 use crate::error::short;
 
 /// Shapes of the parts of a robot, each in the frame of its part. Those that are only drawn take no part.
@@ -49,13 +49,9 @@ pub struct Space {
 pub struct Encounter {
     /// Names of both.
     pub names: [String; 2],
-    /// Time, s.
-    pub t: f64,
-    /// Share of the time.
-    pub share: f64,
-    /// Where the tool is on its path, if it follows one.
-    pub way: Option<Way>,
-    /// Positions of the axes, rad.
+    /// Where on the move.
+    pub spot: Spot,
+    /// Positions of the axes, rad or m.
     pub q: Vec<f64>,
     /// Distance, m; zero or less where they touch: then the depth, with a minus.
     pub distance: f64,
@@ -176,7 +172,19 @@ impl<'r> Poses<'r> {
 /// Looks for collisions at the seams of a move and at `waypoints` times at least, equally distant; the first one is found
 /// to a millionth of the time between two of them.
 pub fn encounters(robot: &Robot, course: &dyn Course, space: &Space, waypoints: usize) -> Encounters {
-    let times = course.times(waypoints.max(FEWEST));
+    // Nothing jumps where the parts are: seams matter where they are few, and are many where a course has one at each knot.
+    let count = waypoints.max(FEWEST);
+    let mut times = course.times(count);
+    if times.len() > 2 * count {
+        let every = times.len() / count;
+        let last = times.len() - 1;
+        times = times
+            .into_iter()
+            .enumerate()
+            .filter(|(k, _)| k % every == 0 || *k == last)
+            .map(|(_, t)| t)
+            .collect();
+    }
     let mut found = Encounters { poses: times.len(), ..Encounters::default() };
     let (mut own, mut around) = (Follow::new(&space.own), Follow::new(&space.around));
     let mut poses = Poses::new(robot);
@@ -186,7 +194,7 @@ pub fn encounters(robot: &Robot, course: &dyn Course, space: &Space, waypoints: 
         around.step(t, at);
     }
     let first = [own.first(robot, course), around.first(robot, course)].into_iter().flatten();
-    found.first = first.min_by(|a, b| a.t.total_cmp(&b.t));
+    found.first = first.min_by(|a, b| a.spot.t.total_cmp(&b.spot.t));
     (found.own, found.around) = (own.least(course), around.least(course));
     found
 }
@@ -237,9 +245,7 @@ impl<'s> Follow<'s> {
 fn encounter(course: &dyn Course, t: f64, found: &Clearance) -> Encounter {
     Encounter {
         names: found.names.clone(),
-        t,
-        share: if course.duration() > 0.0 { t / course.duration() } else { 0.0 },
-        way: course.way(t),
+        spot: Spot::of(course, t),
         q: course.positions(t),
         distance: found.distance.distance,
         point: found.distance.points[0],
@@ -249,7 +255,7 @@ fn encounter(course: &dyn Course, t: f64, found: &Clearance) -> Encounter {
 impl Encounter {
     /// Its place on the move.
     pub fn place(&self) -> String {
-        crate::course::place(self.t, self.share, self.way)
+        self.spot.to_string()
     }
 
     /// The point in mm, in the world.
@@ -267,7 +273,7 @@ impl Encounter {
 
     /// What helps against a collision.
     pub fn help(&self) -> &'static str {
-        match self.t > 0.0 {
+        match self.spot.t > 0.0 {
             true => {
                 "go round it by another point, start in another configuration, or list the two under `may_touch` where they \
                  may"

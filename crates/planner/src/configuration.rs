@@ -8,6 +8,7 @@ use blocksim_motion::AxisLimits;
 use blocksim_robot::Robot;
 
 use crate::check::NARROW;
+use crate::course::Way;
 use crate::error::{PlanError, Reason, short};
 use crate::joint_path::JointPath;
 use crate::prescribed::{Prescribed, check};
@@ -88,7 +89,7 @@ pub fn choose(
     let target = robot.reference().placement * start;
     let found = closed_form
         .inverse(&target, &near)
-        .map_err(|error| PlanError::new("start", crate::start::refusal(&error, 0.0, 0.0)))?;
+        .map_err(|error| PlanError::new("start", crate::start::refusal(&error, 0.0, Way::START)))?;
     let mut candidates: Vec<(f64, Configuration, [f64; 6])> = found
         .iter()
         .filter(|solution| wanted.is_none_or(|wanted| wanted == solution.configuration))

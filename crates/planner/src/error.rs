@@ -4,6 +4,8 @@ use std::fmt;
 
 use blocksim_motion::{AxisKind, MoveError};
 
+use crate::course::Way;
+
 /// A refusal: which member of the request it is about, what is wrong, and what helps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanError {
@@ -65,8 +67,8 @@ pub enum Reason {
     Unreachable {
         /// Share of the path, 0 to 1.
         at: f64,
-        /// Way from the start, m.
-        way: f64,
+        /// How far it is along the path.
+        way: Way,
         /// By how much, m, where it is known.
         distance: Option<f64>,
     },
@@ -74,8 +76,8 @@ pub enum Reason {
     OutsideLimits {
         /// Share of the path.
         at: f64,
-        /// Way from the start, m.
-        way: f64,
+        /// How far it is along the path.
+        way: Way,
         /// Index of the axis that comes nearest to its limit.
         axis: usize,
         /// By how much it would leave its limits, rad.
@@ -85,8 +87,8 @@ pub enum Reason {
     Singular {
         /// Share of the path.
         at: f64,
-        /// Way from the start, m.
-        way: f64,
+        /// How far it is along the path.
+        way: Way,
     },
     /// No positions of the axes within their limits have the tool at the start.
     NoneStarts {
@@ -163,9 +165,7 @@ impl std::error::Error for PlanError {}
 impl fmt::Display for PlanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = self.member;
-        let place = |at: f64, way: f64| {
-            format!("at {} % of the path (s = {} mm)", short(100.0 * at), short(1e3 * way))
-        };
+        let place = |at: f64, way: Way| format!("at {} % of the path ({})", short(100.0 * at), way.text());
         match &self.reason {
             Reason::NotFinite => write!(f, "the {what} is infinite or no number"),
             Reason::WrongLength { given, axes } => {

@@ -4,6 +4,7 @@ use blocksim_motion::Path;
 use blocksim_robot::Robot;
 
 use crate::arm::Arm;
+use crate::course::Way;
 use crate::error::{PlanError, Reason};
 use crate::task::Task;
 
@@ -163,7 +164,7 @@ fn attempt(
     let mut q = start.to_vec();
     let fail = |k: usize, singular: bool| {
         let at = k as f64 / intervals as f64;
-        let way = length * at;
+        let way = Way { length, done: length * at, turn: path.is_turn() };
         PlanError::new(
             "path",
             match singular {

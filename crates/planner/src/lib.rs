@@ -10,6 +10,7 @@
 //! | moves behind each other, corners rounded | [`Sequence`] |
 //! | limits along the whole move, first violation with its place | [`inspect`] |
 //! | collisions along the whole move, and the least distance | [`encounters`] |
+//! | all of this as one list with codes, places, numbers and remedies | [`review`] |
 //!
 //! Lengths are in m, angles in rad, times in s; targets are in the reference frame of the robot.
 
@@ -19,12 +20,14 @@ mod collide;
 mod configuration;
 mod course;
 mod error;
+mod fastest;
 mod joint_path;
 mod law;
 mod phase_plane;
 mod plan;
 mod prescribed;
 mod request;
+mod review;
 mod sequence;
 mod start;
 mod task;
@@ -32,14 +35,15 @@ mod workspace;
 
 pub use blocksim_collision::Rules;
 pub use blocksim_kinematics::Configuration;
-pub use check::{AxisExtremes, Findings, Quantity, Violation, inspect};
+pub use check::{AxisExtremes, Effort, Findings, Quantity, Scrutiny, Violation, inspect};
 pub use collide::{Encounter, Encounters, RobotShapes, Space, Surroundings, encounters};
 pub use configuration::{Chosen, Tried, choose, configuration_word, configurations};
-pub use course::{Course, Narrow, State, Way};
+pub use course::{Course, Narrow, Note, Spot, State, Way};
 pub use error::{PlanError, Reason};
 pub use joint_path::JointPath;
 pub use law::TimeLaw;
 pub use phase_plane::{Bounds, Knot, time_optimal};
 pub use plan::{CartesianMove, pose};
 pub use request::{CartesianRequest, Orientation, Speeds, Start, Timing, Turning};
+pub use review::{Finding, Review, Severity, inspect_axes, review};
 pub use sequence::{Sequence, SequenceError, Step};

@@ -5,11 +5,12 @@ use blocksim_multibody::{EulerZyx, Placement};
 use blocksim_robot::Robot;
 
 use crate::configuration::choose;
-use crate::course::{Course, Narrow, State, Way};
+use crate::course::{Course, Narrow, Note, State, Way};
 use crate::error::{PlanError, Reason};
+use crate::fastest::fastest;
 use crate::joint_path::JointPath;
 use crate::law::TimeLaw;
-use crate::phase_plane::{Bounds, Knot, time_optimal};
+use crate::phase_plane::Bounds;
 use crate::prescribed::{PLACES, Prescribed, check};
 use crate::request::{CartesianRequest, Speeds, Start, Timing, Turning};
 use crate::start::{begin, reach, refusal};
@@ -25,6 +26,7 @@ pub struct CartesianMove {
     joints: JointPath,
     law: TimeLaw,
     narrow: Narrow,
+    notes: Vec<Note>,
 }
 
 impl CartesianMove {
@@ -46,7 +48,8 @@ impl CartesianMove {
         let joints = JointPath::follow(robot, &task, &path, &q, spacing)?;
         let law = law(robot, &joints, &path, request, acceleration)?;
         let narrow = narrowest(&joints, &law);
-        Ok(CartesianMove { path, joints, law, narrow })
+        let notes = slowed(&path, request).into_iter().collect();
+        Ok(CartesianMove { path, joints, law, narrow, notes })
     }
 
     /// The path of the tool in the reference.
@@ -91,14 +94,26 @@ impl Course for CartesianMove {
     fn narrowest(&self) -> Option<Narrow> {
         Some(self.narrow)
     }
+
+    fn notes(&self) -> Vec<Note> {
+        self.notes.clone()
+    }
+}
+
+/// Whether the turn of the tool on its way makes it slower than it was to be.
+fn slowed(path: &Path, request: &CartesianRequest) -> Option<Note> {
+    let (velocity, turning) = (request.speeds.velocity, request.turning.velocity);
+    let allowed = turning * path.length() / path.angle();
+    let slower = !path.is_turn() && allowed < velocity;
+    slower.then_some(Note::Turning { step: None, velocity, allowed, turning, t: 0.0 })
 }
 
 /// Whether the arm reaches some places of the path at all, where there is a closed form.
 fn try_out(robot: &Robot, path: &Path, q: &[f64]) -> Result<(), PlanError> {
     for k in 0..=PLACES {
         let at = k as f64 / PLACES as f64;
-        let way = at * path.length();
-        match reach(robot, &path.at(way).placement, q) {
+        let way = Way { length: path.length(), done: at * path.length(), turn: path.is_turn() };
+        match reach(robot, &path.at(way.done).placement, q) {
             Some(Err(error)) => return Err(PlanError::new("path", refusal(&error, at, way))),
             Some(Ok(_)) => {}
             None => break,
@@ -116,16 +131,20 @@ fn law(
 ) -> Result<TimeLaw, PlanError> {
     let length = path.length();
     let Speeds { velocity, timing, .. } = request.speeds;
+    let Turning { velocity: turn_velocity, acceleration: turn_acceleration } = request.turning;
     let (v, acceleration, timing) = match (path.is_turn(), timing) {
-        (false, timing) => (velocity, acceleration, timing),
+        (false, timing) => {
+            // For one metre the orientation turns by this angle; zero makes both bounds infinite.
+            let turn = path.angle() / length;
+            (velocity.min(turn_velocity / turn), acceleration.min(turn_acceleration / turn), timing)
+        }
         (true, timing) => {
-            let Turning { velocity, acceleration } = request.turning;
             // as of a line without a jerk of its own: the acceleration is reached in 0.1 s
             let turning = match timing {
-                Timing::SCurve { .. } => Timing::SCurve { jerk: 10.0 * acceleration },
+                Timing::SCurve { .. } => Timing::SCurve { jerk: 10.0 * turn_acceleration },
                 other => other,
             };
-            (velocity, acceleration, turning)
+            (turn_velocity, turn_acceleration, turning)
         }
     };
     let law = match timing {
@@ -133,16 +152,8 @@ fn law(
         Timing::Trapezoid => TimeLaw::jerk_limited(length, v, acceleration, f64::INFINITY),
         Timing::SCurve { jerk } => TimeLaw::jerk_limited(length, v, acceleration, jerk),
         Timing::TimeOptimal => {
-            let n = joints.intervals();
-            let step = length / n as f64;
-            let knot = |k, axis| {
-                let [_, first, second] = joints.knot(k, axis);
-                Knot { first, second }
-            };
-            let curvatures: Vec<f64> = (0..=n).map(|k| path.at(joints.place(k)).curvature.norm()).collect();
-            let curvature = |k: usize| curvatures[k];
             let bounds = Bounds { axes: robot.limits(), speed: v, acceleration };
-            time_optimal(n, step, knot, curvature, &bounds).map(|squares| TimeLaw::phases(step, &squares))
+            fastest(joints, path, &bounds)
         }
     };
     law.ok_or(PlanError::new("velocity", Reason::NotFinite))

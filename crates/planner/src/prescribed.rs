@@ -4,6 +4,7 @@ use blocksim_motion::{Path, PathError};
 use blocksim_multibody::Placement;
 use blocksim_robot::Robot;
 
+use crate::course::Way;
 use crate::error::{PlanError, Reason};
 use crate::joint_path::MOST;
 use crate::request::{CartesianRequest, Orientation, Speeds, Timing};
@@ -43,7 +44,7 @@ pub(crate) fn check(robot: &Robot, request: &CartesianRequest) -> Result<f64, Pl
         if !value.is_finite() {
             return Err(PlanError::new(member, Reason::NotFinite));
         }
-        match value > 0.0 && value <= upper * (1.0 + 1e-12) {
+        match value >= lower * (1.0 - 1e-12) && value <= upper * (1.0 + 1e-12) {
             true => Ok(()),
             false => Err(PlanError::new(member, Reason::OutOfRange { value, lower, upper, unit })),
         }
@@ -121,7 +122,8 @@ fn reachable(robot: &Robot, task: &Task, path: &Path) -> Result<(), PlanError> {
     let shortage = |way: f64| workspace.shortage(task, &path.at(way).placement);
     let distance = shortage(length);
     if distance > SLACK {
-        let reason = Reason::Unreachable { at: 1.0, way: length, distance: Some(distance) };
+        let way = Way { length, done: length, turn: path.is_turn() };
+        let reason = Reason::Unreachable { at: 1.0, way, distance: Some(distance) };
         return Err(PlanError::new("target", reason));
     }
     let place = |k: usize| length * (k as f64 / PLACES as f64);
@@ -132,6 +134,7 @@ fn reachable(robot: &Robot, task: &Task, path: &Path) -> Result<(), PlanError> {
         if shortage(middle) > SLACK { outside = middle } else { inside = middle }
     }
     let furthest = (first..=PLACES).map(|k| shortage(place(k))).fold(0.0, f64::max);
-    let reason = Reason::Unreachable { at: outside / length, way: outside, distance: Some(furthest) };
+    let way = Way { length, done: outside, turn: path.is_turn() };
+    let reason = Reason::Unreachable { at: outside / length, way, distance: Some(furthest) };
     Err(PlanError::new("path", reason))
 }

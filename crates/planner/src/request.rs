@@ -55,7 +55,8 @@ pub struct Speeds {
     pub timing: Timing,
 }
 
-/// Speed and acceleration of a turn on the spot, where the tool keeps its place and only its orientation changes.
+/// How fast the orientation of the tool may change: the speed and the acceleration of a turn on the spot, where the tool keeps
+/// its place, and bounds of those along a path on which the orientation is interpolated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turning {
     /// Largest speed, rad/s.
@@ -84,7 +85,7 @@ pub struct CartesianRequest {
     pub orientation: Orientation,
     /// How fast.
     pub speeds: Speeds,
-    /// How fast a turn on the spot is.
+    /// How fast the orientation changes at most.
     pub turning: Turning,
     /// Largest distance of two waypoints, m.
     pub resolution: f64,

@@ -5,6 +5,7 @@ use blocksim_multibody::Placement;
 use blocksim_robot::Robot;
 
 use crate::arm::Arm;
+use crate::course::Way;
 use crate::error::{PlanError, Reason};
 use crate::request::Start;
 use crate::task::Task;
@@ -54,7 +55,7 @@ fn within(robot: &Robot, task: &Task, at: &Placement) -> Result<(), PlanError> {
     let distance = Workspace::of(robot).shortage(task, at);
     match distance > 1e-9 {
         true => {
-            let reason = Reason::Unreachable { at: 0.0, way: 0.0, distance: Some(distance) };
+            let reason = Reason::Unreachable { at: 0.0, way: Way::START, distance: Some(distance) };
             Err(PlanError::new("start", reason))
         }
         false => Ok(()),
@@ -64,7 +65,7 @@ fn within(robot: &Robot, task: &Task, at: &Placement) -> Result<(), PlanError> {
 fn posed(robot: &Robot, at: &Placement) -> Result<Vec<f64>, PlanError> {
     match reach(robot, at, &robot.start()) {
         Some(Ok(q)) => Ok(q),
-        Some(Err(error)) => Err(PlanError::new("start", refusal(&error, 0.0, 0.0))),
+        Some(Err(error)) => Err(PlanError::new("start", refusal(&error, 0.0, Way::START))),
         None => solved(robot, &[Constraint::pose(robot.tool(), robot.reference(), *at)]),
     }
 }
@@ -79,7 +80,7 @@ pub(crate) fn reach(robot: &Robot, at: &Placement, near: &[f64]) -> Option<Resul
 }
 
 /// What the closed form says of a place of the path.
-pub(crate) fn refusal(error: &InverseError, at: f64, way: f64) -> Reason {
+pub(crate) fn refusal(error: &InverseError, at: f64, way: Way) -> Reason {
     match *error {
         InverseError::Unreachable { distance } => Reason::Unreachable { at, way, distance: Some(distance) },
         InverseError::OutsideRanges { axis, excess } => Reason::OutsideLimits { at, way, axis, excess },
@@ -88,7 +89,7 @@ pub(crate) fn refusal(error: &InverseError, at: f64, way: f64) -> Reason {
 }
 
 fn solved(robot: &Robot, constraints: &[Constraint]) -> Result<Vec<f64>, PlanError> {
-    let fail = || PlanError::new("start", Reason::Unreachable { at: 0.0, way: 0.0, distance: None });
+    let fail = || PlanError::new("start", Reason::Unreachable { at: 0.0, way: Way::START, distance: None });
     let mut solver = Solver::new(robot.model(), &robot.ranges()).map_err(|_| fail())?;
     let solved = solver.solve(constraints, &robot.start(), &Options::default()).map_err(|_| fail())?;
     match solved.status {

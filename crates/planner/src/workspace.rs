@@ -2,13 +2,15 @@
 //!
 //! The wrist centre of an arm of six axes lies between two distances from axis 2, which goes round on a circle about
 //! axis 1. Where the orientation of the tool is free the tip is as far from there as the hand is long; where the tool may
-//! turn about its axis, the wrist centre lies on a circle about it.
+//! turn about its axis, the wrist centre lies on a circle about it. Any other arm is within a ball whose radius is the sum of
+//! its lengths; a slide adds half of its stroke to each side of its middle.
 
 use std::f64::consts::TAU;
 
 use blocksim_kinematics::{ClosedForm, OrthoParallel};
+use blocksim_motion::{AxisKind, AxisLimits};
 use blocksim_multibody::Placement;
-use blocksim_robot::Robot;
+use blocksim_robot::{Link, Robot};
 use nalgebra::Vector3;
 
 use crate::task::Task;
@@ -20,7 +22,8 @@ const TURNS: usize = 72;
 pub(crate) enum Workspace<'r> {
     /// Of six axes with a wrist: the reference in the world, and the wrist centre in the tool.
     Wrist { arm: &'r ClosedForm, reference: Placement, centre: Vector3<f64> },
-    /// Of any other: origin of axis 1 in the reference, and the sum of all lengths behind it, m.
+    /// Of any other: the middle of where link 1 can be, in the reference, and the sum of all lengths and half strokes from
+    /// there to the tip, m.
     Ball { centre: Vector3<f64>, radius: f64 },
 }
 
@@ -33,10 +36,18 @@ impl<'r> Workspace<'r> {
         }
         let parts = robot.parts();
         let tip = (parts.flange * parts.tool).translation.norm();
-        let between: f64 = parts.links.iter().skip(1).map(|link| link.origin.translation.norm()).sum();
-        let first = parts.links.first().map_or(Placement::identity(), |link| parts.base * link.origin);
-        let centre = reference.inverse().point(&first.translation);
-        Workspace::Ball { centre, radius: tip + between }
+        // From the origin of the link before to the middle of where the origin of a link can be, in the frame of the link
+        // before, and how far it goes from there. A turn of an axis leaves its own origin where it is.
+        let seat = |link: &Link| match stroke(link) {
+            Some([low, high]) => {
+                (link.origin.point(&(slide(link) * (0.5 * (low + high)))), 0.5 * (high - low))
+            }
+            None => (link.origin.translation, 0.0),
+        };
+        let (first, half) = parts.links.first().map_or((Vector3::zeros(), 0.0), seat);
+        let rest: f64 = parts.links.iter().skip(1).map(seat).map(|(middle, half)| middle.norm() + half).sum();
+        let centre = reference.inverse().point(&parts.base.point(&first));
+        Workspace::Ball { centre, radius: tip + half + rest }
     }
 
     /// By how much the arm does not reach a place of the tool in the reference, m; at most zero where it does.
@@ -62,6 +73,21 @@ impl<'r> Workspace<'r> {
         }
     }
 }
+
+/// Unit vector along which a link slides, in its frame.
+fn slide(link: &Link) -> Vector3<f64> {
+    Vector3::from(link.axis).normalize()
+}
+
+/// From where to where a link slides, m; `None` where it turns.
+fn stroke(link: &Link) -> Option<[f64; 2]> {
+    let AxisLimits { kind, lower, upper, .. } = link.limits;
+    let end = |value: f64| value.clamp(-ENDLESS, ENDLESS);
+    (kind == AxisKind::Sliding).then_some([end(lower), end(upper)])
+}
+
+/// How far a slide without a limit goes, m.
+const ENDLESS: f64 = 1e9;
 
 /// How far a wrist centre is outside of where it can be, in the frame of the arm.
 fn outside(arm: &OrthoParallel, centre: &Vector3<f64>) -> f64 {

@@ -1,7 +1,7 @@
 //! What the drive of an axis adds to the mechanism, all counted at the joint. Of an axis that slides read m for rad, N for
 //! N m and kg for kg m²: the ratio is that of the motor's speed to the speed of the slide.
 
-/// Drive of an axis as the joint sees it: rotating masses, friction and losses. All zero and lossless by default.
+/// Drive of an axis as the joint sees it: rotating masses, friction and losses. All zero, lossless and without a limit by default.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
     /// Moment of inertia of rotor and gear, times the square of the ratio, kg m².
@@ -16,6 +16,8 @@ pub struct Drive {
     pub efficiency_backward: f64,
     /// Speed of the joint over which the losses of the gear set in, rad/s.
     pub threshold: f64,
+    /// Largest torque of the motor, times the ratio, N m; infinite where it is not known.
+    pub limit: f64,
 }
 
 impl Default for Drive {
@@ -27,6 +29,7 @@ impl Default for Drive {
             efficiency_forward: 1.0,
             efficiency_backward: 1.0,
             threshold: 0.0,
+            limit: f64::INFINITY,
         }
     }
 }

@@ -158,6 +158,11 @@ impl Link {
                 return fail(member, format!("`{member}` is {value}; it must be above 0 and at most 1"));
             }
         }
+        let positive = drive.limit > 0.0;
+        if !positive {
+            let message = format!("`drive.motor.torque` is {}; it must be positive", drive.limit);
+            return fail("drive.motor.torque", message);
+        }
         Ok(())
     }
 }

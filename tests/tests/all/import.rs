@@ -415,9 +415,15 @@ fn a_chain_through_welds_and_turned_frames_is_described_as_it_is_built() {
     let fixed = ["finger", "thumb"].map(|name| format!("`{name}` counts as fixed in the robot description"));
     assert_eq!(chain.notes, fixed);
     let (described, assumed) = described(&mechanism, Some("grip"));
-    let expected = ["accelerations", "how fast the tool may be", "the range of `b`", "the speed of `b`"];
+    let expected = ["accelerations", "how fast the tool may be", "the speed of `b`"];
     assert_eq!(assumed, expected);
     let robot = described.robot("robot").expect("a robot");
+    // A continuous joint has no stop.
+    let endless = robot
+        .limits()
+        .iter()
+        .any(|limits| limits.lower == f64::NEG_INFINITY && limits.upper == f64::INFINITY);
+    assert!(endless, "{:?}", robot.limits());
     // The whole mechanism, its fingers held where they start.
     let bodies = model(&mechanism).expect("masses").expect("a tree").model;
     let mut random = Random(23);

@@ -1,8 +1,9 @@
 use blocksim_block::prelude::*;
-use blocksim_motion::AxisKind;
+use blocksim_motion::{AxisKind, AxisLimits};
 use blocksim_planner::Course;
 use std::sync::Arc;
 
+use super::forewarning::{Subject, forewarn};
 use super::joint_path::{JointPath, Rule};
 use super::limits::Limits;
 use super::planned::planned;
@@ -26,6 +27,9 @@ use crate::robotics::RobotDescription;
 /// A move that `blocksim plan` wrote can be given as `path`, too: lines and arcs of the tool (`path.tool`) and
 /// sequences (`path.moves`). These need the `robot`; position, speed and acceleration of the axes then follow from the
 /// way of the tool.
+///
+/// A move that exceeds limits of the axes, and with the `robot` those of drives and tool, is simulated as it is: warnings report
+/// where, when and by how much. `RobotMove` checks for collisions, too.
 ///
 /// ```ron
 /// JointMove(
@@ -80,8 +84,12 @@ impl JointMove {
         self.seams = self.plan.as_ref().map(|plan| few(plan.seams())).unwrap_or_default();
     }
 
+    fn axis_limits(&self) -> Vec<AxisLimits> {
+        self.limits.iter().map(|limits| limits.of(limits.kind())).collect()
+    }
+
     fn planned(&self) -> Result<Arc<dyn Course>, ParamError> {
-        let limits: Vec<_> = self.limits.iter().map(|limits| limits.of(limits.kind())).collect();
+        let limits = self.axis_limits();
         let follows_path = self.path.tool.is_some() || !self.path.moves.is_empty();
         let robot = match &self.robot {
             Some(robot) if follows_path => Some(robot.robot("robot")?),
@@ -92,8 +100,21 @@ impl JointMove {
 }
 
 impl Block for JointMove {
-    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
+    fn load(&mut self, files: &dyn Files) -> Result<(), LoadError> {
         self.keep();
+        let Some(course) = &self.plan else { return Ok(()) };
+        // A description that makes no robot is reported where it is used.
+        let robot = self.robot.as_ref().and_then(|robot| robot.robot("robot").ok());
+        let robot = robot.filter(|robot| robot.axes() == course.axes());
+        let subject = Subject {
+            path: self.path.clone(),
+            limits: self.axis_limits(),
+            as_printed: self.rule == Rule::AsPrinted,
+            robot: self.robot.clone().filter(|_| robot.is_some()),
+            collides: false,
+            surroundings: None,
+        };
+        forewarn(subject, course.as_ref(), robot.as_ref(), files);
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 
 use blocksim_block::in_unit::{self, AxisValue};
 use blocksim_block::prelude::*;
+use blocksim_planner::Scrutiny;
 use serde::de::IgnoredAny;
 
 use super::tool_path::ToolPath;
@@ -31,9 +32,16 @@ pub struct JointPath {
     /// Radius around the end of this move within which the next may begin, m; 0 for a stop.
     #[serde(default, deserialize_with = "in_unit::length")]
     pub zone: f64,
+    /// How long the robot rests at the end of this move before the next one begins, s.
+    #[serde(default, deserialize_with = "in_unit::time")]
+    pub wait: f64,
     /// Moves behind this one.
     #[serde(default)]
     pub moves: Vec<NextMove>,
+    /// Smallest singular value of what is prescribed of the tool, m and rad, that the move may come to without a warning;
+    /// 0.01 if it is not given.
+    #[serde(default, deserialize_with = "in_unit::share_if_given")]
+    pub singular_limit: Option<f64>,
     #[serde(default, rename = "result")]
     _result: Unread,
 }
@@ -57,6 +65,9 @@ pub struct NextMove {
     /// Radius around the end of this move within which the next may begin, m.
     #[serde(default, deserialize_with = "in_unit::length")]
     pub zone: f64,
+    /// How long the robot rests at the end of this move, s.
+    #[serde(default, deserialize_with = "in_unit::time")]
+    pub wait: f64,
 }
 
 /// What a plan came to, which is for people and not read.
@@ -75,6 +86,12 @@ impl JointPath {
         let (velocity, acceleration) = (Some(velocity), Some(acceleration));
         let [start, target] = [start, target].map(|all| all.into_iter().map(AxisValue::bare).collect());
         JointPath { start, target, velocity, acceleration, resolution: half_a_degree(), ..Self::default() }
+    }
+
+    /// How closely the move is looked at.
+    pub fn scrutiny(&self) -> Scrutiny {
+        let usual = Scrutiny::default();
+        Scrutiny { narrow: self.singular_limit.unwrap_or(usual.narrow), ..usual }
     }
 
     /// Positions at the start, rad or m.

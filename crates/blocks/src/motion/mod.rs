@@ -1,5 +1,6 @@
 //! Blocks that give set values for moves.
 
+mod forewarning;
 mod joint_move;
 mod joint_path;
 pub(crate) mod limits;

@@ -12,6 +12,7 @@ use blocksim_robot::Robot;
 
 use super::joint_path::{JointPath, NextMove, Rule};
 use super::limits::of_kinds;
+use super::timed::check_singular_limit;
 use super::tool_path::ToolPath;
 
 /// Plans what a file asks for. `limits` are those of joint moves; a robot is needed where its tool follows a path.
@@ -26,29 +27,40 @@ pub fn planned(
     robot: Option<&Robot>,
     param: &str,
 ) -> Result<Arc<dyn Course>, ParamError> {
+    check_singular_limit(path, param)?;
     let first = match &path.tool {
         Some(tool) => Segment::Tool(tool),
         None => Segment::Joint(&path.target, path.velocity, path.acceleration),
     };
     let kinds: Vec<AxisKind> = limits.iter().map(|limits| limits.kind).collect();
     let mut start = of_kinds(&path.start, &kinds, &format!("{param}.start"))?;
+    if path.moves.is_empty() && path.wait != 0.0 {
+        return Err(ParamError::new(format!("{param}.wait"), "there is no move behind the wait")
+            .help("leave it out, or give `moves`; a block that starts later has a `delay`"));
+    }
     if path.moves.is_empty() {
         return Ok(Arc::from(segment(&first, &start, limits, rule, robot, param)?));
     }
     let robot = robot.ok_or_else(|| no_robot(&format!("{param}.moves")))?;
     let mut steps: Vec<Step> = Vec::new();
-    steps.push(Step { course: segment(&first, &start, limits, rule, Some(robot), param)?, zone: path.zone });
+    steps.push(Step {
+        course: segment(&first, &start, limits, rule, Some(robot), param)?,
+        zone: path.zone,
+        wait: path.wait,
+    });
     for (i, next) in path.moves.iter().enumerate() {
         let place = format!("{param}.moves[{i}]");
         if let Some(last) = steps.last() {
             start = last.course.positions(last.course.duration());
         }
         let course = segment(&next.segment(), &start, limits, rule, Some(robot), &place)?;
-        steps.push(Step { course, zone: next.zone });
+        steps.push(Step { course, zone: next.zone, wait: next.wait });
     }
     let sequence = Sequence::join(robot, steps).map_err(|error| {
         let step = match error {
-            SequenceError::Zone { step } | SequenceError::Gap { step, .. } => step,
+            SequenceError::Zone { step }
+            | SequenceError::Wait { step, .. }
+            | SequenceError::Gap { step, .. } => step,
             SequenceError::Empty => 0,
         };
         let place = if step == 0 { param.to_owned() } else { format!("{param}.moves[{}]", step - 1) };

@@ -3,12 +3,13 @@ use blocksim_multibody::{Data, forward_kinematics, relative_jacobian};
 use blocksim_planner::Course;
 use std::sync::Arc;
 
+use super::forewarning::{Subject, forewarn};
 use super::joint_path::{JointPath, Rule};
 use super::planned::planned;
 use super::timed::{check_path, few};
-use crate::robotics::RobotDescription;
 use crate::robotics::arm::OfAxes;
 use crate::robotics::pose::{Pose, pose_outputs};
+use crate::robotics::{RobotDescription, Surroundings};
 
 /// Set values of a whole robot on a move: of all axes, and of the tool in the reference frame of the robot.
 ///
@@ -16,6 +17,9 @@ use crate::robotics::pose::{Pose, pose_outputs};
 /// the description. The tool follows from the positions of the axes by forward kinematics, its speeds from theirs by the
 /// Jacobian, $(\omega; v) = J \dot q$, so that they belong to joint moves and paths alike. The orientation comes twice: as
 /// Euler angles about z, then the new y, then the new x, and as quaternion with the real part first (not negative).
+///
+/// A move that exceeds limits of the description, of axes, drives or tool, or in which something is hit, is simulated as it
+/// is: warnings report where, when and by how much.
 ///
 /// ```ron
 /// RobotMove(
@@ -40,6 +44,9 @@ pub struct RobotMove {
     /// Time before the move starts, not negative.
     #[block(unit = "s", default = 0.0)]
     pub delay: f64,
+    /// What stands around the robot: the move is checked for collisions with it, as it is for those of the robot with itself.
+    #[block(default = None)]
+    pub surroundings: Option<Surroundings>,
     /// How the axes of a joint move are synchronised: `Feasible` or `AsPrinted`.
     #[block(default = Rule::Feasible)]
     pub rule: Rule,
@@ -69,16 +76,30 @@ impl RobotMove {
 }
 
 impl Block for RobotMove {
-    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
+    fn load(&mut self, files: &dyn Files) -> Result<(), LoadError> {
         // A move that cannot be planned is reported by `check`, with the parameter at fault.
         self.plan = self.planned().ok();
-        self.seams = self.plan.as_ref().map(|(_, course)| few(course.seams())).unwrap_or_default();
+        if let Some((robot, course)) = &self.plan {
+            self.seams = few(course.seams());
+            let subject = Subject {
+                path: self.path.clone(),
+                limits: robot.limits(),
+                as_printed: self.rule == Rule::AsPrinted,
+                robot: Some(self.robot.clone()),
+                collides: true,
+                surroundings: self.surroundings.clone(),
+            };
+            forewarn(subject, course.as_ref(), Some(robot), files);
+        }
         Ok(())
     }
 
     fn check(&self) -> Result<(), ParamError> {
-        if self.plan.is_none() {
-            self.planned()?;
+        match &self.plan {
+            None => drop(self.planned()?),
+            Some((robot, _)) => {
+                self.robot.space(robot, self.surroundings.as_ref(), "surroundings")?;
+            }
         }
         check_path(&self.path, self.delay)
     }

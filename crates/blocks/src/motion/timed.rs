@@ -14,6 +14,17 @@ pub(super) fn few(seams: Vec<f64>) -> Vec<f64> {
     }
 }
 
+/// The threshold of singular poses is a singular value, of which those of an arm are below 10 m.
+pub(super) fn check_singular_limit(path: &JointPath, param: &str) -> Result<(), ParamError> {
+    match path.singular_limit {
+        Some(limit) if !(0.0..=10.0).contains(&limit) => {
+            Err(ParamError::new(format!("{param}.singular_limit"), format!("`singular_limit` is {limit}"))
+                .help("give a singular value from 0 to 10, in m and rad; 0.01 is usual, 0 never warns"))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// What planning does not look at.
 pub(super) fn check_path(path: &JointPath, delay: f64) -> Result<(), ParamError> {
     positive("path.resolution", path.resolution)?;

@@ -6,13 +6,18 @@ use blocksim_multibody::EulerZyx;
 use blocksim_planner::{CartesianRequest, Orientation, Speeds, Start, Timing, Turning};
 use nalgebra::Vector3;
 
-/// A line or an arc of the tool, in the reference frame of the robot.
+use crate::robotics::Seat;
+
+/// A line or an arc of the tool, in a frame that stands in the reference frame of the robot.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ToolPath {
     /// Where the tool goes, m.
     #[serde(deserialize_with = "in_unit::point")]
     pub target: [f64; 3],
+    /// The frame in which target, via point and rotation are given, in the reference frame of the robot.
+    #[serde(default)]
+    pub work_object: Seat,
     /// A point that an arc passes, m; none for a line.
     #[serde(default)]
     pub via: Option<Point>,
@@ -104,9 +109,11 @@ impl ToolPath {
             ParamError::new(format!("{param}.{member}"), format!("there is no {member} `{word}`"))
                 .help(format!("choose {}", known.join(", ")))
         };
+        let work_object = self.work_object.placement();
         let orientation = match (self.orientation.as_str(), self.rotation) {
             ("interpolated", Some(Turns { angles: [alpha, beta, gamma] })) => {
-                Orientation::Interpolated(EulerZyx { alpha, beta, gamma }.rotation())
+                let within = EulerZyx { alpha, beta, gamma }.rotation();
+                Orientation::Interpolated(work_object.rotation * within)
             }
             ("interpolated", None) => {
                 return Err(ParamError::new(
@@ -139,12 +146,48 @@ impl ToolPath {
         };
         Ok(CartesianRequest {
             start,
-            via: self.via.map(|via| Vector3::from(via.at)),
-            target: Vector3::from(self.target),
+            via: self.via.map(|via| work_object.point(&Vector3::from(via.at))),
+            target: work_object.point(&Vector3::from(self.target)),
             orientation,
             speeds: Speeds { velocity: self.velocity, acceleration: self.acceleration, timing },
             turning: Turning { velocity: self.rotation_velocity, acceleration: self.rotation_acceleration },
             resolution: self.resolution,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use blocksim_multibody::Placement;
+
+    use super::*;
+
+    #[test]
+    fn targets_of_a_work_object_are_where_it_stands() {
+        let in_object = ToolPath {
+            target: [0.1, 0.2, 0.0],
+            work_object: Seat { translation: [1.0, -0.5, 0.6], rpy: [0.0, 0.0, std::f64::consts::FRAC_PI_2] },
+            via: Some(Point { at: [0.0, 0.1, 0.3] }),
+            orientation: "interpolated".into(),
+            rotation: Some(Turns { angles: [0.2, 0.3, -0.4] }),
+            velocity: 0.1,
+            acceleration: 0.2,
+            rotation_velocity: 1.0,
+            rotation_acceleration: 2.0,
+            profile: sin2(),
+            jerk: None,
+            resolution: 1e-3,
+        };
+        let request = in_object.request(Start::Joints(Vec::new()), 5.0, "move.tool").unwrap();
+        // A quarter turn about z takes x to y and y to -x.
+        assert!((request.target - Vector3::new(0.8, -0.4, 0.6)).norm() < 1e-15, "{}", request.target);
+        assert!((request.via.unwrap() - Vector3::new(0.9, -0.5, 0.9)).norm() < 1e-15);
+        let Orientation::Interpolated(rotation) = request.orientation else { panic!("{request:?}") };
+        let alone = EulerZyx { alpha: 0.2 + std::f64::consts::FRAC_PI_2, beta: 0.3, gamma: -0.4 };
+        assert!((rotation - alone.rotation()).norm() < 1e-14, "turns about z add up");
+        let plain = ToolPath { work_object: Seat::default(), ..in_object };
+        assert_eq!(plain.work_object.placement(), Placement::identity());
+        let request = plain.request(Start::Joints(Vec::new()), 5.0, "move.tool").unwrap();
+        assert_eq!(request.target, Vector3::new(0.1, 0.2, 0.0));
     }
 }

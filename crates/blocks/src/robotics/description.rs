@@ -6,13 +6,14 @@ use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
 use blocksim_motion::AxisKind;
 use blocksim_multibody::{Inertia, Placement};
-use blocksim_planner::RobotShapes;
+use blocksim_planner::{RobotShapes, Rules, Space};
 use blocksim_robot::{Drive, Friction, Link, Parts, Robot, RobotError, Solid, TcpLimits};
 use blocksim_scene::Shape;
 use serde::de::IgnoredAny;
 
 use crate::motion::Limits;
 use crate::motion::limits::of_kind;
+use crate::robotics::Surroundings;
 
 /// A robot: links with axes, frames, tool, limits and drives, as one set.
 ///
@@ -163,6 +164,9 @@ pub struct MotorData {
     /// Viscous damping, N*m*s/rad.
     #[serde(default, deserialize_with = "in_unit::damping")]
     pub damping: f64,
+    /// Largest torque, N*m; without it moves are not checked for what the motor has to give.
+    #[serde(default, deserialize_with = "in_unit::torque_if_given")]
+    pub torque: Option<f64>,
 }
 
 /// A gear: its reduction, or the teeth of a cycloidal drive, and its losses. Where the axis slides, a screw or a rack with
@@ -284,6 +288,37 @@ impl RobotDescription {
             links: self.links.iter().map(|link| of(&link.bodies)).collect(),
             tool: of(&self.load),
         }
+    }
+
+    /// What can collide: the robot, and what stands around it; `None` where the robot has no shapes and nothing surrounds it.
+    ///
+    /// # Errors
+    /// Surroundings that make no sense, and pairs that may touch of which there is no such part; `param` is the path of the
+    /// surroundings.
+    pub fn space(
+        &self,
+        robot: &Robot,
+        around: Option<&Surroundings>,
+        param: &str,
+    ) -> Result<Option<Space>, ParamError> {
+        let shapes = self.shapes();
+        let none = RobotShapes { links: vec![Vec::new(); shapes.links.len()], ..RobotShapes::default() };
+        if shapes == none && around.is_none() {
+            return Ok(None);
+        }
+        let nothing = Surroundings::default();
+        let around = around.unwrap_or(&nothing);
+        let may_touch = [&self.may_touch[..], &around.may_touch].concat();
+        let things = around.space(param)?;
+        let space =
+            Space::new(robot, &shapes, &things, &Rules { may_touch: may_touch.clone(), ..Rules::default() });
+        let names = space.names();
+        if let Some(unknown) = may_touch.iter().flatten().find(|name| !names.contains(&name.as_str())) {
+            let message = format!("there is no part `{unknown}` with shapes");
+            let choose = format!("choose {}", names.join(", "));
+            return Err(ParamError::new("may_touch", message).help(choose));
+        }
+        Ok(Some(space))
     }
 
     fn parts(&self, param: &str) -> Result<Parts, ParamError> {
@@ -464,6 +499,7 @@ impl DriveData {
             efficiency_forward: self.gear.efficiency_forward,
             efficiency_backward: self.gear.efficiency_backward,
             threshold: self.gear.threshold / ratio.abs(),
+            limit: self.motor.torque.map_or(f64::INFINITY, |torque| torque * ratio.abs()),
         })
     }
 }

@@ -50,6 +50,9 @@ pub struct PlanCommon {
     /// Replace a file that is there.
     #[arg(long)]
     pub yes: bool,
+    /// Accept a move that exceeds limits or hits something: it is written all the same, and the exit code is 0.
+    #[arg(long)]
+    pub accept_violations: bool,
     /// Print what was found as JSON.
     #[arg(long)]
     pub json: bool,
@@ -116,12 +119,12 @@ pub struct ToolArgs {
     #[arg(long, allow_hyphen_values = true, value_name = "SPEED", default_value = "250 mm/s")]
     pub velocity: String,
     /// Share of the maximum acceleration of the tool; a bare number is per cent.
-    #[arg(long, allow_hyphen_values = true, value_name = "SHARE", default_value = "40 %")]
+    #[arg(long, allow_hyphen_values = true, value_name = "SHARE", default_value = "20 %")]
     pub acceleration: String,
-    /// Speed of a turn on the spot, where only the orientation changes; 90 deg/s if not given. A bare number is deg/s.
+    /// How fast the tool may turn, on the spot or along an interpolated path; 90 deg/s if not given. A bare number is deg/s.
     #[arg(long, allow_hyphen_values = true, value_name = "SPEED")]
     pub rotation_velocity: Option<String>,
-    /// Acceleration of a turn on the spot; 180 deg/s^2 if not given. A bare number is deg/s^2.
+    /// Angular acceleration of the tool; 180 deg/s^2 if not given. A bare number is deg/s^2.
     #[arg(long, allow_hyphen_values = true, value_name = "ACCELERATION")]
     pub rotation_acceleration: Option<String>,
     /// How the speed rises and falls: sin2, trapezoid, s-curve or time-optimal.
@@ -130,6 +133,9 @@ pub struct ToolArgs {
     /// Distance of waypoints; a bare number is mm.
     #[arg(long, allow_hyphen_values = true, value_name = "LENGTH", default_value = "1 mm")]
     pub resolution: String,
+    /// How near the move may come to a singular pose: the smallest singular value, in m and rad; 0.01 if not given.
+    #[arg(long, allow_hyphen_values = true, value_name = "NUMBER")]
+    pub singular_limit: Option<String>,
 }
 
 /// `blocksim plan linear`.

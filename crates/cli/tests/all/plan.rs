@@ -232,7 +232,7 @@ fn bare_numbers_have_the_units_of_the_help_and_are_written_with_them() {
         "250",
         "--acceleration",
     ];
-    let (code, out, err) = plan(&bare.into_iter().chain(["40", "--out", file.path()]).collect::<Vec<_>>());
+    let (code, out, err) = plan(&bare.into_iter().chain(["20", "--out", file.path()]).collect::<Vec<_>>());
     assert_eq!(code, 0, "{out}{err}");
     let text = std::fs::read_to_string(file.path()).unwrap();
     assert!(
@@ -258,6 +258,82 @@ fn a_turn_on_the_spot_is_planned_with_degrees_per_second() {
     // sin²: d / v + 2 v / a with 30 deg, which turn about the vertical
     assert!(slow.0 == 0 && (slow.1 - 3.2).abs() < 1e-9, "{slow:?}");
     assert!(planned(&[]).1 < 1.2);
+}
+
+#[test]
+fn what_exceeds_a_limit_is_written_only_with_the_option_that_the_message_names() {
+    let file = Fresh::named("accepted.ron");
+    let fast =
+        ["joint", "--to", TARGET, "--set", "robot.tcp_limits.acceleration=8 m/s^2", "--out", file.path()];
+    let (code, out, err) = plan(&fast);
+    assert_eq!(code, 1, "{out}{err}");
+    // 12.351 m/s^2, as of differences of the path of the tool
+    assert!(
+        out.contains("the tool accelerates with 8.056 m/s^2, limit 8 m/s^2, up to 12.351 m/s^2"),
+        "{out}"
+    );
+    assert!(out.contains("(tcp_limits.acceleration)\n  = help: lower the velocity to 80.4 %"), "{out}");
+    assert!(err.contains("--accept-violations") && !file.0.exists(), "{err}");
+    let slower: Vec<&str> = fast[..5].iter().copied().chain(["--velocity", "32.1 %"]).collect();
+    assert_eq!(plan(&slower).0, 0, "{}", plan(&slower).1);
+    let accepted: Vec<&str> = fast.into_iter().chain(["--accept-violations"]).collect();
+    let (code, out, _) = plan(&accepted);
+    assert!(code == 0 && out.contains("exceeded ") && file.0.exists(), "{out}");
+}
+
+#[test]
+fn a_run_along_a_move_that_is_too_fast_or_hits_something_warns_once() {
+    let check = |set: &str| {
+        let mut command = program();
+        let model = "diagrams/irb2600/irb2600.ron";
+        command.current_dir(root()).args(["check", model, "--set", set]).env_remove("CLICOLOR_FORCE");
+        String::from_utf8(command.output().unwrap().stderr).unwrap()
+    };
+    let told = check("move=File(\"diagrams/irb2600/moves/exciting.ron\")");
+    let count = |what: &str| told.matches(what).count();
+    // Seven blocks have this move; the two that look for collisions are one.
+    assert_eq!((count("[move_limits]"), count("[move_collision]")), (2, 1), "{told}");
+    assert!(
+        told.contains("in move 3, at 23.787 % of the time (t = 3.743 s) `tool` meets `workpiece`"),
+        "{told}"
+    );
+    assert!(told.contains("`link4` is 156.4 mm in `workbench` in move 3"), "{told}");
+    for shipped in ["demo_joint", "demo_linear"] {
+        let told = check(&format!("move=File(\"diagrams/irb2600/moves/{shipped}.ron\")"));
+        assert!(!told.contains("[move_"), "{told}");
+    }
+}
+
+#[test]
+fn a_threshold_of_singular_poses_can_be_chosen() {
+    let line = [
+        "linear",
+        "--from-point",
+        "1250, -350, 800",
+        "--from-rotation",
+        "0, 150, 0",
+        "--to",
+        "1250, 350, 800",
+    ];
+    let with = |limit: &str| {
+        let arguments: Vec<&str> =
+            line.into_iter().chain(["--orientation", "fixed", "--singular-limit", limit]).collect();
+        plan(&arguments)
+    };
+    let (code, out, _) = with("0.5");
+    assert!(code == 1 && out.contains("nearly singular") && out.contains("`singular_limit`"), "{out}");
+    assert_eq!(with("0.001").0, 0);
+    let (code, _, err) = with("-1");
+    assert!(code == 3 && err.contains("from 0 to 10"), "{code} {err}");
+}
+
+#[test]
+fn a_refusal_is_json_where_json_was_asked_for() {
+    let (code, out, err) = plan(&["linear", "--to", "3 m, 0 m, 1 m", "--json"]);
+    let data: serde_json::Value = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{out}{err}"));
+    assert_eq!((code, data["exit"].as_i64()), (3, Some(3)));
+    assert!(data["message"].as_str().unwrap().contains("does not reach the target"), "{out}");
+    assert!(!data["help"].as_str().unwrap().is_empty() && err.is_empty(), "{out}{err}");
 }
 
 #[test]

@@ -41,7 +41,7 @@ pub fn robot(mechanism: &Mechanism, chain: &Chain, files: &Files) -> (String, Ve
     if chain.flange != Placement::identity() {
         out.push_str(&format!("{}    flange: \"model.chain.flange\",\n", at.unwrap_or_default()));
     }
-    out.push_str("    tcp_limits: (speed: \"5 m/s\", acceleration: \"5 m/s^2\"),\n)\n");
+    out.push_str("    tcp_limits: (speed: \"5 m/s\", acceleration: \"20 m/s^2\"),\n)\n");
     (out, assumed)
 }
 
@@ -86,15 +86,18 @@ fn axis(mechanism: &Mechanism, link: &ChainLink, out: &mut String, assumed: &mut
 
 /// What the axis can do: as the file has it, and assumed where the file says nothing.
 fn limits(joint: &Joint, path: &str, assumed: &mut Vec<String>) -> String {
-    let [range, speed, acceleration] = match joint.motion {
-        Motion::Prismatic { .. } => ["1 m", "0.5 m/s", "1 m/s^2"],
-        _ => ["360 deg", "90 deg/s", "180 deg/s^2"],
+    let slides = matches!(joint.motion, Motion::Prismatic { .. });
+    let [speed, acceleration] = match slides {
+        true => ["0.5 m/s", "1 m/s^2"],
+        false => ["90 deg/s", "180 deg/s^2"],
     };
     let mut members = match joint.range {
         Some(_) => ["lower", "upper"].map(|name| format!("{name}: \"{path}.{name}\"")).to_vec(),
+        // What turns without a limit goes round and round: a stop would be made up.
+        None if !slides => vec!["lower: -inf".to_owned(), "upper: inf".to_owned()],
         None => {
             assumed.push(format!("the range of `{}`", joint.original));
-            vec![format!("lower: \"-{range}\""), format!("upper: \"{range}\"")]
+            vec!["lower: \"-1 m\"".to_owned(), "upper: \"1 m\"".to_owned()]
         }
     };
     match joint.speed {

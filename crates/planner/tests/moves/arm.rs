@@ -33,6 +33,7 @@ pub fn robot() -> Robot {
             efficiency_forward: 1.0,
             efficiency_backward: 1.0,
             threshold: 1.0,
+            limit: f64::INFINITY,
         };
         let origin = Placement::from_translation(origin);
         Link { name: String::new(), origin, axis, limits, start: 0.0, solids: Vec::new(), drive }

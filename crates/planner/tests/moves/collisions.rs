@@ -38,7 +38,7 @@ fn the_first_place_where_the_tool_meets_a_bench_is_found() {
     let met = encounters(&robot, &down, &space, 1000);
     let first = met.first.expect("a collision");
     assert_eq!(first.names, ["tool".to_owned(), "bench".to_owned()]);
-    let way = first.way.expect("a path");
+    let way = first.spot.way.expect("a path");
     // the ball has 10 mm, so it touches after 100 mm
     assert!((way.done - 0.1).abs() < 1e-6, "{first}");
     assert!((first.point.z - (height - 0.01)).abs() < 1e-6, "{first:?}");
@@ -60,7 +60,7 @@ fn a_move_that_hits_nothing_tells_the_least_distance() {
     let met = encounters(&robot, &down, &Space::new(&robot, &shapes(), &around, &Rules::default()), 1000);
     assert_eq!(met.first, None);
     let least = met.around.expect("a pair");
-    assert!((least.distance - 0.05).abs() < 1e-9 && least.share == 1.0, "{least:?}");
+    assert!((least.distance - 0.05).abs() < 1e-9 && least.spot.share == 1.0, "{least:?}");
     // what may touch is not looked at
     let rules = Rules { may_touch: vec![["bench".to_owned(), "tool".to_owned()]], ..Rules::default() };
     let around = Surroundings { floor: None, things: vec![bench(height - 0.11)] };

@@ -2,7 +2,7 @@ use crate::arm::{robot, tool};
 use crate::lines::{BENT, request};
 use blocksim_multibody::EulerZyx;
 use blocksim_planner::{
-    CartesianMove, CartesianRequest, Course, Orientation, Quantity, Reason, Start, Timing, choose,
+    CartesianMove, CartesianRequest, Course, Orientation, Quantity, Reason, Scrutiny, Start, Timing, choose,
     configuration_word, configurations, inspect,
 };
 use blocksim_robot::Robot;
@@ -46,7 +46,7 @@ fn where_the_nearest_configuration_leaves_its_limits_another_is_taken_for_the_wh
     let positions = |v: &&blocksim_planner::Violation| {
         matches!(v.quantity, Quantity::Lower | Quantity::Upper | Quantity::Jump)
     };
-    assert_eq!(inspect(&robot, &planned, 500).violations.iter().find(positions), None);
+    assert_eq!(inspect(&robot, &planned, &Scrutiny::at(500)).violations.iter().find(positions), None);
     assert!(
         (tool(&robot, &planned.positions(0.0)).translation - tool(&robot, &BENT).translation).norm() < 1e-9
     );
@@ -70,7 +70,7 @@ fn a_configuration_can_be_demanded_and_joint_angles_are_kept() {
     let kept = choose(&robot, &request, None).unwrap();
     assert_eq!((kept.q.as_slice(), kept.configuration), (&BENT[..], None));
     let planned = CartesianMove::plan(&robot, &request).unwrap();
-    let violations = inspect(&robot, &planned, 500).violations;
+    let violations = inspect(&robot, &planned, &Scrutiny::at(500)).violations;
     assert!(violations.iter().any(|v| v.axis == Some(3)), "{violations:?}");
 }
 
@@ -99,6 +99,6 @@ fn a_turn_on_the_spot_has_its_own_speed_and_keeps_the_tip_where_it_is() {
         }
         let end = tool(&robot, &planned.positions(planned.duration()));
         assert!((end.rotation - turned).norm() < 1e-9);
-        assert!(inspect(&robot, &planned, 500).tool_speed < 1e-5);
+        assert!(inspect(&robot, &planned, &Scrutiny::at(500)).tool_speed < 1e-5);
     }
 }

@@ -35,7 +35,12 @@ fn numbers_that_are_none_and_out_of_range_are_named() {
     );
     assert_eq!(refused(|r| r.speeds.timing = Timing::SCurve { jerk: -1.0 }).1, "jerk");
     assert_eq!(refused(|r| r.resolution = 0.0).1, "resolution");
-    assert!(matches!(refused(|r| r.resolution = 1e-9).2, Reason::TooManyWaypoints { .. }));
+    assert_eq!(
+        refused(|r| r.resolution = 1e-9).0,
+        "the resolution is 1.000e-6 mm, allowed is 0.001 to 10000 mm"
+    );
+    let fine = refused(|r| (r.target.z, r.resolution) = (r.target.z - 0.3, 1e-6));
+    assert!(matches!(fine.2, Reason::TooManyWaypoints { .. }), "{}", fine.0);
 }
 
 #[test]
@@ -119,7 +124,8 @@ fn a_line_through_the_base_is_refused() {
         match CartesianMove::plan(&robot, &request) {
             Err(error) => assert!(error.to_string().contains("% of the path"), "{error}"),
             Ok(planned) => {
-                let findings = blocksim_planner::inspect(&robot, &planned, 1000);
+                let findings =
+                    blocksim_planner::inspect(&robot, &planned, &blocksim_planner::Scrutiny::at(1000));
                 assert!(!findings.violations.is_empty(), "{orientation:?}");
             }
         }

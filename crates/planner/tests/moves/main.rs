@@ -6,4 +6,6 @@ mod configurations;
 mod errors;
 mod limits;
 mod lines;
+mod reviews;
 mod sequences;
+mod slides;

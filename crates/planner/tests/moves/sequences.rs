@@ -2,7 +2,7 @@ use crate::arm::{robot, tool};
 use crate::lines::{BENT, request};
 use blocksim_motion::{JointMove, JointMoveRequest, Synchronisation};
 use blocksim_planner::{
-    CartesianMove, Course, Orientation, Sequence, SequenceError, Start, Step, Timing, inspect,
+    CartesianMove, Course, Orientation, Scrutiny, Sequence, SequenceError, Start, Step, Timing, inspect,
 };
 use blocksim_robot::Robot;
 use nalgebra::Vector3;
@@ -12,7 +12,7 @@ fn steps(robot: &Robot, zone: f64) -> Vec<Step> {
     let to_line = JointMoveRequest {
         start: vec![0.3, 0.0, 0.0, 0.1, 0.5, 0.0],
         target: BENT.to_vec(),
-        velocity: 0.2,
+        velocity: 0.18,
         acceleration: 0.5,
         rule: Synchronisation::Feasible,
     };
@@ -29,9 +29,9 @@ fn steps(robot: &Robot, zone: f64) -> Vec<Step> {
     arc.target = from + Vector3::new(0.0, 0.0, -0.2);
     let arc = CartesianMove::plan(robot, &arc).unwrap();
     vec![
-        Step { course: Box::new(joint), zone },
-        Step { course: Box::new(line), zone },
-        Step { course: Box::new(arc), zone },
+        Step { course: Box::new(joint), zone, wait: 0.0 },
+        Step { course: Box::new(line), zone, wait: 0.0 },
+        Step { course: Box::new(arc), zone, wait: 0.0 },
     ]
 }
 
@@ -77,7 +77,7 @@ fn corners_are_rounded_within_their_zones_and_motion_is_continuous() {
         (tip(end + 0.05) - tip(end + 0.05 - 1e-4)).norm() / 1e-4
     };
     assert!(speed_at_corner > 0.02, "no stop: {speed_at_corner}");
-    let found = inspect(&robot, &blended, 1000).violations;
+    let found = inspect(&robot, &blended, &Scrutiny::at(1000)).violations;
     assert!(found.is_empty(), "{found:?}");
 }
 
@@ -89,4 +89,32 @@ fn what_is_no_sequence_is_said() {
     let mut gap = steps(&robot, 0.0);
     gap.remove(1);
     assert!(matches!(Sequence::join(&robot, gap), Err(SequenceError::Gap { step: 1, .. })));
+}
+
+#[test]
+fn the_robot_rests_for_as_long_as_it_is_to_wait() {
+    let robot = robot();
+    let mut waiting = steps(&robot, 0.0);
+    let durations: Vec<f64> = waiting.iter().map(|step| step.course.duration()).collect();
+    (waiting[0].wait, waiting[2].wait) = (0.4, 0.25);
+    let sequence = Sequence::join(&robot, waiting).unwrap();
+    assert!((sequence.duration() - durations.iter().sum::<f64>() - 0.65).abs() < 1e-12);
+    assert!((sequence.begins()[1] - durations[0] - 0.4).abs() < 1e-12);
+    for t in [durations[0], durations[0] + 0.2, durations[0] + 0.4 - 1e-9] {
+        for (axis, end) in BENT.iter().enumerate() {
+            let [q, v, a] = sequence.at(axis, t);
+            assert!(
+                (q - end).abs() < 1e-12 && v.abs() < 1e-9 && a.abs() < 1e-9,
+                "{axis} at {t}: {q} {v} {a}"
+            );
+        }
+    }
+    let with = |zone: f64, wait: f64| {
+        let mut wrong = steps(&robot, 0.0);
+        (wrong[1].zone, wrong[1].wait) = (zone, wait);
+        Sequence::join(&robot, wrong).unwrap_err()
+    };
+    assert_eq!(with(0.01, 0.1), SequenceError::Wait { step: 1, zone: true });
+    assert_eq!(with(0.0, -0.1), SequenceError::Wait { step: 1, zone: false });
+    assert_eq!(with(0.0, f64::NAN), SequenceError::Wait { step: 1, zone: false });
 }

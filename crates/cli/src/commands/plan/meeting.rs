@@ -45,7 +45,8 @@ pub fn data(space: &Space, met: &Encounters) -> Value {
     let one = |met: &Option<Encounter>| {
         met.as_ref().map(|met| {
             json!({
-                "names": met.names, "time": met.t, "share": met.share, "way": met.way.map(|way| way.done),
+                "names": met.names, "time": met.spot.t, "share": met.spot.share,
+                "way": met.spot.way.map(|way| way.done),
                 "positions": met.q, "distance": met.distance, "point": <[f64; 3]>::from(met.point),
             })
         })

@@ -15,8 +15,8 @@ use blocksim_diagram::{Reader, Sources, parameter};
 use blocksim_motion::AxisLimits;
 use blocksim_multibody::{EulerZyx, Placement};
 use blocksim_planner::{
-    CartesianRequest, Chosen, Configuration, Course, Encounters, Findings, Quantity, Space, Start, choose,
-    configurations, encounters, inspect,
+    CartesianRequest, Chosen, Configuration, Course, Findings, Quantity, Review, Space, Start, choose,
+    configurations, review,
 };
 use blocksim_robot::Robot;
 use nalgebra::Vector3;
@@ -31,25 +31,20 @@ use crate::terminal::console::Console;
 /// Name of a text that no file holds.
 const COMMAND_LINE: &str = "command line";
 
-/// Waypoints in time at which a move is looked at, at least.
-const WAYPOINTS: usize = 2000;
-
 /// A move that was looked at along its whole way.
 pub struct Considered {
     /// The robot.
     pub robot: Robot,
     /// The move.
     pub course: Arc<dyn Course>,
-    /// How near it comes to the limits.
-    pub findings: Findings,
-    /// What it comes near to; nothing where nothing has a shape.
-    met: Option<(Space, Encounters)>,
+    /// How near it comes to limits and to what stands around, and what is to be known of it.
+    pub review: Review,
+    /// What can collide; nothing where nothing has a shape.
+    space: Option<Space>,
     /// As the text of a move.
     text: String,
     chosen: Option<Chosen>,
     kept: Option<CartesianRequest>,
-    /// Speed that was asked of the tool, m/s.
-    velocity: Option<f64>,
 }
 
 /// Plans a move and looks at it along its whole way.
@@ -70,39 +65,35 @@ pub fn consider(command: &PlanCommand) -> Result<Considered, Failure> {
             failure.note(choice.trim_end().replacen("starts     ", "starts ", 1))
         }
     })?;
-    let findings = inspect(&robot, course.as_ref(), WAYPOINTS);
-    let met = space.map(|space| {
-        let met = encounters(&robot, course.as_ref(), &space, WAYPOINTS);
-        (space, met)
-    });
     let velocity = path.tool.as_ref().map(|tool| tool.velocity);
-    Ok(Considered { robot, course, findings, met, text, chosen, kept, velocity })
+    let review = review(&robot, course.as_ref(), space.as_ref(), &path.scrutiny(), velocity);
+    Ok(Considered { robot, course, review, space, text, chosen, kept })
 }
 
 impl Considered {
     /// Whether it keeps all limits and touches nothing.
     pub fn passes(&self) -> bool {
-        let hits = self.met.as_ref().is_some_and(|(_, met)| met.first.is_some());
-        !hits && self.findings.violations.is_empty()
+        self.review.passes()
     }
 
     /// For programs; SI units.
     pub fn data(&self) -> Value {
-        let mut data = report::data(self.course.as_ref(), &self.findings, self.velocity);
+        let mut data = report::data(&self.robot, self.course.as_ref(), &self.review);
         data["configuration"] = report::choice(self.chosen.as_ref());
-        data["collisions"] = self.met.as_ref().map_or(Value::Null, |(space, met)| meeting::data(space, met));
+        let met = self.space.as_ref().zip(self.review.met.as_ref());
+        data["collisions"] = met.map_or(Value::Null, |(space, met)| meeting::data(space, met));
         data
     }
 
     /// The first collision in words, and what helps.
     pub fn collision(&self) -> Option<[String; 2]> {
-        let (_, met) = self.met.as_ref()?;
+        let met = self.review.met.as_ref()?;
         met.first.as_ref().map(|first| [first.to_string(), first.help().to_owned()])
     }
 
     /// The text of a file with the move.
     pub fn file(&self) -> String {
-        report::file(&self.text, self.course.as_ref(), &self.findings)
+        report::file(&self.text, self.course.as_ref(), &self.review.findings)
     }
 }
 
@@ -113,22 +104,22 @@ impl Considered {
 pub fn plan(command: &PlanCommand, console: Console) -> Outcome {
     let common = command.common();
     let found = consider(command)?;
-    let Considered { robot, course, findings, met, chosen, kept, velocity, .. } = &found;
+    let Considered { robot, course, review, space, chosen, kept, .. } = &found;
     match common.json {
         true => console.data(&format!("{}\n", found.data()))?,
         false => {
-            console.data(&report::text(robot, course.as_ref(), findings, *velocity))?;
+            console.data(&report::text(robot, course.as_ref(), review))?;
             console.data(&report::chosen(chosen.as_ref()))?;
-            let stuck = kept.as_ref().filter(|_| stuck(findings));
+            let stuck = kept.as_ref().filter(|_| stuck(&review.findings));
             if let Some(word) = stuck.and_then(|kept| other(robot, kept)) {
                 console.data(&format!("           --configuration {word} can go the whole way\n"))?;
             }
-            console.data(&meeting::text(met.as_ref().map(|(space, met)| (space, met))))?;
+            console.data(&meeting::text(space.as_ref().zip(review.met.as_ref())))?;
         }
     }
-    if !found.passes() {
+    if !found.passes() && !common.accept_violations {
         if common.out.is_some() {
-            console.say("nothing was written");
+            console.say("nothing was written\n  = help: --accept-violations writes the move as it is");
         }
         return Ok(Exit::Failed);
     }

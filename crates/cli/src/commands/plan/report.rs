@@ -1,7 +1,9 @@
 //! What is told of a planned move, and the file that is written.
 
 use blocksim_motion::AxisKind;
-use blocksim_planner::{Chosen, Course, Findings, Tried, configuration_word};
+use blocksim_planner::{
+    AxisExtremes, Chosen, Course, Finding, Findings, Review, Severity, Tried, configuration_word,
+};
 use blocksim_results::format::significant;
 use blocksim_robot::Robot;
 use serde_json::{Value, json};
@@ -9,7 +11,8 @@ use serde_json::{Value, json};
 use crate::terminal::format::short_time;
 
 /// For people: duration, margins of each axis, the tool, and what is exceeded.
-pub fn text(robot: &Robot, course: &dyn Course, findings: &Findings, velocity: Option<f64>) -> String {
+pub fn text(robot: &Robot, course: &dyn Course, review: &Review) -> String {
+    let findings = &review.findings;
     let mut text =
         format!("move       {} s, {} waypoints checked\n", short_time(course.duration()), findings.waypoints);
     let slides = findings.axes.iter().any(|axis| axis.limits.kind == AxisKind::Sliding);
@@ -32,12 +35,8 @@ pub fn text(robot: &Robot, course: &dyn Course, findings: &Findings, velocity: O
             share(axis.acceleration, axis.limits.acceleration),
         );
     }
-    let limit = robot.tcp_limits().speed;
-    text += &format!(
-        "tool       at most {} mm/s, {} % of its limit\n",
-        significant(1e3 * findings.tool_speed, 4),
-        share(findings.tool_speed, limit)
-    );
+    text += &tool(robot, findings);
+    text += &motors(findings);
     if let Some(narrow) = findings.narrowest {
         text += &format!(
             "singular   nearest at t = {} s: smallest singular value {}\n",
@@ -45,11 +44,52 @@ pub fn text(robot: &Robot, course: &dyn Course, findings: &Findings, velocity: O
             significant(narrow.margin, 3)
         );
     }
-    for violation in &findings.violations {
-        let source = violation.source().map(|source| format!(" ({source})")).unwrap_or_default();
-        text += &format!("exceeded   {violation}{source}\n  = help: {}\n", violation.help(velocity));
+    // Collisions have lines of their own.
+    for Finding { severity, message, source, help, .. } in review.all.iter().filter(|f| f.code != "collision")
+    {
+        let what = match severity {
+            Severity::Violation => "exceeded  ",
+            Severity::Note => "note      ",
+        };
+        let source = source.as_ref().map(|source| format!(" ({source})")).unwrap_or_default();
+        text += &format!("{what} {message}{source}\n  = help: {help}\n");
     }
     text
+}
+
+/// What the tool does at most.
+fn tool(robot: &Robot, findings: &Findings) -> String {
+    let limits = robot.tcp_limits();
+    let of = |value: f64, limit: f64| match limit.is_finite() {
+        true => format!(", {} % of its limit", share(value, limit)),
+        false => String::new(),
+    };
+    format!(
+        "tool       at most {} mm/s{}; {} m/s^2{}; turns with {:.1} deg/s\n",
+        significant(1e3 * findings.tool_speed, 4),
+        of(findings.tool_speed, limits.speed),
+        significant(findings.tool_acceleration, 3),
+        of(findings.tool_acceleration, limits.acceleration),
+        findings.tool_turning.to_degrees(),
+    )
+}
+
+/// What the motors have to give, where their limits are known.
+fn motors(findings: &Findings) -> String {
+    let one = |(i, axis): (usize, &AxisExtremes)| {
+        let effort = axis.torque?;
+        Some(format!(
+            "axis {} {} % (t = {} s)",
+            i + 1,
+            share(effort.largest, effort.limit),
+            significant(effort.t, 3)
+        ))
+    };
+    let all: Vec<String> = findings.axes.iter().enumerate().filter_map(one).collect();
+    match all.is_empty() {
+        true => String::new(),
+        false => format!("motors     {}\n", all.join(", ")),
+    }
 }
 
 /// For people: how the start was chosen.
@@ -89,7 +129,8 @@ fn share(value: f64, limit: f64) -> String {
 }
 
 /// For programs; SI units.
-pub fn data(course: &dyn Course, findings: &Findings, velocity: Option<f64>) -> Value {
+pub fn data(robot: &Robot, course: &dyn Course, review: &Review) -> Value {
+    let findings = &review.findings;
     let axes: Vec<Value> = findings
         .axes
         .iter()
@@ -100,24 +141,36 @@ pub fn data(course: &dyn Course, findings: &Findings, velocity: Option<f64>) -> 
                     "lower": axis.lowest - axis.limits.lower, "upper": axis.limits.upper - axis.highest,
                     "speed": axis.limits.speed - axis.speed, "acceleration": axis.limits.acceleration - axis.acceleration,
                 },
-            })
-        })
-        .collect();
-    let violations: Vec<Value> = findings
-        .violations
-        .iter()
-        .map(|violation| {
-            json!({
-                "what": violation.to_string(), "axis": violation.axis.map(|axis| axis + 1), "time": violation.t,
-                "value": violation.value, "worst": violation.worst, "limit": violation.limit,
-                "source": violation.source(), "help": violation.help(velocity),
+                "torque": axis.torque.map(|effort| {
+                    json!({ "largest": effort.largest, "limit": effort.limit, "time": effort.t })
+                }),
             })
         })
         .collect();
     let narrowest = findings.narrowest.map(|narrow| json!({ "margin": narrow.margin, "time": narrow.t }));
+    let limits = robot.tcp_limits();
+    let of = |severity| -> Vec<Value> {
+        let all = review.all.iter().filter(|finding| finding.severity == severity);
+        all.filter(|finding| finding.code != "collision").map(finding).collect()
+    };
     json!({
         "v": 1, "type": "plan", "duration": course.duration(), "waypoints": findings.waypoints, "axes": axes,
-        "tool_speed": findings.tool_speed, "narrowest": narrowest, "violations": violations,
+        "tool_speed": findings.tool_speed, "tool_acceleration": findings.tool_acceleration,
+        "tool_turning": findings.tool_turning,
+        // without a limit it is null
+        "tool_limits": { "speed": limits.speed, "acceleration": limits.acceleration },
+        "narrowest": narrowest, "violations": of(Severity::Violation), "notes": of(Severity::Note),
+        "passes": review.passes(),
+    })
+}
+
+/// A finding for programs.
+fn finding(finding: &Finding) -> Value {
+    json!({
+        "code": finding.code, "what": finding.message, "axis": finding.axis.map(|axis| axis + 1),
+        "time": finding.spot.t, "share": finding.spot.share, "way": finding.spot.way.map(|way| way.done),
+        "move": finding.spot.step.map(|step| step + 1), "value": finding.value, "worst": finding.worst, "limit": finding.limit,
+        "source": finding.source, "help": finding.help,
     })
 }
 

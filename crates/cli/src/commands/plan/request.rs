@@ -44,6 +44,9 @@ pub fn tool(args: &ToolArgs, via: Option<&str>) -> Result<String, Failure> {
         quoted(&args.profile),
         quoted(&united(&args.resolution, "mm"))
     );
+    if let Some(limit) = &args.singular_limit {
+        text += &format!("    singular_limit: {},\n", quoted(limit.trim()));
+    }
     Ok(text)
 }
 

@@ -1,9 +1,8 @@
 //! The shapes of the robot and of what stands around it, for collisions.
 
-use blocksim_block::ParamError;
 use blocksim_blocks::robotics::{RobotDescription, Surroundings};
 use blocksim_diagram::{Sources, has_parameter};
-use blocksim_planner::{RobotShapes, Rules, Space};
+use blocksim_planner::Space;
 use blocksim_robot::Robot;
 
 use super::{read as value, told};
@@ -21,33 +20,17 @@ pub fn read(
     description: &RobotDescription,
 ) -> Result<Option<Space>, Failure> {
     let around = around(common)?;
-    let shapes = description.shapes();
-    let none = RobotShapes { links: vec![Vec::new(); shapes.links.len()], ..RobotShapes::default() };
-    if shapes == none && common.surroundings.is_none() {
-        return Ok(None);
-    }
-    let may_touch = [&description.may_touch[..], &around.may_touch].concat();
-    let things = around.space("surroundings").map_err(|error| told(&error))?;
-    let space =
-        Space::new(robot, &shapes, &things, &Rules { may_touch: may_touch.clone(), ..Rules::default() });
-    let names = space.names();
-    if let Some(unknown) = may_touch.iter().flatten().find(|name| !names.contains(&name.as_str())) {
-        let message = format!("there is no part `{unknown}` with shapes");
-        return Err(told(
-            &ParamError::new("may_touch", message).help(format!("choose {}", names.join(", "))),
-        ));
-    }
-    Ok(Some(space))
+    description.space(robot, around.as_ref(), "surroundings").map_err(|error| told(&error))
 }
 
-fn around(common: &PlanCommon) -> Result<Surroundings, Failure> {
+fn around(common: &PlanCommon) -> Result<Option<Surroundings>, Failure> {
     const NAME: &str = "surroundings";
     let disk = Disk::default();
     match &common.surroundings {
-        Some(file) => value(&disk, file, &[], NAME),
+        Some(file) => value(&disk, file, &[], NAME).map(Some),
         None if has_parameter(&Sources::new(&disk), &common.robot, NAME) => {
-            value(&disk, &common.robot, &common.set, NAME)
+            value(&disk, &common.robot, &common.set, NAME).map(Some)
         }
-        None => Ok(Surroundings::default()),
+        None => Ok(None),
     }
 }

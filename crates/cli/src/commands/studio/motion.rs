@@ -3,6 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use blocksim_blocks::motion::JointPath;
+use blocksim_blocks::robotics::Seat;
 use blocksim_diagram::{Sources, has_parameter, parameter};
 use blocksim_motion::{AxisKind, AxisLimits};
 use blocksim_studio::Reply;
@@ -26,6 +27,7 @@ fn common(model: &Path) -> PlanCommon {
         surroundings: None,
         out: None,
         yes: false,
+        accept_violations: false,
         json: true,
     }
 }
@@ -121,6 +123,7 @@ fn command(model: &Path, body: &Value) -> Result<PlanCommand, Reply> {
                 rotation_acceleration: None,
                 profile: one("profile", "sin2"),
                 resolution: one("resolution", "1 mm"),
+                singular_limit: None,
             };
             Ok(match kind {
                 "linear" => PlanCommand::Linear(LinearArgs { tool }),
@@ -226,6 +229,15 @@ pub fn kept(model: &Path, name: &str) -> Reply {
             format!("`{name}` has several moves in a row"),
             "the page plans single moves; `blocksim plan sequence` checks a sequence",
         ),
+        Ok(path)
+            if path.singular_limit.is_some()
+                || path.tool.as_ref().is_some_and(|tool| tool.work_object != Seat::default()) =>
+        {
+            Reply::refused(
+                format!("`{name}` has a work object or a threshold of singular poses of its own"),
+                "the page has no fields for these; `blocksim plan sequence` checks such a file",
+            )
+        }
         Ok(path) => match robot(&common(model)) {
             Ok((robot, _)) => Reply::Data(fields(&path, &robot.limits())),
             Err(failure) => refusal(failure),

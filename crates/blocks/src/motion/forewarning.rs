@@ -1,0 +1,74 @@
+//! What a diagram should warn of before its robot moves.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use blocksim_block::prelude::*;
+use blocksim_motion::AxisLimits;
+use blocksim_planner::{Course, Finding, Severity, inspect_axes, review};
+use blocksim_robot::Robot;
+
+use super::joint_path::JointPath;
+use crate::robotics::{RobotDescription, Surroundings};
+
+/// All that the findings of a move follow from.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Subject {
+    pub path: JointPath,
+    pub limits: Vec<AxisLimits>,
+    pub as_printed: bool,
+    pub robot: Option<RobotDescription>,
+    /// Whether collisions are looked for.
+    pub collides: bool,
+    pub surroundings: Option<Surroundings>,
+}
+
+/// Moves that were looked at last. A diagram has the same move in a block for each axis, and an editor compiles it again after
+/// each change elsewhere: the findings are the same.
+static SEEN: Mutex<Vec<(Subject, Arc<Vec<Finding>>)>> = Mutex::new(Vec::new());
+/// How many of them are kept.
+const KEPT: usize = 4;
+
+/// Warns of limits that a move exceeds, of what it hits, and of where it is not what was requested.
+pub(super) fn forewarn(subject: Subject, course: &dyn Course, robot: Option<&Robot>, files: &dyn Files) {
+    for finding in findings(subject, course, robot).iter() {
+        let source = finding.source.as_ref().map(|source| format!(" ({source})")).unwrap_or_default();
+        let message = format!("{}{source}", finding.message);
+        let exceeded =
+            LoadError { param: "path", code: "move_limits", message, help: Some(finding.help.clone()) };
+        files.warn(match (finding.severity, finding.code) {
+            (Severity::Note, _) => LoadError { code: "move_adjusted", ..exceeded },
+            (Severity::Violation, "collision") => LoadError { code: "move_collision", ..exceeded },
+            (Severity::Violation, _) => exceeded,
+        });
+    }
+}
+
+fn findings(subject: Subject, course: &dyn Course, robot: Option<&Robot>) -> Arc<Vec<Finding>> {
+    // A panic elsewhere leaves a list that is as good as before.
+    let seen = || SEEN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, known)) = seen().iter().find(|(known, _)| *known == subject) {
+        return Arc::clone(known);
+    }
+    let scrutiny = subject.path.scrutiny();
+    let velocity = subject.path.tool.as_ref().map(|tool| tool.velocity);
+    let found = match (&subject.robot, robot) {
+        (Some(description), Some(robot)) => {
+            // Surroundings that make no sense are reported by `check`.
+            let space = match subject.collides {
+                true => {
+                    description.space(robot, subject.surroundings.as_ref(), "surroundings").ok().flatten()
+                }
+                false => None,
+            };
+            review(robot, course, space.as_ref(), &scrutiny, velocity).all
+        }
+        _ => inspect_axes(&subject.limits, course, &scrutiny),
+    };
+    let found = Arc::new(found);
+    let mut seen = seen();
+    if seen.len() == KEPT {
+        seen.remove(0);
+    }
+    seen.push((subject, Arc::clone(&found)));
+    found
+}
