@@ -13,7 +13,7 @@ use crate::de::{Reading, Tagged, Written};
 use crate::scope::Scope;
 use crate::settings;
 use crate::source::{Reader, Sources};
-use crate::tree::{Name, Node, Shape};
+use blocksim_syntax::{Name, Node, Shape};
 
 /// A bracket around a place, from the block inwards.
 #[derive(Debug, Clone, PartialEq, Eq)]

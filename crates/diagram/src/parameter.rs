@@ -13,7 +13,7 @@ use crate::problems::list;
 use crate::resolve::Resolver;
 use crate::scope::{Scope, read_tree};
 use crate::source::Sources;
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 /// Reads a parameter of a diagram as a value of any type: the file at `root` is a diagram that has a parameter
 /// `name`, or itself a set or a list. `overrides` are `target=value` as of `--set`; in a diagram only.

@@ -12,7 +12,7 @@ use crate::flatten::record::matches;
 use crate::problems::Problems;
 use crate::scope::Scope;
 use crate::settings::written::{Plain, Seconds};
-use crate::tree::{Name, Node};
+use blocksim_syntax::{Name, Node};
 
 /// Share of a spacing by which a multiple of it may be off.
 const CLOSE: f64 = 1e-6;
@@ -127,8 +127,8 @@ mod tests {
     use crate::settings::settings;
     use crate::source::Sources;
     use crate::toys::{NoFiles, messages};
-    use crate::tree::read as read_tree;
     use blocksim_block::problem::FileId;
+    use blocksim_syntax::read as read_tree;
 
     /// Rates and messages of `record: [...]` with these settings.
     fn read_rates(simulation: &str, record: &str) -> (Vec<Keep>, String) {

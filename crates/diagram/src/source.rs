@@ -10,7 +10,7 @@ use blocksim_block::problem::FileId;
 use blocksim_block::{CodePolicy, Files, LoadError, NoCode};
 
 use crate::mentions::Log;
-use crate::tree::{Node, SyntaxError, read};
+use blocksim_syntax::{Node, SyntaxError, read};
 
 /// Reads files for the compiler, which itself opens none.
 pub trait Reader {

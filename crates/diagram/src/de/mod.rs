@@ -20,7 +20,7 @@ use blocksim_block::{BlockInfo, ParamUnits};
 use blocksim_signal::Dimension;
 
 use crate::scope::Scope;
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 pub(crate) use tagged::Tagged;
 pub(crate) use word_or::{Either, word_or};

@@ -4,7 +4,7 @@ use blocksim_block::problem::{Place, Problem};
 
 use super::{Expected, Noted, Reading};
 use crate::problems::unknown_member;
-use crate::tree::{Name, Node};
+use blocksim_syntax::{Name, Node};
 
 /// A written value, ready to become whatever is asked for.
 #[derive(Clone, Copy)]

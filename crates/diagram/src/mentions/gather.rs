@@ -10,7 +10,7 @@ use super::{Event, Meaning, Mention, Mentions, Symbol};
 use crate::ast::{Ast, ConnectionAst, Reference};
 use crate::model::Model;
 use crate::source::Sources;
-use crate::tree::Name;
+use blocksim_syntax::Name;
 
 /// A place as a key: file, start, end.
 type At = (FileId, usize, usize);

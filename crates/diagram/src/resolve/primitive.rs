@@ -14,7 +14,7 @@ use crate::de::{Numbers, Reading, Tagged, Written};
 use crate::model::Content;
 use crate::scope::Scope;
 use crate::source::BlockFiles;
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 impl<'a> Resolver<'a> {
     pub(super) fn primitive(

@@ -18,7 +18,7 @@ use crate::ast::Ast;
 use crate::de::{Reading, Written, bare_number};
 use crate::problems::Problems;
 use crate::scope::Scope;
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 use written::{Begin, Method, Output, Plain, Seconds, Simulation, Stop};
 
 /// Units of the numbers in `simulation`, for the checks that parameters of blocks have.
@@ -301,9 +301,9 @@ mod tests {
     use crate::ast::parse;
     use crate::source::Sources;
     use crate::toys::{NoFiles, messages};
-    use crate::tree::read;
     use blocksim_block::methods::METHODS;
     use blocksim_block::problem::FileId;
+    use blocksim_syntax::read;
 
     /// Settings and messages of `simulation: (...)` where the last move ends at `end`.
     fn read_settings(simulation: &str, end: Option<f64>) -> (Settings, Vec<String>) {

@@ -6,7 +6,7 @@ use blocksim_signal::{Dimension, Kind, closest};
 
 use crate::ast::Ast;
 use crate::problems::Problems;
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 /// One number among the signals of a schedule.
 struct Cell {

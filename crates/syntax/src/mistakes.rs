@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use super::read::{Remedy, SyntaxError};
-use super::scan::{block_comment, skip, token, word_length};
+use crate::read::{Remedy, SyntaxError};
+use crate::scan::{block_comment, skip, token, word_length};
 
 /// A mistake, and the byte at which it shows.
 pub(super) struct Mistake {
@@ -182,7 +182,7 @@ fn swap(at: usize, old: &str, new: &str, message: &str, help: &str) -> Mistake {
 
 #[cfg(test)]
 mod tests {
-    use crate::tree::read;
+    use crate::read;
 
     /// Message, the marked text, what stands beside, and the help.
     fn told(text: &str) -> String {

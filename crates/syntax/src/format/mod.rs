@@ -12,7 +12,7 @@ mod write;
 #[cfg(test)]
 mod tests;
 
-use crate::tree::{Name, Node, Shape, SyntaxError, read};
+use crate::{Name, Node, Shape, SyntaxError, read};
 
 /// Columns of a line; only a single word, a text or a comment may be longer.
 pub const WIDTH: usize = 120;

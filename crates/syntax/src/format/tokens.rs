@@ -1,6 +1,6 @@
 //! Words, signs and comments of a text, with the blanks between them.
 
-use crate::tree::scan::{block_comment, token};
+use crate::scan::{block_comment, token};
 
 /// What a token is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,14 +3,7 @@
 //! No type is asked for yet: a value that makes no sense where it stands can be reported there, and does not hide
 //! the others.
 
-mod common;
-mod mistakes;
-mod read;
-pub(crate) mod scan;
-
 use std::ops::Range;
-
-pub use read::{Remedy, SyntaxError, read};
 
 /// A value and its place.
 #[derive(Debug, Clone, PartialEq)]

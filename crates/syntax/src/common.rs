@@ -4,7 +4,7 @@
 //! (attributes, raw texts, characters, exotic white space, deep brackets), and every mistake, is left to `ron` and its messages: `None`
 //! says no more than that. What is read here has to be what `ron` reads, which a test holds.
 
-use super::{Name, Node, Shape};
+use crate::tree::{Name, Node, Shape};
 
 /// Brackets within each other that are read here; `ron` refuses a few more than this.
 const DEEPEST: usize = 100;

@@ -11,10 +11,9 @@ use ron::value::RawValue;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use blocksim_block::problem::{FileId, Place, Problem};
-
-use super::scan::{byte_of, decimal_comma, is_raw_string, skip, skip_with, token, trim_end, word_length};
-use super::{Name, Node, Shape, common, mistakes};
+use crate::scan::{byte_of, decimal_comma, is_raw_string, skip, skip_with, token, trim_end, word_length};
+use crate::tree::{Name, Node, Shape};
+use crate::{common, mistakes};
 
 /// Text that is no RON.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,19 +41,6 @@ impl SyntaxError {
 
     pub(super) fn beside(self, place: Range<usize>, seen: impl Into<String>) -> SyntaxError {
         SyntaxError { beside: Some((place, seen.into())), ..self }
-    }
-
-    /// As a problem of a file.
-    pub fn problem(self, file: FileId) -> Problem {
-        let mut problem = Problem::error("syntax", self.message).at(&Place { file, span: self.span }, "");
-        problem.help = self.help;
-        if let Some((span, seen)) = self.beside {
-            problem = problem.at(&Place { file, span }, seen);
-        }
-        match self.remedy {
-            Some(remedy) => problem.edit(Place { file, span: remedy.span }, remedy.old, remedy.new),
-            None => problem,
-        }
     }
 }
 
