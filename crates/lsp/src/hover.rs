@@ -9,7 +9,7 @@ use crate::library::{Prose, about, kind, side};
 use crate::models::Blocks;
 use crate::names::{Declared, Section, declared};
 use crate::position::span;
-use crate::scan::{is_word, run_at};
+use blocksim_syntax::{is_word, run_at};
 
 /// What stands at a place of a text, if it is known.
 pub fn hover(text: &str, at: usize, blocks: Option<&Blocks>, prose: Prose) -> Option<Hover> {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::scan::{Event, scan};
+use blocksim_syntax::{Event, scan};
 
 /// A parameter, a block, or what comes in, goes out or is joined.
 #[derive(Debug, Clone, PartialEq, Eq)]

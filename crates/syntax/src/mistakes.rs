@@ -1,128 +1,216 @@
-//! Why a text is no RON, as far as its brackets, texts and signs tell: the mistake itself, where the reader sees only that it
+//! Why a text is not RON, as far as its brackets, texts and signs show it: the mistake itself, where the reader sees only that it
 //! cannot go on.
 
 use std::ops::Range;
 
-use crate::read::{Remedy, SyntaxError};
-use crate::scan::{block_comment, skip, token, word_length};
+use crate::error::SyntaxError;
+use crate::parse::{endless_comment, parse};
+use crate::token::{Token, TokenKind, Tokens};
 
-/// A mistake, and the byte at which it shows.
-pub(super) struct Mistake {
-    pub at: usize,
-    pub error: SyntaxError,
+/// An error of the reader, or the mistake that it comes from.
+pub(crate) fn explained(text: &str, error: SyntaxError) -> SyntaxError {
+    if let Some(error) = decimal_comma(text, error.span.start) {
+        return error;
+    }
+    let tokens: Vec<Token> = Tokens::new(text).filter(|token| !token.kind.is_comment()).collect();
+    // A mistake behind the place where reading failed is another one.
+    let mistake = first(text).filter(|mistake| end_before(&tokens, mistake.at) <= error.span.end);
+    match mistake {
+        Some(mistake) => mistake.error,
+        None if error.remedy.is_some() => error,
+        None => {
+            bare_unit(text, &tokens, &error).or_else(|| missing_comma(text, &tokens, &error)).unwrap_or(error)
+        }
+    }
 }
 
-/// The first mistake of a text that its signs tell.
-pub(super) fn first(text: &str) -> Option<Mistake> {
-    let (mut at, mut open) = (0, Vec::<usize>::new());
-    // Of each open bracket, whether what stands between it has names, as far as it is known.
-    let mut named = Vec::<Option<bool>>::new();
+/// The byte behind the last token that begins before a byte.
+fn end_before(tokens: &[Token], at: usize) -> usize {
+    let count = tokens.partition_point(|token| token.start() < at);
+    tokens[..count].last().map_or(0, |token| token.end().min(at))
+}
+
+/// A comma that is missing before the place where reading failed: with it, reading gets further.
+fn missing_comma(text: &str, tokens: &[Token], error: &SyntaxError) -> Option<SyntaxError> {
+    let start = error.span.start;
+    let end = end_before(tokens, start);
+    let begins_anew = end < start && text[start..].starts_with(|c: char| !",:)]}".contains(c));
+    if !begins_anew || text[..end].ends_with(['(', '[', '{', ',', ':']) {
+        return None;
+    }
+    let with_comma = format!("{},{}", &text[..end], &text[end..]);
+    if parse(&with_comma).is_err_and(|other| other.span.start <= start + 1) {
+        return None;
+    }
+    let error = SyntaxError::new(error.span.clone(), "a comma is missing before this");
+    Some(error.help("write `,` between two values").remedy(text, end..end, ","))
+}
+
+/// A number with its unit, which needs quotes: `5 deg`, where reading failed at the unit.
+fn bare_unit(text: &str, tokens: &[Token], error: &SyntaxError) -> Option<SyntaxError> {
+    let unit = tokens.partition_point(|token| token.start() < error.span.start);
+    let number = tokens[..unit].last().filter(|token| token.kind == TokenKind::Number)?;
+    let unit = tokens.get(unit).filter(|token| token.kind == TokenKind::Word || token.of(text) == "%")?;
+    let behind = &text[unit.start()..];
+    let end = behind.find([',', ')', ']', '}', '\n']).unwrap_or(behind.len());
+    let written = text[number.start()..unit.start() + end].trim_end();
+    let is_unit = |sign: char| sign.is_alphanumeric() || " */^%°µ().-".contains(sign);
+    if written.contains("//") || !written.chars().all(is_unit) {
+        return None;
+    }
+    let span = number.start()..number.start() + written.len();
+    let error = SyntaxError::new(span.clone(), "a number with a unit stands between quotes");
+    let quoted = format!("\"{written}\"");
+    Some(error.help(format!("write {quoted}")).remedy(text, span, quoted))
+}
+
+/// `1,05` just before or at a place where reading failed.
+fn decimal_comma(text: &str, at: usize) -> Option<SyntaxError> {
+    let bytes = text.as_bytes();
+    let line = text[..at].rfind('\n').map_or(0, |newline| newline + 1);
+    let end = text[at..].find('\n').map_or(text.len(), |newline| at + newline);
+    let mut comma = (line..end).filter(|i| {
+        bytes[*i] == b','
+            && *i > line
+            && bytes[*i - 1].is_ascii_digit()
+            && bytes.get(*i + 1).is_some_and(u8::is_ascii_digit)
+    });
+    // The nearest one to the left of, or at, the place.
+    let comma = comma.rfind(|i| *i <= at + 1)?;
+    let digits = |c: &u8| c.is_ascii_digit() || *c == b'.';
+    let start = comma - bytes[line..comma].iter().rev().take_while(|c| digits(c)).count();
+    let stop = comma + 1 + bytes[comma + 1..end].iter().take_while(|c| c.is_ascii_digit()).count();
+    let written = &text[start..stop];
+    let new = written.replace(',', ".");
+    let error = SyntaxError::new(start..stop, format!("`{written}` is not a number"));
+    Some(error.help(format!("decimal comma? write {new}")).remedy(text, start..stop, new))
+}
+
+/// A mistake, and the byte at which it shows.
+struct Mistake {
+    at: usize,
+    error: SyntaxError,
+}
+
+/// The first mistake of a text that its signs show.
+fn first(text: &str) -> Option<Mistake> {
+    let mut open = Vec::<Bracket>::new();
     let mut before = None;
     // The first text that goes on behind its line: where one is never closed, most likely it is this.
-    let mut long: Option<Range<usize>> = None;
-    loop {
-        if let Some(start) = unclosed_comment(text, at) {
-            let error =
-                SyntaxError::new(start..start + 2, "this comment has no end").help("close it with `*/`");
-            return Some(Mistake { at: text.len(), error });
-        }
-        at += skip(&text[at..]);
-        let rest = &text[at..];
-        let Some(sign) = rest.chars().next() else { break };
-        let length = length(rest);
-        if let (Some('(' | ','), Some(named)) = (before, named.last_mut())
-            && open.last().is_some_and(|opener| text[*opener..].starts_with('('))
-            && let Some(mistake) = mixed(text, *open.last()?, at, named)
-        {
-            return Some(mistake);
-        }
-        before = Some(sign);
-        match sign {
-            '(' | '[' | '{' => {
-                open.push(at);
-                named.push(None);
+    let mut long: Option<Token> = None;
+    let mut tokens = Tokens::new(text).filter(|token| token.kind != TokenKind::LineComment).peekable();
+    while let Some(token) = tokens.next() {
+        if token.kind == TokenKind::BlockComment {
+            if token.is_closed {
+                continue;
             }
-            ')' | ']' | '}' => match open.pop() {
-                Some(opener) if closer(text, opener) == sign => {
-                    named.pop();
-                }
-                opener => return Some(mismatch(text, opener, at)),
+            return Some(Mistake { at: text.len(), error: endless_comment(token) });
+        }
+        let mut behind = tokens.clone().filter(|token| !token.kind.is_comment());
+        if let (Some(TokenKind::Open | TokenKind::Comma), Some(inner)) = (before, open.last_mut())
+            && let Some(error) = inner.mixed(text, token, behind.next())
+        {
+            return Some(Mistake { at: token.start(), error });
+        }
+        before = Some(token.kind);
+        let at = token.start();
+        match token.kind {
+            TokenKind::Open => open.push(Bracket { at, sign: token.of(text), named: None }),
+            TokenKind::Close => match open.pop() {
+                Some(opener) if opener.closer() == token.of(text) => {}
+                opener => return Some(mismatch(text, opener.as_ref(), at)),
             },
-            ':' if open.last().is_some_and(|opener| text[*opener..].starts_with('[')) => {
+            TokenKind::Colon if open.last().is_some_and(|open| open.sign == "[") => {
                 let opener = open.pop()?;
                 let error = SyntaxError::new(at..at + 1, "values in a list have no names")
-                    .beside(opener..opener + 1, "this `[` is still open")
+                    .beside(opener.span(), "this `[` is still open")
                     .help("close the list with `]` before the name");
                 return Some(Mistake { at, error });
             }
-            '#' => return Some(swap(at, "#", "//", "`#` begins no comment", "a comment begins with `//`")),
-            ';' => {
-                return Some(swap(at, ";", ",", "`;` separates nothing here", "values are separated by `,`"));
+            TokenKind::Text if !token.is_closed => {
+                let start = long.map_or(at, |long| long.start());
+                return Some(Mistake { at: start, error: endless(text, start) });
             }
-            '=' => {
-                let help = "a name and its value are separated by `:`, as in `stop_time: \"1 s\"`";
-                return Some(swap(at, "=", ":", "`=` gives no value here", help));
+            TokenKind::Text if token.of(text).contains('\n') => {
+                long.get_or_insert(token);
             }
-            '"' if !is_closed(&rest[..length]) => {
-                let place = long.unwrap_or(at..text.len());
-                return Some(Mistake { at: place.start, error: endless(text, place.start) });
-            }
-            '"' if rest[..length].contains('\n') => {
-                long.get_or_insert(at..at + length);
+            TokenKind::Other => {
+                if let Some(mistake) = foreign(text, token) {
+                    return Some(mistake);
+                }
             }
             _ => {}
         }
-        at += length;
     }
     let opener = open.pop()?;
-    let error =
-        SyntaxError::new(opener..opener + 1, format!("this `{}` is never closed", &text[opener..=opener]))
-            .help(format!("a `{}` is missing behind what belongs to it", closer(text, opener)));
+    let error = SyntaxError::new(opener.span(), format!("this `{}` is never closed", opener.sign))
+        .help(format!("a `{}` is missing behind what belongs to it", opener.closer()));
     Some(Mistake { at: text.len(), error })
 }
 
-/// A value at `at` between the parentheses that `opener` opens which has a name where those before it have none, or none where
-/// those have some.
-fn mixed(text: &str, opener: usize, at: usize, named: &mut Option<bool>) -> Option<Mistake> {
-    if text[at..].starts_with('"') {
-        let name = length(&text[at..]);
-        let behind = &text[at + name..];
-        if behind[skip(behind)..].starts_with(':') {
-            let error = SyntaxError::new(at..at + name, "names in parentheses are written without quotes")
-                .beside(opener..opener + 1, "this `(` is still open")
-                .help("close it with `)` before the name, or write the name without quotes");
-            return Some(Mistake { at, error });
-        }
-    }
-    let word = word_length(&text[at..]);
-    let behind = &text[at + word..];
-    let behind = &behind[skip(behind)..];
-    let has_name = word > 0 && behind.starts_with(':');
-    // A word before anything else has lost its `:`, which is told where that is missing.
-    let is_value = word == 0 || behind.starts_with([',', '(', ')']);
-    if text[at..].starts_with(')') || !has_name && !is_value {
-        return None;
-    }
-    if *named.get_or_insert(has_name) == has_name {
-        return None;
-    }
-    let help = "name all values between these parentheses, or none";
-    let error = if has_name {
-        let name = &text[at..at + word];
-        SyntaxError::new(at..at + word, format!("`{name}` has a name, but the value before it has none"))
-    } else {
-        SyntaxError::new(at..at + word.max(1), "this value has no name, but the one before it has")
+/// A sign that other languages have for something.
+fn foreign(text: &str, token: Token) -> Option<Mistake> {
+    let (new, message, help) = match token.of(text) {
+        "#" => ("//", "`#` begins no comment", "a comment begins with `//`"),
+        ";" => (",", "`;` separates nothing here", "values are separated by `,`"),
+        "=" => (
+            ":",
+            "`=` gives no value here",
+            "a name and its value are separated by `:`, as in `stop_time: \"1 s\"`",
+        ),
+        _ => return None,
     };
-    Some(Mistake { at, error: error.help(help) })
+    let error = SyntaxError::new(token.span(), message).help(help).remedy(text, token.span(), new);
+    Some(Mistake { at: token.start(), error })
 }
 
-/// Length of a word, a text, a character between quotes or a single sign.
-fn length(rest: &str) -> usize {
-    if rest.starts_with('\'') {
-        let body = if rest.starts_with("'\\") { 3 } else { 2 };
-        return rest.char_indices().skip(body).find(|(_, sign)| *sign == '\'').map_or(1, |(end, _)| end + 1);
+/// A bracket that is still open.
+struct Bracket<'a> {
+    at: usize,
+    sign: &'a str,
+    /// Whether what stands in it has names, as far as it is known.
+    named: Option<bool>,
+}
+
+impl Bracket<'_> {
+    fn closer(&self) -> &'static str {
+        match self.sign {
+            "(" => ")",
+            "[" => "]",
+            _ => "}",
+        }
     }
-    word_length(rest).max(token(rest))
+
+    fn span(&self) -> Range<usize> {
+        self.at..self.at + 1
+    }
+
+    /// A value between parentheses which has a name where those before it have none, or none where those have some.
+    fn mixed(&mut self, text: &str, first: Token, next: Option<Token>) -> Option<SyntaxError> {
+        if self.sign != "(" || first.kind == TokenKind::Close {
+            return None;
+        }
+        let is_named = next.is_some_and(|next| next.kind == TokenKind::Colon);
+        if first.kind == TokenKind::Text && is_named {
+            let error = SyntaxError::new(first.span(), "names in parentheses are written without quotes")
+                .beside(self.span(), "this `(` is still open")
+                .help("close it with `)` before the name, or write the name without quotes");
+            return Some(error);
+        }
+        let is_word = first.kind == TokenKind::Word;
+        let has_name = is_word && is_named;
+        // A word before anything else has lost its `:`, which is reported where that is missing.
+        let is_value = !is_word || next.is_some_and(|next| [",", "(", ")"].contains(&next.of(text)));
+        if !has_name && !is_value || *self.named.get_or_insert(has_name) == has_name {
+            return None;
+        }
+        let help = "name all values between these parentheses, or none";
+        let message = match has_name {
+            true => format!("`{}` has a name, but the value before it has none", first.of(text)),
+            false => "this value has no name, but the one before it has".to_owned(),
+        };
+        Some(SyntaxError::new(first.span(), message).help(help))
+    }
 }
 
 /// A text that begins at a byte and is not closed on its line.
@@ -131,52 +219,19 @@ fn endless(text: &str, start: usize) -> SyntaxError {
     SyntaxError::new(start..start + line, "this text has no end").help("close it with `\"`")
 }
 
-/// Where a comment begins that has no end, if the next thing is one.
-fn unclosed_comment(text: &str, at: usize) -> Option<usize> {
-    let rest = &text[at..];
-    let start = at + (rest.len() - rest.trim_start().len());
-    let rest = &text[start..];
-    let is_open = rest.starts_with("/*") && block_comment(rest) == rest.len() && !rest.ends_with("*/");
-    is_open.then_some(start)
-}
-
-/// Whether a text ends with the quotes that it begins with.
-fn is_closed(text: &str) -> bool {
-    let body = text.strip_prefix('"').unwrap_or(text);
-    let Some(body) = body.strip_suffix('"') else { return false };
-    // The last quotes may be escaped.
-    (body.len() - body.trim_end_matches('\\').len()).is_multiple_of(2)
-}
-
-fn closer(text: &str, opener: usize) -> char {
-    match text.as_bytes()[opener] {
-        b'(' => ')',
-        b'[' => ']',
-        _ => '}',
-    }
-}
-
 /// A closing bracket that closes nothing, or something else.
-fn mismatch(text: &str, opener: Option<usize>, at: usize) -> Mistake {
+fn mismatch(text: &str, opener: Option<&Bracket>, at: usize) -> Mistake {
     let found = &text[at..=at];
     let error = match opener {
         None => SyntaxError::new(at..at + 1, format!("this `{found}` closes nothing"))
             .help("take it away, or open what it is to close"),
         Some(opener) => {
-            let missing = closer(text, opener);
+            let missing = opener.closer();
             SyntaxError::new(at..at + 1, format!("`{missing}` is missing before this `{found}`"))
-                .beside(opener..opener + 1, format!("this `{}` is still open", &text[opener..=opener]))
+                .beside(opener.span(), format!("this `{}` is still open", opener.sign))
                 .help(format!("close it with `{missing}`"))
         }
     };
-    Mistake { at, error }
-}
-
-/// A sign that stands for another one.
-fn swap(at: usize, old: &str, new: &str, message: &str, help: &str) -> Mistake {
-    let span: Range<usize> = at..at + old.len();
-    let remedy = Remedy { span: span.clone(), old: old.to_owned(), new: new.to_owned() };
-    let error = SyntaxError { remedy: Some(Box::new(remedy)), ..SyntaxError::new(span, message).help(help) };
     Mistake { at, error }
 }
 

@@ -12,6 +12,7 @@ mod write;
 #[cfg(test)]
 mod tests;
 
+use crate::token::{TokenKind, Tokens};
 use crate::{Name, Node, Shape, SyntaxError, read};
 
 /// Columns of a line; only a single word, a text or a comment may be longer.
@@ -32,15 +33,9 @@ pub fn format(text: &str) -> Result<String, SyntaxError> {
     if kept {
         return Ok(formatted);
     }
-    Err(SyntaxError {
-        span: before.span.start..before.span.start,
-        beside: None,
-        remedy: None,
-        message: "this text cannot be laid out without changing it".to_owned(),
-        help: Some(
-            "it was left as it is; write each value on a line of its own, and comments above them".to_owned(),
-        ),
-    })
+    let start = before.span.start;
+    Err(SyntaxError::new(start..start, "this text cannot be laid out without changing it")
+        .help("it was left as it is; write each value on a line of its own, and comments above them"))
 }
 
 /// Whether two trees hold the same, wherever it stands.
@@ -63,9 +58,8 @@ fn same(a: &Node, b: &Node) -> bool {
 
 /// All comments, sorted; a comment of a line without the blanks at its end.
 fn comments(text: &str) -> Vec<&str> {
-    let all = tokens::tokens(text);
-    let mut comments: Vec<&str> =
-        all.iter().filter(|token| token.kind.is_comment()).map(|token| token.text).collect();
+    let all = Tokens::new(text).filter(|token| token.kind.is_comment() || token.kind == TokenKind::Attribute);
+    let mut comments: Vec<&str> = all.map(|token| token.of(text).trim_end()).collect();
     comments.sort_unstable();
     comments
 }

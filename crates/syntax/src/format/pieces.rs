@@ -1,11 +1,11 @@
 //! Brackets and what stands in them, each with its comments.
 
-use super::tokens::Token;
+use super::tokens::Placed;
 
 /// A comment.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Comment<'a> {
-    pub token: Token<'a>,
+    pub token: Placed<'a>,
     /// An empty line stands above it.
     pub is_apart: bool,
 }

@@ -2,7 +2,8 @@
 
 use super::layout;
 use super::pieces::{Comment, File, Group, Item, Value};
-use super::tokens::{Kind, Token, tokens};
+use super::tokens::{Placed, tokens};
+use crate::token::TokenKind;
 
 /// Takes a text apart that has been read before.
 pub(super) fn file(text: &str) -> File<'_> {
@@ -12,32 +13,32 @@ pub(super) fn file(text: &str) -> File<'_> {
 }
 
 struct Reader<'a> {
-    tokens: Vec<Token<'a>>,
+    tokens: Vec<Placed<'a>>,
     at: usize,
 }
 
 impl<'a> Reader<'a> {
-    fn peek(&self) -> Option<Token<'a>> {
+    fn peek(&self) -> Option<Placed<'a>> {
         self.tokens.get(self.at).copied()
     }
 
-    fn take(&mut self, kind: Kind) -> Option<Token<'a>> {
-        let token = self.peek().filter(|token| token.kind == kind)?;
+    fn take(&mut self, is_wanted: impl Fn(&Placed) -> bool) -> Option<Placed<'a>> {
+        let token = self.peek().filter(is_wanted)?;
         self.at += 1;
         Some(token)
     }
 
-    fn comments(&mut self) -> Vec<Token<'a>> {
+    fn comments(&mut self) -> Vec<Placed<'a>> {
         let start = self.at;
-        while self.peek().is_some_and(|token| token.kind.is_comment()) {
+        while self.peek().is_some_and(|token| token.is_comment()) {
             self.at += 1;
         }
         self.tokens[start..self.at].to_vec()
     }
 
     /// The first token that is no comment.
-    fn kind_ahead(&self) -> Option<Kind> {
-        self.tokens[self.at..].iter().find(|token| !token.kind.is_comment()).map(|token| token.kind)
+    fn kind_ahead(&self) -> Option<TokenKind> {
+        self.tokens[self.at..].iter().find(|token| !token.is_comment()).map(|token| token.kind)
     }
 
     /// Items up to a closing bracket or the end, and the comments behind the last.
@@ -48,16 +49,16 @@ impl<'a> Reader<'a> {
         loop {
             let mut above: Vec<Comment<'a>> = std::mem::take(&mut late);
             above.extend(self.comments().into_iter().map(comment));
-            let Some(first) = self.peek().filter(|token| matches!(token.kind, Kind::Atom | Kind::Open))
+            let Some(first) = self.peek().filter(|token| token.is_atom() || token.kind == TokenKind::Open)
             else {
                 return (items, above);
             };
             let mut item = self.item(first, above);
             let mut here = self.comments();
             let below = here.split_off(here.iter().take_while(|token| token.feeds == 0).count());
-            let has_comma = self.take(Kind::Comma).is_some();
+            let has_comma = self.take(|token| token.kind == TokenKind::Comma).is_some();
             let goes_on = has_comma || (below.is_empty() && self.peek().is_some_and(|next| next.feeds == 0));
-            if goes_on && !here.iter().any(stands_alone) {
+            if goes_on && !here.iter().any(Placed::stands_alone) {
                 item.behind.extend(here.iter().map(|token| token.text));
             } else {
                 item.after.extend(here.into_iter().map(comment));
@@ -76,20 +77,20 @@ impl<'a> Reader<'a> {
         let start = self.at;
         let found = self.comments();
         let here = found.iter().take_while(|token| token.feeds == 0).count();
-        let ends =
-            found.len() > here || self.peek().is_none_or(|next| next.feeds > 0 || next.kind == Kind::Close);
-        let ends = ends || found[..here].iter().any(stands_alone);
+        let ends = found.len() > here
+            || self.peek().is_none_or(|next| next.feeds > 0 || next.kind == TokenKind::Close);
+        let ends = ends || found[..here].iter().any(Placed::stands_alone);
         let taken = if ends { here } else { 0 };
         item.after.extend(found[..taken].iter().copied().map(comment));
         self.at = start + taken;
     }
 
-    fn item(&mut self, first: Token<'a>, above: Vec<Comment<'a>>) -> Item<'a> {
+    fn item(&mut self, first: Placed<'a>, above: Vec<Comment<'a>>) -> Item<'a> {
         let mut key = None;
         let mut head = Vec::new();
-        if first.kind == Kind::Atom {
+        if first.is_atom() {
             self.at += 1;
-            if self.kind_ahead() == Some(Kind::Colon) {
+            if self.kind_ahead() == Some(TokenKind::Colon) {
                 key = Some(first.text);
                 head.extend(self.comments());
                 self.at += 1;
@@ -105,7 +106,7 @@ impl<'a> Reader<'a> {
         let mut is_apart = first.feeds > 1;
         while !begins_line
             && let Some(last) = above.last()
-            && !stands_alone(&last.token)
+            && !last.token.stands_alone()
         {
             begins_line = last.token.feeds > 0;
             is_apart = last.token.feeds > 1;
@@ -113,7 +114,7 @@ impl<'a> Reader<'a> {
             above.pop();
         }
         let mut between: Vec<&str> = Vec::new();
-        if head.iter().any(stands_alone) {
+        if head.iter().any(Placed::stands_alone) {
             above.extend(head.into_iter().map(comment));
         } else {
             between = head.iter().map(|token| token.text).collect();
@@ -123,28 +124,23 @@ impl<'a> Reader<'a> {
     }
 
     /// A value; comments before its bracket come to `head`.
-    fn value(&mut self, head: &mut Vec<Token<'a>>) -> Value<'a> {
+    fn value(&mut self, head: &mut Vec<Placed<'a>>) -> Value<'a> {
         let mut word = "";
-        if let Some(atom) = self.take(Kind::Atom) {
-            if self.kind_ahead() != Some(Kind::Open) {
+        if let Some(atom) = self.take(|token| token.is_atom()) {
+            if self.kind_ahead() != Some(TokenKind::Open) {
                 return Value::Atom(atom.text);
             }
             word = atom.text;
             head.extend(self.comments());
         }
-        let Some(open) = self.take(Kind::Open) else { return Value::Atom(word) };
-        let is_broken = self.peek().is_some_and(|next| next.feeds > 0 && next.kind != Kind::Close);
+        let Some(open) = self.take(|token| token.kind == TokenKind::Open) else { return Value::Atom(word) };
+        let is_broken = self.peek().is_some_and(|next| next.feeds > 0 && next.kind != TokenKind::Close);
         let (items, end) = self.items();
-        let close = self.take(Kind::Close).map_or("", |token| token.text);
+        let close = self.take(|token| token.kind == TokenKind::Close).map_or("", |token| token.text);
         Value::Group(Group { word, open: open.text, close, items, end, is_broken })
     }
 }
 
-fn comment(token: Token<'_>) -> Comment<'_> {
+fn comment(token: Placed<'_>) -> Comment<'_> {
     Comment { token, is_apart: token.feeds > 1 }
-}
-
-/// Whether nothing may follow a comment on its line.
-fn stands_alone(token: &Token) -> bool {
-    token.kind == Kind::Line || token.text.contains('\n')
 }

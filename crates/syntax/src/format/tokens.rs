@@ -1,34 +1,11 @@
-//! Words, signs and comments of a text, with the blanks between them.
+//! Tokens with the blanks between them, which say how the author has laid a text out.
 
-use crate::scan::{block_comment, token};
-
-/// What a token is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// A word, a number or a quoted text.
-    Atom,
-    /// `(`, `[` or `{`.
-    Open,
-    /// `)`, `]` or `}`.
-    Close,
-    Comma,
-    Colon,
-    /// `// ...`, or an attribute such as `#![enable(...)]`, which needs a line of its own as well.
-    Line,
-    /// `/* ... */`
-    Block,
-}
-
-impl Kind {
-    pub(super) fn is_comment(self) -> bool {
-        matches!(self, Kind::Line | Kind::Block)
-    }
-}
+use crate::token::{TokenKind, Tokens};
 
 /// A token and where it stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Token<'a> {
-    pub kind: Kind,
+pub(super) struct Placed<'a> {
+    pub kind: TokenKind,
     pub text: &'a str,
     /// Line feeds between the token before and this one; 2 stands for more.
     pub feeds: u8,
@@ -40,77 +17,50 @@ pub(super) struct Token<'a> {
     pub indent: usize,
 }
 
-/// Takes a text apart. It has to be RON; of any other text tokens of some kind come out, too.
-pub(super) fn tokens(text: &str) -> Vec<Token<'_>> {
+impl Placed<'_> {
+    /// Whether it takes part in the layout only: a comment, or an attribute, which needs a line of its own as well.
+    pub(super) fn is_comment(&self) -> bool {
+        self.kind.is_comment() || self.kind == TokenKind::Attribute
+    }
+
+    /// Whether it is a word, a number or a quoted text.
+    pub(super) fn is_atom(&self) -> bool {
+        !self.is_comment()
+            && !matches!(self.kind, TokenKind::Open | TokenKind::Close | TokenKind::Comma | TokenKind::Colon)
+    }
+
+    /// Whether nothing may follow on its line.
+    pub(super) fn stands_alone(&self) -> bool {
+        matches!(self.kind, TokenKind::LineComment | TokenKind::Attribute) || self.text.contains('\n')
+    }
+}
+
+/// Takes a text apart.
+pub(super) fn tokens(text: &str) -> Vec<Placed<'_>> {
     let mut tokens = Vec::new();
-    let (mut at, mut column, mut indent) = (0, 0, 0);
-    let (mut feeds, mut gap) = (0u8, 0);
-    while let Some(sign) = text[at..].chars().next() {
-        let rest = &text[at..];
-        if sign == '\n' {
-            (feeds, gap, column, indent) = ((feeds + 1).min(2), 0, 0, 0);
-            at += 1;
-            continue;
+    let (mut behind, mut column, mut indent) = (0, 0, 0);
+    for token in Tokens::new(text) {
+        let between = &text[behind..token.start()];
+        // Mostly there is one blank or none.
+        let (feeds, gap) = match between {
+            "" => (0, 0),
+            " " => (0, 1),
+            _ => {
+                let line = between.rfind('\n').map_or(0, |feed| feed + 1);
+                (between.matches('\n').take(2).count() as u8, between[line..].chars().count())
+            }
+        };
+        if feeds > 0 || tokens.is_empty() {
+            (column, indent) = (0, gap);
         }
-        if sign.is_whitespace() {
-            (gap, column) = (gap + 1, column + 1);
-            at += sign.len_utf8();
-            continue;
-        }
-        if column == gap && (feeds > 0 || tokens.is_empty()) {
-            indent = gap;
-        }
-        let (kind, length) = kind_and_length(rest);
-        let mut shown = &rest[..length];
-        if kind == Kind::Line {
-            shown = shown.trim_end();
-        }
-        tokens.push(Token { kind, text: shown, feeds, gap, column, indent });
+        column += gap;
+        let shown = token.of(text).trim_end();
+        tokens.push(Placed { kind: token.kind, text: shown, feeds, gap, column, indent });
         column = match shown.rfind('\n') {
             Some(feed) => shown[feed + 1..].chars().count(),
             None => column + shown.chars().count(),
         };
-        (feeds, gap) = (0, 0);
-        at += length;
+        behind = token.end();
     }
     tokens
-}
-
-fn kind_and_length(rest: &str) -> (Kind, usize) {
-    let line = || rest.find('\n').unwrap_or(rest.len());
-    match rest.as_bytes()[0] {
-        b'(' | b'[' | b'{' => (Kind::Open, 1),
-        b')' | b']' | b'}' => (Kind::Close, 1),
-        b',' => (Kind::Comma, 1),
-        b':' => (Kind::Colon, 1),
-        b'/' if rest.starts_with("//") => (Kind::Line, line()),
-        b'/' if rest.starts_with("/*") => (Kind::Block, block_comment(rest)),
-        b'#' if rest.starts_with("#!") => (Kind::Line, rest.find(']').map_or(rest.len(), |end| end + 1)),
-        _ => (Kind::Atom, atom(rest)),
-    }
-}
-
-/// Length of a word, a number, a quoted text or a character.
-fn atom(rest: &str) -> usize {
-    if rest.starts_with('\'') {
-        let mut signs = rest.char_indices().skip(1);
-        let first = signs.next();
-        // The quote that ends it is not the one after a backslash.
-        let from = if first.is_some_and(|(_, sign)| sign == '\\') { 3 } else { 1 };
-        let end = rest.char_indices().filter(|(at, _)| *at >= from).skip(usize::from(from == 1));
-        return end.into_iter().find(|(_, sign)| *sign == '\'').map_or(rest.len(), |(at, _)| at + 1);
-    }
-    let first = token(rest);
-    if rest.starts_with('"') || (rest.starts_with('r') && first > 1) {
-        return first;
-    }
-    // Such as `b"bytes"` or `br"raw"`: the word goes on to the end of the text.
-    let word = rest
-        .find(|c: char| c.is_whitespace() || ",:()[]{}\"'".contains(c) || c == '/')
-        .unwrap_or(rest.len())
-        .max(first);
-    match rest[word..].chars().next() {
-        Some('"' | '\'') => word + atom(&rest[word..]),
-        _ => word,
-    }
 }

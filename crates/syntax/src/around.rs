@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::token::{TokenKind, Tokens};
+
 /// A bracket that is still open.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Open<'a> {
@@ -20,7 +22,7 @@ pub struct Open<'a> {
 pub enum Event<'a> {
     /// `name:`, within these brackets; the range is that of the name, without quotes.
     Key(&'a str, Range<usize>),
-    /// A word that is no key.
+    /// A word that is not a key.
     Word(&'a str, Range<usize>),
 }
 
@@ -40,41 +42,32 @@ pub struct Around<'a> {
 /// Reads a text up to a byte; `visit` gets each key and word with the brackets around it. What follows decides where quoted
 /// texts end.
 pub fn scan<'a>(text: &'a str, end: usize, mut visit: impl FnMut(&[Open<'a>], Event<'a>)) -> Around<'a> {
-    let (whole, text) = (text, &text[..end]);
     let mut around = Around::default();
     // The last word or quoted text, which may turn out to be a key or to stand before a bracket.
     let mut last: Option<(&'a str, Range<usize>, bool)> = None;
-    let mut at = 0;
-    while let Some(sign) = text[at..].chars().next() {
-        let rest = &text[at..];
-        let (length, is_end) = match sign {
-            '/' if rest.starts_with("//") => before(rest, "\n", 0),
-            '/' if rest.starts_with("/*") => before(rest, "*/", 2),
-            '"' => {
-                let quoted = quoted(&whole[at..]);
-                let is_end = quoted.length > rest.len() || quoted.is_open && quoted.length == rest.len();
-                around.quoted = is_end.then_some(at + 1);
-                let inside = at + 1..(at + quoted.inside).min(end);
+    for token in Tokens::of_draft(text).take_while(|token| token.start() < end) {
+        // Whether the end is in it, or where it would go on.
+        let is_within = end < token.end() || !token.is_closed && end == token.end();
+        match token.kind {
+            TokenKind::LineComment => around.is_comment = end <= token.end(),
+            TokenKind::BlockComment => around.is_comment = is_within,
+            TokenKind::Text => {
+                around.quoted = is_within.then_some(token.start() + 1);
+                let inside = token.start() + 1..(token.end() - usize::from(token.is_closed)).min(end);
                 last = Some((&text[inside.clone()], inside, true));
-                (quoted.length.min(rest.len()), is_end)
             }
-            _ if is_word(sign) => {
-                let length = rest.find(|c| !is_word(c)).unwrap_or(rest.len());
-                (length, false)
+            TokenKind::Word => {
+                let word = token.start()..token.end().min(end);
+                last = Some((&text[word.clone()], word, false));
             }
-            _ => (sign.len_utf8(), false),
-        };
-        match sign {
-            '/' if rest.starts_with("//") || rest.starts_with("/*") => around.is_comment = is_end,
-            '"' => {}
-            ':' => {
+            TokenKind::Colon => {
                 if let Some((name, place, _)) = last.take() {
                     visit(&around.open, Event::Key(name, place));
                     around.key = name;
                     around.open.iter_mut().last().into_iter().for_each(|open| open.keys.push(name));
                 }
             }
-            '(' | '[' | '{' => {
+            TokenKind::Open => {
                 let word = match last.take() {
                     Some((word, place, false)) => {
                         visit(&around.open, Event::Word(word, place));
@@ -83,29 +76,22 @@ pub fn scan<'a>(text: &'a str, end: usize, mut visit: impl FnMut(&[Open<'a>], Ev
                     _ => "",
                 };
                 let key = std::mem::take(&mut around.key);
+                let sign = char::from(text.as_bytes()[token.start()]);
                 around.open.push(Open { sign, word, key, keys: Vec::new() });
             }
-            ')' | ']' | '}' | ',' => {
+            TokenKind::Close | TokenKind::Comma => {
                 if let Some((word, place, false)) = last.take() {
                     visit(&around.open, Event::Word(word, place));
                 }
-                last = None;
                 around.key = "";
-                if sign != ',' {
+                if token.kind == TokenKind::Close {
                     around.open.pop();
                 }
             }
-            _ if is_word(sign) => last = Some((&rest[..length], at..at + length, false)),
             _ => {}
         }
-        at += length;
     }
     around
-}
-
-/// Whether a sign belongs to a word. Numbers are words, too.
-pub fn is_word(sign: char) -> bool {
-    sign.is_alphanumeric() || sign == '_'
 }
 
 /// The signs around a place for which `is_of` holds: a word, a reference.
@@ -116,50 +102,10 @@ pub fn run_at(text: &str, at: usize, is_of: impl Fn(char) -> bool) -> Range<usiz
     start..end
 }
 
-/// Length up to a mark with `more` of it, and whether the text ends before.
-fn before(rest: &str, mark: &str, more: usize) -> (usize, bool) {
-    rest.find(mark).map_or((rest.len(), true), |at| (at + more, false))
-}
-
-/// A quoted text.
-struct Quoted {
-    /// Bytes with its quotes.
-    length: usize,
-    /// The byte behind what is quoted.
-    inside: usize,
-    /// It has no second quote.
-    is_open: bool,
-}
-
-/// The quoted text that a text begins with. It may have several lines; where the next quote rather begins another text, the
-/// line feed ends one that was forgotten to be closed, so that what follows is still understood.
-fn quoted(rest: &str) -> Quoted {
-    let mut escaped = false;
-    let mut line = None;
-    for (at, sign) in rest.char_indices().skip(1) {
-        match sign {
-            '"' if !escaped => {
-                let next = rest[at + 1..].trim_start();
-                let is_closing = next.is_empty() || next.starts_with([',', ':', ')', ']', '}', '/']);
-                if line.is_none() || is_closing {
-                    return Quoted { length: at + 1, inside: at, is_open: false };
-                }
-                break;
-            }
-            '\n' => {
-                line.get_or_insert(at);
-                escaped = false;
-            }
-            _ => escaped = sign == '\\' && !escaped,
-        }
-    }
-    let end = line.unwrap_or(rest.len());
-    Quoted { length: end, inside: end, is_open: true }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::token::is_word;
 
     fn around(text: &str) -> Around<'_> {
         scan(text, text.len(), |_, _| ())
