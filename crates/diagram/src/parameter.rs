@@ -76,6 +76,6 @@ pub fn has_parameter(sources: &Sources, root: &Path, name: &str) -> bool {
 fn read<T: DeserializeOwned>(reading: Reading, node: &Node) -> Result<T, Problem> {
     T::deserialize(Written::new(&reading, node)).map_err(|noted| {
         let place = blocksim_block::problem::Place { file: reading.file, span: node.span.clone() };
-        reading.problem.take().unwrap_or_else(|| Problem::error("parameter", noted.0).at(&place, ""))
+        reading.problem(noted, &place)
     })
 }

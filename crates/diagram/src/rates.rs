@@ -53,9 +53,7 @@ fn read<'a>(
         "rows" => Plain::deserialize(Written::new(&reading, node)).map(|rows| rows.0),
         _ => Seconds::deserialize(Written::new(&reading, node)).map(|time| time.0),
     };
-    let number = number.map_err(|noted| {
-        reading.problem.take().unwrap_or_else(|| Problem::error("parameter", noted.0).at(&place, ""))
-    })?;
+    let number = number.map_err(|noted| reading.problem(noted, &place))?;
     if word.text == "rows" {
         let whole = number.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(&number);
         let message = format!("`rows` is {number}, but must be a whole number of at least 1");
