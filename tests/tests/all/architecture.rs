@@ -221,25 +221,27 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("block", &["blocks", "diagram", "syntax"]),
         ("blocks", &["diagram", "network", "sim", "syntax"]),
         ("network", &["syntax", "diagram", "blocks"]),
-        ("diagram", &["blocks", "sim", "host", "results"]),
-        ("sim", &["syntax", "diagram", "blocks", "network", "results"]),
-        ("codegen", &["blocks", "diagram", "syntax", "network", "results"]),
+        ("diagram", &["blocks", "sim", "host", "recording"]),
+        ("sim", &["syntax", "diagram", "blocks", "network", "recording"]),
+        ("codegen", &["blocks", "diagram", "syntax", "network", "recording"]),
         ("abi", &["*"]),
         ("controller", &["host", "block", "diagram"]),
         ("host", &["diagram", "blocks", "sim"]),
         ("import", &["block", "blocks", "diagram"]),
-        ("results", &["block", "blocks", "diagram", "sim"]),
-        ("params", &["blocks", "sim", "results"]),
+        ("recording", &["block", "blocks", "diagram", "sim"]),
+        ("export", &["block", "blocks", "diagram", "sim"]),
+        ("terminal", &["block", "blocks", "diagram", "recording"]),
+        ("params", &["blocks", "sim", "recording"]),
         ("picture", &["block", "blocks", "diagram", "plot"]),
-        ("plot", &["block", "blocks", "diagram", "sim", "results"]),
+        ("plot", &["block", "blocks", "diagram", "sim", "recording"]),
         ("analysis", &["*"]),
         ("layout", &["*"]),
         ("linear", &["block", "blocks", "syntax", "serde", "diagram", "sim"]),
-        ("drawing", &["blocks", "sim", "host", "results", "plot"]),
-        ("report", &["block", "blocks", "diagram", "results"]),
-        ("studio", &["block", "blocks", "diagram", "sim", "results"]),
+        ("drawing", &["blocks", "sim", "host", "recording", "plot"]),
+        ("report", &["block", "blocks", "diagram", "recording"]),
+        ("studio", &["block", "blocks", "diagram", "sim", "recording"]),
         ("lsp", &["blocks", "sim", "host"]),
-        ("site", &["signal", "block", "blocks", "diagram", "sim", "results", "plot", "drawing"]),
+        ("site", &["signal", "block", "blocks", "diagram", "sim", "recording", "plot", "drawing"]),
     ];
     for (name, absent) in nothing_of {
         let reached = reach(name);
@@ -262,7 +264,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
 #[test]
 fn heavy_crates_stand_behind_a_feature_of_the_one_that_needs_them() {
     let heavy = [
-        ("parquet", "results", "parquet"),
+        ("parquet", "export", "parquet"),
         ("calamine", "params", "xlsx"),
         ("rust_xlsxwriter", "params", "xlsx"),
         ("zip", "params", "xlsx"),
@@ -320,7 +322,7 @@ fn a_build_with_all_parts_goes_on_from_one_without() {
     assert!(lean.len() > 60 && full.len() > lean.len() + 30, "{} crates, {} in all", lean.len(), full.len());
     // The parts themselves, and what only these and the pages of runs need.
     let own =
-        ["blocksim-cli ", "blocksim-host ", "blocksim-params ", "blocksim-picture ", "blocksim-results "];
+        ["blocksim-cli ", "blocksim-export ", "blocksim-host ", "blocksim-params ", "blocksim-picture "];
     let above = ["flate2 ", "simd-adler32 "];
     for (name, features) in &lean {
         if own.iter().chain(&above).all(|own| !name.starts_with(own)) {
@@ -344,7 +346,7 @@ fn the_edges_reach_all_crates_of_the_program() {
         "sim",
         "host",
         "abi",
-        "results",
+        "recording",
         "syntax",
     ] {
         assert!(reached.contains(name), "cli does not reach {name}: {reached:?}");

@@ -86,7 +86,7 @@ fn files(named: &Path) -> Result<Vec<PathBuf>, Failure> {
 
 fn standard_input(console: Console) -> Outcome {
     let mut text = String::new();
-    if let Err(error) = io::stdin().lock().take(blocksim_results::MOST_TEXT).read_to_string(&mut text) {
+    if let Err(error) = io::stdin().lock().take(blocksim_recording::MOST_TEXT).read_to_string(&mut text) {
         return Err(Failure::unreadable(format!("cannot read the standard input: {}", reason(&error))));
     }
     match format(&text) {

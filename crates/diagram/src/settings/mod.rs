@@ -112,7 +112,8 @@ pub(crate) fn settings<'a>(
             problems.extend(reading.problems(noted, &place));
             // One setting does not hide what is wrong with another. What is found twice is reported once.
             for member in node.members().unwrap_or_default() {
-                let alone = Node { span: node.span.clone(), value: Shape::Struct(None, vec![member.clone()]) };
+                let alone =
+                    Node { span: node.span.clone(), value: Shape::Struct(None, vec![member.clone()]) };
                 let reading = Reading::new(scope.clone(), ast.file, Some(&INFO));
                 if let Err(noted) = Simulation::deserialize(Written::new(&reading, &alone)) {
                     problems.extend(reading.problems(noted, &place));

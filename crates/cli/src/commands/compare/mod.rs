@@ -5,7 +5,7 @@ mod verdict;
 
 use blocksim_analysis::{Series, lag};
 use blocksim_plot::{Theme, svg};
-use blocksim_results::{ALWAYS, Column};
+use blocksim_recording::{ALWAYS, Column};
 
 use self::table::Comparison;
 use self::verdict::judge;

@@ -8,7 +8,7 @@ use blocksim_diagram::{Origin, Reader, SourceFile, Sources, Spelling, Target, ta
 #[cfg(feature = "xlsx")]
 use blocksim_params::{Arrangement, open_workbook};
 use blocksim_params::{Change, Content, Quantity, SetError, Tables, edited, quantities, quantities_at};
-use blocksim_results::limited_bytes;
+use blocksim_recording::limited_bytes;
 use blocksim_signal::Value;
 
 use crate::disk::{Disk, readable, reason};

@@ -1,10 +1,10 @@
 //! The pictures of a run as its scopes define them, and how its set values are followed.
 
 use blocksim_analysis::jumps;
+use blocksim_numbers::format::fixed;
 use blocksim_plot::{Theme, pretty_unit, svg};
+use blocksim_recording::{ALWAYS, Column};
 use blocksim_report::{Panel, PlanePicture, Report, Role, Rows, Series, telling_rows};
-use blocksim_results::format::fixed;
-use blocksim_results::{ALWAYS, Column};
 use blocksim_signal::Unit;
 
 use super::numbers::{readable, shortest};

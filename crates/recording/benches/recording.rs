@@ -1,6 +1,6 @@
 //! What recording a thousand signals at 10 kHz costs a run, and how fast one of them is read from a large recording.
 //!
-//! `cargo bench -p blocksim-results --bench recording`; words behind ` -- ` choose cases: `-- loops`. Writes below the folder for
+//! `cargo bench -p blocksim-recording --bench recording`; words behind ` -- ` choose cases: `-- loops`. Writes below the folder for
 //! temporary files (`TMPDIR`), up to 1.5 GB, and removes it again. Goals: at most 10 % more time than without recording; one
 //! signal of 1 GB in less than 1 s.
 
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use blocksim_block::schedule::{OutputTimes, Schedule};
-use blocksim_results::{ALWAYS, Layout, Rate, Run, SignalInfo, Store, Stream};
+use blocksim_recording::{ALWAYS, Layout, Rate, Run, SignalInfo, Store, Stream};
 use blocksim_sim::{Control, Counts, Observer, Simulation};
 use toys::{Constant, Function2, Gain, Integrator, Lag, Time, Toy, ode4};
 

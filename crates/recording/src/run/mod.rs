@@ -25,13 +25,13 @@ pub const STORE: &str = "signals.rec";
 /// Opening reads names and units; values are read when they are asked for. (A table is read at once.)
 ///
 /// ```no_run
-/// use blocksim_results::{ALWAYS, Run};
+/// use blocksim_recording::{ALWAYS, Run};
 ///
 /// let run = Run::open("runs/2026-11-21T14-03-22_servo".as_ref())?;
 /// let angle = run.find("servo/angle.actual")?;
 /// let column = run.read(angle, &ALWAYS)?;
 /// println!("{} values in {}", column.values.len(), run.signals()[angle].unit);
-/// # Ok::<(), blocksim_results::ResultsError>(())
+/// # Ok::<(), blocksim_recording::ResultsError>(())
 /// ```
 #[derive(Debug)]
 pub struct Run {
@@ -84,12 +84,11 @@ impl Run {
     /// The run of a recording in memory, whose signals all have all rows; `path` is what messages call it.
     pub fn of_recording(recording: Recording, path: &Path) -> Run {
         let layout = Layout::of(&recording);
-        Run::alone(path, Source::Table { recording, layout })
+        Run::of_layout(recording, layout, path)
     }
 
-    /// The run of a recording in memory of this layout.
-    #[cfg(test)]
-    pub(crate) fn of_layout(recording: Recording, layout: Layout, path: &Path) -> Run {
+    /// The same with a layout of these signals, which knows more of them than the recording.
+    pub fn of_layout(recording: Recording, layout: Layout, path: &Path) -> Run {
         Run::alone(path, Source::Table { recording, layout })
     }
 

@@ -4,9 +4,9 @@ use std::collections::HashSet;
 use std::io::{self, Write};
 use std::ops::RangeInclusive;
 
-use super::within::within;
-use crate::error::ResultsError;
-use crate::run::Run;
+use crate::within::within;
+use blocksim_recording::ResultsError;
+use blocksim_recording::Run;
 
 /// Types of data elements.
 const INT8: u32 = 1;
@@ -236,7 +236,7 @@ fn unused(name: &str, names: &mut HashSet<String>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ALWAYS, Kind, Recording, Signal};
+    use blocksim_recording::{ALWAYS, Kind, Recording, Signal};
 
     #[test]
     fn names_are_those_that_matlab_takes_and_each_is_new() {
@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn what_is_held_has_both_values_of_its_jumps_and_all_vectors_of_a_base_have_as_many() {
-        use crate::{Layout, SignalInfo};
+        use blocksim_recording::{Layout, SignalInfo};
         let info = |path: &str, held| SignalInfo { path: path.to_owned(), held, ..SignalInfo::default() };
         let mut recording =
             Recording::new(["held", "moving"].map(|path| Signal::new(path, "1", Kind::Real)).to_vec());

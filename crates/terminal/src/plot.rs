@@ -217,5 +217,5 @@ fn note(series: &Series) -> String {
 }
 
 #[cfg(test)]
-#[path = "terminal_tests.rs"]
+#[path = "plot_tests.rs"]
 mod tests;

@@ -4,10 +4,10 @@ use std::ops::RangeInclusive;
 
 use blocksim_analysis::{Interpolation, Series};
 
-use crate::error::ResultsError;
-use crate::recording::Column;
-use crate::recording::{Kind, Recording, Signal};
-use crate::run::Run;
+use blocksim_recording::Column;
+use blocksim_recording::ResultsError;
+use blocksim_recording::Run;
+use blocksim_recording::{Kind, Recording, Signal};
 
 /// Most numbers of the result.
 const MOST: u64 = 1 << 27;
@@ -66,7 +66,7 @@ fn on_grid(column: &Column, grid: &[f64], interpolates: bool) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ALWAYS;
+    use blocksim_recording::ALWAYS;
 
     #[test]
     fn reals_are_interpolated_and_others_are_held() {

@@ -6,7 +6,7 @@
 /// ```
 /// let of = |labels: &[&str]| labels.iter().map(ToString::to_string).collect::<Vec<_>>();
 /// let [a, b, c] = [of(&["Arm", "Speeds", "Axis 1"]), of(&["Arm", "Torques", "Axis 1"]), of(&["Arm", "Tool"])];
-/// assert_eq!(blocksim_results::titles(&[&a, &b, &c]), ["Speeds: Axis 1", "Torques: Axis 1", "Tool"]);
+/// assert_eq!(blocksim_recording::titles(&[&a, &b, &c]), ["Speeds: Axis 1", "Torques: Axis 1", "Tool"]);
 /// ```
 pub fn titles(labels: &[&[String]]) -> Vec<String> {
     let heading = |own: &&[String]| {

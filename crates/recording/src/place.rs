@@ -72,7 +72,7 @@ pub(crate) mod tests {
         pub(crate) fn new() -> Scratch {
             static COUNT: AtomicU32 = AtomicU32::new(0);
             let n = COUNT.fetch_add(1, Ordering::Relaxed);
-            let path = std::env::temp_dir().join(format!("blocksim-results-{}-{n}", process::id()));
+            let path = std::env::temp_dir().join(format!("blocksim-recording-{}-{n}", process::id()));
             fs::create_dir_all(&path).unwrap();
             Scratch(path)
         }

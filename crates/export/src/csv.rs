@@ -3,13 +3,13 @@
 use std::io::{self, Write};
 use std::ops::RangeInclusive;
 
-use super::within::within;
-use crate::csv_write::{write_headings, write_rows};
-use crate::error::ResultsError;
-use crate::recording::Signal;
-use crate::run::Run;
+use crate::within::within;
+use blocksim_recording::ResultsError;
+use blocksim_recording::Run;
+use blocksim_recording::Signal;
+use blocksim_recording::{write_headings, write_rows};
 
-/// Writes signals of one time base as [`crate::write_signals`] does, some thousand rows at a time.
+/// Writes signals of one time base as [`blocksim_recording::write_signals`] does, some thousand rows at a time.
 ///
 /// # Errors
 /// What the destination answers, and as an error of the kind `InvalidData` what reading the run brings.
@@ -41,7 +41,7 @@ pub fn write_run_csv(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ALWAYS, Kind, Recording, write_signals};
+    use blocksim_recording::{ALWAYS, Kind, Recording, write_signals};
 
     #[test]
     fn a_run_reads_like_the_recording_it_is_of() {

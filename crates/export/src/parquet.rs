@@ -12,11 +12,11 @@ use ::parquet::file::properties::{EnabledStatistics, WriterProperties};
 use ::parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use ::parquet::schema::types::Type;
 
-use super::within::within;
-use crate::error::ResultsError;
-use crate::recording::Kind;
-use crate::run::Run;
-use crate::store::SignalInfo;
+use crate::within::within;
+use blocksim_recording::Kind;
+use blocksim_recording::ResultsError;
+use blocksim_recording::Run;
+use blocksim_recording::SignalInfo;
 
 /// Most values of a row group: what is in memory at a time.
 const GROUP: usize = 4 << 20;
@@ -173,9 +173,9 @@ fn refused(error: ParquetError) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ALWAYS, Recording, Signal};
     use ::parquet::file::reader::{FileReader, SerializedFileReader};
     use ::parquet::record::RowAccessor;
+    use blocksim_recording::{ALWAYS, Recording, Signal};
     use bytes::Bytes;
 
     fn example(rows: u32) -> Run {

@@ -28,8 +28,11 @@ pub fn write_signals(destination: &mut dyn Write, recording: &Recording) -> io::
     destination.flush()
 }
 
-/// Writes the first line.
-pub(crate) fn write_headings(destination: &mut dyn Write, signals: &[Signal]) -> io::Result<()> {
+/// Writes the first line: names of signals with their units.
+///
+/// # Errors
+/// What the destination answers.
+pub fn write_headings(destination: &mut dyn Write, signals: &[Signal]) -> io::Result<()> {
     let mut text = String::from("time [s]");
     for signal in signals {
         text.push(',');
@@ -40,11 +43,10 @@ pub(crate) fn write_headings(destination: &mut dyn Write, signals: &[Signal]) ->
 }
 
 /// Writes rows: times, and as many values of each signal.
-pub(crate) fn write_rows(
-    destination: &mut dyn Write,
-    time: &[f64],
-    values: &[impl AsRef<[f64]>],
-) -> io::Result<()> {
+///
+/// # Errors
+/// What the destination answers.
+pub fn write_rows(destination: &mut dyn Write, time: &[f64], values: &[impl AsRef<[f64]>]) -> io::Result<()> {
     let mut text = String::with_capacity(BUFFER + 1024);
     for (row, &time) in time.iter().enumerate() {
         push_number(&mut text, time);

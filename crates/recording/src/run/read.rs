@@ -124,7 +124,10 @@ impl Run {
     }
 
     /// As [`Run::blocks`], with the rows as they were recorded.
-    pub(crate) fn recorded_blocks(
+    ///
+    /// # Errors
+    /// As [`Run::blocks`].
+    pub fn recorded_blocks(
         &self,
         base: usize,
         signals: &[usize],
