@@ -232,16 +232,15 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("export", &["block", "blocks", "diagram", "sim"]),
         ("terminal", &["block", "blocks", "diagram", "recording"]),
         ("params", &["blocks", "sim", "recording"]),
-        ("picture", &["block", "blocks", "diagram", "plot"]),
-        ("plot", &["block", "blocks", "diagram", "sim", "recording"]),
+        ("picture", &["block", "blocks", "diagram", "sim", "recording"]),
         ("analysis", &["*"]),
         ("layout", &["*"]),
         ("linear", &["block", "blocks", "syntax", "serde", "diagram", "sim"]),
-        ("drawing", &["blocks", "sim", "host", "recording", "plot"]),
+        ("drawing", &["blocks", "sim", "host", "recording"]),
         ("report", &["block", "blocks", "diagram", "recording"]),
         ("studio", &["block", "blocks", "diagram", "sim", "recording"]),
         ("lsp", &["blocks", "sim", "host"]),
-        ("site", &["signal", "block", "blocks", "diagram", "sim", "recording", "plot", "drawing"]),
+        ("site", &["signal", "block", "blocks", "diagram", "sim", "recording", "picture", "drawing"]),
     ];
     for (name, absent) in nothing_of {
         let reached = reach(name);

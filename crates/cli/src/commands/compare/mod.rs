@@ -4,7 +4,7 @@ mod table;
 mod verdict;
 
 use blocksim_analysis::{Series, lag};
-use blocksim_plot::{Theme, svg};
+use blocksim_picture::{Theme, svg};
 use blocksim_recording::{ALWAYS, Column};
 
 use self::table::Comparison;

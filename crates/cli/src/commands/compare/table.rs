@@ -2,7 +2,7 @@
 
 use blocksim_analysis::{Deviation, Interpolation, Series, refined, together};
 use blocksim_numbers::format::{count, significant};
-use blocksim_plot::{Figure, Line, Panel, Strip, Style, thinned};
+use blocksim_picture::{Figure, Line, Panel, Strip, Style, thinned};
 use blocksim_recording::{ALWAYS, Column};
 use blocksim_report::{Compared, Rows};
 use blocksim_terminal::{Align, Table};

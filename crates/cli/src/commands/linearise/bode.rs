@@ -2,7 +2,7 @@
 
 use blocksim_linear::Margins;
 use blocksim_numbers::format::fixed;
-use blocksim_plot::{Across, Figure, Line, Panel, Style, Theme, svg};
+use blocksim_picture::{Across, Figure, Line, Panel, Style, Theme, svg};
 
 use super::Found;
 use super::facts::{decibels, degrees};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use blocksim_linear::{Channel, Complex, poles};
 use blocksim_numbers::format::significant;
-use blocksim_plot::{Line, Mark, Plane, Sign, Theme, plane_svg};
+use blocksim_picture::{Line, Mark, Plane, Sign, Theme, plane_svg};
 use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 

@@ -9,7 +9,7 @@ mod terminal;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use blocksim_plot::{Theme, svg};
+use blocksim_picture::{Theme, svg};
 use blocksim_recording::Column;
 use blocksim_signal::closest;
 

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use blocksim_numbers::format::{count, significant};
-use blocksim_plot::{Figure, Line, Panel, PlaneAxis, Strip, Style, thinned};
+use blocksim_picture::{Figure, Line, Panel, PlaneAxis, Strip, Style, thinned};
 use blocksim_recording::Column;
 
 use super::curves::{Drawn, agree, error, with_breaks};

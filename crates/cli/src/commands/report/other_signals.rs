@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use blocksim_plot::pretty_unit;
+use blocksim_picture::pretty_unit;
 use blocksim_recording::ALWAYS;
 use blocksim_report::{Report, Unseen, few};
 

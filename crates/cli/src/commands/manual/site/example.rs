@@ -7,7 +7,7 @@ use blocksim_diagram::{Options, Reader, Sources, compile_and_keep};
 use blocksim_drawing::{inline, level_at};
 use blocksim_layout::layout;
 use blocksim_picture::Theme;
-use blocksim_plot::{Figure, Line, Panel, svg, thinned};
+use blocksim_picture::{Figure, Line, Panel, svg, thinned};
 use blocksim_recording::Recording;
 use blocksim_sim::{Observer, Simulation};
 

@@ -2,14 +2,14 @@
 
 use std::fmt::Write;
 
+use crate::{Palette, Theme, text_width};
 use blocksim_numbers::ticks::{Range, labels, powers};
-use blocksim_picture::{Palette, Theme, text_width};
 
-use crate::figure::{Across, Figure, Line, Panel, Style};
-use crate::frame::{Area, Axis, roomy};
-use crate::legend::{Entry, ROW, SAMPLE, SIZE, entries, fitted, rows};
-use crate::straighten::straightened;
-use crate::units::pretty_unit;
+use super::figure::{Across, Figure, Line, Panel, Style};
+use super::frame::{Area, Axis, roomy};
+use super::legend::{Entry, ROW, SAMPLE, SIZE, entries, fitted, rows};
+use super::straighten::straightened;
+use super::units::pretty_unit;
 
 /// Font of titles, numbers and names; the last one is what pictures in PNG are drawn with.
 pub(crate) const FONT: &str = "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif";

@@ -15,7 +15,6 @@ mod straighten;
 mod svg;
 mod units;
 
-pub use blocksim_picture::{Palette, Theme};
 pub use decimate::thinned;
 pub use figure::{Across, Figure, Line, Panel, PlaneAxis, Strip, Style};
 pub use paired::pairs;

@@ -2,7 +2,7 @@
 
 use blocksim_numbers::ticks::{Range, labels};
 
-use crate::figure::Line;
+use super::figure::Line;
 
 /// Room around the values, share of the height.
 const ROOM: f64 = 0.04;

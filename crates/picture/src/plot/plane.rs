@@ -2,14 +2,14 @@
 
 use std::fmt::Write;
 
+use crate::{Palette, Theme, text_width};
 use blocksim_numbers::ticks::{Range, labels};
-use blocksim_picture::{Palette, Theme, text_width};
 
-use crate::figure::{Line, Style};
-use crate::frame::Area;
-use crate::legend::{ROW, SAMPLE, SIZE, fitted};
-use crate::straighten::straightened;
-use crate::svg::{ERROR, FONT, MARGIN, NUMBER, PER_X_TICK, PER_Y_TICK, TITLE, escaped, round};
+use super::figure::{Line, Style};
+use super::frame::Area;
+use super::legend::{ROW, SAMPLE, SIZE, fitted};
+use super::straighten::straightened;
+use super::svg::{ERROR, FONT, MARGIN, NUMBER, PER_X_TICK, PER_Y_TICK, TITLE, escaped, round};
 
 /// Room below the plot for the numbers and the name of the axis, dots.
 const FOOT: f64 = 34.0;

@@ -1,8 +1,8 @@
 //! Names of lines and where they stand.
 
-use blocksim_picture::text_width;
+use crate::text_width;
 
-use crate::figure::{Line, Style};
+use super::figure::{Line, Style};
 
 /// Font size of a legend, dots.
 pub(crate) const SIZE: f64 = 11.0;

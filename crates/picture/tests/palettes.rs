@@ -1,6 +1,6 @@
 //! The colours of series, held to what they promise: everybody can tell them apart, and from the ground.
 
-use blocksim_plot::{Palette, Theme};
+use blocksim_picture::{Palette, Theme};
 
 type Rgb = [f64; 3];
 

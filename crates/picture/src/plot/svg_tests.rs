@@ -1,6 +1,6 @@
 use super::*;
-use crate::decimate::thinned;
-use crate::figure::Strip;
+use crate::plot::decimate::thinned;
+use crate::plot::figure::Strip;
 use expect_test::expect;
 
 fn figure() -> Figure {
@@ -77,7 +77,7 @@ fn names_cannot_add_anything_to_the_drawing() {
     for theme in [Theme::Light, Theme::Dark] {
         let text = svg(&figure, theme);
         assert!(!text.contains("<script"), "{text}");
-        blocksim_picture::png(&text, 1.0).unwrap();
+        crate::png(&text, 1.0).unwrap();
     }
 }
 
@@ -93,9 +93,9 @@ fn every_drawing_can_be_made_a_picture_whatever_the_values() {
         figure.panels[0].strip = None;
         let text = svg(&figure, Theme::Dark);
         assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
-        blocksim_picture::png(&text, 1.0).unwrap();
+        crate::png(&text, 1.0).unwrap();
     }
-    blocksim_picture::png(&svg(&Figure { width: 100.0, ..Figure::default() }, Theme::Light), 1.0).unwrap();
+    crate::png(&svg(&Figure { width: 100.0, ..Figure::default() }, Theme::Light), 1.0).unwrap();
 }
 
 #[test]

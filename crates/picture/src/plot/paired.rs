@@ -10,7 +10,7 @@ const ACTUAL: [&str; 8] = ["actual", "act", "measured", "meas", "feedback", "fb"
 /// `speed.ref` and `speed.measured`, `set[2]` and `actual[2]`. A name without a partner is in no pair, and each is in one at most.
 ///
 /// ```
-/// use blocksim_plot::pairs;
+/// use blocksim_picture::pairs;
 ///
 /// assert_eq!(pairs(&["w_ref", "w", "torque"]), [(0, 1)]);
 /// ```
