@@ -36,7 +36,7 @@ pub(super) struct Gathered<'a> {
 
 /// What a block is made of.
 #[derive(Default)]
-pub(super) struct Content {
+pub(super) struct Inside {
     /// Diagrams, one of each file.
     asts: Vec<Rc<Ast>>,
     /// Kinds of the library.
@@ -150,8 +150,8 @@ impl<'a> Gathered<'a> {
     }
 
     /// What a block is made of, given the place of its name.
-    pub(super) fn content(&self, block: &Place) -> Content {
-        let mut content = Content::default();
+    pub(super) fn content(&self, block: &Place) -> Inside {
+        let mut content = Inside::default();
         let mut open = vec![block.clone()];
         while let Some(block) = open.pop() {
             for ast in self.insides.get(&at(&block)).into_iter().flatten() {
